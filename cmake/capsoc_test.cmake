@@ -1,0 +1,16 @@
+include(GoogleTest)
+
+# capsoc_test(NAME SOURCES ... LIBS ... [SYSTEMC])
+# A GoogleTest program. With SYSTEMC its sources define sc_main, which calls RUN_ALL_TESTS.
+function(capsoc_test name)
+  cmake_parse_arguments(arg "SYSTEMC" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE capsoc_options ${arg_LIBS})
+  if(arg_SYSTEMC)
+    target_link_libraries(${name} PRIVATE capsoc_systemc GTest::gtest)
+  else()
+    target_link_libraries(${name} PRIVATE GTest::gtest GTest::gtest_main)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+                       TEST_PREFIX "${name}: " PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,81 @@
+#include "sampling.h"
+
+#include "adc.h"
+#include "an385.h"
+#include "capsoc_device.h"
+#include "clock.h"
+#include "system.h"
+
+static volatile uint32_t results;
+static volatile uint32_t samples;  // while listening
+static volatile uint32_t events;   // moves with each of them and at the end of the signal
+static volatile int32_t sample_u;
+static volatile bool ended;
+
+// Runs once a sample, 100,000 times in a calibration: one access to the bus.
+void COPROCESSOR_Handler(void) {
+  COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_RESULT_Msk;
+  ++results;
+  ++events;
+  __DSB();  // the line is down before the return looks at it
+}
+
+void ADC_Handler(void) {
+  const uint32_t flags = ADC->FLAGS;
+  ADC->FLAGS = flags;
+  if ((flags & ADC_FLAGS_SAMPLE_Msk) != 0) {
+    sample_u = ADC->DATA_U;
+    ++samples;
+  }
+  if ((flags & ADC_FLAGS_END_Msk) != 0) ended = true;
+  ++events;
+  __DSB();
+}
+
+bool sampling_start(uint32_t rate_hz) {
+  results = 0;
+  ended = false;
+  if (!adc_set_period(clock_frequency_hz() / rate_hz)) return false;
+  NVIC_EnableIRQ(COPROCESSOR_IRQn);
+  NVIC_EnableIRQ(ADC_IRQn);
+  adc_start(ADC_CTRL_IE_END_Msk);
+  return true;
+}
+
+void sampling_stop(void) {
+  adc_stop();
+  NVIC_DisableIRQ(ADC_IRQn);
+  NVIC_DisableIRQ(COPROCESSOR_IRQn);
+}
+
+uint32_t sampling_count(void) {
+  return results;
+}
+
+bool sampling_wait(uint32_t count) {
+  for (;;) {
+    const uint32_t seen = events;  // before the tests: what comes after them is not slept through
+    if (results >= count) return true;
+    if (ended) return false;
+    sleep_while_equal(&events, seen);
+  }
+}
+
+void sampling_listen(bool on) {
+  // RUN is written as it is: a signal that has ended is not started again.
+  const uint32_t others = ADC->CTRL & ~ADC_CTRL_IE_SAMPLE_Msk;
+  ADC->FLAGS = ADC_FLAGS_SAMPLE_Msk;
+  ADC->CTRL = on ? others | ADC_CTRL_IE_SAMPLE_Msk : others;
+}
+
+bool sampling_next(int32_t* u) {
+  const uint32_t before = samples;
+  while (samples == before) {
+    const uint32_t seen = events;
+    if (samples != before) break;
+    if (ended) return false;
+    sleep_while_equal(&events, seen);
+  }
+  *u = sample_u;
+  return true;
+}

@@ -1,0 +1,22 @@
+// Runs the ADC into the coprocessor and sleeps from result to result.
+#ifndef CAPSOC_SAMPLING_H
+#define CAPSOC_SAMPLING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+// Enables both interrupts, starts the ADC at `rate_hz` and counts results from 0. False if the ADC
+// refuses the rate.
+bool sampling_start(uint32_t rate_hz);
+void sampling_stop(void);
+// Results of the coprocessor since sampling_start.
+uint32_t sampling_count(void);
+// Sleeps until `count` results are there. False if the signal ended before.
+bool sampling_wait(uint32_t count);
+
+// The ADC's own samples, for software that looks at them before the coprocessor does.
+void sampling_listen(bool on);
+// Sleeps until the next sample of channel U, Q1.31. False if the signal ended.
+bool sampling_next(int32_t* u);
+
+#endif

@@ -1,0 +1,74 @@
+#include "supervision.h"
+
+#include "capsoc_device.h"
+#include "coprocessor.h"
+#include "fixed_print.h"
+
+// SAT and DIVERGED belong to a cold start: coefficients of 0 leave the whole signal as error. They
+// count while there is a lock. EARLY and CONFIG are wrong at any time.
+#define TRANSIENT_FLAGS (COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_DIVERGED_Msk)
+#define LASTING_FLAGS (COPROCESSOR_FLAGS_EARLY_Msk | COPROCESSOR_FLAGS_CONFIG_Msk)
+
+static void report(const struct supervision* state, uint32_t samples, const char* text) {
+  print_text("t ");
+  print_unsigned(samples / state->rate_hz, 4);
+  print_text(text);
+}
+
+static void collect_errors(struct supervision* state) {
+  const uint32_t counting = state->locked_at != 0 ? TRANSIENT_FLAGS | LASTING_FLAGS : LASTING_FLAGS;
+  state->errors |= COPROCESSOR->FLAGS & counting;
+}
+
+static void follow_lock(struct supervision* state, uint32_t samples, bool locked) {
+  if (locked && state->locked_at == 0) {
+    state->locked_at = samples;
+    COPROCESSOR->FLAGS = TRANSIENT_FLAGS;
+    report(state, samples, " s: lock\n");
+  } else if (!locked && state->locked_at != 0) {
+    state->locked_at = 0;
+    report(state, samples, " s: lock lost\n");
+  }
+}
+
+bool supervise(struct supervision* state, uint32_t samples) {
+  const uint32_t status = COPROCESSOR->STATUS;
+  collect_errors(state);
+  follow_lock(state, samples, (status & COPROCESSOR_STATUS_LOCK_Msk) != 0);
+  state->mirror_since = (status & COPROCESSOR_STATUS_MIRROR_Msk) != 0 ? state->mirror_since + 1 : 0;
+  if (state->mirror_since <= state->mirror_seconds) return false;
+  coprocessor_reverse_reference();
+  COPROCESSOR->FLAGS = TRANSIENT_FLAGS;
+  report(state, samples, " s: rotation is reversed: reference turned round\n");
+  state->mirror_since = 0;
+  state->locked_at = 0;  // the demodulation starts again, from the mirrored coefficients
+  return true;
+}
+
+static void print_errors(uint32_t errors) {
+  if ((errors & COPROCESSOR_FLAGS_SAT_Msk) != 0) print_text(" SAT");
+  if ((errors & COPROCESSOR_FLAGS_EARLY_Msk) != 0) print_text(" EARLY");
+  if ((errors & COPROCESSOR_FLAGS_DIVERGED_Msk) != 0) print_text(" DIVERGED");
+  if ((errors & COPROCESSOR_FLAGS_CONFIG_Msk) != 0) print_text(" CONFIG");
+}
+
+int verdict(struct supervision* state) {
+  collect_errors(state);
+  print_text(state->name);
+  if (state->locked_at == 0) {
+    print_text(": fail: no lock\n");
+    return 1;
+  }
+  print_text(": lock at ");
+  print_unsigned(state->locked_at / state->rate_hz, 0);
+  print_text(" s\n");
+  print_text(state->name);
+  if (state->errors != 0) {
+    print_text(": fail:");
+    print_errors(state->errors);
+    print_text("\n");
+    return 1;
+  }
+  print_text(": pass\n");
+  return 0;
+}

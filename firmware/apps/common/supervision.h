@@ -1,0 +1,26 @@
+// Looks after a demodulation once a second: direction of rotation, lock and error flags.
+#ifndef CAPSOC_SUPERVISION_H
+#define CAPSOC_SUPERVISION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct supervision {
+  const char* name;         // of the program, for the verdict
+  uint32_t rate_hz;         // samples a second
+  uint32_t mirror_seconds;  // that the mirror flag may stand before the reference is turned round
+  // The rest starts at 0.
+  uint32_t mirror_since;  // seconds
+  uint32_t locked_at;     // sample count at which the present lock was first seen; 0: not locked
+  uint32_t errors;        // COPROCESSOR_FLAGS_..._Msk that count as errors
+};
+
+// To be called every rate_hz samples just after a result, with the count of samples. Reports what
+// changed. True if the reference was turned round (coprocessor_reverse_reference) by this call.
+bool supervise(struct supervision* state, uint32_t samples);
+
+// The last look at the flags, before the ADC stops. Reports the time of the lock and the verdict.
+// Returns 0, or 1 if there is no lock or a flag that must not be raised.
+int verdict(struct supervision* state);
+
+#endif

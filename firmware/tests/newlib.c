@@ -1,0 +1,74 @@
+// What a program may expect of the C library on this board: formatted output with floating point,
+// sorting, the heap, 64-bit division.
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool check(const char* what, bool passed) {
+  printf("%-10s %s\n", what, passed ? "ok" : "FAILED");
+  return passed;
+}
+
+static int ascending(const void* left, const void* right) {
+  const uint32_t a = *(const uint32_t*)left;
+  const uint32_t b = *(const uint32_t*)right;
+  return (a > b) - (a < b);
+}
+
+static bool prints(void) {
+  volatile double pi = 3.14159265358979;
+  char text[64];
+  snprintf(text, sizeof text, "%g %.9f %lld %08lx", pi, pi, (long long)INT64_MIN, 0xC0FFEEul);
+  printf("%s\n", text);
+  return strcmp(text, "3.14159 3.141592654 -9223372036854775808 00c0ffee") == 0;
+}
+
+static bool sorts(void) {
+  enum { count = 1000 };
+  static uint32_t words[count];
+  uint32_t word = 1;
+  for (unsigned i = 0; i < count; ++i) words[i] = word = word * 1664525u + 1013904223u;
+  qsort(words, count, sizeof words[0], ascending);
+  for (unsigned i = 1; i < count; ++i)
+    if (words[i - 1] > words[i]) return false;
+  return true;
+}
+
+static bool allocates(void) {
+  enum { size = 1 << 20 };
+  unsigned char* const block = malloc(size);
+  if (block == NULL) return false;
+  memset(block, 0x5A, size);
+  unsigned char* const grown = realloc(block, 2 * size);
+  const bool kept = grown != NULL && grown[0] == 0x5A && grown[size - 1] == 0x5A;
+  free(grown);
+  void* const too_much = malloc((size_t)64 << 20);  // more than the SRAM
+  const bool refused = too_much == NULL;
+  free(too_much);
+  return kept && refused;
+}
+
+static bool divides(void) {
+  volatile uint64_t dividend = UINT64_C(0xFEDCBA9876543210);
+  volatile uint64_t divisor = 1000000007;
+  volatile int64_t negative = INT64_C(-1234567890123456789);
+  return dividend / divisor == UINT64_C(18364758415) && dividend % divisor == UINT64_C(939755815) &&
+         negative / 1000 == INT64_C(-1234567890123456) && negative % 1000 == -789;
+}
+
+static bool computes(void) {
+  volatile double angle = 0.5;
+  return fabs(sin(angle) * sin(angle) + cos(angle) * cos(angle) - 1.0) < 1e-15;
+}
+
+int main(void) {
+  bool passed = check("printf", prints());
+  passed &= check("qsort", sorts());
+  passed &= check("malloc", allocates());
+  passed &= check("division", divides());
+  passed &= check("libm", computes());
+  return passed ? 0 : 1;
+}

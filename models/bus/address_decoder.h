@@ -1,0 +1,35 @@
+// From a bus address to the map entry that answers and the address inside its target.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bus/address_map.h"
+
+namespace capsoc::bus {
+
+/// Where an address leads. `entry` is nullptr where nothing answers.
+struct Decoded {
+  const MapEntry* entry = nullptr;
+  std::size_t index = 0;     ///< of the entry in the map given to the decoder
+  uint64_t local = 0;        ///< address inside the target
+  uint64_t window_base = 0;  ///< bus address of the first byte of the window (or of the gap)
+  uint64_t window_last = 0;  ///< bus address of its last byte, inclusive
+};
+
+/// Binary search over a sound map; an unsound one decodes nothing and leaves a sentence in error().
+class AddressDecoder {
+ public:
+  explicit AddressDecoder(AddressMap map);
+
+  Decoded decode(uint64_t address) const;
+  const AddressMap& map() const { return map_; }
+  const std::string& error() const { return error_; }
+
+ private:
+  AddressMap map_;
+  std::string error_;
+  std::vector<std::size_t> by_base_;  // indices into map_, ascending base
+};
+
+}  // namespace capsoc::bus

@@ -1,0 +1,153 @@
+#include "bus/ahb_matrix.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bus/payload.h"
+#include "bus/wait_states.h"
+
+namespace capsoc::bus {
+
+AhbMatrix::AhbMatrix(sc_core::sc_module_name name, AddressMap map,
+                     const tlm_util::ClockDomain& clock)
+    : sc_module(name),
+      i_code("i_code"),
+      d_code("d_code"),
+      system("system"),
+      decoder_(std::move(map)),
+      clock_(clock) {
+  serve(i_code, 0);
+  serve(d_code, 1);
+  serve(system, 2);
+  make_ports();
+}
+
+void AhbMatrix::serve(TargetSocket& socket, int id) {
+  socket.register_b_transport(this, &AhbMatrix::b_transport, id);
+  socket.register_transport_dbg(this, &AhbMatrix::transport_dbg, id);
+  socket.register_get_direct_mem_ptr(this, &AhbMatrix::get_direct_mem_ptr, id);
+}
+
+void AhbMatrix::make_ports() {
+  if (!error().empty()) return;
+  for (const MapEntry& entry : map()) {
+    const std::string target = entry.bus == BusKind::apb ? apb_bridge_target : entry.target;
+    const auto known = std::find_if(ports_.begin(), ports_.end(),
+                                    [&](const Port& p) { return p.target == target; });
+    port_of_entry_.push_back(static_cast<std::size_t>(known - ports_.begin()));
+    if (known != ports_.end()) continue;
+    auto socket = std::make_unique<InitiatorSocket>(("to_" + target).c_str());
+    socket->register_invalidate_direct_mem_ptr(this, &AhbMatrix::invalidate_direct_mem_ptr,
+                                               static_cast<int>(ports_.size()));
+    ports_.push_back({target, std::move(socket)});
+  }
+}
+
+AhbMatrix::InitiatorSocket* AhbMatrix::port(const std::string& target) {
+  for (Port& port : ports_)
+    if (port.target == target) return port.socket.get();
+  return nullptr;
+}
+
+std::vector<std::string> AhbMatrix::targets() const {
+  std::vector<std::string> names;
+  for (const Port& port : ports_) names.push_back(port.target);
+  return names;
+}
+
+Decoded AhbMatrix::decode(uint64_t address) const {
+  Decoded at = decoder_.decode(address);
+  if (at.entry != nullptr && at.entry->bus == BusKind::apb) at.local = address;
+  return at;
+}
+
+void AhbMatrix::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+  const uint64_t address = payload.get_address();
+  const Decoded at = decode(address);
+  if (at.entry == nullptr || !fits(payload, address, at.window_last)) {
+    payload.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+    add_cycles(clock_, error_response_cycles, delay);
+    return;
+  }
+  payload.set_address(at.local);
+  (*ports_[port_of_entry_[at.index]].socket)->b_transport(payload, delay);
+  payload.set_address(address);
+  // APB wait states are PREADY's: the bridge adds them.
+  if (at.entry->bus == BusKind::ahb)
+    add_cycles(clock_, uint64_t{at.entry->wait_states} * word_count(payload), delay);
+}
+
+unsigned AhbMatrix::transport_dbg(int, tlm::tlm_generic_payload& payload) {
+  // A debugger may ask for any range: it is served window by window up to the first hole.
+  const PayloadRestorer restore(payload);
+  const uint64_t address = payload.get_address();
+  const unsigned length = payload.get_data_length();
+  unsigned char* const data = payload.get_data_ptr();
+  unsigned done = 0;
+  while (done < length) {
+    const Decoded at = decode(address + done);
+    if (at.entry == nullptr) break;
+    const uint64_t room = at.window_last - (address + done) + 1;
+    const auto part = static_cast<unsigned>(std::min<uint64_t>(room, length - done));
+    payload.set_address(at.local);
+    payload.set_data_ptr(data + done);
+    payload.set_data_length(part);
+    const unsigned served = (*ports_[port_of_entry_[at.index]].socket)->transport_dbg(payload);
+    done += std::min(served, part);
+    if (served < part) break;
+  }
+  return done;
+}
+
+bool AhbMatrix::get_direct_mem_ptr(int, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
+  const uint64_t address = payload.get_address();
+  const Decoded at = decode(address);
+  dmi.init();
+  bool granted = false;
+  if (at.entry != nullptr) {
+    payload.set_address(at.local);
+    granted = (*ports_[port_of_entry_[at.index]].socket)->get_direct_mem_ptr(payload, dmi);
+    payload.set_address(address);
+  }
+  if (!granted) {
+    dmi.allow_none();
+    dmi.set_start_address(at.window_base);
+    dmi.set_end_address(at.window_last);
+    return false;
+  }
+  // The target's range clipped to the window, then moved to bus addresses.
+  const uint64_t local_base = at.local - (address - at.window_base);
+  const uint64_t local_last = local_base + (at.window_last - at.window_base);
+  const uint64_t first = std::max<uint64_t>(dmi.get_start_address(), local_base);
+  const uint64_t last = std::min<uint64_t>(dmi.get_end_address(), local_last);
+  dmi.set_dmi_ptr(dmi.get_dmi_ptr() + (first - dmi.get_start_address()));
+  dmi.set_start_address(at.window_base + (first - local_base));
+  dmi.set_end_address(at.window_base + (last - local_base));
+  sc_core::sc_time wait = sc_core::SC_ZERO_TIME;
+  add_cycles(clock_, at.entry->wait_states, wait);
+  dmi.set_read_latency(dmi.get_read_latency() + wait);
+  dmi.set_write_latency(dmi.get_write_latency() + wait);
+  return true;
+}
+
+void AhbMatrix::invalidate_direct_mem_ptr(int port, sc_dt::uint64 start, sc_dt::uint64 end) {
+  for (std::size_t i = 0; i < map().size(); ++i) {
+    if (port_of_entry_[i] != static_cast<std::size_t>(port)) continue;
+    const MapEntry& entry = map()[i];
+    if (entry.bus == BusKind::apb) continue;  // the bridge grants no direct memory
+    for (uint64_t base = entry.base; base <= entry.last(); base += entry.window())
+      invalidate_window(entry, base, start, end);
+  }
+}
+
+void AhbMatrix::invalidate_window(const MapEntry& entry, uint64_t base, uint64_t start,
+                                  uint64_t end) {
+  const uint64_t first = std::max(start, entry.offset);
+  const uint64_t last = std::min(end, entry.offset + entry.window() - 1);
+  if (first > last) return;
+  for (TargetSocket* socket : {&i_code, &d_code, &system})
+    (*socket)->invalidate_direct_mem_ptr(base + (first - entry.offset),
+                                         base + (last - entry.offset));
+}
+
+}  // namespace capsoc::bus

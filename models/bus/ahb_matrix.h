@@ -1,0 +1,69 @@
+// The AHB bus matrix: I-code, D-code and system bus of the processor onto memories and the bridge.
+#pragma once
+
+#include <tlm_utils/simple_initiator_socket.h>
+#include <tlm_utils/simple_target_socket.h>
+
+#include <memory>
+#include <string>
+#include <systemc>
+#include <tlm>
+#include <vector>
+
+#include "bus/address_decoder.h"
+#include "tlm/clock_domain.h"
+
+namespace capsoc::bus {
+
+/// Decodes by the map, translates the address into the target's own, forwards, and adds the map's
+/// wait states to the delay after the target has answered. All three target sockets see the whole
+/// map: which bus carries which address is the processor's decision (Cortex-M3 manual, bus
+/// interfaces). One initiator at a time, so no arbitration is modelled.
+///
+/// An address where nothing answers, or a transfer that leaves its window, gets
+/// TLM_ADDRESS_ERROR_RESPONSE. With an unsound map (see error()) nothing answers anywhere.
+class AhbMatrix : public sc_core::sc_module {
+ public:
+  using TargetSocket = tlm_utils::simple_target_socket_tagged<AhbMatrix>;
+  using InitiatorSocket = tlm_utils::simple_initiator_socket_tagged<AhbMatrix>;
+
+  TargetSocket i_code;
+  TargetSocket d_code;
+  TargetSocket system;
+
+  AhbMatrix(sc_core::sc_module_name name, AddressMap map, const tlm_util::ClockDomain& clock);
+
+  /// The socket to bind to a target: a target name of the map's AHB entries, or
+  /// apb_bridge_target, through which every APB entry goes with its bus address unchanged.
+  /// nullptr if the map has no such target. Every existing port must be bound.
+  InitiatorSocket* port(const std::string& target);
+
+  /// The names that port() knows, in the order of the map.
+  std::vector<std::string> targets() const;
+
+  const AddressMap& map() const { return decoder_.map(); }
+  /// Why the map was refused (one sentence a line), or empty.
+  const std::string& error() const { return decoder_.error(); }
+
+ private:
+  struct Port {
+    std::string target;
+    std::unique_ptr<InitiatorSocket> socket;
+  };
+
+  void make_ports();
+  void serve(TargetSocket& socket, int id);
+  Decoded decode(uint64_t address) const;
+  void b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  unsigned transport_dbg(int id, tlm::tlm_generic_payload& payload);
+  bool get_direct_mem_ptr(int id, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
+  void invalidate_direct_mem_ptr(int port, sc_dt::uint64 start, sc_dt::uint64 end);
+  void invalidate_window(const MapEntry& entry, uint64_t base, uint64_t start, uint64_t end);
+
+  AddressDecoder decoder_;
+  const tlm_util::ClockDomain& clock_;
+  std::vector<Port> ports_;
+  std::vector<std::size_t> port_of_entry_;
+};
+
+}  // namespace capsoc::bus

@@ -1,0 +1,72 @@
+// The AHB-to-APB bridge with the APB's address decoding.
+#pragma once
+
+#include <tlm_utils/simple_initiator_socket.h>
+#include <tlm_utils/simple_target_socket.h>
+
+#include <memory>
+#include <string>
+#include <systemc>
+#include <tlm>
+#include <vector>
+
+#include "bus/address_decoder.h"
+#include "tlm/clock_domain.h"
+
+namespace capsoc::bus {
+
+/// Cycles of one APB transfer whose device is ready at once: SETUP and ACCESS (AMBA APB,
+/// transfers).
+constexpr unsigned apb_transfer_cycles = 2;
+
+/// Serves the APB entries of a map, addressed by bus address.
+///
+/// The APB knows aligned 32-bit transfers only. A read of a byte or half-word becomes a read of the
+/// whole word (there are no read strobes, so its side effects happen whole); a partial write
+/// becomes one word with byte enables (PSTRB); a longer burst becomes word after word. Each
+/// transfer costs apb_transfer_cycles, plus the map's wait states, plus what the device adds to the
+/// delay (PREADY).
+///
+/// Answers: TLM_BURST_ERROR_RESPONSE for a length that no AHB transfer has or for streaming;
+/// TLM_ADDRESS_ERROR_RESPONSE if misaligned or nothing is selected; an error of the device is
+/// PSLVERR and becomes TLM_GENERIC_ERROR_RESPONSE, except that a device's address error stays one.
+/// TLM_IGNORE_COMMAND makes no transfer. No direct memory.
+class ApbBridge : public sc_core::sc_module {
+ public:
+  using InitiatorSocket = tlm_utils::simple_initiator_socket<ApbBridge>;
+
+  tlm_utils::simple_target_socket<ApbBridge> socket;
+
+  /// Takes the APB entries of the map, leaves the others.
+  ApbBridge(sc_core::sc_module_name name, const AddressMap& map,
+            const tlm_util::ClockDomain& clock);
+
+  /// The socket to bind to a target of the map's APB entries; nullptr if there is none of that
+  /// name. Every existing port must be bound.
+  InitiatorSocket* port(const std::string& target);
+  std::vector<std::string> targets() const;
+
+  const AddressMap& map() const { return decoder_.map(); }
+  const std::string& error() const { return decoder_.error(); }
+
+ private:
+  struct Port {
+    std::string target;
+    std::unique_ptr<InitiatorSocket> socket;
+  };
+
+  void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  tlm::tlm_response_status transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  tlm::tlm_response_status transfer_word(tlm::tlm_generic_payload& payload, const Decoded& at,
+                                         uint64_t bus_word, sc_core::sc_time& delay);
+  unsigned transport_dbg(tlm::tlm_generic_payload& payload);
+  bool debug_word(uint64_t address, unsigned lane, unsigned count, bool write,
+                  unsigned char* bytes);
+
+  AddressDecoder decoder_;
+  const tlm_util::ClockDomain& clock_;
+  std::vector<Port> ports_;
+  std::vector<std::size_t> port_of_entry_;
+};
+
+}  // namespace capsoc::bus

@@ -1,0 +1,49 @@
+// On-chip or board RAM.
+#pragma once
+
+#include <tlm_utils/simple_target_socket.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <systemc>
+#include <tlm>
+
+namespace capsoc::bus {
+
+/// Random-access memory of any transfer length and alignment, with byte enables, streaming width,
+/// direct memory pointers and debug access. Wait states and aliases belong to the address map.
+/// Zero when made, so that a run never depends on what the host left in its memory.
+class Memory : public sc_core::sc_module {
+ public:
+  tlm_utils::simple_target_socket<Memory> socket;
+
+  /// `size` in bytes.
+  Memory(sc_core::sc_module_name name, uint64_t size);
+
+  uint8_t* data() { return bytes_.get(); }
+  const uint8_t* data() const { return bytes_.get(); }
+  uint64_t size() const { return size_; }
+
+  /// A system reset: RAM keeps its contents.
+  void reset() {}
+  /// A power cycle: all bytes 0.
+  void clear();
+
+ private:
+  struct Release {
+    void operator()(uint8_t* bytes) const { std::free(bytes); }
+  };
+
+  tlm::tlm_response_status access(tlm::tlm_generic_payload& payload);
+  void copy(tlm::tlm_generic_payload& payload);
+  void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  unsigned transport_dbg(tlm::tlm_generic_payload& payload);
+  bool get_direct_mem_ptr(tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
+
+  uint64_t size_;
+  // calloc, not a vector: 28 MiB of pages that most firmware never touches stay unmapped.
+  std::unique_ptr<uint8_t, Release> bytes_;
+};
+
+}  // namespace capsoc::bus

@@ -1,0 +1,60 @@
+// What every bus component checks of, and puts back into, a generic payload.
+#pragma once
+
+#include <cstdint>
+#include <tlm>
+
+namespace capsoc::bus {
+
+/// The transfer stays at or below `last`. A length of 0 fits: the target rejects it.
+inline bool fits(const tlm::tlm_generic_payload& payload, uint64_t address, uint64_t last) {
+  const uint64_t length = payload.get_data_length();
+  return length == 0 || length - 1 <= last - address;
+}
+
+/// Beats of a 32-bit bus that the payload stands for.
+inline uint64_t word_count(const tlm::tlm_generic_payload& payload) {
+  return (uint64_t{payload.get_data_length()} + 3) / 4;
+}
+
+/// Byte i takes part: no byte enables, or enabled (the enable array repeats).
+inline bool byte_enabled(const tlm::tlm_generic_payload& payload, unsigned i) {
+  const unsigned char* enables = payload.get_byte_enable_ptr();
+  return enables == nullptr || enables[i % payload.get_byte_enable_length()] == TLM_BYTE_ENABLED;
+}
+
+/// The attributes that every target needs sound before it touches data. TLM_OK_RESPONSE if they
+/// are; streaming is judged by the target.
+inline tlm::tlm_response_status check_attributes(const tlm::tlm_generic_payload& payload) {
+  if (payload.get_data_length() == 0) return tlm::TLM_BURST_ERROR_RESPONSE;
+  if (payload.get_streaming_width() == 0) return tlm::TLM_BURST_ERROR_RESPONSE;
+  if (payload.get_data_ptr() == nullptr) return tlm::TLM_GENERIC_ERROR_RESPONSE;
+  if (payload.get_byte_enable_ptr() != nullptr && payload.get_byte_enable_length() == 0)
+    return tlm::TLM_BYTE_ENABLE_ERROR_RESPONSE;
+  return tlm::TLM_OK_RESPONSE;
+}
+
+/// Puts address, data pointer and length back when the scope ends: a payload is the initiator's.
+class PayloadRestorer {
+ public:
+  explicit PayloadRestorer(tlm::tlm_generic_payload& payload)
+      : payload_(payload),
+        address_(payload.get_address()),
+        data_(payload.get_data_ptr()),
+        length_(payload.get_data_length()) {}
+  ~PayloadRestorer() {
+    payload_.set_address(address_);
+    payload_.set_data_ptr(data_);
+    payload_.set_data_length(length_);
+  }
+  PayloadRestorer(const PayloadRestorer&) = delete;
+  PayloadRestorer& operator=(const PayloadRestorer&) = delete;
+
+ private:
+  tlm::tlm_generic_payload& payload_;
+  uint64_t address_;
+  unsigned char* data_;
+  unsigned length_;
+};
+
+}  // namespace capsoc::bus

@@ -1,0 +1,95 @@
+// The CMSDK AHB GPIO (Cortex-M System Design Kit technical reference manual, DDI 0479).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <systemc>
+
+#include "cmsdk/clocked_bank.h"
+#include "cmsdk/id_registers.h"
+#include "tlm/interrupt_line.h"
+
+namespace capsoc::peripherals {
+
+/// 16 pins. DATA reads the pins through a synchroniser of two flip-flops, so a change is visible,
+/// and interrupts, two PCLK cycles later. A pin carries DATAOUT where OUTENABLE is set and the
+/// alternate function is not selected, else the level that the outside drives (low if nobody does).
+class Gpio : public ClockedBank {
+ public:
+  static constexpr unsigned pin_count = 16;
+  static constexpr uint64_t synchroniser_cycles = 2;
+
+  Gpio(sc_core::sc_module_name name, tlm_util::ClockDomain& clock);
+
+  /// The outside drives the pins in `mask` to the levels in `levels`.
+  void drive(uint16_t mask, uint16_t levels);
+
+  /// Levels at the pins now.
+  uint16_t pins() const;
+  /// Pins that the port drives.
+  uint16_t driven() const { return output_enable_ & static_cast<uint16_t>(~alternate_function_); }
+  uint16_t alternate_functions() const { return alternate_function_; }
+
+  /// `observer` gets (levels, driven mask) whenever one of the two changes.
+  void on_output(std::function<void(uint16_t, uint16_t)> observer) {
+    observer_ = std::move(observer);
+  }
+
+  /// System reset: all pins are inputs; the levels that the outside drives stay.
+  void reset();
+
+  std::array<tlm_util::InterruptLine, pin_count> pin_interrupt;
+  tlm_util::InterruptLine combined_interrupt;
+
+  tlm_util::Register DATA;
+  tlm_util::Register DATAOUT;
+  tlm_util::Register OUTENSET;
+  tlm_util::Register OUTENCLR;
+  tlm_util::Register ALTFUNCSET;
+  tlm_util::Register ALTFUNCCLR;
+  tlm_util::Register INTENSET;
+  tlm_util::Register INTENCLR;
+  tlm_util::Register INTTYPESET;  ///< 1: edge, 0: level
+  tlm_util::Register INTTYPECLR;
+  tlm_util::Register INTPOLSET;  ///< 1: rising or high, 0: falling or low
+  tlm_util::Register INTPOLCLR;
+  tlm_util::Register INTSTATUS;  ///< written: INTCLEAR
+  IdRegisters id;
+
+ private:
+  struct Sample {
+    uint64_t visible_at;  // edge
+    uint16_t levels;
+  };
+
+  bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
+  bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
+  void advance(uint64_t cycle) override;
+  uint64_t next_change() const override;
+
+  void connect_pair(tlm_util::Register& set, tlm_util::Register& clear, uint16_t& bits);
+  void write_output(uint16_t value);
+  void refresh();
+  void sample_pins();
+  void take(uint16_t levels);
+  void latch(uint16_t events);
+  uint16_t active_levels() const;
+  void update_interrupts();
+
+  std::function<void(uint16_t, uint16_t)> observer_;
+  uint16_t output_enable_ = 0;
+  uint16_t alternate_function_ = 0;
+  uint16_t interrupt_enable_ = 0;
+  uint16_t interrupt_type_ = 0;
+  uint16_t interrupt_polarity_ = 0;
+  uint16_t outside_ = 0;
+  uint16_t sampled_ = 0;      // what DATA shows
+  uint16_t last_pins_ = 0;    // newest sample taken
+  uint16_t last_driven_ = 0;  // told to the observer
+  uint16_t last_levels_ = 0;  // told to the observer
+  std::deque<Sample> synchroniser_;
+};
+
+}  // namespace capsoc::peripherals

@@ -1,0 +1,26 @@
+// The twelve identification registers at the end of every CMSDK peripheral.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tlm/register_bank.h"
+
+namespace capsoc::peripherals {
+
+/// PID4 to PID7 at 0xFD0, PID0 to PID3 at 0xFE0, CID0 to CID3 at 0xFF0, eight bits each, read-only
+/// (CMSDK technical reference manual, DDI 0479). Only PID0, the part number, differs.
+class IdRegisters {
+ public:
+  IdRegisters(tlm_util::RegisterBank& bank, uint8_t part_number);
+
+ private:
+  std::vector<std::unique_ptr<tlm_util::Register>> registers_;
+};
+
+/// The description of a register whose access is nothing special.
+registers::RegisterDescription describe_register(const char* name, uint32_t offset,
+                                                 registers::Access access, uint32_t bits);
+
+}  // namespace capsoc::peripherals

@@ -1,0 +1,52 @@
+// The CMSDK APB timer (Cortex-M System Design Kit technical reference manual, DDI 0479).
+#pragma once
+
+#include <cstdint>
+#include <systemc>
+
+#include "cmsdk/clocked_bank.h"
+#include "cmsdk/id_registers.h"
+#include "tlm/interrupt_line.h"
+
+namespace capsoc::peripherals {
+
+/// A 32-bit down-counter of PCLK cycles. It interrupts on the step from 1 to 0, stays at 0 for one
+/// cycle and then takes RELOAD: a period is RELOAD + 1 cycles, and RELOAD 0 stops at 0 without
+/// another interrupt. Writing RELOAD also sets the counter. The first step happens one cycle after
+/// the access that enables.
+///
+/// EXTIN is not connected: with SELEXTEN or SELEXTCLK the timer stands still and the guest is told.
+class Timer : public ClockedBank {
+ public:
+  static constexpr uint32_t ctrl_enable = 1u << 0;
+  static constexpr uint32_t ctrl_external_enable = 1u << 1;
+  static constexpr uint32_t ctrl_external_clock = 1u << 2;
+  static constexpr uint32_t ctrl_interrupt = 1u << 3;
+
+  Timer(sc_core::sc_module_name name, tlm_util::ClockDomain& clock);
+
+  void reset();
+
+  tlm_util::InterruptLine interrupt;
+
+  tlm_util::Register CTRL;
+  tlm_util::Register VALUE;
+  tlm_util::Register RELOAD;
+  tlm_util::Register INTSTATUS;  ///< written: INTCLEAR
+  IdRegisters id;
+
+ private:
+  void advance(uint64_t cycle) override;
+  uint64_t next_change() const override;
+
+  bool counting() const;
+  /// Counter at edge `cycle`, not before the anchor.
+  uint32_t value_at(uint64_t cycle) const;
+  /// The first edge after the anchor at which the counter steps from 1 to 0, or never.
+  uint64_t next_zero() const;
+  void set_counter(uint32_t value);
+
+  uint64_t anchor_cycle_ = 0;  // VALUE holds the counter at this edge
+};
+
+}  // namespace capsoc::peripherals

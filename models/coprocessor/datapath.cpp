@@ -1,0 +1,110 @@
+#include "coprocessor/datapath.h"
+
+#include "coprocessor/calibrator.h"
+#include "coprocessor/lms_demodulator.h"
+#include "coprocessor/paper_units.h"
+#include "coprocessor/polar_unit.h"
+
+namespace capsoc::coprocessor {
+
+using fixed::round_shift;
+using fixed::saturate32;
+
+Rotation Datapath::rotation(uint64_t phase) const {
+  return paper() ? rotate_paper(phase) : rotate(phase);
+}
+
+void Datapath::products(Packet& packet, const State& state) const {
+  const Calibrated calibrated = paper() ? calibrate_paper(packet.u, packet.v, state.parameters)
+                                        : calibrate(packet.u, packet.v, state.coefficients);
+  packet.s = calibrated.s;
+  packet.c = calibrated.c;
+  packet.mirror = calibrated.mirror;
+  packet.saturated |= calibrated.saturated;
+  packet.phi = state.parameters.phi;
+  const unsigned shift = paper() ? 0 : 31;
+  packet.cal_s = saturate32(round_shift(packet.s, shift), packet.saturated);
+  packet.cal_c = saturate32(round_shift(packet.c, shift), packet.saturated);
+}
+
+void Datapath::relative_angle(Packet& packet) const {
+  if (paper()) {
+    packet.zero = packet.cal_s == 0 && packet.cal_c == 0;
+    packet.relative =
+        paper::arctangent(packet.cal_s, packet.cal_c, options_.paper_operand_bits) - packet.phi;
+    return;
+  }
+  const Polar polar = to_polar(packet.s, packet.c, 62);
+  packet.zero = polar.zero;
+  packet.relative = polar.angle;
+  packet.amplitude = polar.magnitude;
+  packet.saturated |= polar.saturated;
+}
+
+void Datapath::reference(Packet& packet, const Settings& settings, const State& state,
+                         ReferenceState& next) const {
+  const bool angle_source = settings.source == ReferenceSource::angle;
+  uint64_t phase = angle_source ? to_phase48(packet.relative) : state.reference.phase;
+  packet.reference_phase = upper_phase(phase);
+  packet.residue = packet.zero ? 0 : static_cast<int32_t>(packet.relative - packet.reference_phase);
+  packet.hold_weights = angle_source && packet.zero;
+  if (paper() && !angle_source) {
+    // Table 8's phi: data that reach the demodulator some samples after their reference.
+    phase += static_cast<uint64_t>(options_.paper_reference_lead * state.reference.frequency);
+  }
+  packet.reference = rotation(phase & phase_mask);
+  next = next_reference(state.reference, settings.source, packet.residue, settings.kp, settings.ki,
+                        packet.saturated);
+}
+
+void Datapath::demodulation(Packet& packet, const Settings& settings, const State& state,
+                            Learning& next) const {
+  const auto channel = [&](const Weights& weights, const Steps& steps, int32_t data) {
+    return paper()
+               ? demodulate_paper(weights, steps, data, packet.reference, options_.paper_step_shift)
+               : demodulate(weights, steps, data, packet.reference);
+  };
+  const Demodulation u = channel(state.coefficients.u, settings.steps_u, packet.u);
+  const Demodulation v = channel(state.coefficients.v, settings.steps_v, packet.v);
+  packet.error_u = u.error;
+  packet.error_v = v.error;
+  packet.saturated |= u.error_saturated || v.error_saturated;
+  next.error_sum_u = next_error_sum(state.error_sum_u, u.error);
+  next.error_sum_v = next_error_sum(state.error_sum_v, v.error);
+  next.update = settings.demodulate && !packet.hold_weights;
+  if (!next.update) return;
+  next.coefficients = {u.weights, v.weights};
+  packet.saturated |= u.weights_saturated || v.weights_saturated;
+}
+
+PolarResult Datapath::parameters(Packet& packet, const State& state) const {
+  const Coefficients& w = state.coefficients;
+  PolarResult out;
+  out.parameters.b1 = saturate32(weight_q31(w.u.constant), packet.saturated);
+  out.parameters.b2 = saturate32(weight_q31(w.v.constant), packet.saturated);
+  if (paper()) {
+    const auto word = [](int64_t weight) { return static_cast<int32_t>(weight >> 15); };
+    const auto negated = [&](int64_t weight) {
+      return saturate32(-(weight >> 15), packet.saturated);
+    };
+    const int bits = options_.paper_operand_bits;
+    out.parameters.a1 = paper::amplitude(word(w.u.sine), word(w.u.cosine), packet.saturated);
+    out.parameters.a2 = paper::amplitude(word(w.v.sine), word(w.v.cosine), packet.saturated);
+    out.parameters.phi = paper::arctangent(word(w.u.cosine), word(w.u.sine), bits);
+    const uint32_t psi = paper::arctangent(negated(w.v.sine), word(w.v.cosine), bits);
+    out.parameters.beta = psi - out.parameters.phi;
+    out.angle = packet.relative + packet.phi;
+    return out;
+  }
+  const Polar u = to_polar(w.u.cosine, w.u.sine, 46);
+  const Polar v = to_polar(-w.v.sine, w.v.cosine, 46);
+  packet.saturated |= u.saturated || v.saturated;
+  out.parameters.a1 = u.magnitude;
+  out.parameters.a2 = v.magnitude;
+  out.parameters.phi = u.angle;
+  out.parameters.beta = v.angle - u.angle;
+  out.angle = packet.relative + u.angle;
+  return out;
+}
+
+}  // namespace capsoc::coprocessor

@@ -1,0 +1,93 @@
+// The five stages between registers. Each is a pure function of the sample in flight and of the
+// state at the start of its tick; what it changes is written at the tick's end by the coprocessor.
+#pragma once
+
+#include <cstdint>
+
+#include "coprocessor/reference_generator.h"
+#include "coprocessor/types.h"
+#include "fixed/fixed.h"
+
+namespace capsoc::coprocessor {
+
+// What a sample carries from stage to stage.
+struct Packet {
+  int32_t u = 0;  // Q1.31
+  int32_t v = 0;
+  bool clip = false;
+  bool saturated = false;
+  // T0
+  fixed::int128 s = 0;  // Q62 (paper: Q31)
+  fixed::int128 c = 0;
+  int32_t cal_s = 0;  // Q1.31, saturated
+  int32_t cal_c = 0;
+  bool mirror = false;
+  uint32_t phi = 0;  // paper: PHI as it was in T0
+  // T1
+  uint32_t relative = 0;  // angle against the reference, 2^-32 turn
+  int32_t amplitude = 0;  // Q1.31
+  bool zero = false;
+  // T2
+  uint32_t reference_phase = 0;  // 2^-32 turn
+  int32_t residue = 0;           // 2^-32 turn
+  Rotation reference;
+  bool hold_weights = false;  // angle source without an angle: nothing to learn
+  // T3
+  int32_t error_u = 0;  // Q1.31
+  int32_t error_v = 0;
+};
+
+// Registers that the pipeline reads.
+struct Settings {
+  bool demodulate = false;
+  ReferenceSource source = ReferenceSource::numeric;
+  unsigned kp = 4;
+  unsigned ki = 10;
+  Steps steps_u;
+  Steps steps_v;
+};
+
+// Registers that the pipeline writes.
+struct State {
+  Coefficients coefficients;
+  Parameters parameters;
+  ReferenceState reference;
+  uint64_t error_sum_u = 0;  // Q1.37
+  uint64_t error_sum_v = 0;
+};
+
+// What T3 writes.
+struct Learning {
+  bool update = false;  // of the coefficients
+  Coefficients coefficients;
+  uint64_t error_sum_u = 0;
+  uint64_t error_sum_v = 0;
+};
+
+// What T4 finds.
+struct PolarResult {
+  Parameters parameters;
+  uint32_t angle = 0;  // 2^-32 turn
+};
+
+class Datapath {
+ public:
+  explicit Datapath(const Options& options) : options_(options) {}
+
+  void products(Packet& packet, const State& state) const;  // T0
+  void relative_angle(Packet& packet) const;                // T1
+  void reference(Packet& packet, const Settings& settings, const State& state,
+                 ReferenceState& next) const;  // T2
+  void demodulation(Packet& packet, const Settings& settings, const State& state,
+                    Learning& next) const;                           // T3
+  PolarResult parameters(Packet& packet, const State& state) const;  // T4
+
+  // Rotation of either arithmetic.
+  Rotation rotation(uint64_t phase) const;
+  bool paper() const { return options_.arithmetic == Arithmetic::paper; }
+
+ private:
+  Options options_;
+};
+
+}  // namespace capsoc::coprocessor

@@ -1,0 +1,54 @@
+// Sequencer: which stage of the pipeline holds a sample, and when ticks begin and end. It moves no
+// data. docs/coprocessor.md, "Time".
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace capsoc::coprocessor {
+
+inline constexpr unsigned tick_cycles = 32;
+inline constexpr unsigned stage_count = 5;
+inline constexpr unsigned load_stage_count = 3;
+inline constexpr unsigned latency_cycles = 1 + stage_count * tick_cycles;
+
+class Sequencer {
+ public:
+  void reset() { *this = {}; }
+
+  // Latches a sample into the holding register at `cycle`; false: it is full, the sample is lost.
+  bool latch(uint64_t cycle);
+
+  // Asks for the load operation (parameters to coefficients). It waits until no sample is in the
+  // pipeline; no sample enters meanwhile.
+  void request_load(uint64_t cycle);
+
+  // A tick boundary lies at or before `cycle`. The caller then commits what occupied() and
+  // load_stage() name, calls turn(), and starts what they name afterwards.
+  bool due(uint64_t cycle) const { return running_ && boundary_ <= cycle; }
+  void turn();
+
+  bool occupied(unsigned stage) const { return occupied_[stage]; }
+  // The stage of the load operation in the present tick, 0 .. 2.
+  std::optional<unsigned> load_stage() const { return load_stage_; }
+  // The sample entered T0 at the last boundary.
+  bool entered() const { return occupied_[0]; }
+
+  bool busy() const { return running_; }
+
+  // The next cycle at which a result is committed, a load ends or busy changes.
+  std::optional<uint64_t> next_event() const;
+
+ private:
+  bool pipeline_empty() const;
+
+  bool running_ = false;
+  uint64_t boundary_ = 0;  // the next tick boundary, while running
+  bool held_ = false;
+  bool load_pending_ = false;
+  std::optional<unsigned> load_stage_;
+  std::array<bool, stage_count> occupied_{};
+};
+
+}  // namespace capsoc::coprocessor

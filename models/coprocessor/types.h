@@ -1,0 +1,54 @@
+// Plain values of the coprocessor's datapath. Formats: docs/coprocessor.md.
+#pragma once
+
+#include <cstdint>
+
+namespace capsoc::coprocessor {
+
+enum class Arithmetic { precise, paper };
+enum class ReferenceSource : uint8_t { numeric = 0, tracking = 1, angle = 2 };
+
+struct Options {
+  Arithmetic arithmetic = Arithmetic::precise;
+  int paper_operand_bits = 32;   // width of the PI arctangent's multipliers, 2..32 (Table 8: 16)
+  int paper_reference_lead = 0;  // samples by which the reference leads the data (Table 8: 2)
+  int paper_step_shift = 0;      // right shift of 2mu behind the step registers, 0..31
+};
+
+// One channel's weights of Eq (7): sine, cosine and constant, Q2.46 in 48 bits.
+// The paper's arithmetic holds Q1.31 in 32 bits; its words stand here times 2^15.
+struct Weights {
+  int64_t sine = 0;
+  int64_t cosine = 0;
+  int64_t constant = 0;
+};
+
+struct Coefficients {
+  Weights u;
+  Weights v;
+};
+
+// Effective steps 2mu of one channel, unsigned Q1.31, below 2^31.
+struct Steps {
+  uint32_t sine = 0;
+  uint32_t cosine = 0;
+  uint32_t constant = 0;
+};
+
+// The six parameters of Eq (5): amplitudes and offsets Q1.31, angles in 2^-32 turn.
+struct Parameters {
+  int32_t a1 = 0;
+  int32_t a2 = 0;
+  int32_t b1 = 0;
+  int32_t b2 = 0;
+  uint32_t beta = 0;
+  uint32_t phi = 0;
+};
+
+// The phase accumulator and its frequency word, 2^-48 turn (a sample).
+struct ReferenceState {
+  uint64_t phase = 0;     // u48, wraps: it is an angle
+  int64_t frequency = 0;  // s48, the sign is the direction
+};
+
+}  // namespace capsoc::coprocessor

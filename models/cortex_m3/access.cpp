@@ -1,0 +1,174 @@
+#include "cortex_m3/core.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr uint32_t ccr_unalign_trp = 1u << 3;
+
+bool in_ppb(uint32_t address) {
+  return (address >> 20) == 0xE00;
+}
+
+/// The bit-band aliases of SRAM and peripherals (B3.1): 32 MiB of words for 1 MiB of bits.
+bool in_bit_band_alias(uint32_t address) {
+  return (address & 0xFE000000u) == 0x22000000u || (address & 0xFE000000u) == 0x42000000u;
+}
+
+struct BitBand {
+  uint32_t address;  // of the unit of the access's size that holds the bit
+  unsigned bit;
+};
+BitBand bit_band(uint32_t alias, unsigned size) {
+  uint32_t offset = alias & 0x01FFFFFFu;
+  uint32_t byte = (alias & 0xF0000000u) + (offset >> 5);
+  uint32_t aligned = byte & ~(size - 1);
+  return {aligned, (byte - aligned) * 8 + ((offset >> 2) & 7)};
+}
+
+}  // namespace
+
+Core::Result Core::read_physical(uint32_t address, unsigned size, uint32_t& value) {
+  if (const Memory::Region* r = memory_.find(address);
+      r != nullptr && r->size - (address - r->base) >= size) {
+    value = 0;
+    std::memcpy(&value, r->host + (address - r->base), size);
+    cycles_ += r->wait_states;
+    return Result::ok;
+  }
+  unsigned wait = 0;
+  value = 0;
+  bool good = bus_.read(address, size, value, wait, AccessKind::load);
+  cycles_ += wait;
+  if (size < 4) value &= (1u << (8 * size)) - 1;
+  return good ? Result::device : Result::bus_error;
+}
+
+Core::Result Core::write_physical(uint32_t address, unsigned size, uint32_t value) {
+  if (const Memory::Region* r = memory_.find(address);
+      r != nullptr && r->writable && r->size - (address - r->base) >= size) {
+    std::memcpy(r->host + (address - r->base), &value, size);
+    cycles_ += r->wait_states;
+    if (!memory_.invalidate(address, size)) return Result::ok;
+    invalidated_ = true;  // the block that runs may be among them: leave it
+    check_ = true;
+    return Result::device;
+  }
+  unsigned wait = 0;
+  bool good = bus_.write(address, size, value, wait);
+  cycles_ += wait;
+  return good ? Result::device : Result::bus_error;
+}
+
+Core::Result Core::read_aligned(uint32_t address, unsigned size, uint32_t& value, bool priv) {
+  if (in_ppb(address)) return ppb_read(address, size, value, priv);
+  if (!mpu_allows(address, false, false, priv)) return Result::violation;
+  if (!in_bit_band_alias(address)) return read_physical(address, size, value);
+  BitBand target = bit_band(address, size);
+  Result result = read_physical(target.address, size, value);
+  value = (value >> target.bit) & 1;
+  return result;
+}
+
+Core::Result Core::write_aligned(uint32_t address, unsigned size, uint32_t value, bool priv) {
+  if (in_ppb(address)) return ppb_write(address, size, value, priv);
+  if (!mpu_allows(address, true, false, priv)) return Result::violation;
+  if (!in_bit_band_alias(address)) return write_physical(address, size, value);
+  BitBand target = bit_band(address, size);
+  uint32_t unit = 0;
+  Result result = read_physical(target.address, size, unit);
+  if (result > Result::device) return result;
+  unit = (unit & ~(1u << target.bit)) | (value & 1) << target.bit;
+  return write_physical(target.address, size, unit);
+}
+
+namespace {
+/// Largest aligned piece of what is left of an unaligned access.
+unsigned piece(uint32_t address, unsigned left) {
+  if ((address & 1) || left == 1) return 1;
+  return 2;
+}
+}  // namespace
+
+Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, uint32_t& value,
+                             bool user) {
+  const bool priv = privileged() && !user;
+  const bool unaligned = (address & (size - 1)) != 0;
+  if (unaligned && ((ccr_ & ccr_unalign_trp) || in_ppb(address))) {
+    fault(op, Cause::unaligned, address);
+    return Access::fault;
+  }
+  access_offset_ = op.cycles_before;
+  Result worst = Result::ok;
+  value = 0;
+  for (unsigned done = 0; done < size;) {
+    unsigned part = unaligned ? piece(address + done, size - done) : size;
+    uint32_t bits = 0;
+    Result result = read_aligned(address + done, part, bits, priv);
+    if (result > worst) worst = result;
+    if (result > Result::device) break;
+    value |= bits << (8 * done);
+    if (done != 0) ++cycles_;
+    done += part;
+  }
+  access_offset_ = 0;
+  if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
+  fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
+  return Access::fault;
+}
+
+Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
+                              bool user) {
+  const bool priv = privileged() && !user;
+  const bool unaligned = (address & (size - 1)) != 0;
+  if (unaligned && ((ccr_ & ccr_unalign_trp) || in_ppb(address))) {
+    fault(op, Cause::unaligned, address);
+    return Access::fault;
+  }
+  access_offset_ = op.cycles_before;
+  Result worst = Result::ok;
+  if (size < 4) value &= (1u << (8 * size)) - 1;
+  for (unsigned done = 0; done < size;) {
+    unsigned part = unaligned ? piece(address + done, size - done) : size;
+    uint32_t bits = part == 4 ? value : (value >> (8 * done)) & ((1u << (8 * part)) - 1);
+    Result result = write_aligned(address + done, part, bits, priv);
+    if (result > worst) worst = result;
+    if (result > Result::device) break;
+    if (done != 0) ++cycles_;
+    done += part;
+  }
+  access_offset_ = 0;
+  if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
+  fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
+  return Access::fault;
+}
+
+bool Core::debug_read(uint32_t address, void* data, uint32_t size) const {
+  auto* bytes = static_cast<uint8_t*>(data);
+  for (uint32_t i = 0; i < size; ++i) {
+    uint32_t at = address + i;
+    if (const Memory::Region* r = memory_.find(at)) {
+      bytes[i] = r->host[at - r->base];
+    } else if (in_ppb(at)) {
+      bytes[i] = static_cast<uint8_t>(ppb_peek(at & ~3u) >> (8 * (at & 3)));
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool Core::debug_write(uint32_t address, const void* data, uint32_t size) {
+  const auto* bytes = static_cast<const uint8_t*>(data);
+  for (uint32_t i = 0; i < size; ++i) {
+    const Memory::Region* r = memory_.find(address + i);
+    if (r == nullptr) return false;
+    r->host[address + i - r->base] = bytes[i];
+  }
+  if (memory_.invalidate(address, size)) {
+    invalidated_ = true;
+    check_ = true;
+  }
+  return true;
+}
+
+}  // namespace capsoc::cortex_m3

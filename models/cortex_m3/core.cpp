@@ -1,0 +1,439 @@
+#include "cortex_m3/core.h"
+
+#include <algorithm>
+
+#include "cortex_m3/decoder.h"
+#include "cortex_m3/execute.h"
+
+namespace capsoc::cortex_m3 {
+
+Core::Core(Bus& bus) : bus_(bus) {
+  fast_pages_ = memory_.table();
+  reset_system_control();
+}
+
+void Core::reset() {
+  reset_system_control();
+  r_.fill(0);
+  n_ = 0;
+  z_ = 1;
+  c_ = v_ = q_ = false;
+  control_ = primask_ = faultmask_ = basepri_ = ipsr_ = other_sp_ = 0;
+  it_state_ = 0;
+  sleeping_ = locked_up_ = attention_ = reset_request_ = semihosting_exit_ = false;
+  event_register_ = exclusive_ = false;
+  event_ = Event::none;
+  fault_report_ = {};
+  first_fault_ = {};
+  memory_.invalidate_all();
+  uint32_t sp = 0, pc = 0;
+  bool good =
+      read_physical(0, 4, sp) <= Result::device && read_physical(4, 4, pc) <= Result::device;
+  r_[13] = sp & ~3u;
+  r_[14] = 0xFFFFFFFF;
+  pc_ = pc & ~1u;
+  thumb_ = (pc & 1) != 0;
+  check_ = true;
+  if (!good) lock_up();
+}
+
+void Core::map_memory(uint32_t base, uint32_t size, uint8_t* host, bool writable,
+                      unsigned wait_states) {
+  memory_.map({base, size, host, writable, wait_states});
+}
+void Core::unmap_memory(uint32_t base, uint32_t size) {
+  memory_.unmap(base, size);
+}
+void Core::invalidate_code(uint32_t address, uint32_t size) {
+  memory_.invalidate(address, size);
+}
+
+void Core::attention() {
+  attention_ = true;
+  check_ = true;
+}
+
+bool Core::condition_passed(unsigned condition) const {
+  bool n = (n_ >> 31) != 0, z = z_ == 0, result;
+  switch (condition >> 1) {
+    case 0:
+      result = z;
+      break;
+    case 1:
+      result = c_;
+      break;
+    case 2:
+      result = n;
+      break;
+    case 3:
+      result = v_;
+      break;
+    case 4:
+      result = c_ && !z;
+      break;
+    case 5:
+      result = n == v_;
+      break;
+    case 6:
+      result = n == v_ && !z;
+      break;
+    default:
+      return true;
+  }
+  return result != ((condition & 1) != 0);
+}
+
+bool Core::bx_write_pc(uint32_t target) {
+  if (ipsr_ != 0 && (target >> 28) == 0xF) {
+    event_ = Event::exception_return;
+    event_value_ = target;
+    pc_ = target & ~1u;
+    return false;
+  }
+  thumb_ = (target & 1) != 0;
+  if (!thumb_) check_ = true;
+  pc_ = target & ~1u;
+  return false;
+}
+
+bool Core::fault(const Step& op, Cause cause, uint32_t address) {
+  event_ = Event::fault;
+  event_cause_ = cause;
+  event_value_ = address;
+  pc_ = op.address;
+  return false;
+}
+
+void Core::handle_event() {
+  Event event = event_;
+  event_ = Event::none;
+  switch (event) {
+    case Event::fault:
+      raise(record_cause(event_cause_, event_value_), pc_);
+      break;
+    case Event::svc:
+      raise(11, pc_);
+      break;
+    case Event::bkpt:
+      if (event_value_ == 0xAB && semihosting_) {
+        if (!semihosting_(*this)) {
+          semihosting_exit_ = true;
+          check_ = true;
+        }
+        break;
+      }
+      hfsr_ |= 1u << 31;
+      // Without halting or monitor debug a breakpoint escalates to HardFault (C1.6.1).
+      if (execution_priority() <= -1) {
+        lock_up();
+      } else {
+        exception_entry(3, event_return_);
+      }
+      break;
+    case Event::exception_return:
+      exception_return(event_value_);
+      break;
+    case Event::none:
+      break;
+  }
+}
+
+/// What both executors do behind an operation that left: account for it, then handle its event.
+void Core::finish(const Step& op) {
+  cycles_ += op.cycles_before + op.cycles;
+  instructions_ += op.instructions_to;
+  it_state_ = op.it_after;
+  if (__builtin_expect(event_ != Event::none, 0)) {
+    if (event_ == Event::fault) it_state_ = op.it_before;
+    handle_event();
+  }
+}
+
+bool Core::fetch(uint32_t address, uint16_t& halfword) {
+  // Peripheral, device and system space are execute-never in the default map (B3.1).
+  unsigned region = address >> 29;
+  bool never_execute = region == 2 || region >= 5;
+  uint32_t value = 0;
+  Step at;
+  at.address = pc_;
+  if (never_execute || !mpu_allows(address, false, true, privileged())) {
+    fault(at, Cause::fetch_access, address);
+    return false;
+  }
+  if (const Memory::Region* r = memory_.find(address);
+      r != nullptr && r->size - (address - r->base) >= 2) {
+    std::memcpy(&halfword, r->host + (address - r->base), 2);
+    return true;
+  }
+  unsigned wait = 0;
+  if (!bus_.read(address, 2, value, wait, AccessKind::fetch)) {
+    fault(at, Cause::fetch_bus, address);
+    return false;
+  }
+  cycles_ += wait;
+  halfword = static_cast<uint16_t>(value);
+  return true;
+}
+
+void Core::step() {
+  uint16_t first = 0, second = 0;
+  uint32_t address = pc_;
+  if (!fetch(address, first) || (is_wide(first) && !fetch(address + 2, second))) {
+    cycles_ += 1;
+    handle_event();
+    return;
+  }
+  Step step;
+  static_cast<DecodedOp&>(step) = decode(address, first, second, it_state_);
+  if (const Memory::Region* r = memory_.find(address)) {
+    step.cycles = static_cast<uint8_t>(step.cycles +
+                                       r->wait_states * timing::words_fetched(address, step.size));
+  }
+  step.instructions_to = 1;
+  Execute::bind(step);
+  if (step.handler(*this, step)) pc_ = next_address(step);
+  finish(step);
+}
+
+std::unique_ptr<Block> Core::build_block(uint32_t address, CodePage& page) {
+  constexpr unsigned longest = 64;
+  auto block = std::make_unique<Block>();
+  const uint8_t* host = memory_.page(address).read;
+  const uint32_t wait = memory_.page(address).wait_states,
+                 start = address & ~(Memory::page_size - 1);
+  uint8_t it = 0;
+  uint16_t cycles = 0, count = 0;
+  while (block->steps.size() < longest) {
+    uint32_t offset = address - start;
+    if (offset + 2 > Memory::page_size) break;
+    uint16_t first, second = 0;
+    std::memcpy(&first, host + offset, 2);
+    if (is_wide(first)) {
+      if (offset + 4 > Memory::page_size) break;
+      std::memcpy(&second, host + offset + 2, 2);
+    }
+    Step step;
+    static_cast<DecodedOp&>(step) = decode(address, first, second, it);
+    step.cycles =
+        static_cast<uint8_t>(step.cycles + wait * timing::words_fetched(address, step.size));
+    step.cycles_before = cycles;
+    step.instructions_to = ++count;
+    Execute::bind(step);
+    for (uint32_t at = offset; at < offset + step.size; at += 2)
+      page.code_lines |= 1ull << (at / 64);
+    cycles = static_cast<uint16_t>(cycles + step.cycles);
+    block->most_cycles += step.cycles + Execute::most_extra_cycles(step, memory_.largest_wait());
+    address += step.size;
+    it = step.it_after;
+    block->steps.push_back(step);
+    if (ends_block(step) && step.handler == step.body) break;
+    if (ends_block(step)) break;
+  }
+  if (block->steps.empty()) return nullptr;
+  Step close;
+  close.address = address;
+  close.operation = Operation::fall_through;
+  close.it_before = close.it_after = it;
+  close.size = 0;
+  close.cycles = 0;
+  close.cycles_before = cycles;
+  close.instructions_to = count;
+  close.handler = close.body = Execute::fall_through;
+  block->steps.push_back(close);
+  return block;
+}
+
+Block* Core::find_block() {
+  unsigned region = pc_ >> 29;
+  if (region == 2 || region >= 5) return nullptr;
+  CodePage* code = memory_.page(pc_).code;
+  if (__builtin_expect(code == nullptr, 0)) code = memory_.code_page(pc_);
+  if (code == nullptr) return nullptr;
+  std::unique_ptr<Block>& slot = code->blocks[(pc_ & (Memory::page_size - 1)) >> 1];
+  if (__builtin_expect(slot == nullptr, 0)) slot = build_block(pc_, *code);
+  return slot.get();
+}
+
+void Core::execute_block(uint64_t limit) {
+  Block* block = find_block();
+  if (block == nullptr) return step();
+  const Step* op = block->steps.data();
+  if (__builtin_expect(cycles_ + block->most_cycles < limit, 1)) {
+    while (op->handler(*this, *op)) ++op;
+    finish(*op);
+    return;
+  }
+  // The budget may end inside: look at the clock before every operation.
+  while (true) {
+    if (cycles_ + op->cycles_before >= limit && op != block->steps.data()) {
+      cycles_ += op->cycles_before;
+      instructions_ += op[-1].instructions_to;
+      it_state_ = op->it_before;
+      pc_ = op->address;
+      return;
+    }
+    if (!op->handler(*this, *op)) break;
+    ++op;
+  }
+  finish(*op);
+}
+
+std::optional<StopReason> Core::service() {
+  check_ = false;
+  if (invalidated_) {
+    invalidated_ = false;
+    memory_.collect();
+  }
+  auto stop = [this](bool& flag, StopReason reason) {
+    flag = false;
+    check_ = true;
+    return reason;
+  };
+  if (semihosting_exit_) return stop(semihosting_exit_, StopReason::semihosting_exit);
+  if (reset_request_) return stop(reset_request_, StopReason::reset_request);
+  if (attention_) return stop(attention_, StopReason::attention);
+  if (unsigned number = highest_pending(execution_priority()); number != 0) {
+    bool wakes = sleeping_ || locked_up_;
+    if (wakes && locked_up_ && number != 2) number = 0;
+    if (number != 0) {
+      sleeping_ = locked_up_ = false;
+      exception_entry(number, pc_);
+      check_ = true;
+      return std::nullopt;
+    }
+  }
+  if (locked_up_) {
+    check_ = true;
+    return StopReason::lockup;
+  }
+  if (sleeping_) {
+    if (wake_pending()) {
+      sleeping_ = false;
+      if (sleeping_for_event_) event_register_ = false;
+      return std::nullopt;
+    }
+    check_ = true;
+    return StopReason::sleeping;
+  }
+  if (!thumb_) {
+    cycles_ += 1;
+    event_return_ = pc_;
+    raise(record_cause(Cause::invalid_state, 0), pc_);
+    check_ = true;
+  }
+  return std::nullopt;
+}
+
+StopReason Core::run(uint64_t until_cycle) {
+  while (true) {
+    if (cycles_ >= systick_event_) systick_expire();
+    if (__builtin_expect(check_, 0)) {
+      bool may_go = cycles_ < until_cycle || sleeping_ || locked_up_ || attention_ ||
+                    semihosting_exit_ || reset_request_;
+      if (!may_go) return StopReason::budget;
+      if (std::optional<StopReason> reason = service()) return *reason;
+      continue;
+    }
+    if (cycles_ >= until_cycle) return StopReason::budget;
+    if (!breakpoints_.empty() && breakpoints_.count(pc_) != 0 &&
+        breakpoint_passed_ != instructions_) {
+      breakpoint_passed_ = instructions_;
+      return StopReason::breakpoint;
+    }
+    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && breakpoints_.empty() &&
+                  fast_pages_ == memory_.table();
+    if (blocks) {
+      execute_block(std::min(until_cycle, systick_event_));
+    } else {
+      step();
+    }
+  }
+}
+
+StopReason Core::step_instruction() {
+  return run(cycles_ + 1);
+}
+
+void Core::skip_to(uint64_t cycle) {
+  while (cycles_ < cycle) {
+    cycles_ = std::min(cycle, std::max(cycles_, systick_event_));
+    if (cycles_ >= systick_event_) systick_expire();
+  }
+}
+
+void Core::sleep_until_wake(bool for_event) {
+  sleeping_ = true;
+  sleeping_for_event_ = for_event;
+  check_ = true;
+}
+
+// WFI wakes on an exception that would preempt were PRIMASK clear; WFE besides on an event
+// (B1.5.17).
+bool Core::wake_pending() const {
+  if (sleeping_for_event_ && event_register_) return true;
+  return highest_pending(execution_priority(!sleeping_for_event_)) != 0;
+}
+
+void Core::send_event() {
+  event_register_ = true;
+  check_ = true;
+}
+
+// The stack pointer in use sits in r_[13], the other one aside; switching exchanges them.
+void Core::select_stack(bool psp) {
+  bool now = uses_psp();
+  if (psp != now) std::swap(r_[13], other_sp_);
+}
+
+void Core::set_msp(uint32_t value) {
+  (uses_psp() ? other_sp_ : r_[13]) = value & ~3u;
+}
+void Core::set_psp(uint32_t value) {
+  (uses_psp() ? r_[13] : other_sp_) = value & ~3u;
+}
+
+// SPSEL can be written in Thread mode only (B1.4.4).
+void Core::set_control(uint32_t value) {
+  bool psp = ipsr_ == 0 && (value & 2) != 0;
+  if (ipsr_ == 0) {
+    select_stack(psp);
+    control_ = value & 3;
+  } else {
+    control_ = (control_ & 2) | (value & 1);
+  }
+}
+
+void Core::set_primask(bool masked) {
+  primask_ = masked ? 1 : 0;
+  check_ = true;
+}
+
+void Core::set_reg(unsigned n, uint32_t value) {
+  if (n == 13) {
+    r_[13] = value & ~3u;
+  } else if (n == 15) {
+    pc_ = value & ~1u;
+    it_state_ = 0;
+  } else if (n < 15) {
+    r_[n] = value;
+  }
+}
+
+uint32_t Core::xpsr() const {
+  uint32_t it = it_state_;
+  return (n_ & 0x80000000u) | (z_ == 0 ? 1u << 30 : 0) | (c_ ? 1u << 29 : 0) | (v_ ? 1u << 28 : 0) |
+         (q_ ? 1u << 27 : 0) | (it & 3) << 25 | (thumb_ ? 1u << 24 : 0) | (it >> 2) << 10 | ipsr_;
+}
+
+void Core::set_xpsr(uint32_t value) {
+  n_ = value;
+  z_ = (value >> 30 & 1) ? 0 : 1;
+  c_ = (value >> 29 & 1) != 0;
+  v_ = (value >> 28 & 1) != 0;
+  q_ = (value >> 27 & 1) != 0;
+  thumb_ = (value >> 24 & 1) != 0;
+  it_state_ = static_cast<uint8_t>((value >> 25 & 3) | (value >> 10 & 0x3F) << 2);
+  if (!thumb_) check_ = true;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,277 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+
+#include "cortex_m3/bus.h"
+#include "cortex_m3/fault_report.h"
+#include "cortex_m3/memory.h"
+
+namespace capsoc::cortex_m3 {
+
+enum class StopReason {
+  budget,
+  sleeping,
+  lockup,
+  semihosting_exit,
+  breakpoint,
+  reset_request,
+  attention
+};
+enum class Executor { stepping, blocks };
+
+/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 priorities. Both executors agree bit
+/// for bit and cycle for cycle. Nothing a guest does ends the host program.
+class Core {
+ public:
+  static constexpr unsigned interrupt_count = 32;
+  static constexpr uint64_t never = ~uint64_t{0};
+
+  explicit Core(Bus& bus);
+  /// Power-on reset: reads the vector table at 0; cycles go on, so that time does not jump.
+  void reset();
+
+  /// Memory the core reaches without the bus; `wait_states` a word. The host memory stays the
+  /// caller's. Whoever else writes into it calls invalidate_code().
+  void map_memory(uint32_t base, uint32_t size, uint8_t* host, bool writable, unsigned wait_states);
+  void unmap_memory(uint32_t base, uint32_t size);
+  void invalidate_code(uint32_t address, uint32_t size);
+
+  /// Executes whole instructions while cycles() < until_cycle.
+  StopReason run(uint64_t until_cycle);
+  /// One instruction (or the entry of one exception).
+  StopReason step_instruction();
+  /// Cycles since construction; inside a bus access the cycle at which it happens.
+  uint64_t cycles() const { return cycles_ + access_offset_; }
+  uint64_t instructions() const { return instructions_; }
+  /// While sleeping: time passes, SysTick counts.
+  void skip_to(uint64_t cycle);
+  /// Cycle of SysTick's next wrap that pends its exception, else `never`.
+  uint64_t next_internal_event() const { return systick_event_; }
+
+  void set_interrupt(unsigned line, bool level);
+  void pulse_nmi();
+  void send_event();  // the RXEV input
+  /// Leaves run() after the present instruction.
+  void attention();
+  bool sleeping() const { return sleeping_; }
+  bool locked_up() const { return locked_up_; }
+  bool wake_pending() const;
+  void set_executor(Executor executor) { executor_ = executor; }
+
+  /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
+  uint32_t reg(unsigned n) const { return n == 15 ? pc_ : r_[n & 15]; }
+  void set_reg(unsigned n, uint32_t value);
+  uint32_t xpsr() const;
+  void set_xpsr(uint32_t value);
+  uint32_t msp() const { return uses_psp() ? other_sp_ : r_[13]; }
+  uint32_t psp() const { return uses_psp() ? r_[13] : other_sp_; }
+  void set_msp(uint32_t value);
+  void set_psp(uint32_t value);
+  uint32_t control() const { return control_; }
+  uint32_t primask() const { return primask_; }
+  uint32_t faultmask() const { return faultmask_; }
+  uint32_t basepri() const { return basepri_; }
+  void set_control(uint32_t value);
+  void set_primask(bool masked);
+
+  /// Access without side effects or time, for debuggers; false where nothing can be shown.
+  bool debug_read(uint32_t address, void* data, uint32_t size) const;
+  bool debug_write(uint32_t address, const void* data, uint32_t size);
+
+  /// Called on BKPT 0xAB with PC behind it; false ends run() with semihosting_exit.
+  void set_semihosting(std::function<bool(Core&)> handler) { semihosting_ = std::move(handler); }
+  /// Ends run() before the instruction at the address; the next run() executes it.
+  void set_breakpoint(uint32_t address) { breakpoints_.insert(address & ~1u); }
+  void clear_breakpoint(uint32_t address) { breakpoints_.erase(address & ~1u); }
+  /// HCLK cycles of SysTick's reference clock (25 at reset).
+  void set_systick_reference(unsigned cycles_a_tick);
+
+  const FaultReport& last_fault() const { return fault_report_; }
+  /// The fault that began the present chain: no other fault was being handled when it happened.
+  const FaultReport& first_fault() const { return first_fault_; }
+  uint64_t fault_count() const { return fault_count_; }
+
+ private:
+  friend struct Execute;
+  enum class Access : uint8_t { ok, leave, fault };
+  enum class Event : uint8_t { none, fault, svc, bkpt, exception_return };
+  enum class Cause : uint8_t {
+    undefined_instruction,
+    invalid_state,
+    invalid_pc,
+    no_coprocessor,
+    unaligned,
+    divide_by_zero,
+    fetch_bus,
+    fetch_access,
+    data_bus,
+    data_access,
+    stacking_bus,
+    stacking_access,
+    unstacking_bus,
+    unstacking_access
+  };
+  struct BankedPriority {
+    std::array<uint8_t, 48> value{};
+  };
+
+  // core.cpp
+  bool uses_psp() const { return ipsr_ == 0 && (control_ & 2) != 0; }
+  bool privileged() const { return ipsr_ != 0 || (control_ & 1) == 0; }
+  void select_stack(bool psp);
+  void branch_write_pc(uint32_t address) { pc_ = address & ~1u; }
+  bool bx_write_pc(uint32_t target);
+  bool condition_passed(unsigned condition) const;
+  bool leave(const Step& op) {
+    pc_ = next_address(op);
+    return false;
+  }
+  bool fault(const Step& op, Cause cause, uint32_t address = 0);
+  void step();
+  bool fetch(uint32_t address, uint16_t& halfword);
+  void execute_block(uint64_t limit);
+  Block* find_block();
+  std::unique_ptr<Block> build_block(uint32_t address, CodePage& page);
+  void finish(const Step& op);
+  void handle_event();
+  std::optional<StopReason> service();
+  void sleep_until_wake(bool for_event);
+
+  // access.cpp
+  template <typename T>
+  Access load(const Step& op, uint32_t address, uint32_t& value);
+  template <typename T>
+  Access store(const Step& op, uint32_t address, uint32_t value);
+  Access load_slow(const Step& op, uint32_t address, unsigned size, uint32_t& value,
+                   bool user = false);
+  Access store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
+                    bool user = false);
+  enum class Result : uint8_t { ok, device, bus_error, violation };
+  Result read_aligned(uint32_t address, unsigned size, uint32_t& value, bool priv);
+  Result write_aligned(uint32_t address, unsigned size, uint32_t value, bool priv);
+  Result read_physical(uint32_t address, unsigned size, uint32_t& value);
+  Result write_physical(uint32_t address, unsigned size, uint32_t value);
+
+  // exceptions.cpp
+  int group_priority(int priority) const;
+  int exception_priority(unsigned number) const;
+  int raw_execution_priority() const;
+  int execution_priority(bool ignore_primask = false) const;
+  unsigned highest_pending(int below) const;
+  bool exception_enabled(unsigned number) const;
+  void pend(unsigned number);
+  void raise(unsigned number, uint32_t return_address);
+  void exception_entry(unsigned number, uint32_t return_address);
+  bool push_stack(uint32_t return_address, Cause& cause);
+  void exception_taken(unsigned number, uint32_t exc_return);
+  void exception_return(uint32_t exc_return);
+  void return_fault(Cause cause, uint32_t exc_return);
+  bool pop_stack(uint32_t exc_return, Cause& cause);
+  unsigned derived_exception(Cause cause);
+  unsigned escalate(unsigned number, int priority);
+  void deactivate(unsigned number);
+  unsigned record_cause(Cause cause, uint32_t address);
+  void capture_fault(unsigned number, uint32_t return_address);
+  void lock_up();
+  unsigned active_count() const;
+
+  // system_control.cpp
+  Result ppb_read(uint32_t address, unsigned size, uint32_t& value, bool priv);
+  Result ppb_write(uint32_t address, unsigned size, uint32_t value, bool priv);
+  uint32_t ppb_read_word(uint32_t address, bool debug) const;
+  uint32_t ppb_peek(uint32_t address) const { return ppb_read_word(address, true); }
+  void ppb_write_word(uint32_t address, uint32_t value, uint32_t mask);
+  void write_nvic(uint32_t address, uint32_t value, uint32_t mask);
+  void write_shcsr(uint32_t value);
+  void write_mpu(uint32_t address, uint32_t value);
+  uint32_t icsr() const;
+  void reset_system_control();
+  void reevaluate() { check_ = true; }
+
+  // systick
+  uint64_t systick_tick(uint64_t cycle) const;
+  uint32_t systick_value(uint64_t cycle, bool& wrapped) const;
+  void systick_sync();
+  void systick_schedule();
+  void systick_expire();
+  bool mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const;
+
+  Bus& bus_;
+  // Hot state first.
+  std::array<uint32_t, 16> r_{};
+  uint32_t n_ = 0, z_ = 1;  // N is bit 31 of n_; Z is z_ == 0
+  bool c_ = false, v_ = false, q_ = false;
+  bool check_ = false;  // something besides the next instruction needs looking at
+  uint32_t pc_ = 0;
+  uint64_t cycles_ = 0, instructions_ = 0;
+  uint64_t access_offset_ = 0;
+  Event event_ = Event::none;
+  Memory::Page* fast_pages_ = nullptr;
+
+  uint8_t it_state_ = 0;
+  bool thumb_ = true, sleeping_ = false, sleeping_for_event_ = false, locked_up_ = false;
+  bool attention_ = false, reset_request_ = false, semihosting_exit_ = false,
+       event_register_ = false;
+  bool invalidated_ = false;
+  uint32_t ipsr_ = 0, control_ = 0, primask_ = 0, faultmask_ = 0, basepri_ = 0, other_sp_ = 0;
+  bool exclusive_ = false;
+  uint32_t exclusive_address_ = 0;
+  Cause event_cause_{};
+  uint32_t event_value_ = 0;
+  uint32_t event_return_ = 0;
+
+  Memory memory_;
+  Executor executor_ = Executor::blocks;
+  std::function<bool(Core&)> semihosting_;
+  std::set<uint32_t> breakpoints_;
+  uint64_t breakpoint_passed_ = never;
+  FaultReport fault_report_, first_fault_;
+  uint64_t fault_count_ = 0;
+
+  // Exceptions by number: bit n of the masks.
+  uint64_t pending_ = 0, active_ = 0, enabled_ = 0;
+  uint32_t lines_ = 0;
+  BankedPriority priority_;
+  uint32_t vtor_ = 0, prigroup_ = 0, scr_ = 0, ccr_ = 0, shcsr_ = 0, cfsr_ = 0, hfsr_ = 0,
+           mmfar_ = 0, bfar_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;
+  uint64_t cyccnt_base_ = 0;
+  uint32_t cyccnt_stopped_ = 0;
+  uint32_t mpu_ctrl_ = 0, mpu_rnr_ = 0;
+  std::array<uint32_t, 8> mpu_rbar_{}, mpu_rasr_{};
+
+  uint32_t systick_csr_ = 0, systick_rvr_ = 0, systick_start_ = 0;
+  bool systick_countflag_ = false;
+  uint64_t systick_start_cycle_ = 0, systick_event_ = never;
+  unsigned systick_reference_ = 25;
+};
+
+template <typename T>
+inline Core::Access Core::load(const Step& op, uint32_t address, uint32_t& value) {
+  const Memory::Page& p = fast_pages_[address >> Memory::page_bits];
+  if (__builtin_expect(p.read != nullptr && (address & (sizeof(T) - 1)) == 0, 1)) {
+    T data;
+    std::memcpy(&data, p.read + (address & (Memory::page_size - 1)), sizeof(T));
+    value = data;
+    if (__builtin_expect(p.wait_states != 0, 0)) cycles_ += p.wait_states;
+    return Access::ok;
+  }
+  return load_slow(op, address, sizeof(T), value);
+}
+
+template <typename T>
+inline Core::Access Core::store(const Step& op, uint32_t address, uint32_t value) {
+  const Memory::Page& p = fast_pages_[address >> Memory::page_bits];
+  if (__builtin_expect(p.write != nullptr && (address & (sizeof(T) - 1)) == 0, 1)) {
+    T data = static_cast<T>(value);
+    std::memcpy(p.write + (address & (Memory::page_size - 1)), &data, sizeof(T));
+    if (__builtin_expect(p.wait_states != 0, 0)) cycles_ += p.wait_states;
+    return Access::ok;
+  }
+  return store_slow(op, address, sizeof(T), value);
+}
+
+}  // namespace capsoc::cortex_m3

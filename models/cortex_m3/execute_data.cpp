@@ -1,0 +1,304 @@
+#include "cortex_m3/execute.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+enum class Flags { logical, arithmetic };
+
+// The data-processing operations (A7.7): what they compute, whether it is written, and from where
+// the carry and the overflow come.
+#define LOGICAL(name, writes_rd, expression)                                                \
+  struct name {                                                                             \
+    static constexpr Flags kind = Flags::logical;                                           \
+    static constexpr bool writes = writes_rd;                                               \
+    static uint32_t compute([[maybe_unused]] uint32_t n, uint32_t m) { return expression; } \
+  };
+#define ARITHMETIC(name, writes_rd, x, y, carry)                                \
+  struct name {                                                                 \
+    static constexpr Flags kind = Flags::arithmetic;                            \
+    static constexpr bool writes = writes_rd;                                   \
+    static AddResult compute(uint32_t n, uint32_t m, [[maybe_unused]] bool c) { \
+      return add_with_carry(x, y, carry);                                       \
+    }                                                                           \
+  };
+LOGICAL(And, true, n& m)
+LOGICAL(Bic, true, n & ~m)
+LOGICAL(Orr, true, n | m)
+LOGICAL(Orn, true, n | ~m)
+LOGICAL(Eor, true, n ^ m)
+LOGICAL(Mov, true, m)
+LOGICAL(Mvn, true, ~m)
+LOGICAL(Tst, false, n& m)
+LOGICAL(Teq, false, n ^ m)
+ARITHMETIC(Add, true, n, m, false)
+ARITHMETIC(Adc, true, n, m, c)
+ARITHMETIC(Sbc, true, n, ~m, c)
+ARITHMETIC(Sub, true, n, ~m, true)
+ARITHMETIC(Rsb, true, ~n, m, true)
+ARITHMETIC(Cmp, false, n, ~m, true)
+ARITHMETIC(Cmn, false, n, m, false)
+#undef LOGICAL
+#undef ARITHMETIC
+
+uint32_t bit_mask(unsigned width) {
+  return width >= 32 ? ~0u : (1u << width) - 1;
+}
+
+}  // namespace
+
+template <typename F, bool immediate, bool shifted, bool flags>
+bool Execute::data(Core& c, const Step& op) {
+  uint32_t m = immediate ? op.imm : c.r_[op.rm];
+  [[maybe_unused]] bool carry = c.c_;
+  if constexpr (shifted && immediate) {
+    carry = (op.imm >> 31) != 0;
+  } else if constexpr (shifted) {
+    ShiftResult r = shift_c(m, op.shift_type, op.shift_n, c.c_);
+    m = r.value;
+    carry = r.carry;
+  }
+  if constexpr (F::kind == Flags::logical) {
+    uint32_t value = F::compute(c.r_[op.rn], m);
+    if constexpr (F::writes) c.r_[op.rd] = value;
+    if constexpr (flags) {
+      set_nz(c, value);
+      if constexpr (shifted) c.c_ = carry;
+    }
+  } else {
+    AddResult r = F::compute(c.r_[op.rn], m, c.c_);
+    if constexpr (F::writes) c.r_[op.rd] = r.value;
+    if constexpr (flags) {
+      set_nz(c, r.value);
+      c.c_ = r.carry;
+      c.v_ = r.overflow;
+    }
+  }
+  return true;
+}
+
+template <ShiftType type, bool flags>
+bool Execute::shift_register(Core& c, const Step& op) {
+  ShiftResult r = shift_c(c.r_[op.rn], type, c.r_[op.rm] & 0xFF, c.c_);
+  c.r_[op.rd] = r.value;
+  if constexpr (flags) {
+    set_nz(c, r.value);
+    c.c_ = r.carry;
+  }
+  return true;
+}
+
+Handler Execute::data_handler(const DecodedOp& op) {
+  const bool shifted = op.shift_n != 0, flags = op.set_flags;
+  switch (op.operation) {
+#define FAMILY(name, F)                                                                   \
+  case Operation::name##_imm:                                                             \
+    if (shifted) return flags ? data<F, true, true, true> : data<F, true, false, false>;  \
+    return flags ? data<F, true, false, true> : data<F, true, false, false>;              \
+  case Operation::name##_reg:                                                             \
+    if (shifted) return flags ? data<F, false, true, true> : data<F, false, true, false>; \
+    return flags ? data<F, false, false, true> : data<F, false, false, false>;
+    FAMILY(and, And)
+    FAMILY(bic, Bic)
+    FAMILY(orr, Orr)
+    FAMILY(orn, Orn)
+    FAMILY(eor, Eor)
+    FAMILY(add, Add)
+    FAMILY(adc, Adc)
+    FAMILY(sbc, Sbc)
+    FAMILY(sub, Sub)
+    FAMILY(rsb, Rsb)
+    FAMILY(mov, Mov)
+    FAMILY(mvn, Mvn)
+    FAMILY(tst, Tst)
+    FAMILY(teq, Teq)
+    FAMILY(cmp, Cmp)
+    FAMILY(cmn, Cmn)
+#undef FAMILY
+#define SHIFT(type)           \
+  case Operation::type##_reg: \
+    return flags ? shift_register<ShiftType::type, true> : shift_register<ShiftType::type, false>;
+    SHIFT(lsl)
+    SHIFT(lsr)
+    SHIFT(asr)
+    SHIFT(ror)
+#undef SHIFT
+#define ONE(name)       \
+  case Operation::name: \
+    return name;
+    ONE(add_high)
+    ONE(cmp_high)
+    ONE(mov_high) ONE(adr) ONE(movt) ONE(sbfx) ONE(ubfx) ONE(bfi) ONE(bfc) ONE(ssat) ONE(usat)
+        ONE(sxtb) ONE(sxth) ONE(uxtb) ONE(uxth) ONE(rev) ONE(rev16) ONE(revsh) ONE(rbit) ONE(clz)
+            ONE(mul) ONE(mla) ONE(mls) ONE(smull) ONE(umull) ONE(smlal) ONE(umlal) ONE(sdiv)
+                ONE(udiv)
+#undef ONE
+                    default : return nullptr;
+  }
+}
+
+// MOV and ADD to the PC branch without interworking (BranchWritePC, A2.3.1).
+bool Execute::add_high(Core& c, const Step& op) {
+  uint32_t value = read(c, op, op.rn) + read(c, op, op.rm);
+  if (op.rd != 15) {
+    c.r_[op.rd] = value;
+    return true;
+  }
+  c.branch_write_pc(value);
+  c.cycles_ += timing::pipeline_refill;
+  return false;
+}
+
+bool Execute::mov_high(Core& c, const Step& op) {
+  uint32_t value = read(c, op, op.rm);
+  if (op.rd != 15) {
+    c.r_[op.rd] = value;
+    return true;
+  }
+  c.branch_write_pc(value);
+  c.cycles_ += timing::pipeline_refill;
+  return false;
+}
+
+bool Execute::cmp_high(Core& c, const Step& op) {
+  AddResult r = add_with_carry(read(c, op, op.rn), ~read(c, op, op.rm), true);
+  set_nz(c, r.value);
+  c.c_ = r.carry;
+  c.v_ = r.overflow;
+  return true;
+}
+
+bool Execute::adr(Core& c, const Step& op) {
+  c.r_[op.rd] = (pc_of(op) & ~3u) + op.imm;
+  return true;
+}
+
+bool Execute::movt(Core& c, const Step& op) {
+  c.r_[op.rd] = (c.r_[op.rd] & 0xFFFF) | op.imm << 16;
+  return true;
+}
+
+bool Execute::sbfx(Core& c, const Step& op) {
+  unsigned width = op.ra + 1u;
+  if (op.imm + width > 32) width = 32 - op.imm;  // UNPREDICTABLE: the field ends at bit 31
+  c.r_[op.rd] = sign_extend(c.r_[op.rn] >> op.imm, width);
+  return true;
+}
+
+bool Execute::ubfx(Core& c, const Step& op) {
+  c.r_[op.rd] = (c.r_[op.rn] >> op.imm) & bit_mask(op.ra + 1u);
+  return true;
+}
+
+bool Execute::bfi(Core& c, const Step& op) {
+  if (op.ra < op.imm) return true;  // UNPREDICTABLE: nothing
+  uint32_t mask = bit_mask(op.ra - op.imm + 1) << op.imm;
+  c.r_[op.rd] = (c.r_[op.rd] & ~mask) | ((c.r_[op.rn] << op.imm) & mask);
+  return true;
+}
+
+bool Execute::bfc(Core& c, const Step& op) {
+  if (op.ra < op.imm) return true;
+  c.r_[op.rd] &= ~(bit_mask(op.ra - op.imm + 1) << op.imm);
+  return true;
+}
+
+bool Execute::ssat(Core& c, const Step& op) {
+  uint32_t operand = shift_c(c.r_[op.rn], op.shift_type, op.shift_n, false).value;
+  SaturationResult r = signed_sat_q(static_cast<int32_t>(operand), op.ra + 1u);
+  c.r_[op.rd] = r.value;
+  c.q_ = c.q_ || r.saturated;
+  return true;
+}
+
+bool Execute::usat(Core& c, const Step& op) {
+  uint32_t operand = shift_c(c.r_[op.rn], op.shift_type, op.shift_n, false).value;
+  SaturationResult r = unsigned_sat_q(static_cast<int32_t>(operand), op.ra);
+  c.r_[op.rd] = r.value;
+  c.q_ = c.q_ || r.saturated;
+  return true;
+}
+
+#define UNARY(name, expression)                 \
+  bool Execute::name(Core& c, const Step& op) { \
+    uint32_t m = c.r_[op.rm];                   \
+    c.r_[op.rd] = expression;                   \
+    return true;                                \
+  }
+UNARY(sxtb, sign_extend(rotate_right(m, op.shift_n), 8))
+UNARY(sxth, sign_extend(rotate_right(m, op.shift_n), 16))
+UNARY(uxtb, rotate_right(m, op.shift_n) & 0xFF)
+UNARY(uxth, rotate_right(m, op.shift_n) & 0xFFFF)
+UNARY(rev, __builtin_bswap32(m))
+UNARY(rev16, rotate_right(__builtin_bswap32(m), 16))
+UNARY(revsh, sign_extend(__builtin_bswap32(m) >> 16, 16))
+UNARY(clz, m == 0 ? 32 : static_cast<uint32_t>(__builtin_clz(m)))
+#undef UNARY
+
+bool Execute::rbit(Core& c, const Step& op) {
+  uint32_t x = __builtin_bswap32(c.r_[op.rm]);
+  x = (x & 0x0F0F0F0F) << 4 | (x >> 4 & 0x0F0F0F0F);
+  x = (x & 0x33333333) << 2 | (x >> 2 & 0x33333333);
+  c.r_[op.rd] = (x & 0x55555555) << 1 | (x >> 1 & 0x55555555);
+  return true;
+}
+
+bool Execute::mul(Core& c, const Step& op) {
+  uint32_t value = c.r_[op.rn] * c.r_[op.rm];
+  c.r_[op.rd] = value;
+  if (op.set_flags) set_nz(c, value);
+  return true;
+}
+
+bool Execute::mla(Core& c, const Step& op) {
+  c.r_[op.rd] = c.r_[op.ra] + c.r_[op.rn] * c.r_[op.rm];
+  return true;
+}
+
+bool Execute::mls(Core& c, const Step& op) {
+  c.r_[op.rd] = c.r_[op.ra] - c.r_[op.rn] * c.r_[op.rm];
+  return true;
+}
+
+#define LONG_MULTIPLY(name, product, accumulate)                           \
+  bool Execute::name(Core& c, const Step& op) {                            \
+    uint32_t n = c.r_[op.rn], m = c.r_[op.rm];                             \
+    uint64_t sum = static_cast<uint64_t>(c.r_[op.ra]) << 32 | c.r_[op.rd]; \
+    uint64_t value = (product) + (accumulate ? sum : 0);                   \
+    c.r_[op.rd] = static_cast<uint32_t>(value);                            \
+    c.r_[op.ra] = static_cast<uint32_t>(value >> 32);                      \
+    return true;                                                           \
+  }
+#define SIGNED(x) static_cast<int64_t>(static_cast<int32_t>(x))
+LONG_MULTIPLY(smull, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), false)
+LONG_MULTIPLY(umull, static_cast<uint64_t>(n) * m, false)
+LONG_MULTIPLY(smlal, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), true)
+LONG_MULTIPLY(umlal, static_cast<uint64_t>(n) * m, true)
+#undef SIGNED
+#undef LONG_MULTIPLY
+
+namespace {
+constexpr uint32_t ccr_div_0_trp = 1u << 4;
+uint32_t magnitude(uint32_t x) {
+  return (x >> 31) ? 0u - x : x;
+}
+}  // namespace
+
+bool Execute::udiv(Core& c, const Step& op) {
+  uint32_t n = c.r_[op.rn], m = c.r_[op.rm];
+  if (m == 0 && (c.ccr_ & ccr_div_0_trp)) return c.fault(op, Core::Cause::divide_by_zero);
+  c.r_[op.rd] = m == 0 ? 0 : n / m;
+  c.cycles_ += timing::divide_extra(n, m);
+  return true;
+}
+
+bool Execute::sdiv(Core& c, const Step& op) {
+  uint32_t n = c.r_[op.rn], m = c.r_[op.rm];
+  if (m == 0 && (c.ccr_ & ccr_div_0_trp)) return c.fault(op, Core::Cause::divide_by_zero);
+  // In 64 bits the smallest number divided by -1 wraps to itself, as the architecture has it.
+  int64_t quotient = m == 0 ? 0 : int64_t{static_cast<int32_t>(n)} / static_cast<int32_t>(m);
+  c.r_[op.rd] = static_cast<uint32_t>(quotient);
+  c.cycles_ += timing::divide_extra(magnitude(n), magnitude(m));
+  return true;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,215 @@
+#include "cortex_m3/execute.h"
+
+namespace capsoc::cortex_m3 {
+
+Handler Execute::system_handler(const DecodedOp& op) {
+  switch (op.operation) {
+#define ONE(name)       \
+  case Operation::name: \
+    return name;
+    ONE(coprocessor)
+    ONE(nop)
+    ONE(it) ONE(svc) ONE(bkpt) ONE(cps) ONE(mrs) ONE(msr) ONE(wfi) ONE(wfe) ONE(sev) ONE(barrier)
+        ONE(isb) ONE(fall_through)
+#undef ONE
+            default : return undefined;
+  }
+}
+
+Handler Execute::unconditional_handler(const DecodedOp& op) {
+  if (Handler h = data_handler(op)) return h;
+  if (Handler h = memory_handler(op)) return h;
+  if (Handler h = branch_handler(op)) return h;
+  return system_handler(op);
+}
+
+/// SP[1:0] read as zero (B1.4.7), so whatever writes R13 ends here.
+bool Execute::align_sp(Core& c, const Step& op) {
+  bool go_on = unconditional_handler(op)(c, op);
+  c.r_[13] &= ~3u;
+  return go_on;
+}
+
+bool Execute::conditional(Core& c, const Step& op) {
+  if (c.condition_passed(op.condition)) return op.body(c, op);
+  c.cycles_ -= op.cycles - 1u;  // skipped in one cycle
+  // What always leaves its block has no step of the same block behind it to go on with.
+  return ends_block(op) ? c.leave(op) : true;
+}
+
+void Execute::bind(Step& step) {
+  step.body = unconditional_handler(step);
+  bool writes_sp =
+      step.rd == 13 || step.ra == 13 || (step.writeback && step.rn == 13 && (step.imm & 3) != 0);
+  if (writes_sp && step.operation < Operation::b) step.body = align_sp;
+  // BKPT is unconditional even inside an IT block (A7.7.17), and IT itself opens one.
+  bool always = step.condition == condition_always || step.operation == Operation::bkpt ||
+                step.operation == Operation::it;
+  step.handler = always ? step.body : conditional;
+}
+
+uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) {
+  switch (op.operation) {
+    case Operation::udiv:
+    case Operation::sdiv:
+      return timing::divide_most;
+    default:
+      break;
+  }
+  unsigned transfers = op.operation >= Operation::ldm && op.operation <= Operation::stmdb ? 16 : 4;
+  bool memory = op.operation >= Operation::ldr && op.operation <= Operation::strexh;
+  return memory ? transfers * (largest_wait + 1) : 0;
+}
+
+bool Execute::undefined(Core& c, const Step& op) {
+  return c.fault(op, Core::Cause::undefined_instruction);
+}
+bool Execute::coprocessor(Core& c, const Step& op) {
+  return c.fault(op, Core::Cause::no_coprocessor);
+}
+bool Execute::nop(Core&, const Step&) {
+  return true;
+}
+bool Execute::it(Core&, const Step&) {
+  return true;
+}  // its effect is in what was decoded after it
+bool Execute::barrier(Core&, const Step&) {
+  return true;
+}
+bool Execute::isb(Core& c, const Step& op) {
+  return c.leave(op);
+}
+
+bool Execute::fall_through(Core& c, const Step& op) {
+  c.pc_ = op.address;
+  return false;
+}
+
+bool Execute::svc(Core& c, const Step& op) {
+  c.event_ = Core::Event::svc;
+  return c.leave(op);
+}
+
+bool Execute::bkpt(Core& c, const Step& op) {
+  c.event_ = Core::Event::bkpt;
+  c.event_value_ = op.imm;
+  c.event_return_ = op.address;
+  return c.leave(op);
+}
+
+// imm: bit 4 disables, I is PRIMASK, F is FAULTMASK; nothing happens without privilege (B5.2.1).
+bool Execute::cps(Core& c, const Step& op) {
+  bool disable = (op.encoding & 0x10) != 0;
+  if (c.privileged()) {
+    if (op.encoding & 2) c.primask_ = disable ? 1 : 0;
+    if ((op.encoding & 1) && (!disable || c.execution_priority() > -1))
+      c.faultmask_ = disable ? 1 : 0;
+    c.reevaluate();
+  }
+  return c.leave(op);
+}
+
+namespace {
+uint32_t sysm(const DecodedOp& op) {
+  return op.encoding & 0xFF;
+}
+}  // namespace
+
+// B5.2.2. EPSR reads as zero; without privilege IPSR, the stack pointers and the masks do too.
+bool Execute::mrs(Core& c, const Step& op) {
+  uint32_t value = 0;
+  unsigned which = sysm(op);
+  bool priv = c.privileged();
+  if (which <= 7) {
+    if ((which & 4) == 0) value |= c.xpsr() & 0xF8000000u;
+    if ((which & 1) && priv) value |= c.ipsr_;
+  } else if (which == 20) {
+    value = c.control_;
+  } else if (priv) {
+    switch (which) {
+      case 8:
+        value = c.msp();
+        break;
+      case 9:
+        value = c.psp();
+        break;
+      case 16:
+        value = c.primask_;
+        break;
+      case 17:
+      case 18:
+        value = c.basepri_;
+        break;
+      case 19:
+        value = c.faultmask_;
+        break;
+      default:
+        break;
+    }
+  }
+  c.r_[op.rd] = value;
+  return true;
+}
+
+// B5.2.3.
+bool Execute::msr(Core& c, const Step& op) {
+  uint32_t value = c.r_[op.rn];
+  unsigned which = sysm(op);
+  if (which <= 3 && (op.encoding & 0x800)) {
+    c.n_ = value;
+    c.z_ = (value >> 30 & 1) ? 0 : 1;
+    c.c_ = (value >> 29 & 1) != 0;
+    c.v_ = (value >> 28 & 1) != 0;
+    c.q_ = (value >> 27 & 1) != 0;
+  } else if (which > 7 && c.privileged()) {
+    switch (which) {
+      case 8:
+        c.set_msp(value);
+        break;
+      case 9:
+        c.set_psp(value);
+        break;
+      case 16:
+        c.primask_ = value & 1;
+        break;
+      case 17:
+        c.basepri_ = value & 0xE0;
+        break;
+      case 18:
+        value &= 0xE0;
+        if (value != 0 && (value < c.basepri_ || c.basepri_ == 0)) c.basepri_ = value;
+        break;
+      case 19:
+        if (c.execution_priority() > -1 || (value & 1) == 0) c.faultmask_ = value & 1;
+        break;
+      case 20:
+        c.set_control(value);
+        break;
+      default:
+        break;
+    }
+    c.reevaluate();
+  }
+  return c.leave(op);
+}
+
+bool Execute::wfi(Core& c, const Step& op) {
+  c.sleep_until_wake(false);
+  return c.leave(op);
+}
+
+bool Execute::wfe(Core& c, const Step& op) {
+  if (c.event_register_) {
+    c.event_register_ = false;
+  } else {
+    c.sleep_until_wake(true);
+  }
+  return c.leave(op);
+}
+
+bool Execute::sev(Core& c, const Step& op) {
+  c.event_register_ = true;
+  return c.leave(op);
+}
+
+}  // namespace capsoc::cortex_m3

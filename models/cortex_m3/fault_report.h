@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace capsoc::cortex_m3 {
+
+/// What was known when a fault handler was entered, or the core locked up.
+struct FaultReport {
+  enum class Kind : uint8_t { none, hard_fault, mem_manage, bus_fault, usage_fault, lockup };
+  Kind kind = Kind::none;
+  unsigned exception = 0;  // number of the exception entered; at lockup the one running
+  uint32_t cfsr = 0, hfsr = 0, mmfar = 0, bfar = 0;
+  std::array<uint32_t, 8> frame{};  // r0-r3, r12, lr, pc, xpsr as stacked
+  uint32_t address = 0;             // the faulting data address if valid, else the pc
+  unsigned nesting = 0;             // exceptions active before this one
+  uint64_t cycle = 0;
+};
+
+/// The fault status registers in words, one clause a bit; "no fault" when none is set.
+std::string describe_cfsr(uint32_t cfsr, uint32_t hfsr);
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,75 @@
+#include "cortex_m3/core.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+/// Access permissions AP of a region (B3.5.6).
+bool permitted(unsigned ap, bool write, bool priv) {
+  switch (ap) {
+    case 1:
+      return priv;
+    case 2:
+      return priv || !write;
+    case 3:
+      return true;
+    case 5:
+      return priv && !write;
+    case 6:
+    case 7:
+      return !write;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+/// ValidateAddress (B3.5.3): the highest region that matches decides.
+bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const {
+  if ((mpu_ctrl_ & 1) == 0) return true;
+  if ((mpu_ctrl_ & 2) == 0 && (faultmask_ != 0 || ipsr_ == 2 || ipsr_ == 3)) return true;
+  for (unsigned n = 8; n-- > 0;) {
+    uint32_t rasr = mpu_rasr_[n];
+    unsigned bits = ((rasr >> 1) & 31) + 1;
+    if ((rasr & 1) == 0 || bits < 5) continue;
+    uint64_t size = uint64_t{1} << bits;
+    uint32_t base = mpu_rbar_[n] & ~static_cast<uint32_t>(size - 1);
+    uint32_t offset = address - base;
+    if (offset >= size) continue;
+    if (bits >= 8 && ((rasr >> (8 + (offset >> (bits - 3)))) & 1)) continue;
+    if (fetch && (rasr & 1u << 28)) return false;
+    return permitted((rasr >> 24) & 7, write, priv);
+  }
+  return priv && (mpu_ctrl_ & 4) != 0;
+}
+
+void Core::write_mpu(uint32_t address, uint32_t value) {
+  uint32_t offset = (address & 0xFF) - 0x90;
+  switch (offset) {
+    case 0x04:
+      mpu_ctrl_ = value & 7;
+      break;
+    case 0x08:
+      mpu_rnr_ = value & 7;
+      break;
+    case 0x0C:
+    case 0x14:
+    case 0x1C:
+    case 0x24:
+      if (value & 0x10) mpu_rnr_ = value & 7;
+      mpu_rbar_[mpu_rnr_] = value & ~0x1Fu;
+      break;
+    case 0x10:
+    case 0x18:
+    case 0x20:
+    case 0x28:
+      mpu_rasr_[mpu_rnr_] = value & 0x173FFF3F;
+      break;
+    default:
+      break;
+  }
+  fast_pages_ = (mpu_ctrl_ & 1) ? memory_.empty_table() : memory_.table();
+  check_ = true;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,318 @@
+// The private peripheral bus: NVIC, SCB, SysTick, MPU and DWT registers (ARM DDI 0403, B3 and C1).
+#include <algorithm>
+
+#include "cortex_m3/core.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr uint32_t priority_mask = 0xE0;  // three priority bits
+constexpr uint32_t ccr_usersetmpend = 2;
+constexpr uint32_t trcena = 1u << 24;
+
+struct ShcsrBit {
+  unsigned position;
+  unsigned exception;
+  bool pending;
+};
+constexpr ShcsrBit shcsr_bits[] = {{0, 4, false},  {1, 5, false},   {3, 6, false},   {7, 11, false},
+                                   {8, 12, false}, {10, 14, false}, {11, 15, false}, {12, 6, true},
+                                   {13, 4, true},  {14, 5, true},   {15, 11, true}};
+
+}  // namespace
+
+void Core::reset_system_control() {
+  pending_ = active_ = enabled_ = 0;
+  lines_ = 0;
+  priority_.value.fill(0);
+  vtor_ = prigroup_ = scr_ = shcsr_ = cfsr_ = hfsr_ = mmfar_ = bfar_ = actlr_ = demcr_ = dwt_ctrl_ =
+      0;
+  ccr_ = 0x200;  // STKALIGN, from r2p0 on
+  cyccnt_stopped_ = 0;
+  mpu_ctrl_ = mpu_rnr_ = 0;
+  mpu_rbar_.fill(0);
+  mpu_rasr_.fill(0);
+  fast_pages_ = memory_.table();
+  systick_csr_ = systick_rvr_ = systick_start_ = 0;
+  systick_countflag_ = false;
+  systick_start_cycle_ = cycles_;
+  systick_event_ = never;
+}
+
+uint32_t Core::icsr() const {
+  uint32_t value = ipsr_;
+  if (active_count() <= 1) value |= 1u << 11;  // RETTOBASE
+  value |= highest_pending(257) << 12;
+  if (pending_ >> 16) value |= 1u << 22;
+  if (pending_ & 1u << 15) value |= 1u << 26;
+  if (pending_ & 1u << 14) value |= 1u << 28;
+  if (pending_ & 1u << 2) value |= 1u << 31;
+  return value;
+}
+
+uint32_t Core::ppb_read_word(uint32_t address, bool) const {
+  auto irqs = [](uint64_t mask) { return static_cast<uint32_t>(mask >> 16); };
+  if (address >= 0xE000E400 && address < 0xE000E420) {
+    uint32_t value = 0;
+    std::memcpy(&value, &priority_.value[16 + (address - 0xE000E400)], 4);
+    return value;
+  }
+  if (address >= 0xE000ED18 && address < 0xE000ED24) {
+    uint32_t value = 0;
+    std::memcpy(&value, &priority_.value[4 + (address - 0xE000ED18)], 4);
+    return value;
+  }
+  bool wrapped = false;
+  switch (address) {
+    case 0xE0001000:
+      return 0x40000000u | dwt_ctrl_;  // four comparators
+    case 0xE0001004: {
+      bool runs = (dwt_ctrl_ & 1) && (demcr_ & trcena);
+      return runs ? static_cast<uint32_t>(cycles() - cyccnt_base_) : cyccnt_stopped_;
+    }
+    case 0xE000E004:
+      return 0;  // ICTR: 32 lines
+    case 0xE000E008:
+      return actlr_;
+    case 0xE000E010: {
+      systick_value(cycles(), wrapped);
+      return systick_csr_ | (systick_countflag_ || wrapped ? 1u << 16 : 0);
+    }
+    case 0xE000E014:
+      return systick_rvr_;
+    case 0xE000E018:
+      return systick_value(cycles(), wrapped);
+    case 0xE000E01C:
+      return 9999;  // TENMS: 10 ms of the 1 MHz reference, less one
+    case 0xE000E100:
+    case 0xE000E180:
+      return irqs(enabled_);
+    case 0xE000E200:
+    case 0xE000E280:
+      return irqs(pending_);
+    case 0xE000E300:
+      return irqs(active_);
+    case 0xE000ED00:
+      return 0x412FC231;  // CPUID: Cortex-M3 r2p1
+    case 0xE000ED04:
+      return icsr();
+    case 0xE000ED08:
+      return vtor_;
+    case 0xE000ED0C:
+      return 0xFA050000u | prigroup_ << 8;
+    case 0xE000ED10:
+      return scr_;
+    case 0xE000ED14:
+      return ccr_;
+    case 0xE000ED24: {
+      uint32_t value = shcsr_;
+      for (const ShcsrBit& b : shcsr_bits) {
+        value |= static_cast<uint32_t>(((b.pending ? pending_ : active_) >> b.exception) & 1)
+                 << b.position;
+      }
+      return value;
+    }
+    case 0xE000ED28:
+      return cfsr_;
+    case 0xE000ED2C:
+      return hfsr_;
+    case 0xE000ED34:
+      return mmfar_;
+    case 0xE000ED38:
+      return bfar_;
+    case 0xE000ED40:
+      return 0x30;  // ID_PFR0
+    case 0xE000ED44:
+      return 0x200;  // ID_PFR1
+    case 0xE000ED48:
+      return 0x00100000;  // ID_DFR0
+    case 0xE000ED50:
+      return 0x30;  // ID_MMFR0
+    case 0xE000ED60:
+      return 0x01141110;  // ID_ISAR0
+    case 0xE000ED64:
+      return 0x02111000;
+    case 0xE000ED68:
+      return 0x21112231;
+    case 0xE000ED6C:
+      return 0x01111110;
+    case 0xE000ED70:
+      return 0x01310102;
+    case 0xE000ED90:
+      return 0x800;  // MPU_TYPE: eight regions
+    case 0xE000ED94:
+      return mpu_ctrl_;
+    case 0xE000ED98:
+      return mpu_rnr_;
+    case 0xE000ED9C:
+    case 0xE000EDA4:
+    case 0xE000EDAC:
+    case 0xE000EDB4:
+      return mpu_rbar_[mpu_rnr_] | mpu_rnr_;
+    case 0xE000EDA0:
+    case 0xE000EDA8:
+    case 0xE000EDB0:
+    case 0xE000EDB8:
+      return mpu_rasr_[mpu_rnr_];
+    case 0xE000EDFC:
+      return demcr_;
+    default:
+      return 0;  // the rest reads as zero
+  }
+}
+
+/// Without privilege only STIR answers, and only if CCR.USERSETMPEND lets it.
+Core::Result Core::ppb_read(uint32_t address, unsigned size, uint32_t& value, bool priv) {
+  value = 0;
+  if (!priv) return Result::bus_error;
+  uint32_t word = ppb_read_word(address & ~3u, false) >> (8 * (address & 3));
+  value = size == 4 ? word : word & ((1u << (8 * size)) - 1);
+  if ((address & ~3u) == 0xE000E010) {
+    // COUNTFLAG is in byte 2 of CSR, and reading it clears it.
+    systick_sync();
+    if ((address & 3) + size > 2) systick_countflag_ = false;
+    systick_schedule();
+  }
+  return Result::device;
+}
+
+Core::Result Core::ppb_write(uint32_t address, unsigned size, uint32_t value, bool priv) {
+  bool stir = address == 0xE000EF00;
+  if (!priv && !(stir && (ccr_ & ccr_usersetmpend))) return Result::bus_error;
+  unsigned shift = 8 * (address & 3);
+  uint32_t mask = (size == 4 ? ~0u : (1u << (8 * size)) - 1) << shift;
+  ppb_write_word(address & ~3u, value << shift, mask);
+  check_ = true;
+  return Result::device;
+}
+
+void Core::write_nvic(uint32_t address, uint32_t value, uint32_t) {
+  uint64_t mask = static_cast<uint64_t>(value) << 16;
+  switch (address) {
+    case 0xE000E100:
+      enabled_ |= mask;
+      break;
+    case 0xE000E180:
+      enabled_ &= ~mask;
+      break;
+    case 0xE000E200:
+      if ((scr_ & 0x10) && (mask & ~pending_)) event_register_ = true;
+      pending_ |= mask;
+      break;
+    case 0xE000E280:
+      // A line that is high and not active pends again at once.
+      pending_ &= ~mask;
+      pending_ |= (static_cast<uint64_t>(lines_) << 16) & mask & ~active_;
+      break;
+    default:
+      break;
+  }
+}
+
+void Core::write_shcsr(uint32_t value) {
+  shcsr_ = value & 0x70000;
+  for (const ShcsrBit& b : shcsr_bits) {
+    uint64_t& state = b.pending ? pending_ : active_;
+    uint64_t bit = uint64_t{1} << b.exception;
+    state = ((value >> b.position) & 1) ? state | bit : state & ~bit;
+  }
+}
+
+void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
+  auto merge = [&](uint32_t old) { return (old & ~mask) | (value & mask); };
+  auto priorities = [&](unsigned first) {
+    for (unsigned i = 0; i < 4; ++i) {
+      if ((mask >> (8 * i)) & 0xFF) {
+        priority_.value[first + i] = static_cast<uint8_t>((value >> (8 * i)) & priority_mask);
+      }
+    }
+  };
+  if (address >= 0xE000E400 && address < 0xE000E420) return priorities(16 + (address - 0xE000E400));
+  if (address >= 0xE000ED18 && address < 0xE000ED24) {
+    priorities(4 + (address - 0xE000ED18));
+    for (unsigned reserved : {7, 8, 9, 10, 13}) priority_.value[reserved] = 0;
+    return;
+  }
+  if (address >= 0xE000E100 && address < 0xE000E300) return write_nvic(address, value & mask, mask);
+  if (address >= 0xE000ED90 && address < 0xE000EDBC) return write_mpu(address, value);
+  switch (address) {
+    case 0xE0001000:
+    case 0xE000EDFC: {
+      uint32_t count = ppb_peek(0xE0001004);
+      (address == 0xE000EDFC ? demcr_ : dwt_ctrl_) =
+          merge(address == 0xE000EDFC ? demcr_ : dwt_ctrl_);
+      dwt_ctrl_ &= 1;
+      cyccnt_stopped_ = count;
+      cyccnt_base_ = cycles() - count;
+      break;
+    }
+    case 0xE0001004:
+      cyccnt_stopped_ = value;
+      cyccnt_base_ = cycles() - value;
+      break;
+    case 0xE000E008:
+      actlr_ = merge(actlr_) & 7;
+      break;
+    case 0xE000E010:
+      systick_sync();
+      systick_csr_ = merge(systick_csr_) & 7;
+      systick_schedule();
+      break;
+    case 0xE000E014:
+      systick_sync();
+      systick_rvr_ = merge(systick_rvr_) & 0xFFFFFF;
+      systick_schedule();
+      break;
+    case 0xE000E018:
+      systick_sync();
+      systick_start_ = 0;
+      systick_countflag_ = false;
+      systick_schedule();
+      break;
+    case 0xE000ED04: {
+      uint32_t v = value & mask;
+      if (v & 1u << 31) pend(2);
+      if (v & 1u << 28) pend(14);
+      if (v & 1u << 27) pending_ &= ~(uint64_t{1} << 14);
+      if (v & 1u << 26) pend(15);
+      if (v & 1u << 25) pending_ &= ~(uint64_t{1} << 15);
+      break;
+    }
+    case 0xE000ED08:
+      vtor_ = merge(vtor_) & 0x3FFFFF80;
+      break;
+    case 0xE000ED0C:
+      if ((value & mask) >> 16 != 0x05FA) break;
+      prigroup_ = (value >> 8) & 7;
+      if (value & 4) reset_request_ = true;
+      break;
+    case 0xE000ED10:
+      scr_ = merge(scr_) & 0x16;
+      break;
+    case 0xE000ED14:
+      ccr_ = merge(ccr_) & 0x31B;
+      break;
+    case 0xE000ED24:
+      write_shcsr(merge(ppb_peek(address)));
+      break;
+    case 0xE000ED28:
+      cfsr_ &= ~(value & mask);
+      break;
+    case 0xE000ED2C:
+      hfsr_ &= ~(value & mask);
+      break;
+    case 0xE000ED34:
+      mmfar_ = merge(mmfar_);
+      break;
+    case 0xE000ED38:
+      bfar_ = merge(bfar_);
+      break;
+    case 0xE000EF00:
+      if ((value & 0x1FF) < interrupt_count) pend(16 + (value & 0x1FF));
+      break;
+    default:
+      break;
+  }
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,182 @@
+#include "cortex_m3_tlm/cortex_m3_tlm.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr uint64_t never = std::numeric_limits<uint64_t>::max();
+constexpr uint32_t code_region_end =
+    0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
+
+}  // namespace
+
+CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+    : sc_module(name),
+      icode("icode"),
+      dcode("dcode"),
+      system("system"),
+      clock_(clock),
+      core_(*this) {
+  icode.register_invalidate_direct_mem_ptr(this, &CortexM3Tlm::invalidate, 0);
+  dcode.register_invalidate_direct_mem_ptr(this, &CortexM3Tlm::invalidate, 1);
+  system.register_invalidate_direct_mem_ptr(this, &CortexM3Tlm::invalidate, 2);
+  // SysTick's reference clock is 1 MHz whatever HCLK does (AN385).
+  clock_.on_change([this] { core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000)); });
+  SC_HAS_PROCESS(CortexM3Tlm);
+  SC_THREAD(thread);
+}
+
+void CortexM3Tlm::set_interrupt(unsigned line, bool level) {
+  core_.set_interrupt(line, level);
+  wake_.notify(sc_core::SC_ZERO_TIME);
+}
+
+void CortexM3Tlm::thread() {
+  core_.reset();
+  for (;;) {
+    settle();
+    if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
+    if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+    const StopReason reason = core_.run(horizon());
+    synchronise();
+    catch_up();
+    switch (reason) {
+      case StopReason::sleeping:
+        sleep();
+        break;
+      case StopReason::lockup:
+        return end(EndReason::lockup);
+      case StopReason::semihosting_exit:
+        return end(EndReason::exit);
+      case StopReason::reset_request:
+        if (reset_request_) reset_request_();
+        core_.reset();
+        break;
+      case StopReason::budget:
+      case StopReason::attention:
+      case StopReason::breakpoint:
+        break;
+    }
+    if (end_reason_ != EndReason::none) return;
+  }
+}
+
+void CortexM3Tlm::end(EndReason reason) {
+  end_reason_ = reason;
+  sc_core::sc_stop();
+}
+
+/// Sleeps until an interrupt or an event of the core's own (SysTick) can wake it.
+void CortexM3Tlm::sleep() {
+  while (!core_.wake_pending()) {
+    const uint64_t internal = core_.next_internal_event();
+    if (internal != never) {
+      const sc_core::sc_time until = clock_.time_of(internal);
+      const sc_core::sc_time now = sc_core::sc_time_stamp();
+      if (until > now) wait(until - now, wake_);
+    } else {
+      // Nothing in the kernel and nothing in the core: this sleep has no end.
+      if (!sc_core::sc_pending_activity()) return end(EndReason::asleep);
+      wait(wake_);
+    }
+    settle();
+    catch_up();
+    if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+  }
+}
+
+/// Everything else that happens at this instant happens before the processor's next instruction.
+void CortexM3Tlm::settle() {
+  while (sc_core::sc_pending_activity_at_current_time()) wait(sc_core::SC_ZERO_TIME);
+}
+
+/// Lets the kernel catch up with the core.
+void CortexM3Tlm::synchronise() {
+  const sc_core::sc_time local = clock_.time_of(core_.cycles());
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  if (local > now) wait(local - now);
+  settle();
+}
+
+/// After a change to a faster clock inside an instruction the domain is ahead of the core: the core
+/// stalls.
+void CortexM3Tlm::catch_up() {
+  const uint64_t cycle = clock_.cycles_at(sc_core::sc_time_stamp());
+  if (cycle > core_.cycles()) core_.skip_to(cycle);
+}
+
+/// The first cycle that the core may not pass without the kernel: the next pending activity or the
+/// quantum's end.
+uint64_t CortexM3Tlm::horizon() const {
+  sc_core::sc_time ahead = quantum_;
+  if (sc_core::sc_pending_activity())
+    ahead = std::min(ahead, sc_core::sc_time_to_pending_activity());
+  const uint64_t until = clock_.cycles_at(sc_core::sc_time_stamp() + ahead);
+  return std::max(until, core_.cycles() + 1);
+}
+
+CortexM3Tlm::Socket& CortexM3Tlm::port(uint32_t address, AccessKind kind) {
+  if (address >= code_region_end) return system;
+  return kind == AccessKind::fetch ? icode : dcode;
+}
+
+bool CortexM3Tlm::map_if_memory(Socket& socket, uint32_t address) {
+  tlm::tlm_generic_payload request;
+  tlm::tlm_dmi memory;
+  request.set_address(address);
+  request.set_command(tlm::TLM_WRITE_COMMAND);
+  if (!socket->get_direct_mem_ptr(request, memory)) return false;
+  const uint64_t size = memory.get_end_address() - memory.get_start_address() + 1;
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const auto wait_states = static_cast<unsigned>(clock_.cycles_at(now + memory.get_read_latency()) -
+                                                 clock_.cycles_at(now));
+  core_.map_memory(static_cast<uint32_t>(memory.get_start_address()), static_cast<uint32_t>(size),
+                   memory.get_dmi_ptr(), memory.is_write_allowed(), wait_states);
+  return true;
+}
+
+void CortexM3Tlm::invalidate(int, sc_dt::uint64 first, sc_dt::uint64 last) {
+  core_.unmap_memory(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1));
+}
+
+bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
+                         unsigned& wait_cycles, AccessKind kind) {
+  synchronise();
+  Socket& socket = port(address, kind);
+  uint8_t bytes[4] = {};
+  if (command == tlm::TLM_WRITE_COMMAND)
+    for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
+
+  tlm::tlm_generic_payload payload;
+  payload.set_command(command);
+  payload.set_address(address);
+  payload.set_data_ptr(bytes);
+  payload.set_data_length(size);
+  payload.set_streaming_width(size);
+  payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
+  socket->b_transport(payload, delay);
+  const bool ok = payload.is_response_ok();
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  wait_cycles = static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now));
+  if (payload.is_dmi_allowed()) map_if_memory(socket, address);
+
+  value = 0;
+  for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
+  // The access may have scheduled something nearer than the horizon.
+  core_.attention();
+  return ok;
+}
+
+bool CortexM3Tlm::read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
+                       AccessKind kind) {
+  return access(tlm::TLM_READ_COMMAND, address, size, value, wait_cycles, kind);
+}
+
+bool CortexM3Tlm::write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) {
+  return access(tlm::TLM_WRITE_COMMAND, address, size, value, wait_cycles, AccessKind::store);
+}
+
+}  // namespace capsoc::cortex_m3

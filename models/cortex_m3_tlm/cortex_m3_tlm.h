@@ -1,0 +1,77 @@
+// TLM-2.0 shell of the Cortex-M3: three AHB-Lite ports, interrupt lines, and the core's cycles tied
+// to simulated time.
+//
+// The quantum is a speed knob and nothing else. The core never runs past the kernel's next pending
+// activity, and it synchronises before every access to a device, so every model sees every access
+// at its exact time, and every interrupt reaches the core at the instruction it would reach without
+// temporal decoupling.
+#pragma once
+
+#include <tlm_utils/simple_initiator_socket.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <systemc>
+
+#include "cortex_m3/core.h"
+#include "tlm/clock_domain.h"
+
+namespace capsoc::cortex_m3 {
+
+/// Why the processor ended the simulation.
+enum class EndReason { none, exit, lockup, asleep, interrupted };
+
+/// The processor as a bus master.
+class CortexM3Tlm : public sc_core::sc_module, private Bus {
+ public:
+  using Socket = tlm_utils::simple_initiator_socket_tagged<CortexM3Tlm, 32>;
+
+  Socket icode;   ///< instruction fetches below 0x20000000
+  Socket dcode;   ///< data accesses below 0x20000000
+  Socket system;  ///< everything else
+
+  CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+
+  /// How far the core may run ahead of the kernel.
+  void set_quantum(sc_core::sc_time quantum) { quantum_ = quantum; }
+  /// Called for SYSRESETREQ, at the time of the write; resets the rest of the system.
+  void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
+  /// A level on an interrupt line.
+  void set_interrupt(unsigned line, bool level);
+
+  Core& core() { return core_; }
+  const Core& core() const { return core_; }
+  EndReason end_reason() const { return end_reason_; }
+
+  /// Asked once a quantum: true ends the simulation (a limit of the host's time, a signal).
+  void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
+
+ private:
+  void thread();
+  void sleep();
+  void synchronise();
+  void catch_up();
+  void settle();
+  uint64_t horizon() const;
+  void end(EndReason reason);
+  bool access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
+              unsigned& wait_cycles, AccessKind kind);
+  bool map_if_memory(Socket& socket, uint32_t address);
+  void invalidate(int port, sc_dt::uint64 first, sc_dt::uint64 last);
+  Socket& port(uint32_t address, AccessKind kind);
+
+  bool read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
+            AccessKind kind) override;
+  bool write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) override;
+
+  tlm_util::ClockDomain& clock_;
+  Core core_;
+  sc_core::sc_time quantum_{10, sc_core::SC_US};
+  sc_core::sc_event wake_;
+  std::function<void()> reset_request_;
+  std::function<bool()> interrupted_;
+  EndReason end_reason_ = EndReason::none;
+};
+
+}  // namespace capsoc::cortex_m3

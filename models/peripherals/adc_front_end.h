@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <systemc>
+
+#include "peripherals/sensor_sample.h"
+#include "tlm/clock_domain.h"
+#include "tlm/interrupt_line.h"
+#include "tlm/register_bank.h"
+
+namespace capsoc::peripherals {
+
+/// What the two channels of the sensor show at one instant.
+struct AdcInput {
+  double u;            ///< units of full scale; -1 to below 1 fit the converter
+  double v;            ///< as u
+  double angle_turns;  ///< true angle, if known
+  bool has_truth;      ///< angle_turns is known
+};
+
+/// The ADC front-end: takes a sample of both channels every PERIOD cycles of PCLK, quantises it and
+/// hands it on. Registers: models/registers/capsoc.svd, peripheral ADC.
+class AdcFrontEnd : public tlm_util::RegisterBank {
+ public:
+  /// The signal: sample `k` (from 0 at every start, which is the moment to rewind) at `t` seconds
+  /// after sample 0. Nothing: the signal has ended.
+  using Source = std::function<std::optional<AdcInput>(uint64_t k, double t)>;
+  using Sink = std::function<void(const SensorSample&)>;
+  /// Sees every sample after quantisation (Q1.31), with the true angle in turns if `has_truth`.
+  using Observer = std::function<void(uint64_t index, int32_t u, int32_t v, double true_angle_turns,
+                                      bool has_truth)>;
+
+  /// `clock` is PCLK and must outlive the front-end. Without a source the signal ends with sample
+  /// 0.
+  AdcFrontEnd(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
+              Source source = {});
+
+  tlm_util::Register id;
+  tlm_util::Register ctrl;
+  tlm_util::Register status;
+  tlm_util::Register flags;
+  tlm_util::Register period;
+  tlm_util::Register bits;
+  tlm_util::Register data_u;
+  tlm_util::Register data_v;
+  tlm_util::Register count;
+
+  tlm_util::InterruptLine interrupt;
+
+  void set_source(Source source) { source_ = std::move(source); }
+
+  /// Called in the cycle of the sample, after the registers and the interrupt line have changed.
+  void set_sink(Sink sink) { sink_ = std::move(sink); }
+  void set_observer(Observer observer) { observer_ = std::move(observer); }
+
+  /// System reset: stops, all registers to their reset values.
+  void reset();
+
+  /// The width of the converter that is fitted, 12 to 32 bits: what BITS holds after a reset.
+  void fit_converter(uint32_t width);
+
+ private:
+  /// Samples since `index` are equally spaced, so their times follow from integers without adding
+  /// up rounding.
+  struct Segment {
+    uint64_t index = 0;
+    double seconds = 0;
+    uint64_t period = 1;
+    uint64_t hz = 1;
+  };
+
+  void write_ctrl(uint32_t value);
+  void write_period(uint32_t value);
+  void write_bits(uint32_t value);
+  void start();
+  void stop();
+  void take_sample();
+  void convert(const AdcInput& input);
+  void finish();
+  void schedule();
+  void update_interrupt();
+  double sample_seconds() const;
+
+  tlm_util::ClockDomain& clock_;
+  Source source_;
+  Sink sink_;
+  Observer observer_;
+  uint32_t fitted_bits_ = 32;
+  uint64_t index_ = 0;       // of the next sample
+  uint64_t next_cycle_ = 0;  // PCLK edge of the next sample
+  Segment segment_;
+  bool clock_changed_ = false;  // since the last sample
+  sc_core::sc_time first_sample_;
+  sc_core::sc_event sample_event_;
+};
+
+}  // namespace capsoc::peripherals

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sensor/source.h"
+
+namespace capsoc::sensor {
+
+/// How the shaft turns. Angles in turns, times in seconds.
+struct MotionConfig {
+  MotionKind kind = MotionKind::constant;
+  double frequency_hz = 0.05;          ///< constant, ripple: mean speed; negative turns backwards
+  std::optional<double> reference_hz;  ///< what firmware is told; absent: frequency_hz
+  std::optional<double> reverse_at_s;  ///< constant, ripple: from here on the direction is opposite
+  double ripple_amplitude = 0.0;       ///< ripple: speed = frequency (1 + amplitude sin(2 pi hz t))
+  double ripple_hz = 0.0;
+  uint64_t seed = 0;          ///< shuffled, walk
+  double step_turns = 0.0;    ///< walk: standard deviation of one sample's step
+  double centre_turns = 0.0;  ///< swing: centre + amplitude sin(2 pi hz t)
+  double amplitude_turns = 0.0;
+  double swing_hz = 0.0;
+};
+
+enum class Channel { u, v };
+
+/// Adds amplitude a1 sin(order theta + phase) to U, or amplitude a2 cos(order theta + phase) to V.
+/// theta without beta, the form that gives the CSFN paper's 74.17 degrees.
+struct Harmonic {
+  Channel channel = Channel::u;
+  int order = 2;
+  double amplitude = 0.0;  ///< relative to the channel's own amplitude
+  double phase_rad = 0.0;
+};
+
+/// White Gaussian noise, independent in the two channels.
+struct NoiseConfig {
+  double sigma = 0.0;  ///< standard deviation in units of full scale, both channels
+  double peak = 0.0;  ///< or the SoC paper's section 4.1.2: scaled so that its largest value within
+                      ///< the record is peak times the channel's amplitude
+  uint64_t record_samples = 100000;
+  uint64_t seed = 0;
+};
+
+/// The SoC paper's Eq (22): each channel's frequency is off by its own random amount at every
+/// sample, normalised to its peak within the record: f (1 + scale g(k) / max|g|), times the time in
+/// seconds. So the phase error grows with time, and the two channels see different angles.
+struct SpeedDisturbanceConfig {
+  double scale = 0.0;
+  uint64_t record_samples = 100000;
+  uint64_t seed = 0;
+};
+
+/// Everything a described signal consists of. The defaults are the SoC paper's Eq (21).
+struct SignalConfig {
+  std::string name = "soc_eq21";
+  std::string origin;
+  double a1 = 0.6079, a2 = 0.6228;     ///< amplitudes, full scale = 1
+  double b1 = 0.1336, b2 = 0.1831;     ///< offsets
+  double beta = 0.0629, phi = 0.0876;  ///< rad
+  double sample_rate_hz = 250.0;
+  std::optional<uint64_t> samples;  ///< the source ends after that many; absent: never
+  int adc_bits = 32;
+  MotionConfig motion;
+  std::vector<Harmonic> harmonics;
+  NoiseConfig noise;
+  SpeedDisturbanceConfig speed_disturbance;
+};
+
+/// What the sources' users see of it.
+Description describe(const SignalConfig& config);
+
+}  // namespace capsoc::sensor

@@ -1,0 +1,360 @@
+#include "sensor/toml_reader.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sensor/text.h"
+#include "support/nearest.h"
+#include "support/toml.h"
+
+namespace capsoc::sensor {
+namespace {
+
+constexpr double two_pi = 6.283185307179586476925;
+
+/// Legal values, both ends included.
+struct Range {
+  double least, greatest;
+};
+constexpr Range amplitude_range{1e-6, 10.0};
+constexpr Range offset_range{-10.0, 10.0};
+constexpr Range radian_range{-two_pi, two_pi};
+constexpr Range share_range{0.0, 10.0};
+constexpr Range rate_range{1e-3, 1e7};
+constexpr Range frequency_range{-1e6, 1e6};
+constexpr Range positive_frequency_range{1e-6, 1e6};
+constexpr Range time_range{0.0, 1e9};
+constexpr int64_t longest_record = 10'000'000;  // 0.6 s to find the peaks of both channels
+
+std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
+  // A word of a megabyte has no near neighbour worth a quadratic search.
+  return nearest_names(word.substr(0, 64), known);
+}
+
+/// One table of the file. Keeps the first error; after that it reads nothing more.
+class TableReader {
+ public:
+  TableReader(const toml::table* table, std::string name, std::vector<std::string> known,
+              const std::string& file, std::optional<Error>& error)
+      : table_(table),
+        name_(std::move(name)),
+        known_(std::move(known)),
+        file_(file),
+        error_(error) {
+    if (table_) check_keys();
+  }
+
+  bool has(const char* key) const { return table_ && table_->contains(key); }
+
+  void number(const char* key, double& target, Range range) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const std::optional<double> value = node->value<double>();
+    if (!node->is_number() || !value) return fail(*node, key, "is not a number", "write a number");
+    if (!std::isfinite(*value)) {
+      return fail(*node, key, "is not finite", "write a finite number");
+    }
+    if (*value < range.least || *value > range.greatest) {
+      return fail(*node, key, fmt::format("= {} is out of range", *value),
+                  fmt::format("it must lie between {} and {}", range.least, range.greatest));
+    }
+    target = *value;
+  }
+
+  void number(const char* key, std::optional<double>& target, Range range) {
+    if (!has(key)) return;
+    double value = 0.0;
+    number(key, value, range);
+    target = value;
+  }
+
+  template <typename Integer>
+  void integer(const char* key, Integer& target, int64_t least, int64_t greatest) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    if (!node->is_integer()) return fail(*node, key, "is not an integer", "write a whole number");
+    const int64_t value = node->as_integer()->get();
+    if (value < least || value > greatest) {
+      return fail(*node, key, fmt::format("= {} is out of range", value),
+                  fmt::format("it must lie between {} and {}", least, greatest));
+    }
+    target = static_cast<Integer>(value);
+  }
+
+  void text(const char* key, std::string& target) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    if (!node->is_string()) return fail(*node, key, "is not a text", "put it in quotes");
+    target = node->as_string()->get();
+  }
+
+  const toml::table* table(const char* key) {
+    const toml::node* node = find(key);
+    if (node && !node->is_table()) {
+      fail(*node, key, "is not a table", fmt::format("write [{}]", key));
+      return nullptr;
+    }
+    return node ? node->as_table() : nullptr;
+  }
+
+  const toml::array* array_of_tables(const char* key) {
+    const toml::node* node = find(key);
+    if (!node) return nullptr;
+    const toml::array* array = node->as_array();
+    bool right = array != nullptr;
+    if (array) {
+      for (const toml::node& element : *array) right = right && element.is_table();
+    }
+    if (right) return array;
+    fail(*node, key, "is not a list of tables", fmt::format("write [[{}]]", key));
+    return nullptr;
+  }
+
+  void require(std::initializer_list<const char*> keys) {
+    for (const char* key : keys) {
+      if (has(key)) continue;
+      const unsigned long line = table_ ? table_->source().begin.line : 1;
+      set(error_at(file_, line, fmt::format("'{}' is missing in {}; add it", key, where())));
+    }
+  }
+
+  void fail(const toml::node& node, std::string_view key, const std::string& wrong,
+            const std::string& remedy) {
+    set(error_at(file_, node.source().begin.line,
+                 fmt::format("'{}' in {} {}; {}", key, where(), wrong, remedy)));
+  }
+  void fail(const char* key, const std::string& wrong, const std::string& remedy) {
+    if (const toml::node* node = find(key)) fail(*node, key, wrong, remedy);
+  }
+
+ private:
+  const toml::node* find(const char* key) const { return table_ ? table_->get(key) : nullptr; }
+
+  std::string where() const { return name_.empty() ? "the top level" : fmt::format("[{}]", name_); }
+
+  void check_keys() {
+    // A table iterates in the order of its keys; the first wrong one in the file is reported.
+    const toml::key* wrong = nullptr;
+    for (const auto& [key, node] : *table_) {
+      bool is_known = false;
+      for (const std::string& name : known_) is_known = is_known || name == key.str();
+      if (is_known) continue;
+      if (!wrong || key.source().begin.line < wrong->source().begin.line) wrong = &key;
+    }
+    if (!wrong) return;
+    set(error_at(file_, wrong->source().begin.line,
+                 fmt::format("unknown key '{}' in {}; the nearest known are {}",
+                             printable(wrong->str()), where(), nearest_key(wrong->str(), known_))));
+  }
+
+  void set(Error error) {
+    if (!error_) error_ = std::move(error);
+  }
+
+  const toml::table* table_;
+  std::string name_;
+  std::vector<std::string> known_;
+  const std::string& file_;
+  std::optional<Error>& error_;
+};
+
+class SignalReader {
+ public:
+  SignalReader(const toml::table& root, const std::string& file) : root_(root), file_(file) {}
+
+  Result<SignalConfig> read() {
+    TableReader top = reader(&root_, "",
+                             {"name", "origin", "sampling", "signal", "motion", "harmonics",
+                              "noise", "speed_disturbance"});
+    top.require({"name", "signal", "motion"});
+    top.text("name", config_.name);
+    top.text("origin", config_.origin);
+    read_sampling(top.table("sampling"));
+    read_signal(top.table("signal"));
+    read_motion(top.table("motion"));
+    read_harmonics(top.array_of_tables("harmonics"));
+    read_noise(top.table("noise"));
+    read_speed_disturbance(top.table("speed_disturbance"));
+    if (error_) return *error_;
+    return config_;
+  }
+
+ private:
+  TableReader reader(const toml::table* table, const char* name, std::vector<std::string> known) {
+    return TableReader(table, name, std::move(known), file_, error_);
+  }
+
+  void read_sampling(const toml::table* table) {
+    TableReader in = reader(table, "sampling", {"rate_hz", "samples", "adc_bits"});
+    in.number("rate_hz", config_.sample_rate_hz, rate_range);
+    in.integer("adc_bits", config_.adc_bits, 12, 32);
+    if (!in.has("samples")) return;
+    uint64_t samples = 0;
+    in.integer("samples", samples, 1, 1'000'000'000'000);
+    config_.samples = samples;
+  }
+
+  void read_signal(const toml::table* table) {
+    if (!table) return;
+    TableReader in = reader(table, "signal", {"a1", "a2", "b1", "b2", "beta_rad", "phi_rad"});
+    in.require({"a1", "a2", "b1", "b2", "beta_rad", "phi_rad"});
+    in.number("a1", config_.a1, amplitude_range);
+    in.number("a2", config_.a2, amplitude_range);
+    in.number("b1", config_.b1, offset_range);
+    in.number("b2", config_.b2, offset_range);
+    in.number("beta_rad", config_.beta, radian_range);
+    in.number("phi_rad", config_.phi, radian_range);
+  }
+
+  void read_motion(const toml::table* table) {
+    if (!table) return;
+    MotionConfig& motion = config_.motion;
+    if (!read_kind(*table, motion.kind)) return;
+    switch (motion.kind) {
+      case MotionKind::constant:
+      case MotionKind::ripple:
+        return read_rotation(table);
+      case MotionKind::shuffled: {
+        TableReader in = reader(table, "motion", {"kind", "seed"});
+        in.require({"seed"});
+        return in.integer("seed", motion.seed, 0, std::numeric_limits<int64_t>::max());
+      }
+      case MotionKind::walk: {
+        TableReader in = reader(table, "motion", {"kind", "seed", "step_turns"});
+        in.require({"seed", "step_turns"});
+        in.integer("seed", motion.seed, 0, std::numeric_limits<int64_t>::max());
+        return in.number("step_turns", motion.step_turns, {0.0, 1.0});
+      }
+      case MotionKind::swing: {
+        TableReader in =
+            reader(table, "motion", {"kind", "swing_hz", "centre_turns", "amplitude_turns"});
+        in.require({"swing_hz", "amplitude_turns"});
+        in.number("swing_hz", motion.swing_hz, positive_frequency_range);
+        in.number("centre_turns", motion.centre_turns, {-1.0, 1.0});
+        return in.number("amplitude_turns", motion.amplitude_turns, {0.0, 1000.0});
+      }
+      case MotionKind::recorded:
+        return;
+    }
+  }
+
+  bool read_kind(const toml::table& table, MotionKind& kind) {
+    // Only the kind is read here; each kind has its own list of keys.
+    std::vector<std::string> names;
+    std::string word;
+    TableReader in = reader(&table, "motion", keys_of(table));
+    in.require({"kind"});
+    in.text("kind", word);
+    if (error_) return false;
+    for (const MotionKind known : {MotionKind::constant, MotionKind::ripple, MotionKind::shuffled,
+                                   MotionKind::walk, MotionKind::swing}) {
+      names.push_back(name_of(known));
+      if (word != names.back()) continue;
+      kind = known;
+      return true;
+    }
+    in.fail("kind", fmt::format("= '{}' is not known", printable(word)),
+            fmt::format("the nearest known are {}", nearest_key(word, names)));
+    return false;
+  }
+
+  static std::vector<std::string> keys_of(const toml::table& table) {
+    std::vector<std::string> keys;
+    for (const auto& [key, node] : table) keys.emplace_back(key.str());
+    return keys;
+  }
+
+  void read_rotation(const toml::table* table) {
+    MotionConfig& motion = config_.motion;
+    std::vector<std::string> known = {"kind", "frequency_hz", "reference_hz", "reverse_at_s"};
+    const bool ripple = motion.kind == MotionKind::ripple;
+    if (ripple) known.insert(known.end(), {"ripple_amplitude", "ripple_hz"});
+    TableReader in = reader(table, "motion", std::move(known));
+    in.require({"frequency_hz"});
+    in.number("frequency_hz", motion.frequency_hz, frequency_range);
+    in.number("reference_hz", motion.reference_hz, frequency_range);
+    in.number("reverse_at_s", motion.reverse_at_s, time_range);
+    if (!ripple) return;
+    in.require({"ripple_amplitude", "ripple_hz"});
+    in.number("ripple_amplitude", motion.ripple_amplitude, {0.0, 1.0});
+    in.number("ripple_hz", motion.ripple_hz, positive_frequency_range);
+  }
+
+  void read_harmonics(const toml::array* array) {
+    if (!array) return;
+    for (const toml::node& element : *array) {
+      TableReader in =
+          reader(element.as_table(), "harmonics", {"channel", "order", "amplitude", "phase_rad"});
+      Harmonic harmonic;
+      std::string channel;
+      in.require({"channel", "order", "amplitude"});
+      in.text("channel", channel);
+      in.integer("order", harmonic.order, 2, 1000);
+      in.number("amplitude", harmonic.amplitude, share_range);
+      in.number("phase_rad", harmonic.phase_rad, radian_range);
+      if (channel != "u" && channel != "v") {
+        in.fail("channel", fmt::format("= '{}' is not known", printable(channel)),
+                "write \"u\" or \"v\"");
+      }
+      harmonic.channel = channel == "v" ? Channel::v : Channel::u;
+      config_.harmonics.push_back(harmonic);
+    }
+  }
+
+  void read_noise(const toml::table* table) {
+    if (!table) return;
+    NoiseConfig& noise = config_.noise;
+    TableReader in = reader(table, "noise", {"sigma", "peak", "record_samples", "seed"});
+    in.require({"seed"});
+    if (in.has("sigma") && in.has("peak")) {
+      in.fail("peak", "stands beside 'sigma'", "keep one of the two");
+    }
+    if (!in.has("peak")) in.require({"sigma"});
+    in.number("sigma", noise.sigma, share_range);
+    in.number("peak", noise.peak, share_range);
+    in.integer("seed", noise.seed, 0, std::numeric_limits<int64_t>::max());
+    if (in.has("sigma")) {
+      in.fail("record_samples", "only belongs to 'peak'", "remove it");
+    } else {
+      in.require({"record_samples"});
+    }
+    in.integer("record_samples", noise.record_samples, 1, longest_record);
+  }
+
+  void read_speed_disturbance(const toml::table* table) {
+    if (!table) return;
+    SpeedDisturbanceConfig& speed = config_.speed_disturbance;
+    TableReader in = reader(table, "speed_disturbance", {"scale", "record_samples", "seed"});
+    in.require({"scale", "record_samples", "seed"});
+    in.number("scale", speed.scale, {0.0, 1.0});
+    in.integer("record_samples", speed.record_samples, 1, longest_record);
+    in.integer("seed", speed.seed, 0, std::numeric_limits<int64_t>::max());
+    if (config_.motion.kind != MotionKind::constant) {
+      in.fail("scale", "needs motion of kind 'constant'", "change the motion or remove this table");
+    }
+  }
+
+  const toml::table& root_;
+  const std::string& file_;
+  SignalConfig config_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Result<SignalConfig> read_signal_toml(std::string_view text, const std::string& file) {
+  const toml::parse_result parsed = toml::parse(text, file);
+  if (!parsed) {
+    std::string reason(parsed.error().description());
+    for (char& c : reason) {
+      if (c < 0x20 || c > 0x7E) c = ' ';
+    }
+    return error_at(file, parsed.error().source().begin.line,
+                    fmt::format("not valid TOML ({}); correct this line", reason));
+  }
+  return SignalReader(parsed.table(), file).read();
+}
+
+}  // namespace capsoc::sensor

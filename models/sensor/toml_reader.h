@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sensor/signal_config.h"
+#include "support/result.h"
+
+namespace capsoc::sensor {
+
+/// Reads the description of a signal (the format is in traces/README.md). `file` is only used in
+/// error sentences. Every key and its range is checked; nothing is taken over silently.
+Result<SignalConfig> read_signal_toml(std::string_view text, const std::string& file);
+
+}  // namespace capsoc::sensor

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace capsoc::tlm_util {
+
+/// Messages of one source that reach the log; the others are counted.
+constexpr uint64_t guest_error_limit = 10;
+
+/// Reports what the program in the machine did wrong (a hole in the map, a write to a read-only
+/// register, reserved bits). It is the guest's error, so it never ends the simulation: a warning in
+/// the log, at most guest_error_limit of one source.
+void guest_error(std::string_view source, std::string_view text);
+
+/// Reports of `source` so far, logged or not.
+uint64_t guest_error_count(std::string_view source);
+
+/// Reports of all sources so far.
+uint64_t guest_error_total();
+
+/// Logs, for every source that exceeded the limit, how many messages were left out. For the end of
+/// a run.
+void summarise_guest_errors();
+
+/// Forgets all counts (a new run in the same process).
+void clear_guest_errors();
+
+/// `context` says where the guest is, such as "pc 0x00000124"; its text follows every message.
+/// Empty: none.
+void set_guest_error_context(std::function<std::string()> context);
+
+}  // namespace capsoc::tlm_util

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <systemc>
+#include <vector>
+
+#include "capsoc_registers.h"
+#include "tlm/register_target.h"
+
+namespace capsoc::tlm_util {
+
+class RegisterBank;
+
+/// One 32-bit register, a public member of its peripheral: what it is comes from the register
+/// description, what it does beyond keeping a value from its callbacks.
+class Register {
+ public:
+  /// Enters itself into `bank`. Throws std::logic_error when the offset lies outside the bank, is
+  /// no multiple of 4 or is taken: a mistake in the model, found at elaboration.
+  Register(RegisterBank& bank, const registers::RegisterDescription& description);
+  Register(const Register&) = delete;
+  Register& operator=(const Register&) = delete;
+
+  const registers::RegisterDescription& description() const { return description_; }
+
+  /// The hardware's side: no callback runs and access does not matter.
+  uint32_t get() const { return value_; }
+  void set(uint32_t value) { value_ = value; }
+  bool any(uint32_t mask) const { return (value_ & mask) != 0; }
+  void raise(uint32_t mask) { value_ |= mask; }
+  void clear(uint32_t mask) { value_ &= ~mask; }
+  void reset() { value_ = description_.reset; }
+
+  /// Computes the value instead of the stored one, without side effects: used by reads and by the
+  /// debugger.
+  Register& on_peek(std::function<uint32_t()> peek);
+
+  /// As on_peek, but with side effects (a FIFO pops): used by reads only; the debugger gets
+  /// on_peek's or the stored value.
+  Register& on_read(std::function<uint32_t()> read);
+
+  /// Runs instead of storing. The argument has what the guest wrote, the stored bits in byte lanes
+  /// that it left out (write-1-to-clear bits there are 0), and 0 in bits that cannot be written.
+  Register& on_write(std::function<void(uint32_t)> write);
+
+  /// What a write does without on_write: stores the writable bits, clears the write-1-to-clear bits
+  /// that are 1.
+  void store(uint32_t value);
+
+ private:
+  friend class RegisterBank;
+  uint32_t peek() const;
+  uint32_t read();
+  void write(uint32_t value, uint32_t lanes);
+  uint32_t known_bits() const;
+
+  registers::RegisterDescription description_;
+  uint32_t value_;
+  std::function<uint32_t()> peek_;
+  std::function<uint32_t()> read_;
+  std::function<void(uint32_t)> write_;
+};
+
+/// What lies between the registers.
+enum class Holes {
+  bus_error,   ///< answered like PSLVERR
+  reads_zero,  ///< reads 0, writes are dropped (CMSDK peripherals)
+};
+
+/// A device whose registers are its public members. Reports to the log what the guest does wrong:
+/// holes, writes to read-only and reads of write-only registers, ones in reserved bits. Of these
+/// only holes are bus errors.
+class RegisterBank : public RegisterTarget {
+ public:
+  RegisterBank(const sc_core::sc_module_name& name, uint64_t size,
+               AccessRule rule = AccessRule::any_width, Holes holes = Holes::bus_error);
+
+  /// All registers to their reset values; no callback runs.
+  void reset_registers();
+
+  const std::vector<Register*>& registers() const { return in_order_; }
+
+ protected:
+  bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
+  bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
+
+ private:
+  friend class Register;
+  void enter(Register& added);
+
+  Holes holes_;
+  std::vector<Register*> by_word_;  // index: offset / 4; null: hole
+  std::vector<Register*> in_order_;
+};
+
+}  // namespace capsoc::tlm_util

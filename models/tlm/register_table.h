@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+
+#include "capsoc_registers.h"
+
+namespace capsoc::tlm_util {
+
+/// The entry of a generated table for `offset`. An offset without an entry does not compile when
+/// the call is constant and throws at elaboration otherwise.
+template <std::size_t N>
+constexpr const registers::RegisterDescription& describe(
+    const registers::RegisterDescription (&table)[N], uint32_t offset) {
+  for (const auto& entry : table) {
+    if (entry.offset == offset) return entry;
+  }
+  throw std::logic_error("no register at this offset in the description");
+}
+
+}  // namespace capsoc::tlm_util

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <tlm_utils/simple_target_socket.h>
+
+#include <cstdint>
+#include <string_view>
+#include <systemc>
+#include <tlm>
+
+namespace capsoc::tlm_util {
+
+/// Which accesses a device takes.
+enum class AccessRule {
+  any_width,  ///< bytes, halfwords and words, aligned
+  word_only,  ///< 32-bit words with all byte lanes; others are answered like PSLVERR
+};
+
+/// The bus side of a device made of 32-bit registers, little-endian: takes any payload apart and
+/// answers it, however wrong it is. What a register does is up to the derived class.
+///
+/// Answers: TLM_COMMAND_ERROR_RESPONSE no read or write; TLM_BURST_ERROR_RESPONSE length not 1, 2,
+/// 4 or streaming; TLM_BYTE_ENABLE_ERROR_RESPONSE enables that are empty or neither 0x00 nor 0xff;
+/// TLM_ADDRESS_ERROR_RESPONSE beyond the device, unaligned, against the AccessRule, or refused by
+/// the register (PSLVERR on an APB).
+class RegisterTarget : public sc_core::sc_module {
+ public:
+  tlm_utils::simple_target_socket<RegisterTarget> socket{"socket"};
+
+  /// `size` in bytes, a multiple of 4.
+  RegisterTarget(const sc_core::sc_module_name& name, uint64_t size, AccessRule rule);
+
+  uint64_t size() const { return size_; }
+
+ protected:
+  /// Reads the register at `offset` (a multiple of 4). With `debug` nothing in the device may
+  /// change and nothing is reported. False: there is nothing to read (bus error).
+  virtual bool read_word(uint32_t offset, uint32_t& value, bool debug) = 0;
+
+  /// Writes those bits of `value` that are set in `lanes` (whole bytes, at least one) to the
+  /// register at `offset`. False: bus error.
+  virtual bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) = 0;
+
+  /// The instant of the access in progress: simulated time plus the initiator's delay. Outside an
+  /// access: simulated time.
+  sc_core::sc_time access_time() const { return sc_core::sc_time_stamp() + delay_; }
+
+  /// Reports an error of the guest under this module's name.
+  void report(std::string_view text) const;
+
+ private:
+  void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  unsigned transport_dbg(tlm::tlm_generic_payload& payload);
+  tlm::tlm_response_status check(const tlm::tlm_generic_payload& payload) const;
+  tlm::tlm_response_status access(tlm::tlm_generic_payload& payload);
+
+  uint64_t size_;
+  AccessRule rule_;
+  sc_core::sc_time delay_;
+};
+
+}  // namespace capsoc::tlm_util

@@ -1,0 +1,13 @@
+// The subcommands. Each adds itself to the application and leaves its exit code in `code` when it
+// was chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace capsoc::cli {
+
+void add_run(CLI::App& app, int& code);
+void add_info(CLI::App& app, int& code);
+void add_reproduce(CLI::App& app, int& code);
+
+}  // namespace capsoc::cli

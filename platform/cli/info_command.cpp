@@ -1,0 +1,46 @@
+// capsoc info: what this build is and where everything lies.
+#include <fmt/format.h>
+
+#include "bus/address_map.h"
+#include "cli/commands.h"
+#include "run/results.h"
+
+namespace capsoc::cli {
+namespace {
+
+const char* name_of(bus::TargetKind kind) {
+  switch (kind) {
+    case bus::TargetKind::memory:
+      return "memory";
+    case bus::TargetKind::device:
+      return "device";
+    case bus::TargetKind::unimplemented:
+      return "unimplemented";
+  }
+  return "";
+}
+
+int info_command() {
+  const auto versions = run::versions();
+  for (const auto& [name, version] : versions.items())
+    fmt::print("{:<16} {}\n", name, version.get<std::string>());
+  fmt::print("\n{:<12} {:<12} {:<24} {:<14} {}\n", "from", "to", "what", "kind", "interrupts");
+  for (const bus::MapEntry& entry : bus::soc_address_map()) {
+    std::string lines;
+    for (const bus::InterruptWire& wire : entry.interrupts)
+      lines += wire.line == bus::nmi_line ? " NMI" : fmt::format(" {}", wire.line);
+    fmt::print("{:#010x}   {:#010x}   {:<24} {:<14}{}\n", entry.base, entry.last(), entry.name,
+               name_of(entry.kind), lines);
+  }
+  return run::exit_code::pass;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& code) {
+  app.add_subcommand("info", "Versions and the memory map")->callback([&code] {
+    code = info_command();
+  });
+}
+
+}  // namespace capsoc::cli

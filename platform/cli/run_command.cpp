@@ -1,0 +1,107 @@
+// capsoc run: the firmware on the SoC, with a sensor.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "cli/commands.h"
+#include "run/session.h"
+
+namespace capsoc::cli {
+namespace {
+
+/// What the command line said, as text; Settings checks it.
+struct RunArguments {
+  std::vector<std::pair<std::string, std::string>> options;  ///< setting, value
+  std::vector<std::string> assignments;
+  std::string config;
+  bool list = false;
+};
+
+void list_settings(const Settings& settings) {
+  for (const Setting& setting : settings.all())
+    fmt::print("{:<26} {:<22} {:<13} {}\n", setting.path, setting.value, name_of(setting.source),
+               setting.help);
+}
+
+std::optional<Error> collect(const RunArguments& arguments, Settings& settings) {
+  std::string config = arguments.config;
+  if (const char* named = std::getenv("CAPSOC_CONFIG"); config.empty() && named != nullptr)
+    config = named;
+  if (!config.empty())
+    if (auto error = settings.read_file(config)) return error;
+  if (auto error = settings.read_environment(environ)) return error;
+  for (const auto& [path, value] : arguments.options)
+    if (auto error = settings.set(path, value, SettingSource::command_line, "command line"))
+      return error;
+  for (const std::string& assignment : arguments.assignments)
+    if (auto error = settings.set_assignment(assignment)) return error;
+  return std::nullopt;
+}
+
+int refuse(const std::string& text) {
+  fmt::print(stderr, "capsoc: {}\n", text);
+  return run::exit_code::usage;
+}
+
+int run_command(const RunArguments& arguments) {
+  Settings settings = run::make_settings();
+  if (auto error = collect(arguments, settings)) return refuse(error->text);
+  if (arguments.list) {
+    list_settings(settings);
+    return run::exit_code::pass;
+  }
+  spdlog::set_level(spdlog::level::from_str(settings.text("log.level")));
+
+  auto result = run::run(settings);
+  if (!result) return refuse(result.error());
+  const run::RunResult& r = result.value();
+  if (!r.fault_report.empty()) fmt::print(stderr, "\n{}", r.fault_report);
+  fmt::print(stderr, "{}", run::to_table(r));
+  const std::string& json = settings.text("results.json");
+  if (!json.empty())
+    if (auto error = run::write_whole(json, run::to_json(r, settings).dump(2) + "\n"))
+      return refuse(error->text);
+  return r.code;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& code) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* run = app.add_subcommand(
+      "run", "Run firmware on the SoC; without arguments: calibrate the sensor of Eq (21)");
+  const auto option = [&](const std::string& names, const std::string& setting,
+                          const std::string& help) {
+    return run->add_option_function<std::string>(
+        names,
+        [arguments, setting](const std::string& value) {
+          arguments->options.emplace_back(setting, value);
+        },
+        help);
+  };
+  option("elf", "firmware.elf", "Program for the Cortex-M3 (default: selfcal)")->type_name("ELF");
+  option("--sensor", "sensor.file", "Sensor description (TOML) or recording (CSV)")
+      ->type_name("FILE");
+  option("--arithmetic", "coprocessor.arithmetic", "Arithmetic of the coprocessor")
+      ->type_name("paper|precise");
+  option("--quantum", "cpu.quantum_ns", "How far the processor may run ahead; changes speed only")
+      ->type_name("NS");
+  option("--simlimit", "run.simlimit_s", "End after so many simulated seconds with exit 124")
+      ->type_name("S");
+  option("--timelimit", "run.timelimit_s", "End after so many seconds of the host with exit 124")
+      ->type_name("S");
+  option("--uart0", "uart0.backend", "Where UART 0 goes")->type_name("stdio|null|file:PATH");
+  option("--json", "results.json", "Write the results as JSON")->type_name("FILE");
+  option("--log-level", "log.level", "What the simulator says on stderr")->type_name("LEVEL");
+  run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
+  run->add_option("-C", arguments->assignments, "Set any setting")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false);
+  run->add_flag("--list-params", arguments->list,
+                "List all settings with their values and where these come from");
+  run->callback([arguments, &code] { code = run_command(*arguments); });
+}
+
+}  // namespace capsoc::cli

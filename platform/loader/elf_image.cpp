@@ -1,0 +1,146 @@
+#include "loader/elf_image.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gelf.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+namespace capsoc::loader {
+namespace {
+
+struct FileCloser {
+  int descriptor;
+  ~FileCloser() { close(descriptor); }
+};
+using ElfHandle = std::unique_ptr<Elf, int (*)(Elf*)>;
+
+Error wrong(const std::string& path, const std::string& what) {
+  return Error{fmt::format("{}: {}", path, what)};
+}
+
+/// Segments with file contents or zeroed memory; physical addresses, where a loader puts them.
+Result<std::vector<Segment>> read_segments(const std::string& path, Elf* elf, uint64_t file_size) {
+  std::vector<Segment> segments;
+  size_t count = 0;
+  if (elf_getphdrnum(elf, &count) != 0)
+    return wrong(path, "its program headers are damaged; rebuild it");
+  std::size_t raw_size = 0;
+  const char* raw = elf_rawfile(elf, &raw_size);
+  for (size_t i = 0; i < count; ++i) {
+    GElf_Phdr header;
+    if (gelf_getphdr(elf, static_cast<int>(i), &header) == nullptr)
+      return wrong(path, fmt::format("program header {} is damaged; rebuild it", i));
+    if (header.p_type != PT_LOAD || header.p_memsz == 0) continue;
+    if (header.p_offset > file_size || header.p_filesz > file_size - header.p_offset ||
+        raw == nullptr)
+      return wrong(path, fmt::format("segment {} ends outside the file; the file is cut short", i));
+    if (header.p_filesz > header.p_memsz || header.p_memsz > (1ull << 32) ||
+        header.p_paddr + header.p_memsz > (1ull << 32))
+      return wrong(path, fmt::format("segment {} has an impossible size; rebuild it", i));
+    Segment segment;
+    segment.address = static_cast<uint32_t>(header.p_paddr);
+    segment.memory_size = static_cast<uint32_t>(header.p_memsz);
+    // .bss is zeroed by the start-up code where it runs (virtual address), not where it is loaded.
+    if (header.p_vaddr != header.p_paddr)
+      segment.memory_size = static_cast<uint32_t>(header.p_filesz);
+    segment.bytes.assign(raw + header.p_offset, raw + header.p_offset + header.p_filesz);
+    if (segment.memory_size > 0) segments.push_back(std::move(segment));
+  }
+  if (segments.empty()) return wrong(path, "it has nothing to load; link it with a linker script");
+  return segments;
+}
+
+std::vector<Symbol> read_symbols(Elf* elf) {
+  std::vector<Symbol> symbols;
+  for (Elf_Scn* section = nullptr; (section = elf_nextscn(elf, section)) != nullptr;) {
+    GElf_Shdr header;
+    if (gelf_getshdr(section, &header) == nullptr || header.sh_type != SHT_SYMTAB) continue;
+    Elf_Data* data = elf_getdata(section, nullptr);
+    if (data == nullptr || header.sh_entsize == 0) continue;
+    const auto count =
+        static_cast<int>(std::min<uint64_t>(data->d_size / header.sh_entsize, 1u << 20));
+    for (int i = 0; i < count; ++i) {
+      GElf_Sym symbol;
+      if (gelf_getsym(data, i, &symbol) == nullptr) break;
+      const auto type = GELF_ST_TYPE(symbol.st_info);
+      if (type != STT_FUNC && type != STT_OBJECT && type != STT_NOTYPE) continue;
+      const char* name = elf_strptr(elf, header.sh_link, symbol.st_name);
+      // '$t' and '$d' are mapping symbols of the ARM ELF supplement, not names.
+      if (name == nullptr || *name == '\0' || *name == '$' || symbol.st_shndx == SHN_UNDEF)
+        continue;
+      const auto address = static_cast<uint32_t>(symbol.st_value) & (type == STT_FUNC ? ~1u : ~0u);
+      const bool weak = GELF_ST_BIND(symbol.st_info) == STB_WEAK;
+      symbols.push_back({address, static_cast<uint32_t>(symbol.st_size), name, weak});
+    }
+  }
+  // Lookups find the last of equals first: weak aliases of one default handler stand before its own
+  // name.
+  std::stable_sort(symbols.begin(), symbols.end(), [](const Symbol& a, const Symbol& b) {
+    return a.address != b.address ? a.address < b.address : a.weak && !b.weak;
+  });
+  return symbols;
+}
+
+}  // namespace
+
+std::string ElfImage::symbolise(uint32_t address) const {
+  address &= ~1u;
+  auto next = std::upper_bound(symbols.begin(), symbols.end(), address,
+                               [](uint32_t a, const Symbol& s) { return a < s.address; });
+  for (auto it = next; it != symbols.begin();) {
+    --it;
+    if (it->size == 0 || address - it->address >= it->size) {
+      if (address - it->address > 0x1000) break;
+      continue;
+    }
+    const uint32_t offset = address - it->address;
+    return offset == 0 ? it->name : fmt::format("{}+{:#x}", it->name, offset);
+  }
+  return "";
+}
+
+std::optional<uint32_t> ElfImage::address_of(const std::string& name) const {
+  for (const Symbol& symbol : symbols)
+    if (symbol.name == name) return symbol.address;
+  return std::nullopt;
+}
+
+Result<ElfImage> load_elf(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0)
+    return wrong(path, fmt::format("cannot be read ({}); name an ELF file for the Cortex-M3",
+                                   std::strerror(errno)));
+  const FileCloser closer{descriptor};
+  struct stat status = {};
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+    return wrong(path, "is not a file; name an ELF file for the Cortex-M3");
+
+  elf_version(EV_CURRENT);
+  const ElfHandle elf(elf_begin(descriptor, ELF_C_READ, nullptr), elf_end);
+  if (!elf || elf_kind(elf.get()) != ELF_K_ELF)
+    return wrong(path, "is not an ELF file; build it with arm-none-eabi-gcc -mcpu=cortex-m3");
+  GElf_Ehdr header;
+  if (gelf_getehdr(elf.get(), &header) == nullptr)
+    return wrong(path, "its ELF header is damaged; rebuild it");
+  if (header.e_machine != EM_ARM || header.e_ident[EI_CLASS] != ELFCLASS32 ||
+      header.e_ident[EI_DATA] != ELFDATA2LSB)
+    return wrong(path, "is for another machine; build it with arm-none-eabi-gcc -mcpu=cortex-m3");
+  if (header.e_type != ET_EXEC) return wrong(path, "is not linked to an executable; link it first");
+
+  auto segments = read_segments(path, elf.get(), static_cast<uint64_t>(status.st_size));
+  if (!segments) return Error{segments.error()};
+  ElfImage image;
+  image.path = path;
+  image.entry = static_cast<uint32_t>(header.e_entry);
+  image.segments = std::move(segments.value());
+  image.symbols = read_symbols(elf.get());
+  return image;
+}
+
+}  // namespace capsoc::loader

@@ -1,0 +1,43 @@
+// A program for the guest: loadable segments and symbols of an ELF file.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "support/result.h"
+
+namespace capsoc::loader {
+
+/// A run of bytes at a physical address.
+struct Segment {
+  uint32_t address;
+  std::vector<uint8_t> bytes;  ///< file contents
+  uint32_t memory_size;        ///< >= bytes.size(); the rest is zero
+};
+
+/// A function or an object of the program.
+struct Symbol {
+  uint32_t address;
+  uint32_t size;
+  std::string name;
+  bool weak = false;  ///< an alias that another definition may replace
+};
+
+/// What an ELF file holds for a Cortex-M.
+struct ElfImage {
+  std::string path;
+  uint32_t entry = 0;
+  std::vector<Segment> segments;
+  std::vector<Symbol> symbols;  ///< sorted by address
+
+  /// "name+0x12" of the symbol that covers the address (Thumb bit ignored), "" if there is none.
+  std::string symbolise(uint32_t address) const;
+  std::optional<uint32_t> address_of(const std::string& name) const;
+};
+
+/// Reads a 32-bit little-endian ARM executable. Every damage is an error that names the file.
+Result<ElfImage> load_elf(const std::string& path);
+
+}  // namespace capsoc::loader

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <iosfwd>
+
+namespace capsoc::reproduce {
+
+/// Prints every row of Tables 1 to 6 of the SoC paper beside what the double-precision LMSED gives,
+/// and Table 8 and Figures 13 and 14 beside the coprocessor model's paper arithmetic, with a
+/// sentence wherever the two differ. Every random record has a fixed seed, so the text is the same
+/// on every run. Returns the number of rows that should agree with the paper, by what is known
+/// about it, and do not: 0 is the expected result.
+int reproduce_tables(std::ostream& out);
+
+}  // namespace capsoc::reproduce

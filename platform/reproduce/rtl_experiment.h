@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace capsoc::reproduce {
+
+/// The SoC paper's section 4.2 on the coprocessor model in its paper arithmetic.
+struct RtlOutcome {
+  std::array<uint32_t, 6> words{};  ///< a1, a2, b1, b2, beta, phi at 400 s, machine values
+  double online_end = 0.0;          ///< largest angle error within the last 20 s, degrees
+  double frozen = 0.0;              ///< with the parameters of 400 s over the whole record, degrees
+};
+
+/// Eq (21) in 32 bits, 0.05 Hz, 250 Hz, 400 s. The four settings that the paper does not state and
+/// that give its figures: a frequency word truncated to 31 bits (858,992), two samples of latency
+/// between reference and data, steps scaled by 2^-7, 16-bit multipliers in the PI arctangent.
+RtlOutcome run_rtl();
+
+/// Figure 14: largest error of the PI arctangent in radians for sine and cosine of a magnitude at
+/// 3,600 angles, without those within 1 degree of half a turn, where the loop hardly starts.
+double arctangent_error(double magnitude);
+
+}  // namespace capsoc::reproduce

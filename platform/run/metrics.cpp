@@ -1,0 +1,104 @@
+#include "run/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace capsoc::run {
+namespace {
+
+const double two_pi = 2 * std::acos(-1.0);
+const double degrees_per_turn = 360.0;
+constexpr double q31 = 2147483648.0;
+constexpr double q32 = 4294967296.0;
+
+double radians(uint32_t turn_word) {
+  return static_cast<int32_t>(turn_word) / q32 * two_pi;
+}
+
+void keep_larger(std::optional<double>& largest, double value) {
+  largest = largest ? std::max(*largest, value) : value;
+}
+
+}  // namespace
+
+double wrapped_difference(double a, double b) {
+  return std::remainder(a - b, two_pi);
+}
+
+Parameters to_values(const ParameterWords& words) {
+  return {words.a1 / q31, words.a2 / q31,      words.b1 / q31,
+          words.b2 / q31, radians(words.beta), radians(words.phi)};
+}
+
+Metrics::Metrics(std::optional<Parameters> truth, double sample_rate_hz, uint64_t revolution)
+    : truth_(truth),
+      sample_rate_hz_(sample_rate_hz),
+      revolution_(std::max<uint64_t>(revolution, 1)) {}
+
+void Metrics::accepted(const SensorTruth& sample) {
+  in_flight_.push_back(sample);
+}
+
+bool Metrics::within_one_percent(const ParameterWords& words) const {
+  const Parameters now = to_values(words);
+  const auto close = [](double value, double wanted) {
+    return std::fabs(value - wanted) <= 0.01 * std::fabs(wanted);
+  };
+  const auto close_angle = [](double value, double wanted) {
+    return std::fabs(wrapped_difference(value, wanted)) <= 0.01 * std::fabs(wanted);
+  };
+  return close(now.a1, truth_->a1) && close(now.a2, truth_->a2) && close(now.b1, truth_->b1) &&
+         close(now.b2, truth_->b2) && close_angle(now.beta, truth_->beta) &&
+         close_angle(now.phi, truth_->phi);
+}
+
+void Metrics::result(const CoprocessorResult& result) {
+  if (in_flight_.empty()) return;  // a sample that software fed: nothing is known about it
+  const SensorTruth sample = in_flight_.front();
+  in_flight_.pop_front();
+  ++samples_;
+
+  if (result.demodulating) {
+    words_ = result.words;
+    if (truth_) {
+      const bool inside = within_one_percent(result.words);
+      if (!inside) converged_since_.reset();
+      if (inside && !converged_since_) converged_since_ = sample.index;
+    }
+  }
+  if (!sample.has_truth) return;
+
+  const double turns = sample.angle_turns - std::floor(sample.angle_turns);
+  if (result.demodulating && truth_) {
+    const double raw = std::atan2(sample.u, sample.v);
+    keep_larger(errors_.uncalibrated_max,
+                std::fabs(wrapped_difference(raw, turns * two_pi)) / two_pi * degrees_per_turn);
+    keep_larger(errors_.uncalibrated_max_paper,
+                std::fabs(wrapped_difference(raw, turns * two_pi - truth_->phi)) / two_pi *
+                    degrees_per_turn);
+  }
+  if (!result.angle_valid) return;
+  const double error =
+      std::fabs(std::remainder(result.angle / q32 - turns, 1.0)) * degrees_per_turn;
+  if (result.demodulating) {
+    last_revolution_.push_back(error);
+    if (last_revolution_.size() > revolution_) last_revolution_.pop_front();
+  } else {
+    keep_larger(errors_.calibration_mode_max, error);
+  }
+}
+
+std::optional<double> Metrics::convergence_s() const {
+  if (!converged_since_) return std::nullopt;
+  return static_cast<double>(*converged_since_) / sample_rate_hz_;
+}
+
+AngleErrors Metrics::angle_errors() const {
+  AngleErrors errors = errors_;
+  if (!last_revolution_.empty())
+    errors.calibrated_max_last_revolution =
+        *std::max_element(last_revolution_.begin(), last_revolution_.end());
+  return errors;
+}
+
+}  // namespace capsoc::run

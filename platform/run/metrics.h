@@ -1,0 +1,89 @@
+// What a run is judged by: the identified parameters and the angle error against the sensor's
+// truth.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace capsoc::run {
+
+/// The six parameters of the SoC paper's Eq (5). Amplitudes and offsets in full scale, angles in
+/// radians.
+struct Parameters {
+  double a1 = 0, a2 = 0, b1 = 0, b2 = 0, beta = 0, phi = 0;
+};
+
+/// The six parameters as the coprocessor's registers hold them.
+struct ParameterWords {
+  int32_t a1 = 0, a2 = 0, b1 = 0, b2 = 0;  ///< Q1.31
+  uint32_t beta = 0, phi = 0;              ///< 2^-32 turn
+};
+
+/// Words to numbers: Q1.31 to full scale, 2^-32 turn to radians in (-pi, pi].
+Parameters to_values(const ParameterWords& words);
+
+/// A sample as the coprocessor took it, with what the sensor knows about it.
+struct SensorTruth {
+  uint64_t index = 0;
+  double u = 0, v = 0;     ///< before quantisation
+  double angle_turns = 0;  ///< true mechanical angle theta, turns
+  bool has_truth = false;
+};
+
+/// What the coprocessor made of a sample.
+struct CoprocessorResult {
+  uint32_t angle = 0;  ///< 2^-32 turn
+  bool angle_valid = false;
+  bool demodulating = false;
+  ParameterWords words;
+};
+
+/// Largest absolute angle errors, degrees; none where the sensor's angle is not known.
+struct AngleErrors {
+  std::optional<double> uncalibrated_max;  ///< atan2(U, V) against theta
+  std::optional<double>
+      uncalibrated_max_paper;  ///< atan2(U, V) against omega k, as the paper counts
+  std::optional<double> calibrated_max_last_revolution;  ///< last revolution of demodulation
+  std::optional<double> calibration_mode_max;            ///< all of calibration mode
+};
+
+/// Follows a run sample by sample. Never influences the simulation.
+class Metrics {
+ public:
+  /// `truth`: the sensor's parameters where known. `revolution`: samples in one turn of the sensor.
+  Metrics(std::optional<Parameters> truth, double sample_rate_hz, uint64_t revolution);
+
+  /// A sample that the coprocessor accepted; results arrive in the same order.
+  void accepted(const SensorTruth& sample);
+  void result(const CoprocessorResult& result);
+  /// The coprocessor was reset: samples on their way are gone.
+  void dropped_all() { in_flight_.clear(); }
+
+  uint64_t samples() const { return samples_; }
+  /// Time from when on all six parameters stayed within 1 % until demodulation ended, seconds.
+  std::optional<double> convergence_s() const;
+  AngleErrors angle_errors() const;
+  /// The parameters at the end of demodulation.
+  const ParameterWords& words() const { return words_; }
+  const std::optional<Parameters>& truth() const { return truth_; }
+
+ private:
+  bool within_one_percent(const ParameterWords& words) const;
+
+  std::optional<Parameters> truth_;
+  double sample_rate_hz_;
+  uint64_t revolution_;
+  uint64_t samples_ = 0;
+  std::deque<SensorTruth> in_flight_;
+  ParameterWords words_;
+  std::optional<uint64_t> converged_since_;
+  std::deque<double> last_revolution_;  ///< |error| in degrees of the newest demodulated samples
+  AngleErrors errors_;
+};
+
+/// a - b wrapped to (-pi, pi].
+double wrapped_difference(double a, double b);
+
+}  // namespace capsoc::run

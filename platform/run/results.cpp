@@ -1,0 +1,154 @@
+#include "run/results.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <systemc>
+
+namespace capsoc::run {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int schema_version = 1;
+
+ordered_json number_or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+/// One parameter in every form that the result file and the table show.
+struct Row {
+  const char* name;
+  int64_t word;
+  double value;
+  std::optional<double> truth;
+  std::optional<double> relative_error;
+};
+
+std::vector<Row> rows_of(const RunResult& result) {
+  const Parameters value = to_values(result.words);
+  const auto row = [&](const char* name, int64_t word, double found, double Parameters::*member,
+                       bool angle) {
+    Row r{name, word, found, std::nullopt, std::nullopt};
+    if (result.truth) {
+      r.truth = (*result.truth).*member;
+      const double difference = angle ? wrapped_difference(found, *r.truth) : found - *r.truth;
+      if (*r.truth != 0) r.relative_error = difference / *r.truth;
+    }
+    return r;
+  };
+  return {row("a1", result.words.a1, value.a1, &Parameters::a1, false),
+          row("a2", result.words.a2, value.a2, &Parameters::a2, false),
+          row("b1", result.words.b1, value.b1, &Parameters::b1, false),
+          row("b2", result.words.b2, value.b2, &Parameters::b2, false),
+          row("beta", result.words.beta, value.beta, &Parameters::beta, true),
+          row("phi", result.words.phi, value.phi, &Parameters::phi, true)};
+}
+
+std::string degrees(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3g} deg", *value) : std::string("not known");
+}
+
+}  // namespace
+
+nlohmann::ordered_json versions() {
+  ordered_json v;
+  v["capsoc"] = CAPSOC_VERSION;
+  v["systemc"] = sc_core::sc_version();
+  v["compiler"] = "g++ " __VERSION__;
+  v["fmt"] =
+      fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100);
+  v["nlohmann_json"] = fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR,
+                                   NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH);
+  return v;
+}
+
+nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
+  ordered_json j;
+  j["schema"] = schema_version;
+  j["versions"] = versions();
+  j["command"] = result.command;
+  for (const Setting& setting : settings.all())
+    if (setting.path != "results.json")
+      j["configuration"][setting.path] = setting.value;  // a place, not an input
+  j["inputs"] = ordered_json::array();
+  for (const Input& input : result.inputs)
+    j["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
+  j["exit"] = {{"code", result.code}, {"reason", result.reason}};
+  j["time"] = {{"simulated_s", result.simulated_s}, {"wall_s", result.wall_s}};
+  j["cpu"]["instructions"] = result.instructions;
+  j["cpu"]["cycles"] = result.cycles;
+  j["cpu"]["mips"] =
+      result.wall_s > 0 ? static_cast<double>(result.instructions) / result.wall_s / 1e6 : 0.0;
+  j["samples"] = result.samples;
+  j["convergence_s"] = number_or_null(result.convergence_s);
+  for (const Row& row : rows_of(result))
+    j["parameters"][row.name] = {{"word", row.word},
+                                 {"value", row.value},
+                                 {"true", number_or_null(row.truth)},
+                                 {"relative_error", number_or_null(row.relative_error)}};
+  j["angle_error_deg"] = {
+      {"uncalibrated_max", number_or_null(result.errors.uncalibrated_max)},
+      {"uncalibrated_max_paper", number_or_null(result.errors.uncalibrated_max_paper)},
+      {"calibrated_max_last_revolution",
+       number_or_null(result.errors.calibrated_max_last_revolution)},
+      {"calibration_mode_max", number_or_null(result.errors.calibration_mode_max)}};
+  j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
+  if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
+  return j;
+}
+
+std::string to_table(const RunResult& result) {
+  std::string text;
+  const auto line = [&](const std::string& l) { text += l + "\n"; };
+  line("");
+  if (result.samples > 0) {
+    line(fmt::format("{:<10}{:>14}{:>16}{:>16}{:>16}", "parameter", "word", "identified", "true",
+                     "relative error"));
+    for (const Row& row : rows_of(result))
+      line(fmt::format("{:<10}{:>14}{:>16.9f}{:>16}{:>16}", row.name, row.word, row.value,
+                       row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",
+                       row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-"));
+    line("");
+    line(fmt::format("largest angle error before    {} (as the paper counts: {})",
+                     degrees(result.errors.uncalibrated_max),
+                     degrees(result.errors.uncalibrated_max_paper)));
+    line(fmt::format("  last turn of demodulation   {}",
+                     degrees(result.errors.calibrated_max_last_revolution)));
+    line(fmt::format("  in calibration mode         {}",
+                     degrees(result.errors.calibration_mode_max)));
+    line(fmt::format(
+        "all six within 1 % after      {}",
+        result.convergence_s ? fmt::format("{:.1f} s", *result.convergence_s) : "not reached"));
+  }
+  line(
+      fmt::format("{} samples, {:.1f} simulated s in {:.2f} s ({:.0f} times real time), {} "
+                  "instructions, {} cycles",
+                  result.samples, result.simulated_s, result.wall_s,
+                  result.wall_s > 0 ? result.simulated_s / result.wall_s : 0.0, result.instructions,
+                  result.cycles));
+  line(fmt::format("exit {}: {}", result.code, result.reason));
+  return text;
+}
+
+std::optional<Error> write_whole(const std::string& path, const std::string& text) {
+  const std::string temporary = fmt::format("{}.{}.tmp", path, getpid());
+  const auto fail = [&](int error) {
+    std::remove(temporary.c_str());
+    return Error{
+        fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
+  };
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (file == nullptr) return fail(errno);
+  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  const int write_error = errno;
+  if (std::fclose(file) != 0 || !written) return fail(written ? errno : write_error);
+  if (std::rename(temporary.c_str(), path.c_str()) != 0) return fail(errno);
+  return std::nullopt;
+}
+
+}  // namespace capsoc::run

@@ -1,0 +1,65 @@
+// The one result file of a run, and the table that a person reads. Every other report is drawn from
+// it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run/metrics.h"
+#include "support/result.h"
+#include "support/settings.h"
+
+namespace capsoc::run {
+
+/// Exit codes of the program.
+namespace exit_code {
+constexpr int pass = 0;
+constexpr int failed = 1;   ///< the firmware said so
+constexpr int usage = 2;    ///< a wrong option or input
+constexpr int crashed = 5;  ///< lockup
+constexpr int internal = 70;
+constexpr int limit = 124;        ///< a time limit was hit
+constexpr int signal_base = 128;  ///< + signal number
+}  // namespace exit_code
+
+/// A file that the run read.
+struct Input {
+  std::string role, path, sha256;
+};
+
+/// Everything that a run has to say when it is over.
+struct RunResult {
+  int code = exit_code::pass;
+  std::string reason;
+  double simulated_s = 0;
+  double wall_s = 0;
+  uint64_t instructions = 0;
+  uint64_t cycles = 0;
+  uint64_t samples = 0;
+  std::optional<double> convergence_s;
+  ParameterWords words;
+  std::optional<Parameters> truth;
+  AngleErrors errors;
+  uint64_t uart0_bytes = 0;
+  std::string uart0_sha256;
+  std::vector<Input> inputs;
+  std::string command;       ///< a command that reproduces the run
+  std::string fault_report;  ///< "" unless the firmware crashed
+};
+
+/// The result file's contents; keys are documented in docs/results.md.
+nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);
+
+/// Parameters beside the truth and the angle error before and after, as text.
+std::string to_table(const RunResult& result);
+
+/// Writes the whole file or nothing: a temporary file beside it, renamed at the end.
+std::optional<Error> write_whole(const std::string& path, const std::string& text);
+
+/// Versions of the program and of the libraries that it runs on, name by name.
+nlohmann::ordered_json versions();
+
+}  // namespace capsoc::run

@@ -1,0 +1,286 @@
+#include "run/session.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+
+#include "run/fault_report.h"
+#include "run/progress.h"
+#include "run/semihosting.h"
+#include "run/uart_backend.h"
+#include "sensor/load.h"
+#include "soc/soc.h"
+#include "tlm/guest_error.h"
+
+namespace capsoc::run {
+namespace {
+
+namespace fs = std::filesystem;
+namespace cop = registers::coprocessor;
+
+constexpr uint32_t coprocessor_base = 0x4000C000;
+
+std::atomic<int> caught_signal{0};
+
+void on_signal(int number) {
+  caught_signal = number;
+}
+
+/// The sentence of a path that may not be there: built firmware and traces lie beside the program
+/// or one level up.
+std::string installed(const std::string& relative) {
+  for (const char* up : {"", "../"}) {
+    const fs::path path = fs::path(program_folder()) / (up + relative);
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) return fs::proximate(path, ignored).string();
+  }
+  return (fs::path(program_folder()) / relative).string();
+}
+
+std::optional<Parameters> truth_of(const sensor::Description& d) {
+  if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta || !d.phi) return std::nullopt;
+  return Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
+}
+
+/// A command line that gives the same run.
+std::string reproducing_command(const Settings& settings) {
+  std::string text = "capsoc run";
+  for (const Setting& setting : settings.all()) {
+    if (setting.source == SettingSource::built_in) continue;
+    if (setting.path == "results.json" || setting.path == "uart0.backend")
+      continue;  // where it goes, not what it is
+    text += fmt::format(" -C {}={}", setting.path, setting.value);
+  }
+  return text;
+}
+
+/// Ends the simulation at a simulated time, whatever the processor does.
+class Limit : public sc_core::sc_module {
+ public:
+  Limit(const sc_core::sc_module_name& name, double seconds) : sc_module(name) {
+    SC_HAS_PROCESS(Limit);
+    if (seconds <= 0) return;
+    SC_METHOD(expire);
+    dont_initialize();
+    sensitive << event_;
+    event_.notify(sc_core::sc_time(seconds, sc_core::SC_SEC));
+  }
+  bool expired() const { return expired_; }
+
+ private:
+  void expire() {
+    expired_ = true;
+    sc_core::sc_stop();
+  }
+  sc_core::sc_event event_;
+  bool expired_ = false;
+};
+
+/// The sensor, the coprocessor's results and the metrics wired together.
+class Observation {
+ public:
+  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, Progress& progress)
+      : soc_(soc), source_(source), metrics_(metrics), progress_(progress) {
+    soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
+    soc.adc.set_sink([this](const peripherals::SensorSample& sample) {
+      if (soc_.coprocessor.sample(sample)) metrics_.accepted(truth_);
+    });
+    soc.coprocessor.set_result_observer(
+        [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
+  }
+
+ private:
+  std::optional<peripherals::AdcInput> next(uint64_t k, double t) {
+    if (k == 0) {
+      source_.rewind();
+      metrics_.dropped_all();
+    }
+    const auto value = source_.sample(k, t);
+    if (!value) return std::nullopt;
+    truth_ = {k, value->u, value->v, value->angle_turns, value->has_truth};
+    return peripherals::AdcInput{value->u, value->v, value->angle_turns, value->has_truth};
+  }
+
+  void result(const coprocessor::Nodes& nodes) {
+    // The observer runs in the cycle of the result, before the firmware can have changed the mode.
+    const uint32_t control = soc_.peek(coprocessor_base + cop::CTRL_offset);
+    CoprocessorResult r;
+    r.angle = static_cast<uint32_t>(nodes.angle);
+    r.angle_valid = (nodes.status & cop::STATUS_VALID_mask) != 0;
+    r.demodulating = (control & cop::CTRL_DEMOD_mask) != 0;
+    r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
+               static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
+               static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
+    metrics_.result(r);
+    progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
+  }
+
+  soc::Soc& soc_;
+  sensor::Source& source_;
+  Metrics& metrics_;
+  Progress& progress_;
+  SensorTruth truth_;
+};
+
+/// Why the simulation is over, as an exit code and a sentence.
+void conclude(const soc::Soc& soc, const Semihosting& semihosting, const Limit& limit,
+              bool out_of_time, double wall_limit, RunResult& result) {
+  using cortex_m3::EndReason;
+  const auto say = [&](int code, std::string reason) {
+    result.code = code;
+    result.reason = std::move(reason);
+  };
+  if (soc.cpu.end_reason() == EndReason::exit) {
+    const int status = semihosting.exit_status();
+    if (status == 0) return say(exit_code::pass, "the firmware ended with status 0");
+    return say(exit_code::failed, fmt::format("the firmware ended with status {}", status));
+  }
+  if (soc.cpu.end_reason() == EndReason::lockup)
+    return say(exit_code::crashed, "the firmware crashed: lockup");
+  if (soc.cpu.end_reason() == EndReason::asleep)
+    return say(exit_code::limit, "the firmware sleeps and nothing is left that could wake it");
+  if (caught_signal != 0)
+    return say(exit_code::signal_base + caught_signal,
+               fmt::format("ended by signal {}", caught_signal.load()));
+  if (out_of_time)
+    return say(exit_code::limit,
+               fmt::format("the limit of {:g} s of the host was hit", wall_limit));
+  if (limit.expired())
+    return say(exit_code::limit, fmt::format("the limit of {:g} simulated s was hit",
+                                             sc_core::sc_time_stamp().to_seconds()));
+  say(exit_code::internal, "the simulation ended without a reason");
+}
+
+}  // namespace
+
+std::string program_folder() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
+}
+
+Settings make_settings() {
+  Settings s;
+  const auto add = [&](const char* path, SettingKind kind, std::string value, const char* help,
+                       std::vector<std::string> choices = {}, double minimum = 0,
+                       double maximum = 0) {
+    s.add({path, kind, std::move(value), help, std::move(choices), minimum, maximum});
+  };
+  add("firmware.elf", SettingKind::path, installed("firmware/selfcal.elf"),
+      "program for the Cortex-M3");
+  add("sensor.file", SettingKind::path, installed("traces/soc_eq21.toml"),
+      "sensor description or recording");
+  add("sensor.adc_bits", SettingKind::integer, "0",
+      "width of the converter at reset; 0: as the sensor says", {}, 0, 32);
+  add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
+      {"paper", "precise"});
+  add("cpu.quantum_ns", SettingKind::number, "10000", "how far the processor may run ahead, ns", {},
+      1, 1e9);
+  add("cpu.executor", SettingKind::choice, "blocks", "blocks (fast) or stepping; same results",
+      {"blocks", "stepping"});
+  add("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none", {}, 0,
+      1e6);
+  add("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none", {}, 0,
+      1e6);
+  add("uart0.backend", SettingKind::text, "stdio", "stdio, null or file:PATH");
+  add("results.json", SettingKind::path, "", "where the results go; empty: nowhere");
+  add("log.level", SettingKind::choice, "warn", "trace, debug, info, warn, error, off",
+      {"trace", "debug", "info", "warn", "error", "off"});
+  return s;
+}
+
+Result<RunResult> run(const Settings& settings) {
+  const std::string elf = settings.text("firmware.elf");
+  const std::string sensor_file = settings.text("sensor.file");
+  auto image = loader::load_elf(elf);
+  if (!image) return Error{image.error()};
+  auto source = sensor::load(sensor_file);
+  if (!source) return Error{source.error()};
+  const sensor::Description& description = source.value()->description();
+  const long long adc_bits = settings.integer("sensor.adc_bits") != 0
+                                 ? settings.integer("sensor.adc_bits")
+                                 : description.adc_bits.value_or(32);
+  if (adc_bits < 12)
+    return Error{fmt::format("sensor.adc_bits = {} is out of range; give 12 to 32", adc_bits)};
+
+  // SystemC prints notes of its own on stdout, which belongs to the firmware.
+  sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  soc::Config config;
+  config.coprocessor.arithmetic = settings.text("coprocessor.arithmetic") == "paper"
+                                      ? coprocessor::Arithmetic::paper
+                                      : coprocessor::Arithmetic::precise;
+  config.quantum = sc_core::sc_time(settings.number("cpu.quantum_ns"), sc_core::SC_NS);
+  config.executor = settings.text("cpu.executor") == "blocks" ? cortex_m3::Executor::blocks
+                                                              : cortex_m3::Executor::stepping;
+  soc::Soc soc("soc", config);
+  soc.adc.fit_converter(static_cast<uint32_t>(adc_bits));
+  if (auto error = soc.load(image.value())) return *error;
+
+  Semihosting semihosting;
+  soc.cpu.core().set_semihosting([&](cortex_m3::Core& core) { return semihosting.call(core); });
+
+  auto uart = UartBackend::open(settings.text("uart0.backend"));
+  if (!uart) return Error{uart.error()};
+  soc.uart0.on_transmit([&](uint8_t byte) { uart.value()->put(byte); });
+
+  const double rate = description.sample_rate_hz.value_or(250);
+  const double frequency = std::fabs(description.frequency_hz.value_or(0.05));
+  const auto revolution =
+      static_cast<uint64_t>(std::llround(frequency > 0 ? rate / frequency : 5000));
+  Metrics metrics(truth_of(description), rate, std::min<uint64_t>(revolution, 10'000'000));
+  Progress progress(isatty(STDERR_FILENO) != 0);
+  Observation observation(soc, *source.value(), metrics, progress);
+  tlm_util::set_guest_error_context([&] {
+    return fmt::format("pc {:#010x} {}", soc.cpu.core().reg(15),
+                       image.value().symbolise(soc.cpu.core().reg(15)));
+  });
+
+  Limit limit("limit", settings.number("run.simlimit_s"));
+  const double wall_limit = settings.number("run.timelimit_s");
+  const auto start = std::chrono::steady_clock::now();
+  const auto wall = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  bool out_of_time = false;
+  soc.cpu.set_interrupted([&] {
+    out_of_time = wall_limit > 0 && wall() > wall_limit;
+    return out_of_time || caught_signal != 0;
+  });
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+
+  sc_core::sc_start();
+
+  soc.uart0.flush();
+  uart.value()->flush();
+  progress.finish();
+  tlm_util::summarise_guest_errors();
+  tlm_util::set_guest_error_context({});
+
+  RunResult result;
+  conclude(soc, semihosting, limit, out_of_time, wall_limit, result);
+  result.simulated_s = sc_core::sc_time_stamp().to_seconds();
+  result.wall_s = wall();
+  result.instructions = soc.cpu.core().instructions();
+  result.cycles = soc.cpu.core().cycles();
+  result.samples = metrics.samples();
+  result.convergence_s = metrics.convergence_s();
+  result.words = metrics.words();
+  result.truth = metrics.truth();
+  result.errors = metrics.angle_errors();
+  result.uart0_bytes = uart.value()->bytes();
+  result.uart0_sha256 = uart.value()->sha256();
+  result.inputs = {{"firmware", elf, sha256_of_file(elf)},
+                   {"sensor", sensor_file, sha256_of_file(sensor_file)}};
+  result.command = reproducing_command(settings);
+  if (result.code == exit_code::crashed)
+    result.fault_report = describe_fault(soc.cpu.core(), image.value());
+  return result;
+}
+
+}  // namespace capsoc::run

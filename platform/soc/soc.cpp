@@ -1,0 +1,161 @@
+#include "soc/soc.h"
+
+#include <fmt/format.h>
+
+#include "bus/address_map.h"
+
+namespace capsoc::soc {
+namespace {
+
+constexpr uint64_t kib = 1024, mib = 1024 * kib;
+
+}  // namespace
+
+Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
+    : sc_module(name),
+      cpu("cpu", clock),
+      ahb("ahb", bus::soc_address_map(), clock),
+      apb("apb", bus::soc_address_map(), clock),
+      code_sram("code_sram", 4 * mib),
+      data_sram("data_sram", 4 * mib),
+      block_ram("block_ram", 16 * kib),
+      psram("psram", 16 * mib),
+      timer0("timer0", clock),
+      timer1("timer1", clock),
+      uart0("uart0", clock),
+      uart1("uart1", clock),
+      uart2("uart2", clock),
+      uart3("uart3", clock),
+      uart4("uart4", clock),
+      gpio0("gpio0", clock),
+      gpio1("gpio1", clock),
+      gpio2("gpio2", clock),
+      gpio3("gpio3", clock),
+      coprocessor("coprocessor", clock, config.coprocessor),
+      adc("adc_front_end", clock),
+      clock_controller("clock_controller", clock) {
+  cpu.set_quantum(config.quantum);
+  cpu.core().set_executor(config.executor);
+  bind();
+  connect_interrupts();
+  adc.set_sink([this](const peripherals::SensorSample& sample) { coprocessor.sample(sample); });
+  cpu.on_reset_request([this] { reset_peripherals(); });
+}
+
+void Soc::bind() {
+  cpu.icode.bind(ahb.i_code);
+  cpu.dcode.bind(ahb.d_code);
+  cpu.system.bind(ahb.system);
+  ahb.port(bus::apb_bridge_target)->bind(apb.socket);
+
+  ahb.port("code_sram")->bind(code_sram.socket);
+  ahb.port("data_sram")->bind(data_sram.socket);
+  ahb.port("block_ram")->bind(block_ram.socket);
+  ahb.port("psram")->bind(psram.socket);
+  for (peripherals::Gpio* gpio : gpios()) ahb.port(gpio->basename())->bind(gpio->socket);
+
+  apb.port("timer0")->bind(timer0.socket);
+  apb.port("timer1")->bind(timer1.socket);
+  for (peripherals::Uart* uart : uarts()) apb.port(uart->basename())->bind(uart->socket);
+  apb.port("coprocessor")->bind(coprocessor.socket);
+  apb.port("adc_front_end")->bind(adc.socket);
+  apb.port("clock_controller")->bind(clock_controller.socket);
+
+  for (const bus::MapEntry& entry : bus::soc_address_map()) {
+    if (entry.kind != bus::TargetKind::unimplemented) continue;
+    const std::string module = entry.name + "_stub";
+    unimplemented.push_back(
+        std::make_unique<bus::Unimplemented>(module.c_str(), entry.name, entry.base));
+    auto& socket = unimplemented.back()->socket;
+    if (entry.bus == bus::BusKind::apb) {
+      apb.port(entry.target)->bind(socket);
+    } else {
+      ahb.port(entry.target)->bind(socket);
+    }
+  }
+}
+
+void Soc::connect(tlm_util::InterruptLine& source, const char* device, const char* output) {
+  const bus::AddressMap map = bus::soc_address_map();
+  for (const bus::InterruptWire& wire : bus::find_entry(map, device)->interrupts) {
+    if (wire.output != output) continue;
+    source.connect([this, line = static_cast<unsigned>(wire.line)](bool level) {
+      high_sources_[line] += level ? 1 : -1;
+      cpu.set_interrupt(line, high_sources_[line] > 0);
+    });
+  }
+}
+
+void Soc::connect_interrupts() {
+  connect(timer0.interrupt, "timer0", "interrupt");
+  connect(timer1.interrupt, "timer1", "interrupt");
+  for (peripherals::Uart* uart : uarts()) {
+    connect(uart->rx_interrupt, uart->basename(), "rx");
+    connect(uart->tx_interrupt, uart->basename(), "tx");
+    connect(uart->overrun_interrupt, uart->basename(), "overrun");
+  }
+  for (peripherals::Gpio* gpio : gpios())
+    connect(gpio->combined_interrupt, gpio->basename(), "combined");
+  connect(coprocessor.interrupt, "coprocessor", "interrupt");
+  connect(adc.interrupt, "adc_front_end", "interrupt");
+}
+
+void Soc::reset_peripherals() {
+  timer0.reset();
+  timer1.reset();
+  for (peripherals::Uart* uart : uarts()) uart->reset();
+  for (peripherals::Gpio* gpio : gpios()) gpio->reset();
+  coprocessor.reset();
+  adc.reset();
+  clock_controller.reset();
+}
+
+uint32_t Soc::peek(uint32_t address) {
+  uint8_t bytes[4] = {};
+  tlm::tlm_generic_payload payload;
+  payload.set_command(tlm::TLM_READ_COMMAND);
+  payload.set_address(address);
+  payload.set_data_ptr(bytes);
+  payload.set_data_length(sizeof bytes);
+  payload.set_streaming_width(sizeof bytes);
+  cpu.system->transport_dbg(payload);
+  return bytes[0] | bytes[1] << 8 | bytes[2] << 16 | static_cast<uint32_t>(bytes[3]) << 24;
+}
+
+bool Soc::write_memory(uint32_t address, const uint8_t* bytes, uint32_t size) {
+  tlm::tlm_generic_payload payload;
+  payload.set_command(tlm::TLM_WRITE_COMMAND);
+  payload.set_address(address);
+  payload.set_data_ptr(const_cast<uint8_t*>(bytes));  // a write only reads them
+  payload.set_data_length(size);
+  payload.set_streaming_width(size);
+  return cpu.system->transport_dbg(payload) == size;
+}
+
+std::optional<Error> Soc::load(const loader::ElfImage& image) {
+  const bus::AddressMap map = bus::soc_address_map();
+  const auto is_memory = [&](uint32_t address) {
+    for (const bus::MapEntry& entry : map)
+      if (address >= entry.base && address <= entry.last())
+        return entry.kind == bus::TargetKind::memory;
+    return false;
+  };
+  for (const loader::Segment& segment : image.segments) {
+    const uint32_t last = segment.address + segment.memory_size - 1;
+    if (!is_memory(segment.address) || !is_memory(last))
+      return Error{fmt::format(
+          "{}: the segment {:#010x} to {:#010x} lies outside memory; link it to the map that "
+          "`capsoc info` prints",
+          image.path, segment.address, last)};
+    std::vector<uint8_t> bytes = segment.bytes;
+    bytes.resize(segment.memory_size);
+    if (!write_memory(segment.address, bytes.data(), segment.memory_size))
+      return Error{fmt::format(
+          "{}: the segment at {:#010x} crosses the end of a memory; link it to the map that "
+          "`capsoc info` prints",
+          image.path, segment.address)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace capsoc::soc

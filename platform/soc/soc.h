@@ -1,0 +1,79 @@
+// The system-on-chip put together: processor, buses, memories, peripherals, coprocessor, sensor
+// input.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <systemc>
+#include <vector>
+
+#include "bus/ahb_matrix.h"
+#include "bus/apb_bridge.h"
+#include "bus/memory.h"
+#include "bus/unimplemented.h"
+#include "cmsdk/gpio.h"
+#include "cmsdk/timer.h"
+#include "cmsdk/uart.h"
+#include "coprocessor/types.h"
+#include "coprocessor_tlm/coprocessor_tlm.h"
+#include "cortex_m3_tlm/cortex_m3_tlm.h"
+#include "loader/elf_image.h"
+#include "peripherals/adc_front_end.h"
+#include "peripherals/clock_controller.h"
+#include "support/result.h"
+#include "tlm/clock_domain.h"
+
+namespace capsoc::soc {
+
+/// What can be chosen when the SoC is built.
+struct Config {
+  coprocessor::Options coprocessor;
+  sc_core::sc_time quantum{10, sc_core::SC_US};
+  cortex_m3::Executor executor = cortex_m3::Executor::blocks;
+};
+
+/// Arm MPS2 AN385 with the self-calibration coprocessor. The address map is data
+/// (bus/address_map.h).
+class Soc : public sc_core::sc_module {
+ public:
+  Soc(const sc_core::sc_module_name& name, const Config& config);
+
+  /// Copies a program into memory. An Error names the segment that lies outside.
+  std::optional<Error> load(const loader::ElfImage& image);
+
+  /// Everything back to its reset state, memories excepted; time goes on.
+  void reset_peripherals();
+
+  /// A word as a debugger reads it, without side effects; 0 where nothing answers.
+  uint32_t peek(uint32_t address);
+
+  tlm_util::ClockDomain clock;
+  cortex_m3::CortexM3Tlm cpu;
+  bus::AhbMatrix ahb;
+  bus::ApbBridge apb;
+  bus::Memory code_sram, data_sram, block_ram, psram;
+  peripherals::Timer timer0, timer1;
+  peripherals::Uart uart0, uart1, uart2, uart3, uart4;
+  peripherals::Gpio gpio0, gpio1, gpio2, gpio3;
+  coprocessor::CoprocessorTlm coprocessor;
+  peripherals::AdcFrontEnd adc;
+  peripherals::ClockController clock_controller;
+  std::vector<std::unique_ptr<bus::Unimplemented>> unimplemented;
+
+  /// Every UART and every GPIO, in the order of their numbers.
+  std::array<peripherals::Uart*, 5> uarts() { return {&uart0, &uart1, &uart2, &uart3, &uart4}; }
+  std::array<peripherals::Gpio*, 4> gpios() { return {&gpio0, &gpio1, &gpio2, &gpio3}; }
+
+ private:
+  /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).
+  std::array<int, cortex_m3::Core::interrupt_count> high_sources_{};
+
+  void bind();
+  void connect_interrupts();
+  void connect(tlm_util::InterruptLine& source, const char* device, const char* output);
+  bool write_memory(uint32_t address, const uint8_t* bytes, uint32_t size);
+};
+
+}  // namespace capsoc::soc

@@ -1,0 +1,185 @@
+#include "support/settings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include "support/nearest.h"
+#include "support/toml.h"
+
+namespace capsoc {
+namespace {
+
+bool parse_number(const std::string& text, double& value) {
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && last == end && std::isfinite(value);
+}
+
+std::string environment_name(const std::string& path) {
+  std::string name = "CAPSOC_";
+  for (char c : path)
+    name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// A TOML value as the text that the command line would carry.
+std::optional<std::string> text_of(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* name_of(SettingSource source) {
+  switch (source) {
+    case SettingSource::built_in:
+      return "built-in";
+    case SettingSource::file:
+      return "file";
+    case SettingSource::environment:
+      return "environment";
+    case SettingSource::command_line:
+      return "command line";
+  }
+  return "";
+}
+
+void Settings::add(Setting setting) {
+  settings_.push_back(std::move(setting));
+}
+
+const Setting& Settings::find(const std::string& path) const {
+  static const Setting none{};
+  for (const Setting& setting : settings_)
+    if (setting.path == path) return setting;
+  return none;
+}
+
+double Settings::number(const std::string& path) const {
+  double value = 0;
+  parse_number(find(path).value, value);
+  return value;
+}
+
+long long Settings::integer(const std::string& path) const {
+  return std::llround(number(path));
+}
+
+std::optional<Error> Settings::check(const Setting& setting, const std::string& value,
+                                     const std::string& origin) const {
+  switch (setting.kind) {
+    case SettingKind::text:
+    case SettingKind::path:
+      return std::nullopt;
+    case SettingKind::choice:
+      if (std::count(setting.choices.begin(), setting.choices.end(), value) > 0)
+        return std::nullopt;
+      return Error{fmt::format("{}: {} cannot be '{}'; choose one of {}", origin, setting.path,
+                               value, fmt::join(setting.choices, ", "))};
+    case SettingKind::flag:
+      if (value == "true" || value == "false") return std::nullopt;
+      return Error{
+          fmt::format("{}: {} cannot be '{}'; give true or false", origin, setting.path, value)};
+    case SettingKind::number:
+    case SettingKind::integer: {
+      double number = 0;
+      if (!parse_number(value, number) ||
+          (setting.kind == SettingKind::integer && number != std::floor(number)))
+        return Error{fmt::format("{}: {} cannot be '{}'; give a{} number", origin, setting.path,
+                                 value, setting.kind == SettingKind::integer ? " whole" : "")};
+      if (number < setting.minimum || number > setting.maximum)
+        return Error{fmt::format("{}: {} = {} is out of range; give {:g} to {:g}", origin,
+                                 setting.path, value, setting.minimum, setting.maximum)};
+      return std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Settings::set(const std::string& path, const std::string& value,
+                                   SettingSource source, const std::string& origin) {
+  for (Setting& setting : settings_) {
+    if (setting.path != path) continue;
+    if (auto error = check(setting, value, origin)) return error;
+    if (source >= setting.source) {
+      setting.value = value;
+      setting.source = source;
+    }
+    return std::nullopt;
+  }
+  std::vector<std::string> known;
+  for (const Setting& setting : settings_) known.push_back(setting.path);
+  return Error{
+      fmt::format("{}: there is no setting '{}'; did you mean {}? (--list-params lists all)",
+                  origin, path, nearest_names(path, known))};
+}
+
+std::optional<Error> Settings::set_assignment(const std::string& assignment) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return Error{fmt::format(
+        "-C {}: write path=value, for instance -C coprocessor.arithmetic=paper", assignment)};
+  return set(assignment.substr(0, equals), assignment.substr(equals + 1),
+             SettingSource::command_line, "-C " + assignment);
+}
+
+std::optional<Error> Settings::read_environment(char** environment) {
+  for (char** entry = environment; entry != nullptr && *entry != nullptr; ++entry) {
+    if (std::strncmp(*entry, "CAPSOC_", 7) != 0) continue;
+    const std::string text = *entry;
+    const auto equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    if (name == "CAPSOC_CONFIG") continue;  // names the settings file itself
+    const auto it = std::find_if(settings_.begin(), settings_.end(), [&](const Setting& s) {
+      return environment_name(s.path) == name;
+    });
+    if (it == settings_.end()) {
+      std::vector<std::string> known;
+      for (const Setting& setting : settings_) known.push_back(environment_name(setting.path));
+      return Error{fmt::format("environment: there is no setting {}; did you mean {}?", name,
+                               nearest_names(name, known))};
+    }
+    if (auto error = set(it->path, text.substr(equals + 1), SettingSource::environment,
+                         "environment " + name))
+      return error;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Settings::read_file(const std::string& file) {
+  const toml::parse_result parsed = toml::parse_file(file);
+  if (!parsed)
+    return Error{fmt::format("{}:{}: {}; mend the TOML", file, parsed.error().source().begin.line,
+                             parsed.error().description())};
+  const toml::table& root = parsed.table();
+  for (auto&& [table_name, node] : root) {
+    const auto line = [&](const toml::node& n) {
+      return fmt::format("{}:{}", file, n.source().begin.line);
+    };
+    const toml::table* table = node.as_table();
+    if (table == nullptr)
+      return Error{fmt::format("{}: '{}' stands outside a table; write [{}] and keys below it",
+                               line(node), table_name.str(), "section")};
+    for (auto&& [key, value] : *table) {
+      const std::string path = fmt::format("{}.{}", table_name.str(), key.str());
+      const auto text = text_of(value);
+      if (!text)
+        return Error{
+            fmt::format("{}: {} must be a text, a number or true/false", line(value), path)};
+      if (auto error = set(path, *text, SettingSource::file, line(value))) return error;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace capsoc

@@ -1,0 +1,62 @@
+// Named settings with one precedence for all: command line, environment, file, built-in.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "support/result.h"
+
+namespace capsoc {
+
+/// Where a setting's value comes from; a later one wins.
+enum class SettingSource { built_in, file, environment, command_line };
+
+/// What a value must look like.
+enum class SettingKind { text, path, number, integer, choice, flag };
+
+/// One setting of the platform, for instance `coprocessor.arithmetic`.
+struct Setting {
+  std::string path;
+  SettingKind kind;
+  std::string value;  ///< as text; numbers in the unit that `help` names
+  std::string help;
+  std::vector<std::string> choices;  ///< for SettingKind::choice
+  double minimum = 0, maximum = 0;   ///< for numbers, both inclusive
+  SettingSource source = SettingSource::built_in;
+};
+
+/// The settings of a run. Every refused value is a sentence that names where it came from.
+class Settings {
+ public:
+  void add(Setting setting);
+
+  /// Sets a value if nothing of higher precedence has set it. `origin` begins the error sentence
+  /// ("-C", a file and line).
+  std::optional<Error> set(const std::string& path, const std::string& value, SettingSource source,
+                           const std::string& origin);
+  /// "path=value" as `-C` takes it.
+  std::optional<Error> set_assignment(const std::string& assignment);
+  /// CAPSOC_<PATH> with dots as underscores, for instance CAPSOC_SENSOR_FILE. Unknown CAPSOC_ names
+  /// are errors.
+  std::optional<Error> read_environment(char** environment);
+  /// A TOML file whose tables and keys are the paths.
+  std::optional<Error> read_file(const std::string& file);
+
+  const std::string& text(const std::string& path) const { return find(path).value; }
+  double number(const std::string& path) const;
+  long long integer(const std::string& path) const;
+  const std::vector<Setting>& all() const { return settings_; }
+
+ private:
+  const Setting& find(const std::string& path) const;
+  std::optional<Error> check(const Setting& setting, const std::string& value,
+                             const std::string& origin) const;
+
+  std::vector<Setting> settings_;
+};
+
+/// The name of a source, as results and listings print it.
+const char* name_of(SettingSource source);
+
+}  // namespace capsoc

@@ -1,0 +1,133 @@
+#include "bench.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+
+namespace capsoc::test {
+namespace {
+
+using bus::AddressMap;
+using bus::BusKind;
+using bus::MapEntry;
+using bus::TargetKind;
+
+MapEntry memory(const char* name, const char* target, uint64_t base, uint64_t size) {
+  MapEntry entry;
+  entry.name = name;
+  entry.target = target;
+  entry.base = base;
+  entry.size = size;
+  entry.kind = TargetKind::memory;
+  return entry;
+}
+
+MapEntry device(const char* name, uint64_t base, BusKind bus, unsigned wait_states = 0) {
+  MapEntry entry = memory(name, name, base, 0x1000);
+  entry.kind = TargetKind::device;
+  entry.bus = bus;
+  entry.wait_states = wait_states;
+  return entry;
+}
+
+AddressMap bench_map() {
+  AddressMap map = {memory("ram", "ram", at::ram, 0x1000),
+                    memory("ram_alias", "ram", at::ram_alias, 0x800),
+                    memory("slow_ram", "slow_ram", at::slow_ram, 0x1000),
+                    memory("small_ram", "small_ram", at::small_ram, 0x1000),
+                    device("probe", at::probe, BusKind::apb),
+                    device("sluggish", at::sluggish, BusKind::apb, 5),
+                    device("absent", at::absent, BusKind::ahb)};
+  map[1].offset = 0x800;
+  map[2].wait_states = 3;
+  map[3].wrap = 0x400;
+  return map;
+}
+
+std::unique_ptr<Bench> the_bench;
+
+}  // namespace
+
+Probe::Probe(sc_core::sc_module_name name) : sc_module(name) {
+  socket.register_b_transport(this, &Probe::b_transport);
+  socket.register_transport_dbg(this, &Probe::transport_dbg);
+}
+
+void Probe::forget() {
+  transfers.clear();
+  read_value = debug_value = 0;
+  response = tlm::TLM_OK_RESPONSE;
+  ready_after = sc_core::SC_ZERO_TIME;
+}
+
+void Probe::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+  Transfer seen{payload.get_command(), payload.get_address(), payload.get_data_length(), 0, 0xf};
+  std::memcpy(&seen.data, payload.get_data_ptr(), 4);
+  if (payload.get_byte_enable_ptr() != nullptr) {
+    seen.strobes = 0;
+    for (unsigned i = 0; i < 4; ++i)
+      if (payload.get_byte_enable_ptr()[i] == TLM_BYTE_ENABLED) seen.strobes |= 1u << i;
+  }
+  transfers.push_back(seen);
+  if (payload.is_read()) std::memcpy(payload.get_data_ptr(), &read_value, 4);
+  delay += ready_after;
+  payload.set_response_status(response);
+}
+
+unsigned Probe::transport_dbg(tlm::tlm_generic_payload& payload) {
+  if (payload.get_data_length() != 4) return 0;
+  if (payload.is_read())
+    std::memcpy(payload.get_data_ptr(), &debug_value, 4);
+  else
+    std::memcpy(&debug_value, payload.get_data_ptr(), 4);
+  return 4;
+}
+
+Bench::Bench()
+    : matrix("matrix", bench_map(), clock),
+      bridge("bridge", bench_map(), clock),
+      ram("ram", 0x1000),
+      slow_ram("slow_ram", 0x1000),
+      small_ram("small_ram", 0x400),
+      probe("probe"),
+      sluggish("sluggish"),
+      absent("absent", "absent", at::absent, [this] { return pc; }),
+      fetch("fetch"),
+      load("load"),
+      system("system") {
+  fetch.socket.bind(matrix.i_code);
+  load.socket.bind(matrix.d_code);
+  system.socket.bind(matrix.system);
+  matrix.port("ram")->bind(ram.socket);
+  matrix.port("slow_ram")->bind(slow_ram.socket);
+  matrix.port("small_ram")->bind(small_ram.socket);
+  matrix.port("absent")->bind(absent.socket);
+  matrix.port(bus::apb_bridge_target)->bind(bridge.socket);
+  bridge.port("probe")->bind(probe.socket);
+  bridge.port("sluggish")->bind(sluggish.socket);
+}
+
+void Bench::forget() {
+  ram.clear();
+  slow_ram.clear();
+  small_ram.clear();
+  probe.forget();
+  sluggish.forget();
+  for (Initiator* each : {&fetch, &load, &system}) each->invalidated.clear();
+}
+
+Bench& bench() {
+  return *the_bench;
+}
+
+}  // namespace capsoc::test
+
+int sc_main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  capsoc::test::the_bench = std::make_unique<capsoc::test::Bench>();
+  sc_core::sc_start(sc_core::SC_ZERO_TIME);
+  const int result = RUN_ALL_TESTS();
+  sc_core::sc_stop();
+  return result;
+}

@@ -1,0 +1,39 @@
+#include "bench.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace capsoc::test {
+namespace {
+
+std::unique_ptr<Bench> the_bench;
+
+}  // namespace
+
+Bench::Bench()
+    : uart("uart", clock),
+      timer("timer", clock),
+      gpio("gpio", clock),
+      to_uart("to_uart"),
+      to_timer("to_timer"),
+      to_gpio("to_gpio") {
+  to_uart.socket.bind(uart.socket);
+  to_timer.socket.bind(timer.socket);
+  to_gpio.socket.bind(gpio.socket);
+}
+
+Bench& bench() {
+  return *the_bench;
+}
+
+}  // namespace capsoc::test
+
+int sc_main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  capsoc::test::the_bench = std::make_unique<capsoc::test::Bench>();
+  sc_core::sc_start(sc_core::SC_ZERO_TIME);
+  const int result = RUN_ALL_TESTS();
+  sc_core::sc_stop();
+  return result;
+}

@@ -1,0 +1,95 @@
+// The two executors against each other: random programs, random interrupts, random quanta.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <random>
+
+#include "bench.h"
+#include "cortex_m3/decoder.h"
+
+namespace capsoc::cortex_m3::test {
+namespace {
+
+/// Random bits through the pattern of a random line of isa.def; plain random bits now and then.
+void random_code(std::mt19937& random, std::vector<uint8_t>& flash) {
+  uint32_t at = Bench::program;
+  auto put = [&](uint32_t halfword) {
+    uint16_t h = static_cast<uint16_t>(halfword);
+    std::memcpy(&flash[at], &h, 2);
+    at += 2;
+  };
+  while (at < Bench::program + 0x400) {
+    const Encoding& e = encodings()[random() % encoding_count()];
+    uint32_t bits = (random() & ~e.mask) | e.value;
+    if (random() % 32 == 0) {
+      put(random());
+    } else if (e.length == 32) {
+      put(bits >> 16);
+      put(bits);
+    } else {
+      put(bits);
+    }
+  }
+}
+
+void prepare(Bench& b, uint32_t seed) {
+  std::mt19937 random(seed);
+  random_code(random, b.flash);
+  // HardFault steps over the faulting halfword: ldr r0,[sp,#24]; adds r0,#2; str r0,[sp,#24]; bx lr
+  b.code(0x4000 + 32 * 3, {0x9806, 0x3002, 0x9006, 0x4770});
+  for (uint8_t& byte : b.ram) byte = static_cast<uint8_t>(random());
+  b.on_write = [&b](uint32_t value) { b.core.set_interrupt(value & 31, (value & 32) != 0); };
+  b.core.reset();
+  for (unsigned n = 0; n < 13; ++n) {
+    b.core.set_reg(n, n % 3 == 0 ? random() : Bench::ram_base + (random() & 0xFFFC));
+  }
+  b.core.set_reg(7, 0x40000000);
+  uint32_t enable = 0xE000E100;
+  b.core.set_reg(6, enable);
+}
+
+void expect_equal(Bench& a, Bench& b, uint32_t seed) {
+  for (unsigned n = 0; n < 16; ++n)
+    ASSERT_EQ(a.core.reg(n), b.core.reg(n)) << "r" << n << " seed " << seed;
+  ASSERT_EQ(a.core.xpsr(), b.core.xpsr()) << "seed " << seed;
+  ASSERT_EQ(a.core.cycles(), b.core.cycles()) << "seed " << seed;
+  ASSERT_EQ(a.core.instructions(), b.core.instructions()) << "seed " << seed;
+}
+
+}  // namespace
+
+TEST(Agreement, BlocksAndSteppingAgreeOnRandomProgramsForEveryQuantum) {
+  uint64_t instructions = 0, faults = 0;
+  for (uint32_t seed = 1; seed <= 1500; ++seed) {
+    Bench a(seed % 3), b(seed % 3);
+    a.core.set_executor(Executor::stepping);
+    prepare(a, seed);
+    prepare(b, seed);
+    std::mt19937 random(seed * 7919);
+    for (unsigned slice = 0; slice < 12; ++slice) {
+      uint64_t until = a.core.cycles() + 1 + random() % 200,
+               middle = a.core.cycles() + random() % 200;
+      a.core.run(until);
+      if (middle < until) b.core.run(middle);  // one more cut must change nothing
+      StopReason reason = b.core.run(until);
+      ASSERT_NO_FATAL_FAILURE(expect_equal(a, b, seed));
+      if (reason == StopReason::lockup) break;
+      unsigned line = random() % 32;
+      bool level = random() % 2 != 0;
+      for (Bench* bench : {&a, &b}) {
+        bench->core.set_interrupt(line, level);
+        if (line == 0) bench->core.pulse_nmi();
+        if (bench->core.sleeping()) bench->core.skip_to(until + 50);
+      }
+    }
+    ASSERT_EQ(a.ram, b.ram) << "seed " << seed;
+    instructions += b.core.instructions();
+    faults += b.core.fault_count();
+  }
+  std::printf("agreement: 1500 programs, %llu instructions, %llu faults\n",
+              static_cast<unsigned long long>(instructions),
+              static_cast<unsigned long long>(faults));
+  EXPECT_GT(instructions, 100000u);
+}
+
+}  // namespace capsoc::cortex_m3::test

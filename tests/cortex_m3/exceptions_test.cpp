@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include "bench.h"
+
+namespace capsoc::cortex_m3::test {
+
+TEST(Exceptions, AnInterruptRaisedByAStoreIsTakenRightAfterIt) {
+  Bench b;
+  b.on_write = [&](uint32_t) { b.core.set_interrupt(5, true); };
+  uint32_t nvic = 0xE000E100;
+  // enable line 5 through the register: str r5,[r4]; then the store
+  b.start({0x6025, 0x6001, 0x2301, 0xE7FE});
+  b.core.set_reg(4, nvic);
+  b.core.set_reg(5, 1u << 5);
+  b.core.set_reg(0, 0x40000000);
+  b.core.run(5);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 21u);
+  EXPECT_EQ(b.core.reg(3), 0u);
+  EXPECT_EQ(b.peek(b.core.msp() + 24), Bench::program + 4);
+}
+
+TEST(Exceptions, SvcStacksTheNextAddressAndReturnsThere) {
+  Bench b;
+  b.start({0xDF00, 0x2301, 0xE7FE});
+  b.core.run(5);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 11u);
+  EXPECT_EQ(b.core.reg(14), 0xFFFFFFF9u);
+  b.core.run(40);
+  EXPECT_EQ(b.core.reg(3), 1u);
+  EXPECT_EQ(b.core.reg(13), Bench::stack);
+}
+
+TEST(Exceptions, TheStackIsAlignedToEightAndRestored) {
+  Bench b;
+  b.start({0xB082 - 1, 0xDF00, 0xE7FE});  // sub sp,#4; svc
+  b.core.run(6);
+  EXPECT_EQ(b.core.msp() & 7, 0u);
+  EXPECT_NE(b.peek(b.core.msp() + 28) & 1u << 9, 0u);
+  b.core.run(40);
+  EXPECT_EQ(b.core.reg(13), Bench::stack - 4);
+}
+
+TEST(Exceptions, ADisabledUsageFaultEscalatesToHardFault) {
+  Bench b;
+  b.start({0xDE00});
+  b.core.run(5);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 3u);
+  EXPECT_EQ(b.core.last_fault().kind, FaultReport::Kind::hard_fault);
+  EXPECT_EQ(b.core.last_fault().hfsr, 1u << 30);
+  EXPECT_EQ(b.core.last_fault().frame[6], Bench::program);
+  EXPECT_NE(describe_cfsr(1u << 16, 0).find("undefined instruction"), std::string::npos);
+}
+
+TEST(Exceptions, AFaultInHardFaultLocksUpAndAnNmiLeadsOut) {
+  Bench b;
+  b.code(0x4000 + 32 * 3, {0xDE00});
+  b.start({0xDE00});
+  EXPECT_EQ(b.core.run(100), StopReason::lockup);
+  EXPECT_EQ(b.core.last_fault().kind, FaultReport::Kind::lockup);
+  EXPECT_EQ(b.core.reg(15), 0xFFFFFFFEu);
+  b.core.pulse_nmi();
+  b.core.run(b.core.cycles() + 1);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 2u);
+}
+
+TEST(Exceptions, BreakpointsWithoutADebuggerAreHardFaults) {
+  Bench b;
+  b.start({0xBE00});
+  b.core.run(5);
+  EXPECT_EQ(b.core.last_fault().hfsr >> 31, 1u);
+}
+
+TEST(Exceptions, BranchingToAnEvenAddressFaultsAtTheTarget) {
+  Bench b;
+  b.start({0x4700});
+  b.core.set_reg(0, 0x2000);
+  b.core.run(8);
+  EXPECT_EQ(b.core.last_fault().cfsr, 1u << 17);
+  EXPECT_EQ(b.core.last_fault().frame[6], 0x2000u);
+}
+
+TEST(Exceptions, WfiWakesThoughPrimaskIsSet) {
+  Bench b;
+  b.start({0x6025, 0xB672, 0xBF30, 0x2301, 0xE7FE});  // enable; cpsid i; wfi; movs r3,#1
+  b.core.set_reg(4, 0xE000E100);
+  b.core.set_reg(5, 1);
+  EXPECT_EQ(b.core.run(100), StopReason::sleeping);
+  b.core.set_interrupt(0, true);
+  EXPECT_TRUE(b.core.wake_pending());
+  b.core.run(b.core.cycles() + 3);
+  EXPECT_EQ(b.core.reg(3), 1u);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
+}
+
+TEST(Exceptions, BasepriMasksItsOwnPriorityAndLower) {
+  Bench b;
+  // str r5,[r4]; strb r6,[r7]; msr basepri,r6; b .; msr basepri,r0; b .
+  b.start({0x6025, 0x703E, 0xF386, 0x8811, 0xE7FE, 0xF380, 0x8811, 0xE7FE});
+  b.core.set_reg(4, 0xE000E100);
+  b.core.set_reg(5, 1);
+  b.core.set_reg(6, 0x80);
+  b.core.set_reg(7, 0xE000E400);
+  b.core.set_reg(0, 0xA0);
+  b.core.run(20);
+  b.core.set_interrupt(0, true);
+  b.core.run(40);
+  EXPECT_EQ(b.core.basepri(), 0x80u);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
+  b.core.set_reg(15, Bench::program + 10);
+  b.core.run(46);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
+}
+
+TEST(Exceptions, ALevelStillHighAtTheReturnTailChains) {
+  Bench b;
+  b.start({0x6025, 0xE7FE});
+  b.core.set_reg(4, 0xE000E100);
+  b.core.set_reg(5, 1);
+  b.core.set_interrupt(0, true);
+  b.core.run(14);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
+  uint32_t sp = b.core.msp();
+  b.core.run(18);  // bx lr, 3 cycles, and 6 of the tail-chain
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
+  EXPECT_EQ(b.core.msp(), sp);
+  b.core.set_interrupt(0, false);
+  b.core.run(80);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
+}
+
+TEST(Exceptions, SemihostingGoesToTheHandlerWhichMayEndTheRun) {
+  Bench b;
+  b.core.set_semihosting([](Core& core) { return core.reg(0) != 0x20; });
+  b.start({0xBEAB, 0x2020, 0xBEAB, 0xE7FE});
+  EXPECT_EQ(b.core.run(1000), StopReason::semihosting_exit);
+  EXPECT_EQ(b.core.reg(15), Bench::program + 6);
+}
+
+TEST(Exceptions, AReturnWithAReservedValueRaisesInvpc) {
+  Bench b;
+  b.code(0x4000 + 32 * 11, {0x2002, 0x4240, 0x4700});  // movs r0,#2; negs r0,r0; bx r0 = 0xFFFFFFFE
+  b.start({0xDF00, 0xE7FE});
+  b.core.run(25);
+  EXPECT_EQ(b.core.last_fault().cfsr, 1u << 18);
+}
+
+TEST(Exceptions, SysTickPendsEveryReloadPlusOneCycles) {
+  Bench b;
+  // r4 = SysTick: str r5,[r4,#4]; str r6,[r4,#8]; str r7,[r4]; wfi
+  b.start({0x6065, 0x60A6, 0x6027, 0xBF30, 0xE7FD});
+  b.core.set_reg(4, 0xE000E010);
+  b.core.set_reg(5, 99);
+  b.core.set_reg(7, 7);
+  EXPECT_EQ(b.core.run(1000), StopReason::sleeping);
+  uint64_t first = b.core.next_internal_event();
+  EXPECT_EQ(first, 102u);  // enabled in cycle 2: one tick reloads, 99 count down
+  b.core.skip_to(first);
+  b.core.run(first + 1);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 15u);
+  EXPECT_EQ(b.core.next_internal_event(), first + 100);
+}
+
+TEST(Exceptions, TheMpuForbidsWhatNoRegionAllows) {
+  Bench b;
+  // str r5,[r4] (MPU_CTRL=1, no region, no PRIVDEFENA): the next fetch faults
+  b.start({0x6025, 0xE7FE});
+  b.core.set_reg(4, 0xE000ED94);
+  b.core.set_reg(5, 1);
+  b.core.run(5);
+  EXPECT_EQ(b.core.last_fault().cfsr & 1, 1u);
+}
+
+TEST(Exceptions, DebugReadsLeaveCountflagAlone) {
+  Bench b;
+  b.start({0x6065, 0x60A6, 0x6027, 0xE7FE});
+  b.core.set_reg(4, 0xE000E010);
+  b.core.set_reg(5, 9);
+  b.core.set_reg(7, 5);
+  b.core.run(100);
+  EXPECT_EQ(b.peek(0xE000E010) >> 16, 1u);
+  EXPECT_EQ(b.peek(0xE000E010) >> 16, 1u);
+}
+
+}  // namespace capsoc::cortex_m3::test

@@ -1,0 +1,54 @@
+#include "tlm/clock_domain.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace {
+
+using capsoc::tlm_util::ClockDomain;
+using sc_core::sc_time;
+
+sc_time picoseconds(uint64_t count) {
+  return sc_time::from_value(count);
+}
+
+TEST(ClockDomain, EdgesOf25MHzAre40NanosecondsApart) {
+  ClockDomain clock;
+  EXPECT_EQ(clock.time_of(1), sc_time(40, sc_core::SC_NS));
+  EXPECT_EQ(clock.cycles_at(sc_time(40, sc_core::SC_NS)), 1u);
+  EXPECT_EQ(clock.cycles_at(picoseconds(39'999)), 0u);
+  EXPECT_EQ(clock.cycles_at(picoseconds(79'999)), 1u);
+}
+
+TEST(ClockDomain, AnEdgeCountsFromItsOwnInstantForEveryFrequency) {
+  for (const uint64_t hz :
+       {1ull, 3ull, 32'768ull, 8'333'333ull, 33'333'333ull, 199'999'999ull, 200'000'000ull}) {
+    ClockDomain clock(hz);
+    for (const uint64_t cycle : {1ull, 2ull, 3ull, 999ull, 1'000'003ull, 17'000'000ull}) {
+      const sc_time edge = clock.time_of(cycle);
+      EXPECT_EQ(clock.cycles_at(edge), cycle) << hz;
+      EXPECT_EQ(clock.cycles_at(edge - picoseconds(1)), cycle - 1) << hz;
+      EXPECT_EQ(clock.next_edge(edge), cycle);
+      EXPECT_EQ(clock.next_edge(edge - picoseconds(1)), cycle);
+    }
+  }
+}
+
+TEST(ClockDomain, RoundingDoesNotAddUp) {
+  ClockDomain clock(3'000'000);  // 333,333.33 ps
+  EXPECT_EQ(clock.time_of(3'000'000'000), sc_time(1000, sc_core::SC_SEC));
+}
+
+TEST(ClockDomain, AnEdgeBeyondTheEndOfTimeIsTheEndOfTime) {
+  ClockDomain clock;
+  EXPECT_EQ(clock.time_of(std::numeric_limits<uint64_t>::max()), sc_core::sc_max_time());
+  EXPECT_EQ(clock.cycles_at(sc_core::sc_max_time()), 461'168'601'842'738ull) << "2^64 ps / 40 ns";
+}
+
+TEST(ClockDomain, AFrequencyOfZeroDoesNotStopTheModel) {
+  ClockDomain clock(0);
+  EXPECT_EQ(clock.frequency_hz(), 1u);
+}
+
+}  // namespace

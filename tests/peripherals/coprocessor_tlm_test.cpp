@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "test_bench.h"
+
+namespace {
+
+using namespace capsoc::registers::coprocessor;
+using capsoc::coprocessor::Nodes;
+using capsoc::peripherals::AdcInput;
+
+class CoprocessorTlm : public capsoc::test::DeviceTest {
+ protected:
+  void submit(uint32_t u, uint32_t v) {
+    EXPECT_OK(bus.write(SOFT_U_offset, u));
+    EXPECT_OK(bus.write(SOFT_V_offset, v));
+  }
+  bool interrupt() const { return bench.coprocessor.interrupt.level(); }
+
+  capsoc::test::BusAccess& bus = coprocessor;
+};
+
+TEST_F(CoprocessorTlm, SaysWhoItIs) {
+  EXPECT_EQ(bus.value_at(ID_offset), 0x43415053u);
+  EXPECT_EQ(bus.value_at(VERSION_offset), 0x00010000u);
+}
+
+TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_CALIB_mask | CTRL_IE_RESULT_mask));
+  const uint64_t latency = bus.value_at(LATENCY_offset);
+  submit(0x10000000, 0x20000000);
+  bench.run(latency - 1);
+  EXPECT_FALSE(interrupt());
+  EXPECT_EQ(bus.value_at(SAMPLES_offset), 0u);
+  bench.run(1);
+  EXPECT_TRUE(interrupt());
+  EXPECT_EQ(bus.value_at(SAMPLES_offset), 1u);
+  EXPECT_EQ(bus.value_at(RAW_U_offset), 0x10000000u);
+  EXPECT_OK(bus.write(FLAGS_offset, FLAGS_RESULT_mask));
+  EXPECT_FALSE(interrupt());
+}
+
+TEST_F(CoprocessorTlm, NeedsNoAccessToComeToItsResult) {
+  std::vector<uint64_t> cycles;
+  bench.coprocessor.set_result_observer(
+      [&](uint64_t cycle, const Nodes&) { cycles.push_back(cycle); });
+  submit(0x10000000, 0x20000000);
+  const uint64_t latched = bench.cycle();
+  bench.run(1000);
+  EXPECT_EQ(cycles, std::vector<uint64_t>{latched + LATENCY_reset});
+}
+
+TEST_F(CoprocessorTlm, FollowsTheSamplesOfTheAdcWhileTheGateIsOpen) {
+  namespace front_end = capsoc::registers::adc;
+  bench.adc.set_source([](uint64_t k, double) {
+    return AdcInput{0.001 * double(k), 0.5, 0, false};
+  });
+  std::vector<int64_t> seen;
+  bench.coprocessor.set_result_observer(
+      [&](uint64_t, const Nodes& nodes) { seen.push_back(nodes.u); });
+  EXPECT_OK(adc.write(front_end::PERIOD_offset, 32));
+  EXPECT_OK(adc.write(front_end::CTRL_offset, front_end::CTRL_RUN_mask));
+  bench.run(32 * 5);
+  EXPECT_EQ(bus.value_at(STATUS_offset) & STATUS_BUSY_mask, 0u);
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask));
+  bench.run(32 * 20);
+  EXPECT_OK(adc.write(front_end::CTRL_offset, 0));
+  bench.run(200);
+  ASSERT_EQ(seen.size(), 20u) << "one sample a tick is sustained";
+  for (std::size_t k = 1; k < seen.size(); ++k) EXPECT_GT(seen[k], seen[k - 1]);
+  EXPECT_EQ(bus.value_at(EARLY_COUNT_offset), 0u);
+  EXPECT_EQ(bus.value_at(SAMPLES_offset), 20u);
+}
+
+TEST_F(CoprocessorTlm, AClippedSampleIsAnError) {
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask | CTRL_IE_ERROR_mask));
+  bench.coprocessor.sample({0x7FFFFFFF, 0, true});
+  bench.run(LATENCY_reset);
+  EXPECT_NE(bus.value_at(FLAGS_offset) & FLAGS_CLIP_mask, 0u);
+  EXPECT_TRUE(interrupt());
+}
+
+TEST_F(CoprocessorTlm, TooManySamplesAreDroppedAndCounted) {
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask | CTRL_IE_ERROR_mask));
+  for (int i = 0; i < 3; ++i) bench.coprocessor.sample({1 << 20, 1 << 20, false});
+  EXPECT_TRUE(interrupt());
+  EXPECT_EQ(bus.value_at(EARLY_COUNT_offset), 2u);
+  bench.run(1000);
+  EXPECT_EQ(bus.value_at(SAMPLES_offset), 1u);
+}
+
+TEST_F(CoprocessorTlm, AFrequencySwitchKeepsTheLatencyInCycles) {
+  namespace pll = capsoc::registers::clockctrl;
+  EXPECT_OK(clock_controller.write(pll::LOCK_TIME_offset, 0));
+  EXPECT_OK(clock_controller.write(pll::PLL_offset, 8 | 1 << pll::PLL_DIV_shift));
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_IE_RESULT_mask));
+  submit(0x10000000, 0x20000000);
+  bench.run(80);
+  EXPECT_OK(
+      clock_controller.write(pll::CTRL_offset, pll::CTRL_PLL_EN_mask | pll::CTRL_SELECT_mask));
+  bench.run(LATENCY_reset - 81);
+  EXPECT_FALSE(interrupt());
+  bench.run(1);
+  EXPECT_TRUE(interrupt());
+}
+
+TEST_F(CoprocessorTlm, AnythingButAWordAtARegisterIsABusError) {
+  uint32_t value = 0;
+  EXPECT_ADDRESS_ERROR(bus.read(0x098, value));
+  EXPECT_ADDRESS_ERROR(bus.write(0x0E4, 0));
+  EXPECT_ADDRESS_ERROR(bus.read(0xFFC, value));
+  EXPECT_ADDRESS_ERROR(bus.read(0x1000, value));
+  EXPECT_ADDRESS_ERROR(bus.read(ID_offset, value, 1));
+  EXPECT_ADDRESS_ERROR(bus.write(CTRL_offset, 1, 2));
+  EXPECT_OK(bus.write(ID_offset, 0)) << "a write to a read-only register is ignored";
+  EXPECT_EQ(bus.value_at(ID_offset), 0x43415053u);
+}
+
+TEST_F(CoprocessorTlm, TheDebuggerDoesNotLatchTheLowWord) {
+  EXPECT_OK(bus.write(FREQ_LO_offset, 0x1111));
+  EXPECT_OK(bus.write(FREQ_HI_offset, 1));
+  EXPECT_EQ(bus.value_at(FREQ_HI_offset), 1u);
+  EXPECT_OK(bus.write(FREQ_LO_offset, 0x2222));
+  EXPECT_OK(bus.write(FREQ_HI_offset, 2));
+  EXPECT_EQ(bus.debug_value_at(FREQ_HI_offset), 2u);
+  EXPECT_EQ(bus.value_at(FREQ_LO_offset), 0x1111u) << "as the guest latched it";
+  EXPECT_EQ(bus.debug_value_at(FREQ_LO_offset), 0x2222u);
+  EXPECT_EQ(bus.debug_write(FREQ_HI_offset, 7), 0u);
+}
+
+TEST_F(CoprocessorTlm, SoftResetLowersTheInterruptAndDropsTheSample) {
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_IE_RESULT_mask));
+  submit(0x10000000, 0x20000000);
+  bench.run(LATENCY_reset);
+  ASSERT_TRUE(interrupt());
+  submit(0x10000000, 0x20000000);
+  EXPECT_OK(bus.write(CTRL_offset, CTRL_SRST_mask));
+  EXPECT_FALSE(interrupt());
+  bench.run(1000);
+  EXPECT_EQ(bus.value_at(SAMPLES_offset), 0u);
+  EXPECT_EQ(bus.value_at(CTRL_offset), 0u);
+}
+
+}  // namespace

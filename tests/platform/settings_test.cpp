@@ -1,0 +1,64 @@
+#include "support/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+namespace capsoc {
+namespace {
+
+Settings example() {
+  Settings s;
+  s.add({"cpu.quantum_ns", SettingKind::number, "10", "", {}, 1, 100});
+  s.add({"cpu.executor", SettingKind::choice, "blocks", "", {"blocks", "stepping"}});
+  s.add({"cpu.lines", SettingKind::integer, "3", "", {}, 0, 32});
+  return s;
+}
+
+TEST(Settings, TheHigherPrecedenceWinsWhateverTheOrder) {
+  Settings s = example();
+  EXPECT_FALSE(s.set("cpu.quantum_ns", "20", SettingSource::command_line, "x"));
+  EXPECT_FALSE(s.set("cpu.quantum_ns", "30", SettingSource::file, "x"));
+  EXPECT_DOUBLE_EQ(s.number("cpu.quantum_ns"), 20);
+}
+
+TEST(Settings, ARefusedValueChangesNothing) {
+  Settings s = example();
+  for (const char* value : {"0", "101", "ten", "", "nan", "1e999", "5 "})
+    EXPECT_TRUE(s.set("cpu.quantum_ns", value, SettingSource::command_line, "x")) << value;
+  EXPECT_TRUE(s.set("cpu.lines", "2.5", SettingSource::command_line, "x"));
+  EXPECT_TRUE(s.set("cpu.executor", "fast", SettingSource::command_line, "x"));
+  EXPECT_DOUBLE_EQ(s.number("cpu.quantum_ns"), 10);
+  EXPECT_EQ(s.integer("cpu.lines"), 3);
+}
+
+TEST(Settings, AnUnknownNameIsAnsweredWithTheNearest) {
+  Settings s = example();
+  const auto error = s.set_assignment("cpu.quantum=5");
+  ASSERT_TRUE(error);
+  EXPECT_NE(error->text.find("did you mean cpu.quantum_ns"), std::string::npos) << error->text;
+  EXPECT_TRUE(s.set_assignment("nothing"));
+  EXPECT_TRUE(s.set_assignment("=1"));
+}
+
+TEST(Settings, AFileNamesItsLine) {
+  const std::string path = testing::TempDir() + "settings.toml";
+  std::ofstream(path) << "[cpu]\nquantum_ns = 40\nlines = 99\n";
+  Settings s = example();
+  const auto error = s.read_file(path);
+  std::remove(path.c_str());
+  ASSERT_TRUE(error);
+  EXPECT_NE(error->text.find(path + ":3"), std::string::npos) << error->text;
+}
+
+TEST(Settings, TheEnvironmentIsRead) {
+  Settings s = example();
+  char name[] = "CAPSOC_CPU_EXECUTOR=stepping";
+  char* environment[] = {name, nullptr};
+  EXPECT_FALSE(s.read_environment(environment));
+  EXPECT_EQ(s.text("cpu.executor"), "stepping");
+}
+
+}  // namespace
+}  // namespace capsoc

@@ -1,0 +1,57 @@
+#include "reproduce/reproduce.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "reproduce/lms_experiment.h"
+#include "reproduce/report.h"
+
+namespace capsoc::reproduce {
+namespace {
+
+TEST(Reproduce, EveryRowThatShouldAgreeWithThePaperDoes) {
+  std::ostringstream out;
+  EXPECT_EQ(reproduce_tables(out), 0) << out.str();
+}
+
+TEST(Reproduce, PrintsEveryTable) {
+  std::ostringstream out;
+  reproduce_tables(out);
+  for (const int table : {1, 2, 3, 4, 5, 6, 8}) {
+    EXPECT_NE(out.str().find("Table " + std::to_string(table)), std::string::npos) << table;
+  }
+}
+
+TEST(Reproduce, GivesThePapersTwoHeadlineErrors) {
+  Experiment experiment;
+  experiment.steps = {{3e-4, 3e-4, 3e-4}, {5e-4, 3e-4, 1e-4}};
+  const Outcome outcome = run(experiment);
+  EXPECT_NEAR(outcome.uncalibrated, 30.383, 5e-4);
+  EXPECT_NEAR(outcome.uncalibrated_to_truth, 25.364, 5e-4);
+  EXPECT_NEAR(outcome.calibrated, 9.523e-4, 5e-8);
+}
+
+TEST(Report, CountsRowsThatShouldAgreeAndDoNot) {
+  std::ostringstream out;
+  Report report(out);
+  report.row("x", "1.0", "2.0", false);
+  report.row("y", "1.0", "1.0", true);
+  report.known("z", "1.0", "3.0", "a reason.");
+  EXPECT_EQ(report.unexpected(), 1);
+  EXPECT_NE(out.str().find("DIFFERS"), std::string::npos);
+  EXPECT_NE(out.str().find("differs: a reason."), std::string::npos);
+}
+
+TEST(Report, ASpreadAdmitsAnotherSeedButNotAnotherExperiment) {
+  Spread spread;
+  for (const double value : {0.590, 0.586, 0.594}) spread.add(value);
+  EXPECT_EQ(spread.text(3), "0.586 .. 0.594");
+  EXPECT_TRUE(spread.admits(0.583, 3));
+  EXPECT_FALSE(spread.admits(0.579, 3));
+  EXPECT_TRUE(agrees(30.383, 30.38, 2));
+  EXPECT_FALSE(agrees(30.386, 30.38, 2));
+}
+
+}  // namespace
+}  // namespace capsoc::reproduce

@@ -1,0 +1,158 @@
+"""Runs scripts/generate_registers.py on small descriptions and on the real one."""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+GENERATOR = ROOT / "scripts" / "generate_registers.py"
+DESCRIPTION = ROOT / "models" / "registers" / "capsoc.svd"
+
+# Four lines, so that the registers of a test start on line 5.
+HEAD = """<device><name>d</name><description>D</description><peripherals><peripheral><name>P</name>
+<description>Test</description><baseAddress>0x40000000</baseAddress>
+<addressBlock><offset>0</offset><size>0x100</size></addressBlock>
+<interrupt><name>P</name><description>i</description><value>7</value></interrupt><registers>
+"""
+TAIL = "</registers></peripheral></peripherals></device>\n"
+
+
+def field(name, bits, access="read-write", extra=""):
+    return (f"<field><name>{name}</name><description>f</description><bitRange>[{bits}]</bitRange>"
+            f"<access>{access}</access>{extra}</field>")
+
+
+def register(name, offset, reset="0", fields="", access="read-write"):
+    inner = f"<fields>{fields}</fields>" if fields else ""
+    return (f"<register><name>{name}</name><description>r</description>"
+            f"<addressOffset>{offset}</addressOffset><access>{access}</access>"
+            f"<resetValue>{reset}</resetValue>{inner}</register>\n")
+
+
+class Generator(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.output = Path(self.folder.name) / "out"
+
+    def run_on(self, text):
+        source = Path(self.folder.name) / "test.svd"
+        source.write_text(text, encoding="utf-8")
+        return self.run_generator(source)
+
+    def run_generator(self, *arguments):
+        command = [sys.executable, str(GENERATOR), *map(str, arguments), str(self.output)]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    def made(self, name):
+        return (self.output / name).read_text(encoding="utf-8")
+
+    def expect_error(self, text, line, *words):
+        result = self.run_on(text)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+        self.assertIn(f"test.svd:{line}: ", result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+    # What it writes
+
+    def test_the_description_of_the_project_is_accepted_silently(self):
+        result = self.run_generator(DESCRIPTION)
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+        self.assertIn("#define COPROCESSOR_CTRL_DEMOD_Msk 0x00000001UL", self.made("capsoc_device.h"))
+        self.assertIn("#define COPROCESSOR_CTRL_SRST_Pos 31UL", self.made("capsoc_device.h"))
+        self.assertIn("#define ADC_IRQn 31", self.made("capsoc_device.h"))
+        self.assertIn("inline constexpr uint32_t CTRL_offset = 0x008;", self.made("capsoc_registers.h"))
+        self.assertIn("| 0x0E0 | LATENCY | read-only |", self.made("registers.md"))
+
+    def test_gaps_between_registers_are_reserved_words(self):
+        result = self.run_on(HEAD + register("A", "0x0") + register("B", "0x10") + TAIL)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("__IM  uint32_t RESERVED0[3];", self.made("capsoc_device.h"))
+
+    def test_masks_separate_writable_from_write_one_to_clear(self):
+        clears = "<modifiedWriteValues>oneToClear</modifiedWriteValues>"
+        fields = (field("RW", "3:0") + field("RO", "7:4", "read-only") + field("W1C", "8:8", extra=clears)
+                  + field("WO", "9:9", "write-only") + field("RESERVED_31_10", "31:10", "read-only"))
+        result = self.run_on(HEAD + register("A", "0x4", "0x1F5", fields) + TAIL)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn(
+            '{"A", 0x004, Access::read_write, 0x000001F5, 0x0000020F, 0x00000100, 0x000001FF},',
+            self.made("capsoc_registers.h"),
+        )
+        self.assertNotIn("RESERVED_31_10", self.made("capsoc_device.h"))
+
+    def test_a_second_run_leaves_the_files_alone(self):
+        self.run_generator(DESCRIPTION)
+        before = {path: path.stat().st_mtime_ns for path in self.output.iterdir()}
+        self.run_generator(DESCRIPTION)
+        self.assertEqual(before, {path: path.stat().st_mtime_ns for path in self.output.iterdir()})
+        self.assertEqual(len(before), 3)
+
+    # What it refuses
+
+    def test_bad_xml(self):
+        self.expect_error(HEAD + "<register>\n" + TAIL, 6, "not well-formed XML")
+
+    def test_two_registers_at_one_offset(self):
+        text = HEAD + register("A", "0x4") + register("B", "0x4") + TAIL
+        self.expect_error(text, 6, "B overlaps A", "0x4")
+
+    def test_overlapping_fields(self):
+        fields = field("LOW", "7:0") + field("HIGH", "31:7")
+        self.expect_error(HEAD + register("A", "0", "0", fields) + TAIL, 5, "A.HIGH overlaps")
+
+    def test_a_gap_between_fields(self):
+        fields = field("LOW", "7:0") + field("HIGH", "31:10")
+        self.expect_error(HEAD + register("A", "0", "0", fields) + TAIL, 5, "RESERVED_9_8")
+
+    def test_a_gap_above_the_last_field(self):
+        self.expect_error(HEAD + register("A", "0", "0", field("LOW", "7:0")) + TAIL, 5, "RESERVED_31_8")
+
+    def test_a_reset_value_outside_the_fields(self):
+        fields = field("LOW", "7:0") + field("RESERVED_31_8", "31:8", "read-only")
+        self.expect_error(HEAD + register("A", "0", "0x100", fields) + TAIL, 5, "resets to 0x100")
+
+    def test_a_reset_value_beyond_a_word(self):
+        self.expect_error(HEAD + register("A", "0", "0x100000000") + TAIL, 5, "resets to")
+
+    def test_an_unaligned_offset_and_one_beyond_the_block(self):
+        self.expect_error(HEAD + register("A", "0x2") + TAIL, 5, "multiple of 4")
+        self.expect_error(HEAD + register("A", "0x100") + TAIL, 5, "multiple of 4")
+
+    def test_a_number_that_is_none(self):
+        self.expect_error(HEAD + register("A", "four") + TAIL, 5, "'four'")
+
+    def test_an_unknown_access(self):
+        self.expect_error(HEAD + register("A", "0", access="sometimes") + TAIL, 5, "'sometimes'")
+
+    def test_a_missing_element(self):
+        self.expect_error(HEAD + "<register><name>A</name></register>\n" + TAIL, 5, "lacks <description>")
+
+    def test_overlapping_peripherals(self):
+        second = HEAD.split("<peripherals>", 1)[1].replace("<name>P</name>\n", "<name>Q</name>\n", 1)
+        text = HEAD + "</registers></peripheral>\n" + second.replace("0x40000000", "0x40000080") + TAIL
+        self.expect_error(text, 6, "Q overlaps P", "0x40000080")
+
+    def test_another_kind_of_file(self):
+        self.expect_error("<svg/>\n", 1, "<svg>")
+        self.expect_error("", 1, "not well-formed XML")
+
+    def test_a_file_that_is_not_there(self):
+        result = self.run_generator("no/such/file.svd")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("no/such/file.svd", result.stderr)
+        self.assertNotIn("Traceback", result.stderr)
+
+    def test_wrong_arguments(self):
+        result = self.run_generator()
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("usage", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,39 @@
+#include "sensor/load.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace capsoc::sensor {
+namespace {
+
+std::string error_of(const std::string& path) {
+  const Result<std::unique_ptr<Source>> result = load(path);
+  return result ? "no error" : result.error();
+}
+
+TEST(Load, SaysThatAFileIsMissing) {
+  EXPECT_EQ(
+      error_of("traces/none.toml"),
+      "traces/none.toml: cannot be opened (No such file or directory); check the path and its "
+      "permissions");
+  EXPECT_EQ(error_of("traces/none.csv"),
+            "traces/none.csv: cannot be opened (No such file or directory); check the path and its "
+            "permissions");
+}
+
+TEST(Load, SaysWhichKindsOfFileItKnows) {
+  EXPECT_EQ(error_of("traces/README.md"),
+            "traces/README.md: the kind of file is not known; name it .toml (description) or .csv "
+            "(recording)");
+  EXPECT_NE(error_of(""), "no error");
+}
+
+TEST(Load, DoesNotTakeADirectoryForAFile) {
+  const std::string directory = ::testing::TempDir() + "folder.csv";
+  std::filesystem::create_directories(directory);
+  EXPECT_EQ(error_of(directory), directory + ": this is a directory; give a .toml or .csv file");
+}
+
+}  // namespace
+}  // namespace capsoc::sensor

@@ -1,0 +1,193 @@
+#include "sensor/toml_reader.h"
+
+#include <gtest/gtest.h>
+
+namespace capsoc::sensor {
+namespace {
+
+// Line numbers: name 1, sampling 2-5, signal 6-12, motion 13-15.
+const std::string minimal = R"(name = "x"
+[sampling]
+rate_hz = 500
+samples = 10
+adc_bits = 16
+[signal]
+a1 = 0.5
+a2 = 0.6
+b1 = 0.1
+b2 = -0.1
+beta_rad = 0.06
+phi_rad = 0.08
+[motion]
+kind = "constant"
+frequency_hz = -2
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const size_t place = text.find(from);
+  EXPECT_NE(place, std::string::npos) << from;
+  return text.replace(place, from.size(), to);
+}
+
+std::string error_of(const std::string& text) {
+  const Result<SignalConfig> result = read_signal_toml(text, "s.toml");
+  return result ? "no error" : result.error();
+}
+
+std::string error_with(const std::string& from, const std::string& to) {
+  return error_of(replaced(minimal, from, to));
+}
+
+TEST(TomlReader, TakesOverEveryValue) {
+  const Result<SignalConfig> result = read_signal_toml(minimal + R"([noise]
+peak = 1e-3
+record_samples = 99
+seed = 7
+[speed_disturbance]
+scale = 1e-2
+record_samples = 98
+seed = 8
+[[harmonics]]
+channel = "v"
+order = 3
+amplitude = 0.01
+phase_rad = -0.5
+)",
+                                                       "s.toml");
+  ASSERT_TRUE(result) << result.error();
+  const SignalConfig& config = result.value();
+  EXPECT_EQ(config.name, "x");
+  EXPECT_EQ(config.sample_rate_hz, 500.0);
+  EXPECT_EQ(config.samples, 10u);
+  EXPECT_EQ(config.adc_bits, 16);
+  EXPECT_EQ(config.a1, 0.5);
+  EXPECT_EQ(config.a2, 0.6);
+  EXPECT_EQ(config.b1, 0.1);
+  EXPECT_EQ(config.b2, -0.1);
+  EXPECT_EQ(config.beta, 0.06);
+  EXPECT_EQ(config.phi, 0.08);
+  EXPECT_EQ(config.motion.frequency_hz, -2.0);
+  EXPECT_FALSE(config.motion.reference_hz);
+  EXPECT_EQ(config.noise.peak, 1e-3);
+  EXPECT_EQ(config.noise.record_samples, 99u);
+  EXPECT_EQ(config.noise.seed, 7u);
+  EXPECT_EQ(config.speed_disturbance.scale, 1e-2);
+  EXPECT_EQ(config.speed_disturbance.record_samples, 98u);
+  EXPECT_EQ(config.speed_disturbance.seed, 8u);
+  ASSERT_EQ(config.harmonics.size(), 1u);
+  EXPECT_EQ(config.harmonics[0].channel, Channel::v);
+  EXPECT_EQ(config.harmonics[0].order, 3);
+  EXPECT_EQ(config.harmonics[0].amplitude, 0.01);
+  EXPECT_EQ(config.harmonics[0].phase_rad, -0.5);
+}
+
+TEST(TomlReader, ReadsEveryKindOfMotion) {
+  const std::string old = "kind = \"constant\"\nfrequency_hz = -2";
+  const auto motion = [&](const std::string& text) {
+    const Result<SignalConfig> result = read_signal_toml(replaced(minimal, old, text), "s.toml");
+    EXPECT_TRUE(result) << result.error();
+    return result ? result.value().motion : MotionConfig();
+  };
+  const MotionConfig ripple = motion(
+      "kind = \"ripple\"\nfrequency_hz = 1\nreference_hz = 2\nreverse_at_s = 3\n"
+      "ripple_amplitude = 0.5\nripple_hz = 4");
+  EXPECT_EQ(ripple.kind, MotionKind::ripple);
+  EXPECT_EQ(ripple.reference_hz, 2.0);
+  EXPECT_EQ(ripple.reverse_at_s, 3.0);
+  EXPECT_EQ(ripple.ripple_amplitude, 0.5);
+  EXPECT_EQ(ripple.ripple_hz, 4.0);
+  EXPECT_EQ(motion("kind = \"shuffled\"\nseed = 3").seed, 3u);
+  EXPECT_EQ(motion("kind = \"walk\"\nseed = 3\nstep_turns = 0.25").step_turns, 0.25);
+  const MotionConfig swing =
+      motion("kind = \"swing\"\nswing_hz = 1\ncentre_turns = 0.5\namplitude_turns = 0.2");
+  EXPECT_EQ(swing.kind, MotionKind::swing);
+  EXPECT_EQ(swing.centre_turns, 0.5);
+  EXPECT_EQ(swing.amplitude_turns, 0.2);
+}
+
+TEST(TomlReader, NamesTheNearestKeysOfAnUnknownOne) {
+  EXPECT_EQ(
+      error_with("beta_rad", "betta_rad"),
+      "s.toml:11: unknown key 'betta_rad' in [signal]; the nearest known are beta_rad or phi_rad "
+      "or a1");
+  EXPECT_NE(error_with("[sampling]", "[sampled]")
+                .find("s.toml:2: unknown key 'sampled' in the top level"),
+            std::string::npos);
+  EXPECT_NE(error_with("frequency_hz", "ripple_hz")
+                .find("s.toml:15: unknown key 'ripple_hz' in [motion]"),
+            std::string::npos);
+}
+
+TEST(TomlReader, SaysWhatIsMissing) {
+  EXPECT_EQ(error_with("b2 = -0.1\n", ""), "s.toml:6: 'b2' is missing in [signal]; add it");
+  EXPECT_EQ(error_with("name = \"x\"\n", ""),
+            "s.toml:1: 'name' is missing in the top level; add it");
+  EXPECT_EQ(error_of(""), "s.toml:1: 'name' is missing in the top level; add it");
+  EXPECT_EQ(error_with("frequency_hz = -2\n", ""),
+            "s.toml:13: 'frequency_hz' is missing in [motion]; add it");
+  EXPECT_EQ(error_with("kind = \"constant\"\n", ""),
+            "s.toml:13: 'kind' is missing in [motion]; add it");
+  EXPECT_EQ(error_of(minimal + "[noise]\nseed = 1\n"),
+            "s.toml:16: 'sigma' is missing in [noise]; add it");
+  EXPECT_EQ(error_of(minimal + "[noise]\npeak = 1\nseed = 1\n"),
+            "s.toml:16: 'record_samples' is missing in [noise]; add it");
+}
+
+TEST(TomlReader, ChecksRangesAndKinds) {
+  EXPECT_EQ(error_with("a1 = 0.5", "a1 = -0.5"),
+            "s.toml:7: 'a1' in [signal] = -0.5 is out of range; it must lie between 1e-06 and 10");
+  EXPECT_EQ(error_with("a1 = 0.5", "a1 = nan"),
+            "s.toml:7: 'a1' in [signal] is not finite; write a finite number");
+  EXPECT_EQ(error_with("b1 = 0.1", "b1 = -inf"),
+            "s.toml:9: 'b1' in [signal] is not finite; write a finite number");
+  EXPECT_EQ(error_with("a2 = 0.6", "a2 = \"0.6\""),
+            "s.toml:8: 'a2' in [signal] is not a number; write a number");
+  EXPECT_EQ(error_with("a2 = 0.6", "a2 = true"),
+            "s.toml:8: 'a2' in [signal] is not a number; write a number");
+  EXPECT_EQ(
+      error_with("adc_bits = 16", "adc_bits = 11"),
+      "s.toml:5: 'adc_bits' in [sampling] = 11 is out of range; it must lie between 12 and 32");
+  EXPECT_EQ(error_with("adc_bits = 16", "adc_bits = 16.0"),
+            "s.toml:5: 'adc_bits' in [sampling] is not an integer; write a whole number");
+  EXPECT_EQ(error_with("samples = 10", "samples = 0"),
+            "s.toml:4: 'samples' in [sampling] = 0 is out of range; it must lie between 1 and "
+            "1000000000000");
+  EXPECT_EQ(error_with("name = \"x\"", "name = 1"),
+            "s.toml:1: 'name' in the top level is not a text; put it in quotes");
+  EXPECT_EQ(
+      error_with("\"constant\"", "\"constent\""),
+      "s.toml:14: 'kind' in [motion] = 'constent' is not known; the nearest known are constant or "
+      "swing or ripple");
+  EXPECT_EQ(error_of(replaced(minimal, "[sampling]\nrate_hz = 500\nsamples = 10\nadc_bits = 16\n",
+                              "sampling = 3\n")),
+            "s.toml:2: 'sampling' in the top level is not a table; write [sampling]");
+  EXPECT_EQ(error_of(minimal + "[harmonics]\norder = 3\n"),
+            "s.toml:16: 'harmonics' in the top level is not a list of tables; write [[harmonics]]");
+  EXPECT_EQ(error_of(minimal + "[[harmonics]]\nchannel = \"w\"\norder = 3\namplitude = 0.1\n"),
+            "s.toml:17: 'channel' in [harmonics] = 'w' is not known; write \"u\" or \"v\"");
+  EXPECT_EQ(
+      error_of(minimal + "[[harmonics]]\nchannel = \"u\"\norder = 3\namplitude = -0.1\n"),
+      "s.toml:19: 'amplitude' in [harmonics] = -0.1 is out of range; it must lie between 0 and 10");
+}
+
+TEST(TomlReader, RefusesCombinationsThatMeanNothing) {
+  EXPECT_EQ(error_of(minimal + "[noise]\nsigma = 1\npeak = 1\nseed = 1\n"),
+            "s.toml:18: 'peak' in [noise] stands beside 'sigma'; keep one of the two");
+  EXPECT_EQ(error_of(minimal + "[noise]\nsigma = 1\nseed = 1\nrecord_samples = 5\n"),
+            "s.toml:19: 'record_samples' in [noise] only belongs to 'peak'; remove it");
+  const std::string shuffled =
+      replaced(minimal, "kind = \"constant\"\nfrequency_hz = -2", "kind = \"shuffled\"\nseed = 1");
+  EXPECT_EQ(error_of(shuffled + "[speed_disturbance]\nscale = 0.1\nrecord_samples = 9\nseed = 1\n"),
+            "s.toml:17: 'scale' in [speed_disturbance] needs motion of kind 'constant'; change the "
+            "motion "
+            "or remove this table");
+}
+
+TEST(TomlReader, ReportsTheLineOfInvalidToml) {
+  const std::string error = error_with("b1 = 0.1", "b1 = = 0.1");
+  EXPECT_EQ(error.rfind("s.toml:9: not valid TOML (", 0), 0u) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace capsoc::sensor
