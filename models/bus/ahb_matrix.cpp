@@ -8,7 +8,7 @@
 
 namespace capsoc::bus {
 
-AhbMatrix::AhbMatrix(sc_core::sc_module_name name, AddressMap map,
+AhbMatrix::AhbMatrix(const sc_core::sc_module_name& name, AddressMap map,
                      const tlm_util::ClockDomain& clock)
     : sc_module(name),
       i_code("i_code"),

@@ -31,7 +31,8 @@ class AhbMatrix : public sc_core::sc_module {
   TargetSocket d_code;
   TargetSocket system;
 
-  AhbMatrix(sc_core::sc_module_name name, AddressMap map, const tlm_util::ClockDomain& clock);
+  AhbMatrix(const sc_core::sc_module_name& name, AddressMap map,
+            const tlm_util::ClockDomain& clock);
 
   /// The socket to bind to a target: a target name of the map's AHB entries, or
   /// apb_bridge_target, through which every APB entry goes with its bus address unchanged.

@@ -38,7 +38,7 @@ class ApbBridge : public sc_core::sc_module {
   tlm_utils::simple_target_socket<ApbBridge> socket;
 
   /// Takes the APB entries of the map, leaves the others.
-  ApbBridge(sc_core::sc_module_name name, const AddressMap& map,
+  ApbBridge(const sc_core::sc_module_name& name, const AddressMap& map,
             const tlm_util::ClockDomain& clock);
 
   /// The socket to bind to a target of the map's APB entries; nullptr if there is none of that

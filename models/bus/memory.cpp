@@ -7,7 +7,7 @@
 
 namespace capsoc::bus {
 
-Memory::Memory(sc_core::sc_module_name name, uint64_t size)
+Memory::Memory(const sc_core::sc_module_name& name, uint64_t size)
     : sc_module(name),
       socket("socket"),
       size_(size),

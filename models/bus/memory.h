@@ -19,7 +19,7 @@ class Memory : public sc_core::sc_module {
   tlm_utils::simple_target_socket<Memory> socket;
 
   /// `size` in bytes.
-  Memory(sc_core::sc_module_name name, uint64_t size);
+  Memory(const sc_core::sc_module_name& name, uint64_t size);
 
   uint8_t* data() { return bytes_.get(); }
   const uint8_t* data() const { return bytes_.get(); }

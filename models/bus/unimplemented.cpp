@@ -10,7 +10,7 @@
 
 namespace capsoc::bus {
 
-Unimplemented::Unimplemented(sc_core::sc_module_name name, std::string device, uint64_t base,
+Unimplemented::Unimplemented(const sc_core::sc_module_name& name, std::string device, uint64_t base,
                              CurrentPc current_pc)
     : sc_module(name),
       socket("socket"),

@@ -22,7 +22,7 @@ class Unimplemented : public sc_core::sc_module {
 
   /// `device` is the name for the log, `base` the bus address that stands for offset 0 in it.
   /// `current_pc` may be empty.
-  Unimplemented(sc_core::sc_module_name name, std::string device, uint64_t base = 0,
+  Unimplemented(const sc_core::sc_module_name& name, std::string device, uint64_t base = 0,
                 CurrentPc current_pc = {});
 
   uint64_t accesses() const { return accesses_; }

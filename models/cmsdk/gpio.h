@@ -21,7 +21,7 @@ class Gpio : public ClockedBank {
   static constexpr unsigned pin_count = 16;
   static constexpr uint64_t synchroniser_cycles = 2;
 
-  Gpio(sc_core::sc_module_name name, tlm_util::ClockDomain& clock);
+  Gpio(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
 
   /// The outside drives the pins in `mask` to the levels in `levels`.
   void drive(uint16_t mask, uint16_t levels);

@@ -15,7 +15,7 @@ constexpr registers::RegisterDescription interrupt_description = {
 
 }  // namespace
 
-Timer::Timer(sc_core::sc_module_name name, tlm_util::ClockDomain& clock)
+Timer::Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
     : ClockedBank(name, clock),
       CTRL(*this, describe_register("CTRL", 0x000, Access::read_write, 0xf)),
       VALUE(*this, describe_register("VALUE", 0x004, Access::read_write, all_bits)),

@@ -23,7 +23,7 @@ class Timer : public ClockedBank {
   static constexpr uint32_t ctrl_external_clock = 1u << 2;
   static constexpr uint32_t ctrl_interrupt = 1u << 3;
 
-  Timer(sc_core::sc_module_name name, tlm_util::ClockDomain& clock);
+  Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
 
   void reset();
 

@@ -18,7 +18,7 @@ constexpr registers::RegisterDescription interrupt_description = {
 
 }  // namespace
 
-Uart::Uart(sc_core::sc_module_name name, tlm_util::ClockDomain& clock)
+Uart::Uart(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
     : ClockedBank(name, clock),
       DATA(*this, describe_register("DATA", 0x000, Access::read_write, 0xff)),
       STATE(*this, state_description),

@@ -36,7 +36,7 @@ class Uart : public ClockedBank {
   static constexpr uint32_t minimum_baud_divider = 16;
   static constexpr unsigned bits_per_byte = 10;  ///< start bit, 8 data bits, stop bit
 
-  Uart(sc_core::sc_module_name name, tlm_util::ClockDomain& clock);
+  Uart(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
 
   /// `sink` gets each byte in the cycle in which its stop bit ends.
   void on_transmit(std::function<void(uint8_t)> sink) { sink_ = std::move(sink); }

@@ -41,9 +41,13 @@ Handler Execute::branch_handler(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return name;
+      // A table of cases, which the formatter indents anew each time.
+      // clang-format off
       ONE(b)
       ONE(bl)
-      ONE(bx) ONE(blx) ONE(cbz) ONE(cbnz) ONE(tbb) ONE(tbh)
+      ONE(bx)
+      ONE(blx) ONE(cbz) ONE(cbnz) ONE(tbb) ONE(tbh)
+      // clang-format on
 #undef ONE
           default : return nullptr;
   }

@@ -125,14 +125,17 @@ Handler Execute::data_handler(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return name;
+    // A table of cases, which the formatter indents anew each time.
+    // clang-format off
     ONE(add_high)
     ONE(cmp_high)
-    ONE(mov_high) ONE(adr) ONE(movt) ONE(sbfx) ONE(ubfx) ONE(bfi) ONE(bfc) ONE(ssat) ONE(usat)
-        ONE(sxtb) ONE(sxth) ONE(uxtb) ONE(uxth) ONE(rev) ONE(rev16) ONE(revsh) ONE(rbit) ONE(clz)
-            ONE(mul) ONE(mla) ONE(mls) ONE(smull) ONE(umull) ONE(smlal) ONE(umlal) ONE(sdiv)
-                ONE(udiv)
+    ONE(mov_high)
+    ONE(adr) ONE(movt) ONE(sbfx) ONE(ubfx) ONE(bfi) ONE(bfc) ONE(ssat) ONE(usat) ONE(sxtb) ONE(sxth)
+        ONE(uxtb) ONE(uxth) ONE(rev) ONE(rev16) ONE(revsh) ONE(rbit) ONE(clz) ONE(mul) ONE(mla)
+            ONE(mls) ONE(smull) ONE(umull) ONE(smlal) ONE(umlal) ONE(sdiv) ONE(udiv)
+    // clang-format on
 #undef ONE
-                    default : return nullptr;
+                default : return nullptr;
   }
 }
 
@@ -263,7 +266,7 @@ bool Execute::mls(Core& c, const Step& op) {
   bool Execute::name(Core& c, const Step& op) {                            \
     uint32_t n = c.r_[op.rn], m = c.r_[op.rm];                             \
     uint64_t sum = static_cast<uint64_t>(c.r_[op.ra]) << 32 | c.r_[op.rd]; \
-    uint64_t value = (product) + (accumulate ? sum : 0);                   \
+    uint64_t value = (product) + ((accumulate) ? sum : 0);                 \
     c.r_[op.rd] = static_cast<uint32_t>(value);                            \
     c.r_[op.ra] = static_cast<uint32_t>(value >> 32);                      \
     return true;                                                           \

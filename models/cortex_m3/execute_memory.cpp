@@ -126,10 +126,14 @@ Handler Execute::memory_handler(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return name;
+      // A table of cases, which the formatter indents anew each time.
+      // clang-format off
       ONE(ldrd)
       ONE(strd)
-      ONE(ldm) ONE(ldmdb) ONE(stm) ONE(stmdb) ONE(ldrex) ONE(ldrexb) ONE(ldrexh) ONE(strex)
-          ONE(strexb) ONE(strexh) ONE(clrex)
+      ONE(ldm)
+      ONE(ldmdb) ONE(stm) ONE(stmdb) ONE(ldrex) ONE(ldrexb) ONE(ldrexh) ONE(strex) ONE(strexb)
+          ONE(strexh) ONE(clrex)
+      // clang-format on
 #undef ONE
               default : return nullptr;
   }

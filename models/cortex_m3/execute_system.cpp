@@ -7,10 +7,14 @@ Handler Execute::system_handler(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return name;
+    // A table of cases, which the formatter indents anew each time.
+    // clang-format off
     ONE(coprocessor)
     ONE(nop)
-    ONE(it) ONE(svc) ONE(bkpt) ONE(cps) ONE(mrs) ONE(msr) ONE(wfi) ONE(wfe) ONE(sev) ONE(barrier)
-        ONE(isb) ONE(fall_through)
+    ONE(it)
+    ONE(svc) ONE(bkpt) ONE(cps) ONE(mrs) ONE(msr) ONE(wfi) ONE(wfe) ONE(sev) ONE(barrier) ONE(isb)
+        ONE(fall_through)
+    // clang-format on
 #undef ONE
             default : return undefined;
   }

@@ -23,7 +23,9 @@ CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDom
   dcode.register_invalidate_direct_mem_ptr(this, &CortexM3Tlm::invalidate, 1);
   system.register_invalidate_direct_mem_ptr(this, &CortexM3Tlm::invalidate, 2);
   // SysTick's reference clock is 1 MHz whatever HCLK does (AN385).
-  clock_.on_change([this] { core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000)); });
+  clock_.on_change([this] {
+    core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000));
+  });
   SC_HAS_PROCESS(CortexM3Tlm);
   SC_THREAD(thread);
 }

@@ -34,7 +34,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
 
   /// How far the core may run ahead of the kernel.
-  void set_quantum(sc_core::sc_time quantum) { quantum_ = quantum; }
+  void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
   /// Called for SYSRESETREQ, at the time of the write; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
   /// A level on an interrupt line.

@@ -55,6 +55,7 @@ int sc_main(int argc, char* argv[]) {
   cli::add_run(app, code);
   cli::add_info(app, code);
   cli::add_reproduce(app, code);
+  cli::add_accuracy(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

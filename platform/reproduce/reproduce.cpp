@@ -172,6 +172,7 @@ void tables_3_and_4(Report& report) {
                                          {-5, 30.38, 1.50e-3, 5, 0.005, 3},
                                          {-6, 30.38, 9.94e-4, 6, 0.003, 3}}};
   std::vector<std::vector<Outcome>> runs;
+  runs.reserve(rows.size());
   for (const ErrorRow& row : rows) runs.push_back(noise_runs(row.scale));
   report.heading("Table 3: noise with a peak of 10^n of each amplitude, parameters at 400 s");
   report.sentence(fmt::format("Here: least .. greatest of the seeds 1 to {}.", seeds));
@@ -205,6 +206,7 @@ void tables_5_and_6(Report& report) {
                                          {-3, 30.58, 0.17, 2, 0.55, 2},
                                          {-4, 30.25, 0.03, 2, 0.09, 2}}};
   std::vector<std::vector<Outcome>> runs;
+  runs.reserve(rows.size());
   for (const ErrorRow& row : rows) runs.push_back(speed_runs(row.scale));
   report.heading("Table 5: speed disturbance of Eq (22), peak 10^m of the frequency, 400 s");
   report.sentence("k of Eq (22) is the time in seconds; mu and nu are independent of each other.");
