@@ -54,12 +54,14 @@ int run_command(const RunArguments& arguments) {
   }
   spdlog::set_level(spdlog::level::from_str(settings.text("log.level")));
 
+  const std::string& json = settings.text("results.json");
+  if (!json.empty())
+    if (auto error = run::check_writable(json)) return refuse(error->text);
   auto result = run::run(settings);
   if (!result) return refuse(result.error());
   const run::RunResult& r = result.value();
   if (!r.fault_report.empty()) fmt::print(stderr, "\n{}", r.fault_report);
   fmt::print(stderr, "{}", run::to_table(r));
-  const std::string& json = settings.text("results.json");
   if (!json.empty())
     if (auto error = run::write_whole(json, run::to_json(r, settings).dump(2) + "\n"))
       return refuse(error->text);

@@ -135,19 +135,36 @@ std::string to_table(const RunResult& result) {
   return text;
 }
 
+namespace {
+
+std::string temporary_beside(const std::string& path) {
+  return fmt::format("{}.{}.tmp", path, getpid());
+}
+
+Error cannot_write(const std::string& path, int error) {
+  std::remove(temporary_beside(path).c_str());
+  return Error{
+      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
+}
+
+}  // namespace
+
+std::optional<Error> check_writable(const std::string& path) {
+  std::FILE* file = std::fopen(temporary_beside(path).c_str(), "wb");
+  if (file == nullptr) return cannot_write(path, errno);
+  std::fclose(file);
+  std::remove(temporary_beside(path).c_str());
+  return std::nullopt;
+}
+
 std::optional<Error> write_whole(const std::string& path, const std::string& text) {
-  const std::string temporary = fmt::format("{}.{}.tmp", path, getpid());
-  const auto fail = [&](int error) {
-    std::remove(temporary.c_str());
-    return Error{
-        fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
-  };
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  if (file == nullptr) return fail(errno);
+  std::FILE* file = std::fopen(temporary_beside(path).c_str(), "wb");
+  if (file == nullptr) return cannot_write(path, errno);
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
   const int write_error = errno;
-  if (std::fclose(file) != 0 || !written) return fail(written ? errno : write_error);
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) return fail(errno);
+  if (std::fclose(file) != 0 || !written) return cannot_write(path, written ? errno : write_error);
+  if (std::rename(temporary_beside(path).c_str(), path.c_str()) != 0)
+    return cannot_write(path, errno);
   return std::nullopt;
 }
 

@@ -59,6 +59,10 @@ std::string to_table(const RunResult& result);
 /// Writes the whole file or nothing: a temporary file beside it, renamed at the end.
 std::optional<Error> write_whole(const std::string& path, const std::string& text);
 
+/// Whether write_whole() could write there, tried before a long run and not after it. Leaves
+/// nothing behind.
+std::optional<Error> check_writable(const std::string& path);
+
 /// Versions of the program and of the libraries that it runs on, name by name.
 nlohmann::ordered_json versions();
 

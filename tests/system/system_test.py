@@ -159,6 +159,12 @@ class Inputs(unittest.TestCase):
         whole = (FIRMWARE / "hello.elf").read_bytes()
         self.check_file(".elf", whole[:4096], "", option=None)
 
+    def test_a_section_outside_memory(self):
+        whole = bytearray((FIRMWARE / "hello.elf").read_bytes())
+        table = int.from_bytes(whole[28:32], "little")  # e_phoff
+        whole[table + 8:table + 16] = (0x60000000).to_bytes(4, "little") * 2  # p_vaddr, p_paddr
+        self.check_file(".elf", bytes(whole), ": the segment 0x60000000", option=None)
+
     def test_a_missing_sensor(self):
         self.check("none.toml", "--sensor", "none.toml")
 
@@ -172,6 +178,7 @@ class Inputs(unittest.TestCase):
     def test_a_json_that_cannot_be_written(self):
         process = capsoc("run", FIRMWARE / "hello.elf", "--json", "/nonexistent/r.json")
         self.assertEqual(process.returncode, 2)
+        self.assertEqual(process.stdout, b"", "it is found out before the run")
 
 
 class Options(unittest.TestCase):
@@ -235,9 +242,14 @@ class Firmware(unittest.TestCase):
         process = capsoc("run", FIRMWARE / "drivers.elf", "--simlimit", 10)
         self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
 
-    def test_newlib(self):
-        process = capsoc("run", FIRMWARE / "newlib.elf", "--simlimit", 10)
-        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+    def test_newlib_at_every_level_of_optimisation(self):
+        outputs = set()
+        for level in ("", "-O0", "-O2", "-O3"):
+            for executor in ("blocks", "stepping"):
+                process = capsoc("run", FIRMWARE / f"newlib{level}.elf", "--simlimit", 10, "-C", f"cpu.executor={executor}")
+                self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+                outputs.add(process.stdout)
+        self.assertEqual(len(outputs), 1)
 
 
 class Track(unittest.TestCase):
@@ -253,7 +265,7 @@ class Qemu(unittest.TestCase):
     """The same ELF on qemu-system-arm: the same bytes on UART 0 and the same end."""
 
     def test_programs_without_the_coprocessor(self):
-        for program in ("hello", "newlib", "exit_code"):
+        for program in ("hello", "newlib", "newlib-O0", "newlib-O2", "newlib-O3", "exit_code"):
             elf = FIRMWARE / f"{program}.elf"
             theirs = subprocess.run(
                 ["qemu-system-arm", "-M", "mps2-an385", "-display", "none", "-monitor", "none", "-serial", "stdio",
