@@ -1,0 +1,241 @@
+#include "csfn/training.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "csfn/random.h"
+
+namespace capsoc::csfn {
+namespace {
+
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+/// The largest movement of a node; a1, b1 in units of a1, a2, b2 in units of a2.
+double movement(const Nodes& from, const Nodes& to) {
+  Nodes unit;
+  unit << to[0], to[1], to[0], to[1], 1;
+  return (to - from).cwiseQuotient(unit).cwiseAbs().maxCoeff();
+}
+
+bool within_range(const Nodes& nodes) {
+  return nodes.allFinite() && nodes[0] > 0 && nodes[1] > 0 && std::abs(nodes[4]) < 1;
+}
+
+std::optional<Error> check_start(const Parameters& start) {
+  if (within_range(to_nodes(start))) return std::nullopt;
+  return Error{"the training cannot start there: amplitudes must be positive, |beta| below 90 deg"};
+}
+
+std::optional<Error> check_options(const AdamOptions& options) {
+  const bool good = std::isfinite(options.rate) && options.rate > 0 && options.batch > 0 &&
+                    options.iterations > 0 && options.beta1 >= 0 && options.beta1 < 1 &&
+                    options.beta2 >= 0 && options.beta2 < 1 && options.epsilon > 0;
+  if (good) return std::nullopt;
+  return Error{
+      "Adam's options are out of range: rate, batch, iterations and epsilon must be positive, "
+      "beta1 "
+      "and beta2 in [0, 1)"};
+}
+
+/// The update of Eq (18).
+class Adam {
+ public:
+  explicit Adam(const AdamOptions& options) : options_(options) {}
+
+  void update(Nodes& nodes, const Nodes& gradient, double rate) {
+    power1_ *= options_.beta1;
+    power2_ *= options_.beta2;
+    m_ = options_.beta1 * m_ + (1 - options_.beta1) * gradient;
+    v_ = options_.beta2 * v_ + (1 - options_.beta2) * gradient.cwiseAbs2();
+    const Eigen::Array<double, 5, 1> m_hat = m_.array() / (1 - power1_);
+    const Eigen::Array<double, 5, 1> v_hat = v_.array() / (1 - power2_);
+    nodes.array() -= rate * m_hat / (v_hat.sqrt() + options_.epsilon);
+  }
+
+ private:
+  const AdamOptions& options_;
+  Nodes m_ = Nodes::Zero();
+  Nodes v_ = Nodes::Zero();
+  double power1_ = 1, power2_ = 1;
+};
+
+void shuffle(Eigen::ArrayXd& u, Eigen::ArrayXd& v, Random& random) {
+  for (Eigen::Index i = u.size() - 1; i > 0; --i) {
+    const Eigen::Index j = random.below(i + 1);
+    std::swap(u[i], u[j]);
+    std::swap(v[i], v[j]);
+  }
+}
+
+/// The samples in an order of their own, batch by batch.
+class Batches {
+ public:
+  Batches(const Channel& u, const Channel& v, int64_t batch, uint64_t seed)
+      : u_(u), v_(v), batch_(std::min<int64_t>(batch, u.size())), next_(u.size()), random_(seed) {}
+
+  Eigen::Index size() const { return batch_; }
+  Eigen::Index in_a_pass() const { return u_.size() / batch_; }
+
+  void advance() {
+    next_ += batch_;
+    if (next_ + batch_ <= u_.size()) return;
+    shuffle(u_, v_, random_);
+    next_ = 0;
+  }
+  auto u() const { return u_.segment(next_, batch_); }
+  auto v() const { return v_.segment(next_, batch_); }
+
+ private:
+  Eigen::ArrayXd u_, v_;
+  Eigen::Index batch_, next_;
+  Random random_;
+};
+
+/// Samples on 25 degrees around a turning point span 1/100 of the amplitude.
+constexpr double largest_magnification = 100;
+
+double half_range(const Channel& channel) {
+  return (channel.maxCoeff() - channel.minCoeff()) / 2;
+}
+
+Result<Training> finish(const Channel& u, const Channel& v, const Nodes& nodes, Training training) {
+  training.parameters = to_parameters(nodes);
+  Network network(u.size());
+  network.set_nodes(to_nodes(training.parameters));
+  training.loss = network.forward(u, v);
+  if (!std::isfinite(training.loss) || !within_range(to_nodes(training.parameters))) {
+    return Error{
+        "the training diverged: start from an ellipse fit, or use a smaller rate or decay it"};
+  }
+  // A small arc of a huge ellipse passes for a point: its loss is near 0 wherever the samples are,
+  // and a start too far from the answer (|beta| from about 1.3 on) can run away along that valley.
+  const bool too_large_u = training.parameters.a1 > largest_magnification * half_range(u);
+  const bool too_large_v = training.parameters.a2 > largest_magnification * half_range(v);
+  if (too_large_u || too_large_v) {
+    return Error{
+        "the training ran away to an ellipse far larger than the samples: start from an ellipse "
+        "fit"};
+  }
+  return training;
+}
+
+}  // namespace
+
+const char* to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::converged:
+      return "converged";
+    case StopReason::loss_reached:
+      return "loss reached";
+    case StopReason::stalled:
+      return "stalled";
+    case StopReason::iteration_limit:
+      break;
+  }
+  return "iteration limit";
+}
+
+Parameters paper_start(const Channel& u, const Channel& v) {
+  if (u.size() == 0 || v.size() == 0) return {};
+  return {u.abs().maxCoeff(), v.abs().maxCoeff(), 0, 0, 0};
+}
+
+Result<Training> train_adam(const Channel& u, const Channel& v, const Parameters& start,
+                            const AdamOptions& options) {
+  if (auto error = check_samples(u, v)) return *error;
+  if (auto error = check_start(start)) return *error;
+  if (auto error = check_options(options)) return *error;
+  Batches batches(u, v, options.batch, options.seed);
+  Network network(batches.size());
+  Adam adam(options);
+  Nodes nodes = to_nodes(start);
+  Nodes before = nodes;
+  double loss_sum = 0;
+  const int64_t period = std::max<int64_t>(batches.in_a_pass(), 100);
+  const double decay =
+      options.schedule == Schedule::decaying ? std::pow(1e-4, 1.0 / options.iterations) : 1.0;
+  double rate = options.rate;
+  Training training;
+  training.seed = options.seed;
+  while (training.iterations < options.iterations) {
+    batches.advance();
+    network.set_nodes(nodes);
+    loss_sum += network.forward(batches.u(), batches.v());
+    adam.update(nodes, network.backward(), rate);
+    rate *= decay;
+    ++training.iterations;
+    if (!nodes.allFinite()) break;
+    if (training.iterations % period != 0) continue;
+    // Both are judged over a whole pass: a single batch may be good by chance.
+    const double loss = loss_sum / static_cast<double>(period);
+    if (options.loss_target > 0 && loss <= options.loss_target) {
+      training.stopped = StopReason::loss_reached;
+      break;
+    }
+    if (movement(before, nodes) < options.convergence) {
+      training.stopped = StopReason::converged;
+      break;
+    }
+    before = nodes;
+    loss_sum = 0;
+  }
+  return finish(u, v, nodes, training);
+}
+
+Result<Training> train_levenberg_marquardt(const Channel& u, const Channel& v,
+                                           const Parameters& start,
+                                           const LevenbergMarquardtOptions& options) {
+  if (auto error = check_samples(u, v)) return *error;
+  if (auto error = check_start(start)) return *error;
+  Network network(u.size());
+  Nodes nodes = to_nodes(start);
+  network.set_nodes(nodes);
+  double loss = network.forward(u, v);
+  double damping = 1e-3;
+  Training training;
+  while (training.iterations < options.iterations) {
+    const auto jacobian = network.jacobian();
+    const Matrix5 normal = jacobian.transpose() * jacobian;
+    const Nodes right = jacobian.transpose() * network.residuals().matrix();
+    // Try harder and harder damped steps until one is no worse.
+    bool accepted = false;
+    double moved = 0;
+    while (!accepted && training.iterations < options.iterations) {
+      ++training.iterations;
+      Matrix5 damped = normal;
+      damped.diagonal() *= 1 + damping;
+      const Nodes candidate = nodes + damped.ldlt().solve(right);
+      moved = movement(nodes, candidate);
+      if (within_range(candidate)) {
+        network.set_nodes(candidate);
+        const double candidate_loss = network.forward(u, v);
+        accepted = candidate_loss <= loss;
+        if (accepted) {
+          nodes = candidate;
+          loss = candidate_loss;
+          damping *= 0.1;
+        }
+      }
+      if (moved < options.convergence) break;
+      if (!accepted) damping *= 10;
+    }
+    if (options.loss_target > 0 && loss <= options.loss_target) {
+      training.stopped = StopReason::loss_reached;
+      break;
+    }
+    if (moved < options.convergence) {
+      // Damping alone can make a step that small, at the wall |t| = 1 for instance. In a minimum
+      // the undamped step vanishes too, but for what the rounding of the loss hides (1e-8).
+      const double undamped = movement(nodes, nodes + normal.ldlt().solve(right));
+      training.stopped = undamped < 1e-6 ? StopReason::converged : StopReason::stalled;
+      break;
+    }
+    // The network must hold the accepted nodes when the next Jacobian is taken; it does, because
+    // only an accepted step leaves the inner loop with iterations to spare.
+  }
+  return finish(u, v, nodes, training);
+}
+
+}  // namespace capsoc::csfn
