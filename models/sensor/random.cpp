@@ -3,37 +3,32 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/splitmix64.h"
+
 namespace capsoc::sensor {
 namespace {
 
-constexpr uint64_t golden_gamma = 0x9E3779B97F4A7C15ull;
 constexpr double two_pi = 6.283185307179586476925;
-constexpr double unit_53 = 0x1p-53;
-
-uint64_t mix(uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-  return z ^ (z >> 31);
-}
 
 }  // namespace
 
 // The stream number passes through the mixer before it meets the seed: neighbouring seeds and
 // streams must not land on overlapping stretches of the one SplitMix64 sequence.
 RandomSequence::RandomSequence(uint64_t seed, uint64_t stream)
-    : start_(mix(seed + golden_gamma) ^ mix((stream + 1) * golden_gamma ^ 0x5851F42D4C957F2Dull)) {}
+    : start_(splitmix64(seed + splitmix64_increment) ^
+             splitmix64((stream + 1) * splitmix64_increment ^ 0x5851F42D4C957F2Dull)) {}
 
 uint64_t RandomSequence::word(uint64_t index) const {
-  return mix(start_ + (index + 1) * golden_gamma);
+  return splitmix64(start_ + (index + 1) * splitmix64_increment);
 }
 
 double RandomSequence::uniform(uint64_t index) const {
-  return static_cast<double>(word(index) >> 11) * unit_53;
+  return unit_interval(word(index));
 }
 
 double RandomSequence::gaussian(uint64_t index) const {
   // In (0, 1]: the logarithm of 0 never arises.
-  const double radius = static_cast<double>((word(2 * index) >> 11) + 1) * unit_53;
+  const double radius = static_cast<double>((word(2 * index) >> 11) + 1) * 0x1p-53;
   const double turn = uniform(2 * index + 1);
   return std::sqrt(-2.0 * std::log(radius)) * std::cos(two_pi * turn);
 }
