@@ -8,72 +8,30 @@
 #include <string_view>
 
 #include "coprocessor/datapath.h"
+#include "coprocessor/device.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
 #include "coprocessor/types.h"
 
 namespace capsoc::coprocessor {
 
-// The nodes of the last sample whose results were committed, for lockstep comparison. Raw words:
-// signed formats sign-extended, unsigned ones zero-extended.
-struct Nodes {
-  int64_t u = 0, v = 0, cal_s = 0, cal_c = 0, amplitude = 0;  // Q1.31
-  int64_t relative = 0, reference_phase = 0, residue = 0;     // 2^-32 turn
-  int64_t sine = 0, cosine = 0, error_u = 0, error_v = 0;     // Q1.31
-  // Registers as the commit leaves them.
-  int64_t phase = 0, frequency = 0;                              // 2^-48 turn
-  int64_t a_u = 0, b_u = 0, c_u = 0, a_v = 0, b_v = 0, c_v = 0;  // Q2.46
-  int64_t a1 = 0, a2 = 0, b1 = 0, b2 = 0, beta = 0, phi = 0, angle = 0;
-  int64_t error_average = 0, status = 0, flags = 0, samples = 0;
-};
-
-struct NamedNode {
-  const char* name;
-  int64_t Nodes::*value;
-};
-// Every node of Nodes by name, in pipeline order.
-const std::array<NamedNode, 31>& node_names();
-
-struct RegisterAccess {
-  bool ok = false;  // false: no register there (PSLVERR)
-  uint32_t value = 0;
-};
-
-class Coprocessor {
+class Coprocessor final : public Device {
  public:
   explicit Coprocessor(Options options);
 
-  // Power-on state at cycle 0.
-  void reset();
+  void reset() override;
   // CTRL.SRST: every register and the pipeline to power-on state; time goes on.
   void soft_reset();
 
-  // Time. `cycle` is the number of PCLK edges so far and never decreases from call to call; every
-  // function below that takes one advances to it first, so that at one edge the pipeline comes
-  // before samples and register accesses.
-  void advance(uint64_t cycle);
-
-  // The cycle of the next commit, end of a load or fall of BUSY; none when idle.
-  std::optional<uint64_t> next_event() const { return sequencer_.next_event(); }
-
-  // The sample port of the ADC stream (Q1.31 words). Returns whether the sample was latched: not
-  // while CTRL.ADC is 0 (ignored), not while another sample waits (dropped, counted, flagged
-  // EARLY).
-  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip);
-
-  // 32-bit register access at a byte offset. debug: no side effect, LO registers show the present
-  // value instead of the latched one.
-  RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug);
-  // false: unmapped. A write that has no effect (read-only, reserved value) is true and explained
-  // by guest_error().
-  bool write(uint64_t cycle, uint32_t offset, uint32_t value);
-
-  // What was wrong with the last write, for the log; empty if nothing was.
-  std::string_view guest_error() const { return guest_error_; }
-
-  bool interrupt() const;
-  bool idle() const { return !sequencer_.busy(); }
-  const Nodes& nodes() const { return nodes_; }
+  void advance(uint64_t cycle) override;
+  std::optional<uint64_t> next_event() const override { return sequencer_.next_event(); }
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  std::string_view guest_error() const override { return guest_error_; }
+  bool interrupt() const override;
+  bool idle() const override { return !sequencer_.busy(); }
+  const Nodes& nodes() const override { return nodes_; }
 
  private:
   // Results that software sees; committed together at the end of T4.
