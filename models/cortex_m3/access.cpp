@@ -37,6 +37,7 @@ Core::Result Core::read_physical(uint32_t address, unsigned size, uint32_t& valu
   }
   unsigned wait = 0;
   value = 0;
+  stalled_ = true;
   bool good = bus_.read(address, size, value, wait, AccessKind::load);
   cycles_ += wait;
   if (size < 4) value &= (1u << (8 * size)) - 1;
@@ -54,6 +55,7 @@ Core::Result Core::write_physical(uint32_t address, unsigned size, uint32_t valu
     return Result::device;
   }
   unsigned wait = 0;
+  stalled_ = true;
   bool good = bus_.write(address, size, value, wait);
   cycles_ += wait;
   return good ? Result::device : Result::bus_error;
@@ -111,6 +113,7 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
     done += part;
   }
   access_offset_ = 0;
+  if (worst == Result::ok && !user && !unaligned) fill_view(address);
   if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
   fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
   return Access::fault;
@@ -137,6 +140,7 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
     done += part;
   }
   access_offset_ = 0;
+  if (worst == Result::ok && !user && !unaligned) fill_view(address);
   if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
   fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
   return Access::fault;

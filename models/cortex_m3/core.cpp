@@ -8,7 +8,6 @@
 namespace capsoc::cortex_m3 {
 
 Core::Core(Bus& bus) : bus_(bus) {
-  fast_pages_ = memory_.table();
   reset_system_control();
 }
 
@@ -20,6 +19,8 @@ void Core::reset() {
   c_ = v_ = q_ = false;
   control_ = primask_ = faultmask_ = basepri_ = ipsr_ = other_sp_ = 0;
   it_state_ = 0;
+  trail_ = timing::no_trail;
+  entered_at_ = never;
   sleeping_ = locked_up_ = attention_ = reset_request_ = semihosting_exit_ = false;
   event_register_ = exclusive_ = false;
   event_ = Event::none;
@@ -29,6 +30,7 @@ void Core::reset() {
   uint32_t sp = 0, pc = 0;
   bool good =
       read_physical(0, 4, sp) <= Result::device && read_physical(4, 4, pc) <= Result::device;
+  stalled_ = false;  // by these reads
   r_[13] = sp & ~3u;
   r_[14] = 0xFFFFFFFF;
   pc_ = pc & ~1u;
@@ -45,42 +47,14 @@ void Core::unmap_memory(uint32_t base, uint32_t size) {
   memory_.unmap(base, size);
 }
 void Core::invalidate_code(uint32_t address, uint32_t size) {
-  memory_.invalidate(address, size);
+  if (!memory_.invalidate(address, size)) return;
+  invalidated_ = true;
+  check_ = true;
 }
 
 void Core::attention() {
   attention_ = true;
   check_ = true;
-}
-
-bool Core::condition_passed(unsigned condition) const {
-  bool n = (n_ >> 31) != 0, z = z_ == 0, result;
-  switch (condition >> 1) {
-    case 0:
-      result = z;
-      break;
-    case 1:
-      result = c_;
-      break;
-    case 2:
-      result = n;
-      break;
-    case 3:
-      result = v_;
-      break;
-    case 4:
-      result = c_ && !z;
-      break;
-    case 5:
-      result = n == v_;
-      break;
-    case 6:
-      result = n == v_ && !z;
-      break;
-    default:
-      return true;
-  }
-  return result != ((condition & 1) != 0);
 }
 
 bool Core::bx_write_pc(uint32_t target) {
@@ -143,8 +117,11 @@ void Core::finish(const Step& op) {
   cycles_ += op.cycles_before + op.cycles;
   instructions_ += op.instructions_to;
   it_state_ = op.it_after;
+  trail_ = stalled_ ? timing::no_trail : op.trail;
+  stalled_ = false;
   if (__builtin_expect(event_ != Event::none, 0)) {
     if (event_ == Event::fault) it_state_ = op.it_before;
+    trail_ = timing::no_trail;
     handle_event();
   }
 }
@@ -185,101 +162,17 @@ void Core::step() {
   }
   Step step;
   static_cast<DecodedOp&>(step) = decode(address, first, second, it_state_);
-  if (const Memory::Region* r = memory_.find(address)) {
-    step.cycles = static_cast<uint8_t>(step.cycles +
-                                       r->wait_states * timing::words_fetched(address, step.size));
-  }
+  const Memory::Region* region = memory_.find(address);
+  add_cycles(step, trail_, region != nullptr ? region->wait_states : 0);
   step.instructions_to = 1;
   Execute::bind(step);
-  if (step.handler(*this, step)) pc_ = next_address(step);
+  if (Execute::one(*this, step)) pc_ = next_address(step);
   finish(step);
-}
-
-std::unique_ptr<Block> Core::build_block(uint32_t address, CodePage& page) {
-  constexpr unsigned longest = 64;
-  auto block = std::make_unique<Block>();
-  const uint8_t* host = memory_.page(address).read;
-  const uint32_t wait = memory_.page(address).wait_states,
-                 start = address & ~(Memory::page_size - 1);
-  uint8_t it = 0;
-  uint16_t cycles = 0, count = 0;
-  while (block->steps.size() < longest) {
-    uint32_t offset = address - start;
-    if (offset + 2 > Memory::page_size) break;
-    uint16_t first, second = 0;
-    std::memcpy(&first, host + offset, 2);
-    if (is_wide(first)) {
-      if (offset + 4 > Memory::page_size) break;
-      std::memcpy(&second, host + offset + 2, 2);
-    }
-    Step step;
-    static_cast<DecodedOp&>(step) = decode(address, first, second, it);
-    step.cycles =
-        static_cast<uint8_t>(step.cycles + wait * timing::words_fetched(address, step.size));
-    step.cycles_before = cycles;
-    step.instructions_to = ++count;
-    Execute::bind(step);
-    for (uint32_t at = offset; at < offset + step.size; at += 2)
-      page.code_lines |= 1ull << (at / 64);
-    cycles = static_cast<uint16_t>(cycles + step.cycles);
-    block->most_cycles += step.cycles + Execute::most_extra_cycles(step, memory_.largest_wait());
-    address += step.size;
-    it = step.it_after;
-    block->steps.push_back(step);
-    if (ends_block(step) && step.handler == step.body) break;
-    if (ends_block(step)) break;
-  }
-  if (block->steps.empty()) return nullptr;
-  Step close;
-  close.address = address;
-  close.operation = Operation::fall_through;
-  close.it_before = close.it_after = it;
-  close.size = 0;
-  close.cycles = 0;
-  close.cycles_before = cycles;
-  close.instructions_to = count;
-  close.handler = close.body = Execute::fall_through;
-  block->steps.push_back(close);
-  return block;
-}
-
-Block* Core::find_block() {
-  unsigned region = pc_ >> 29;
-  if (region == 2 || region >= 5) return nullptr;
-  CodePage* code = memory_.page(pc_).code;
-  if (__builtin_expect(code == nullptr, 0)) code = memory_.code_page(pc_);
-  if (code == nullptr) return nullptr;
-  std::unique_ptr<Block>& slot = code->blocks[(pc_ & (Memory::page_size - 1)) >> 1];
-  if (__builtin_expect(slot == nullptr, 0)) slot = build_block(pc_, *code);
-  return slot.get();
-}
-
-void Core::execute_block(uint64_t limit) {
-  Block* block = find_block();
-  if (block == nullptr) return step();
-  const Step* op = block->steps.data();
-  if (__builtin_expect(cycles_ + block->most_cycles < limit, 1)) {
-    while (op->handler(*this, *op)) ++op;
-    finish(*op);
-    return;
-  }
-  // The budget may end inside: look at the clock before every operation.
-  while (true) {
-    if (cycles_ + op->cycles_before >= limit && op != block->steps.data()) {
-      cycles_ += op->cycles_before;
-      instructions_ += op[-1].instructions_to;
-      it_state_ = op->it_before;
-      pc_ = op->address;
-      return;
-    }
-    if (!op->handler(*this, *op)) break;
-    ++op;
-  }
-  finish(*op);
 }
 
 std::optional<StopReason> Core::service() {
   check_ = false;
+  select_view();
   if (invalidated_) {
     invalidated_ = false;
     memory_.collect();
@@ -297,7 +190,11 @@ std::optional<StopReason> Core::service() {
     if (wakes && locked_up_ && number != 2) number = 0;
     if (number != 0) {
       sleeping_ = locked_up_ = false;
-      exception_entry(number, pc_);
+      if (entered_at_ == instructions_) {
+        late_arrival(number);
+      } else {
+        exception_entry(number, pc_);
+      }
       check_ = true;
       return std::nullopt;
     }
@@ -340,8 +237,8 @@ StopReason Core::run(uint64_t until_cycle) {
       breakpoint_passed_ = instructions_;
       return StopReason::breakpoint;
     }
-    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && breakpoints_.empty() &&
-                  fast_pages_ == memory_.table();
+    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && trail_ == timing::no_trail &&
+                  breakpoints_.empty();
     if (blocks) {
       execute_block(std::min(until_cycle, systick_event_));
     } else {
@@ -401,6 +298,7 @@ void Core::set_control(uint32_t value) {
   } else {
     control_ = (control_ & 2) | (value & 1);
   }
+  check_ = true;  // the view of the memory follows the privilege
 }
 
 void Core::set_primask(bool masked) {
@@ -414,6 +312,7 @@ void Core::set_reg(unsigned n, uint32_t value) {
   } else if (n == 15) {
     pc_ = value & ~1u;
     it_state_ = 0;
+    trail_ = timing::no_trail;
   } else if (n < 15) {
     r_[n] = value;
   }

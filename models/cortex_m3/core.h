@@ -84,8 +84,14 @@ class Core {
 
   /// Called on BKPT 0xAB with PC behind it; false ends run() with semihosting_exit.
   void set_semihosting(std::function<bool(Core&)> handler) { semihosting_ = std::move(handler); }
+  /// Called for what the program writes to a stimulus port of the ITM: `size` bytes of `value`.
+  using Stimulus = std::function<void(unsigned port, uint32_t value, unsigned size)>;
+  void set_stimulus(Stimulus listener) { stimulus_ = std::move(listener); }
   /// Ends run() before the instruction at the address; the next run() executes it.
-  void set_breakpoint(uint32_t address) { breakpoints_.insert(address & ~1u); }
+  void set_breakpoint(uint32_t address) {
+    breakpoints_.insert(address & ~1u);
+    check_ = true;
+  }
   void clear_breakpoint(uint32_t address) { breakpoints_.erase(address & ~1u); }
   /// HCLK cycles of SysTick's reference clock (25 at reset).
   void set_systick_reference(unsigned cycles_a_tick);
@@ -126,6 +132,7 @@ class Core {
   void branch_write_pc(uint32_t address) { pc_ = address & ~1u; }
   bool bx_write_pc(uint32_t target);
   bool condition_passed(unsigned condition) const;
+  // blocks.cpp
   bool leave(const Step& op) {
     pc_ = next_address(op);
     return false;
@@ -134,8 +141,14 @@ class Core {
   void step();
   bool fetch(uint32_t address, uint16_t& halfword);
   void execute_block(uint64_t limit);
-  Block* find_block();
-  std::unique_ptr<Block> build_block(uint32_t address, CodePage& page);
+  const Step* find_block();
+  static void add_cycles(Step& step, uint16_t before, uint32_t wait_states);
+  std::unique_ptr<Step[]> build_block(uint32_t address, CodePage& page);
+  CodePage* executable_page(uint32_t address);
+  const Step* leave_block(const Step& op);
+  const Step* resolve_link(const Step& branch);
+  const Step* next_block();
+  // core.cpp
   void finish(const Step& op);
   void handle_event();
   std::optional<StopReason> service();
@@ -167,6 +180,7 @@ class Core {
   void raise(unsigned number, uint32_t return_address);
   void exception_entry(unsigned number, uint32_t return_address);
   bool push_stack(uint32_t return_address, Cause& cause);
+  void late_arrival(unsigned number);
   void exception_taken(unsigned number, uint32_t exc_return);
   void exception_return(uint32_t exc_return);
   void return_fault(Cause cause, uint32_t exc_return);
@@ -198,7 +212,20 @@ class Core {
   void systick_sync();
   void systick_schedule();
   void systick_expire();
+
+  // itm.cpp
+  static bool in_itm(uint32_t address);
+  bool stimulus_enabled(unsigned port) const;
+  bool itm_open_to_user(uint32_t address) const;
+  uint32_t itm_read(uint32_t address) const;
+  void itm_write(uint32_t address, unsigned size, uint32_t value);
+
+  // mpu.cpp
   bool mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const;
+  bool mpu_applies() const;
+  bool mpu_uniform_in_page(uint32_t address) const;
+  void select_view();
+  void fill_view(uint32_t address);
 
   Bus& bus_;
   // Hot state first.
@@ -209,10 +236,15 @@ class Core {
   uint32_t pc_ = 0;
   uint64_t cycles_ = 0, instructions_ = 0;
   uint64_t access_offset_ = 0;
+  uint64_t limit_ = 0;  // blocks that may reach this cycle are not entered by a link
   Event event_ = Event::none;
   Memory::Page* fast_pages_ = nullptr;
 
   uint8_t it_state_ = 0;
+  bool stalled_ = false;  // a device was accessed: the next instruction overlaps with nothing
+  uint16_t trail_ = 0;    // timing::Trail of the instruction executed last
+  uint64_t entered_at_ =
+      never;  // instructions() at the last exception entry, while it can be displaced
   bool thumb_ = true, sleeping_ = false, sleeping_for_event_ = false, locked_up_ = false;
   bool attention_ = false, reset_request_ = false, semihosting_exit_ = false,
        event_register_ = false;
@@ -240,6 +272,9 @@ class Core {
            mmfar_ = 0, bfar_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;
   uint64_t cyccnt_base_ = 0;
   uint32_t cyccnt_stopped_ = 0;
+  uint32_t itm_ter_ = 0, itm_tpr_ = 0, itm_tcr_ = 0;
+  bool itm_unlocked_ = false;
+  Stimulus stimulus_;
   uint32_t mpu_ctrl_ = 0, mpu_rnr_ = 0;
   std::array<uint32_t, 8> mpu_rbar_{}, mpu_rasr_{};
 
@@ -248,6 +283,36 @@ class Core {
   uint64_t systick_start_cycle_ = 0, systick_event_ = never;
   unsigned systick_reference_ = 25;
 };
+
+inline bool Core::condition_passed(unsigned condition) const {
+  bool n = (n_ >> 31) != 0, z = z_ == 0, result = false;
+  switch (condition >> 1) {
+    case 0:
+      result = z;
+      break;
+    case 1:
+      result = c_;
+      break;
+    case 2:
+      result = n;
+      break;
+    case 3:
+      result = v_;
+      break;
+    case 4:
+      result = c_ && !z;
+      break;
+    case 5:
+      result = n == v_;
+      break;
+    case 6:
+      result = n == v_ && !z;
+      break;
+    default:
+      return true;
+  }
+  return result != ((condition & 1) != 0);
+}
 
 template <typename T>
 inline Core::Access Core::load(const Step& op, uint32_t address, uint32_t& value) {

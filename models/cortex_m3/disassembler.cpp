@@ -18,7 +18,7 @@ std::string hex(uint32_t value) {
 }
 
 std::string condition_name(unsigned condition) {
-  static const char* names[] = {"eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc",
+  static const char* names[] = {"eq", "ne", "hs", "lo", "mi", "pl", "vs", "vc",
                                 "hi", "ls", "ge", "lt", "gt", "le", "",   ""};
   return names[condition & 15];
 }
@@ -32,11 +32,42 @@ std::string list_text(uint32_t list) {
   return text + "}";
 }
 
-std::string shift_text(const DecodedOp& op) {
+const char* shift_name(const DecodedOp& op) {
   static const char* names[] = {"lsl", "lsr", "asr", "ror", "rrx"};
+  return names[static_cast<unsigned>(op.shift_type)];
+}
+
+std::string shift_text(const DecodedOp& op) {
   if (op.shift_n == 0) return "";
-  return std::string(", ") + names[static_cast<unsigned>(op.shift_type)] + " #" +
-         std::to_string(op.shift_n);
+  if (op.shift_type == ShiftType::rrx) return ", rrx";
+  return std::string(", ") + shift_name(op) + " #" + std::to_string(op.shift_n);
+}
+
+/// ", #offset", nothing for zero.
+std::string offset_text(const DecodedOp& op) {
+  return op.imm == 0 ? "" : ", #" + std::to_string(static_cast<int32_t>(op.imm));
+}
+
+/// The then and else of an IT instruction behind its first condition.
+std::string it_text(uint32_t it) {
+  std::string text;
+  for (unsigned at = 3; at > 0 && (it & ((1u << at) - 1)) != 0; --at)
+    text += ((it >> at) & 1) == ((it >> 4) & 1) ? 't' : 'e';
+  return text + " " + (it >> 4 == 14 ? "al" : condition_name(it >> 4));
+}
+
+/// The register that MRS and MSR name (B5.1.1).
+std::string special_name(uint32_t encoding) {
+  static const char* names[] = {
+      "apsr",        "iapsr",     "eapsr",  "xpsr", "", "ipsr", "epsr", "iepsr",   "msp",
+      "psp",         "",          "",       "",     "", "",     "",     "primask", "basepri",
+      "basepri_max", "faultmask", "control"};
+  const uint32_t which = encoding & 0xFF;
+  return which < 21 && *names[which] != 0 ? names[which] : std::to_string(which);
+}
+
+std::string option_text(uint32_t encoding) {
+  return (encoding & 15) == 15 ? "sy" : hex(encoding & 15);
 }
 
 std::string address_text(const DecodedOp& op) {
@@ -50,7 +81,7 @@ std::string address_text(const DecodedOp& op) {
     case Addressing::post_indexed:
       return "[" + base + "], " + offset;
     default:
-      return "[" + base + ", " + offset + "]";
+      return "[" + base + offset_text(op) + "]";
   }
 }
 
@@ -66,6 +97,21 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "i") return hex(op.imm);
   if (field == "list") return list_text(op.imm);
   if (field == "shift") return shift_text(op);
+  if (field == "amount") return std::to_string(op.shift_n);
+  if (field == "width") return std::to_string(op.ra + 1u - op.imm);
+  if (field == "bits") return std::to_string(op.ra + 1u);
+  if (field == "rotation") return op.shift_n == 0 ? "" : ", ror #" + std::to_string(op.shift_n);
+  if (field == "mov") return op.shift_n == 0 ? "mov" : shift_name(op);
+  if (field == "mov_shift")
+    return op.shift_n == 0 || op.shift_type == ShiftType::rrx ? ""
+                                                              : ", #" + std::to_string(op.shift_n);
+  if (field == "offset") return offset_text(op);
+  if (field == "it") return it_text(op.imm);
+  if (field == "cps")
+    return std::string((op.encoding & 16) ? "id " : "ie ") + ((op.encoding & 2) ? "i" : "") +
+           ((op.encoding & 1) ? "f" : "");
+  if (field == "special") return special_name(op.encoding);
+  if (field == "option") return option_text(op.encoding);
   if (field == "address") return address_text(op);
   if (field == "target") return hex(pc_of(op) + op.imm);
   return "?";
@@ -74,7 +120,9 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
 }  // namespace
 
 std::string disassemble(const DecodedOp& op) {
-  if (op.operation == Operation::undefined) return "undefined " + hex(op.encoding);
+  const Encoding* line = find_encoding(op.encoding, op.size);
+  const bool named = line != nullptr && line->operation == Operation::undefined;
+  if (op.operation == Operation::undefined && !named) return "undefined " + hex(op.encoding);
   unsigned index = op.encoding_index_low | static_cast<unsigned>(op.encoding_index_high) << 8;
   std::string text;
   for (const char* p = encodings()[index].assembly; *p != 0; ++p) {

@@ -236,6 +236,17 @@ void Core::exception_entry(unsigned number, uint32_t return_address) {
   exception_taken(number, exc_return);
 }
 
+/// B1.5.12: an exception of higher priority that arrives before the first instruction of a handler
+/// takes its place on the frame already stacked; the displaced one stays pending.
+void Core::late_arrival(unsigned number) {
+  const unsigned displaced = ipsr_;
+  active_ &= ~bit(displaced);
+  pending_ |= bit(displaced);
+  cycles_ += timing::late_arrival;
+  if (number >= hard_fault && number <= usage_fault) capture_fault(number, pc_);
+  exception_taken(number, r_[14]);
+}
+
 void Core::exception_taken(unsigned number, uint32_t exc_return) {
   uint32_t vector = 0;
   // The vector table is read past the MPU, by the default map.
@@ -260,9 +271,13 @@ void Core::exception_taken(unsigned number, uint32_t exc_return) {
   pc_ = vector & ~1u;
   thumb_ = (vector & 1) != 0;
   it_state_ = 0;
+  trail_ = timing::no_trail;
+  stalled_ = false;  // by the stacking
   exclusive_ = false;
   event_register_ = true;
   check_ = true;
+  // Whether faults can be displaced is IMPLEMENTATION DEFINED; here they cannot.
+  entered_at_ = number >= hard_fault && number <= usage_fault ? never : instructions_;
 }
 
 void Core::deactivate(unsigned number) {
@@ -312,6 +327,7 @@ void Core::exception_return(uint32_t exc_return) {
   Cause cause{};
   cycles_ += timing::exception_return;
   if (!pop_stack(exc_return, cause)) return return_fault(cause, exc_return);
+  stalled_ = false;
   exclusive_ = false;
   event_register_ = true;
   check_ = true;

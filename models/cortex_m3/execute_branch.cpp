@@ -14,42 +14,85 @@ bool Execute::b(Core& c, const Step& op) {
 
 template <unsigned condition>
 bool Execute::branch_if(Core& c, const Step& op) {
-  return c.condition_passed(condition) ? take_branch(c, pc_of(op) + op.imm) : c.leave(op);
+  return c.condition_passed(condition) ? take_branch(c, pc_of(op) + op.imm) : true;
 }
 
-Handler Execute::branch_handler(const DecodedOp& op) {
+const Executors* Execute::branch_executors(const DecodedOp& op) {
+  static constexpr const Executors* conditional_branches[16] = {&both<branch_if<0>>,
+                                                                &both<branch_if<1>>,
+                                                                &both<branch_if<2>>,
+                                                                &both<branch_if<3>>,
+                                                                &both<branch_if<4>>,
+                                                                &both<branch_if<5>>,
+                                                                &both<branch_if<6>>,
+                                                                &both<branch_if<7>>,
+                                                                &both<branch_if<8>>,
+                                                                &both<branch_if<9>>,
+                                                                &both<branch_if<10>>,
+                                                                &both<branch_if<11>>,
+                                                                &both<branch_if<12>>,
+                                                                &both<branch_if<13>>,
+                                                                &both<b>,
+                                                                &both<b>};
   switch (op.operation) {
-    case Operation::bcond: {
-      static constexpr Handler handlers[16] = {branch_if<0>,
-                                               branch_if<1>,
-                                               branch_if<2>,
-                                               branch_if<3>,
-                                               branch_if<4>,
-                                               branch_if<5>,
-                                               branch_if<6>,
-                                               branch_if<7>,
-                                               branch_if<8>,
-                                               branch_if<9>,
-                                               branch_if<10>,
-                                               branch_if<11>,
-                                               branch_if<12>,
-                                               branch_if<13>,
-                                               b,
-                                               b};
-      return handlers[op.shift_n & 15];
-    }
+    case Operation::bcond:
+      return conditional_branches[op.shift_n & 15];
 #define ONE(name)       \
   case Operation::name: \
-    return name;
+    return &both<name>;
       // A table of cases, which the formatter indents anew each time.
       // clang-format off
-      ONE(b)
-      ONE(bl)
-      ONE(bx)
-      ONE(blx) ONE(cbz) ONE(cbnz) ONE(tbb) ONE(tbh)
+    ONE(b)
+    ONE(bl)
+    ONE(bx)
+    ONE(blx)
+    ONE(cbz)
+    ONE(cbnz)
+    ONE(tbb)
+    ONE(tbh)
       // clang-format on
 #undef ONE
-          default : return nullptr;
+    default:
+      return nullptr;
+  }
+}
+
+template <unsigned condition>
+const Step* Execute::linked_branch(Core& c, const Step* op) {
+  return c.condition_passed(condition) ? follow(c, op) : go_on(c, op + 1);
+}
+
+template <bool zero>
+const Step* Execute::linked_compare_zero(Core& c, const Step* op) {
+  return (c.r_[op->rn] == 0) == zero ? follow(c, op) : go_on(c, op + 1);
+}
+
+const Step* Execute::linked_call(Core& c, const Step* op) {
+  c.r_[14] = next_address(*op) | 1;
+  return follow(c, op);
+}
+
+Chain Execute::linked_branch_chain(const DecodedOp& op) {
+  static constexpr Chain conditional_branches[16] = {
+      linked_branch<0>,  linked_branch<1>,  linked_branch<2>,  linked_branch<3>,
+      linked_branch<4>,  linked_branch<5>,  linked_branch<6>,  linked_branch<7>,
+      linked_branch<8>,  linked_branch<9>,  linked_branch<10>, linked_branch<11>,
+      linked_branch<12>, linked_branch<13>, linked_branch<14>, linked_branch<14>};
+  uint32_t target = pc_of(op) + op.imm;
+  if (target >> Memory::page_bits != op.address >> Memory::page_bits) return nullptr;
+  switch (op.operation) {
+    case Operation::b:
+      return linked_branch<14>;
+    case Operation::bcond:
+      return conditional_branches[op.shift_n & 15];
+    case Operation::cbz:
+      return linked_compare_zero<true>;
+    case Operation::cbnz:
+      return linked_compare_zero<false>;
+    case Operation::bl:
+      return linked_call;
+    default:
+      return nullptr;
   }
 }
 
@@ -73,11 +116,11 @@ bool Execute::blx(Core& c, const Step& op) {
 }
 
 bool Execute::cbz(Core& c, const Step& op) {
-  return c.r_[op.rn] == 0 ? take_branch(c, pc_of(op) + op.imm) : c.leave(op);
+  return c.r_[op.rn] == 0 ? take_branch(c, pc_of(op) + op.imm) : true;
 }
 
 bool Execute::cbnz(Core& c, const Step& op) {
-  return c.r_[op.rn] != 0 ? take_branch(c, pc_of(op) + op.imm) : c.leave(op);
+  return c.r_[op.rn] != 0 ? take_branch(c, pc_of(op) + op.imm) : true;
 }
 
 bool Execute::tbb(Core& c, const Step& op) {

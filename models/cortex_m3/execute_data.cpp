@@ -87,16 +87,17 @@ bool Execute::shift_register(Core& c, const Step& op) {
   return true;
 }
 
-Handler Execute::data_handler(const DecodedOp& op) {
+const Executors* Execute::data_executors(const DecodedOp& op) {
   const bool shifted = op.shift_n != 0, flags = op.set_flags;
   switch (op.operation) {
-#define FAMILY(name, F)                                                                   \
-  case Operation::name##_imm:                                                             \
-    if (shifted) return flags ? data<F, true, true, true> : data<F, true, false, false>;  \
-    return flags ? data<F, true, false, true> : data<F, true, false, false>;              \
-  case Operation::name##_reg:                                                             \
-    if (shifted) return flags ? data<F, false, true, true> : data<F, false, true, false>; \
-    return flags ? data<F, false, false, true> : data<F, false, false, false>;
+#define FAMILY(name, F)                                                                      \
+  case Operation::name##_imm:                                                                \
+    if (!flags) return &both<data<F, true, false, false>>;                                   \
+    return shifted ? &both<data<F, true, true, true>> : &both<data<F, true, false, true>>;   \
+  case Operation::name##_reg:                                                                \
+    if (shifted)                                                                             \
+      return flags ? &both<data<F, false, true, true>> : &both<data<F, false, true, false>>; \
+    return flags ? &both<data<F, false, false, true>> : &both<data<F, false, false, false>>;
     FAMILY(and, And)
     FAMILY(bic, Bic)
     FAMILY(orr, Orr)
@@ -114,9 +115,10 @@ Handler Execute::data_handler(const DecodedOp& op) {
     FAMILY(cmp, Cmp)
     FAMILY(cmn, Cmn)
 #undef FAMILY
-#define SHIFT(type)           \
-  case Operation::type##_reg: \
-    return flags ? shift_register<ShiftType::type, true> : shift_register<ShiftType::type, false>;
+#define SHIFT(type)                                             \
+  case Operation::type##_reg:                                   \
+    return flags ? &both<shift_register<ShiftType::type, true>> \
+                 : &both<shift_register<ShiftType::type, false>>;
     SHIFT(lsl)
     SHIFT(lsr)
     SHIFT(asr)
@@ -124,18 +126,90 @@ Handler Execute::data_handler(const DecodedOp& op) {
 #undef SHIFT
 #define ONE(name)       \
   case Operation::name: \
-    return name;
+    return &both<name>;
     // A table of cases, which the formatter indents anew each time.
     // clang-format off
     ONE(add_high)
     ONE(cmp_high)
     ONE(mov_high)
-    ONE(adr) ONE(movt) ONE(sbfx) ONE(ubfx) ONE(bfi) ONE(bfc) ONE(ssat) ONE(usat) ONE(sxtb) ONE(sxth)
-        ONE(uxtb) ONE(uxth) ONE(rev) ONE(rev16) ONE(revsh) ONE(rbit) ONE(clz) ONE(mul) ONE(mla)
-            ONE(mls) ONE(smull) ONE(umull) ONE(smlal) ONE(umlal) ONE(sdiv) ONE(udiv)
+    ONE(adr)
+    ONE(movt)
+    ONE(sbfx)
+    ONE(ubfx)
+    ONE(bfi)
+    ONE(bfc)
+    ONE(ssat)
+    ONE(usat)
+    ONE(sxtb)
+    ONE(sxth)
+    ONE(uxtb)
+    ONE(uxth)
+    ONE(rev)
+    ONE(rev16)
+    ONE(revsh)
+    ONE(rbit)
+    ONE(clz)
+    ONE(mul)
+    ONE(mla)
+    ONE(mls)
+    ONE(smull)
+    ONE(umull)
+    ONE(smlal)
+    ONE(umlal)
+    ONE(sdiv)
+    ONE(udiv)
     // clang-format on
 #undef ONE
-                default : return nullptr;
+    default:
+      return nullptr;
+  }
+}
+
+template <Handler compare, unsigned condition>
+const Step* Execute::compare_and_branch(Core& c, const Step* op) {
+  compare(c, *op);
+  return c.condition_passed(condition) ? follow(c, op + 1) : go_on(c, op + 2);
+}
+
+template <Handler compare>
+Chain Execute::compare_and(unsigned condition) {
+  static constexpr Chain chains[16] = {
+      compare_and_branch<compare, 0>,  compare_and_branch<compare, 1>,
+      compare_and_branch<compare, 2>,  compare_and_branch<compare, 3>,
+      compare_and_branch<compare, 4>,  compare_and_branch<compare, 5>,
+      compare_and_branch<compare, 6>,  compare_and_branch<compare, 7>,
+      compare_and_branch<compare, 8>,  compare_and_branch<compare, 9>,
+      compare_and_branch<compare, 10>, compare_and_branch<compare, 11>,
+      compare_and_branch<compare, 12>, compare_and_branch<compare, 13>,
+      compare_and_branch<compare, 14>, compare_and_branch<compare, 14>};
+  return chains[condition & 15];
+}
+
+Chain Execute::compare_and_branch_chain(const DecodedOp& op, const DecodedOp& branch) {
+  const bool linked = branch.operation == Operation::bcond && branch.it_before == 0 &&
+                      linked_branch_chain(branch) != nullptr;
+  if (!linked || !op.set_flags) return nullptr;
+  const unsigned condition = branch.shift_n;
+  const bool shifted = op.shift_n != 0;
+  switch (op.operation) {
+    case Operation::cmp_imm:
+      return compare_and<data<Cmp, true, false, true>>(condition);
+    case Operation::cmp_reg:
+      return shifted ? nullptr : compare_and<data<Cmp, false, false, true>>(condition);
+    case Operation::sub_imm:
+      return compare_and<data<Sub, true, false, true>>(condition);
+    case Operation::add_imm:
+      return compare_and<data<Add, true, false, true>>(condition);
+    case Operation::sub_reg:
+      return shifted ? nullptr : compare_and<data<Sub, false, false, true>>(condition);
+    case Operation::tst_imm:
+      return shifted ? nullptr : compare_and<data<Tst, true, false, true>>(condition);
+    case Operation::tst_reg:
+      return shifted ? nullptr : compare_and<data<Tst, false, false, true>>(condition);
+    case Operation::mov_reg:
+      return shifted ? compare_and<data<Mov, false, true, true>>(condition) : nullptr;
+    default:
+      return nullptr;
   }
 }
 
@@ -262,28 +336,27 @@ bool Execute::mls(Core& c, const Step& op) {
   return true;
 }
 
-#define LONG_MULTIPLY(name, product, accumulate)                           \
-  bool Execute::name(Core& c, const Step& op) {                            \
-    uint32_t n = c.r_[op.rn], m = c.r_[op.rm];                             \
-    uint64_t sum = static_cast<uint64_t>(c.r_[op.ra]) << 32 | c.r_[op.rd]; \
-    uint64_t value = (product) + ((accumulate) ? sum : 0);                 \
-    c.r_[op.rd] = static_cast<uint32_t>(value);                            \
-    c.r_[op.ra] = static_cast<uint32_t>(value >> 32);                      \
-    return true;                                                           \
+#define LONG_MULTIPLY(name, product, accumulate, size)                                   \
+  bool Execute::name(Core& c, const Step& op) {                                          \
+    uint32_t n = c.r_[op.rn], m = c.r_[op.rm];                                           \
+    uint64_t sum = static_cast<uint64_t>(c.r_[op.ra]) << 32 | c.r_[op.rd];               \
+    uint64_t value = (product) + ((accumulate) ? sum : 0);                               \
+    c.cycles_ += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
+                              : timing::multiply_long_extra(size(n), size(m));           \
+    c.r_[op.rd] = static_cast<uint32_t>(value);                                          \
+    c.r_[op.ra] = static_cast<uint32_t>(value >> 32);                                    \
+    return true;                                                                         \
   }
 #define SIGNED(x) static_cast<int64_t>(static_cast<int32_t>(x))
-LONG_MULTIPLY(smull, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), false)
-LONG_MULTIPLY(umull, static_cast<uint64_t>(n) * m, false)
-LONG_MULTIPLY(smlal, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), true)
-LONG_MULTIPLY(umlal, static_cast<uint64_t>(n) * m, true)
+LONG_MULTIPLY(smull, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), false, timing::magnitude)
+LONG_MULTIPLY(umull, static_cast<uint64_t>(n) * m, false, uint32_t)
+LONG_MULTIPLY(smlal, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), true, timing::magnitude)
+LONG_MULTIPLY(umlal, static_cast<uint64_t>(n) * m, true, uint32_t)
 #undef SIGNED
 #undef LONG_MULTIPLY
 
 namespace {
 constexpr uint32_t ccr_div_0_trp = 1u << 4;
-uint32_t magnitude(uint32_t x) {
-  return (x >> 31) ? 0u - x : x;
-}
 }  // namespace
 
 bool Execute::udiv(Core& c, const Step& op) {
@@ -300,7 +373,7 @@ bool Execute::sdiv(Core& c, const Step& op) {
   // In 64 bits the smallest number divided by -1 wraps to itself, as the architecture has it.
   int64_t quotient = m == 0 ? 0 : int64_t{static_cast<int32_t>(n)} / static_cast<int32_t>(m);
   c.r_[op.rd] = static_cast<uint32_t>(quotient);
-  c.cycles_ += timing::divide_extra(magnitude(n), magnitude(m));
+  c.cycles_ += timing::divide_extra(timing::magnitude(n), timing::magnitude(m));
   return true;
 }
 

@@ -67,43 +67,43 @@ bool Execute::store_one(Core& c, const Step& op) {
 namespace {
 template <typename T, bool is_signed>
 struct Loads {
-  static Handler pick(Addressing mode) {
+  static const Executors* pick(Addressing mode) {
     switch (mode) {
       case Addressing::pre_indexed:
-        return Execute::load_one<T, is_signed, Addressing::pre_indexed>;
+        return &both<Execute::load_one<T, is_signed, Addressing::pre_indexed>>;
       case Addressing::post_indexed:
-        return Execute::load_one<T, is_signed, Addressing::post_indexed>;
+        return &both<Execute::load_one<T, is_signed, Addressing::post_indexed>>;
       case Addressing::reg:
-        return Execute::load_one<T, is_signed, Addressing::reg>;
+        return &both<Execute::load_one<T, is_signed, Addressing::reg>>;
       case Addressing::literal:
-        return Execute::load_one<T, is_signed, Addressing::literal>;
+        return &both<Execute::load_one<T, is_signed, Addressing::literal>>;
       case Addressing::unprivileged:
-        return Execute::load_one<T, is_signed, Addressing::unprivileged>;
+        return &both<Execute::load_one<T, is_signed, Addressing::unprivileged>>;
       default:
-        return Execute::load_one<T, is_signed, Addressing::offset>;
+        return &both<Execute::load_one<T, is_signed, Addressing::offset>>;
     }
   }
 };
 template <typename T>
 struct Stores {
-  static Handler pick(Addressing mode) {
+  static const Executors* pick(Addressing mode) {
     switch (mode) {
       case Addressing::pre_indexed:
-        return Execute::store_one<T, Addressing::pre_indexed>;
+        return &both<Execute::store_one<T, Addressing::pre_indexed>>;
       case Addressing::post_indexed:
-        return Execute::store_one<T, Addressing::post_indexed>;
+        return &both<Execute::store_one<T, Addressing::post_indexed>>;
       case Addressing::reg:
-        return Execute::store_one<T, Addressing::reg>;
+        return &both<Execute::store_one<T, Addressing::reg>>;
       case Addressing::unprivileged:
-        return Execute::store_one<T, Addressing::unprivileged>;
+        return &both<Execute::store_one<T, Addressing::unprivileged>>;
       default:
-        return Execute::store_one<T, Addressing::offset>;
+        return &both<Execute::store_one<T, Addressing::offset>>;
     }
   }
 };
 }  // namespace
 
-Handler Execute::memory_handler(const DecodedOp& op) {
+const Executors* Execute::memory_executors(const DecodedOp& op) {
   // A base of R15 outside the literal forms is UNPREDICTABLE; it reads as the aligned PC.
   Addressing mode = op.addressing;
   switch (op.operation) {
@@ -125,17 +125,26 @@ Handler Execute::memory_handler(const DecodedOp& op) {
       return Stores<uint16_t>::pick(mode);
 #define ONE(name)       \
   case Operation::name: \
-    return name;
+    return &both<name>;
       // A table of cases, which the formatter indents anew each time.
       // clang-format off
-      ONE(ldrd)
-      ONE(strd)
-      ONE(ldm)
-      ONE(ldmdb) ONE(stm) ONE(stmdb) ONE(ldrex) ONE(ldrexb) ONE(ldrexh) ONE(strex) ONE(strexb)
-          ONE(strexh) ONE(clrex)
+    ONE(ldrd)
+    ONE(strd)
+    ONE(ldm)
+    ONE(ldmdb)
+    ONE(stm)
+    ONE(stmdb)
+    ONE(ldrex)
+    ONE(ldrexb)
+    ONE(ldrexh)
+    ONE(strex)
+    ONE(strexb)
+    ONE(strexh)
+    ONE(clrex)
       // clang-format on
 #undef ONE
-              default : return nullptr;
+    default:
+      return nullptr;
   }
 }
 

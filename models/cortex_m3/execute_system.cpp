@@ -2,54 +2,92 @@
 
 namespace capsoc::cortex_m3 {
 
-Handler Execute::system_handler(const DecodedOp& op) {
+const Executors* Execute::system_executors(const DecodedOp& op) {
   switch (op.operation) {
 #define ONE(name)       \
   case Operation::name: \
-    return name;
+    return &both<name>;
     // A table of cases, which the formatter indents anew each time.
     // clang-format off
     ONE(coprocessor)
     ONE(nop)
     ONE(it)
-    ONE(svc) ONE(bkpt) ONE(cps) ONE(mrs) ONE(msr) ONE(wfi) ONE(wfe) ONE(sev) ONE(barrier) ONE(isb)
-        ONE(fall_through)
+    ONE(svc)
+    ONE(bkpt)
+    ONE(cps)
+    ONE(mrs)
+    ONE(msr)
+    ONE(wfi)
+    ONE(wfe)
+    ONE(sev)
+    ONE(barrier)
+    ONE(isb)
+    ONE(fall_through)
     // clang-format on
 #undef ONE
-            default : return undefined;
+    default:
+      return &both<undefined>;
   }
 }
 
-Handler Execute::unconditional_handler(const DecodedOp& op) {
-  if (Handler h = data_handler(op)) return h;
-  if (Handler h = memory_handler(op)) return h;
-  if (Handler h = branch_handler(op)) return h;
-  return system_handler(op);
+const Executors* Execute::unconditional(const DecodedOp& op) {
+  if (const Executors* e = data_executors(op)) return e;
+  if (const Executors* e = memory_executors(op)) return e;
+  if (const Executors* e = branch_executors(op)) return e;
+  return system_executors(op);
 }
 
 /// SP[1:0] read as zero (B1.4.7), so whatever writes R13 ends here.
 bool Execute::align_sp(Core& c, const Step& op) {
-  bool go_on = unconditional_handler(op)(c, op);
+  bool go_on = unconditional(op)->one(c, op);
   c.r_[13] &= ~3u;
   return go_on;
 }
 
 bool Execute::conditional(Core& c, const Step& op) {
-  if (c.condition_passed(op.condition)) return op.body(c, op);
+  if (c.condition_passed(op.condition)) return op.body->one(c, op);
   c.cycles_ -= op.cycles - 1u;  // skipped in one cycle
-  // What always leaves its block has no step of the same block behind it to go on with.
-  return ends_block(op) ? c.leave(op) : true;
+  return true;
 }
 
+const Step* Execute::conditional_chain(Core& c, const Step* op) {
+  if (c.condition_passed(op->condition)) return op->body->chain(c, op);
+  c.cycles_ -= op->cycles - 1u;
+  return go_on(c, op + 1);
+}
+
+namespace {
+/// Moves of SP by whole words keep it aligned.
+bool keeps_sp_aligned(const DecodedOp& op) {
+  bool add = op.operation == Operation::add_imm || op.operation == Operation::sub_imm;
+  return add && op.rn == 13 && (op.imm & 3) == 0;
+}
+}  // namespace
+
 void Execute::bind(Step& step) {
-  step.body = unconditional_handler(step);
+  // BKPT is unconditional even inside an IT block (A7.7.17), and IT itself opens one.
+  if (step.operation == Operation::bkpt || step.operation == Operation::it)
+    step.condition = condition_always;
+  step.body = unconditional(step);
   bool writes_sp =
       step.rd == 13 || step.ra == 13 || (step.writeback && step.rn == 13 && (step.imm & 3) != 0);
-  if (writes_sp && step.operation < Operation::b) step.body = align_sp;
-  // BKPT is unconditional even inside an IT block (A7.7.17), and IT itself opens one.
-  bool always = step.condition == condition_always || step.operation == Operation::bkpt ||
-                step.operation == Operation::it;
-  step.handler = always ? step.body : conditional;
+  if (writes_sp && step.operation < Operation::b && !keeps_sp_aligned(step))
+    step.body = &both<align_sp>;
+  step.chain = step.condition == condition_always ? step.body->chain : conditional_chain;
+}
+
+void Execute::bind_in_block(Step& step, bool flags_dead, const Step* next) {
+  if (step.body == &both<align_sp>) return;
+  if (step.condition != condition_always || step.it_after != 0) return;
+  if (Chain linked = linked_branch_chain(step)) {
+    step.chain = linked;
+  } else if (flags_dead) {
+    DecodedOp quiet = step;
+    quiet.set_flags = false;
+    step.chain = data_executors(quiet)->chain;
+  } else if (next != nullptr) {
+    if (Chain fused = compare_and_branch_chain(step, *next)) step.chain = fused;
+  }
 }
 
 uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) {
@@ -57,6 +95,11 @@ uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) 
     case Operation::udiv:
     case Operation::sdiv:
       return timing::divide_most;
+    case Operation::smull:
+    case Operation::umull:
+    case Operation::smlal:
+    case Operation::umlal:
+      return timing::long_multiply_most;
     default:
       break;
   }

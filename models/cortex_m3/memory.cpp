@@ -15,13 +15,26 @@ Memory::Memory() : pages_(static_cast<Page*>(std::calloc(1u << 20, sizeof(Page))
 Memory::~Memory() {
   invalidate_all();
   std::free(pages_);
-  std::free(empty_);
+  for (Page* view : views_) std::free(view);
 }
 
-Memory::Page* Memory::empty_table() {
-  if (empty_ == nullptr) empty_ = static_cast<Page*>(std::calloc(1u << 20, sizeof(Page)));
-  if (empty_ == nullptr) throw std::bad_alloc();
-  return empty_;
+Memory::Page* Memory::view(bool priv) {
+  Page*& view = views_[priv ? 1 : 0];
+  if (view == nullptr) view = static_cast<Page*>(std::calloc(1u << 20, sizeof(Page)));
+  if (view == nullptr) throw std::bad_alloc();
+  return view;
+}
+
+Memory::Page& Memory::view_page(Page* view, uint32_t address) {
+  filled_[view == views_[1] ? 1 : 0].push_back(address >> page_bits);
+  return view[address >> page_bits];
+}
+
+void Memory::clear_views() {
+  for (unsigned i = 0; i < views_.size(); ++i) {
+    for (uint32_t index : filled_[i]) views_[i][index] = Page{};
+    filled_[i].clear();
+  }
 }
 
 void Memory::map(const Region& region) {
@@ -62,6 +75,7 @@ const Memory::Region* Memory::find(uint32_t address) const {
 }
 
 void Memory::refresh(uint32_t base, uint32_t size) {
+  clear_views();
   uint64_t first = base >> page_bits, last = (uint64_t{base} + size - 1) >> page_bits;
   for (uint64_t index = first; index <= last && index < (1u << 20); ++index) {
     uint32_t address = static_cast<uint32_t>(index << page_bits);
@@ -81,6 +95,9 @@ CodePage* Memory::code_page(uint32_t address) {
   if (p.code == nullptr) {
     p.code = new CodePage;
     p.write = nullptr;
+    for (Page* view : views_) {
+      if (view != nullptr) view[address >> page_bits].write = nullptr;
+    }
     code_pages_.push_back(address >> page_bits);
   }
   return p.code;
@@ -93,10 +110,21 @@ void Memory::retire(uint32_t page_index) {
   p.code = nullptr;
   const Region* r = find(page_index << page_bits);
   p.write = r != nullptr && r->writable ? p.read : nullptr;
+  for (Page* view : views_) {
+    if (view != nullptr) view[page_index] = Page{};
+  }
 }
 
 bool Memory::invalidate(uint32_t address, uint32_t size) {
   if (size == 0) return false;
+  const Page& p = page(address);
+  const bool in_one_page = (address & (page_size - 1)) + size <= page_size;
+  if (in_one_page && p.code == nullptr) return false;
+  if (in_one_page && size <= 4) {
+    uint32_t first = (address & (page_size - 1)) / 64,
+             last = ((address & (page_size - 1)) + size - 1) / 64;
+    if (((p.code->code_lines >> first | p.code->code_lines >> last) & 1) == 0) return false;
+  }
   bool found = false;
   uint64_t end = uint64_t{address} + size;
   std::vector<uint32_t> kept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -40,7 +41,12 @@ class Memory {
 
   Page& page(uint32_t address) { return pages_[address >> page_bits]; }
   Page* table() { return pages_; }
-  Page* empty_table();  // every page on the slow path: what the MPU needs while it is enabled
+  /// A second table with less in it: what the MPU lets the privileged or the unprivileged reach
+  /// without a further look. Filled page by page, emptied as a whole.
+  Page* view(bool priv);
+  /// A page of a view, to be filled.
+  Page& view_page(Page* view, uint32_t address);
+  void clear_views();
 
   /// The decoded-code record of an address in mapped memory, created on demand; null elsewhere.
   CodePage* code_page(uint32_t address);
@@ -59,7 +65,8 @@ class Memory {
   void retire(uint32_t page_index);
 
   Page* pages_;
-  Page* empty_ = nullptr;
+  std::array<Page*, 2> views_{};
+  std::array<std::vector<uint32_t>, 2> filled_;  // pages of each view
   std::vector<Region> regions_;
   std::vector<uint32_t> code_pages_;
   std::vector<std::unique_ptr<CodePage>> retired_;

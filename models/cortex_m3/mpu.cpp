@@ -24,10 +24,15 @@ bool permitted(unsigned ap, bool write, bool priv) {
 
 }  // namespace
 
+/// Whether accesses are held against the regions at all: HFNMIENA (B3.5.5).
+bool Core::mpu_applies() const {
+  if ((mpu_ctrl_ & 1) == 0) return false;
+  return (mpu_ctrl_ & 2) != 0 || (faultmask_ == 0 && ipsr_ != 2 && ipsr_ != 3);
+}
+
 /// ValidateAddress (B3.5.3): the highest region that matches decides.
 bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const {
-  if ((mpu_ctrl_ & 1) == 0) return true;
-  if ((mpu_ctrl_ & 2) == 0 && (faultmask_ != 0 || ipsr_ == 2 || ipsr_ == 3)) return true;
+  if (!mpu_applies()) return true;
   for (unsigned n = 8; n-- > 0;) {
     uint32_t rasr = mpu_rasr_[n];
     unsigned bits = ((rasr >> 1) & 31) + 1;
@@ -41,6 +46,37 @@ bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const
     return permitted((rasr >> 24) & 7, write, priv);
   }
   return priv && (mpu_ctrl_ & 4) != 0;
+}
+
+/// True when no border of a region or of its eighths runs through the page of the address.
+bool Core::mpu_uniform_in_page(uint32_t address) const {
+  for (unsigned n = 0; n < 8; ++n) {
+    uint32_t rasr = mpu_rasr_[n];
+    unsigned bits = ((rasr >> 1) & 31) + 1;
+    if ((rasr & 1) == 0 || bits < 5) continue;
+    const bool eighths = bits >= 8 && ((rasr >> 8) & 0xFF) != 0;
+    if ((eighths ? bits - 3 : bits) >= Memory::page_bits) continue;
+    uint32_t span = bits >= Memory::page_bits ? ~0u << (bits - 1) << 1 : ~(Memory::page_size - 1);
+    if (((address ^ mpu_rbar_[n]) & span) == 0) return false;
+  }
+  return true;
+}
+
+/// The table of direct pages for the present privilege and MPU.
+void Core::select_view() {
+  fast_pages_ = mpu_applies() ? memory_.view(privileged()) : memory_.table();
+}
+
+/// Behind an access that the regions let through: the next ones to its page need no look at them.
+void Core::fill_view(uint32_t address) {
+  const Memory::Page& page = memory_.page(address);
+  if (fast_pages_ == memory_.table() || page.read == nullptr || !mpu_uniform_in_page(address))
+    return;
+  const bool priv = privileged();
+  Memory::Page& seen = memory_.view_page(fast_pages_, address);
+  seen.wait_states = page.wait_states;
+  if (mpu_allows(address, false, false, priv)) seen.read = page.read;
+  if (mpu_allows(address, true, false, priv)) seen.write = page.write;
 }
 
 void Core::write_mpu(uint32_t address, uint32_t value) {
@@ -68,7 +104,7 @@ void Core::write_mpu(uint32_t address, uint32_t value) {
     default:
       break;
   }
-  fast_pages_ = (mpu_ctrl_ & 1) ? memory_.empty_table() : memory_.table();
+  memory_.clear_views();
   check_ = true;
 }
 

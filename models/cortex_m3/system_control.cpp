@@ -29,10 +29,13 @@ void Core::reset_system_control() {
       0;
   ccr_ = 0x200;  // STKALIGN, from r2p0 on
   cyccnt_stopped_ = 0;
+  itm_ter_ = itm_tpr_ = itm_tcr_ = 0;
+  itm_unlocked_ = false;
   mpu_ctrl_ = mpu_rnr_ = 0;
   mpu_rbar_.fill(0);
   mpu_rasr_.fill(0);
-  fast_pages_ = memory_.table();
+  memory_.clear_views();
+  select_view();
   systick_csr_ = systick_rvr_ = systick_start_ = 0;
   systick_countflag_ = false;
   systick_start_cycle_ = cycles_;
@@ -62,6 +65,7 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
     std::memcpy(&value, &priority_.value[4 + (address - 0xE000ED18)], 4);
     return value;
   }
+  if (in_itm(address)) return itm_read(address);
   bool wrapped = false;
   switch (address) {
     case 0xE0001000:
@@ -164,7 +168,8 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
 /// Without privilege only STIR answers, and only if CCR.USERSETMPEND lets it.
 Core::Result Core::ppb_read(uint32_t address, unsigned size, uint32_t& value, bool priv) {
   value = 0;
-  if (!priv) return Result::bus_error;
+  stalled_ = true;
+  if (!priv && !(in_itm(address) && itm_open_to_user(address))) return Result::bus_error;
   uint32_t word = ppb_read_word(address & ~3u, false) >> (8 * (address & 3));
   value = size == 4 ? word : word & ((1u << (8 * size)) - 1);
   if ((address & ~3u) == 0xE000E010) {
@@ -178,7 +183,15 @@ Core::Result Core::ppb_read(uint32_t address, unsigned size, uint32_t& value, bo
 
 Core::Result Core::ppb_write(uint32_t address, unsigned size, uint32_t value, bool priv) {
   bool stir = address == 0xE000EF00;
-  if (!priv && !(stir && (ccr_ & ccr_usersetmpend))) return Result::bus_error;
+  const bool open =
+      (stir && (ccr_ & ccr_usersetmpend)) || (in_itm(address) && itm_open_to_user(address));
+  if (!priv && !open) return Result::bus_error;
+  if (in_itm(address)) {
+    stalled_ = true;
+    itm_write(address & ~3u, size, value);
+    return Result::device;
+  }
+  stalled_ = true;
   unsigned shift = 8 * (address & 3);
   uint32_t mask = (size == 4 ? ~0u : (1u << (8 * size)) - 1) << shift;
   ppb_write_word(address & ~3u, value << shift, mask);

@@ -40,6 +40,7 @@ class Bench : public Bus {
   }
   void word(uint32_t address, uint32_t value) { std::memcpy(&flash[address], &value, 4); }
   void code(uint32_t address, std::initializer_list<uint16_t> halfwords) {
+    core.invalidate_code(address, 2 * static_cast<uint32_t>(halfwords.size()));
     for (uint16_t h : halfwords) {
       std::memcpy(&flash[address], &h, 2);
       address += 2;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "bench.h"
 #include "cortex_m3/decoder.h"
 
@@ -102,6 +104,35 @@ TEST(Instructions, ADeviceAccessSeesItsExactCycle) {
 TEST(Instructions, TheDisassemblerNamesOperands) {
   EXPECT_EQ(disassemble(decode(0, 0x1888, 0, 0)), "adds r0, r1, r2");
   EXPECT_EQ(disassemble(decode(0, 0xB510, 0, 0)), "push {r4, lr}");
+}
+
+// C1.7.
+TEST(Instructions, AnEnabledStimulusPortIsReadyAndPassesOnWhatIsWritten) {
+  Bench b;
+  std::string text;
+  b.core.set_stimulus([&](unsigned port, uint32_t value, unsigned size) {
+    text += std::to_string(port) + ":" + std::to_string(size) + ":" + std::to_string(value) + " ";
+  });
+  // strb r1,[r0,#4]; ldr r2,[r0,#4]; unlock; TER = 2; TCR = 1; ldr r3; strb; strh
+  b.start({0x7101, 0x6842, 0x6025, 0x6037, 0xF8C6, 0x8080, 0x6843, 0x7101, 0x8081, 0xE7FE});
+  b.core.set_reg(0, 0xE0000000);
+  b.core.set_reg(1, 'A');
+  b.core.set_reg(4, 0xE0000FB0);
+  b.core.set_reg(5, 0xC5ACCE55);
+  b.core.set_reg(6, 0xE0000E00);
+  b.core.set_reg(7, 2);
+  b.core.set_reg(8, 1);
+  const uint32_t trcena = 1u << 24;
+  b.core.run(6);  // not enabled yet: not ready, dropped
+  EXPECT_EQ(b.core.reg(2), 0u);
+  b.core.set_reg(9, 0xE000EDFC);
+  b.core.set_reg(10, trcena);
+  b.code(0x3000, {0xF8C9, 0xA000, 0x4758});  // str r10,[r9]; bx r11
+  b.core.set_reg(11, b.core.reg(15) | 1);
+  b.core.set_reg(15, 0x3000);
+  b.core.run(60);
+  EXPECT_EQ(b.core.reg(3), 1u);
+  EXPECT_EQ(text, "1:1:65 1:2:65 ");
 }
 
 }  // namespace capsoc::cortex_m3::test

@@ -1,0 +1,23 @@
+// How fast the processor model is, beside qemu-system-arm on the same programs in the same run.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace capsoc::bench {
+
+struct CpuBench {
+  std::string program;                ///< capsoc itself, which runs each kernel in a process
+  std::vector<std::string> firmware;  ///< ELF files
+  unsigned repeat = 3;                ///< the best of so many runs counts
+  std::string quantum_ns = "1000000";
+  double least_ratio = 0;  ///< of QEMU with -icount; 0: no requirement
+};
+
+/// Prints a line for each program and the geometric means. 0, or 1 when a program failed, a
+/// checksum differs from QEMU's, or a mean ratio is below least_ratio. Times are processor time of
+/// the whole process, start-up included.
+int run_cpu_bench(const CpuBench& bench, std::ostream& out);
+
+}  // namespace capsoc::bench

@@ -1,0 +1,138 @@
+// The memory protection unit, sentence by sentence of ARM DDI 0403, B3.5, with both executors: the
+// fast one keeps what the regions decided by the page.
+#include <gtest/gtest.h>
+
+#include "bench.h"
+
+namespace capsoc::cortex_m3::test {
+namespace {
+
+constexpr uint32_t full_access = 3u << 24, read_only = 6u << 24, privileged_only = 1u << 24,
+                   execute_never = 1u << 28;
+constexpr uint32_t ram = Bench::ram_base;
+constexpr uint32_t size_of(unsigned bits) {
+  return (bits - 1) << 1 | 1;
+}
+
+class Mpu : public ::testing::TestWithParam<Executor> {
+ protected:
+  Bench b;
+  void SetUp() override { b.core.set_executor(GetParam()); }
+
+  /// Executes a store of a word by a program: str r1,[r0].
+  void write(uint32_t address, uint32_t value) {
+    b.code(0x2000, {0x6001, 0xE7FE});
+    b.core.set_reg(0, address);
+    b.core.set_reg(1, value);
+    b.core.set_reg(15, 0x2000);
+    b.core.run(b.core.cycles() + 3);
+  }
+  void region(unsigned number, uint32_t base, uint32_t rasr) {
+    write(0xE000ED98, number);
+    write(0xE000ED9C, base);
+    write(0xE000EDA0, rasr);
+  }
+  /// Code memory for everyone, PRIVDEFENA, MemManage enabled.
+  void start(bool user) {
+    b.start({0xE7FE});
+    b.core.run(2);
+    region(0, 0, read_only | size_of(16));
+    write(0xE000ED24, 1u << 16);
+    user_ = user;
+  }
+  void enable(uint32_t ctrl = 5) {
+    write(0xE000ED94, ctrl);
+    if (user_) b.core.set_control(1);
+  }
+  /// Loads repeatedly from an address: true when all were allowed.
+  bool allows_load(uint32_t address, uint16_t instruction = 0x6802) {
+    b.code(0x2100, {instruction, instruction, 0xE7FC});
+    b.core.set_reg(0, address);
+    b.core.set_reg(1, 0);
+    b.core.set_reg(15, 0x2100);
+    const uint64_t faults = b.core.fault_count();
+    b.core.run(b.core.cycles() + 40);
+    return b.core.fault_count() == faults;
+  }
+  bool allows_store(uint32_t address) { return allows_load(address, 0x6001); }
+  bool user_ = false;
+};
+
+TEST_P(Mpu, TheHighestNumberedRegionThatMatchesDecides) {
+  start(true);
+  region(1, ram, full_access | size_of(16));
+  region(2, ram + 0x1000, read_only | size_of(12));
+  enable();
+  EXPECT_TRUE(allows_store(ram + 0x800));
+  EXPECT_TRUE(allows_load(ram + 0x1800));
+  EXPECT_FALSE(allows_store(ram + 0x1800));
+  EXPECT_EQ(b.core.last_fault().mmfar, ram + 0x1800);
+}
+TEST_P(Mpu, AnAddressOutsideEveryRegionFaultsWithoutPrivilege) {
+  start(true);
+  region(1, ram, full_access | size_of(12));
+  enable();
+  EXPECT_TRUE(allows_load(ram + 0xFFC));
+  EXPECT_FALSE(allows_load(ram + 0x1000));
+}
+TEST_P(Mpu, PrivdefenaLetsThePrivilegedUseTheDefaultMap) {
+  start(false);
+  enable();
+  EXPECT_TRUE(allows_store(ram + 0x1000));
+}
+TEST_P(Mpu, ADisabledSubregionDoesNotMatch) {
+  start(true);
+  region(1, ram, full_access | size_of(12) | 1u << 9);  // 4 KiB, the second 512 bytes left out
+  enable();
+  EXPECT_TRUE(allows_load(ram + 0x1FC));
+  EXPECT_FALSE(allows_load(ram + 0x200));
+}
+TEST_P(Mpu, ARegionOfThirtyTwoBytesGuardsThem) {
+  start(true);
+  region(1, ram, full_access | size_of(16));
+  region(2, ram + 0x40, privileged_only | size_of(5));
+  enable();
+  EXPECT_TRUE(allows_store(ram + 0x3C));
+  EXPECT_TRUE(allows_store(ram + 0x60));
+  EXPECT_FALSE(allows_store(ram + 0x5C));
+}
+TEST_P(Mpu, AChangeOfARegionCountsFromTheNextAccess) {
+  start(false);
+  enable();
+  EXPECT_TRUE(allows_store(ram + 0x3000));
+  region(3, ram + 0x3000, read_only | size_of(12));
+  EXPECT_FALSE(allows_store(ram + 0x3000));
+  region(3, 0, 0);
+  EXPECT_TRUE(allows_store(ram + 0x3000));
+}
+TEST_P(Mpu, CodeInAnExecuteNeverRegionIsNotExecuted) {
+  start(false);
+  const uint16_t loop[] = {0xBF00, 0xE7FD};
+  std::memcpy(&b.ram[0x4000], loop, sizeof(loop));
+  b.core.set_reg(15, ram + 0x4000);
+  b.core.run(b.core.cycles() + 30);  // decoded and running
+  EXPECT_EQ(b.core.fault_count(), 0u);
+  region(3, ram + 0x4000, full_access | execute_never | size_of(12));
+  enable();
+  b.core.set_reg(15, ram + 0x4000);
+  b.core.run(b.core.cycles() + 3);
+  EXPECT_EQ(b.core.last_fault().cfsr & 0xFF, 1u);
+}
+TEST_P(Mpu, WithoutHfnmienaTheMpuIsOffWhileFaultmaskIsSet) {
+  start(false);
+  region(3, ram + 0x3000, read_only | size_of(12));
+  enable();
+  b.code(0x2200, {0xB671, 0x6001, 0x6001, 0xB661, 0x6001, 0xE7FE});  // cpsid f; str; cpsie f; str
+  b.core.set_reg(0, ram + 0x3000);
+  b.core.set_reg(15, 0x2200);
+  b.core.run(b.core.cycles() + 60);
+  EXPECT_EQ(b.core.last_fault().frame[6], 0x2208u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Mpu, ::testing::Values(Executor::stepping, Executor::blocks),
+                         [](const auto& executor) {
+                           return executor.param == Executor::stepping ? "Stepping" : "Blocks";
+                         });
+
+}  // namespace
+}  // namespace capsoc::cortex_m3::test
