@@ -11,33 +11,27 @@ namespace {
 using Conic = Eigen::Matrix<double, 6, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-/// Means of products of the monomials x^2, xy, y^2, x, y, 1, and how the samples were normalised.
-/// One scale for both channels keeps Taubin's distance what it is for noise equal in U and V.
-struct Moments {
-  Eigen::Matrix<double, 6, 6> m = Eigen::Matrix<double, 6, 6>::Zero();
-  double mean_u = 0, mean_v = 0, scale = 1;
+/// Moments scaled alike in both channels, which keeps Taubin's distance what it is for noise equal
+/// in U and V.
+struct Scaled {
+  ConicMoments m;
+  double mean_u, mean_v, scale;
 };
 
-Moments moments_of(const Channel& u, const Channel& v) {
-  Moments moments;
-  moments.mean_u = u.mean();
-  moments.mean_v = v.mean();
-  moments.scale =
-      std::sqrt(((u - moments.mean_u).square() + (v - moments.mean_v).square()).mean() / 2);
-  for (Eigen::Index i = 0; i < u.size(); ++i) {
-    const double x = (u[i] - moments.mean_u) / moments.scale;
-    const double y = (v[i] - moments.mean_v) / moments.scale;
-    Conic row;
-    row << x * x, x * y, y * y, x, y, 1;
-    moments.m.noalias() += row * row.transpose();
-  }
-  moments.m /= static_cast<double>(u.size());
-  return moments;
+Scaled scaled_alike(const Moments& moments) {
+  Scaled scaled = {moments.m, moments.mean_u, moments.mean_v,
+                   std::hypot(moments.spread_u, moments.spread_v) / std::sqrt(2.0)};
+  const double x = moments.spread_u / scaled.scale;
+  const double y = moments.spread_v / scaled.scale;
+  Conic monomials;
+  monomials << x * x, x * y, y * y, x, y, 1;
+  scaled.m.array() *= (monomials * monomials.transpose()).array();
+  return scaled;
 }
 
 /// With x = (U - b1)/a1 and y = (V - b2)/a2, Eq (6) of the CSFN paper times cos^2(beta) is
 /// x^2 + y^2 + 2 sin(beta) xy = cos^2(beta); comparing coefficients gives the parameters.
-Result<Parameters> parameters_of(const Conic& raw, const Moments& moments) {
+Result<Parameters> parameters_of(const Conic& raw, const Scaled& moments) {
   const Conic conic = raw[0] < 0 ? Conic(-raw) : raw;
   const double a = conic[0], b = conic[1], c = conic[2], d = conic[3], e = conic[4];
   const double discriminant = 4 * a * c - b * b;
@@ -64,9 +58,8 @@ Result<Parameters> failed() {
 
 }  // namespace
 
-Result<Parameters> fit_heydemann(const Channel& u, const Channel& v) {
-  if (auto error = check_samples(u, v)) return *error;
-  const Moments moments = moments_of(u, v);
+Result<Parameters> fit_heydemann(const Moments& record) {
+  const Scaled moments = scaled_alike(record);
   Conic conic;
   const Matrix5 normal = moments.m.topLeftCorner<5, 5>();
   conic.head<5>() = normal.ldlt().solve(moments.m.col(5).head<5>());
@@ -74,9 +67,8 @@ Result<Parameters> fit_heydemann(const Channel& u, const Channel& v) {
   return parameters_of(conic, moments);
 }
 
-Result<Parameters> fit_taubin(const Channel& u, const Channel& v) {
-  if (auto error = check_samples(u, v)) return *error;
-  const Moments moments = moments_of(u, v);
+Result<Parameters> fit_taubin(const Moments& record) {
+  const Scaled moments = scaled_alike(record);
   // F minimises for itself: it is minus the mean of the rest, which leaves the covariance.
   const Eigen::Matrix<double, 5, 1> mean = moments.m.col(5).head<5>();
   const Matrix5 scatter = moments.m.topLeftCorner<5, 5>() - mean * mean.transpose();
@@ -96,9 +88,8 @@ Result<Parameters> fit_taubin(const Channel& u, const Channel& v) {
   return parameters_of(conic, moments);
 }
 
-Result<Parameters> fit_direct(const Channel& u, const Channel& v) {
-  if (auto error = check_samples(u, v)) return *error;
-  const Moments moments = moments_of(u, v);
+Result<Parameters> fit_direct(const Moments& record) {
+  const Scaled moments = scaled_alike(record);
   const Eigen::Matrix3d quadratic = moments.m.topLeftCorner<3, 3>();
   const Eigen::Matrix3d mixed = moments.m.topRightCorner<3, 3>();
   const Eigen::Matrix3d linear = moments.m.bottomRightCorner<3, 3>();
@@ -116,6 +107,24 @@ Result<Parameters> fit_direct(const Channel& u, const Channel& v) {
     return parameters_of(conic, moments);
   }
   return failed();
+}
+
+Result<Parameters> fit_heydemann(const Channel& u, const Channel& v) {
+  const Result<Moments> moments = moments_of(u, v);
+  if (!moments) return Error{moments.error()};
+  return fit_heydemann(moments.value());
+}
+
+Result<Parameters> fit_taubin(const Channel& u, const Channel& v) {
+  const Result<Moments> moments = moments_of(u, v);
+  if (!moments) return Error{moments.error()};
+  return fit_taubin(moments.value());
+}
+
+Result<Parameters> fit_direct(const Channel& u, const Channel& v) {
+  const Result<Moments> moments = moments_of(u, v);
+  if (!moments) return Error{moments.error()};
+  return fit_direct(moments.value());
 }
 
 }  // namespace capsoc::csfn

@@ -1,6 +1,7 @@
 // Closed-form fits of the ellipse that the CSFN is trained on: check and starting point.
 #pragma once
 
+#include "csfn/moments.h"
 #include "csfn/samples.h"
 #include "support/result.h"
 
@@ -13,13 +14,16 @@ namespace capsoc::csfn {
 /// Heydemann's least squares (Appl. Opt. 20, 1981): F = -1 in the shifted coordinates, whose origin
 /// lies within the ellipse. The cheapest; biased by noise.
 Result<Parameters> fit_heydemann(const Channel& u, const Channel& v);
+Result<Parameters> fit_heydemann(const Moments& record);
 
 /// Taubin's fit (PAMI 13, 1991): algebraic distances divided by the mean squared gradient. The best
 /// of the three under noise.
 Result<Parameters> fit_taubin(const Channel& u, const Channel& v);
+Result<Parameters> fit_taubin(const Moments& record);
 
 /// Direct fit with 4AC - B^2 = 1 (Fitzgibbon) in Halir and Flusser's stable form (1998): always
 /// an ellipse, also on short arcs; biased to small ones by noise.
 Result<Parameters> fit_direct(const Channel& u, const Channel& v);
+Result<Parameters> fit_direct(const Moments& record);
 
 }  // namespace capsoc::csfn

@@ -13,6 +13,12 @@ namespace capsoc::csfn {
 /// Eigen::Map<const Eigen::ArrayXd>.
 using Channel = Eigen::Ref<const Eigen::ArrayXd>;
 
+/// A record, in the order in which it was taken.
+struct Samples {
+  Eigen::ArrayXd u;
+  Eigen::ArrayXd v;
+};
+
 /// U = a1 sin(theta) + b1, V = a2 cos(theta + beta) + b2, Eq (3). Amplitudes and offsets in the
 /// unit of the samples, beta in radians.
 ///

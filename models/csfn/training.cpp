@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "csfn/fused_network.h"
 #include "csfn/random.h"
 
 namespace capsoc::csfn {
@@ -27,39 +28,6 @@ std::optional<Error> check_start(const Parameters& start) {
   if (within_range(to_nodes(start))) return std::nullopt;
   return Error{"the training cannot start there: amplitudes must be positive, |beta| below 90 deg"};
 }
-
-std::optional<Error> check_options(const AdamOptions& options) {
-  const bool good = std::isfinite(options.rate) && options.rate > 0 && options.batch > 0 &&
-                    options.iterations > 0 && options.beta1 >= 0 && options.beta1 < 1 &&
-                    options.beta2 >= 0 && options.beta2 < 1 && options.epsilon > 0;
-  if (good) return std::nullopt;
-  return Error{
-      "Adam's options are out of range: rate, batch, iterations and epsilon must be positive, "
-      "beta1 "
-      "and beta2 in [0, 1)"};
-}
-
-/// The update of Eq (18).
-class Adam {
- public:
-  explicit Adam(const AdamOptions& options) : options_(options) {}
-
-  void update(Nodes& nodes, const Nodes& gradient, double rate) {
-    power1_ *= options_.beta1;
-    power2_ *= options_.beta2;
-    m_ = options_.beta1 * m_ + (1 - options_.beta1) * gradient;
-    v_ = options_.beta2 * v_ + (1 - options_.beta2) * gradient.cwiseAbs2();
-    const Eigen::Array<double, 5, 1> m_hat = m_.array() / (1 - power1_);
-    const Eigen::Array<double, 5, 1> v_hat = v_.array() / (1 - power2_);
-    nodes.array() -= rate * m_hat / (v_hat.sqrt() + options_.epsilon);
-  }
-
- private:
-  const AdamOptions& options_;
-  Nodes m_ = Nodes::Zero();
-  Nodes v_ = Nodes::Zero();
-  double power1_ = 1, power2_ = 1;
-};
 
 void shuffle(Eigen::ArrayXd& u, Eigen::ArrayXd& v, Random& random) {
   for (Eigen::Index i = u.size() - 1; i > 0; --i) {
@@ -102,9 +70,7 @@ double half_range(const Channel& channel) {
 
 Result<Training> finish(const Channel& u, const Channel& v, const Nodes& nodes, Training training) {
   training.parameters = to_parameters(nodes);
-  Network network(u.size());
-  network.set_nodes(to_nodes(training.parameters));
-  training.loss = network.forward(u, v);
+  training.loss = FusedNetwork().loss(to_nodes(training.parameters), u, v);
   if (!std::isfinite(training.loss) || !within_range(to_nodes(training.parameters))) {
     return Error{
         "the training diverged: start from an ellipse fit, or use a smaller rate or decay it"};
@@ -121,7 +87,53 @@ Result<Training> finish(const Channel& u, const Channel& v, const Nodes& nodes, 
   return training;
 }
 
+/// Trace points of a training whose number of updates is known.
+class Tracer {
+ public:
+  Tracer(const AdamOptions& options, std::vector<TracePoint>& trace)
+      : trace_(trace), stride_(0), next_(0) {
+    if (options.trace_points <= 0) return;
+    trace_.reserve(options.trace_points + 1);
+    stride_ = (options.iterations + options.trace_points - 1) / options.trace_points;
+    next_ = stride_;
+  }
+
+  void add(int iteration, double loss, const Nodes& nodes) {
+    if (stride_ == 0) return;
+    loss_ += loss;
+    ++losses_;
+    if (iteration != next_) return;
+    trace_.push_back({iteration, loss_ / losses_, to_parameters(nodes)});
+    loss_ = losses_ = 0;
+    next_ += stride_;
+  }
+
+ private:
+  std::vector<TracePoint>& trace_;
+  int stride_, next_;
+  double loss_ = 0, losses_ = 0;
+};
+
+/// Whether the undamped step would move anything. Damping alone can make a step small, at the wall
+/// |t| = 1 for instance. In a minimum the undamped step vanishes too, but for what the rounding of
+/// the loss hides (1e-8).
+StopReason judged(const FusedNetwork::Normal& normal, const Nodes& nodes) {
+  const double undamped = movement(nodes, nodes + normal.jtj.ldlt().solve(normal.jtr));
+  return undamped < 1e-6 ? StopReason::converged : StopReason::stalled;
+}
+
 }  // namespace
+
+std::optional<Error> check_options(const AdamOptions& options) {
+  const bool good = std::isfinite(options.rate) && options.rate > 0 && options.batch > 0 &&
+                    options.iterations > 0 && options.beta1 >= 0 && options.beta1 < 1 &&
+                    options.beta2 >= 0 && options.beta2 < 1 && options.epsilon > 0;
+  if (good) return std::nullopt;
+  return Error{
+      "Adam's options are out of range: rate, batch, iterations and epsilon must be positive, "
+      "beta1 "
+      "and beta2 in [0, 1)"};
+}
 
 const char* to_string(StopReason reason) {
   switch (reason) {
@@ -142,13 +154,31 @@ Parameters paper_start(const Channel& u, const Channel& v) {
   return {u.abs().maxCoeff(), v.abs().maxCoeff(), 0, 0, 0};
 }
 
+void Adam::update(Nodes& nodes, const Nodes& gradient, double rate) {
+  power1_ *= options_.beta1;
+  power2_ *= options_.beta2;
+  const double step = rate / (1 - power1_);
+  const double correction = 1 / (1 - power2_);
+  for (int i = 0; i < 5; ++i) {
+    m_[i] = options_.beta1 * m_[i] + (1 - options_.beta1) * gradient[i];
+    v_[i] = options_.beta2 * v_[i] + (1 - options_.beta2) * (gradient[i] * gradient[i]);
+    nodes[i] -= step * m_[i] / (std::sqrt(v_[i] * correction) + options_.epsilon);
+  }
+}
+
+AdamOptions decaying_adam() {
+  AdamOptions options;
+  options.schedule = Schedule::decaying;
+  return options;
+}
+
 Result<Training> train_adam(const Channel& u, const Channel& v, const Parameters& start,
                             const AdamOptions& options) {
   if (auto error = check_samples(u, v)) return *error;
   if (auto error = check_start(start)) return *error;
   if (auto error = check_options(options)) return *error;
   Batches batches(u, v, options.batch, options.seed);
-  Network network(batches.size());
+  const FusedNetwork network;
   Adam adam(options);
   Nodes nodes = to_nodes(start);
   Nodes before = nodes;
@@ -159,14 +189,16 @@ Result<Training> train_adam(const Channel& u, const Channel& v, const Parameters
   double rate = options.rate;
   Training training;
   training.seed = options.seed;
+  Tracer tracer(options, training.trace);
   while (training.iterations < options.iterations) {
     batches.advance();
-    network.set_nodes(nodes);
-    loss_sum += network.forward(batches.u(), batches.v());
-    adam.update(nodes, network.backward(), rate);
+    const FusedNetwork::Gradient gradient = network.gradient(nodes, batches.u(), batches.v());
+    loss_sum += gradient.loss;
+    adam.update(nodes, gradient.by_nodes, rate);
     rate *= decay;
     ++training.iterations;
     if (!nodes.allFinite()) break;
+    tracer.add(training.iterations, gradient.loss, nodes);
     if (training.iterations % period != 0) continue;
     // Both are judged over a whole pass: a single batch may be good by chance.
     const double loss = loss_sum / static_cast<double>(period);
@@ -181,7 +213,7 @@ Result<Training> train_adam(const Channel& u, const Channel& v, const Parameters
     before = nodes;
     loss_sum = 0;
   }
-  return finish(u, v, nodes, training);
+  return finish(u, v, nodes, std::move(training));
 }
 
 Result<Training> train_levenberg_marquardt(const Channel& u, const Channel& v,
@@ -189,53 +221,44 @@ Result<Training> train_levenberg_marquardt(const Channel& u, const Channel& v,
                                            const LevenbergMarquardtOptions& options) {
   if (auto error = check_samples(u, v)) return *error;
   if (auto error = check_start(start)) return *error;
-  Network network(u.size());
+  const FusedNetwork network;
   Nodes nodes = to_nodes(start);
-  network.set_nodes(nodes);
-  double loss = network.forward(u, v);
+  FusedNetwork::Normal normal = network.normal(nodes, u, v);
   double damping = 1e-3;
   Training training;
-  while (training.iterations < options.iterations) {
-    const auto jacobian = network.jacobian();
-    const Matrix5 normal = jacobian.transpose() * jacobian;
-    const Nodes right = jacobian.transpose() * network.residuals().matrix();
-    // Try harder and harder damped steps until one is no worse.
-    bool accepted = false;
-    double moved = 0;
-    while (!accepted && training.iterations < options.iterations) {
-      ++training.iterations;
-      Matrix5 damped = normal;
-      damped.diagonal() *= 1 + damping;
-      const Nodes candidate = nodes + damped.ldlt().solve(right);
-      moved = movement(nodes, candidate);
-      if (within_range(candidate)) {
-        network.set_nodes(candidate);
-        const double candidate_loss = network.forward(u, v);
-        accepted = candidate_loss <= loss;
-        if (accepted) {
-          nodes = candidate;
-          loss = candidate_loss;
-          damping *= 0.1;
-        }
-      }
-      if (moved < options.convergence) break;
-      if (!accepted) damping *= 10;
+  const auto record = [&] {
+    if (options.trace) {
+      training.trace.push_back({training.iterations, normal.loss, to_parameters(nodes)});
     }
-    if (options.loss_target > 0 && loss <= options.loss_target) {
+  };
+  record();
+  while (training.iterations < options.iterations) {
+    ++training.iterations;
+    Matrix5 damped = normal.jtj;
+    damped.diagonal() *= 1 + damping;
+    const Nodes candidate = nodes + damped.ldlt().solve(normal.jtr);
+    const double moved = movement(nodes, candidate);
+    bool accepted = false;
+    if (within_range(candidate)) {
+      const FusedNetwork::Normal there = network.normal(candidate, u, v);
+      accepted = there.loss <= normal.loss;
+      if (accepted) {
+        nodes = candidate;
+        normal = there;
+      }
+    }
+    damping *= accepted ? 0.1 : 10;
+    if (accepted) record();
+    if (options.loss_target > 0 && normal.loss <= options.loss_target) {
       training.stopped = StopReason::loss_reached;
       break;
     }
-    if (moved < options.convergence) {
-      // Damping alone can make a step that small, at the wall |t| = 1 for instance. In a minimum
-      // the undamped step vanishes too, but for what the rounding of the loss hides (1e-8).
-      const double undamped = movement(nodes, nodes + normal.ldlt().solve(right));
-      training.stopped = undamped < 1e-6 ? StopReason::converged : StopReason::stalled;
+    if (!(moved >= options.convergence)) {
+      training.stopped = judged(normal, nodes);
       break;
     }
-    // The network must hold the accepted nodes when the next Jacobian is taken; it does, because
-    // only an accepted step leaves the inner loop with iterations to spare.
   }
-  return finish(u, v, nodes, training);
+  return finish(u, v, nodes, std::move(training));
 }
 
 }  // namespace capsoc::csfn

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "csfn/calibration.h"
 #include "csfn/random.h"
 #include "csfn/samples.h"
 
@@ -31,6 +32,47 @@ inline TestSignal make_signal(const Parameters& p, Eigen::Index count, uint64_t 
     signal.v[i] = p.a2 * std::cos(theta + p.beta) + p.b2;
     if (noise > 0) signal.u[i] += width * (random.uniform() - 0.5);
     if (noise > 0) signal.v[i] += width * (random.uniform() - 0.5);
+  }
+  return signal;
+}
+
+enum class Angles { random, even_shuffled, constant_speed };
+
+/// Samples with harmonics; `clean_u`, `clean_v` without the noise (normal, standard deviation
+/// `noise`), `theta` their angles. constant_speed: 7.3 turns in order of time.
+struct HarmonicSignal {
+  Samples samples;
+  Eigen::ArrayXd clean_u, clean_v, theta;
+};
+
+inline HarmonicSignal make_harmonic_signal(const SignalModel& model, Eigen::Index count,
+                                           Angles angles, double noise, uint64_t seed) {
+  Random random(seed);
+  HarmonicSignal signal;
+  for (Eigen::ArrayXd* array :
+       {&signal.samples.u, &signal.samples.v, &signal.clean_u, &signal.clean_v, &signal.theta}) {
+    array->resize(count);
+  }
+  Eigen::ArrayXd place = Eigen::ArrayXd::LinSpaced(count, 0, static_cast<double>(count - 1));
+  place /= static_cast<double>(count);
+  if (angles == Angles::even_shuffled) {
+    for (Eigen::Index i = count - 1; i > 0; --i) std::swap(place[i], place[random.below(i + 1)]);
+  }
+  const auto normal = [&random] {
+    double sum = -6;
+    for (int k = 0; k < 12; ++k) sum += random.uniform();
+    return sum;
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double turns = angles == Angles::random           ? random.uniform()
+                         : angles == Angles::constant_speed ? 7.3 * place[i]
+                                                            : place[i];
+    signal.theta[i] = 2 * pi * turns + 0.1;
+    const Point at = point_at(model, signal.theta[i]);
+    signal.clean_u[i] = at.u;
+    signal.clean_v[i] = at.v;
+    signal.samples.u[i] = at.u + noise * normal();
+    signal.samples.v[i] = at.v + noise * normal();
   }
   return signal;
 }

@@ -1,0 +1,193 @@
+#include "csfn/gates.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <cstdio>
+
+#include "csfn/fused_network.h"
+
+namespace capsoc::csfn {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+/// The circle is divided into sectors to find the gaps without sorting and without an arctangent a
+/// sample: equal parts of a square around it, 0.07 to 0.14 degrees wide.
+constexpr int sectors = 3200;
+/// A gap up to this is the spacing of the samples, not a part of the circle that is missing.
+constexpr double smallest_gap = 10;
+
+/// Where a direction cuts the square |x| + |y| = 1, as 0 .. 4 around it.
+double place_on_square(double x, double y) {
+  const double along = y / (std::abs(x) + std::abs(y));
+  if (x < 0) return 2 - along;
+  return along < 0 ? 4 + along : along;
+}
+
+/// Its inverse, in degrees.
+double degrees_at(double place) {
+  const double folded = std::fmod(place, 4);
+  const double y = folded <= 1 ? folded : folded <= 3 ? 2 - folded : folded - 4;
+  const double x = folded <= 2 ? 1 - folded : folded - 3;
+  const double angle = std::atan2(y, x) * 180 / pi;
+  return (angle < 0 ? angle + 360 : angle) + 360 * std::floor(place / 4);
+}
+
+std::string text(const char* format, double one, double other = 0) {
+  char buffer[320];
+  // NOLINTNEXTLINE(clang-diagnostic-format-nonliteral): both formats of a call stand in this file
+  std::snprintf(buffer, sizeof buffer, format, one, other);
+  return buffer;
+}
+
+Gate at_least(const char* name, double value, double limit, std::string reason) {
+  const bool passed = value >= limit;
+  return {name, passed, value, limit, passed ? std::string() : std::move(reason)};
+}
+
+Gate at_most(const char* name, double value, double limit, std::string reason) {
+  const bool passed = value <= limit;
+  return {name, passed, value, limit, passed ? std::string() : std::move(reason)};
+}
+
+/// How many samples have the largest value, and how many the next smaller one.
+struct Pile {
+  Eigen::Index top = 0, next = 0;
+};
+
+/// With sign -1: the smallest value and the next larger one.
+Pile pile_of(const Channel& channel, double sign) {
+  double top = sign * channel[0], next = -HUGE_VAL;
+  Pile pile;
+  for (const double value : channel) {
+    const double x = sign * value;
+    if (x > top) {
+      next = top;
+      pile.next = pile.top;
+      top = x;
+      pile.top = 1;
+    } else if (x == top) {
+      ++pile.top;
+    } else if (x > next) {
+      next = x;
+      pile.next = 1;
+    } else if (x == next) {
+      ++pile.next;
+    }
+  }
+  return pile;
+}
+
+/// A sine whose peak lies anywhere within the converter's last step has at most 1/(sqrt 2 - 1) =
+/// 2.4 times as many samples in that step as in the one below; four times is a flat top.
+bool piled_up(const Pile& pile, Eigen::Index count) {
+  return pile.top >= 8 && 100 * pile.top >= count && pile.top > 4 * pile.next;
+}
+
+Gate check_clipping(const Channel& u, const Channel& v, double full_scale) {
+  Gate gate = {"clipping", true, 0, 0, ""};
+  if (full_scale > 0) {
+    const auto clipped =
+        static_cast<double>((u.abs() >= full_scale).count() + (v.abs() >= full_scale).count());
+    gate.value = clipped;
+    if (clipped > 0) {
+      gate.passed = false;
+      gate.reason = text("%.0f values are at or beyond full scale: lower the gain", clipped);
+      return gate;
+    }
+  }
+  for (const bool is_u : {true, false}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Channel& channel = is_u ? u : v;
+      const Pile pile = pile_of(channel, sign);
+      if (!piled_up(pile, channel.size())) continue;
+      const auto share = static_cast<double>(pile.top) / static_cast<double>(channel.size());
+      gate.passed = false;
+      gate.value = std::max(gate.value, static_cast<double>(pile.top));
+      gate.reason = std::string("channel ") + (is_u ? "U" : "V") +
+                    " is clipped: " + text("%.1f %% of its samples have its ", 100 * share) +
+                    (sign > 0 ? "largest" : "smallest") + " value; lower the gain";
+      return gate;
+    }
+  }
+  return gate;
+}
+
+}  // namespace
+
+std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits) {
+  std::vector<Gate> gates;
+  const auto count = static_cast<double>(std::min(u.size(), v.size()));
+  gates.push_back(at_least("samples", count, static_cast<double>(limits.samples),
+                           text("%.0f samples are too few: record at least %.0f", count,
+                                static_cast<double>(limits.samples))));
+  if (!gates.back().passed) return gates;
+  const auto error = check_samples(u, v);
+  const bool finite = !error || error->text.find("finite") == std::string::npos;
+  gates.push_back({"finite", finite, 0, 0, finite ? "" : error->text});
+  if (!finite) return gates;
+  gates.push_back({"ellipse", !error, 0, 0, error ? error->text : ""});
+  if (error) return gates;
+  gates.push_back(check_clipping(u, v, limits.full_scale));
+  return gates;
+}
+
+Coverage coverage_of(const Channel& u, const Channel& v, const Parameters& parameters) {
+  std::bitset<sectors> occupied;
+  const double inverse_cosine = 1 / std::cos(parameters.beta);
+  const double tangent = std::tan(parameters.beta);
+  for (Eigen::Index i = 0; i < u.size(); ++i) {  // Eq (4)
+    const double sine = (u[i] - parameters.b1) / parameters.a1;
+    const double cosine = (v[i] - parameters.b2) / parameters.a2 * inverse_cosine + sine * tangent;
+    const double sector = place_on_square(cosine, sine) * (sectors / 4.0);
+    if (sector >= 0) occupied.set(std::min(static_cast<int>(sector), sectors - 1));
+  }
+  if (occupied.none()) return {};
+  int first = 0;
+  while (!occupied[first]) ++first;
+  // Samples that are far apart because they are few leave no gap.
+  const double spacing = std::max(smallest_gap, 4 * 360.0 / static_cast<double>(occupied.count()));
+  Coverage coverage = {1, 0};
+  int last = first;
+  for (int i = first + 1; i <= first + sectors; ++i) {
+    if (!occupied[i % sectors]) continue;
+    const double gap = degrees_at(i * 4.0 / sectors) - degrees_at(last * 4.0 / sectors);
+    coverage.largest_gap = std::max(coverage.largest_gap, gap);
+    if (gap > spacing) coverage.part -= gap / 360;
+    last = i;
+  }
+  coverage.part = std::max(coverage.part, 0.0);
+  return coverage;
+}
+
+std::vector<Gate> check_answer(const Channel& u, const Channel& v, const Parameters& parameters,
+                               const GateLimits& limits) {
+  std::vector<Gate> gates;
+  const Coverage coverage = coverage_of(u, v, parameters);
+  gates.push_back(at_least("coverage", coverage.part, limits.coverage,
+                           text("the samples cover %.0f %% of the turn and %.0f %% are needed: "
+                                "turn the sensor further while recording",
+                                100 * coverage.part, 100 * limits.coverage)));
+  gates.push_back(at_most("gap", coverage.largest_gap, limits.gap,
+                          text("%.1f degrees of the turn have no sample and at most %.1f may be "
+                               "missing: turn the sensor further while recording",
+                               coverage.largest_gap, limits.gap)));
+  gates.push_back(at_most("phase", std::abs(parameters.beta), limits.phase,
+                          text("beta is %.4f rad, the channels are all but in phase (at most "
+                               "%.2f): check the sensor's mounting",
+                               parameters.beta, limits.phase)));
+  const double larger = std::max(2 * parameters.a1 / (u.maxCoeff() - u.minCoeff()),
+                                 2 * parameters.a2 / (v.maxCoeff() - v.minCoeff()));
+  gates.push_back(at_most("magnification", larger, limits.magnification,
+                          text("the fitted ellipse is %.0f times as large as the range of the "
+                               "samples (at most %.0f): record more of the turn",
+                               larger, limits.magnification)));
+  const double residual = std::sqrt(FusedNetwork().loss(to_nodes(parameters), u, v));
+  gates.push_back(at_most("residual", residual, limits.residual,
+                          text("the samples scatter by %.2g of the amplitude about the ellipse (at "
+                               "most %.2g): these are not a sine and a cosine of one angle",
+                               residual, limits.residual)));
+  return gates;
+}
+
+}  // namespace capsoc::csfn

@@ -1,0 +1,47 @@
+// Checks that tell a record from which the sensor can be identified from one that only looks so.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "csfn/samples.h"
+
+namespace capsoc::csfn {
+
+/// One check of the data or of the answer.
+struct Gate {
+  std::string name;    ///< "samples", "gap", ... as in the report's keys
+  bool passed = true;  ///< also when it could not be applied
+  double value = 0;    ///< what was measured
+  double limit = 0;    ///< what it was held against
+  std::string reason;  ///< empty when passed, else one sentence: what is wrong, what to do
+};
+
+struct GateLimits {
+  int64_t samples = 16;        ///< at least
+  double coverage = 0.5;       ///< at least this part of the circle, 0..1
+  double gap = 150;            ///< largest part of the circle without a sample, at most, degrees
+  double residual = 0.1;       ///< rms of 1 - Y, at most
+  double phase = 1.5;          ///< |beta| at most, radians: beyond, the ellipse is nearly a line
+  double magnification = 100;  ///< amplitude at most this many times half the channel's range
+  /// Values at or beyond +-full_scale are clipped. 0: not known. A channel whose samples pile up
+  /// at their largest or smallest value is found without it.
+  double full_scale = 0;
+};
+
+/// Checks that need no parameters: "samples" (too few), "finite", "ellipse" (a point, a line, too
+/// few different points), "clipping". Ends at the first that makes the later ones meaningless.
+std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits);
+
+/// Checks of what was identified: "coverage", "gap", "phase", "magnification", "residual".
+std::vector<Gate> check_answer(const Channel& u, const Channel& v, const Parameters& parameters,
+                               const GateLimits& limits);
+
+/// How the samples lie on the circle.
+struct Coverage {
+  double part = 0;         ///< of the circle that is covered, 0..1
+  double largest_gap = 0;  ///< degrees
+};
+Coverage coverage_of(const Channel& u, const Channel& v, const Parameters& parameters);
+
+}  // namespace capsoc::csfn

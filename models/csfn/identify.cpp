@@ -1,0 +1,377 @@
+#include "csfn/identify.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "csfn/calibration.h"
+#include "csfn/ellipse_fit.h"
+#include "csfn/fused_network.h"
+#include "csfn/uncertainty.h"
+
+namespace capsoc::csfn {
+namespace {
+
+/// Adam's first steps are as long as its rate however small the gradient is: from a start that is
+/// all but the answer, the paper's 0.01 would throw an amplitude of 0.02 out again.
+constexpr double rate_near_minimum = 0.01;
+/// Points of Adam's convergence trace.
+constexpr int trace_points = 500;
+/// Fits that agree to this agree, whatever the intervals say.
+constexpr double agreement = 1e-9;
+/// A training is not at its end when an ellipse fit has a loss this much lower.
+constexpr double worse = 1.05;
+/// Losses below are rounding: 1 - Y of a dozen operations, squared.
+constexpr double rounding_loss = 1e-24;
+/// Harmonics stand out when the residual's third or fourth order has this much of the power that
+/// noise would spread over all orders.
+constexpr double structure = 30;
+
+std::string text(const char* format, double one, double other = 0) {
+  char buffer[320];
+  // NOLINTNEXTLINE(clang-diagnostic-format-nonliteral): both formats of a call stand in this file
+  std::snprintf(buffer, sizeof buffer, format, one, other);
+  return buffer;
+}
+
+std::optional<Error> check_options(const IdentifyOptions& options) {
+  if (!(options.confidence > 0 && options.confidence < 1)) {
+    return Error{"the confidence of the intervals must lie between 0 and 1, for instance 0.95"};
+  }
+  if (options.harmonics.highest < 0 || options.harmonics.highest > 3) {
+    return Error{"harmonics are identified up to the third: give 0, 1, 2 or 3"};
+  }
+  if (auto error = csfn::check_options(options.adam)) return error;
+  if (options.levenberg_marquardt.iterations <= 0) {
+    return Error{"Levenberg-Marquardt needs at least one iteration"};
+  }
+  return std::nullopt;
+}
+
+/// The largest of the differences, in units that make them comparable.
+double difference_of(const Parameters& one, const Parameters& other) {
+  return std::max({std::abs(one.a1 - other.a1) / other.a1, std::abs(one.a2 - other.a2) / other.a2,
+                   std::abs(one.b1 - other.b1) / other.a1, std::abs(one.b2 - other.b2) / other.a2,
+                   std::abs(one.beta - other.beta)});
+}
+
+Companion companion_of(Method method, const Result<Parameters>& fit, const Samples& samples) {
+  Companion companion;
+  companion.method = method;
+  if (!fit) {
+    companion.error = fit.error();
+    return companion;
+  }
+  companion.parameters = fit.value();
+  companion.loss = FusedNetwork().loss(to_nodes(fit.value()), samples.u, samples.v);
+  return companion;
+}
+
+std::vector<Companion> companions_of(const Samples& samples) {
+  const Result<Moments> moments = moments_of(samples.u, samples.v);
+  if (!moments) return {};
+  return {companion_of(Method::heydemann, fit_heydemann(moments.value()), samples),
+          companion_of(Method::taubin, fit_taubin(moments.value()), samples),
+          companion_of(Method::direct, fit_direct(moments.value()), samples)};
+}
+
+/// The companion with the smallest loss.
+const Companion* best_of(const std::vector<Companion>& companions) {
+  const Companion* best = nullptr;
+  for (const Companion& companion : companions) {
+    if (!companion.parameters || !std::isfinite(companion.loss)) continue;
+    if (best == nullptr || companion.loss < best->loss) best = &companion;
+  }
+  return best;
+}
+
+/// A training that ended above this loss did not end in the minimum.
+double floor_of(const Companion& best) {
+  return 2 * best.loss + rounding_loss;
+}
+
+/// Means and standard deviations: an ellipse with its axes along the channels.
+Parameters moment_start(const Samples& samples) {
+  const double mean_u = samples.u.mean(), mean_v = samples.v.mean();
+  const double a1 = std::sqrt(2 * (samples.u - mean_u).square().mean());
+  const double a2 = std::sqrt(2 * (samples.v - mean_v).square().mean());
+  const double correlation = ((samples.u - mean_u) / a1 * ((samples.v - mean_v) / a2)).mean() * 2;
+  return {a1, a2, mean_u, mean_v, -std::asin(std::clamp(correlation, -0.99, 0.99))};
+}
+
+struct Trained {
+  Result<Training> training = Error{"no training"};
+  Start start = Start::ellipse;
+};
+
+bool settled(const Result<Training>& training) {
+  return training && (training.value().stopped == StopReason::converged ||
+                      training.value().stopped == StopReason::loss_reached);
+}
+
+/// From the ellipse fits, then from the moments, then from the paper's start; the first that ends
+/// in a minimum no worse than the ellipse fits, else the one with the smallest loss.
+Trained second_order(const Samples& samples, const std::vector<Companion>& companions,
+                     const LevenbergMarquardtOptions& options) {
+  std::vector<std::pair<Start, Parameters>> starts;
+  const Companion* best = best_of(companions);
+  if (best != nullptr) starts.emplace_back(Start::ellipse, *best->parameters);
+  starts.emplace_back(Start::ellipse, moment_start(samples));
+  starts.emplace_back(Start::paper, paper_start(samples.u, samples.v));
+  Trained answer;
+  for (const auto& [start, from] : starts) {
+    Result<Training> training = train_levenberg_marquardt(samples.u, samples.v, from, options);
+    const bool done =
+        settled(training) &&
+        (best == nullptr || training.value().loss <= best->loss * worse + rounding_loss);
+    const bool better =
+        training && (!answer.training || training.value().loss < answer.training.value().loss);
+    if (better || (!answer.training && !training)) answer = {std::move(training), start};
+    if (done) break;
+  }
+  return answer;
+}
+
+Trained first_order(const Samples& samples, const std::vector<Companion>& companions,
+                    const IdentifyOptions& options) {
+  AdamOptions adam = options.adam;
+  if (options.trace && adam.trace_points == 0) adam.trace_points = trace_points;
+  const Companion* best = best_of(companions);
+  if (options.start != Start::ellipse) {
+    Trained trained = {train_adam(samples.u, samples.v, paper_start(samples.u, samples.v), adam),
+                       Start::paper};
+    const bool reached =
+        trained.training && (best == nullptr || trained.training.value().loss <= floor_of(*best) ||
+                             trained.training.value().stopped == StopReason::loss_reached);
+    if (reached || options.start == Start::paper) return trained;
+  }
+  const Parameters start = best != nullptr ? *best->parameters : moment_start(samples);
+  if (options.start == Start::automatic) adam.rate *= rate_near_minimum;
+  return {train_adam(samples.u, samples.v, start, adam), Start::ellipse};
+}
+
+Gate failed_gate(const char* name, std::string reason) {
+  return {name, false, 0, 0, std::move(reason)};
+}
+
+/// The order of the samples seen through the canonical angle.
+Handedness handedness_of(const Scatter& scatter, Eigen::Index count) {
+  // Steps of nearly half a turn tell no direction, nor do steps that scatter as widely as they are.
+  const double square = scatter.step_length * scatter.step_length;
+  const double error = std::sqrt(std::max(1 - square, 0.0) / (2 * static_cast<double>(count)));
+  const double step = std::abs(scatter.step);
+  if (scatter.step_length < 0.8 || step > 2.8 || step < 4 * error) return Handedness::unknown;
+  return scatter.step > 0 ? Handedness::direct : Handedness::reversed;
+}
+
+Intervals intervals_of(const Samples& samples, const Parameters& parameters, double confidence) {
+  const std::array<double, 5> errors = standard_errors(samples.u, samples.v, parameters);
+  const double width = normal_quantile(confidence);
+  return {width * errors[0], width * errors[1], width * errors[2],
+          width * errors[3], width * errors[4], confidence};
+}
+
+/// How far a full Gauss-Newton step would still move the parameters, in the units of
+/// difference_of().
+double unsettled(const Samples& samples, const Parameters& parameters) {
+  const Nodes nodes = to_nodes(parameters);
+  const auto normal = FusedNetwork().normal(nodes, samples.u, samples.v);
+  const Nodes there = nodes + normal.jtj.ldlt().solve(normal.jtr);
+  return difference_of(to_parameters(there), parameters);
+}
+
+/// Why fits of the same samples differ.
+std::string reason_of(const Samples& samples, const Identification& found, const Scatter& scatter,
+                      const Companion* best, double difference) {
+  if (best != nullptr && found.loss > worse * best->loss + rounding_loss) {
+    return text("the training is not at its end: its loss is %.2e, the ellipse fit's %.2e",
+                found.loss, best->loss);
+  }
+  // The batches' noise keeps Adam from settling; the rest is as for the other methods.
+  const double rest = unsettled(samples, found.network_parameters);
+  if (found.method == Method::adam && rest > difference / 3) {
+    return text(
+        "the training has not settled: a full step would still move a parameter by %.1e "
+        "(take more iterations, a larger batch or lm)",
+        rest);
+  }
+  const auto count = static_cast<double>(samples.u.size());
+  for (const int order : {3, 4}) {
+    const double power = scatter.order[order] / std::max(scatter.rms, 1e-300);
+    if (scatter.rms > 1e-11 && count * power * power > structure) {
+      return text(
+          "harmonics: the distance from the ellipse repeats %.0f times a turn with an "
+          "amplitude of %.2g",
+          order, 2 * scatter.order[order]);
+    }
+  }
+  for (const Gate& gate : found.gates) {
+    if (gate.name == "gap" && gate.value > 45) {
+      return text(
+          "partial arc: %.0f degrees of the turn have no sample, which leaves the fits to "
+          "the noise",
+          gate.value);
+    }
+  }
+  return text("noise of %.1e of the amplitude, which each fit weighs in its own way", scatter.rms);
+}
+
+std::string disagreement_of(const Samples& samples, const Identification& found,
+                            const Scatter& scatter) {
+  const Parameters& p = found.network_parameters;
+  const double explained =
+      std::max({found.intervals.a1 / p.a1, found.intervals.b1 / p.a1, found.intervals.a2 / p.a2,
+                found.intervals.b2 / p.a2, found.intervals.beta, agreement});
+  const Companion* farthest = nullptr;
+  for (const Companion& companion : found.companions) {
+    if (!companion.parameters || companion.difference <= explained) continue;
+    if (farthest == nullptr || companion.difference > farthest->difference) farthest = &companion;
+  }
+  if (farthest == nullptr) return "";
+  return std::string(to_string(farthest->method)) +
+         text(" differs by %.2e, the intervals explain %.1e: ", farthest->difference, explained) +
+         reason_of(samples, found, scatter, best_of(found.companions), farthest->difference);
+}
+
+/// Whether the training got where an ellipse fit shows that there is something to get to.
+Gate check_training(const Identification& found) {
+  Gate gate = {"training", true, found.loss, HUGE_VAL, ""};
+  const Companion* best = best_of(found.companions);
+  if (best == nullptr) {
+    gate.passed =
+        found.stopped == StopReason::converged || found.stopped == StopReason::loss_reached;
+    if (!gate.passed) {
+      gate.reason = std::string("the training ended with \"") + to_string(found.stopped) +
+                    "\" and no ellipse fit confirms it: allow more iterations";
+    }
+    return gate;
+  }
+  // A loss on the floor of rounding still means a difference that can be seen: the network's valley
+  // is flat for large |beta|.
+  gate.limit = floor_of(*best);
+  gate.passed = found.loss <= gate.limit;
+  if (found.stopped == StopReason::loss_reached) gate.passed = true;
+  if (!gate.passed) {
+    gate.reason = text("the training ended at a loss of %.2e where an ellipse has %.2e (",
+                       found.loss, best->loss) +
+                  to_string(found.stopped) +
+                  "): start from the ellipse, allow more iterations or use lm";
+  }
+  return gate;
+}
+
+/// Fills in the method's parameters; a gate when there are none.
+std::optional<Gate> train(const Samples& samples, const IdentifyOptions& options,
+                          Identification& found) {
+  if (options.method != Method::adam && options.method != Method::levenberg_marquardt) {
+    for (const Companion& companion : found.companions) {
+      if (companion.method != options.method) continue;
+      if (!companion.parameters) return failed_gate("fit", companion.error);
+      found.network_parameters = *companion.parameters;
+      found.loss = companion.loss;
+    }
+    return std::nullopt;
+  }
+  LevenbergMarquardtOptions second = options.levenberg_marquardt;
+  second.trace = options.trace;
+  Trained trained = options.method == Method::adam
+                        ? first_order(samples, found.companions, options)
+                        : second_order(samples, found.companions, second);
+  found.start = trained.start;
+  found.seed = options.method == Method::adam ? options.adam.seed : 0;
+  if (!trained.training) return failed_gate("training", trained.training.error());
+  Training& training = trained.training.value();
+  found.network_parameters = training.parameters;
+  found.loss = training.loss;
+  found.iterations = training.iterations;
+  found.stopped = training.stopped;
+  found.convergence = std::move(training.trace);
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* to_string(Method method) {
+  switch (method) {
+    case Method::adam:
+      return "adam";
+    case Method::levenberg_marquardt:
+      return "lm";
+    case Method::heydemann:
+      return "heydemann";
+    case Method::taubin:
+      return "taubin";
+    case Method::direct:
+      break;
+  }
+  return "direct";
+}
+
+std::optional<Method> method_from(const std::string& name) {
+  for (const Method method : {Method::adam, Method::levenberg_marquardt, Method::heydemann,
+                              Method::taubin, Method::direct}) {
+    if (name == to_string(method)) return method;
+  }
+  return std::nullopt;
+}
+
+const char* to_string(Handedness handedness) {
+  switch (handedness) {
+    case Handedness::direct:
+      return "direct";
+    case Handedness::reversed:
+      return "reversed";
+    case Handedness::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+std::string Identification::rejection() const {
+  for (const Gate& gate : gates) {
+    if (!gate.passed) return gate.reason;
+  }
+  return "";
+}
+
+Result<Identification> identify(const Samples& samples, const IdentifyOptions& options) {
+  if (auto error = check_options(options)) return *error;
+  Identification found;
+  found.method = options.method;
+  found.gates = check_record(samples.u, samples.v, options.gates);
+  if (found.rejected()) return found;
+  found.companions = companions_of(samples);
+  if (auto gate = train(samples, options, found)) {
+    found.gates.push_back(std::move(*gate));
+    return found;
+  }
+  found.parameters = found.network_parameters;
+  found.gates.push_back(check_training(found));
+  for (Gate& gate : check_answer(samples.u, samples.v, found.network_parameters, options.gates)) {
+    found.gates.push_back(std::move(gate));
+  }
+  const Scatter scatter = scatter_of(samples.u, samples.v, found.network_parameters);
+  found.residuals = {scatter.rms, scatter.largest, scatter.noise};
+  found.intervals = intervals_of(samples, found.network_parameters, options.confidence);
+  found.handedness = handedness_of(scatter, samples.u.size());
+  for (Companion& companion : found.companions) {
+    if (!companion.parameters) continue;
+    companion.difference = difference_of(*companion.parameters, found.network_parameters);
+  }
+  found.disagreement = disagreement_of(samples, found, scatter);
+  found.harmonics.model.fundamental = found.network_parameters;
+  if (found.rejected()) {
+    found.harmonics.reason = "no harmonics: the fit was rejected";
+    return found;
+  }
+  Result<Harmonics> harmonics =
+      identify_harmonics(samples.u, samples.v, found.network_parameters, options.harmonics);
+  if (!harmonics) return Error{harmonics.error()};
+  found.harmonics = std::move(harmonics.value());
+  found.parameters = found.harmonics.model.fundamental;
+  return found;
+}
+
+}  // namespace capsoc::csfn

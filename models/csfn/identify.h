@@ -1,0 +1,111 @@
+// The identifier as one function: samples in, parameters with intervals, checks and reasons out.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "csfn/gates.h"
+#include "csfn/harmonics.h"
+#include "csfn/samples.h"
+#include "csfn/training.h"
+#include "support/result.h"
+
+namespace capsoc::csfn {
+
+enum class Method { adam, levenberg_marquardt, heydemann, taubin, direct };
+
+/// "adam", "lm", "heydemann", "taubin", "direct": as on the command line.
+const char* to_string(Method method);
+std::optional<Method> method_from(const std::string& name);
+
+enum class Start {
+  /// The paper's; when that does not reach the minimum once more from the ellipse, with a hundredth
+  /// of the rate.
+  automatic,
+  paper,    ///< amplitudes max|U| and max|V|, the rest 0
+  ellipse,  ///< Taubin's fit, or what comes nearest to it
+};
+
+struct IdentifyOptions {
+  Method method = Method::adam;
+  /// Where Adam starts. From the paper's start it does not reach every beta beyond 1 rad, nor
+  /// amplitudes far below the offset. Levenberg-Marquardt always starts from the ellipse and tries
+  /// the paper's start when that fails.
+  Start start = Start::automatic;
+  /// The paper's rate, batch and 20,000 iterations, the rate decaying: without the decay Adam is
+  /// thrown out of the minimum now and then.
+  AdamOptions adam = decaying_adam();
+  LevenbergMarquardtOptions levenberg_marquardt;
+  HarmonicsOptions harmonics;
+  GateLimits gates;
+  double confidence = 0.95;  ///< of the intervals, 0..1 exclusive
+  bool trace = false;        ///< fill Identification::convergence
+};
+
+/// Half widths of the confidence intervals, in the units of the parameters. For what scatters about
+/// the fit; a bias (harmonics, noise of 1e-2 and more) is not in them.
+struct Intervals {
+  double a1 = 0, a2 = 0, b1 = 0, b2 = 0, beta = 0;
+  double confidence = 0;
+};
+
+/// How far the samples are from the identified curve.
+struct Residuals {
+  double rms = 0;      ///< of 1 - Y, Eq (15): relative to the size of the ellipse
+  double largest = 0;  ///< of |1 - Y|
+  double noise = 0;    ///< rms distance from the curve in the unit of the samples
+};
+
+/// A closed-form fit of the same samples.
+struct Companion {
+  Method method = Method::taubin;
+  std::optional<Parameters> parameters;  ///< nothing: see error
+  std::string error;
+  double loss = 0;        ///< mean of (1 - Y)^2
+  double difference = 0;  ///< from the answer: largest of the amplitudes' and offsets' relative to
+                          ///< the channel's amplitude and of beta's in radians
+};
+
+/// How the angle of the canonical parameters runs with the order of the samples.
+enum class Handedness { direct, reversed, unknown };
+/// "direct", "reversed", "unknown".
+const char* to_string(Handedness handedness);
+
+struct Identification {
+  /// The answer, canonical (see Parameters): the fundamentals of `harmonics.model` when harmonics
+  /// were identified, otherwise the network's. Meaningless when rejected() and no training ended.
+  Parameters parameters;
+  Parameters network_parameters;  ///< what the five-parameter network (or closed form) found
+  Intervals intervals;            ///< of network_parameters
+  /// Reversed: with this order of samples beta of Eq (3) is pi - beta and the angle falls, as with
+  /// the SoC paper's 3.0796. Unknown: the order tells nothing (shuffled samples).
+  Handedness handedness = Handedness::unknown;
+
+  Method method = Method::adam;
+  Start start = Start::paper;  ///< paper or ellipse: where the training that gave the answer began
+  int iterations = 0;          ///< 0 for the closed forms
+  StopReason stopped = StopReason::converged;
+  uint64_t seed = 0;
+  double loss = 0;  ///< mean of (1 - Y)^2 of network_parameters, Eq (15)
+  Residuals residuals;
+
+  std::vector<Gate> gates;            ///< in the order they were applied
+  std::vector<Companion> companions;  ///< Heydemann, Taubin, direct, whatever the method
+  /// One sentence when the answer and a companion differ by more than the intervals explain: by how
+  /// much and why (training not at its end, harmonics, partial arc, noise). Empty when they agree.
+  std::string disagreement;
+  Harmonics harmonics;
+  std::vector<TracePoint> convergence;  ///< empty without IdentifyOptions::trace
+
+  /// The first failed gate's reason; empty when the identification may be used.
+  std::string rejection() const;
+  bool rejected() const { return !rejection().empty(); }
+};
+
+/// Identifies a1, a2, b1, b2 and beta, Eq (3) of the CSFN paper, from samples without their angles.
+/// The same samples and options give the same digits on every run and at every vector width. Error:
+/// options out of range. Bad data is no error: see Identification::rejection().
+Result<Identification> identify(const Samples& samples, const IdentifyOptions& options = {});
+
+}  // namespace capsoc::csfn

@@ -1,0 +1,46 @@
+#include "csfn/kernels.h"
+
+namespace capsoc::csfn {
+
+bool supported(Width width) {
+  switch (width) {
+    case Width::avx512:
+      return __builtin_cpu_supports("avx512f") != 0;
+    case Width::avx2:
+      return __builtin_cpu_supports("avx2") != 0;
+    case Width::sse2:
+      break;
+  }
+  return true;
+}
+
+Width widest() {
+  if (supported(Width::avx512)) return Width::avx512;
+  return supported(Width::avx2) ? Width::avx2 : Width::sse2;
+}
+
+const char* to_string(Width width) {
+  switch (width) {
+    case Width::avx512:
+      return "AVX-512";
+    case Width::avx2:
+      return "AVX2";
+    case Width::sse2:
+      break;
+  }
+  return "SSE2";
+}
+
+const Kernels& kernels(Width width) {
+  switch (width) {
+    case Width::avx512:
+      return kernels_avx512;
+    case Width::avx2:
+      return kernels_avx2;
+    case Width::sse2:
+      break;
+  }
+  return kernels_sse2;
+}
+
+}  // namespace capsoc::csfn

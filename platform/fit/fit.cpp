@@ -1,0 +1,137 @@
+#include "fit/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "csfn/calibration.h"
+
+namespace capsoc::fit {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+double degrees(double radians) {
+  return radians * 180 / pi;
+}
+
+Eigen::ArrayXd angles_of(const csfn::SignalModel& model, bool harmonics,
+                         const csfn::Samples& samples) {
+  Eigen::ArrayXd angles(samples.u.size());
+  for (Eigen::Index i = 0; i < angles.size(); ++i)
+    angles[i] = harmonics ? csfn::angle_of(model, samples.u[i], samples.v[i])
+                          : csfn::angle_of(model.fundamental, samples.u[i], samples.v[i]);
+  return angles;
+}
+
+/// The samples do not tell which way the shaft turns, so either way of counting is right.
+double peak_to_peak(const Eigen::ArrayXd& angles, const Eigen::ArrayXd& truth) {
+  const Eigen::ArrayXd reversed = -truth;
+  return degrees(std::min(csfn::peak_to_peak_error(angles, truth),
+                          csfn::peak_to_peak_error(angles, reversed)));
+}
+
+std::optional<double> angle_error(const Record& record, const csfn::Parameters& parameters) {
+  if (record.angle.size() == 0) return std::nullopt;
+  return peak_to_peak(angles_of({parameters}, false, record.samples), record.angle);
+}
+
+AngleErrors angle_errors(const Record& record, const csfn::Identification& answer) {
+  AngleErrors errors;
+  if (record.angle.size() == 0) return errors;
+  Eigen::ArrayXd raw(record.angle.size());
+  for (Eigen::Index i = 0; i < raw.size(); ++i)
+    raw[i] = csfn::uncalibrated_angle(record.samples.u[i], record.samples.v[i]);
+  errors.uncalibrated = peak_to_peak(raw, record.angle);
+  errors.calibrated = angle_error(record, answer.parameters);
+  if (answer.harmonics.identified)
+    errors.with_harmonics =
+        peak_to_peak(angles_of(answer.harmonics.model, true, record.samples), record.angle);
+  return errors;
+}
+
+std::optional<csfn::Parameters> truth_of(const sensor::Description& d) {
+  if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta) return std::nullopt;
+  return csfn::canonical({*d.a1, *d.a2, *d.b1, *d.b2, *d.beta}).parameters;
+}
+
+double difference(const csfn::Parameters& one, const csfn::Parameters& other) {
+  return std::max({std::fabs(one.a1 - other.a1) / other.a1, std::fabs(one.a2 - other.a2) / other.a2,
+                   std::fabs(one.b1 - other.b1) / other.a1, std::fabs(one.b2 - other.b2) / other.a2,
+                   std::fabs(one.beta - other.beta)});
+}
+
+Attempt training_attempt(const Record& record, const csfn::Identification& found,
+                         const csfn::Parameters& answer) {
+  Attempt attempt;
+  attempt.method = found.method;
+  attempt.loss = found.loss;
+  attempt.iterations = found.iterations;
+  attempt.stopped = csfn::to_string(found.stopped);
+  attempt.error = found.rejection();
+  if (found.rejected()) return attempt;
+  attempt.parameters = found.network_parameters;
+  attempt.difference = difference(found.network_parameters, answer);
+  attempt.angle_error_deg = angle_error(record, found.network_parameters);
+  return attempt;
+}
+
+Attempt companion_attempt(const Record& record, const csfn::Companion& companion) {
+  Attempt attempt;
+  attempt.method = companion.method;
+  attempt.parameters = companion.parameters;
+  attempt.error = companion.error;
+  attempt.loss = companion.loss;
+  attempt.difference = companion.difference;
+  if (companion.parameters) attempt.angle_error_deg = angle_error(record, *companion.parameters);
+  return attempt;
+}
+
+/// The answer's method, the other training, and the closed forms.
+std::vector<Attempt> all_attempts(const Fit& fit, csfn::IdentifyOptions options) {
+  const bool adam = options.method == csfn::Method::adam;
+  const csfn::Parameters& answer = fit.answer.network_parameters;
+  std::vector<Attempt> attempts = {training_attempt(fit.record, fit.answer, answer)};
+  options.method = adam ? csfn::Method::levenberg_marquardt : csfn::Method::adam;
+  options.harmonics = {};
+  options.trace = false;
+  if (const auto other = csfn::identify(fit.record.samples, options))
+    attempts.push_back(training_attempt(fit.record, other.value(), answer));
+  for (const csfn::Companion& companion : fit.answer.companions)
+    attempts.push_back(companion_attempt(fit.record, companion));
+  return attempts;
+}
+
+}  // namespace
+
+Result<Fit> fit(const std::string& trace, const FitOptions& options) {
+  auto record = read_record(trace, options.record);
+  if (!record) return Error{record.error()};
+  Fit fit;
+  fit.record = std::move(record.value());
+  csfn::IdentifyOptions identify = options.identify;
+  identify.gates.full_scale = fit.record.full_scale;
+  auto answer = csfn::identify(fit.record.samples, identify);
+  if (!answer) return Error{fmt::format("{}: {}", trace, answer.error())};
+  fit.answer = std::move(answer.value());
+  fit.truth = truth_of(fit.record.description);
+  fit.rejection = fit.answer.rejection();
+  if (!fit.rejection.empty()) return fit;
+
+  const csfn::Parameters& p = fit.answer.parameters;
+  const auto words = run::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
+  if (!words) {
+    fit.rejection = fmt::format(
+        "amplitudes {:.6g} and {:.6g} with offsets {:.6g} and {:.6g} do not fit the registers, "
+        "which end at full scale = 1: record with less gain",
+        p.a1, p.a2, p.b1, p.b2);
+    return fit;
+  }
+  fit.words = *words;
+  fit.errors = angle_errors(fit.record, fit.answer);
+  if (options.all_methods) fit.attempts = all_attempts(fit, identify);
+  return fit;
+}
+
+}  // namespace capsoc::fit

@@ -1,0 +1,91 @@
+#include "fit/record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "peripherals/quantiser.h"
+#include "run/uart_backend.h"
+#include "sensor/load.h"
+
+namespace capsoc::fit {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr uint64_t samples_of_endless = 100'000;  // the main job's
+constexpr uint64_t largest_record = 100'000'000;  // 2.4 GB
+
+Eigen::ArrayXd to_array(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::ArrayXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+/// The line up to which a record was read before it could be judged: the last of a recording.
+long last_line(const std::string& path, const sensor::Description& description) {
+  if (description.motion != sensor::MotionKind::recorded) return 1;
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const long ends = std::count(text.begin(), text.end(), '\n');
+  return ends + (text.empty() || text.back() == '\n' ? 0 : 1);
+}
+
+double largest_value(unsigned bits) {
+  return 1 - std::ldexp(1.0, 1 - static_cast<int>(bits));
+}
+
+/// A converter of 32 bits is an ideal one here: the papers' simulations have none.
+double converted(double value, unsigned bits) {
+  if (bits < 32) return peripherals::quantise(value, bits).word / 0x1p31;
+  return std::clamp(value, -1.0, largest_value(bits));
+}
+
+struct Columns {
+  std::vector<double> u, v, angle;
+  bool has_angle = true;
+};
+
+Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
+  const double rate = source.description().sample_rate_hz.value_or(250);
+  Columns columns;
+  for (uint64_t k = 0; k < count; ++k) {
+    const auto value = source.sample(k, static_cast<double>(k) / rate);
+    if (!value) break;
+    columns.u.push_back(converted(value->u, bits));
+    columns.v.push_back(converted(value->v, bits));
+    columns.angle.push_back(2 * pi * value->angle_turns);
+    columns.has_angle = columns.has_angle && value->has_truth;
+  }
+  return columns;
+}
+
+}  // namespace
+
+Result<Record> read_record(const std::string& path, const RecordOptions& options) {
+  auto source = sensor::load(path);
+  if (!source) return Error{source.error()};
+  Record record;
+  record.path = path;
+  record.sha256 = run::sha256_of_file(path);
+  record.description = source.value()->description();
+  record.adc_bits = options.adc_bits != 0
+                        ? options.adc_bits
+                        : static_cast<unsigned>(record.description.adc_bits.value_or(32));
+  record.full_scale = largest_value(record.adc_bits);
+  const uint64_t length = record.description.samples.value_or(samples_of_endless);
+  const uint64_t count = options.samples != 0 ? options.samples : length;
+  if (std::min(count, length) > largest_record)
+    return Error{fmt::format("{}: {} samples are too many; give --samples with at most {}", path,
+                             length, largest_record)};
+
+  const Columns columns = convert(*source.value(), count, record.adc_bits);
+  record.samples = {to_array(columns.u), to_array(columns.v)};
+  if (columns.has_angle) record.angle = to_array(columns.angle);
+  if (const auto error = csfn::check_samples(record.samples.u, record.samples.v))
+    return Error{fmt::format("{}:{}: {}", path, last_line(path, record.description), error->text)};
+  return record;
+}
+
+}  // namespace capsoc::fit

@@ -1,0 +1,36 @@
+// A trace as the coprocessor would see it, for the identifiers.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "csfn/samples.h"
+#include "sensor/source.h"
+#include "support/result.h"
+
+namespace capsoc::fit {
+
+struct RecordOptions {
+  unsigned adc_bits = 0;  ///< width of the converter, 12 to 32; 0: as the trace says, else 32
+  uint64_t samples = 0;   ///< at most so many; 0: all, of a trace without an end 100,000
+};
+
+/// The samples of a trace in order, converted as the ADC front-end converts them (32 bits: clipped,
+/// but not rounded).
+struct Record {
+  std::string path;
+  std::string sha256;  ///< of the file
+  csfn::Samples samples;
+  Eigen::ArrayXd angle;  ///< true angle, radians; empty when it is not known
+  sensor::Description description;
+  unsigned adc_bits = 32;
+  double full_scale = 1;  ///< the converter's largest value: what reaches it may be clipped
+};
+
+/// Reads what `capsoc run --sensor` takes. Error: one sentence with file and line for what cannot
+/// be read, and for samples that no ellipse can be put through (too few, a point, a straight line).
+Result<Record> read_record(const std::string& path, const RecordOptions& options = {});
+
+}  // namespace capsoc::fit

@@ -1,0 +1,282 @@
+#include "fit/report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+
+namespace capsoc::fit {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int schema_version = 1;
+
+ordered_json number_or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+/// One parameter in every form that the file and the table show.
+struct Row {
+  const char* name;
+  int64_t word;
+  double value;
+  std::optional<double> interval;  ///< half width
+  std::optional<double> truth;
+  std::optional<double> relative_error;
+};
+
+std::vector<Row> rows_of(const Fit& fit) {
+  using P = csfn::Parameters;
+  using I = csfn::Intervals;
+  const auto row = [&](const char* name, int64_t word, double P::*value, double I::*interval) {
+    Row r{name, word, fit.answer.parameters.*value, fit.answer.intervals.*interval, {}, {}};
+    if (!fit.truth) return r;
+    r.truth = (*fit.truth).*value;
+    if (*r.truth != 0) r.relative_error = (r.value - *r.truth) / *r.truth;
+    return r;
+  };
+  return {row("a1", fit.words.a1, &P::a1, &I::a1), row("a2", fit.words.a2, &P::a2, &I::a2),
+          row("b1", fit.words.b1, &P::b1, &I::b1), row("b2", fit.words.b2, &P::b2, &I::b2),
+          row("beta", fit.words.beta, &P::beta, &I::beta),
+          // Samples without their angles do not tell phi; the coprocessor takes 0.
+          Row{"phi", fit.words.phi, 0, {}, {}, {}}};
+}
+
+ordered_json values_json(const csfn::Parameters& p) {
+  return {{"a1", p.a1}, {"a2", p.a2}, {"b1", p.b1}, {"b2", p.b2}, {"beta", p.beta}};
+}
+
+ordered_json gates_json(const csfn::Identification& answer) {
+  ordered_json gates = ordered_json::array();
+  for (const csfn::Gate& gate : answer.gates)
+    gates.push_back({{"name", gate.name},
+                     {"passed", gate.passed},
+                     {"value", gate.value},
+                     {"limit", gate.limit}});
+  return gates;
+}
+
+ordered_json companions_json(const csfn::Identification& answer) {
+  ordered_json companions = ordered_json::array();
+  for (const csfn::Companion& companion : answer.companions) {
+    ordered_json j;
+    j["method"] = csfn::to_string(companion.method);
+    if (companion.parameters) {
+      j["parameters"] = values_json(*companion.parameters);
+      j["loss"] = companion.loss;
+      j["difference"] = companion.difference;
+    } else {
+      j["error"] = companion.error;
+    }
+    companions.push_back(j);
+  }
+  return companions;
+}
+
+ordered_json attempts_json(const std::vector<Attempt>& attempts) {
+  ordered_json j = ordered_json::array();
+  for (const Attempt& attempt : attempts) {
+    ordered_json a;
+    a["method"] = csfn::to_string(attempt.method);
+    if (attempt.parameters) {
+      a["parameters"] = values_json(*attempt.parameters);
+      a["loss"] = attempt.loss;
+      a["iterations"] = attempt.iterations;
+      a["difference"] = attempt.difference;
+      a["angle_error_deg"] = number_or_null(attempt.angle_error_deg);
+    } else {
+      a["error"] = attempt.error;
+    }
+    j.push_back(a);
+  }
+  return j;
+}
+
+ordered_json term_json(const csfn::HarmonicTerm& term) {
+  return {{"sine", term.sine}, {"cosine", term.cosine}};
+}
+
+ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
+  ordered_json j;
+  j["identified"] = harmonics.identified;
+  j["assumption"] = csfn::to_string(harmonics.used);
+  j["reason"] = harmonics.reason;
+  j["check"] = {{"what", harmonics.check},
+                {"value", harmonics.check_value},
+                {"limit", harmonics.check_limit}};
+  j["noise"] = harmonics.noise;
+  if (!harmonics.identified) return j;
+  for (const int order : {2, 3}) {
+    const auto index = static_cast<std::size_t>(order - 2);
+    j["order_" + std::to_string(order)] = {{"u", term_json(harmonics.model.u.at(index))},
+                                           {"v", term_json(harmonics.model.v.at(index))}};
+  }
+  constexpr double degree = 57.295779513082320877;
+  j["expected_error_deg"] = harmonics.expected_error * degree;
+  j["coverage_error_deg"] = harmonics.coverage_error * degree;
+  return j;
+}
+
+std::string degrees(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3g} deg", *value) : std::string("not known");
+}
+
+std::string how(const Fit& fit) {
+  const csfn::Identification& a = fit.answer;
+  std::string text = csfn::to_string(a.method);
+  if (a.iterations > 0)
+    text += fmt::format(", {} after {} iterations", csfn::to_string(a.stopped), a.iterations);
+  if (a.method == csfn::Method::adam) text += fmt::format(", seed {}", a.seed);
+  return text;
+}
+
+std::string attempts_table(const std::vector<Attempt>& attempts) {
+  std::string text =
+      fmt::format("\n{:<10}{:>13}{:>13}{:>13}{:>13}{:>13}{:>11}{:>12}{:>7}\n", "method", "a1", "a2",
+                  "b1", "b2", "beta", "difference", "angle error", "steps");
+  for (const Attempt& attempt : attempts) {
+    const char* const name = csfn::to_string(attempt.method);
+    if (!attempt.parameters) {
+      text += fmt::format("{:<10}  {}\n", name, attempt.error);
+      continue;
+    }
+    const csfn::Parameters& p = *attempt.parameters;
+    const std::string error =
+        attempt.angle_error_deg ? fmt::format("{:.3g}", *attempt.angle_error_deg) : "-";
+    text += fmt::format("{:<10}{:>13.9f}{:>13.9f}{:>13.9f}{:>13.9f}{:>13.9f}{:>11.1e}{:>12}{:>7}\n",
+                        name, p.a1, p.a2, p.b1, p.b2, p.beta, attempt.difference, error,
+                        attempt.iterations);
+  }
+  return text +
+         "difference: from the answer, relative to the amplitude or in rad; "
+         "angle error: peak to peak, deg\n";
+}
+
+std::string harmonics_table(const csfn::Harmonics& harmonics) {
+  std::string text =
+      fmt::format("harmonics    {}: {}\n", csfn::to_string(harmonics.used), harmonics.reason);
+  if (!harmonics.identified) return text;
+  text += fmt::format("{:<13}{:>14}{:>14}{:>14}{:>14}\n", "", "u sine", "u cosine", "v sine",
+                      "v cosine");
+  for (const std::size_t index : {0, 1}) {
+    const csfn::HarmonicTerm &u = harmonics.model.u.at(index), &v = harmonics.model.v.at(index);
+    text += fmt::format("  order {:<5}{:>14.9f}{:>14.9f}{:>14.9f}{:>14.9f}\n", index + 2, u.sine,
+                        u.cosine, v.sine, v.cosine);
+  }
+  return text;
+}
+
+std::string gates_line(const csfn::Identification& answer) {
+  std::string names;
+  for (const csfn::Gate& gate : answer.gates) names += (names.empty() ? "" : ", ") + gate.name;
+  return "gates        passed: " + names + "\n";
+}
+
+}  // namespace
+
+ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::string& command) {
+  const csfn::Identification& answer = fit.answer;
+  ordered_json j;
+  j["schema"] = schema_version;
+  j["versions"] = versions;
+  j["command"] = command;
+  j["inputs"] = ordered_json::array(
+      {{{"role", "sensor"}, {"path", fit.record.path}, {"sha256", fit.record.sha256}}});
+  j["samples"] = fit.record.samples.u.size();
+  j["adc_bits"] = fit.record.adc_bits;
+  j["method"] = csfn::to_string(answer.method);
+  j["stop_reason"] = csfn::to_string(answer.stopped);
+  j["iterations"] = answer.iterations;
+  j["seed"] = answer.seed;
+  j["loss"] = answer.loss;
+  for (const Row& row : rows_of(fit))
+    j["parameters"][row.name] = {{"word", row.word},
+                                 {"value", row.value},
+                                 {"true", number_or_null(row.truth)},
+                                 {"relative_error", number_or_null(row.relative_error)},
+                                 {"interval", number_or_null(row.interval)}};
+  j["confidence"] = answer.intervals.confidence;
+  j["handedness"] = csfn::to_string(answer.handedness);
+  j["residuals"] = {{"rms", answer.residuals.rms},
+                    {"largest", answer.residuals.largest},
+                    {"noise", answer.residuals.noise}};
+  j["gates"] = gates_json(answer);
+  j["companions"] = companions_json(answer);
+  j["disagreement"] = answer.disagreement;
+  j["harmonics"] = harmonics_json(answer.harmonics);
+  j["angle_error_deg"] = {
+      {"uncalibrated_peak_to_peak", number_or_null(fit.errors.uncalibrated)},
+      {"calibrated_peak_to_peak", number_or_null(fit.errors.calibrated)},
+      {"with_harmonics_peak_to_peak", number_or_null(fit.errors.with_harmonics)}};
+  if (!fit.attempts.empty()) j["methods"] = attempts_json(fit.attempts);
+  return j;
+}
+
+std::string to_header(const Fit& fit) {
+  // INT32_MIN has no literal of its own.
+  const auto fraction = [](int32_t word) {
+    return word == INT32_MIN ? std::string("(-2147483647 - 1)") : fmt::format("({})", word);
+  };
+  std::string text = fmt::format(
+      "// Calibration words for the firmware (parameter_block.h), by capsoc fit.\n"
+      "// Samples: {}, SHA-256 {}\n"
+      "// Method: {}\n"
+      "#ifndef CALIBRATION_H\n#define CALIBRATION_H\n\n"
+      "// Q1.31\n",
+      std::filesystem::path(fit.record.path).filename().string(), fit.record.sha256, how(fit));
+  for (const Row& row : rows_of(fit)) {
+    const std::string name = row.name;
+    const bool angle = name == "beta" || name == "phi";
+    if (name == "beta") text += "\n// 2^-32 turn\n";
+    std::string upper = name;
+    for (char& c : upper)
+      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    text +=
+        fmt::format("#define CALIBRATION_{} {} // {:.12g}{}\n", upper,
+                    angle ? fmt::format("{}u", row.word) : fraction(static_cast<int32_t>(row.word)),
+                    row.value, angle ? " rad" : "");
+  }
+  return text + "\n#endif\n";
+}
+
+std::string to_convergence(const Fit& fit) {
+  std::string text = "iteration,loss,a1,a2,b1,b2,beta\n";
+  for (const csfn::TracePoint& point : fit.answer.convergence) {
+    const csfn::Parameters& p = point.parameters;
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}\n", point.iteration, point.loss,
+                   p.a1, p.a2, p.b1, p.b2, p.beta);
+  }
+  return text;
+}
+
+std::string to_table(const Fit& fit) {
+  const csfn::Identification& answer = fit.answer;
+  std::string text =
+      fmt::format("trace        {}: {} samples, {} bits\nmethod       {}\n\n", fit.record.path,
+                  fit.record.samples.u.size(), fit.record.adc_bits, how(fit));
+  text += fmt::format("{:<10}{:>14}{:>16}{:>14}{:>16}{:>16}\n", "parameter", "word", "identified",
+                      fmt::format("+- ({:g} %)", 100 * answer.intervals.confidence), "true",
+                      "relative error");
+  for (const Row& row : rows_of(fit))
+    text += fmt::format("{:<10}{:>14}{:>16.9f}{:>14}{:>16}{:>16}\n", row.name, row.word, row.value,
+                        row.interval ? fmt::format("{:.1e}", *row.interval) : "-",
+                        row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",
+                        row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-");
+  text += fmt::format("\nresidual     {:.2e} rms, {:.2e} at most; noise {:.2e} of full scale\n",
+                      answer.residuals.rms, answer.residuals.largest, answer.residuals.noise);
+  text += fmt::format("rotation     {}\n", csfn::to_string(answer.handedness));
+  text += gates_line(answer);
+  if (!answer.disagreement.empty()) text += fmt::format("companions   {}\n", answer.disagreement);
+  if (!answer.harmonics.reason.empty()) text += harmonics_table(answer.harmonics);
+  text += fmt::format("angle error  {} before, {} after (peak to peak)\n",
+                      degrees(fit.errors.uncalibrated), degrees(fit.errors.calibrated));
+  if (fit.errors.with_harmonics)
+    text += fmt::format("             {} with the harmonics taken off\n",
+                        degrees(fit.errors.with_harmonics));
+  if (!fit.attempts.empty()) text += attempts_table(fit.attempts);
+  return text;
+}
+
+}  // namespace capsoc::fit

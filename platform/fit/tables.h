@@ -1,0 +1,14 @@
+// How exact the CSFN identifier is, on generated records: what `capsoc fit --tables` prints.
+#pragma once
+
+#include <iosfwd>
+
+namespace capsoc::fit {
+
+/// Prints three tables: Table 1 of the CSFN paper, the angle errors of every method on shuffled,
+/// partial-arc, noisy and 12-bit records, and those of the harmonics beside their statistical
+/// bounds. Seeds are fixed, the text is the same on every run. Returns the number of figures that
+/// miss their bound: 0 is the expected result.
+int print_tables(std::ostream& out);
+
+}  // namespace capsoc::fit
