@@ -3,11 +3,14 @@
 
 usage: generate_registers.py DESCRIPTION.svd OUTPUT_DIRECTORY
 
-Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++) and registers.md (readers).
+Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
+capsoc_registers.json (register tests) and for the peripherals that are synthesised a package
+capsoc_NAME_pkg.sv (SystemVerilog).
 A file whose content would not change is left alone, so that nothing that depends on it is rebuilt.
 An error in the description ends with status 2 and one sentence that names file and line.
 """
 
+import json
 import re
 import sys
 from dataclasses import dataclass, field
@@ -16,6 +19,7 @@ from xml.parsers import expat
 
 WORD_MASK = 0xFFFFFFFF
 ACCESSES = ("read-only", "read-write", "write-only")
+SYNTHESISED = ("COPROCESSOR",)
 
 
 class DescriptionError(Exception):
@@ -93,6 +97,7 @@ class Register:
     reset: int
     data_type: str
     fields: list
+    write_range: tuple
     line: int
 
     def mask(self, accesses, one_to_clear=None):
@@ -269,6 +274,20 @@ def check_unique(items, where):
         seen.add(item.name)
 
 
+def read_write_range(element):
+    """The values that a write may have, (lowest, highest); None: all."""
+    constraint = element.find("writeConstraint")
+    if constraint is None:
+        return None
+    limits = constraint.find("range")
+    if limits is None:
+        raise DescriptionError(constraint.line, "<writeConstraint> lacks <range>; add it")
+    low, high = limits.number("minimum"), limits.number("maximum")
+    if not 0 <= low <= high <= WORD_MASK:
+        raise DescriptionError(limits.line, f"the range {low} to {high} is empty or beyond a word")
+    return (low, high)
+
+
 def read_register(element, size):
     access = read_access(element, "read-write")
     parts = element.find("fields")
@@ -283,6 +302,7 @@ def read_register(element, size):
             (read_field(each, access) for each in (parts.all("field") if parts else [])),
             key=lambda each: each.low,
         ),
+        read_write_range(element),
         element.line,
     )
     if register.data_type not in ("uint32_t", "int32_t"):
@@ -488,6 +508,74 @@ def reference_page(device, source):
     return "\n".join(lines + [""])
 
 
+def sv_package(peripheral, source):
+    """Plain localparams only: what Verilator, Icarus Verilog and Yosys all read."""
+    name = f"capsoc_{peripheral.name.lower()}_pkg"
+    # Registers are words of a block, so that all addresses of a package have one width.
+    width = max(1, (peripheral.size - 1).bit_length())
+    lines = [f"// {NOTICE.format(source=source)}",
+             "// Offsets in bytes, reset values, lowest and highest bit of every field (LSB, MSB).",
+             f"package {name};", "",
+             "  // No design needs every name of its description.",
+             "  // verilator lint_off UNUSEDPARAM"]
+    for register in peripheral.registers:
+        prefix = register.name
+        lines += ["",
+                  f"  localparam logic [{width - 1}:0] {prefix}_OFFSET = "
+                  f"{width}'h{register.offset:0{(width + 3) // 4}X};",
+                  f"  localparam logic [31:0] {prefix}_RESET = 32'h{register.reset:08X};"]
+        for part in register.fields:
+            if part.reserved:
+                continue
+            lines += [f"  localparam int {prefix}_{part.name}_LSB = {part.low};",
+                      f"  localparam int {prefix}_{part.name}_MSB = {part.high};"]
+            bits = part.high - part.low + 1
+            lines += [f"  localparam logic [{bits - 1}:0] {prefix}_{part.name}_{value_name} = "
+                      f"{bits}'d{value};"
+                      for value_name, value, _ in part.values]
+    return "\n".join(lines + ["", "  // verilator lint_on UNUSEDPARAM", f"endpackage : {name}", ""])
+
+
+def reserved_values(register):
+    """What a write must not contain: a word outside a range, a field outside its enumeration."""
+    rules = []
+    if register.write_range:
+        low, high = register.write_range
+        rules.append({"rule": "range", "minimum": low, "maximum": high})
+    for part in register.fields:
+        bits = part.high - part.low + 1
+        if part.reserved or not part.values or part.access == "read-only" or bits > 8:
+            continue
+        named = {value for _, value, _ in part.values}
+        unnamed = [value for value in range(1 << bits) if value not in named]
+        if unnamed:
+            rules.append({"rule": "field", "field": part.name, "low": part.low, "high": part.high,
+                          "values": unnamed})
+    return rules
+
+
+def test_table(device, source):
+    """Every register for programs: masks as numbers, reserved write values as rules."""
+    peripherals = {}
+    for peripheral in device.peripherals:
+        registers = [{
+            "name": register.name,
+            "offset": register.offset,
+            "access": register.access,
+            "reset": register.reset,
+            "implemented": (register.readable_mask | register.writable_mask
+                            | register.one_to_clear_mask),
+            "readable": register.readable_mask,
+            "writable": register.writable_mask,
+            "one_to_clear": register.one_to_clear_mask,
+            "reserved_values": reserved_values(register),
+        } for register in peripheral.registers]
+        peripherals[peripheral.name] = {"base": peripheral.base, "size": peripheral.size,
+                                        "registers": registers}
+    table = {"notice": NOTICE.format(source=source), "peripherals": peripherals}
+    return json.dumps(table, indent=1) + "\n"
+
+
 def write_if_changed(path, text):
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
@@ -502,8 +590,12 @@ def main(arguments):
         device = read_device(source)
         output.mkdir(parents=True, exist_ok=True)
         for name, make in (("capsoc_device.h", device_header), ("capsoc_registers.h", cpp_header),
-                           ("registers.md", reference_page)):
+                           ("registers.md", reference_page), ("capsoc_registers.json", test_table)):
             write_if_changed(output / name, make(device, source.name))
+        for peripheral in device.peripherals:
+            if peripheral.name in SYNTHESISED:
+                write_if_changed(output / f"capsoc_{peripheral.name.lower()}_pkg.sv",
+                                 sv_package(peripheral, source.name))
     except DescriptionError as error:
         print(f"{source}:{error.line}: {error}", file=sys.stderr)
         return 2

@@ -1,5 +1,6 @@
 """Runs scripts/generate_registers.py on small descriptions and on the real one."""
 
+import json
 import subprocess
 import sys
 import tempfile
@@ -68,6 +69,21 @@ class Generator(unittest.TestCase):
         self.assertIn("#define ADC_IRQn 31", self.made("capsoc_device.h"))
         self.assertIn("inline constexpr uint32_t CTRL_offset = 0x008;", self.made("capsoc_registers.h"))
         self.assertIn("| 0x0E0 | LATENCY | read-only |", self.made("registers.md"))
+        package = self.made("capsoc_coprocessor_pkg.sv")
+        self.assertIn("  localparam logic [11:0] CTRL_OFFSET = 12'h008;", package)
+        self.assertIn("  localparam int CTRL_REF_MSB = 3;", package)
+        self.assertIn("  localparam logic [31:0] STEP_CV_RESET = 32'h001496BB;", package)
+
+    def test_the_table_for_programs_has_masks_and_reserved_values(self):
+        self.run_generator(DESCRIPTION)
+        registers = json.loads(self.made("capsoc_registers.json"))["peripherals"]["COPROCESSOR"]["registers"]
+        by_name = {register["name"]: register for register in registers}
+        self.assertEqual(by_name["CTRL"]["implemented"], 0x8000071F)
+        self.assertEqual(by_name["CTRL"]["reserved_values"],
+                         [{"rule": "field", "field": "REF", "low": 2, "high": 3, "values": [3]}])
+        self.assertEqual(by_name["A1"]["reserved_values"],
+                         [{"rule": "range", "minimum": 0, "maximum": 0x7FFFFFFF}])
+        self.assertEqual(by_name["STATUS"]["reserved_values"], [])
 
     def test_gaps_between_registers_are_reserved_words(self):
         result = self.run_on(HEAD + register("A", "0x0") + register("B", "0x10") + TAIL)
@@ -91,7 +107,7 @@ class Generator(unittest.TestCase):
         before = {path: path.stat().st_mtime_ns for path in self.output.iterdir()}
         self.run_generator(DESCRIPTION)
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in self.output.iterdir()})
-        self.assertEqual(len(before), 3)
+        self.assertEqual(len(before), 5)
 
     # What it refuses
 
@@ -132,6 +148,11 @@ class Generator(unittest.TestCase):
 
     def test_a_missing_element(self):
         self.expect_error(HEAD + "<register><name>A</name></register>\n" + TAIL, 5, "lacks <description>")
+
+    def test_a_range_of_write_values_that_is_none(self):
+        wrong = register("A", "0").replace("</register>", "<writeConstraint><range><minimum>2</minimum>"
+                                           "<maximum>1</maximum></range></writeConstraint></register>")
+        self.expect_error(HEAD + wrong + TAIL, 5, "range 2 to 1")
 
     def test_overlapping_peripherals(self):
         second = HEAD.split("<peripherals>", 1)[1].replace("<name>P</name>\n", "<name>Q</name>\n", 1)

@@ -1,0 +1,41 @@
+// FLAGS and the interrupt line (docs/coprocessor.md, "Commit", "Registers").
+//
+// Latency: a flag is set at the edge of its event. Clearing wins over setting at one edge, because
+// the register access is the last thing that happens there.
+module flag_register (
+  input  logic       clk_i,
+  input  logic       rst_ni,
+  input  logic       clear_i,      // soft reset
+  input  logic [8:0] set_i,        // events of this edge, in FLAGS' order
+  input  logic       write_i,      // bus write: ones clear
+  input  logic [8:0] write_data_i,
+  input  logic       ie_result_i,
+  input  logic       ie_lock_i,
+  input  logic       ie_error_i,
+  output logic [8:0] flags_o,
+  output logic       irq_o
+);
+
+  logic [8:0] flags_q, flags_d;
+
+  always_comb begin
+    flags_d = flags_q | set_i;
+    if (write_i) flags_d = flags_d & ~write_data_i;
+    if (clear_i) flags_d = '0;
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) flags_q <= '0;
+    else flags_q <= flags_d;
+  end
+
+  localparam logic [8:0] Result  = 9'd1 << capsoc_coprocessor_pkg::FLAGS_RESULT_LSB;
+  localparam logic [8:0] Lock    = 9'd1 << capsoc_coprocessor_pkg::FLAGS_LOCKCHG_LSB;
+  localparam logic [8:0] Mirror  = 9'd1 << capsoc_coprocessor_pkg::FLAGS_MIRRORCHG_LSB;
+  localparam logic [8:0] Trouble = ~(Result | Lock | Mirror);
+
+  assign flags_o = flags_q;
+  assign irq_o   = (ie_result_i & (|(flags_q & Result))) | (ie_lock_i & (|(flags_q & Lock))) |
+                   (ie_error_i & (|(flags_q & Trouble)));
+
+endmodule

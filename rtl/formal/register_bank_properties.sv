@@ -1,0 +1,231 @@
+// One register of the bank, any, against a shadow that follows the document's rules
+// (register_bank.sv). The conversion of a 48-bit register to words is pair_words.sv, which has a
+// proof of its own.
+module register_bank_properties (
+  input logic        clk_i,
+  input logic        psel_i, penable_i, pwrite_i,
+  input logic [11:0] paddr_i,
+  input logic [31:0] pwdata_i,
+  input logic [3:0]  pstrb_i,
+  input logic        busy_i, stream_early_i, soft_early_i, boundary_i,
+  input logic        phase_we_i, freq_we_i, weights_u_we_i, weights_v_we_i, parameters_we_i,
+  input logic [47:0] phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
+  input logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
+  input logic        commit_i, flag_clip_i, flag_sat_i, flag_zero_i,
+  input logic        flag_diverged_i, flag_lockchg_i, flag_mirrorchg_i,
+  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i,
+  input logic [31:0] result_i
+);
+
+  logic in_reset = 1'b1;
+  always @(posedge clk_i) in_reset <= 1'b0;
+
+  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, demod, calib;
+  logic [31:0] prdata, soft_u, lock_threshold, diverge_threshold, a1, a2, b1, b2, beta, phi;
+  logic [1:0]  source;
+  logic [4:0]  kp, ki;
+  logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
+  logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
+  logic [3:0]  result_select;
+  register_bank dut (
+    .clk_i, .rst_ni (~in_reset),
+    .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
+    .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr), .irq_o (irq),
+    .clear_o (clear), .adc_enable_o (adc_enable), .soft_valid_o (soft_valid), .soft_u_o (soft_u),
+    .load_o (load), .busy_i, .stream_early_i, .soft_early_i,
+    .demod_o (demod), .calib_o (calib), .ref_o (source), .kp_o (kp), .ki_o (ki),
+    .step_au_o (step_au), .step_bu_o (step_bu), .step_cu_o (step_cu),
+    .step_av_o (step_av), .step_bv_o (step_bv), .step_cv_o (step_cv),
+    .lock_threshold_o (lock_threshold), .diverge_threshold_o (diverge_threshold),
+    .phase_o (phase), .freq_o (freq), .au_o (au), .bu_o (bu), .cu_o (cu),
+    .av_o (av), .bv_o (bv), .cv_o (cv),
+    .a1_o (a1), .a2_o (a2), .b1_o (b1), .b2_o (b2), .beta_o (beta), .phi_o (phi),
+    .boundary_i, .phase_we_i, .freq_we_i, .weights_u_we_i, .weights_v_we_i, .parameters_we_i,
+    .phase_i, .freq_i, .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
+    .a1_i, .a2_i, .b1_i, .b2_i, .beta_i, .phi_i,
+    .commit_i, .flag_clip_i, .flag_sat_i, .flag_zero_i, .flag_diverged_i, .flag_lockchg_i,
+    .flag_mirrorchg_i, .status_lock_i, .status_diverged_i, .status_mirror_i, .status_valid_i,
+    .result_select_o (result_select), .result_i
+  );
+
+  (* hierconn *) logic [31:0] \dut.u_words.valid_q ;
+  (* hierconn *) logic [4:0]  \dut.u_words.probe ;
+  (* hierconn *) logic [31:0] \dut.u_words.probed ;
+  (* hierconn *) logic [8:0]  \dut.flags ;
+  (* hierconn *) logic [31:0] \dut.samples ;
+  (* hierconn *) logic [31:0] \dut.early_count ;
+  (* hierconn *) logic \dut.ie_result ;
+  (* hierconn *) logic \dut.ie_lock ;
+  (* hierconn *) logic \dut.ie_error ;
+  logic [31:0] valids, probed;
+  logic [8:0]  flags;
+  assign valids = \dut.u_words.valid_q ;
+  assign probed = \dut.u_words.probed ;
+  assign flags  = \dut.flags ;
+
+  logic       access, write, read;
+  logic [5:0] word;
+  assign word   = paddr_i[7:2];
+  assign access = psel_i & penable_i & ~pslverr & paddr_i[11:8] == 4'd0;
+  assign write  = access & pwrite_i;
+  assign read   = access & ~pwrite_i;
+
+  // The watched word and its kind.
+  (* anyconst *) logic [5:0] watched;
+  logic is_pair, is_step, is_threshold, is_amplitude, is_parameter;
+  assign is_pair      = watched[5:1] == 5'h03 | watched[5:1] == 5'h04 |
+                        (watched >= 6'h14 & watched <= 6'h1F);
+  assign is_step      = watched >= 6'h0A & watched <= 6'h0F;
+  assign is_threshold = watched == 6'h11 | watched == 6'h12;
+  assign is_amplitude = watched == 6'h20 | watched == 6'h21;
+  assign is_parameter = watched >= 6'h20 & watched <= 6'h25;
+
+  // The register behind it, what the pipeline gives it at this edge, and its reset value.
+  logic [47:0] now, given, start;
+  logic        gives;
+  always @* begin
+    now   = 48'd0;
+    given = 48'd0;
+    start = 48'd0;
+    gives = 1'b0;
+    case (watched)
+      6'h02: now = {37'd0, \dut.ie_error , \dut.ie_lock , \dut.ie_result , 3'd0, adc_enable, source,
+                    calib, demod};
+      6'h04: now = {39'd0, flags};
+      6'h06, 6'h07: begin now = freq; given = freq_i; gives = freq_we_i; end
+      6'h08, 6'h09: begin now = phase; given = phase_i; gives = phase_we_i; end
+      6'h0A: begin now = {17'd0, step_au}; start = 48'd1349307; end
+      6'h0B: begin now = {17'd0, step_bu}; start = 48'd1349307; end
+      6'h0C: begin now = {17'd0, step_cu}; start = 48'd1349307; end
+      6'h0D: begin now = {17'd0, step_av}; start = 48'd1349307; end
+      6'h0E: begin now = {17'd0, step_bv}; start = 48'd1349307; end
+      6'h0F: begin now = {17'd0, step_cv}; start = 48'd1349307; end
+      6'h10: begin now = {35'd0, ki, 3'd0, kp}; start = 48'h0A04; end
+      6'h11: begin now = {16'd0, lock_threshold}; start = 48'd1 << 21; end
+      6'h12: begin now = {16'd0, diverge_threshold}; start = 48'd1 << 29; end
+      6'h14, 6'h15: begin now = au; given = au_i; gives = weights_u_we_i; start = 48'd1 << 45; end
+      6'h16, 6'h17: begin now = bu; given = bu_i; gives = weights_u_we_i; end
+      6'h18, 6'h19: begin now = cu; given = cu_i; gives = weights_u_we_i; end
+      6'h1A, 6'h1B: begin now = av; given = av_i; gives = weights_v_we_i; end
+      6'h1C, 6'h1D: begin now = bv; given = bv_i; gives = weights_v_we_i; start = 48'd1 << 45; end
+      6'h1E, 6'h1F: begin now = cv; given = cv_i; gives = weights_v_we_i; end
+      6'h20: begin now = {16'd0, a1}; given = {16'd0, a1_i}; start = 48'd1 << 30; end
+      6'h21: begin now = {16'd0, a2}; given = {16'd0, a2_i}; start = 48'd1 << 30; end
+      6'h22: begin now = {16'd0, b1}; given = {16'd0, b1_i}; end
+      6'h23: begin now = {16'd0, b2}; given = {16'd0, b2_i}; end
+      6'h24: begin now = {16'd0, beta}; given = {16'd0, beta_i}; end
+      6'h25: begin now = {16'd0, phi}; given = {16'd0, phi_i}; end
+      default: now = 48'd0;
+    endcase
+    if (is_parameter) gives = parameters_we_i;
+  end
+
+  // Words of a pair, and the value that a write of HI gives it. Of a LO that is watched the memory
+  // holds the stage, of a HI the read latch.
+  logic [31:0] high, low, stage;
+  logic [47:0] written_coefficient, written_phase;
+  logic        held;
+  logic [31:0] kept;
+  pair_words reference_words (
+    .coefficient_i (watched[4]), .value_i (now), .high_o (high), .low_o (low),
+    .high_i (pwdata_i), .low_i (stage), .coefficient_o (written_coefficient),
+    .phase_o (written_phase)
+  );
+  assign stage = held ? kept : 32'd0;
+
+  // Set at this edge: RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG.
+  logic       refused;
+  logic [8:0] set;
+  assign refused = write & ((pwdata_i[31] & (word >= 6'h0A & word <= 6'h0F | word[5:1] == 5'h10)) |
+                            (word == 6'h02 & ~pwdata_i[31] & pwdata_i[3:2] == 2'd3));
+  assign set = {refused,
+                {flag_mirrorchg_i, flag_diverged_i, flag_lockchg_i} & {3{commit_i & boundary_i}},
+                stream_early_i | soft_early_i,
+                {flag_zero_i, flag_sat_i, flag_clip_i, 1'b1} & {4{commit_i & boundary_i}}};
+
+  logic now_exists;
+  assign now_exists = watched == 6'h02 | watched == 6'h10 | is_step | is_threshold | is_parameter;
+
+  // The value that the register has to have after the edge.
+  logic [47:0] due, plain;
+  logic        soft_reset, hit;
+  assign soft_reset = write & word == 6'h02 & pwdata_i[31];
+  assign hit        = write & word == watched;
+  always @* begin
+    plain = {16'd0, pwdata_i};
+    if (watched == 6'h02) begin
+      plain = {37'd0, pwdata_i[10:8], 3'd0, pwdata_i[4:0]};
+      if (pwdata_i[3:2] == 2'd3) plain[3:2] = now[3:2];
+    end
+    if (watched == 6'h10) plain = {35'd0, pwdata_i[12:8], 3'd0, pwdata_i[4:0]};
+    due = boundary_i & gives ? given : now;
+    if (watched == 6'h04) due = {39'd0, (now[8:0] | set) & ~(pwdata_i[8:0] & {9{hit}})};
+    else if (is_pair) begin
+      // Only a watched LO knows the stage; a watched HI is followed without its writes.
+      if (~watched[0] & write & word == {watched[5:1], 1'b1}) begin
+        due = watched[4] ? written_coefficient : written_phase;
+      end
+      if (write & word == 6'h05 & pwdata_i[2] & watched[5:1] == 5'h04) due = 48'd0;
+    end else if (hit & ~((is_step | is_amplitude) & pwdata_i[31]) & now_exists) begin
+      due = plain;
+    end
+    if (soft_reset) due = start;
+  end
+
+  // The memory's word.
+  logic memory_word, fills, drops;
+  assign memory_word = is_pair | is_step | is_threshold | watched == 6'h28;
+  assign fills       = (is_pair & watched[0] & read & word == watched) |
+                       (((is_pair & ~watched[0]) | is_threshold | watched == 6'h28) & hit) |
+                       (is_step & hit & ~pwdata_i[31]);
+  assign drops       = is_pair & ~watched[0] & write & word == {watched[5:1], 1'b1};
+
+  logic [47:0] expected;
+  logic        blind;
+  always @(posedge clk_i) begin
+    expected <= in_reset ? start : due;
+    // After a write of the HI that is watched the shadow does not know the value.
+    blind <= ~in_reset & is_pair & watched[0] & hit;
+    if (in_reset | soft_reset) held <= 1'b0;
+    else held <= fills | (held & ~drops);
+    if (fills) kept <= pwrite_i ? pwdata_i : low;
+  end
+
+  // Reading
+  logic [31:0] seen;
+  always @* begin
+    seen = now[31:0];
+    if (is_pair & watched[0]) seen = high;
+    if (watched == 6'h28) seen = stage;
+    if (watched == 6'h00) seen = 32'h4341_5053;
+    if (watched == 6'h01) seen = 32'h0001_0000;
+    if (watched == 6'h03) seen = {23'd0, 1'b0, 3'd0, status_valid_i, status_mirror_i,
+                                  status_diverged_i, status_lock_i, busy_i};
+    if (watched == 6'h34) seen = \dut.samples ;
+    if (watched == 6'h35) seen = \dut.early_count ;
+    if (watched == 6'h38) seen = 32'd161;
+    if (watched == 6'h05 | watched == 6'h29) seen = 32'd0;
+  end
+  logic is_result;
+  assign is_result = watched == 6'h13 | (watched >= 6'h2C & watched <= 6'h33) |
+                     watched == 6'h36 | watched == 6'h37;
+
+  always @* begin
+    assume (\dut.u_words.probe == (watched == 6'h28 ? 5'd0 : watched[4:0]));
+    if (~in_reset) begin
+      if (~blind) assert (now == expected);
+      if (memory_word) assert (valids[\dut.u_words.probe ] == held);
+      if (memory_word & held) assert (probed == kept);
+      // The settings' copy in the memory is the setting.
+      if (is_step | is_threshold) assert (now == (held ? {16'd0, kept} : start));
+      if (read & word == watched & ~is_result & ~(is_pair & ~watched[0])) assert (prdata == seen);
+      if (read & word == watched & is_result) assert (prdata == result_i);
+      // A read of LO shows the latch, that is the memory's word of the HI.
+      if (read & is_pair & watched[0] & word == {watched[5:1], 1'b0}) assert (prdata == stage);
+      if (soft_valid & watched == 6'h28) assert (soft_u == stage);
+      assert (irq == ((flags[0] & \dut.ie_result ) | (flags[5] & \dut.ie_lock ) |
+                      (|(flags & 9'h15E) & \dut.ie_error )));
+    end
+  end
+
+endmodule

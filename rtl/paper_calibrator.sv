@@ -1,0 +1,99 @@
+// Calibrator of the paper arithmetic, Eq (12), on the parameter registers:
+// du = u - b1, dv = v - b2; U1 = a2 du, V1 = a1 dv; U2 = U1 cos beta, V2 = V1 + U1 sin beta.
+//
+// Latency: one product in each of cycles 0..3; outputs valid from cycle 4 to cycle 31. Inputs stable
+// in cycles 0..3. State changes only if run_i.
+//
+// u_i .. b2_i   s32, Q1.31
+// beta_i        u32, 2^-32 turn
+// cal_s_o       s32, Q1.31: U2
+// cal_c_o       s32, Q1.31: V2
+// mirror_o      cos beta < 0: how the paper's parameters show rotation against the reference
+// saturated_o   one of the differences, products or the sum was clamped
+//
+// Rounding: products truncated to Q1.31 (floor); every result clamped to s32.
+module paper_calibrator (
+  input  logic               clk_i,
+  input  logic               rst_ni,
+  input  logic               run_i,
+  input  logic         [4:0] cycle_i,
+  input  logic signed [31:0] u_i,
+  input  logic signed [31:0] v_i,
+  input  logic signed [31:0] a1_i,
+  input  logic signed [31:0] a2_i,
+  input  logic signed [31:0] b1_i,
+  input  logic signed [31:0] b2_i,
+  input  logic        [31:0] beta_i,
+  output logic signed [31:0] cal_s_o,
+  output logic signed [31:0] cal_c_o,
+  output logic               mirror_o,
+  output logic               saturated_o
+);
+
+  // Of a s35: does it exceed s32?
+  function automatic logic exceeds(input logic [3:0] upper);
+    exceeds = (upper != {4{upper[3]}});
+  endfunction
+
+  function automatic logic signed [31:0] clamp(input logic signed [34:0] value);
+    clamp = exceeds(value[34:31]) ? {value[34], {31{~value[34]}}} : value[31:0];
+  endfunction
+
+  logic signed [31:0] u1_q, v1_q, u2_q, v2_q;
+  logic mirror_q, saturated_q;
+
+  logic signed [31:0] sine, cosine;
+  paper_lookup u_lookup (
+    .angle_i(beta_i),
+    .sine_o(sine),
+    .cosine_o(cosine)
+  );
+
+  logic signed [34:0] offset_free;
+  assign offset_free = cycle_i[0] ? 35'(v_i) - 35'(b2_i) : 35'(u_i) - 35'(b1_i);
+
+  logic signed [31:0] factor_a, factor_b;
+  assign factor_a = cycle_i[1] ? u1_q : (cycle_i[0] ? a1_i : a2_i);
+  assign factor_b = cycle_i[1] ? (cycle_i[0] ? sine : cosine) : clamp(offset_free);
+
+  logic signed [67:0] product;
+  paper_multiplier u_multiplier (
+    .a_i(34'(factor_a)),
+    .b_i(34'(factor_b)),
+    .product_o(product)
+  );
+
+  logic signed [34:0] result;
+  logic clamped;
+  assign result = $signed(product[65:31]) + ((cycle_i[1:0] == 2'd3) ? 35'(v1_q) : 35'sd0);
+  assign clamped = exceeds(result[34:31]) || (!cycle_i[1] && exceeds(offset_free[34:31]));
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      u1_q <= '0;
+      v1_q <= '0;
+      u2_q <= '0;
+      v2_q <= '0;
+      mirror_q <= 1'b0;
+      saturated_q <= 1'b0;
+    end else if (run_i && (cycle_i[4:2] == 3'd0)) begin
+      case (cycle_i[1:0])
+        2'd0: u1_q <= clamp(result);
+        2'd1: v1_q <= clamp(result);
+        2'd2: u2_q <= clamp(result);
+        default: v2_q <= clamp(result);
+      endcase
+      mirror_q <= cosine[31];
+      saturated_q <= clamped || (saturated_q && (cycle_i[1:0] != 2'd0));
+    end
+  end
+
+  assign cal_s_o = u2_q;
+  assign cal_c_o = v2_q;
+  assign mirror_o = mirror_q;
+  assign saturated_o = saturated_q;
+
+  logic unused_bits;
+  assign unused_bits = ^{product[67:66], product[30:0]};
+
+endmodule

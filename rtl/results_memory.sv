@@ -1,0 +1,58 @@
+// What a sample leaves behind on its way through the stages, until software reads it: written once
+// per word, in the cycle in which it is computed, under the sample's slot number.
+//
+// All words are s32 or u32 and pass through unchanged. Eight slots: five samples in flight, the
+// committed one, and a power of two. Reads are combinational. Three memories, so that no two
+// writes meet: sample and calibrated words of T0; residue and reference phase of T2 (cycles 0, 1)
+// and errors of T3 (later cycles); amplitude of T1 and error average of T3 (different cycles).
+module results_memory (
+  input  logic        clk_i,
+  input  logic        sample_we_i,
+  input  logic [ 1:0] sample_word_i,   // 0 u, 1 v, 2 S, 3 C
+  input  logic [31:0] sample_i,
+  input  logic [ 2:0] sample_slot_i,
+  input  logic        error_we_i,
+  input  logic [ 1:0] error_word_i,    // 0 reference phase, 1 error u, 2 error v, 3 residue
+  input  logic [31:0] error_i,
+  input  logic [ 2:0] error_slot_i,
+  input  logic        quality_we_i,
+  input  logic        quality_word_i,  // 0 amplitude, 1 error average
+  input  logic [31:0] quality_i,
+  input  logic [ 2:0] quality_slot_i,
+  input  logic        data_v_i,        // T3's read of its sample
+  input  logic [ 2:0] data_slot_i,
+  output logic [31:0] data_o,
+  input  logic [ 3:0] select_i,        // 0..3 sample, 5..8 error (8: word 0), 9, 10 quality
+  input  logic [ 2:0] slot_i,
+  output logic [31:0] result_o
+);
+
+  logic [31:0] sample[0:31];
+  logic [31:0] data[0:15];  // u and v once more: a memory of this kind has one read port
+  logic [31:0] error[0:31];
+  logic [31:0] quality[0:15];
+
+  // No reset: a word is read only after its sample has passed.
+  always_ff @(posedge clk_i) begin
+    if (sample_we_i) sample[{sample_slot_i, sample_word_i}] <= sample_i;
+  end
+  always_ff @(posedge clk_i) begin
+    if (sample_we_i && !sample_word_i[1]) data[{sample_slot_i, sample_word_i[0]}] <= sample_i;
+  end
+  always_ff @(posedge clk_i) begin
+    if (error_we_i) error[{error_slot_i, error_word_i}] <= error_i;
+  end
+  always_ff @(posedge clk_i) begin
+    if (quality_we_i) quality[{quality_slot_i, quality_word_i}] <= quality_i;
+  end
+
+  assign data_o = data[{data_slot_i, data_v_i}];
+
+  logic [31:0] sample_read, error_read, quality_read;
+  assign sample_read = sample[{slot_i, select_i[1:0]}];
+  assign error_read = error[{slot_i, select_i[1:0]}];
+  assign quality_read = quality[{slot_i, select_i[1]}];
+  assign result_o = select_i[3:2] == 2'd0 ? sample_read :
+                    select_i[3] && select_i[1:0] != 2'd0 ? quality_read : error_read;
+
+endmodule

@@ -1,0 +1,42 @@
+// SAMPLES and EARLY_COUNT (docs/coprocessor.md, "Sequencer", "Commit").
+//
+// Latency: an event counts at its edge; clearing wins over it. SAMPLES wraps, EARLY_COUNT stops at
+// 2^32 - 1. Two samples can be lost at one edge, one of the stream and one of software.
+module sample_counters (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic        clear_i,
+  input  logic        commit_i,
+  input  logic        stream_early_i,
+  input  logic        soft_early_i,
+  output logic [31:0] samples_o,
+  output logic [31:0] early_count_o
+);
+
+  logic [31:0] samples_q, early_q;
+  // The increment ends the count at its maximum: cheaper than clamping the sum.
+  logic       last_pair;
+  logic [1:0] early_step;
+  assign last_pair = &early_q[31:1];
+  always_comb begin
+    early_step = {stream_early_i & soft_early_i, stream_early_i ^ soft_early_i};
+    if (last_pair) early_step = {1'b0, ~early_q[0]};
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) samples_q <= '0;
+    else if (clear_i | commit_i) samples_q <= clear_i ? '0 : samples_q + 32'd1;
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      early_q <= '0;
+    end else if (clear_i | stream_early_i | soft_early_i) begin
+      early_q <= clear_i ? '0 : early_q + 32'(early_step);
+    end
+  end
+
+  assign samples_o     = samples_q;
+  assign early_count_o = early_q;
+
+endmodule

@@ -1,0 +1,31 @@
+// A register that both software and the pipeline write. At one edge a soft reset wins over the bus
+// and the bus over the pipeline (docs/coprocessor.md, "Order at one edge").
+//
+// Latency: one edge. The register knows no format.
+module shared_register #(
+  parameter int                 Width      = 32,
+  parameter logic [Width - 1:0] ResetValue = '0
+) (
+  input  logic               clk_i,
+  input  logic               rst_ni,
+  input  logic               clear_i,
+  input  logic               bus_we_i,
+  input  logic [Width - 1:0] bus_i,
+  input  logic               pipeline_we_i,
+  input  logic [Width - 1:0] pipeline_i,
+  output logic [Width - 1:0] q_o
+);
+
+  logic [Width - 1:0] value_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      value_q <= ResetValue;
+    end else if (clear_i | bus_we_i | pipeline_we_i) begin
+      value_q <= clear_i ? ResetValue : bus_we_i ? bus_i : pipeline_i;
+    end
+  end
+
+  assign q_o = value_q;
+
+endmodule

@@ -1,0 +1,49 @@
+// Words that only register accesses see: the stages and latches of the 48-bit registers, SOFT_U,
+// and a copy of the settings for reading back. A small memory needs far less than registers and
+// their part of the read multiplexer; a bit per word tells that it was written since reset.
+//
+// Latency: a word written at an edge is read after it; reading is combinational. At one edge
+// clearing wins over writing, and writing over dropping.
+module word_memory #(
+  // Addresses in use; the others have no bit and are never valid.
+  parameter logic [31:0] Used = 32'hFFFF_FFFF
+) (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic        clear_i,
+  input  logic        we_i,
+  input  logic [4:0]  waddr_i,
+  input  logic [31:0] wdata_i,
+  input  logic        drop_i,   // the word at raddr_i is invalid from the coming edge on
+  input  logic [4:0]  raddr_i,
+  output logic        valid_o,
+  output logic [31:0] rdata_o
+);
+
+  logic [31:0] words [32];
+  always_ff @(posedge clk_i) begin
+    if (we_i) words[waddr_i] <= wdata_i;
+  end
+  assign rdata_o = words[raddr_i];
+
+  logic [31:0] valid_q, valid_d;
+  always_comb begin
+    for (int i = 0; i < 32; i = i + 1) begin
+      valid_d[i] = Used[i] & ~clear_i & ((we_i & waddr_i == 5'(i)) |
+                                         (valid_q[i] & ~(drop_i & raddr_i == 5'(i))));
+    end
+  end
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) valid_q <= '0;
+    else valid_q <= valid_d;
+  end
+  assign valid_o = valid_q[raddr_i];
+
+`ifdef FORMAL
+  // A second reading port, so that a proof can relate one word to its shadow.
+  (* anyconst *) logic [4:0] probe;
+  logic [31:0] probed;
+  assign probed = words[probe];
+`endif
+
+endmodule

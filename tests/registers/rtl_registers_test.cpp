@@ -1,0 +1,284 @@
+// Verilated sequencer and register bank against the C++ model, cycle by cycle under random bus
+// traffic and samples. The test plays the datapath: what the model's pipeline is about to write at
+// an edge is what the bank is given there.
+#include <gtest/gtest.h>
+#include <verilated.h>
+
+#include <array>
+#include <memory>
+#include <random>
+
+#include "Vregister_bench_paper.h"
+#include "Vregister_bench_precise.h"
+#include "capsoc_registers.h"
+#include "coprocessor/coprocessor.h"
+
+// Verilator's library asks for it.
+double sc_time_stamp() {
+  return 0;
+}
+
+namespace {
+
+using capsoc::coprocessor::Arithmetic;
+using capsoc::coprocessor::Coprocessor;
+using capsoc::coprocessor::Options;
+namespace table = capsoc::registers::coprocessor;
+
+// Results by result_select_o.
+constexpr std::array<uint32_t, 11> result_offsets = {
+    table::RAW_U_offset,     table::RAW_V_offset,        table::CAL_S_offset,
+    table::CAL_C_offset,     table::ANGLE_offset,        table::ERR_U_offset,
+    table::ERR_V_offset,     table::RESIDUE_offset,      table::REF_PHASE_offset,
+    table::AMPLITUDE_offset, table::ERROR_AVERAGE_offset};
+
+constexpr uint64_t mask48 = (uint64_t{1} << 48) - 1;
+
+struct Stimulus {
+  bool select = false, enable = false, write = false;
+  uint32_t address = 0, data = 0, strobe = 0xF;
+  bool sample = false, clip = false;
+  uint32_t u = 0, v = 0;
+};
+
+template <typename Rtl>
+class Bench {
+ public:
+  explicit Bench(Arithmetic arithmetic) : model_(options(arithmetic)) {
+    context_ = std::make_unique<VerilatedContext>();
+    rtl_ = std::make_unique<Rtl>(context_.get());
+    rtl_->rst_ni = 1;
+    rtl_->eval();
+    rtl_->rst_ni = 0;
+    clock();
+    rtl_->rst_ni = 1;
+    rtl_->eval();
+  }
+  ~Bench() { rtl_->final(); }
+
+  // Interval `cycle` with these inputs and the edge that ends it; false after a difference.
+  bool step(const Stimulus& s) {
+    model_.advance(cycle_);
+    drive(s);
+    give_updates();
+    give_result();
+    compare_state();
+    const bool access = s.select && s.enable;
+    const bool bad_strobe = s.write && s.strobe != 0xF;
+    bool mapped = true;
+    if (access && !s.write) {
+      const auto read = model_.read(cycle_, s.address, false);
+      mapped = read.ok;
+      expect("prdata", rtl_->prdata_o, read.value);
+    }
+    const bool ready = rtl_->sample_ready_o;
+    const bool error = rtl_->pslverr_o;
+    ++cycle_;
+    bool latched = false;
+    const bool adc = (model_ctrl_ & capsoc::coprocessor::ctrl_adc) != 0;
+    if (s.sample)
+      latched = model_.submit(cycle_, static_cast<int32_t>(s.u), static_cast<int32_t>(s.v), s.clip);
+    else
+      model_.advance(cycle_);
+    if (s.sample) expect("sample_ready", ready, latched);
+    if (!adc) expect("sample_ready without CTRL.ADC", ready, false);
+    if (access && s.write && !bad_strobe) mapped = model_.write(cycle_, s.address, s.data);
+    if (access && bad_strobe)
+      expect("pslverr", error, true);
+    else
+      expect("pslverr", error, access && !mapped);
+    clock();
+    return !::testing::Test::HasFailure();
+  }
+
+  uint64_t cycle() const { return cycle_; }
+
+ private:
+  static Options options(Arithmetic arithmetic) {
+    Options made;
+    made.arithmetic = arithmetic;
+    return made;
+  }
+
+  void expect(const char* what, uint64_t actual, uint64_t expected) {
+    EXPECT_EQ(actual, expected) << what << " in interval " << cycle_ << std::hex << ", address "
+                                << static_cast<unsigned>(rtl_->paddr_i);
+  }
+
+  void clock() {
+    rtl_->clk_i = 1;
+    rtl_->eval();
+    rtl_->clk_i = 0;
+    rtl_->eval();
+  }
+
+  void drive(const Stimulus& s) {
+    rtl_->psel_i = s.select;
+    rtl_->penable_i = s.enable;
+    rtl_->pwrite_i = s.write;
+    rtl_->paddr_i = static_cast<uint16_t>(s.address);
+    rtl_->pwdata_i = s.data;
+    rtl_->pstrb_i = static_cast<uint8_t>(s.strobe);
+    rtl_->sample_valid_i = s.sample;
+    rtl_->sample_u_i = s.u;
+    rtl_->sample_v_i = s.v;
+    rtl_->sample_clip_i = s.clip;
+  }
+
+  static uint32_t peek(Coprocessor& model, uint64_t cycle, uint32_t offset) {
+    return model.read(cycle, offset, true).value;
+  }
+
+  static uint64_t pair(Coprocessor& model, uint64_t cycle, uint32_t low) {
+    const uint32_t lower = peek(model, cycle, low);
+    const uint32_t upper = peek(model, cycle, low + 4);
+    if (low < table::AU_LO_offset) return uint64_t{upper} << 16 | lower;
+    return static_cast<uint64_t>(static_cast<int64_t>(static_cast<int32_t>(upper)) * 32768 +
+                                 static_cast<int32_t>(lower)) &
+           mask48;
+  }
+
+  // The datapath's outputs: at a boundary what the model has after it, otherwise noise.
+  void give_updates() {
+    rtl_->eval();
+    rtl_->status_i = static_cast<uint8_t>(peek(model_, cycle_, table::STATUS_offset) >> 1 & 0xF);
+    if (!rtl_->boundary_o) {
+      rtl_->write_all_i = noise_() & 1;
+      rtl_->flags_i = noise_() & 0x3F;
+      rtl_->phase_i = rtl_->freq_i = rtl_->au_i = rtl_->cv_i = noise_() & mask48;
+      rtl_->a1_i = rtl_->phi_i = static_cast<uint32_t>(noise_());
+      return;
+    }
+    Coprocessor next = model_;
+    const uint64_t edge = cycle_ + 1;
+    next.advance(edge);
+    rtl_->write_all_i = 1;
+    rtl_->freq_i = pair(next, edge, table::FREQ_LO_offset);
+    rtl_->phase_i = pair(next, edge, table::PHASE_LO_offset);
+    rtl_->au_i = pair(next, edge, table::AU_LO_offset);
+    rtl_->bu_i = pair(next, edge, table::BU_LO_offset);
+    rtl_->cu_i = pair(next, edge, table::CU_LO_offset);
+    rtl_->av_i = pair(next, edge, table::AV_LO_offset);
+    rtl_->bv_i = pair(next, edge, table::BV_LO_offset);
+    rtl_->cv_i = pair(next, edge, table::CV_LO_offset);
+    rtl_->a1_i = peek(next, edge, table::A1_offset);
+    rtl_->a2_i = peek(next, edge, table::A2_offset);
+    rtl_->b1_i = peek(next, edge, table::B1_offset);
+    rtl_->b2_i = peek(next, edge, table::B2_offset);
+    rtl_->beta_i = peek(next, edge, table::BETA_offset);
+    rtl_->phi_i = peek(next, edge, table::PHI_offset);
+    const uint32_t flags = peek(next, edge, table::FLAGS_offset);
+    const auto bit = [&](uint32_t mask, unsigned position) {
+      return (flags & mask) != 0 ? 1u << position : 0u;
+    };
+    rtl_->flags_i = static_cast<uint8_t>(
+        bit(table::FLAGS_CLIP_mask, 0) | bit(table::FLAGS_SAT_mask, 1) |
+        bit(table::FLAGS_ZERO_mask, 2) | bit(table::FLAGS_DIVERGED_mask, 3) |
+        bit(table::FLAGS_LOCKCHG_mask, 4) | bit(table::FLAGS_MIRRORCHG_mask, 5));
+  }
+
+  void give_result() {
+    rtl_->eval();
+    const unsigned select = rtl_->result_select_o;
+    rtl_->result_i =
+        select < result_offsets.size() ? peek(model_, cycle_, result_offsets[select]) : 0;
+    rtl_->eval();
+  }
+
+  void compare_state() {
+    model_ctrl_ = peek(model_, cycle_, table::CTRL_offset);
+    expect("pready", rtl_->pready_o, true);
+    expect("irq", rtl_->irq_o, model_.interrupt());
+    expect("busy", rtl_->busy_o, !model_.idle());
+    expect("control", rtl_->control_o, model_ctrl_ & 0x1F);
+    const uint32_t loop = peek(model_, cycle_, table::LOOP_offset);
+    expect("loop", rtl_->loop_o, (loop & 31) | (loop >> 8 & 31) << 5);
+    expect("step_au", rtl_->step_au_o, peek(model_, cycle_, table::STEP_AU_offset));
+    expect("step_bu", rtl_->step_bu_o, peek(model_, cycle_, table::STEP_BU_offset));
+    expect("step_cu", rtl_->step_cu_o, peek(model_, cycle_, table::STEP_CU_offset));
+    expect("step_av", rtl_->step_av_o, peek(model_, cycle_, table::STEP_AV_offset));
+    expect("step_bv", rtl_->step_bv_o, peek(model_, cycle_, table::STEP_BV_offset));
+    expect("step_cv", rtl_->step_cv_o, peek(model_, cycle_, table::STEP_CV_offset));
+    expect("lock", rtl_->lock_threshold_o, peek(model_, cycle_, table::LOCK_THRESHOLD_offset));
+    expect("diverge", rtl_->diverge_threshold_o,
+           peek(model_, cycle_, table::DIVERGE_THRESHOLD_offset));
+    // A commit is announced for the edge that the model names.
+    const auto event = model_.next_event();
+    if (rtl_->boundary_o && (rtl_->stage_o & 0x10) != 0)
+      expect("commit", event.value_or(0), cycle_ + 1);
+  }
+
+  Coprocessor model_;
+  std::unique_ptr<VerilatedContext> context_;
+  std::unique_ptr<Rtl> rtl_;
+  uint64_t cycle_ = 0;
+  uint32_t model_ctrl_ = 0;
+  std::mt19937_64 noise_{7};
+};
+
+// Values that are likely to matter: corners, small numbers, anything.
+uint32_t word(std::mt19937_64& random) {
+  switch (random() % 6) {
+    case 0:
+      return 0;
+    case 1:
+      return 0xFFFFFFFF >> random() % 32;
+    case 2:
+      return 0x80000000u + static_cast<uint32_t>(random() % 3) - 1;
+    case 3:
+      return uint32_t{1} << random() % 32;
+    default:
+      return static_cast<uint32_t>(random());
+  }
+}
+
+Stimulus any(std::mt19937_64& random, unsigned busyness) {
+  Stimulus s;
+  s.select = random() % 4 != 0;
+  s.enable = s.select ? random() % 4 != 0 : random() % 8 == 0;
+  s.write = random() % 2 != 0;
+  s.data = word(random);
+  s.address = static_cast<uint32_t>(random() % 0x3C) * 4;
+  if (random() % 32 == 0) s.address = static_cast<uint32_t>(random() % 0x1000);
+  if (random() % 16 == 0) s.strobe = static_cast<uint32_t>(random() % 16);
+  const bool reset = s.write && s.address == table::CTRL_offset;
+  if (reset) {
+    // Now and then a soft reset; otherwise let samples in most of the time.
+    s.data = random() % 64 == 0 ? s.data | 0x80000000 : s.data & 0x7FFFFFFF;
+    if (random() % 4 != 0) s.data |= 0x13;
+  }
+  if (s.write && s.address == table::CMD_offset && random() % 4 != 0) s.data &= ~1u;
+  s.sample = random() % 100 < busyness;
+  s.clip = random() % 8 == 0;
+  s.u = word(random);
+  s.v = word(random);
+  return s;
+}
+
+template <typename Rtl>
+void random_traffic(Arithmetic arithmetic, uint64_t seed, unsigned cycles) {
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  Bench<Rtl> bench(arithmetic);
+  unsigned busyness = 0;
+  while (bench.cycle() < cycles) {
+    // Stretches without samples, with rare ones, and with more than fit.
+    if (bench.cycle() % 500 == 0) busyness = std::array<unsigned, 4>{0, 1, 4, 50}[random() % 4];
+    Stimulus s = any(random, busyness);
+    // Some stretches are quiet on the bus, so that ticks and loads end by themselves.
+    if (bench.cycle() / 200 % 3 == 0 && random() % 16 != 0) s.select = s.enable = false;
+    if (!bench.step(s)) return;
+  }
+}
+
+TEST(RtlRegisters, RandomTrafficPrecise) {
+  for (const uint64_t seed : {1, 2, 3})
+    random_traffic<Vregister_bench_precise>(Arithmetic::precise, seed, 200000);
+}
+
+TEST(RtlRegisters, RandomTrafficPaper) {
+  for (const uint64_t seed : {4, 5})
+    random_traffic<Vregister_bench_paper>(Arithmetic::paper, seed, 100000);
+}
+
+}  // namespace

@@ -1,0 +1,67 @@
+// Libraries that cannot be used are refused with one sentence.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "libraries.h"
+#include "rtl/coprocessor_rtl.h"
+
+namespace capsoc::rtl::test {
+namespace {
+
+using coprocessor::Arithmetic;
+
+std::string refusal(const std::string& file, const coprocessor::Options& options) {
+  const auto library = RtlLibrary::open(file, options);
+  return library ? "it was opened" : library.error();
+}
+
+void expect_refusal(const std::string& file, const std::string& reason,
+                    const coprocessor::Options& options = {}) {
+  const std::string sentence = refusal(file, options);
+  EXPECT_EQ(sentence.rfind(file, 0), 0u) << sentence;
+  EXPECT_NE(sentence.find(reason), std::string::npos) << sentence;
+  EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
+}
+
+TEST(RtlLibrary, AMissingFileIsNamed) {
+  expect_refusal("/nonexistent/libcapsoc_rtl.so", "no such RTL library");
+}
+
+TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
+  expect_refusal("/proc/self/status", "no shared library");
+}
+
+TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
+  expect_refusal(LIBRARIES "/rtl_library_wrong_version.so", "its interface has version 2");
+}
+
+TEST(RtlLibrary, OtherRtlThanTheProgramsIsRefused) {
+  expect_refusal(LIBRARIES "/rtl_library_stale.so", "built from other RTL (0123456789ab)");
+}
+
+TEST(RtlLibrary, OtherParametersThanTheModelsAreRefused) {
+  expect_refusal(RtlLibrary::file_name(Arithmetic::precise), "its arithmetic is precise",
+                 options_of(Arithmetic::paper));
+  coprocessor::Options options = options_of(Arithmetic::paper);
+  options.paper_operand_bits = 16;
+  expect_refusal(RtlLibrary::file_name(Arithmetic::paper), "(operand bits 32,", options);
+}
+
+TEST(RtlLibrary, ExportsEveryNodeOfTheModel) {
+  const auto library = open_library(Arithmetic::precise);
+  ASSERT_NE(library, nullptr);
+  ASSERT_EQ(library->api().node_count, coprocessor::node_count);
+  for (std::size_t i = 0; i < coprocessor::node_count; ++i)
+    EXPECT_STREQ(library->api().node_names[i], coprocessor::node_names().at(i).name);
+}
+
+TEST(RtlLibrary, WavesThatCannotBeWrittenAreAnError) {
+  CoprocessorRtl rtl(open_library(Arithmetic::precise));
+  const auto error = rtl.open_waves("/nonexistent/waves.fst");
+  ASSERT_TRUE(error);
+  EXPECT_NE(error->text.find("/nonexistent/waves.fst: cannot be written"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace capsoc::rtl::test

@@ -1,0 +1,444 @@
+// Every stage of the Verilated datapath against the C++ model's stage functions, one vector for
+// each stage and tick. All registers change at every boundary and hold noise in between, so that a
+// stage that reads late or early is wrong at once.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <random>
+
+#include "bench.h"
+#include "coprocessor/calibrator.h"
+#include "coprocessor/lms_demodulator.h"
+#include "fixed/fixed.h"
+
+namespace capsoc::rtl_test {
+namespace {
+
+using coprocessor::Datapath;
+using coprocessor::Learning;
+using coprocessor::Options;
+using coprocessor::Packet;
+using coprocessor::PolarResult;
+using coprocessor::ReferenceSource;
+using coprocessor::Rotation;
+using coprocessor::State;
+using coprocessor::Weights;
+
+#ifndef CAPSOC_PAPER
+#define CAPSOC_PAPER 0
+#define CAPSOC_OPERAND_BITS 32
+#define CAPSOC_REFERENCE_LEAD 0
+#define CAPSOC_STEP_SHIFT 0
+#endif
+
+Options options() {
+  Options out;
+  out.arithmetic = CAPSOC_PAPER ? coprocessor::Arithmetic::paper : coprocessor::Arithmetic::precise;
+  out.paper_operand_bits = CAPSOC_OPERAND_BITS;
+  out.paper_reference_lead = CAPSOC_REFERENCE_LEAD;
+  out.paper_step_shift = CAPSOC_STEP_SHIFT;
+  return out;
+}
+
+// Words with a liking for the places where rounding, clamping and normalising change.
+class Words {
+ public:
+  explicit Words(uint64_t seed) : engine_(seed) {}
+
+  uint64_t bits() { return engine_(); }
+  unsigned below(unsigned limit) { return static_cast<unsigned>(engine_() % limit); }
+  bool one_in(unsigned n) { return below(n) == 0; }
+
+  int64_t signed_word(unsigned width) {
+    const int64_t largest = static_cast<int64_t>((uint64_t{1} << (width - 1)) - 1);
+    switch (below(12)) {
+      case 0:
+        return 0;
+      case 1:
+        return largest;
+      case 2:
+        return -largest - 1;
+      case 3:
+        return static_cast<int64_t>(below(5)) - 2;
+      case 4:
+        return largest - below(3);
+      case 5:
+      case 6: {  // a power of two and its neighbours
+        const int64_t power = int64_t{1} << below(width - 1);
+        const int64_t word = power + static_cast<int64_t>(below(3)) - 1;
+        return std::min(one_in(2) ? word : -word, largest);
+      }
+      case 7:
+      case 8: {  // a random magnitude of random length: also ties of every rounding
+        const unsigned length = 1 + below(width);
+        const int64_t word = static_cast<int64_t>(bits()) >> (64 - length);
+        return (word >> below(length)) << below(2);
+      }
+      default:
+        return static_cast<int64_t>(bits()) >> (64 - width);
+    }
+  }
+  int32_t word32() { return static_cast<int32_t>(signed_word(32)); }
+  int64_t word48() {
+    const int64_t largest = static_cast<int64_t>(mask48 >> 1);
+    return std::clamp(signed_word(48), -largest - 1, largest);
+  }
+  uint32_t step() {
+    if (one_in(8)) return 0x7FFFFFFF;
+    if (one_in(8)) return 0;
+    return static_cast<uint32_t>(bits() >> 33) >> below(31);
+  }
+  // The seams of an angle: quarters of a turn and one beside them.
+  uint64_t angle48() {
+    if (one_in(3)) return ((uint64_t{below(8)} << 45) + below(5) - 2) & mask48;
+    return bits() & mask48;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+Weights weights(Words& w) {
+  Weights out{w.word48(), w.word48(), w.word48()};
+  if (CAPSOC_PAPER) {
+    for (int64_t* word : {&out.sine, &out.cosine, &out.constant}) *word = (*word >> 16) << 15;
+  }
+  return out;
+}
+
+Registers random_registers(Words& w) {
+  Registers r;
+  r.settings.demodulate = !w.one_in(4);
+  r.settings.source = static_cast<ReferenceSource>(w.below(3));
+  // Shifts by 0 have an order of their own in the RTL.
+  r.settings.kp = w.one_in(4) ? 0 : w.below(32);
+  r.settings.ki = w.one_in(4) ? 0 : w.below(32);
+  r.settings.steps_u = {w.step(), w.step(), w.step()};
+  r.settings.steps_v = {w.step(), w.step(), w.step()};
+  r.calibrate = !w.one_in(4);
+  r.lock_threshold = static_cast<uint32_t>(w.bits() >> 32);
+  r.diverge_threshold = static_cast<uint32_t>(w.bits() >> 32);
+  r.reference.phase = w.angle48();
+  r.reference.frequency = w.word48();
+  if (w.one_in(32)) {
+    r.coefficients = {};
+  } else {
+    r.coefficients = {weights(w), weights(w)};
+  }
+  r.parameters.a1 = w.word32() & 0x7FFFFFFF;
+  r.parameters.a2 = w.word32() & 0x7FFFFFFF;
+  r.parameters.b1 = w.word32();
+  r.parameters.b2 = w.word32();
+  r.parameters.beta = static_cast<uint32_t>(w.angle48() >> 16);
+  r.parameters.phi = static_cast<uint32_t>(w.angle48() >> 16);
+  return r;
+}
+
+// The pipeline of the model, one tick at a time, as coprocessor.cpp has it.
+class Pipeline {
+ public:
+  explicit Pipeline(uint64_t seed) : words_(seed), datapath_(options()) {}
+
+  // One tick; `enter`: a new sample comes in at the boundary that ends it.
+  void tick(bool enter, unsigned load_start = 0) {
+    for (unsigned cycle = 0; cycle < 31; ++cycle) {
+      // Noise in the registers: nothing may depend on them in mid-tick.
+      if (cycle % 7 == 0) bench_.drive(random_registers(words_));
+      Timing t;
+      t.cycle = cycle;
+      t.stage = stage_;
+      t.load = load_;
+      bench_.drive(t);
+      bench_.settle();
+      bench_.edge();
+    }
+    boundary(enter, load_start);
+  }
+
+  // The interval that ends a tick, or the pipeline's idle time.
+  void boundary(bool enter, unsigned load_start = 0) {
+    Registers r = random_registers(words_);
+    // Calibrations that make sense now and then: residues are small, errors do not saturate.
+    const int32_t u = words_.word32();
+    const int32_t v = words_.word32();
+    const bool clip = words_.one_in(2);
+    bench_.drive(r);
+    bench_.hold(u, v, clip);
+    Timing t;
+    t.boundary = true;
+    t.enter = enter;
+    t.cycle = 31;
+    t.stage = stage_;
+    t.load = load_;
+    t.load_start = load_start;
+    bench_.drive(t);
+    bench_.settle();
+    check_ends();
+    apply_ends(r);
+    start(r, enter, u, v, clip, load_start);
+    bench_.edge();
+    check_results();
+  }
+
+  // Soft reset in cycle `cycle` of the running tick: nothing of the past may show.
+  void clear(unsigned cycle) {
+    for (unsigned c = 0; c <= cycle; ++c) {
+      bench_.drive(random_registers(words_));
+      Timing t;
+      t.cycle = c;
+      t.stage = stage_;
+      t.load = load_;
+      t.boundary = c == 31;
+      bench_.drive(t);
+      bench_.top().clear_i = c == cycle;
+      bench_.settle();
+      bench_.edge();
+    }
+    bench_.top().clear_i = 0;
+    stage_ = load_ = 0;
+    any_ = status_valid_ = status_lock_ = status_diverged_ = status_mirror_ = false;
+    angle_ = result_average_ = 0;
+    sum_u_ = sum_v_ = settled_ = 0;
+    Timing idle;
+    idle.cycle = cycle;
+    for (unsigned i = 0; i < 3; ++i) {
+      bench_.drive(idle);
+      bench_.settle();
+      check_results();
+      bench_.edge();
+    }
+  }
+
+  unsigned stage() const { return stage_; }
+  uint64_t vectors() const { return vectors_; }
+
+ private:
+  bool occupied(unsigned stage) const { return (stage_ >> stage) & 1; }
+
+  void check_ends() {
+    Vdatapath& top = bench_.top();
+    EXPECT_EQ(top.phase_we_o, occupied(2));
+    if (occupied(2)) {
+      EXPECT_EQ(top.phase_o, reference_.phase);
+      EXPECT_EQ(top.freq_we_o, tracking_);
+      if (tracking_) {
+        EXPECT_EQ(sign48(top.freq_o), reference_.frequency);
+      }
+    } else {
+      EXPECT_EQ(top.freq_we_o, 0);
+    }
+    const bool learns = occupied(3) && learning_.update;
+    EXPECT_EQ(top.weights_u_we_o, learns || (load_ & 2) != 0);
+    EXPECT_EQ(top.weights_v_we_o, learns || (load_ & 4) != 0);
+    const Coefficients got = bench_.weights();
+    if (learns || (load_ & 2)) {
+      EXPECT_EQ(got.u.sine, learning_.coefficients.u.sine);
+      EXPECT_EQ(got.u.cosine, learning_.coefficients.u.cosine);
+      EXPECT_EQ(got.u.constant, learning_.coefficients.u.constant);
+    }
+    if (learns || (load_ & 4)) {
+      EXPECT_EQ(got.v.sine, learning_.coefficients.v.sine);
+      EXPECT_EQ(got.v.cosine, learning_.coefficients.v.cosine);
+      EXPECT_EQ(got.v.constant, learning_.coefficients.v.constant);
+    }
+    EXPECT_EQ(top.commit_o, occupied(4));
+    EXPECT_EQ(top.parameters_we_o, occupied(4) && keep_parameters_);
+    if (!occupied(4)) return;
+    const Packet& p = pipe_[4];
+    EXPECT_EQ(top.flag_clip_o, p.clip);
+    EXPECT_EQ(top.flag_sat_o, p.saturated);
+    EXPECT_EQ(top.flag_zero_o, p.zero);
+    EXPECT_EQ(top.flag_diverged_o, diverged_);
+    EXPECT_EQ(top.flag_lockchg_o, lock_ != status_lock_);
+    EXPECT_EQ(top.flag_mirrorchg_o, p.mirror != status_mirror_);
+    const Parameters a = bench_.parameters();
+    const Parameters& b = polar_.parameters;
+    EXPECT_EQ(a.a1, b.a1);
+    EXPECT_EQ(a.a2, b.a2);
+    EXPECT_EQ(a.b1, b.b1);
+    EXPECT_EQ(a.b2, b.b2);
+    EXPECT_EQ(a.beta, b.beta) << "a_v " << weights_.v.sine << " b_v " << weights_.v.cosine;
+    EXPECT_EQ(a.phi, b.phi);
+  }
+
+  // What the stages write counts for the stages that start now.
+  void apply_ends(Registers& r) {
+    if (occupied(2)) {
+      r.reference.phase = reference_.phase;
+      if (tracking_) r.reference.frequency = reference_.frequency;
+    }
+    if (occupied(3)) {
+      if (learning_.update) r.coefficients = learning_.coefficients;
+      sum_u_ = learning_.error_sum_u;
+      sum_v_ = learning_.error_sum_v;
+    }
+    if (load_ & 2) r.coefficients.u = learning_.coefficients.u;
+    if (load_ & 4) r.coefficients.v = learning_.coefficients.v;
+    if (load_ & 3) load_rotation_ = pending_rotation_;
+    if (!occupied(4)) return;
+    if (keep_parameters_) r.parameters = polar_.parameters;
+    committed_ = pipe_[4];
+    any_ = true;
+    status_valid_ = calibrate_ && !committed_.zero;
+    if (status_valid_) angle_ = polar_.angle;
+    status_lock_ = lock_;
+    status_diverged_ = diverged_;
+    status_mirror_ = committed_.mirror;
+    result_average_ = average_;
+    ++settled_;
+  }
+
+  void start(const Registers& r, bool enter, int32_t u, int32_t v, bool clip, unsigned load_start) {
+    State state;
+    state.coefficients = r.coefficients;
+    state.parameters = r.parameters;
+    state.reference = r.reference;
+    state.error_sum_u = sum_u_;
+    state.error_sum_v = sum_v_;
+    for (unsigned s = 4; s > 0; --s)
+      if (occupied(s - 1)) pipe_[s] = pipe_[s - 1];
+    stage_ = ((stage_ << 1) & 31) | (enter ? 1u : 0u);
+    load_ = load_start;
+    if (enter) {
+      pipe_[0] = {};
+      pipe_[0].u = u;
+      pipe_[0].v = v;
+      pipe_[0].clip = clip;
+      datapath_.products(pipe_[0], state);
+      ++vectors_;
+    }
+    if (occupied(1)) datapath_.relative_angle(pipe_[1]), ++vectors_;
+    if (occupied(2)) {
+      datapath_.reference(pipe_[2], r.settings, state, reference_);
+      tracking_ = r.settings.source == ReferenceSource::tracking;
+      ++vectors_;
+    }
+    if (occupied(3)) datapath_.demodulation(pipe_[3], r.settings, state, learning_), ++vectors_;
+    if (occupied(4)) {
+      polar_ = datapath_.parameters(pipe_[4], state);
+      weights_ = state.coefficients;
+      keep_parameters_ = r.settings.demodulate;
+      calibrate_ = r.calibrate;
+      average_ = coprocessor::error_average(std::max(sum_u_, sum_v_));
+      lock_ = settled_ >= 63 && average_ < r.lock_threshold;
+      diverged_ = settled_ >= 63 && average_ > r.diverge_threshold;
+      ++vectors_;
+    }
+    start_load(r.parameters);
+  }
+
+  void start_load(const Parameters& p) {
+    const Rotation& rotation = load_rotation_;
+    const auto stored = [](Weights weights) {
+      if (!CAPSOC_PAPER) return weights;
+      bool clamped = false;
+      for (int64_t* w : {&weights.sine, &weights.cosine, &weights.constant})
+        *w = fixed::saturate<32>(coprocessor::weight_q31(*w), clamped) * 32768;
+      return weights;
+    };
+    if (load_ & 1) pending_rotation_ = datapath_.rotation(coprocessor::to_phase48(p.phi));
+    if (load_ & 2) {
+      learning_.coefficients.u =
+          stored(coprocessor::coefficients_u(p, rotation.sine, rotation.cosine));
+      pending_rotation_ = datapath_.rotation(coprocessor::to_phase48(p.phi + p.beta));
+    }
+    if (load_ & 4)
+      learning_.coefficients.v =
+          stored(coprocessor::coefficients_v(p, rotation.sine, rotation.cosine));
+    if (load_) ++vectors_;
+  }
+
+  void check_results() {
+    const Packet p = any_ ? committed_ : Packet{};
+    const std::array<uint32_t, 11> expected = {static_cast<uint32_t>(p.u),
+                                               static_cast<uint32_t>(p.v),
+                                               static_cast<uint32_t>(p.cal_s),
+                                               static_cast<uint32_t>(p.cal_c),
+                                               angle_,
+                                               static_cast<uint32_t>(p.error_u),
+                                               static_cast<uint32_t>(p.error_v),
+                                               static_cast<uint32_t>(p.residue),
+                                               p.reference_phase,
+                                               static_cast<uint32_t>(p.amplitude),
+                                               result_average_};
+    for (unsigned i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(bench_.result(i), expected[i]) << "result " << i;
+    Vdatapath& top = bench_.top();
+    EXPECT_EQ(top.status_lock_o, status_lock_);
+    EXPECT_EQ(top.status_diverged_o, status_diverged_);
+    EXPECT_EQ(top.status_mirror_o, status_mirror_);
+    EXPECT_EQ(top.status_valid_o, status_valid_);
+  }
+
+  Words words_;
+  Datapath datapath_;
+  Bench bench_;
+  unsigned stage_ = 0;
+  unsigned load_ = 0;
+  std::array<Packet, 5> pipe_;
+  ReferenceState reference_;
+  bool tracking_ = false;
+  Learning learning_;
+  PolarResult polar_;
+  Coefficients weights_;  // what it comes from
+  bool keep_parameters_ = false, calibrate_ = false, lock_ = false, diverged_ = false;
+  uint32_t average_ = 0;
+  uint64_t sum_u_ = 0, sum_v_ = 0;
+  Rotation load_rotation_, pending_rotation_;
+  uint64_t settled_ = 0;
+  Packet committed_;
+  bool any_ = false, status_valid_ = false, status_lock_ = false, status_diverged_ = false,
+       status_mirror_ = false;
+  uint32_t angle_ = 0, result_average_ = 0;
+  uint64_t vectors_ = 0;
+};
+
+unsigned ticks() {
+  const char* text = std::getenv("CAPSOC_RTL_TICKS");
+  return text != nullptr ? static_cast<unsigned>(std::atoi(text)) : (CAPSOC_PAPER ? 30000 : 60000);
+}
+
+TEST(Datapath, SoftResetInAnyCycle) {
+  Pipeline pipeline(7);
+  for (unsigned i = 0; i < 320 && !testing::Test::HasFailure(); ++i) {
+    const unsigned samples = i % 3 == 0 ? 80 : 1 + i % 7;  // with and without a settled average
+    pipeline.boundary(true);
+    for (unsigned n = 0; n < samples; ++n) pipeline.tick(n % 5 != 4);
+    if (i % 4 == 0) {  // a reset amid a LOAD
+      while (pipeline.stage() != 0) pipeline.tick(false, (pipeline.stage() & 15) == 0 ? 1 : 0);
+      if (i % 8 == 0) pipeline.tick(false, 2);
+    }
+    pipeline.clear(i % 32);
+  }
+}
+
+TEST(Datapath, StagesOnRandomRegisters) {
+  const uint64_t seed = 20260101;
+  RecordProperty("seed", std::to_string(seed));
+  Pipeline pipeline(seed);
+  Words words(seed + 1);
+  pipeline.boundary(true);
+  unsigned load = 0;
+  for (unsigned i = 0; i < ticks() && !testing::Test::HasFailure(); ++i) {
+    if (load != 0) {  // L1, L2, then a sample or nothing
+      load = (load << 1) & 7;
+      pipeline.tick(load == 0 && words.one_in(2), load);
+      continue;
+    }
+    const bool drains = (pipeline.stage() & 15) == 0;
+    load = drains && words.one_in(2) ? 1 : 0;
+    // Now and then the pipeline runs empty.
+    const bool enter = load == 0 && (i / 64 % 4 != 3 ? true : i % 64 < 40 && words.one_in(3));
+    if (pipeline.stage() == 0)
+      pipeline.boundary(enter, load);
+    else
+      pipeline.tick(enter, load);
+  }
+  std::printf("seed %llu: %llu vectors\n", static_cast<unsigned long long>(seed),
+              static_cast<unsigned long long>(pipeline.vectors()));
+}
+
+}  // namespace
+}  // namespace capsoc::rtl_test

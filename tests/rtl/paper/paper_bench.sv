@@ -1,0 +1,112 @@
+// The units of the paper arithmetic side by side on common inputs, for tests: one Verilated model
+// instead of six. Ports: those of the units, with the unit's name in front where two would clash.
+module paper_bench (
+  input  logic               clk_i,
+  input  logic               rst_ni,
+  input  logic               run_i,
+  input  logic         [4:0] cycle_i,
+  input  logic signed [31:0] u_i,
+  input  logic signed [31:0] v_i,
+  input  logic signed [31:0] sine_i,
+  input  logic signed [31:0] cosine_i,
+  input  logic signed [31:0] a1_i,
+  input  logic signed [31:0] a2_i,
+  input  logic signed [31:0] b1_i,
+  input  logic signed [31:0] b2_i,
+  input  logic        [31:0] beta_i,
+  input  logic        [30:0] step_au_i,
+  input  logic        [30:0] step_bu_i,
+  input  logic        [30:0] step_cu_i,
+  input  logic        [30:0] step_av_i,
+  input  logic        [30:0] step_bv_i,
+  input  logic        [30:0] step_cv_i,
+  input  logic signed [47:0] au_i,
+  input  logic signed [47:0] bu_i,
+  input  logic signed [47:0] cu_i,
+  input  logic signed [47:0] av_i,
+  input  logic signed [47:0] bv_i,
+  input  logic signed [47:0] cv_i,
+  // beta_i looked up
+  output logic signed [31:0] lookup_sine_o,
+  output logic signed [31:0] lookup_cosine_o,
+  output logic signed [31:0] cal_s_o,
+  output logic signed [31:0] cal_c_o,
+  output logic               mirror_o,
+  output logic               calibrator_saturated_o,
+  output logic signed [31:0] error_u_o,
+  output logic signed [31:0] error_v_o,
+  output logic signed [47:0] au_o,
+  output logic signed [47:0] bu_o,
+  output logic signed [47:0] cu_o,
+  output logic signed [47:0] av_o,
+  output logic signed [47:0] bv_o,
+  output logic signed [47:0] cv_o,
+  output logic               error_saturated_o,
+  output logic               weights_saturated_o,
+  // Step shift 7, the paper's Table 8
+  output logic signed [47:0] shifted_au_o,
+  output logic signed [47:0] shifted_cv_o,
+  output logic signed [31:0] a1_o,
+  output logic signed [31:0] a2_o,
+  output logic        [31:0] beta_o,
+  output logic        [31:0] phi_o,
+  output logic               parameters_saturated_o,
+  // Arctangents of (u, v) with narrower operands
+  output logic        [31:0] angle_2_o,
+  output logic        [31:0] angle_16_o,
+  output logic        [31:0] angle_18_o,
+  output logic        [31:0] angle_19_o
+);
+
+  paper_lookup u_lookup (
+    .angle_i(beta_i),
+    .sine_o(lookup_sine_o),
+    .cosine_o(lookup_cosine_o)
+  );
+
+  paper_calibrator u_calibrator (
+    .clk_i, .rst_ni, .run_i, .cycle_i,
+    .u_i, .v_i, .a1_i, .a2_i, .b1_i, .b2_i, .beta_i,
+    .cal_s_o, .cal_c_o, .mirror_o, .saturated_o(calibrator_saturated_o)
+  );
+
+  paper_lms u_lms (
+    .clk_i, .rst_ni, .run_i, .cycle_i,
+    .u_i, .v_i, .sine_i, .cosine_i,
+    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i,
+    .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
+    .error_u_o, .error_v_o, .au_o, .bu_o, .cu_o, .av_o, .bv_o, .cv_o,
+    .error_saturated_o, .weights_saturated_o
+  );
+
+  paper_lms #(
+    .StepShift(7)
+  ) u_lms_shifted (
+    .clk_i, .rst_ni, .run_i, .cycle_i,
+    .u_i, .v_i, .sine_i, .cosine_i,
+    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i,
+    .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
+    .error_u_o(), .error_v_o(), .au_o(shifted_au_o), .bu_o(), .cu_o(), .av_o(), .bv_o(),
+    .cv_o(shifted_cv_o), .error_saturated_o(), .weights_saturated_o()
+  );
+
+  paper_parameters u_parameters (
+    .clk_i, .rst_ni, .run_i, .cycle_i,
+    .au_i, .bu_i, .av_i, .bv_i,
+    .a1_o, .a2_o, .beta_o, .phi_o, .saturated_o(parameters_saturated_o)
+  );
+
+  paper_arctangent #(.OperandBits(2)) u_arctangent_2 (
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_2_o)
+  );
+  paper_arctangent #(.OperandBits(16)) u_arctangent_16 (
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_16_o)
+  );
+  paper_arctangent #(.OperandBits(18)) u_arctangent_18 (
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_18_o)
+  );
+  paper_arctangent #(.OperandBits(19)) u_arctangent_19 (
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_19_o)
+  );
+
+endmodule
