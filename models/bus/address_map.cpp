@@ -96,13 +96,13 @@ void add_memories(AddressMap& map) {
 void add_cmsdk_apb_devices(AddressMap& map) {
   map.push_back(device("timer0", 0x40000000, {{"interrupt", 8}}));
   map.push_back(device("timer1", 0x40001000, {{"interrupt", 9}}));
-  map.push_back(missing("dual_timer", 0x40002000, {{"interrupt", 10}}));
+  map.push_back(device("dual_timer", 0x40002000, {{"interrupt", 10}}));
   map.push_back(missing("reserved_apb_3", 0x40003000));
   map.push_back(device("uart0", 0x40004000, {{"rx", 0}, {"tx", 1}, {"overrun", 12}}));
   map.push_back(device("uart1", 0x40005000, {{"rx", 2}, {"tx", 3}, {"overrun", 12}}));
   map.push_back(device("uart2", 0x40006000, {{"rx", 4}, {"tx", 5}, {"overrun", 12}}));
   map.push_back(device("uart3", 0x40007000, {{"rx", 18}, {"tx", 19}, {"overrun", 12}}));
-  map.push_back(missing("watchdog", 0x40008000, {{"interrupt", nmi_line}}));
+  map.push_back(device("watchdog", 0x40008000, {{"interrupt", nmi_line}}));
   map.push_back(device("uart4", 0x40009000, {{"rx", 20}, {"tx", 21}, {"overrun", 12}}));
   map.push_back(hole("reserved_apb_a", 0x4000a000, 2 * slot, BusKind::apb));
   map.push_back(device("coprocessor", 0x4000c000, {{"interrupt", 30}}));
@@ -132,11 +132,11 @@ void add_board_devices(AddressMap& map) {
   map.push_back(missing("spi2", 0x40025000, {{"interrupt", 22}}));
   map.push_back(missing("spi3", 0x40026000, {{"interrupt", 24}}));
   map.push_back(missing("spi4", 0x40027000, {{"interrupt", 24}}));
-  map.push_back(missing("fpgaio", 0x40028000));
+  map.push_back(device("fpgaio", 0x40028000));
   map.push_back(missing("i2c2", 0x40029000));
   map.push_back(missing("i2c3", 0x4002a000));
   map.push_back(hole("reserved_fpga", 0x4002b000, 4 * slot, BusKind::apb));
-  map.push_back(missing("scc", 0x4002f000));
+  map.push_back(device("scc", 0x4002f000));
   map.push_back(hole("reserved_4", 0x40030000, 0x001d0000));
   map.push_back(hole("ethernet", 0x40200000, 1 * mib));
   map.back().interrupts = {{"interrupt", 13}};

@@ -35,12 +35,30 @@ void CortexM3Tlm::set_interrupt(unsigned line, bool level) {
   wake_.notify(sc_core::SC_ZERO_TIME);
 }
 
+void CortexM3Tlm::pulse_nmi() {
+  core_.pulse_nmi();
+  wake_.notify(sc_core::SC_ZERO_TIME);
+}
+
+void CortexM3Tlm::request_reset() {
+  reset_requested_ = true;
+  core_.attention();
+  wake_.notify(sc_core::SC_ZERO_TIME);
+}
+
+void CortexM3Tlm::reset_system() {
+  reset_requested_ = false;
+  if (reset_request_) reset_request_();
+  core_.reset();
+}
+
 void CortexM3Tlm::thread() {
   core_.reset();
   for (;;) {
     settle();
     if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
     if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+    if (reset_requested_) reset_system();
     const StopReason reason = core_.run(horizon());
     synchronise();
     catch_up();
@@ -53,8 +71,7 @@ void CortexM3Tlm::thread() {
       case StopReason::semihosting_exit:
         return end(EndReason::exit);
       case StopReason::reset_request:
-        if (reset_request_) reset_request_();
-        core_.reset();
+        reset_system();
         break;
       case StopReason::budget:
       case StopReason::attention:
@@ -72,7 +89,7 @@ void CortexM3Tlm::end(EndReason reason) {
 
 /// Sleeps until an interrupt or an event of the core's own (SysTick) can wake it.
 void CortexM3Tlm::sleep() {
-  while (!core_.wake_pending()) {
+  while (!core_.wake_pending() && !reset_requested_) {
     const uint64_t internal = core_.next_internal_event();
     if (internal != never) {
       const sc_core::sc_time until = clock_.time_of(internal);

@@ -35,10 +35,14 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
 
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
-  /// Called for SYSRESETREQ, at the time of the write; resets the rest of the system.
+  /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
   /// A level on an interrupt line.
   void set_interrupt(unsigned line, bool level);
+  /// A rising edge of the NMI input.
+  void pulse_nmi();
+  /// A system reset from outside (a watchdog, a pin), before the next instruction.
+  void request_reset();
 
   Core& core() { return core_; }
   const Core& core() const { return core_; }
@@ -55,6 +59,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   void settle();
   uint64_t horizon() const;
   void end(EndReason reason);
+  void reset_system();
   bool access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
               unsigned& wait_cycles, AccessKind kind);
   bool map_if_memory(Socket& socket, uint32_t address);
@@ -72,6 +77,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
   EndReason end_reason_ = EndReason::none;
+  bool reset_requested_ = false;
 };
 
 }  // namespace capsoc::cortex_m3

@@ -9,6 +9,11 @@ namespace {
 
 constexpr uint64_t kib = 1024, mib = 1024 * kib;
 
+std::unique_ptr<coprocessor::Device> make_coprocessor(const Config& config) {
+  if (config.make_coprocessor) return config.make_coprocessor();
+  return std::make_unique<coprocessor::Coprocessor>(config.coprocessor);
+}
+
 }  // namespace
 
 Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
@@ -22,6 +27,8 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       psram("psram", 16 * mib),
       timer0("timer0", clock),
       timer1("timer1", clock),
+      dual_timer("dual_timer", clock),
+      watchdog("watchdog", clock),
       uart0("uart0", clock),
       uart1("uart1", clock),
       uart2("uart2", clock),
@@ -31,7 +38,9 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       gpio1("gpio1", clock),
       gpio2("gpio2", clock),
       gpio3("gpio3", clock),
-      coprocessor("coprocessor", clock, config.coprocessor),
+      fpgaio("fpgaio"),
+      scc("scc"),
+      coprocessor("coprocessor", clock, make_coprocessor(config)),
       adc("adc_front_end", clock),
       clock_controller("clock_controller", clock) {
   cpu.set_quantum(config.quantum);
@@ -56,6 +65,10 @@ void Soc::bind() {
 
   apb.port("timer0")->bind(timer0.socket);
   apb.port("timer1")->bind(timer1.socket);
+  apb.port("dual_timer")->bind(dual_timer.socket);
+  apb.port("watchdog")->bind(watchdog.socket);
+  apb.port("fpgaio")->bind(fpgaio.socket);
+  apb.port("scc")->bind(scc.socket);
   for (peripherals::Uart* uart : uarts()) apb.port(uart->basename())->bind(uart->socket);
   apb.port("coprocessor")->bind(coprocessor.socket);
   apb.port("adc_front_end")->bind(adc.socket);
@@ -79,6 +92,12 @@ void Soc::connect(tlm_util::InterruptLine& source, const char* device, const cha
   const bus::AddressMap map = bus::soc_address_map();
   for (const bus::InterruptWire& wire : bus::find_entry(map, device)->interrupts) {
     if (wire.output != output) continue;
+    if (wire.line == bus::nmi_line) {
+      source.connect([this](bool level) {
+        if (level) cpu.pulse_nmi();
+      });
+      continue;
+    }
     source.connect([this, line = static_cast<unsigned>(wire.line)](bool level) {
       high_sources_[line] += level ? 1 : -1;
       cpu.set_interrupt(line, high_sources_[line] > 0);
@@ -89,6 +108,11 @@ void Soc::connect(tlm_util::InterruptLine& source, const char* device, const cha
 void Soc::connect_interrupts() {
   connect(timer0.interrupt, "timer0", "interrupt");
   connect(timer1.interrupt, "timer1", "interrupt");
+  connect(dual_timer.interrupt, "dual_timer", "interrupt");
+  connect(watchdog.interrupt, "watchdog", "interrupt");
+  watchdog.reset_request.connect([this](bool level) {
+    if (level) cpu.request_reset();
+  });
   for (peripherals::Uart* uart : uarts()) {
     connect(uart->rx_interrupt, uart->basename(), "rx");
     connect(uart->tx_interrupt, uart->basename(), "tx");
@@ -103,8 +127,12 @@ void Soc::connect_interrupts() {
 void Soc::reset_peripherals() {
   timer0.reset();
   timer1.reset();
+  dual_timer.reset();
+  watchdog.reset();
   for (peripherals::Uart* uart : uarts()) uart->reset();
   for (peripherals::Gpio* gpio : gpios()) gpio->reset();
+  fpgaio.reset();
+  scc.reset();
   coprocessor.reset();
   adc.reset();
   clock_controller.reset();

@@ -13,13 +13,17 @@
 #include "bus/apb_bridge.h"
 #include "bus/memory.h"
 #include "bus/unimplemented.h"
+#include "cmsdk/dual_timer.h"
 #include "cmsdk/gpio.h"
 #include "cmsdk/timer.h"
 #include "cmsdk/uart.h"
+#include "cmsdk/watchdog.h"
 #include "coprocessor/types.h"
 #include "coprocessor_tlm/coprocessor_tlm.h"
 #include "cortex_m3_tlm/cortex_m3_tlm.h"
 #include "loader/elf_image.h"
+#include "mps2/fpga_io.h"
+#include "mps2/scc.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
 #include "support/result.h"
@@ -30,6 +34,8 @@ namespace capsoc::soc {
 /// What can be chosen when the SoC is built.
 struct Config {
   coprocessor::Options coprocessor;
+  /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
+  std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{10, sc_core::SC_US};
   cortex_m3::Executor executor = cortex_m3::Executor::blocks;
 };
@@ -55,8 +61,12 @@ class Soc : public sc_core::sc_module {
   bus::ApbBridge apb;
   bus::Memory code_sram, data_sram, block_ram, psram;
   peripherals::Timer timer0, timer1;
+  peripherals::DualTimer dual_timer;
+  peripherals::Watchdog watchdog;
   peripherals::Uart uart0, uart1, uart2, uart3, uart4;
   peripherals::Gpio gpio0, gpio1, gpio2, gpio3;
+  mps2::FpgaIo fpgaio;
+  mps2::Scc scc;
   coprocessor::CoprocessorTlm coprocessor;
   peripherals::AdcFrontEnd adc;
   peripherals::ClockController clock_controller;

@@ -15,12 +15,18 @@ Bench::Bench()
     : uart("uart", clock),
       timer("timer", clock),
       gpio("gpio", clock),
+      dual_timer("dual_timer", clock),
+      watchdog("watchdog", clock),
       to_uart("to_uart"),
       to_timer("to_timer"),
-      to_gpio("to_gpio") {
+      to_gpio("to_gpio"),
+      to_dual_timer("to_dual_timer"),
+      to_watchdog("to_watchdog") {
   to_uart.socket.bind(uart.socket);
   to_timer.socket.bind(timer.socket);
   to_gpio.socket.bind(gpio.socket);
+  to_dual_timer.socket.bind(dual_timer.socket);
+  to_watchdog.socket.bind(watchdog.socket);
 }
 
 Bench& bench() {

@@ -5,9 +5,11 @@
 #include <cstdint>
 
 #include "../bus/initiator.h"
+#include "cmsdk/dual_timer.h"
 #include "cmsdk/gpio.h"
 #include "cmsdk/timer.h"
 #include "cmsdk/uart.h"
+#include "cmsdk/watchdog.h"
 #include "tlm/clock_domain.h"
 #include "tlm/guest_error.h"
 
@@ -29,7 +31,9 @@ struct Bench {
   peripherals::Uart uart;
   peripherals::Timer timer;
   peripherals::Gpio gpio;
-  Initiator to_uart, to_timer, to_gpio;
+  peripherals::DualTimer dual_timer;
+  peripherals::Watchdog watchdog;
+  Initiator to_uart, to_timer, to_gpio, to_dual_timer, to_watchdog;
 };
 
 /// The one of this program.

@@ -1,4 +1,4 @@
-// What the three peripherals have in common: identification, and how they take a wrong access.
+// What the peripherals have in common: identification, and how they take a wrong access.
 #include <gtest/gtest.h>
 
 #include "bench.h"
@@ -18,10 +18,15 @@ class EveryPeripheral : public testing::Test {
     b.uart.reset();
     b.timer.reset();
     b.gpio.reset();
+    b.dual_timer.reset();
+    b.watchdog.reset();
   }
   Bench& b = bench();
-  Device devices[3] = {
-      {"uart", b.to_uart, 0x21}, {"timer", b.to_timer, 0x22}, {"gpio", b.to_gpio, 0x20}};
+  Device devices[5] = {{"uart", b.to_uart, 0x21},
+                       {"timer", b.to_timer, 0x22},
+                       {"gpio", b.to_gpio, 0x20},
+                       {"dual_timer", b.to_dual_timer, 0x23},
+                       {"watchdog", b.to_watchdog, 0x24}};
 };
 
 TEST_F(EveryPeripheral, IdentifiesItself) {
@@ -46,10 +51,10 @@ TEST_F(EveryPeripheral, ReportsAndIgnoresAWriteToItsIdentification) {
 TEST_F(EveryPeripheral, ReportsAnOffsetWithoutARegisterAndReadsItAsZero) {
   for (const Device& d : devices) {
     const uint64_t before = tlm_util::guest_error_count(d.name);
-    const Answer answer = d.initiator.read(0xf00);
+    const Answer answer = d.initiator.read(0xe00);
     EXPECT_TRUE(answer.ok()) << d.name;
     EXPECT_EQ(answer.value, 0u) << d.name;
-    EXPECT_TRUE(d.initiator.write(0xf00, 1).ok()) << d.name;
+    EXPECT_TRUE(d.initiator.write(0xe00, 1).ok()) << d.name;
     EXPECT_EQ(tlm_util::guest_error_count(d.name), before + 2) << d.name;
   }
 }
