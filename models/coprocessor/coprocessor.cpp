@@ -32,39 +32,67 @@ Options checked(Options options) {
 
 }  // namespace
 
-const std::array<NamedNode, 31>& node_names() {
-  static const std::array<NamedNode, 31> names = {{
-      {"u", &Nodes::u},
-      {"v", &Nodes::v},
-      {"cal_s", &Nodes::cal_s},
-      {"cal_c", &Nodes::cal_c},
-      {"amplitude", &Nodes::amplitude},
-      {"relative", &Nodes::relative},
-      {"reference_phase", &Nodes::reference_phase},
-      {"residue", &Nodes::residue},
-      {"sine", &Nodes::sine},
-      {"cosine", &Nodes::cosine},
-      {"error_u", &Nodes::error_u},
-      {"error_v", &Nodes::error_v},
-      {"phase", &Nodes::phase},
-      {"frequency", &Nodes::frequency},
-      {"a_u", &Nodes::a_u},
-      {"b_u", &Nodes::b_u},
-      {"c_u", &Nodes::c_u},
-      {"a_v", &Nodes::a_v},
-      {"b_v", &Nodes::b_v},
-      {"c_v", &Nodes::c_v},
-      {"a1", &Nodes::a1},
-      {"a2", &Nodes::a2},
-      {"b1", &Nodes::b1},
-      {"b2", &Nodes::b2},
-      {"beta", &Nodes::beta},
-      {"phi", &Nodes::phi},
-      {"angle", &Nodes::angle},
-      {"error_average", &Nodes::error_average},
-      {"status", &Nodes::status},
-      {"flags", &Nodes::flags},
-      {"samples", &Nodes::samples},
+const std::array<NamedNode, node_count>& node_names() {
+  static const std::array<NamedNode, node_count> names = {{
+      {"u", 0, &Nodes::u},
+      {"v", 0, &Nodes::v},
+      {"clip", 0, &Nodes::clip},
+      {"s_high", 0, &Nodes::s_high},
+      {"s_low", 0, &Nodes::s_low},
+      {"c_high", 0, &Nodes::c_high},
+      {"c_low", 0, &Nodes::c_low},
+      {"mirror", 0, &Nodes::mirror},
+      {"cal_s", 0, &Nodes::cal_s},
+      {"cal_c", 0, &Nodes::cal_c},
+      {"saturated_t0", 0, &Nodes::saturated_t0},
+      {"relative", 1, &Nodes::relative},
+      {"amplitude", 1, &Nodes::amplitude},
+      {"zero", 1, &Nodes::zero},
+      {"saturated_t1", 1, &Nodes::saturated_t1},
+      {"reference_phase", 2, &Nodes::reference_phase},
+      {"residue", 2, &Nodes::residue},
+      {"sine", 2, &Nodes::sine},
+      {"cosine", 2, &Nodes::cosine},
+      {"next_phase", 2, &Nodes::next_phase},
+      {"next_frequency", 2, &Nodes::next_frequency},
+      {"saturated_t2", 2, &Nodes::saturated_t2},
+      {"error_u", 3, &Nodes::error_u},
+      {"error_v", 3, &Nodes::error_v},
+      {"next_a_u", 3, &Nodes::next_a_u},
+      {"next_b_u", 3, &Nodes::next_b_u},
+      {"next_c_u", 3, &Nodes::next_c_u},
+      {"next_a_v", 3, &Nodes::next_a_v},
+      {"next_b_v", 3, &Nodes::next_b_v},
+      {"next_c_v", 3, &Nodes::next_c_v},
+      {"next_average", 3, &Nodes::next_average},
+      {"saturated_t3", 3, &Nodes::saturated_t3},
+      {"found_phi", 4, &Nodes::found_phi},
+      {"found_a1", 4, &Nodes::found_a1},
+      {"found_beta", 4, &Nodes::found_beta},
+      {"found_a2", 4, &Nodes::found_a2},
+      {"found_b1", 4, &Nodes::found_b1},
+      {"found_b2", 4, &Nodes::found_b2},
+      {"found_angle", 4, &Nodes::found_angle},
+      {"saturated", 4, &Nodes::saturated},
+      {"phase", commit_stage, &Nodes::phase},
+      {"frequency", commit_stage, &Nodes::frequency},
+      {"a_u", commit_stage, &Nodes::a_u},
+      {"b_u", commit_stage, &Nodes::b_u},
+      {"c_u", commit_stage, &Nodes::c_u},
+      {"a_v", commit_stage, &Nodes::a_v},
+      {"b_v", commit_stage, &Nodes::b_v},
+      {"c_v", commit_stage, &Nodes::c_v},
+      {"a1", commit_stage, &Nodes::a1},
+      {"a2", commit_stage, &Nodes::a2},
+      {"b1", commit_stage, &Nodes::b1},
+      {"b2", commit_stage, &Nodes::b2},
+      {"beta", commit_stage, &Nodes::beta},
+      {"phi", commit_stage, &Nodes::phi},
+      {"angle", commit_stage, &Nodes::angle},
+      {"error_average", commit_stage, &Nodes::error_average},
+      {"status", commit_stage, &Nodes::status},
+      {"flags", commit_stage, &Nodes::flags},
+      {"samples", commit_stage, &Nodes::samples},
   }};
   return names;
 }
@@ -100,6 +128,7 @@ void Coprocessor::soft_reset() {
 }
 
 void Coprocessor::advance(uint64_t cycle) {
+  cycle_ = std::max(cycle_, cycle);
   while (sequencer_.due(cycle)) {
     commit_tick();
     sequencer_.turn();
@@ -133,14 +162,27 @@ void Coprocessor::start_tick() {
   if (sequencer_.entered()) {
     pipe_[0] = held_;
     datapath_.products(pipe_[0], state_);
+    pipe_[0].saturated_after[0] = pipe_[0].saturated;
   }
-  if (sequencer_.occupied(1)) datapath_.relative_angle(pipe_[1]);
+  if (sequencer_.occupied(1)) {
+    datapath_.relative_angle(pipe_[1]);
+    pipe_[1].saturated_after[1] = pipe_[1].saturated;
+  }
   if (sequencer_.occupied(2)) {
     datapath_.reference(pipe_[2], settings_, state_, pending_.reference);
+    pipe_[2].next_reference = pending_.reference;
+    if (settings_.source != ReferenceSource::tracking) pipe_[2].next_reference.frequency = 0;
+    pipe_[2].saturated_after[2] = pipe_[2].saturated;
     pending_.steer_frequency = settings_.source == ReferenceSource::tracking;
   }
-  if (sequencer_.occupied(3))
+  if (sequencer_.occupied(3)) {
     datapath_.demodulation(pipe_[3], settings_, state_, pending_.learning);
+    pipe_[3].next_coefficients =
+        pending_.learning.update ? pending_.learning.coefficients : Coefficients{};
+    pipe_[3].next_average =
+        error_average(std::max(pending_.learning.error_sum_u, pending_.learning.error_sum_v));
+    pipe_[3].saturated_after[3] = pipe_[3].saturated;
+  }
   if (sequencer_.occupied(4)) start_results(pipe_[4]);
   if (const auto stage = sequencer_.load_stage()) start_load(*stage);
 }
@@ -219,20 +261,75 @@ void Coprocessor::commit_results(const Packet& packet) {
   record_nodes(packet);
 }
 
+void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) const {
+  const auto high = [](fixed::int128 x) { return static_cast<int64_t>(x >> 64); };
+  const Coefficients& w = packet.next_coefficients;
+  const PolarResult& polar = pending_.polar;
+  switch (stage) {
+    case 0:
+      n.u = packet.u;
+      n.v = packet.v;
+      n.clip = packet.clip;
+      n.s_high = high(packet.s);
+      n.s_low = static_cast<int64_t>(packet.s);
+      n.c_high = high(packet.c);
+      n.c_low = static_cast<int64_t>(packet.c);
+      n.mirror = packet.mirror;
+      n.cal_s = packet.cal_s;
+      n.cal_c = packet.cal_c;
+      n.saturated_t0 = packet.saturated_after[0];
+      break;
+    case 1:
+      n.relative = packet.relative;
+      n.amplitude = packet.amplitude;
+      n.zero = packet.zero;
+      n.saturated_t1 = packet.saturated_after[1];
+      break;
+    case 2:
+      n.reference_phase = packet.reference_phase;
+      n.residue = packet.residue;
+      n.sine = packet.reference.sine;
+      n.cosine = packet.reference.cosine;
+      n.next_phase = static_cast<int64_t>(packet.next_reference.phase);
+      n.next_frequency = packet.next_reference.frequency;
+      n.saturated_t2 = packet.saturated_after[2];
+      break;
+    case 3:
+      n.error_u = packet.error_u;
+      n.error_v = packet.error_v;
+      n.next_a_u = w.u.sine;
+      n.next_b_u = w.u.cosine;
+      n.next_c_u = w.u.constant;
+      n.next_a_v = w.v.sine;
+      n.next_b_v = w.v.cosine;
+      n.next_c_v = w.v.constant;
+      n.next_average = packet.next_average;
+      n.saturated_t3 = packet.saturated_after[3];
+      break;
+    default:
+      n.found_phi = polar.parameters.phi;
+      n.found_a1 = polar.parameters.a1;
+      n.found_beta = polar.parameters.beta;
+      n.found_a2 = polar.parameters.a2;
+      n.found_b1 = polar.parameters.b1;
+      n.found_b2 = polar.parameters.b2;
+      n.found_angle = polar.angle;
+      n.saturated = packet.saturated;
+      break;
+  }
+}
+
+bool Coprocessor::stage_nodes(unsigned stage, Nodes& nodes) const {
+  if (stage >= stage_count || !sequencer_.occupied(stage) || !sequencer_.turns_after(cycle_))
+    return false;
+  packet_nodes(pipe_[stage], stage, nodes);
+  return true;
+}
+
 void Coprocessor::record_nodes(const Packet& packet) {
   Nodes& n = nodes_;
-  n.u = packet.u;
-  n.v = packet.v;
-  n.cal_s = packet.cal_s;
-  n.cal_c = packet.cal_c;
-  n.amplitude = packet.amplitude;
-  n.relative = packet.relative;
-  n.reference_phase = packet.reference_phase;
-  n.residue = packet.residue;
-  n.sine = packet.reference.sine;
-  n.cosine = packet.reference.cosine;
-  n.error_u = packet.error_u;
-  n.error_v = packet.error_v;
+  ++n.commits;
+  for (unsigned stage = 0; stage < stage_count; ++stage) packet_nodes(packet, stage, n);
   n.phase = static_cast<int64_t>(state_.reference.phase);
   n.frequency = state_.reference.frequency;
   const Coefficients& w = state_.coefficients;

@@ -32,6 +32,8 @@ class Coprocessor final : public Device {
   bool interrupt() const override;
   bool idle() const override { return !sequencer_.busy(); }
   const Nodes& nodes() const override { return nodes_; }
+  bool stage_nodes(unsigned stage, Nodes& nodes) const override;
+  std::unique_ptr<Device> clone() const override { return std::make_unique<Coprocessor>(*this); }
 
  private:
   // Results that software sees; committed together at the end of T4.
@@ -61,6 +63,7 @@ class Coprocessor final : public Device {
   void commit_load(unsigned stage);
   void commit_results(const Packet& packet);
   void record_nodes(const Packet& packet);
+  void packet_nodes(const Packet& packet, unsigned stage, Nodes& n) const;
   bool latch(uint64_t cycle, int32_t u, int32_t v, bool clip);
 
   // register_bank.cpp
@@ -71,12 +74,12 @@ class Coprocessor final : public Device {
   bool write_pair(uint32_t offset, uint32_t value);
   void write_ctrl(uint32_t value);
   void write_command(uint64_t cycle, uint32_t value);
-  void reject(const char* what);
   uint32_t status() const;
   int64_t pair_value(unsigned pair) const;
   void set_pair(unsigned pair, int32_t high, uint32_t low);
 
   Options options_;
+  uint64_t cycle_ = 0;  // the last edge that has passed
   Datapath datapath_;
   Sequencer sequencer_;
 

@@ -2,6 +2,7 @@
 // state at the start of its tick; what it changes is written at the tick's end by the coprocessor.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "coprocessor/reference_generator.h"
@@ -32,9 +33,14 @@ struct Packet {
   int32_t residue = 0;           // 2^-32 turn
   Rotation reference;
   bool hold_weights = false;  // angle source without an angle: nothing to learn
+  ReferenceState next_reference;
   // T3
   int32_t error_u = 0;  // Q1.31
   int32_t error_v = 0;
+  Coefficients next_coefficients;  // 0 without an update
+  uint32_t next_average = 0;       // Q1.31
+  // `saturated` as the stages left it
+  std::array<bool, 4> saturated_after{};
 };
 
 // Registers that the pipeline reads.

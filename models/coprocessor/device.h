@@ -2,38 +2,64 @@
 // lockstep. Plain C++: time is a PCLK edge number that the caller hands in and that never decreases
 // from call to call.
 //
-// At one edge things happen in the order of docs/coprocessor.md: ends and starts of ticks, then at
-// most one submit(), then at most one write(). A read() at edge c sees the registers as edge c left
-// them; after it, or after interrupt(), idle() or nodes(), edge c is closed and the next submit()
-// or write() must name a later one.
+// What is submitted or written "at edge c" is on the pins in the interval before it and acts at it;
+// what is read "at edge c" is on the pins in the interval after it and shows what it left. At one
+// edge things happen in the order of docs/coprocessor.md: ends and starts of ticks, then at most
+// one submit(), then at most one write(). After a read(), or after next_event(), interrupt(),
+// idle(), nodes() or stage_nodes(), edge c is closed: the next submit() or write() must name a
+// later one. The bus carries one transfer an interval: after a read() that is not for debugging at
+// edge c the next read() is at c + 1 and the next write() at c + 2 at the earliest.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 
 namespace capsoc::coprocessor {
 
-// The nodes of the last sample whose results were committed, for lockstep comparison. Raw words:
-// signed formats sign-extended, unsigned ones zero-extended.
+// The nodes of one sample, for lockstep comparison. Raw words: signed formats sign-extended,
+// unsigned ones zero-extended. docs/coprocessor.md gives formats and rules.
 struct Nodes {
-  int64_t u = 0, v = 0, cal_s = 0, cal_c = 0, amplitude = 0;  // Q1.31
-  int64_t relative = 0, reference_phase = 0, residue = 0;     // 2^-32 turn
-  int64_t sine = 0, cosine = 0, error_u = 0, error_v = 0;     // Q1.31
-  // Registers as the commit leaves them.
+  // T0
+  int64_t u = 0, v = 0, clip = 0;
+  int64_t s_high = 0, s_low = 0, c_high = 0, c_low = 0;  // S and C: bits 67:64 and bits 63:0
+  int64_t mirror = 0, cal_s = 0, cal_c = 0, saturated_t0 = 0;
+  // T1
+  int64_t relative = 0, amplitude = 0, zero = 0, saturated_t1 = 0;
+  // T2
+  int64_t reference_phase = 0, residue = 0, sine = 0, cosine = 0, next_phase = 0,
+          next_frequency = 0, saturated_t2 = 0;  // the frequency 0 unless it is steered
+  // T3; the weights as the update leaves them, 0 without one
+  int64_t error_u = 0, error_v = 0;
+  int64_t next_a_u = 0, next_b_u = 0, next_c_u = 0, next_a_v = 0, next_b_v = 0, next_c_v = 0;
+  int64_t next_average = 0, saturated_t3 = 0;
+  // T4; what the polar unit found, whether or not it is written
+  int64_t found_phi = 0, found_a1 = 0, found_beta = 0, found_a2 = 0, found_b1 = 0, found_b2 = 0,
+          found_angle = 0, saturated = 0;
+  // Registers as the commit leaves them, before a write at the same edge.
   int64_t phase = 0, frequency = 0;                              // 2^-48 turn
   int64_t a_u = 0, b_u = 0, c_u = 0, a_v = 0, b_v = 0, c_v = 0;  // Q2.46
   int64_t a1 = 0, a2 = 0, b1 = 0, b2 = 0, beta = 0, phi = 0, angle = 0;
   int64_t error_average = 0, status = 0, flags = 0, samples = 0;
+
+  // Results committed since the last reset of either kind. No node, never compared.
+  uint64_t commits = 0;
 };
+
+// Where a node comes into being: 0 to 4 for T0 to T4, `commit_stage` for the registers.
+inline constexpr unsigned commit_stage = 5;
+inline constexpr std::size_t node_count = 59;
 
 struct NamedNode {
   const char* name;
+  unsigned stage;
   int64_t Nodes::*value;
 };
 // Every node of Nodes by name, in pipeline order.
-const std::array<NamedNode, 31>& node_names();
+const std::array<NamedNode, node_count>& node_names();
 
 struct RegisterAccess {
   bool ok = false;  // false: no register there (PSLVERR)
@@ -71,7 +97,15 @@ class Device {
 
   virtual bool interrupt() const = 0;
   virtual bool idle() const = 0;
+  // All nodes of the last sample whose results were committed.
   virtual const Nodes& nodes() const = 0;
+
+  // Sets those nodes of `nodes` that stage `stage` makes, if a sample is in it and this is the last
+  // interval of its tick; else returns false. A device that cannot look inside always does.
+  virtual bool stage_nodes(unsigned /*stage*/, Nodes& /*nodes*/) const { return false; }
+
+  // The same device in the same state; null if it cannot be copied.
+  virtual std::unique_ptr<Device> clone() const { return nullptr; }
 
  protected:
   Device() = default;

@@ -37,22 +37,18 @@ auto& member(Channel& u, Channel& v, unsigned index) {
 }
 
 // HI: rounded to Q1.31 and saturated; LO: what is then missing, in 2^-46.
-struct Words {
-  uint32_t high, low;
-};
-
-Words coefficient_words(int64_t weight) {
+PairWords coefficient_words(int64_t weight) {
   bool clamped = false;
   const int32_t high = fixed::saturate32(weight_q31(weight), clamped);
   const int32_t low = fixed::saturate32(weight - fixed::scale_up(int64_t{high}, 15), clamped);
   return {static_cast<uint32_t>(high), static_cast<uint32_t>(low)};
 }
 
-Words phase_words(uint64_t value) {
+PairWords phase_words(uint64_t value) {
   return {static_cast<uint32_t>(value >> 16), static_cast<uint32_t>(value & 0xFFFF)};
 }
 
-Words words(unsigned pair, int64_t value) {
+PairWords words(unsigned pair, int64_t value) {
   return pair < first_coefficient_pair ? phase_words(static_cast<uint64_t>(value))
                                        : coefficient_words(value);
 }
@@ -82,7 +78,69 @@ bool is_read_only(uint32_t offset) {
   }
 }
 
+bool is_write_only(uint32_t offset) {
+  return offset == reg_cmd || offset == reg_soft_v;
+}
+
+bool is_setting(uint32_t offset) {
+  switch (offset) {
+    case reg_ctrl:
+    case reg_flags:
+    case reg_loop:
+    case reg_lock_threshold:
+    case reg_diverge_threshold:
+    case reg_soft_u:
+      return true;
+    default:
+      return (offset >= reg_step_au && offset <= reg_step_cv) ||
+             (offset >= reg_a1 && offset <= reg_phi);
+  }
+}
+
+uint32_t source_field(uint32_t ctrl) {
+  return (ctrl & ctrl_ref_mask) >> ctrl_ref_shift;
+}
+
 }  // namespace
+
+bool is_register(uint32_t offset) {
+  return offset % 4 == 0 && (is_read_only(offset) || is_write_only(offset) || is_setting(offset) ||
+                             pair_of(offset).has_value());
+}
+
+std::string_view write_complaint(uint32_t offset, uint32_t value) {
+  if (is_read_only(offset)) return "write to a read-only register is ignored";
+  if (offset >= reg_step_au && offset <= reg_step_cv)
+    return value >> 31 ? "a step of 1.0 or more is ignored: write less than 2^31" : "";
+  switch (offset) {
+    case reg_ctrl:
+      if (value & ctrl_srst) return "";
+      if (source_field(value) == 3)
+        return "CTRL.REF 3 is reserved: the reference source stays as it was";
+      return value & ~ctrl_writable ? "reserved bits of CTRL are ignored" : "";
+    case reg_cmd:
+      return value & ~(cmd_load | cmd_clear | cmd_phase0) ? "reserved bits of CMD are ignored" : "";
+    case reg_loop:
+      return value & ~0x1F1Fu ? "reserved bits of LOOP are ignored" : "";
+    case reg_a1:
+    case reg_a2:
+      return value >> 31 ? "a negative amplitude is ignored: write less than 2^31" : "";
+    default:
+      return "";
+  }
+}
+
+bool is_pair(uint32_t offset) {
+  return offset % 4 == 0 && pair_of(offset).has_value();
+}
+
+bool is_pair_high(uint32_t offset) {
+  return is_pair(offset) && is_high(offset);
+}
+
+PairWords pair_words(uint32_t offset, int64_t value) {
+  return words(pair_of(offset).value_or(freq_pair), value);
+}
 
 uint32_t Coprocessor::status() const {
   return (sequencer_.busy() ? status_busy : 0) | (results_.lock ? status_lock : 0) |
@@ -188,7 +246,7 @@ RegisterAccess Coprocessor::read(uint64_t cycle, uint32_t offset, bool debug) {
   advance(cycle);
   if (offset % 4 != 0) return {};
   if (const auto pair = pair_of(offset)) {
-    const Words value = words(*pair, pair_value(*pair));
+    const PairWords value = words(*pair, pair_value(*pair));
     if (is_high(offset)) {
       if (!debug) latched_low_[*pair] = value.low;
       return {true, value.high};
@@ -203,17 +261,10 @@ bool Coprocessor::write(uint64_t cycle, uint32_t offset, uint32_t value) {
   advance(cycle);
   guest_error_ = {};
   if (offset % 4 != 0) return false;
-  if (is_read_only(offset)) {
-    guest_error_ = "write to a read-only register is ignored";
-    return true;
-  }
-  return write_control(cycle, offset, value) || write_setting(offset, value) ||
-         write_parameter(offset, value) || write_pair(offset, value);
-}
-
-void Coprocessor::reject(const char* what) {
-  flags_ |= flag_config;
-  guest_error_ = what;
+  guest_error_ = write_complaint(offset, value);
+  return is_read_only(offset) || write_control(cycle, offset, value) ||
+         write_setting(offset, value) || write_parameter(offset, value) ||
+         write_pair(offset, value);
 }
 
 bool Coprocessor::write_control(uint64_t cycle, uint32_t offset, uint32_t value) {
@@ -243,10 +294,9 @@ void Coprocessor::write_ctrl(uint32_t value) {
     soft_reset();
     return;
   }
-  if (value & ~ctrl_writable) guest_error_ = "reserved bits of CTRL are ignored";
-  uint32_t source = (value & ctrl_ref_mask) >> ctrl_ref_shift;
+  uint32_t source = source_field(value);
   if (source == 3) {
-    reject("CTRL.REF 3 is reserved: the reference source stays as it was");
+    flags_ |= flag_config;
     source = static_cast<uint32_t>(settings_.source);
   }
   ctrl_ = (value & ctrl_writable & ~ctrl_ref_mask) | (source << ctrl_ref_shift);
@@ -255,8 +305,6 @@ void Coprocessor::write_ctrl(uint32_t value) {
 }
 
 void Coprocessor::write_command(uint64_t cycle, uint32_t value) {
-  if (value & ~(cmd_load | cmd_clear | cmd_phase0))
-    guest_error_ = "reserved bits of CMD are ignored";
   if (value & cmd_load) sequencer_.request_load(cycle);
   if (value & cmd_clear) samples_ = early_count_ = 0;
   if (value & cmd_phase0) state_.reference.phase = 0;
@@ -265,14 +313,13 @@ void Coprocessor::write_command(uint64_t cycle, uint32_t value) {
 bool Coprocessor::write_setting(uint32_t offset, uint32_t value) {
   if (offset >= reg_step_au && offset <= reg_step_cv) {
     if (value >> 31)
-      reject("a step of 1.0 or more is ignored: write less than 2^31");
+      flags_ |= flag_config;
     else
       member(settings_.steps_u, settings_.steps_v, (offset - reg_step_au) / 4) = value;
     return true;
   }
   switch (offset) {
     case reg_loop:
-      if (value & ~0x1F1Fu) guest_error_ = "reserved bits of LOOP are ignored";
       settings_.kp = value & 31;
       settings_.ki = (value >> 8) & 31;
       return true;
@@ -290,7 +337,7 @@ bool Coprocessor::write_setting(uint32_t offset, uint32_t value) {
 bool Coprocessor::write_parameter(uint32_t offset, uint32_t value) {
   Parameters& p = state_.parameters;
   if ((offset == reg_a1 || offset == reg_a2) && (value >> 31)) {
-    reject("a negative amplitude is ignored: write less than 2^31");
+    flags_ |= flag_config;
     return true;
   }
   switch (offset) {

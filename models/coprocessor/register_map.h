@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace capsoc::coprocessor {
 
@@ -89,5 +90,21 @@ inline constexpr uint32_t flags_error =
 inline constexpr uint32_t cmd_load = 1u << 0;
 inline constexpr uint32_t cmd_clear = 1u << 1;
 inline constexpr uint32_t cmd_phase0 = 1u << 2;
+
+// Whether a register stands at a byte offset, for reads and writes alike.
+bool is_register(uint32_t offset);
+
+// Why a write has no effect, or not all of it; empty if nothing is wrong. It depends on the write
+// alone.
+std::string_view write_complaint(uint32_t offset, uint32_t value);
+
+// The 48-bit registers: pairs of an even word LO, an odd word HI. `frequency` or `phase` or the
+// weight, sign-extended, as both words.
+bool is_pair(uint32_t offset);
+bool is_pair_high(uint32_t offset);
+struct PairWords {
+  uint32_t high, low;
+};
+PairWords pair_words(uint32_t offset, int64_t value);
 
 }  // namespace capsoc::coprocessor

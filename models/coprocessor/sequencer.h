@@ -28,6 +28,8 @@ class Sequencer {
   // load_stage() name, calls turn(), and starts what they name afterwards.
   bool due(uint64_t cycle) const { return running_ && boundary_ <= cycle; }
   void turn();
+  // The interval after edge `cycle` is the last one of a tick.
+  bool turns_after(uint64_t cycle) const { return running_ && boundary_ == cycle + 1; }
 
   bool occupied(unsigned stage) const { return occupied_[stage]; }
   // The stage of the load operation in the present tick, 0 .. 2.

@@ -9,10 +9,10 @@
 namespace capsoc::coprocessor {
 
 CoprocessorTlm::CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
-                               Options options)
+                               std::unique_ptr<Device> device)
     : RegisterTarget(name, registers::coprocessor::block_size, tlm_util::AccessRule::word_only),
       clock_(clock),
-      core_(options) {
+      device_(std::move(device)) {
   clock_.on_change([this] { follow(); });
   sc_core::sc_spawn_options method;
   method.spawn_method();
@@ -25,43 +25,71 @@ CoprocessorTlm::CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::Cl
   sc_core::sc_spawn(on_event, "on_event", &method);
 }
 
-bool CoprocessorTlm::sample(const peripherals::SensorSample& sample) {
+// A second sample in an interval, like a second access, carries the device one edge ahead of
+// simulated time, where it waits: no sample and no access is lost.
+void CoprocessorTlm::sample(const peripherals::SensorSample& sample) {
   catch_up();
-  const bool latched = core_.submit(last_cycle_, sample.u, sample.v, sample.clip);
+  if (sample_) run_to(interval_ + 1);
+  sample_ = sample;
   follow();
-  return latched;
 }
 
 void CoprocessorTlm::reset() {
   catch_up();
-  core_.reset();
+  sample_.reset();
+  write_.reset();
+  device_->reset();
+  commits_ = 0;
   follow();
 }
 
-// An access with a delay may have carried the model ahead of simulated time; it waits there.
-uint64_t CoprocessorTlm::present_cycle() {
-  return std::max(last_cycle_, clock_.cycles_at(access_time()));
+void CoprocessorTlm::catch_up() {
+  run_to(clock_.cycles_at(access_time()));
 }
 
 // Event by event, so that the observer misses no sample even when an access comes first in an
 // instant.
-void CoprocessorTlm::catch_up() {
-  const uint64_t present = present_cycle();
-  for (auto next = core_.next_event(); next && *next <= present; next = core_.next_event()) {
-    const uint32_t before = core_.read(last_cycle_, reg_samples, true).value;
-    last_cycle_ = *next;
-    core_.advance(*next);
-    const bool new_result = core_.read(*next, reg_samples, true).value != before;
-    if (new_result && observer_) observer_(*next, core_.nodes());
+void CoprocessorTlm::run_to(uint64_t cycle) {
+  while (interval_ < cycle) {
+    uint64_t edge = cycle;
+    if (waiting()) {
+      edge = interval_ + 1;
+    } else if (const auto next = device_->next_event()) {
+      edge = std::clamp(*next, interval_ + 1, cycle);
+    }
+    pass(edge);
   }
-  last_cycle_ = present;
-  core_.advance(present);
+}
+
+void CoprocessorTlm::pass(uint64_t edge) {
+  device_->advance(edge);
+  if (sample_) {
+    const bool latched = device_->submit(edge, sample_->u, sample_->v, sample_->clip);
+    sample_.reset();
+    if (sample_observer_) sample_observer_(edge, latched);
+  }
+  if (write_) {
+    device_->write(edge, write_->offset, write_->value);
+    write_.reset();
+  }
+  interval_ = edge;
+  const Nodes& nodes = device_->nodes();
+  const bool result = nodes.commits > commits_;
+  commits_ = nodes.commits;
+  if (result && result_observer_) result_observer_(edge, nodes);
+}
+
+void CoprocessorTlm::begin_access() {
+  catch_up();
+  if (write_ || accessed_ == interval_) run_to(interval_ + 1);
+  accessed_ = interval_;
 }
 
 void CoprocessorTlm::follow() {
-  interrupt.set(core_.interrupt());
+  interrupt.set(device_->interrupt());
   event_.cancel();
-  const auto next = core_.next_event();
+  std::optional<uint64_t> next = device_->next_event();
+  if (waiting()) next = interval_ + 1;
   if (!next) return;
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   const sc_core::sc_time due = clock_.time_of(*next);
@@ -69,22 +97,25 @@ void CoprocessorTlm::follow() {
 }
 
 bool CoprocessorTlm::read_word(uint32_t offset, uint32_t& value, bool debug) {
-  if (!debug) catch_up();
-  const RegisterAccess result = core_.read(last_cycle_, offset, debug);
+  if (!debug) begin_access();
+  const RegisterAccess result = device_->read(interval_, offset, debug);
   if (!debug) follow();
   value = result.value;
   if (!result.ok && !debug) report(fmt::format("read at 0x{:03x}, where no register is", offset));
   return result.ok;
 }
 
+// Whether a write is answered with an error depends on its address alone, so the answer need not
+// wait for the edge.
 bool CoprocessorTlm::write_word(uint32_t offset, uint32_t value, uint32_t /*lanes: always all*/) {
-  catch_up();
-  const bool mapped = core_.write(last_cycle_, offset, value);
+  begin_access();
+  const bool mapped = is_register(offset);
+  write_ = Write{offset, value};
   follow();
   if (!mapped) {
     report(fmt::format("write of 0x{:08x} at 0x{:03x}, where no register is", value, offset));
-  } else if (!core_.guest_error().empty()) {
-    report(fmt::format("write of 0x{:08x} at 0x{:03x}: {}", value, offset, core_.guest_error()));
+  } else if (const auto complaint = write_complaint(offset, value); !complaint.empty()) {
+    report(fmt::format("write of 0x{:08x} at 0x{:03x}: {}", value, offset, complaint));
   }
   return mapped;
 }

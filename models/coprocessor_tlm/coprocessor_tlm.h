@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <systemc>
 #include <utility>
 
 #include "coprocessor/coprocessor.h"
+#include "coprocessor/device.h"
 #include "peripherals/sensor_sample.h"
 #include "tlm/clock_domain.h"
 #include "tlm/interrupt_line.h"
@@ -13,45 +16,69 @@
 
 namespace capsoc::coprocessor {
 
-/// The coprocessor on the bus: gives the model its cycle numbers and turns its next event into one
-/// notification. Registers: models/registers/capsoc.svd, peripheral COPROCESSOR; words only,
-/// anything else is an address error.
+/// The coprocessor on the bus: gives the device behind it (model, RTL or both) its cycle numbers
+/// and turns its next event into one notification. Registers: models/registers/capsoc.svd,
+/// peripheral COPROCESSOR; words only, anything else is an address error.
+///
+/// A sample or a write that arrives in the interval after edge n waits in a latch and acts at edge
+/// n + 1, the sample first; a read shows the state that edge n left. So the order in which SystemC
+/// runs its processes at an instant does not matter.
 class CoprocessorTlm : public tlm_util::RegisterTarget {
  public:
   /// Runs once for every sample, in the cycle in which its results become visible and before the
   /// interrupt line follows. The first argument is that cycle.
   using ResultObserver = std::function<void(uint64_t cycle, const Nodes& nodes)>;
+  /// Runs once for every sample at the edge that takes or drops it.
+  using SampleObserver = std::function<void(uint64_t cycle, bool latched)>;
 
   /// `clock` is PCLK and must outlive the coprocessor.
   CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
-                 Options options = {});
+                 std::unique_ptr<Device> device);
+  /// With the model behind it.
+  CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
+                 Options options = {})
+      : CoprocessorTlm(name, clock, std::make_unique<Coprocessor>(options)) {}
 
   tlm_util::InterruptLine interrupt;
 
-  /// The sink of the ADC stream, at the present instant. The model ignores it while CTRL.ADC is 0.
-  /// Returns whether the sample was latched.
-  bool sample(const peripherals::SensorSample& sample);
+  /// The sink of the ADC stream, at the present instant. The device ignores it while CTRL.ADC is 0.
+  void sample(const peripherals::SensorSample& sample);
 
   /// System reset: power-on state; time goes on.
   void reset();
 
-  void set_result_observer(ResultObserver observer) { observer_ = std::move(observer); }
+  void set_result_observer(ResultObserver observer) { result_observer_ = std::move(observer); }
+  void set_sample_observer(SampleObserver observer) { sample_observer_ = std::move(observer); }
 
-  const Coprocessor& core() const { return core_; }
+  Device& device() { return *device_; }
 
  protected:
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
 
  private:
-  uint64_t present_cycle();
+  struct Write {
+    uint32_t offset, value;
+  };
+
   void catch_up();
+  void run_to(uint64_t cycle);
+  void pass(uint64_t edge);
+  void begin_access();
   void follow();
+  bool waiting() const { return sample_ || write_; }
 
   tlm_util::ClockDomain& clock_;
-  Coprocessor core_;
-  ResultObserver observer_;
-  uint64_t last_cycle_ = 0;  // the model's time, which never goes back
+  std::unique_ptr<Device> device_;
+  ResultObserver result_observer_;
+  SampleObserver sample_observer_;
+  uint64_t interval_ = 0;  // the device has passed this edge; never goes back
+  // What acts at edge interval_ + 1.
+  std::optional<peripherals::SensorSample> sample_;
+  std::optional<Write> write_;
+  std::optional<uint64_t>
+      accessed_;  // the interval of the last access: the bus carries one in each
+  uint64_t commits_ = 0;
   sc_core::sc_event event_;
 };
 

@@ -7,8 +7,11 @@
 namespace capsoc::cli {
 
 void add_run(CLI::App& app, int& code);
+void add_fit(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
 void add_reproduce(CLI::App& app, int& code);
 void add_accuracy(CLI::App& app, int& code);
+void add_bench(CLI::App& app, int& code);
+void add_regress(CLI::App& app, int& code);
 
 }  // namespace capsoc::cli

@@ -53,9 +53,12 @@ int sc_main(int argc, char* argv[]) {
   app.require_subcommand(1);
   int code = run::exit_code::internal;
   cli::add_run(app, code);
+  cli::add_fit(app, code);
   cli::add_info(app, code);
   cli::add_reproduce(app, code);
   cli::add_accuracy(app, code);
+  cli::add_bench(app, code);
+  cli::add_regress(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

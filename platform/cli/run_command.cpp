@@ -55,11 +55,13 @@ int run_command(const RunArguments& arguments) {
   spdlog::set_level(spdlog::level::from_str(settings.text("log.level")));
 
   const std::string& json = settings.text("results.json");
-  if (!json.empty())
-    if (auto error = run::check_writable(json)) return refuse(error->text);
+  for (const std::string& place : {json, settings.text("results.record")})
+    if (!place.empty())
+      if (auto error = run::check_writable(place)) return refuse(error->text);
   auto result = run::run(settings);
   if (!result) return refuse(result.error());
   const run::RunResult& r = result.value();
+  if (!r.divergence.empty()) fmt::print(stderr, "\n{}", r.divergence);
   if (!r.fault_report.empty()) fmt::print(stderr, "\n{}", r.fault_report);
   fmt::print(stderr, "{}", run::to_table(r));
   if (!json.empty())
@@ -88,6 +90,14 @@ void add_run(CLI::App& app, int& code) {
       ->type_name("FILE");
   option("--arithmetic", "coprocessor.arithmetic", "Arithmetic of the coprocessor")
       ->type_name("paper|precise");
+  option("--coprocessor", "coprocessor.backend", "The model, the Verilated RTL, or both compared")
+      ->type_name("tlm|rtl|lockstep");
+  option("--rtl-library", "coprocessor.rtl_library", "Verilated coprocessor (default: the build's)")
+      ->type_name("FILE.so");
+  option("--rtl-clock", "coprocessor.rtl_clock", "Clocks of the idle RTL; changes speed only")
+      ->type_name("skip|every");
+  option("--waves", "results.waves", "Waves of the RTL; with lockstep those around a difference")
+      ->type_name("FILE.fst");
   option("--quantum", "cpu.quantum_ns", "How far the processor may run ahead; changes speed only")
       ->type_name("NS");
   option("--simlimit", "run.simlimit_s", "End after so many simulated seconds with exit 124")
@@ -96,6 +106,14 @@ void add_run(CLI::App& app, int& code) {
       ->type_name("S");
   option("--uart0", "uart0.backend", "Where UART 0 goes")->type_name("stdio|null|file:PATH");
   option("--json", "results.json", "Write the results as JSON")->type_name("FILE");
+  option("--record", "results.record", "Write the samples that the coprocessor saw as a recording")
+      ->type_name("FILE.csv");
+  option("--parameters", "firmware.parameters",
+         "Start in calibration mode with the parameters that capsoc fit or run --json wrote")
+      ->type_name("FILE.json");
+  run->add_flag_callback(
+      "--golden", [arguments] { arguments->options.emplace_back("run.golden", "true"); },
+      "Fit the samples that the coprocessor saw by the CSFN, too, and print both answers");
   option("--log-level", "log.level", "What the simulator says on stderr")->type_name("LEVEL");
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")

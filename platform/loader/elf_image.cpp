@@ -111,6 +111,21 @@ std::optional<uint32_t> ElfImage::address_of(const std::string& name) const {
   return std::nullopt;
 }
 
+bool ElfImage::overwrite(const std::string& name, const std::vector<uint8_t>& bytes) {
+  for (const Symbol& symbol : symbols) {
+    if (symbol.name != name || symbol.size != bytes.size()) continue;
+    for (Segment& segment : segments) {
+      const uint64_t offset = uint64_t{symbol.address} - segment.address;
+      if (symbol.address < segment.address || offset + bytes.size() > segment.bytes.size())
+        continue;
+      std::copy(bytes.begin(), bytes.end(),
+                segment.bytes.begin() + static_cast<std::ptrdiff_t>(offset));
+      return true;
+    }
+  }
+  return false;
+}
+
 Result<ElfImage> load_elf(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0)

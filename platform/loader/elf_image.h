@@ -35,6 +35,10 @@ struct ElfImage {
   /// "name+0x12" of the symbol that covers the address (Thumb bit ignored), "" if there is none.
   std::string symbolise(uint32_t address) const;
   std::optional<uint32_t> address_of(const std::string& name) const;
+
+  /// Replaces the initial contents of an object. False, with nothing changed, unless there is an
+  /// object of that name and exactly that size whose bytes are in the file (constant, not .bss).
+  bool overwrite(const std::string& name, const std::vector<uint8_t>& bytes);
 };
 
 /// Reads a 32-bit little-endian ARM executable. Every damage is an error that names the file.

@@ -7,9 +7,11 @@
 #include <ostream>
 #include <vector>
 
+#include "reproduce/csfn_tables.h"
 #include "reproduce/lms_experiment.h"
 #include "reproduce/report.h"
 #include "reproduce/rtl_experiment.h"
+#include "reproduce/soc_experiment.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -254,16 +256,20 @@ void table_8(Report& report) {
 
 }  // namespace
 
-int reproduce_tables(std::ostream& out) {
+int reproduce_tables(std::ostream& out, const std::string& traces) {
   Report report(out);
-  out << "The SoC paper's simulations: Tables 1 to 6 by the LMSED in double precision, Table 8 "
-         "and\n"
-         "Figures 13 and 14 by the coprocessor model\n";
+  out << "The SoC paper: Tables 1 to 6 by the LMSED in double precision, Table 8, Figures 13 and "
+         "14\n"
+         "and the experiment (Tables 9 and 10) by the coprocessor model and the CSFN. The CSFN "
+         "paper:\n"
+         "its Tables 1 and 2 and Figure 14. The experiments are on traces rebuilt from them.\n";
   table_1(report);
   table_2(report);
   tables_3_and_4(report);
   tables_5_and_6(report);
   table_8(report);
+  soc_experiment_tables(report, traces);
+  csfn_tables(report, traces);
   out << fmt::format("\n{} rows differ that should agree.\n", report.unexpected());
   return report.unexpected();
 }

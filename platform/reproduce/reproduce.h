@@ -1,14 +1,16 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
 
 namespace capsoc::reproduce {
 
 /// Prints every row of Tables 1 to 6 of the SoC paper beside what the double-precision LMSED gives,
-/// and Table 8 and Figures 13 and 14 beside the coprocessor model's paper arithmetic, with a
-/// sentence wherever the two differ. Every random record has a fixed seed, so the text is the same
-/// on every run. Returns the number of rows that should agree with the paper, by what is known
-/// about it, and do not: 0 is the expected result.
-int reproduce_tables(std::ostream& out);
+/// Table 8 and Figures 13 and 14 beside the coprocessor model's paper arithmetic, and the
+/// experiments of both papers (SoC: Tables 9 and 10, CSFN: Table 2, and its simulations) on the
+/// traces of the folder `traces`, with a sentence wherever the two differ. Every random record has
+/// a fixed seed, so the text is the same on every run. Returns the number of rows that should agree
+/// with the paper, by what is known about it, and do not: 0 is the expected result.
+int reproduce_tables(std::ostream& out, const std::string& traces);
 
 }  // namespace capsoc::reproduce

@@ -12,9 +12,7 @@ struct RtlOutcome {
   double frozen = 0.0;              ///< with the parameters of 400 s over the whole record, degrees
 };
 
-/// Eq (21) in 32 bits, 0.05 Hz, 250 Hz, 400 s. The four settings that the paper does not state and
-/// that give its figures: a frequency word truncated to 31 bits (858,992), two samples of latency
-/// between reference and data, steps scaled by 2^-7, 16-bit multipliers in the PI arctangent.
+/// Eq (21) in 32 bits, 0.05 Hz, 250 Hz, 400 s, with the settings of CoprocessorRun.
 RtlOutcome run_rtl();
 
 /// Figure 14: largest error of the PI arctangent in radians for sine and cosine of a magnitude at

@@ -30,6 +30,25 @@ Parameters to_values(const ParameterWords& words) {
           words.b2 / q31, radians(words.beta), radians(words.phi)};
 }
 
+std::optional<ParameterWords> to_words(const Parameters& values) {
+  const auto fits = [](double value) {
+    const double word = std::round(value * q31);
+    return word >= -q31 && word < q31;  // NaN does not
+  };
+  const bool amplitudes = fits(values.a1) && fits(values.a2) && values.a1 > 0 && values.a2 > 0;
+  const bool angles = std::isfinite(values.beta) && std::isfinite(values.phi);
+  if (!amplitudes || !fits(values.b1) || !fits(values.b2) || !angles) return std::nullopt;
+  const auto fraction = [](double value) {
+    return static_cast<int32_t>(std::llround(value * q31));
+  };
+  const auto turn = [](double angle) {
+    const double turns = std::remainder(angle, two_pi) / two_pi;
+    return static_cast<uint32_t>(static_cast<int64_t>(std::llround(turns * q32)));
+  };
+  return ParameterWords{fraction(values.a1), fraction(values.a2), fraction(values.b1),
+                        fraction(values.b2), turn(values.beta),   turn(values.phi)};
+}
+
 Metrics::Metrics(std::optional<Parameters> truth, double sample_rate_hz, uint64_t revolution)
     : truth_(truth),
       sample_rate_hz_(sample_rate_hz),
@@ -59,6 +78,7 @@ void Metrics::result(const CoprocessorResult& result) {
   ++samples_;
 
   if (result.demodulating) {
+    has_demodulated_ = true;
     words_ = result.words;
     if (truth_) {
       const bool inside = within_one_percent(result.words);
@@ -69,7 +89,7 @@ void Metrics::result(const CoprocessorResult& result) {
   if (!sample.has_truth) return;
 
   const double turns = sample.angle_turns - std::floor(sample.angle_turns);
-  if (result.demodulating && truth_) {
+  if (truth_ && (result.demodulating || !has_demodulated_)) {
     const double raw = std::atan2(sample.u, sample.v);
     keep_larger(errors_.uncalibrated_max,
                 std::fabs(wrapped_difference(raw, turns * two_pi)) / two_pi * degrees_per_turn);

@@ -24,6 +24,10 @@ struct ParameterWords {
 /// Words to numbers: Q1.31 to full scale, 2^-32 turn to radians in (-pi, pi].
 Parameters to_values(const ParameterWords& words);
 
+/// Numbers to words, rounded to the nearest. Nothing when an amplitude is not above 0 and below
+/// full scale, or an offset does not fit: the registers cannot hold it.
+std::optional<ParameterWords> to_words(const Parameters& values);
+
 /// A sample as the coprocessor took it, with what the sensor knows about it.
 struct SensorTruth {
   uint64_t index = 0;
@@ -42,7 +46,8 @@ struct CoprocessorResult {
 
 /// Largest absolute angle errors, degrees; none where the sensor's angle is not known.
 struct AngleErrors {
-  std::optional<double> uncalibrated_max;  ///< atan2(U, V) against theta
+  /// atan2(U, V) against theta, in demodulation (before the first of it: in calibration mode)
+  std::optional<double> uncalibrated_max;
   std::optional<double>
       uncalibrated_max_paper;  ///< atan2(U, V) against omega k, as the paper counts
   std::optional<double> calibrated_max_last_revolution;  ///< last revolution of demodulation
@@ -65,8 +70,9 @@ class Metrics {
   /// Time from when on all six parameters stayed within 1 % until demodulation ended, seconds.
   std::optional<double> convergence_s() const;
   AngleErrors angle_errors() const;
-  /// The parameters at the end of demodulation.
+  /// The parameters at the end of demodulation; without one, those that were preset.
   const ParameterWords& words() const { return words_; }
+  void preset(const ParameterWords& words) { words_ = words; }
   const std::optional<Parameters>& truth() const { return truth_; }
 
  private:
@@ -78,6 +84,7 @@ class Metrics {
   uint64_t samples_ = 0;
   std::deque<SensorTruth> in_flight_;
   ParameterWords words_;
+  bool has_demodulated_ = false;
   std::optional<uint64_t> converged_since_;
   std::deque<double> last_revolution_;  ///< |error| in degrees of the newest demodulated samples
   AngleErrors errors_;

@@ -1,12 +1,8 @@
 #include "run/results.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <systemc>
 
 namespace capsoc::run {
@@ -67,14 +63,17 @@ nlohmann::ordered_json versions() {
   return v;
 }
 
+bool is_place(const std::string& setting) {
+  return setting == "results.json" || setting == "results.record" || setting == "results.waves";
+}
+
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
   ordered_json j;
   j["schema"] = schema_version;
   j["versions"] = versions();
   j["command"] = result.command;
   for (const Setting& setting : settings.all())
-    if (setting.path != "results.json")
-      j["configuration"][setting.path] = setting.value;  // a place, not an input
+    if (!is_place(setting.path)) j["configuration"][setting.path] = setting.value;
   j["inputs"] = ordered_json::array();
   for (const Input& input : result.inputs)
     j["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
@@ -98,6 +97,8 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
        number_or_null(result.errors.calibrated_max_last_revolution)},
       {"calibration_mode_max", number_or_null(result.errors.calibration_mode_max)}};
   j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
+  if (result.golden) j["golden"] = fit::to_json(*result.golden);
+  if (!result.divergence.empty()) j["divergence"] = result.divergence;
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
   return j;
 }
@@ -125,6 +126,7 @@ std::string to_table(const RunResult& result) {
         "all six within 1 % after      {}",
         result.convergence_s ? fmt::format("{:.1f} s", *result.convergence_s) : "not reached"));
   }
+  if (result.golden) text += fit::to_table(*result.golden) + "\n";
   line(
       fmt::format("{} samples, {:.1f} simulated s in {:.2f} s ({:.0f} times real time), {} "
                   "instructions, {} cycles",
@@ -133,39 +135,6 @@ std::string to_table(const RunResult& result) {
                   result.cycles));
   line(fmt::format("exit {}: {}", result.code, result.reason));
   return text;
-}
-
-namespace {
-
-std::string temporary_beside(const std::string& path) {
-  return fmt::format("{}.{}.tmp", path, getpid());
-}
-
-Error cannot_write(const std::string& path, int error) {
-  std::remove(temporary_beside(path).c_str());
-  return Error{
-      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
-}
-
-}  // namespace
-
-std::optional<Error> check_writable(const std::string& path) {
-  std::FILE* file = std::fopen(temporary_beside(path).c_str(), "wb");
-  if (file == nullptr) return cannot_write(path, errno);
-  std::fclose(file);
-  std::remove(temporary_beside(path).c_str());
-  return std::nullopt;
-}
-
-std::optional<Error> write_whole(const std::string& path, const std::string& text) {
-  std::FILE* file = std::fopen(temporary_beside(path).c_str(), "wb");
-  if (file == nullptr) return cannot_write(path, errno);
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const int write_error = errno;
-  if (std::fclose(file) != 0 || !written) return cannot_write(path, written ? errno : write_error);
-  if (std::rename(temporary_beside(path).c_str(), path.c_str()) != 0)
-    return cannot_write(path, errno);
-  return std::nullopt;
 }
 
 }  // namespace capsoc::run

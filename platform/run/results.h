@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "fit/golden.h"
+#include "run/files.h"
 #include "run/metrics.h"
 #include "support/result.h"
 #include "support/settings.h"
@@ -17,9 +19,11 @@ namespace capsoc::run {
 /// Exit codes of the program.
 namespace exit_code {
 constexpr int pass = 0;
-constexpr int failed = 1;   ///< the firmware said so
-constexpr int usage = 2;    ///< a wrong option or input
-constexpr int crashed = 5;  ///< lockup
+constexpr int failed = 1;    ///< the firmware said so
+constexpr int usage = 2;     ///< a wrong option or input
+constexpr int rejected = 3;  ///< a gate of the identifier refuses the samples
+constexpr int diverged = 4;  ///< the coprocessor's model and RTL differ
+constexpr int crashed = 5;   ///< lockup
 constexpr int internal = 70;
 constexpr int limit = 124;        ///< a time limit was hit
 constexpr int signal_base = 128;  ///< + signal number
@@ -46,22 +50,20 @@ struct RunResult {
   uint64_t uart0_bytes = 0;
   std::string uart0_sha256;
   std::vector<Input> inputs;
-  std::string command;       ///< a command that reproduces the run
-  std::string fault_report;  ///< "" unless the firmware crashed
+  std::string command;                ///< a command that reproduces the run
+  std::string divergence;             ///< "" unless model and RTL of the coprocessor differ
+  std::string fault_report;           ///< "" unless the firmware crashed
+  std::optional<fit::Golden> golden;  ///< only when it was asked for
 };
+
+/// Whether a setting names a place for output: no input of a run, and not in its results.
+bool is_place(const std::string& setting);
 
 /// The result file's contents; keys are documented in docs/results.md.
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);
 
 /// Parameters beside the truth and the angle error before and after, as text.
 std::string to_table(const RunResult& result);
-
-/// Writes the whole file or nothing: a temporary file beside it, renamed at the end.
-std::optional<Error> write_whole(const std::string& path, const std::string& text);
-
-/// Whether write_whole() could write there, tried before a long run and not after it. Leaves
-/// nothing behind.
-std::optional<Error> check_writable(const std::string& path);
 
 /// Versions of the program and of the libraries that it runs on, name by name.
 nlohmann::ordered_json versions();

@@ -10,8 +10,12 @@
 #include <csignal>
 #include <filesystem>
 
+#include "fit/golden.h"
+#include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
+#include "run/parameter_file.h"
 #include "run/progress.h"
+#include "run/sample_record.h"
 #include "run/semihosting.h"
 #include "run/uart_backend.h"
 #include "sensor/load.h"
@@ -48,12 +52,19 @@ std::optional<Parameters> truth_of(const sensor::Description& d) {
   return Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
 }
 
+/// Parameters from outside need a program that has a place for them.
+std::string program_of(const Settings& settings) {
+  const bool chosen = settings.source("firmware.elf") != SettingSource::built_in;
+  if (settings.text("firmware.parameters").empty() || chosen) return settings.text("firmware.elf");
+  return installed("firmware/calibrate.elf");
+}
+
 /// A command line that gives the same run.
 std::string reproducing_command(const Settings& settings) {
   std::string text = "capsoc run";
   for (const Setting& setting : settings.all()) {
     if (setting.source == SettingSource::built_in) continue;
-    if (setting.path == "results.json" || setting.path == "uart0.backend")
+    if (is_place(setting.path) || setting.path == "uart0.backend")
       continue;  // where it goes, not what it is
     text += fmt::format(" -C {}={}", setting.path, setting.value);
   }
@@ -85,17 +96,33 @@ class Limit : public sc_core::sc_module {
 /// The sensor, the coprocessor's results and the metrics wired together.
 class Observation {
  public:
-  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, Progress& progress)
-      : soc_(soc), source_(source), metrics_(metrics), progress_(progress) {
+  /// `recording`: the samples are kept as the coprocessor saw them.
+  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, Progress& progress,
+              bool recording)
+      : soc_(soc), source_(source), metrics_(metrics), progress_(progress), recording_(recording) {
     soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
-    soc.adc.set_sink([this](const peripherals::SensorSample& sample) {
-      if (soc_.coprocessor.sample(sample)) metrics_.accepted(truth_);
+    // Its edge comes before the next sample, so the truth is still this sample's.
+    soc.coprocessor.set_sample_observer([this](uint64_t, bool latched) {
+      if (!latched) return;
+      metrics_.accepted(truth_);
+      if (recording_) record();
     });
     soc.coprocessor.set_result_observer(
         [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
+    soc.adc.set_observer([this](uint64_t, int32_t u, int32_t v, double turns, bool has_truth) {
+      converted_ = {sc_core::sc_time_stamp().to_seconds(), u, v, turns, has_truth};
+    });
   }
 
+  const std::vector<RecordedSample>& recorded() const { return recorded_; }
+
  private:
+  void record() {
+    if (recorded_.empty()) recording_since_s_ = converted_.time_s;
+    recorded_.push_back(converted_);
+    recorded_.back().time_s -= recording_since_s_;
+  }
+
   std::optional<peripherals::AdcInput> next(uint64_t k, double t) {
     if (k == 0) {
       source_.rewind();
@@ -126,6 +153,10 @@ class Observation {
   Metrics& metrics_;
   Progress& progress_;
   SensorTruth truth_;
+  bool recording_;
+  RecordedSample converted_;  ///< the newest of the front-end
+  double recording_since_s_ = 0;
+  std::vector<RecordedSample> recorded_;
 };
 
 /// Why the simulation is over, as an exit code and a sentence.
@@ -136,6 +167,8 @@ void conclude(const soc::Soc& soc, const Semihosting& semihosting, const Limit& 
     result.code = code;
     result.reason = std::move(reason);
   };
+  if (!result.divergence.empty())
+    return say(exit_code::diverged, "the coprocessor's model and RTL differ");
   if (soc.cpu.end_reason() == EndReason::exit) {
     const int status = semihosting.exit_status();
     if (status == 0) return say(exit_code::pass, "the firmware ended with status 0");
@@ -173,12 +206,15 @@ Settings make_settings() {
   };
   add("firmware.elf", SettingKind::path, installed("firmware/selfcal.elf"),
       "program for the Cortex-M3");
+  add("firmware.parameters", SettingKind::path, "",
+      "JSON with parameters to write in the program; empty: none");
   add("sensor.file", SettingKind::path, installed("traces/soc_eq21.toml"),
       "sensor description or recording");
   add("sensor.adc_bits", SettingKind::integer, "0",
       "width of the converter at reset; 0: as the sensor says", {}, 0, 32);
   add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
       {"paper", "precise"});
+  add_backend_settings(s);
   add("cpu.quantum_ns", SettingKind::number, "10000", "how far the processor may run ahead, ns", {},
       1, 1e9);
   add("cpu.executor", SettingKind::choice, "blocks", "blocks (fast) or stepping; same results",
@@ -188,17 +224,28 @@ Settings make_settings() {
   add("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none", {}, 0,
       1e6);
   add("uart0.backend", SettingKind::text, "stdio", "stdio, null or file:PATH");
+  add("run.golden", SettingKind::flag, "false", "fit the coprocessor's samples by the CSFN, too");
   add("results.json", SettingKind::path, "", "where the results go; empty: nowhere");
+  add("results.record", SettingKind::path, "",
+      "where the coprocessor's samples go (CSV); empty: nowhere");
   add("log.level", SettingKind::choice, "warn", "trace, debug, info, warn, error, off",
       {"trace", "debug", "info", "warn", "error", "off"});
   return s;
 }
 
 Result<RunResult> run(const Settings& settings) {
-  const std::string elf = settings.text("firmware.elf");
+  const std::string elf = program_of(settings);
   const std::string sensor_file = settings.text("sensor.file");
   auto image = loader::load_elf(elf);
   if (!image) return Error{image.error()};
+  const std::string parameter_file = settings.text("firmware.parameters");
+  std::optional<ParameterWords> preset;
+  if (!parameter_file.empty()) {
+    const auto words = read_parameters(parameter_file);
+    if (!words) return Error{words.error()};
+    preset = words.value();
+    if (auto error = write_in_program(image.value(), *preset)) return *error;
+  }
   auto source = sensor::load(sensor_file);
   if (!source) return Error{source.error()};
   const sensor::Description& description = source.value()->description();
@@ -214,6 +261,9 @@ Result<RunResult> run(const Settings& settings) {
   config.coprocessor.arithmetic = settings.text("coprocessor.arithmetic") == "paper"
                                       ? coprocessor::Arithmetic::paper
                                       : coprocessor::Arithmetic::precise;
+  auto backend = make_backend(settings, config.coprocessor);
+  if (!backend) return Error{backend.error()};
+  config.make_coprocessor = [&] { return std::move(backend.value().device); };
   config.quantum = sc_core::sc_time(settings.number("cpu.quantum_ns"), sc_core::SC_NS);
   config.executor = settings.text("cpu.executor") == "blocks" ? cortex_m3::Executor::blocks
                                                               : cortex_m3::Executor::stepping;
@@ -233,12 +283,18 @@ Result<RunResult> run(const Settings& settings) {
   const auto revolution =
       static_cast<uint64_t>(std::llround(frequency > 0 ? rate / frequency : 5000));
   Metrics metrics(truth_of(description), rate, std::min<uint64_t>(revolution, 10'000'000));
+  if (preset) metrics.preset(*preset);
   Progress progress(isatty(STDERR_FILENO) != 0);
-  Observation observation(soc, *source.value(), metrics, progress);
+  const bool golden = settings.text("run.golden") == "true";
+  const std::string record_file = settings.text("results.record");
+  Observation observation(soc, *source.value(), metrics, progress, golden || !record_file.empty());
   tlm_util::set_guest_error_context([&] {
     return fmt::format("pc {:#010x} {}", soc.cpu.core().reg(15),
                        image.value().symbolise(soc.cpu.core().reg(15)));
   });
+
+  rtl::Lockstep* lockstep = backend.value().lockstep;
+  if (lockstep != nullptr) lockstep->on_difference([] { sc_core::sc_stop(); });
 
   Limit limit("limit", settings.number("run.simlimit_s"));
   const double wall_limit = settings.number("run.timelimit_s");
@@ -263,6 +319,16 @@ Result<RunResult> run(const Settings& settings) {
   tlm_util::set_guest_error_context({});
 
   RunResult result;
+  result.command = reproducing_command(settings);
+  if (lockstep != nullptr && lockstep->difference()) {
+    const std::string waves = lockstep_waves(settings);
+    const auto error = lockstep->write_waves(waves);
+    result.divergence =
+        lockstep->report(result.command, 1e9 / static_cast<double>(soc.clock.frequency_hz()));
+    result.divergence +=
+        error ? error->text + "\n" : fmt::format("waves of both sides: {}\n", waves);
+  }
+  if (backend.value().rtl != nullptr && lockstep == nullptr) backend.value().rtl->close_waves();
   conclude(soc, semihosting, limit, out_of_time, wall_limit, result);
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.wall_s = wall();
@@ -277,7 +343,14 @@ Result<RunResult> run(const Settings& settings) {
   result.uart0_sha256 = uart.value()->sha256();
   result.inputs = {{"firmware", elf, sha256_of_file(elf)},
                    {"sensor", sensor_file, sha256_of_file(sensor_file)}};
-  result.command = reproducing_command(settings);
+  if (preset)
+    result.inputs.push_back({"parameters", parameter_file, sha256_of_file(parameter_file)});
+  if (golden) result.golden = fit::compare(observation.recorded(), result.words);
+  if (!record_file.empty())
+    if (auto error = write_whole(
+            record_file,
+            to_recording(observation.recorded(), "The coprocessor's samples of " + result.command)))
+      return *error;
   if (result.code == exit_code::crashed)
     result.fault_report = describe_fault(soc.cpu.core(), image.value());
   return result;

@@ -46,6 +46,7 @@ class Settings {
   const std::string& text(const std::string& path) const { return find(path).value; }
   double number(const std::string& path) const;
   long long integer(const std::string& path) const;
+  SettingSource source(const std::string& path) const { return find(path).source; }
   const std::vector<Setting>& all() const { return settings_; }
 
  private:

@@ -121,7 +121,7 @@ TEST_F(Timing, SoftResetDropsWhatIsInFlight) {
 // The order of calls, not their number, is all that counts: advancing cycle by cycle, event by
 // event or not at all gives the same machine.
 TEST(Advance, GivesTheSameResultsInAnyStride) {
-  std::vector<std::array<int64_t, 31>> outcomes;
+  std::vector<std::array<int64_t, node_count>> outcomes;
   for (int stride : {0, 1, 7, -1}) {
     Coprocessor dut({});
     dut.write(0, reg_ctrl, ctrl_adc | ctrl_demod | ctrl_calib | (1u << ctrl_ref_shift));
@@ -138,7 +138,7 @@ TEST(Advance, GivesTheSameResultsInAnyStride) {
       dut.submit(cycle, static_cast<int32_t>(random()), static_cast<int32_t>(random()), false);
     }
     dut.advance(cycle + 1000);
-    std::array<int64_t, 31> values{};
+    std::array<int64_t, node_count> values{};
     for (size_t i = 0; i < values.size(); ++i) values[i] = dut.nodes().*node_names()[i].value;
     outcomes.push_back(values);
   }

@@ -12,9 +12,16 @@ using capsoc::peripherals::AdcInput;
 
 class CoprocessorTlm : public capsoc::test::DeviceTest {
  protected:
+  // A real bus needs two cycles for an access; here each takes the interval that it gets.
+  void write(uint32_t offset, uint32_t value) {
+    EXPECT_OK(bus.write(offset, value));
+    bench.run(2);
+  }
+  // Returns at the edge that latches the sample.
   void submit(uint32_t u, uint32_t v) {
-    EXPECT_OK(bus.write(SOFT_U_offset, u));
+    write(SOFT_U_offset, u);
     EXPECT_OK(bus.write(SOFT_V_offset, v));
+    bench.run(1);
   }
   bool interrupt() const { return bench.coprocessor.interrupt.level(); }
 
@@ -27,8 +34,9 @@ TEST_F(CoprocessorTlm, SaysWhoItIs) {
 }
 
 TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {
-  EXPECT_OK(bus.write(CTRL_offset, CTRL_CALIB_mask | CTRL_IE_RESULT_mask));
+  write(CTRL_offset, CTRL_CALIB_mask | CTRL_IE_RESULT_mask);
   const uint64_t latency = bus.value_at(LATENCY_offset);
+  bench.run(1);
   submit(0x10000000, 0x20000000);
   bench.run(latency - 1);
   EXPECT_FALSE(interrupt());
@@ -36,8 +44,12 @@ TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {
   bench.run(1);
   EXPECT_TRUE(interrupt());
   EXPECT_EQ(bus.value_at(SAMPLES_offset), 1u);
+  bench.run(1);
   EXPECT_EQ(bus.value_at(RAW_U_offset), 0x10000000u);
+  bench.run(1);
   EXPECT_OK(bus.write(FLAGS_offset, FLAGS_RESULT_mask));
+  EXPECT_TRUE(interrupt()) << "the write acts at the next edge";
+  bench.run(1);
   EXPECT_FALSE(interrupt());
 }
 
@@ -74,27 +86,30 @@ TEST_F(CoprocessorTlm, FollowsTheSamplesOfTheAdcWhileTheGateIsOpen) {
 }
 
 TEST_F(CoprocessorTlm, AClippedSampleIsAnError) {
-  EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask | CTRL_IE_ERROR_mask));
+  write(CTRL_offset, CTRL_ADC_mask | CTRL_IE_ERROR_mask);
   bench.coprocessor.sample({0x7FFFFFFF, 0, true});
-  bench.run(LATENCY_reset);
+  bench.run(1 + LATENCY_reset);
   EXPECT_NE(bus.value_at(FLAGS_offset) & FLAGS_CLIP_mask, 0u);
   EXPECT_TRUE(interrupt());
 }
 
 TEST_F(CoprocessorTlm, TooManySamplesAreDroppedAndCounted) {
-  EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask | CTRL_IE_ERROR_mask));
-  for (int i = 0; i < 3; ++i) bench.coprocessor.sample({1 << 20, 1 << 20, false});
+  write(CTRL_offset, CTRL_ADC_mask | CTRL_IE_ERROR_mask);
+  // Samples of one instant take one edge each: the first is latched, at the next edge it enters T0
+  // and makes room for the second.
+  for (int i = 0; i < 4; ++i) bench.coprocessor.sample({1 << 20, 1 << 20, false});
+  bench.run(4);
   EXPECT_TRUE(interrupt());
   EXPECT_EQ(bus.value_at(EARLY_COUNT_offset), 2u);
   bench.run(1000);
-  EXPECT_EQ(bus.value_at(SAMPLES_offset), 1u);
+  EXPECT_EQ(bus.value_at(SAMPLES_offset), 2u);
 }
 
 TEST_F(CoprocessorTlm, AFrequencySwitchKeepsTheLatencyInCycles) {
   namespace pll = capsoc::registers::clockctrl;
   EXPECT_OK(clock_controller.write(pll::LOCK_TIME_offset, 0));
   EXPECT_OK(clock_controller.write(pll::PLL_offset, 8 | 1 << pll::PLL_DIV_shift));
-  EXPECT_OK(bus.write(CTRL_offset, CTRL_IE_RESULT_mask));
+  write(CTRL_offset, CTRL_IE_RESULT_mask);
   submit(0x10000000, 0x20000000);
   bench.run(80);
   EXPECT_OK(
@@ -118,11 +133,12 @@ TEST_F(CoprocessorTlm, AnythingButAWordAtARegisterIsABusError) {
 }
 
 TEST_F(CoprocessorTlm, TheDebuggerDoesNotLatchTheLowWord) {
-  EXPECT_OK(bus.write(FREQ_LO_offset, 0x1111));
-  EXPECT_OK(bus.write(FREQ_HI_offset, 1));
+  write(FREQ_LO_offset, 0x1111);
+  write(FREQ_HI_offset, 1);
   EXPECT_EQ(bus.value_at(FREQ_HI_offset), 1u);
-  EXPECT_OK(bus.write(FREQ_LO_offset, 0x2222));
-  EXPECT_OK(bus.write(FREQ_HI_offset, 2));
+  bench.run(1);
+  write(FREQ_LO_offset, 0x2222);
+  write(FREQ_HI_offset, 2);
   EXPECT_EQ(bus.debug_value_at(FREQ_HI_offset), 2u);
   EXPECT_EQ(bus.value_at(FREQ_LO_offset), 0x1111u) << "as the guest latched it";
   EXPECT_EQ(bus.debug_value_at(FREQ_LO_offset), 0x2222u);
@@ -130,16 +146,47 @@ TEST_F(CoprocessorTlm, TheDebuggerDoesNotLatchTheLowWord) {
 }
 
 TEST_F(CoprocessorTlm, SoftResetLowersTheInterruptAndDropsTheSample) {
-  EXPECT_OK(bus.write(CTRL_offset, CTRL_IE_RESULT_mask));
+  write(CTRL_offset, CTRL_IE_RESULT_mask);
   submit(0x10000000, 0x20000000);
   bench.run(LATENCY_reset);
   ASSERT_TRUE(interrupt());
   submit(0x10000000, 0x20000000);
-  EXPECT_OK(bus.write(CTRL_offset, CTRL_SRST_mask));
+  write(CTRL_offset, CTRL_SRST_mask);
   EXPECT_FALSE(interrupt());
   bench.run(1000);
   EXPECT_EQ(bus.value_at(SAMPLES_offset), 0u);
   EXPECT_EQ(bus.value_at(CTRL_offset), 0u);
+}
+
+TEST_F(CoprocessorTlm, ASampleAndAWriteOfOneInstantActAtTheNextEdgeInTheirOrder) {
+  for (bool write_first : {false, true}) {
+    bench.reset();
+    std::vector<bool> latched;
+    bench.coprocessor.set_sample_observer([&](uint64_t, bool taken) { latched.push_back(taken); });
+    if (write_first) {
+      EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask));
+    }
+    bench.coprocessor.sample({1 << 20, 1 << 20, false});
+    if (!write_first) {
+      EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask));
+    }
+    bench.run(1);
+    EXPECT_EQ(latched, std::vector<bool>{false}) << "the sample comes first, the gate opens after";
+    bench.coprocessor.sample({1 << 20, 1 << 20, false});
+    EXPECT_EQ(bus.value_at(STATUS_offset) & STATUS_BUSY_mask, 0u) << "a read sees the last edge";
+    bench.run(1);
+    EXPECT_EQ(latched, (std::vector<bool>{false, true}));
+    EXPECT_EQ(bus.value_at(STATUS_offset) & STATUS_BUSY_mask, STATUS_BUSY_mask);
+    bench.coprocessor.set_sample_observer({});
+  }
+}
+
+TEST_F(CoprocessorTlm, AccessesOfOneInstantTakeOneIntervalEach) {
+  EXPECT_OK(bus.write(B1_offset, 1));
+  EXPECT_EQ(bus.value_at(B1_offset), 1u);
+  EXPECT_OK(bus.write(B1_offset, 2));
+  EXPECT_OK(bus.write(B1_offset, 3));
+  EXPECT_EQ(bus.value_at(B1_offset), 3u);
 }
 
 }  // namespace

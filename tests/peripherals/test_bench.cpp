@@ -29,8 +29,9 @@ void TestBench::reset() {
   adc.set_observer({});
   adc.set_sink([this](const peripherals::SensorSample& sample) { coprocessor.sample(sample); });
   coprocessor.set_result_observer({});
+  coprocessor.set_sample_observer({});
   tlm_util::clear_guest_errors();
-  run(1);
+  run(8);  // an access or two may have carried the coprocessor ahead
 }
 
 TestBench& test_bench() {

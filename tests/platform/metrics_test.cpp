@@ -71,6 +71,21 @@ TEST(Metrics, TheUncalibratedErrorIsTakenAgainstTheAngleAndAgainstTheReference) 
               (0.5 + truth.phi) * 180 / std::acos(-1.0), 1e-9);
 }
 
+TEST(Metrics, CalibrationModeFromTheStartHasItsErrorsAndKeepsThePresetWords) {
+  Metrics metrics(truth, 250, 5);
+  metrics.preset(words_of(truth));
+  metrics.accepted({0, std::sin(0.5), std::cos(0.5), 0.0, true});
+  metrics.result(answer(0.25, truth, false));
+  EXPECT_EQ(metrics.words().a1, words_of(truth).a1);
+  EXPECT_NEAR(*metrics.angle_errors().uncalibrated_max, 0.5 * 180 / std::acos(-1.0), 1e-9);
+  EXPECT_NEAR(*metrics.angle_errors().calibration_mode_max, 90, 1e-6);
+  metrics.accepted({1, 0.3, 0.4, 0.0, true});
+  metrics.result(answer(0.0, truth));
+  metrics.accepted({2, std::sin(3.0), std::cos(3.0), 0.0, true});
+  metrics.result(answer(0.0, truth, false));
+  EXPECT_LT(*metrics.angle_errors().uncalibrated_max, 90) << "after demodulation it stays";
+}
+
 TEST(Metrics, WithoutATruthThereIsNoError) {
   Metrics metrics(std::nullopt, 250, 5);
   metrics.accepted({0, 0.1, 0.2, 0.0, false});

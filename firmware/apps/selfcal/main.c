@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "adc.h"
+#include "angle_report.h"
 #include "capsoc_device.h"
 #include "clock.h"
 #include "console.h"
@@ -71,25 +72,7 @@ static bool demodulate(struct supervision* state) {
 static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
   print_text("calibration with the stored parameters\n");
   print_parameter_table(stored);
-  const uint32_t last = first + settings.calibration_samples;
-  for (uint32_t sample = first + settings.angle_stride; sample <= last;
-       sample += settings.angle_stride) {
-    if (!sampling_wait(sample)) return false;
-    const uint32_t angle = COPROCESSOR->ANGLE;
-    print_text("angle ");
-    print_unsigned(sample, 0);
-    print_text(" ");
-    print_unsigned(angle, 10);
-    print_degrees(angle, 15);
-    print_text(" deg\n");
-  }
-  return true;
-}
-
-static void report_end(uint32_t samples) {
-  print_text("the signal ended after ");
-  print_unsigned(samples, 0);
-  print_text(" samples\n");
+  return print_angles(first, settings.calibration_samples, settings.angle_stride);
 }
 
 int main(void) {
@@ -122,10 +105,10 @@ int main(void) {
   COPROCESSOR->CTRL = gates;
   coprocessor_load_parameters(&stored);
   if (!complete) {
-    report_end(demodulated);
+    print_end(demodulated);
     print_parameter_table(&stored);
   } else if (!calibrate(&stored, demodulated)) {
-    report_end(sampling_count());
+    print_end(sampling_count());
   }
   sampling_stop();
   return verdict(&state);

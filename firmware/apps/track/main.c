@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "adc.h"
+#include "angle_report.h"
 #include "capsoc_device.h"
 #include "clock.h"
 #include "console.h"
@@ -140,14 +141,8 @@ static bool show_angle_reference(struct session* session) {
   for (uint32_t second = settings.tracking_until + 1; second <= settings.angle_until; ++second) {
     const uint32_t sample = second * settings.rate_hz;
     if (!sampling_wait(sample - session->first_sample)) return false;
-    const uint32_t angle = COPROCESSOR->ANGLE;
     supervise(&session->supervision, sample);
-    print_text("angle ");
-    print_unsigned(sample, 0);
-    print_text(" ");
-    print_unsigned(angle, 10);
-    print_degrees(angle, 15);
-    print_text(" deg\n");
+    print_angle(sample);
   }
   return true;
 }
@@ -170,9 +165,7 @@ static bool calibrate(struct session* session) {
 
 static void report_end(uint32_t samples) {
   const struct coprocessor_parameters parameters = coprocessor_read_parameters();
-  print_text("the signal ended after ");
-  print_unsigned(samples, 0);
-  print_text(" samples\n");
+  print_end(samples);
   print_parameter_table(&parameters);
   print_frequency(coprocessor_frequency());
 }

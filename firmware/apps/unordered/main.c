@@ -1,0 +1,94 @@
+// Self-calibration on samples in any order, as the CSFN paper has them: the reference is the
+// calibrated angle of the sample itself, so neither speed nor order matters. 400 s of demodulation,
+// or as long as the signal lasts, then calibration with the stored parameters.
+//
+// Not for slow motion in order: the step is far above 1.5 omega of 0.05 Hz (docs/coprocessor.md).
+//
+// Status: 0 pass, 1 no lock or a flag that must not be raised, 2 the ADC refuses the settings,
+// 3 no coprocessor on this board.
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "adc.h"
+#include "angle_report.h"
+#include "capsoc_device.h"
+#include "clock.h"
+#include "console.h"
+#include "coprocessor.h"
+#include "fixed_print.h"
+#include "parameter_report.h"
+#include "sampling.h"
+#include "supervision.h"
+
+static const struct {
+  uint32_t baud;
+  uint32_t rate_hz;
+  uint32_t step;  // 2 mu in Q1.31
+  uint32_t demodulation_samples;
+  uint32_t calibration_samples;
+  uint32_t progress_seconds;
+  uint32_t angle_stride;  // samples from one printed angle to the next
+} settings = {
+    .baud = 115200,
+    .rate_hz = 250,
+    .step = 21474836,  // 0.01
+    .demodulation_samples = 100000,
+    .calibration_samples = 5000,
+    .progress_seconds = 50,
+    .angle_stride = 250,
+};
+
+enum { status_refused = 2, status_no_coprocessor = 3 };
+
+// False if the signal ended early.
+static bool demodulate(struct supervision* state) {
+  for (uint32_t seconds = 1; seconds * settings.rate_hz <= settings.demodulation_samples;
+       ++seconds) {
+    if (!sampling_wait(seconds * settings.rate_hz)) return false;
+    supervise(state, seconds * settings.rate_hz);
+    if (seconds % settings.progress_seconds == 0) {
+      const struct coprocessor_parameters parameters = coprocessor_read_parameters();
+      print_progress(seconds, &parameters);
+    }
+  }
+  return true;
+}
+
+int main(void) {
+  console_open(clock_frequency_hz(), settings.baud);
+  if (!coprocessor_present() || !adc_present()) {
+    print_text("unordered: no coprocessor here\n");
+    return status_no_coprocessor;
+  }
+  print_text("unordered: self-calibration on samples in any order\n");
+  console_start_buffering();
+
+  coprocessor_reset();
+  coprocessor_set_steps(settings.step);
+  const uint32_t gates = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
+                         COPROCESSOR_CTRL_IE_RESULT_Msk |
+                         COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
+  COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
+  if (!sampling_start(settings.rate_hz)) {
+    print_text("unordered: the ADC refuses the sampling rate\n");
+    return status_refused;
+  }
+
+  // The angle has no direction that could be turned round.
+  struct supervision state = {
+      .name = "unordered", .rate_hz = settings.rate_hz, .mirror_seconds = UINT32_MAX};
+  const bool complete = demodulate(&state);
+  // Before anything is printed: the next sample is already one of the calibration.
+  const struct coprocessor_parameters stored = coprocessor_read_parameters();
+  const uint32_t demodulated = sampling_count();
+  COPROCESSOR->CTRL = gates;
+  coprocessor_load_parameters(&stored);
+  print_parameter_table(&stored);
+  if (!complete) {
+    print_end(demodulated);
+  } else if (!print_angles(demodulated, settings.calibration_samples, settings.angle_stride)) {
+    print_end(sampling_count());
+  }
+  sampling_stop();
+  return verdict(&state);
+}

@@ -1,0 +1,292 @@
+// What the bench has seen, told to the coverage.
+#include "capsoc_registers.h"
+#include "coprocessor/register_map.h"
+#include "regress/bench.h"
+
+namespace capsoc::regress {
+
+using namespace coprocessor;
+
+namespace {
+
+constexpr uint32_t quadrant(uint64_t angle) {
+  return static_cast<uint32_t>(angle >> 30) & 3;
+}
+
+size_t loop_class(unsigned shift) {
+  return shift == 0 ? 0 : shift < 16 ? 1 : shift == 16 ? 2 : shift < 31 ? 3 : 4;
+}
+
+size_t pair_index(uint32_t offset) {
+  return offset < reg_au_lo ? (offset - reg_freq_lo) / 8 : 2 + (offset - reg_au_lo) / 8;
+}
+
+bool is_pair(uint32_t offset) {
+  return (offset >= reg_freq_lo && offset <= reg_phase_hi) ||
+         (offset >= reg_au_lo && offset <= reg_cv_hi);
+}
+
+bool is_high(uint32_t offset) {
+  return ((offset - (offset < reg_au_lo ? reg_freq_lo : reg_au_lo)) & 4) != 0;
+}
+
+bool is_step(uint32_t offset) {
+  return offset >= reg_step_au && offset <= reg_step_cv;
+}
+
+constexpr int64_t weight_top = (int64_t{1} << 47) - 1;
+
+}  // namespace
+
+size_t Bench::moment() const {
+  if (shadow_.load_stage()) return 10 + *shadow_.load_stage();
+  unsigned occupied = 0, stage = 0;
+  for (unsigned s = 0; s < stage_count; ++s)
+    if (shadow_.occupied(s)) {
+      ++occupied;
+      stage = s;
+    }
+  if (load_waits_) return 9;
+  if (occupied == 0) return held_ ? 1 : 0;
+  if (occupied == 1) return 2 + stage;
+  return occupied == stage_count ? 7 : 8;
+}
+
+void Bench::cover_commit() {
+  const Nodes& n = device_.nodes();
+  ++counts_.commits;
+  if (since_reset_ < 64) ++since_reset_;
+  coverage_.hit_if(since_reset_ == 63, Group::event, 8);
+  coverage_.hit_if(since_reset_ == 64, Group::event, 9);
+  coverage_.hit(Group::sample_quadrant, n.u >= 0 ? (n.v >= 0 ? 0 : 1) : (n.v < 0 ? 2 : 3));
+  const auto relative = static_cast<uint64_t>(n.relative);
+  coverage_.hit(Group::relative_quadrant, quadrant(relative));
+  coverage_.hit(Group::angle_quadrant, quadrant(static_cast<uint64_t>(n.angle)));
+  coverage_.hit(Group::phi_quadrant, quadrant(static_cast<uint64_t>(n.phi)));
+  coverage_.hit(Group::beta_quadrant, quadrant(static_cast<uint64_t>(n.beta)));
+  constexpr uint64_t half = uint64_t{1} << 31, turn = half * 2, near = 1 << 16;
+  coverage_.hit_if(relative < half && half - relative < near, Group::seam, 0);
+  coverage_.hit_if(relative >= half && relative - half < near, Group::seam, 1);
+  coverage_.hit_if(turn - relative < near, Group::seam, 2);
+  coverage_.hit_if(relative < near, Group::seam, 3);
+  cover_saturation(n);
+  cover_ties(n);
+  cover_flags(static_cast<uint32_t>(n.flags));
+
+  const auto status = static_cast<uint32_t>(n.status);
+  const unsigned source = (ctrl_ & ctrl_ref_mask) >> ctrl_ref_shift;
+  coverage_.hit(Group::mode, source * 4 + (ctrl_ & 1) + ((ctrl_ >> 1) & 1) * 2);
+  coverage_.hit_if(n.zero != 0, Group::event, source);
+  coverage_.hit((Group::event), (status & status_mirror) != 0 ? 3 : 4);
+  const uint32_t changed = status ^ status_;
+  coverage_.hit_if((changed & status & status_lock) != 0, Group::event, 5);
+  coverage_.hit_if((changed & ~status & status_lock) != 0, Group::event, 6);
+  coverage_.hit_if((status & status_diverged) != 0, Group::event, 7);
+  coverage_.hit_if((changed & ~status & status_valid) != 0, Group::event, 10);
+  status_ = status;
+  if (edge_ > settled_at_ + latency_cycles) {
+    coverage_.hit_if(source == 1, Group::loop, loop_class(loop_ & 31));
+    coverage_.hit_if(source == 1, Group::loop, 5 + loop_class(loop_ >> 8));
+    for (unsigned i = 0; i < steps_.size() && (ctrl_ & ctrl_demod) != 0; ++i) {
+      const uint32_t step = steps_[i];
+      if (step < 2) coverage_.hit(Group::step, i * 3 + step);
+      if (step == INT32_MAX) coverage_.hit(Group::step, i * 3 + 2);
+    }
+  }
+  const int64_t a1 = n.a1;
+  coverage_.hit(Group::magnitude, a1 == 0           ? 0
+                                  : a1 < 2048       ? 1
+                                  : a1 < 21474836   ? 2
+                                  : a1 < 1073741824 ? 3
+                                  : a1 < 2126008811 ? 4
+                                                    : 5);
+  for (uint8_t& latched : latched_)
+    if (latched == 1) latched = 2;
+}
+
+void Bench::cover_saturation(const Nodes& n) {
+  const auto ends = [&](int64_t value, int64_t top, size_t bin) {
+    coverage_.hit_if(value == top, Group::saturation, bin);
+    coverage_.hit_if(value == -top - 1, Group::saturation, bin + 1);
+  };
+  ends(n.error_u, INT32_MAX, 0);
+  ends(n.error_v, INT32_MAX, 0);
+  ends(n.cal_s, INT32_MAX, 2);
+  ends(n.cal_c, INT32_MAX, 4);
+  // The paper's words end at Q1.31.
+  const int64_t top = arithmetic_ == Arithmetic::paper ? int64_t{INT32_MAX} << 15 : weight_top;
+  const int64_t bottom = arithmetic_ == Arithmetic::paper ? -(int64_t{1} << 46) : -weight_top - 1;
+  for (int64_t weight : {n.a_u, n.b_u, n.c_u, n.a_v, n.b_v, n.c_v}) {
+    coverage_.hit_if(weight == top, Group::saturation, 6);
+    coverage_.hit_if(weight == bottom, Group::saturation, 7);
+  }
+  ends(n.frequency, weight_top, 8);
+  coverage_.hit_if(n.amplitude == INT32_MAX, Group::saturation, 10);
+  coverage_.hit_if(n.a1 == INT32_MAX || n.a2 == INT32_MAX, Group::saturation, 11);
+}
+
+void Bench::cover_ties(const Nodes& n) {
+  if (arithmetic_ == Arithmetic::precise) {
+    for (int64_t weight : {n.a_u, n.b_u, n.a_v, n.b_v})
+      if ((weight & 0x7FFF) == 0x4000) coverage_.hit(Group::tie, weight < 0 ? 1 : 0);
+    coverage_.hit_if((n.c_u & 0x7FFF) == 0x4000, Group::tie, 7);
+    coverage_.hit_if((n.s_low & INT32_MAX) == 1 << 30, Group::tie, 8);
+    coverage_.hit_if((n.c_low & INT32_MAX) == 1 << 30, Group::tie, 9);
+    if (edge_ > settled_at_ + latency_cycles)
+      for (unsigned i = 0; i < 6; ++i) {
+        const int64_t product = (i < 3 ? n.error_u : n.error_v) * steps_[i];
+        if ((product & 0xFFFF) == 0x8000) coverage_.hit(Group::tie, product < 0 ? 4 : 3);
+      }
+  }
+  const unsigned source = (ctrl_ & ctrl_ref_mask) >> ctrl_ref_shift;
+  if (edge_ <= settled_at_ + latency_cycles) return;
+  const unsigned kp = loop_ & 31, ki = loop_ >> 8;
+  const auto residue = static_cast<uint64_t>(n.residue) << 16;
+  const auto tie = [&](unsigned shift) {
+    return shift > 16 && (residue & ((uint64_t{1} << shift) - 1)) == uint64_t{1} << (shift - 1);
+  };
+  coverage_.hit_if(source == 1 && tie(kp), Group::tie, 5);
+  coverage_.hit_if(source == 1 && tie(ki), Group::tie, 6);
+  coverage_.hit_if(source != 2 && (n.phase & 0xFFFF) == 0x8000, Group::tie, 2);
+}
+
+void Bench::cover_flags(uint32_t flags) {
+  for (unsigned i = 0; i < 9; ++i)
+    coverage_.hit_if((flags & ~flags_ & (1u << i)) != 0, Group::flag_set, i);
+  flags_ |= flags;
+}
+
+void Bench::cover_interrupt(bool level) {
+  const bool result = (flags_ & flag_result) != 0 && (ctrl_ & ctrl_ie_result) != 0;
+  const bool lock = (flags_ & flag_lockchg) != 0 && (ctrl_ & ctrl_ie_lock) != 0;
+  const bool error = (flags_ & flags_error) != 0 && (ctrl_ & ctrl_ie_error) != 0;
+  coverage_.hit_if(level && result && !lock && !error, Group::interrupt, 0);
+  coverage_.hit_if(level && lock && !result && !error, Group::interrupt, 1);
+  coverage_.hit_if(level && error && !result && !lock, Group::interrupt, 2);
+  coverage_.hit_if(!level && flags_ != 0, Group::interrupt, 3);
+  coverage_.hit_if(!level && flags_ == 0, Group::interrupt, 4);
+}
+
+void Bench::cover_spacing() {
+  if (last_sample_) {
+    const uint64_t d = edge_ - *last_sample_;
+    coverage_.hit(Group::spacing, d <= 1     ? 0
+                                  : d < 31   ? 1
+                                  : d <= 33  ? d - 29
+                                  : d < 64   ? 5
+                                  : d == 64  ? 6
+                                  : d < 161  ? 7
+                                  : d <= 162 ? d - 153
+                                  : d <= 200 ? 10
+                                             : 11);
+  }
+  last_sample_ = edge_;
+}
+
+void Bench::cover_write(uint32_t offset, uint32_t value) {
+  const size_t index = register_index(offset);
+  if (offset % 4 != 0) return coverage_.hit(Group::access, 6);
+  if (index == std::size(registers::coprocessor::table)) return coverage_.hit(Group::access, 4);
+  const auto& entry = registers::coprocessor::table[index];
+  coverage_.hit(Group::write_of, index);
+  coverage_.hit(Group::access, entry.access == registers::Access::read_only ? 7 : 1);
+  const bool reserved_source =
+      offset == reg_ctrl && (value & ctrl_ref_mask) == ctrl_ref_mask && (value & ctrl_srst) == 0;
+  const bool rejected =
+      ((is_step(offset) || offset == reg_a1 || offset == reg_a2) && (value >> 31) != 0) ||
+      reserved_source;
+  coverage_.hit_if(rejected, Group::access, 8);
+  if (rejected) coverage_.hit_if((flags_ & flag_config) == 0, Group::flag_set, 8);
+  if (rejected) flags_ |= flag_config;
+  cover_collision(offset, value);
+  if (offset == reg_flags) {
+    for (unsigned i = 0; i < 9; ++i)
+      coverage_.hit_if((value & flags_ & (1u << i)) != 0, Group::flag_cleared, i);
+    flags_ &= ~value;
+  }
+  if (is_pair(offset)) cover_pair_write(offset);
+  if (!rejected || reserved_source) cover_mode_change(offset, value);
+}
+
+void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
+  const size_t base = busy() ? 14 : 0;
+  if (offset == reg_ctrl && (value & ctrl_srst) == 0) {
+    const uint32_t from = (ctrl_ >> ctrl_ref_shift) & 3;
+    uint32_t to = (value >> ctrl_ref_shift) & 3;
+    if (to == 3) to = from;
+    if (from != to) coverage_.hit(Group::mode_change, base + from * 2 + (to > from ? to - 1 : to));
+    const uint32_t changed = ctrl_ ^ value;
+    if ((changed & ctrl_demod) != 0)
+      coverage_.hit(Group::mode_change, base + ((value & ctrl_demod) != 0 ? 6 : 7));
+    if ((changed & ctrl_calib) != 0)
+      coverage_.hit(Group::mode_change, base + ((value & ctrl_calib) != 0 ? 8 : 9));
+    if ((changed & ctrl_ & ctrl_adc) != 0) coverage_.hit(Group::mode_change, base + 10);
+    ctrl_ = (value & ctrl_writable & ~ctrl_ref_mask) | (to << ctrl_ref_shift);
+    settled_at_ = edge_;
+  }
+  if (is_step(offset)) {
+    coverage_.hit(Group::mode_change, base + 11);
+    steps_[(offset - reg_step_au) / 4] = value;
+    settled_at_ = edge_;
+  }
+  if (offset == reg_loop) {
+    coverage_.hit(Group::mode_change, base + 12);
+    loop_ = value & 0x1F1F;
+    settled_at_ = edge_;
+  }
+  if (offset == reg_lock_threshold || offset == reg_diverge_threshold)
+    coverage_.hit(Group::mode_change, base + 13);
+}
+
+void Bench::cover_collision(uint32_t offset, uint32_t value) {
+  const auto cover = [&](bool condition, size_t bin) {
+    coverage_.hit_if(condition, Group::collision, bin);
+  };
+  cover(sampled_, 10);
+  cover(busy() && boundary_ == edge_ + 1, 12);
+  cover(busy() && turned_ + 1 == edge_, 13);
+  if (turned_ != edge_) return;
+  const bool tracking = ((ctrl_ >> ctrl_ref_shift) & 3) == 1;
+  const bool demod = (ctrl_ & ctrl_demod) != 0;
+  cover(ended_[4] && offset == reg_flags && value != 0, 0);
+  cover(ended_[4] && offset == reg_cmd && (value & cmd_clear) != 0, 1);
+  cover(ended_[3] && demod && offset >= reg_au_lo && offset <= reg_cv_hi, 2);
+  cover(ended_[2] && offset == reg_phase_hi, 3);
+  cover(ended_[2] && tracking && offset == reg_freq_hi, 4);
+  cover(ended_[4] && demod && offset >= reg_a1 && offset <= reg_phi, 5);
+  cover(busy() && offset == reg_ctrl && (value & ctrl_srst) == 0, 6);
+  cover(busy() && is_step(offset), 7);
+  cover(ended_[4] && offset == reg_ctrl && (value & ctrl_srst) != 0, 8);
+  cover(offset == reg_cmd && (value & cmd_load) != 0, 11);
+}
+
+void Bench::cover_pair_write(uint32_t offset) {
+  uint8_t& staged = staged_[pair_index(offset)];
+  if (is_high(offset)) {
+    coverage_.hit(Group::pair, staged != 0 ? 0 : 1);
+    staged = 0;
+  } else {
+    coverage_.hit_if(staged != 0, Group::pair, 2);
+    staged = 1;
+  }
+}
+
+void Bench::cover_read(uint32_t offset, bool debug, bool ok) {
+  if (offset % 4 != 0) return coverage_.hit(Group::access, 5);
+  if (!ok) return coverage_.hit(Group::access, 3);
+  coverage_.hit(Group::access, debug ? 2 : 0);
+  if (debug) return;
+  const size_t index = register_index(offset);
+  if (index < std::size(registers::coprocessor::table)) coverage_.hit(Group::read_of, index);
+  if (!is_pair(offset)) return;
+  uint8_t& latched = latched_[pair_index(offset)];
+  if (is_high(offset)) {
+    latched = 1;
+  } else {
+    coverage_.hit(Group::pair, latched != 0 ? 3 : 4);
+    coverage_.hit_if(latched == 2, Group::pair, 5);
+    latched = 0;
+  }
+}
+
+}  // namespace capsoc::regress

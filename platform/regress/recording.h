@@ -1,0 +1,63 @@
+// What a scenario does at the pins, edge by edge, and what the model answers: the stimulus of a
+// regression without the model, to be held against many versions of the RTL.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "coprocessor/coprocessor.h"
+#include "coprocessor/device.h"
+
+namespace capsoc::regress {
+
+struct Event {
+  enum class Kind : uint8_t {
+    sample,  ///< u, v, flag: clip, answer: latched
+    write,   ///< offset, value, answer: no error
+    read,    ///< offset, value: what it must show, answer: no error
+    reset,   ///< of the pin, after the edge
+    level,   ///< from this edge on: flag: interrupt, answer: idle
+    look,    ///< offset: first of `look_offsets.size()` words in Recording::words
+  };
+  Kind kind;
+  uint64_t edge;
+  uint32_t offset_or_u = 0, value_or_v = 0;
+  bool flag = false, answer = false;
+};
+
+/// Registers whose reading has no side effect and whose value a commit may change.
+extern const std::array<uint32_t, 38> look_offsets;
+
+struct Recording {
+  std::vector<Event> events;    ///< by edge
+  std::vector<uint32_t> words;  ///< of the looks
+};
+
+/// The model, with everything it is asked and answers written down.
+class Recorder final : public coprocessor::Device {
+ public:
+  Recorder(const coprocessor::Options& options, Recording& recording);
+
+  void reset() override;
+  void advance(uint64_t cycle) override;
+  std::optional<uint64_t> next_event() const override { return model_.next_event(); }
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  std::string_view guest_error() const override { return model_.guest_error(); }
+  bool interrupt() const override { return model_.interrupt(); }
+  bool idle() const override { return model_.idle(); }
+  const coprocessor::Nodes& nodes() const override { return model_.nodes(); }
+  /// To be called at the end: what the last edge left.
+  void close();
+
+ private:
+  coprocessor::Coprocessor model_;
+  Recording& recording_;
+  uint64_t edge_ = 0;
+  uint64_t commits_ = 0;
+  bool interrupt_ = false, idle_ = true;
+};
+
+}  // namespace capsoc::regress

@@ -1,0 +1,51 @@
+// Line and toggle coverage of the Verilated coprocessor, merged over the runs.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "support/result.h"
+
+namespace capsoc::regress {
+
+/// Points that cannot be reached, and why. A line of the file: kind (line, toggle or branch),
+/// source file, line number or signal, "#" and the reason.
+class CoverageExceptions {
+ public:
+  static Result<CoverageExceptions> read(const std::string& file);
+
+  bool holds(const std::string& kind, const std::string& file, unsigned line,
+             const std::string& name) const;
+
+ private:
+  struct Entry {
+    std::string kind, file, what;
+  };
+  std::vector<Entry> entries_;
+};
+
+struct RtlCoverage {
+  struct Kind {
+    std::string name;  ///< "line" (with branches), "toggle"
+    uint64_t points = 0, covered = 0, excepted = 0;
+    std::vector<std::string> missing;  ///< "file:line name"
+
+    double percent() const {
+      const uint64_t counted = points - excepted;
+      return counted == 0 ? 100
+                          : 100.0 * static_cast<double>(covered) / static_cast<double>(counted);
+    }
+  };
+  std::string arithmetic;
+  std::vector<Kind> kinds;
+};
+
+/// Adds Verilator coverage files point by point; the sum also goes to `merged`, for
+/// verilator_coverage. Points outside rtl/*.sv do not count.
+Result<RtlCoverage> merge_coverage(const std::string& arithmetic,
+                                   const std::vector<std::string>& files, const std::string& merged,
+                                   const CoverageExceptions& exceptions);
+
+}  // namespace capsoc::regress

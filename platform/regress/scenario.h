@@ -1,0 +1,64 @@
+// The situations that a regression puts the coprocessor into.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "regress/bench.h"
+#include "regress/random.h"
+
+namespace capsoc::regress {
+
+/// How much of a random scenario to run.
+struct Budget {
+  uint64_t samples = 0, accesses = 0;
+};
+
+struct Scenario {
+  const char* name;
+  const char* purpose;
+  /// Parts in a thousand of the regression's samples and accesses; a directed scenario has none and
+  /// runs as often as there are seeds.
+  unsigned sample_share, access_share;
+  void (*run)(Bench&, Random&, const Budget&);
+
+  bool directed() const { return sample_share == 0 && access_share == 0; }
+};
+
+/// All of them, in the order in which they are reported.
+const std::vector<Scenario>& scenarios();
+
+// scenarios_random.cpp
+void run_stream(Bench& bench, Random& random, const Budget& budget);
+void run_noise(Bench& bench, Random& random, const Budget& budget);
+void run_traffic(Bench& bench, Random& random, const Budget& budget);
+void run_interrupted(Bench& bench, Random& random, const Budget& budget);
+void run_software(Bench& bench, Random& random, const Budget& budget);
+
+// scenarios_arithmetic.cpp
+void run_ties(Bench& bench, Random& random, const Budget&);
+void run_saturation(Bench& bench, Random& random, const Budget&);
+void run_quadrants(Bench& bench, Random& random, const Budget&);
+void run_amplitudes(Bench& bench, Random& random, const Budget&);
+void run_full_scale(Bench& bench, Random& random, const Budget&);
+void run_beta(Bench& bench, Random& random, const Budget&);
+void run_zero(Bench& bench, Random& random, const Budget&);
+void run_step_ends(Bench& bench, Random& random, const Budget&);
+void run_weight_clamp(Bench& bench, Random& random, const Budget&);
+void run_loop_gains(Bench& bench, Random& random, const Budget&);
+void run_thresholds(Bench& bench, Random& random, const Budget&);
+
+// scenarios_timing.cpp
+void run_spacing(Bench& bench, Random& random, const Budget&);
+void run_load_moments(Bench& bench, Random& random, const Budget&);
+void run_reset_moments(Bench& bench, Random& random, const Budget&);
+void run_collisions(Bench& bench, Random& random, const Budget&);
+void run_overruns(Bench& bench, Random& random, const Budget&);
+void run_modes(Bench& bench, Random& random, const Budget&);
+
+// scenarios_registers.cpp
+void run_registers(Bench& bench, Random& random, const Budget&);
+void run_pairs(Bench& bench, Random& random, const Budget&);
+void run_flags(Bench& bench, Random& random, const Budget&);
+
+}  // namespace capsoc::regress

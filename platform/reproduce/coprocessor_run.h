@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "coprocessor/coprocessor.h"
+
+namespace capsoc::reproduce {
+
+/// The coprocessor model as the SoC paper's, sample after sample, without a simulation: the paper's
+/// arithmetic and steps of sections 4.2 and 4.3, the reference at 0.05 Hz / 250 Hz. The four
+/// settings that the paper does not state and that give its Table 8: a frequency word truncated to
+/// 31 bits (858,992), two samples of latency between reference and data, steps scaled by 2^-7,
+/// 16-bit multipliers in the PI arctangent.
+class CoprocessorRun {
+ public:
+  static constexpr int operand_bits = 16;
+
+  CoprocessorRun() : device_(options()) {
+    const std::array<double, 6> steps = {0.2, 0.2, 0.2, 0.5, 0.3, 0.1};
+    for (uint32_t i = 0; i < steps.size(); ++i)
+      write(coprocessor::reg_step_au + 4 * i,
+            static_cast<uint32_t>(std::llround(steps.at(i) * 0x1p31)));
+    write(coprocessor::reg_freq_lo, 0);
+    write(coprocessor::reg_freq_hi, frequency_word);
+  }
+
+  /// Gates of CTRL for the samples to come.
+  void control(uint32_t gates) { write(coprocessor::reg_ctrl, gates | coprocessor::ctrl_adc); }
+
+  /// One sample, to its result.
+  void submit(int32_t u, int32_t v) {
+    device_.submit(cycle_, u, v, false);
+    cycle_ += cycles_a_sample;
+  }
+
+  uint32_t read(uint32_t offset) { return device_.read(cycle_, offset, true).value; }
+
+  /// a1, a2, b1, b2, beta, phi.
+  std::array<uint32_t, 6> parameter_words() {
+    std::array<uint32_t, 6> words{};
+    for (uint32_t i = 0; i < words.size(); ++i) words.at(i) = read(coprocessor::reg_a1 + 4 * i);
+    return words;
+  }
+
+ private:
+  static constexpr uint64_t cycles_a_sample = 200;    // more than the latency: one sample in flight
+  static constexpr uint32_t frequency_word = 858992;  // 2 floor(2^31 0.05 / 250)
+
+  static coprocessor::Options options() {
+    coprocessor::Options options;
+    options.arithmetic = coprocessor::Arithmetic::paper;
+    options.paper_operand_bits = operand_bits;
+    options.paper_reference_lead = 2;
+    options.paper_step_shift = 7;
+    return options;
+  }
+
+  void write(uint32_t offset, uint32_t value) { device_.write(cycle_, offset, value); }
+
+  coprocessor::Coprocessor device_;
+  uint64_t cycle_ = 1;
+};
+
+}  // namespace capsoc::reproduce

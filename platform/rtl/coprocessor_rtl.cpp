@@ -1,0 +1,401 @@
+#include "rtl/coprocessor_rtl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "coprocessor/register_map.h"
+#include "coprocessor/sequencer.h"
+
+namespace capsoc::rtl {
+
+using coprocessor::commit_stage;
+using coprocessor::latency_cycles;
+using coprocessor::load_stage_count;
+using coprocessor::NamedNode;
+using coprocessor::node_names;
+using coprocessor::Nodes;
+using coprocessor::RegisterAccess;
+using coprocessor::stage_count;
+using coprocessor::tick_cycles;
+
+namespace {
+
+constexpr uint32_t last_offset = 0xFFF;  // paddr_i has 12 bits
+
+}  // namespace
+
+/// One instance and its place in time. What is on the pins for the coming edge stays there until
+/// that edge is made, which is when something asks for the state behind it.
+class CoprocessorRtl::Pins {
+ public:
+  Pins(RtlLibrary::Handle library, Clocking clocking)
+      : library_(std::move(library)),
+        api_(library_->api()),
+        clocking_(clocking),
+        instance_(api_.create(), api_.destroy),
+        pins_(*api_.pins(instance_.get())),
+        values_(api_.node_count) {
+    for (const NamedNode& node : node_names()) {
+      const auto* const* first = api_.node_names;
+      const auto* const* last = first + api_.node_count;
+      const auto* const* found = std::find_if(
+          first, last, [&](const char* name) { return std::strcmp(name, node.name) == 0; });
+      if (found != last) wires_[node.stage].push_back({node.value, std::size_t(found - first)});
+    }
+    reset();
+  }
+
+  std::unique_ptr<Pins> copy() {
+    settle();
+    std::vector<uint8_t> bytes(api_.save(instance_.get(), nullptr, 0));
+    if (bytes.empty()) return nullptr;
+    auto other = std::make_unique<Pins>(library_, clocking_);
+    api_.save(instance_.get(), bytes.data(), bytes.size());
+    other->pins_ = pins_;
+    api_.restore(other->instance_.get(), bytes.data(), bytes.size());
+    other->edge_ = edge_;
+    other->named_ = named_;
+    other->acts_ = acts_;
+    other->reading_ = reading_;
+    other->changed_ = changed_;
+    other->flight_ = flight_;
+    other->nodes_ = nodes_;
+    return other;
+  }
+
+  void reset() {
+    settle();
+    release();
+    pins_.presetn = 0;
+    api_.eval(instance_.get());
+    pins_.presetn = 1;
+    api_.eval(instance_.get());
+    changed_ = false;
+    flight_ = {};
+    nodes_ = {};
+  }
+
+  /// The edge may still get inputs, so only those before it are made.
+  void name(uint64_t cycle) {
+    named_ = std::max(named_, cycle);
+    if (named_ > 0) run_to(named_ - 1);
+  }
+
+  void settle() { run_to(named_); }
+
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
+    open(cycle);
+    pins_.sample_valid = 1;
+    pins_.sample_u = static_cast<uint32_t>(u);
+    pins_.sample_v = static_cast<uint32_t>(v);
+    pins_.sample_clip = clip ? 1 : 0;
+    api_.eval(instance_.get());
+    acts_ = true;
+    return pins_.sample_ready != 0;
+  }
+
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value) {
+    if (offset > last_offset) return false;
+    open(reading_ ? std::max(cycle, edge_ + 2) : cycle);
+    drive_bus(offset, true, value);
+    acts_ = true;
+    return pins_.pslverr == 0;
+  }
+
+  RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) {
+    name(cycle);
+    settle();
+    if (offset > last_offset) return {};
+    const capsoc_rtl_pins before = pins_;
+    if (debug && coprocessor::is_pair(offset) && !coprocessor::is_pair_high(offset))
+      return {true, present_low(offset)};
+    drive_bus(offset, false, 0);
+    const RegisterAccess result{pins_.pslverr == 0, pins_.pslverr == 0 ? pins_.prdata : 0};
+    // Reads of a HI word fill the latch at the coming edge; others change nothing and need no
+    // clock.
+    if (!debug && coprocessor::is_pair_high(offset)) {
+      acts_ = reading_ = true;
+    } else {
+      pins_.psel = before.psel;
+      pins_.penable = before.penable;
+      pins_.paddr = before.paddr;
+      changed_ = true;
+    }
+    return result;
+  }
+
+  std::optional<uint64_t> next_event() {
+    settle();
+    if (pins_.idle) return std::nullopt;
+    const uint64_t boundary = edge_ + (pins_.stage || pins_.load ? tick_cycles - pins_.cycle : 1u);
+    for (unsigned stage = stage_count; stage-- > 0;)
+      if (pins_.stage >> stage & 1)
+        return boundary + uint64_t{stage_count - 1 - stage} * tick_cycles;
+    for (unsigned stage = load_stage_count; stage-- > 0;)
+      if (pins_.load >> stage & 1)
+        return boundary + uint64_t{load_stage_count - 1 - stage} * tick_cycles;
+    return boundary + uint64_t{pins_.load_pending ? load_stage_count : stage_count} * tick_cycles;
+  }
+
+  bool interrupt() {
+    settle();
+    return pins_.irq != 0;
+  }
+
+  bool idle() {
+    settle();
+    return pins_.idle != 0;
+  }
+
+  const Nodes& nodes() {
+    settle();
+    return nodes_;
+  }
+
+  bool stage_nodes(unsigned stage, Nodes& nodes) {
+    settle();
+    if (stage >= stage_count || !pins_.boundary || !(pins_.stage >> stage & 1)) return false;
+    api_.nodes(instance_.get(), values_.data());
+    take(stage, nodes);
+    return true;
+  }
+
+  std::optional<Error> open_waves(const std::string& file, unsigned period_ns) {
+    settle();
+    std::FILE* test = std::fopen(file.c_str(), "wb");
+    const int reason = errno;
+    if (test != nullptr) std::fclose(test);
+    if (test == nullptr || !api_.open_waves(instance_.get(), file.c_str()))
+      return Error{fmt::format("{}: cannot be written ({}); name another file for the waves", file,
+                               std::strerror(reason))};
+    period_ns_ = period_ns;
+    return std::nullopt;
+  }
+
+  void show_model(const Nodes& nodes) {
+    std::fill(values_.begin(), values_.end(), 0);
+    for (const auto& stage : wires_)
+      for (const Wire& wire : stage) values_[wire.index] = nodes.*wire.node;
+    api_.model_nodes(instance_.get(), values_.data());
+  }
+
+  void close_waves() {
+    settle();
+    api_.close_waves(instance_.get());
+    period_ns_ = 0;
+  }
+
+  bool write_coverage(const std::string& file) {
+    settle();
+    return api_.write_coverage(instance_.get(), file.c_str()) != 0;
+  }
+
+  uint64_t clocks() {
+    settle();
+    return clocks_;
+  }
+
+  std::string_view guest_error;
+
+ private:
+  struct Wire {
+    int64_t Nodes::*node;
+    std::size_t index;
+  };
+
+  /// Ready for inputs of edge `cycle`.
+  void open(uint64_t cycle) {
+    named_ = std::max({named_, cycle, edge_ + 1});
+    run_to(named_ - 1);
+  }
+
+  void drive_bus(uint32_t offset, bool write, uint32_t value) {
+    pins_.psel = pins_.penable = 1;
+    pins_.pwrite = write ? 1 : 0;
+    pins_.paddr = static_cast<uint16_t>(offset & 0xFFF);
+    pins_.pwdata = value;
+    pins_.pstrb = write ? 0xF : 0;
+    api_.eval(instance_.get());
+  }
+
+  void release() {
+    pins_.psel = pins_.penable = pins_.pwrite = pins_.sample_valid = 0;
+    acts_ = reading_ = false;
+    changed_ = true;
+  }
+
+  void run_to(uint64_t target) {
+    while (edge_ < target) {
+      if (!acts_ && pins_.idle && clocking_ == Clocking::skip) {
+        edge_ = target;
+      } else if (acts_ || pins_.boundary || pins_.idle || period_ns_ != 0) {
+        make_edge();
+      } else {
+        if (changed_) api_.eval(instance_.get());
+        changed_ = false;
+        const uint64_t made = api_.clock_on(instance_.get(), target - edge_);
+        edge_ += made;
+        clocks_ += made;
+      }
+    }
+  }
+
+  void make_edge() {
+    if (changed_) api_.eval(instance_.get());
+    changed_ = false;
+    const bool boundary = pins_.boundary != 0;
+    const bool commit = boundary && pins_.commit;
+    const bool soft_reset = pins_.psel && pins_.pwrite && pins_.paddr == coprocessor::reg_ctrl &&
+                            (pins_.pwdata & coprocessor::ctrl_srst) != 0;
+    if (boundary && pins_.stage != 0) end_tick(commit);
+    ++edge_;
+    ++clocks_;
+    if (period_ns_ != 0)
+      api_.wave_time(instance_.get(), edge_ * period_ns_, edge_ * period_ns_ + period_ns_ / 2);
+    api_.clock(instance_.get());
+    if (soft_reset) nodes_ = {};
+    if (acts_) release();
+  }
+
+  /// The samples move on, and with them what their stages made.
+  void end_tick(bool commit) {
+    api_.nodes(instance_.get(), values_.data());
+    // The oldest sample first: each makes room for the next.
+    for (unsigned stage = stage_count; stage-- > 0;) {
+      if (!(pins_.stage >> stage & 1)) continue;
+      take(stage, flight_[stage]);
+      if (stage + 1 < stage_count) {
+        flight_[stage + 1] = flight_[stage];
+      } else if (commit) {
+        const uint64_t commits = nodes_.commits;
+        nodes_ = flight_[stage];
+        take(commit_stage, nodes_);
+        nodes_.commits = commits + 1;
+      }
+    }
+  }
+
+  void take(unsigned stage, Nodes& nodes) {
+    for (const Wire& wire : wires_[stage]) nodes.*wire.node = values_[wire.index];
+  }
+
+  /// The LO word of a 48-bit register as a debugger sees it.
+  uint32_t present_low(uint32_t offset) {
+    std::array<int64_t, 8> pairs{};
+    api_.pairs(instance_.get(), pairs.data());
+    const unsigned index = offset < coprocessor::reg_au_lo
+                               ? (offset - coprocessor::reg_freq_lo) / 8
+                               : 2 + (offset - coprocessor::reg_au_lo) / 8;
+    return coprocessor::pair_words(offset, pairs.at(index)).low;
+  }
+
+  RtlLibrary::Handle library_;
+  const capsoc_rtl_api& api_;
+  Clocking clocking_;
+  std::unique_ptr<capsoc_rtl, void (*)(capsoc_rtl*)> instance_;
+  capsoc_rtl_pins& pins_;
+
+  uint64_t edge_ = 0;     // made; the pins show the interval after it
+  uint64_t named_ = 0;    // the latest edge that a caller has named
+  bool acts_ = false;     // an input is set for the coming edge
+  bool reading_ = false;  // it is a read
+  bool changed_ = false;  // inputs were taken back and not evaluated since
+  uint64_t clocks_ = 0;
+  unsigned period_ns_ = 0;  // 0: no waves
+
+  std::array<std::vector<Wire>, commit_stage + 1> wires_;
+  std::vector<int64_t> values_;
+  std::array<Nodes, stage_count> flight_;
+  Nodes nodes_;
+};
+
+CoprocessorRtl::CoprocessorRtl(RtlLibrary::Handle library, Clocking clocking)
+    : pins_(std::make_unique<Pins>(std::move(library), clocking)) {}
+
+CoprocessorRtl::CoprocessorRtl(std::unique_ptr<Pins> pins) : pins_(std::move(pins)) {}
+
+CoprocessorRtl::~CoprocessorRtl() = default;
+
+void CoprocessorRtl::reset() {
+  pins_->reset();
+}
+
+void CoprocessorRtl::advance(uint64_t cycle) {
+  pins_->name(cycle);
+}
+
+std::optional<uint64_t> CoprocessorRtl::next_event() const {
+  return pins_->next_event();
+}
+
+bool CoprocessorRtl::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
+  return pins_->submit(cycle, u, v, clip);
+}
+
+RegisterAccess CoprocessorRtl::read(uint64_t cycle, uint32_t offset, bool debug) {
+  return pins_->read(cycle, offset, debug);
+}
+
+bool CoprocessorRtl::write(uint64_t cycle, uint32_t offset, uint32_t value) {
+  const bool mapped = pins_->write(cycle, offset, value);
+  pins_->guest_error = mapped ? coprocessor::write_complaint(offset, value) : "";
+  return mapped;
+}
+
+std::string_view CoprocessorRtl::guest_error() const {
+  return pins_->guest_error;
+}
+
+bool CoprocessorRtl::interrupt() const {
+  return pins_->interrupt();
+}
+
+bool CoprocessorRtl::idle() const {
+  return pins_->idle();
+}
+
+const Nodes& CoprocessorRtl::nodes() const {
+  return pins_->nodes();
+}
+
+bool CoprocessorRtl::stage_nodes(unsigned stage, Nodes& nodes) const {
+  return pins_->stage_nodes(stage, nodes);
+}
+
+std::unique_ptr<coprocessor::Device> CoprocessorRtl::clone() const {
+  auto pins = pins_->copy();
+  if (pins == nullptr) return nullptr;
+  return std::unique_ptr<CoprocessorRtl>(new CoprocessorRtl(std::move(pins)));
+}
+
+uint64_t CoprocessorRtl::clocks() const {
+  return pins_->clocks();
+}
+
+std::optional<Error> CoprocessorRtl::open_waves(const std::string& file, unsigned period_ns) {
+  return pins_->open_waves(file, period_ns);
+}
+
+void CoprocessorRtl::show_model(const Nodes& nodes) {
+  pins_->show_model(nodes);
+}
+
+void CoprocessorRtl::close_waves() {
+  pins_->close_waves();
+}
+
+std::optional<Error> CoprocessorRtl::write_coverage(const std::string& file) const {
+  if (pins_->write_coverage(file)) return std::nullopt;
+  return Error{
+      fmt::format("{}: no coverage can be written; build the library for it with `cmake --build "
+                  "BUILD --target capsoc_rtl_coverage`",
+                  file)};
+}
+
+}  // namespace capsoc::rtl

@@ -1,0 +1,57 @@
+// The Verilated coprocessor behind the interface of the model.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "coprocessor/device.h"
+#include "rtl/rtl_library.h"
+#include "support/result.h"
+
+namespace capsoc::rtl {
+
+/// Whether the clock runs while nothing can change (`idle_o` and no input). Same results.
+enum class Clocking { skip, every };
+
+/// Drives the pins in the interval in front of each edge, evaluates, samples, then clocks. No
+/// thread; every instance has its own Verilator context.
+class CoprocessorRtl final : public coprocessor::Device {
+ public:
+  explicit CoprocessorRtl(RtlLibrary::Handle library, Clocking clocking = Clocking::skip);
+  ~CoprocessorRtl() override;
+
+  void reset() override;
+  void advance(uint64_t cycle) override;
+  std::optional<uint64_t> next_event() const override;
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  std::string_view guest_error() const override;
+  bool interrupt() const override;
+  bool idle() const override;
+  const coprocessor::Nodes& nodes() const override;
+  bool stage_nodes(unsigned stage, coprocessor::Nodes& nodes) const override;
+  std::unique_ptr<Device> clone() const override;
+
+  /// Rising edges that were really made, of all that have passed.
+  uint64_t clocks() const;
+
+  /// From now on every clock goes to an FST file; a cycle is `period_ns` long there.
+  std::optional<Error> open_waves(const std::string& file, unsigned period_ns = 40);
+  /// Nodes that stand in the file beside the RTL's own.
+  void show_model(const coprocessor::Nodes& nodes);
+  void close_waves();
+
+  /// Writes this instance's coverage, in Verilator's format; only with a library built for it.
+  std::optional<Error> write_coverage(const std::string& file) const;
+
+ private:
+  class Pins;
+  explicit CoprocessorRtl(std::unique_ptr<Pins> pins);
+  std::unique_ptr<Pins> pins_;
+};
+
+}  // namespace capsoc::rtl

@@ -1,0 +1,77 @@
+// Two devices side by side, model and RTL, with private copies of every sample and transaction.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "coprocessor/device.h"
+#include "support/result.h"
+
+namespace capsoc::rtl {
+
+/// The first thing that was not the same on both sides.
+struct Difference {
+  uint64_t cycle = 0;      ///< PCLK edge
+  std::string what;        ///< "read of 0x0c0 (ANGLE)", "interrupt", "node sine of T2", ...
+  std::string model, rtl;  ///< both values, in hexadecimal
+  std::string node;        ///< the node that went wrong first in pipeline order; "" if none did
+};
+
+/// One call of the Device interface, as it is replayed.
+struct Operation {
+  enum class Kind { sample, write, read, debug_read, reset };
+  Kind kind = Kind::sample;
+  uint64_t cycle = 0;
+  uint32_t offset_or_u = 0, value_or_v = 0;
+  bool clip = false;
+};
+
+/// Text of an operation, as the report prints it.
+std::string describe(const Operation& operation);
+
+/// Compares read data, responses, interrupt edges with their cycle, next event, idle, every node at
+/// the end of its tick and every register at each commit. Answers with the model's values; after
+/// the first difference it compares no more.
+class Lockstep final : public coprocessor::Device {
+ public:
+  Lockstep(std::unique_ptr<Device> model, std::unique_ptr<Device> rtl);
+  ~Lockstep() override;
+
+  void reset() override;
+  void advance(uint64_t cycle) override;
+  std::optional<uint64_t> next_event() const override;
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  std::string_view guest_error() const override;
+  bool interrupt() const override;
+  bool idle() const override;
+  const coprocessor::Nodes& nodes() const override;
+
+  const std::optional<Difference>& difference() const;
+  /// Runs once, at the first difference.
+  void on_difference(std::function<void()> callback);
+
+  /// What differed, where, and the last 16 accesses and samples before it, as text of several
+  /// lines. `command` reproduces it; `cycle_ns` turns cycles into time.
+  std::string report(const std::string& command, double cycle_ns = 40) const;
+  /// The clocks around the difference again, both sides in one FST file. Nothing to do without a
+  /// difference or if the sides cannot be copied.
+  std::optional<Error> write_waves(const std::string& file) const;
+
+  /// How much was compared.
+  struct Counters {
+    uint64_t samples = 0, reads = 0, writes = 0, commits = 0, nodes = 0, interrupt_edges = 0;
+  };
+  const Counters& counters() const;
+
+ private:
+  class Pair;
+  std::unique_ptr<Pair> pair_;
+};
+
+}  // namespace capsoc::rtl

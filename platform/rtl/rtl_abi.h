@@ -1,0 +1,92 @@
+/* The C interface between capsoc and a shared library that holds the Verilated coprocessor
+ * (rtl/verification/coprocessor_probe.sv around rtl/coprocessor.sv). One function is looked up by
+ * name; the rest is a table behind it. Plain C, so that library and program need not agree on a C++
+ * runtime. */
+#ifndef CAPSOC_RTL_ABI_H
+#define CAPSOC_RTL_ABI_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CAPSOC_RTL_ABI_VERSION 1
+#define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
+
+/* Pins of one instance. The caller writes the inputs and calls eval(), which puts them on the
+ * design; clock() uses what eval() has put there. Both leave the outputs as they are with the clock
+ * low, in the interval after the last rising edge. */
+typedef struct capsoc_rtl_pins {
+  /* inputs */
+  uint8_t presetn, psel, penable, pwrite, pstrb;
+  uint8_t sample_valid, sample_clip;
+  uint16_t paddr;
+  uint32_t pwdata, sample_u, sample_v;
+  /* outputs */
+  uint8_t pready, pslverr, sample_ready, irq, idle;
+  uint32_t prdata;
+  /* The sequencer, from the probe. */
+  uint8_t boundary;   /* the edge that ends this interval begins a tick or ends one */
+  uint8_t enter;      /* with boundary: the held sample enters T0 */
+  uint8_t cycle;      /* 0..31 in the running tick */
+  uint8_t stage;      /* bit s: stage s holds a sample */
+  uint8_t load;       /* one-hot: L0..L2 under way */
+  uint8_t load_start; /* with boundary: the load stage that begins */
+  uint8_t held;       /* a sample waits in the holding register */
+  uint8_t load_pending;
+  uint8_t running; /* a tick is under way or begins at the coming edge */
+  uint8_t commit;  /* a result becomes visible at the coming edge */
+} capsoc_rtl_pins;
+
+typedef struct capsoc_rtl capsoc_rtl;
+
+typedef struct capsoc_rtl_api {
+  uint32_t abi_version;
+  uint32_t pins_size;                                      /* sizeof(capsoc_rtl_pins) */
+  const char* source_hash;                                 /* SHA-256 of the RTL, in hexadecimal */
+  int32_t paper, operand_bits, reference_lead, step_shift; /* the parameters of the top */
+  int32_t coverage;                                        /* built with line and toggle coverage */
+
+  /* Named nodes: names in the order of the values. A node of stage s is what it will be at the end
+   * of the tick in an interval with `boundary` and that stage occupied. */
+  uint32_t node_count;
+  const char* const* node_names;
+
+  capsoc_rtl* (*create)(void); /* all inputs 0: in reset; NULL: out of memory */
+  void (*destroy)(capsoc_rtl*);
+  capsoc_rtl_pins* (*pins)(capsoc_rtl*);
+  void (*eval)(capsoc_rtl*);  /* takes over the inputs and settles combinational outputs */
+  void (*clock)(capsoc_rtl*); /* one rising edge, and back to low */
+  /* Up to `count` rising edges; stops in front of an edge that ends an interval with `boundary` or
+   * `idle`. Returns how many were made. */
+  uint64_t (*clock_on)(capsoc_rtl*, uint64_t count);
+  void (*nodes)(capsoc_rtl*, int64_t* values); /* node_count values */
+  /* The 48-bit registers as they are now: FREQ, PHASE, AU, BU, CU, AV, BV, CV, all but PHASE
+   * sign-extended. */
+  void (*pairs)(capsoc_rtl*, int64_t* values);
+
+  /* The whole state, for copies. save: returns the size in bytes (0 with coverage: no copies) and
+   * writes it if it fits. restore: takes what save() of the same library wrote. */
+  size_t (*save)(capsoc_rtl*, void* bytes, size_t size);
+  void (*restore)(capsoc_rtl*, const void* bytes, size_t size);
+
+  /* An FST file of everything, one time unit a nanosecond. 0: cannot be written. `model` are
+   * node_count values that stand beside the RTL's nodes in the file. */
+  int (*open_waves)(capsoc_rtl*, const char* file);
+  void (*model_nodes)(capsoc_rtl*, const int64_t* values);
+  void (*wave_time)(capsoc_rtl*, uint64_t rise_ns, uint64_t fall_ns); /* of the next clock() */
+  void (*close_waves)(capsoc_rtl*);
+
+  /* Writes this instance's coverage in Verilator's format. 0: not built with coverage. */
+  int (*write_coverage)(capsoc_rtl*, const char* file);
+} capsoc_rtl_api;
+
+/* The type of the entry point. */
+typedef const capsoc_rtl_api* (*capsoc_rtl_entry_function)(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

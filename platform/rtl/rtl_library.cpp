@@ -1,0 +1,87 @@
+#include "rtl/rtl_library.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "rtl_hash.h"
+
+namespace capsoc::rtl {
+namespace {
+
+constexpr const char* rebuild = "build it with `cmake --build BUILD --target capsoc_rtl`";
+
+std::string refuse(const std::string& file, const capsoc_rtl_api& api,
+                   const coprocessor::Options& options) {
+  if (api.abi_version != CAPSOC_RTL_ABI_VERSION || api.pins_size != sizeof(capsoc_rtl_pins))
+    return fmt::format("{}: its interface has version {} and this program wants {}; {}", file,
+                       api.abi_version, CAPSOC_RTL_ABI_VERSION, rebuild);
+  if (std::strcmp(api.source_hash, source_hash()) != 0)
+    return fmt::format("{}: was built from other RTL ({:.12}) than this program ({:.12}); {}", file,
+                       api.source_hash, source_hash(), rebuild);
+  const bool paper = options.arithmetic == coprocessor::Arithmetic::paper;
+  const auto name = [](bool is_paper) { return is_paper ? "paper" : "precise"; };
+  if ((api.paper != 0) != paper)
+    return fmt::format("{}: its arithmetic is {} and the run's is {}; give the other library", file,
+                       name(api.paper != 0), name(paper));
+  if (paper && (api.operand_bits != options.paper_operand_bits ||
+                api.reference_lead != options.paper_reference_lead ||
+                api.step_shift != options.paper_step_shift))
+    return fmt::format(
+        "{}: its parameters (operand bits {}, reference lead {}, step shift {}) are not the "
+        "model's ({}, {}, {}); build a library with these",
+        file, api.operand_bits, api.reference_lead, api.step_shift, options.paper_operand_bits,
+        options.paper_reference_lead, options.paper_step_shift);
+  return {};
+}
+
+}  // namespace
+
+Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
+                                            const coprocessor::Options& options) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored))
+    return Error{fmt::format("{}: there is no such RTL library; {}", file, rebuild)};
+  // dlopen takes a name without a slash for one of the system's.
+  const std::string path = std::filesystem::absolute(file, ignored).string();
+  void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr)
+    return Error{fmt::format("{}: is no shared library that can be loaded; {}", file, rebuild)};
+  void* symbol = dlsym(handle, CAPSOC_RTL_ENTRY);
+  if (symbol == nullptr) {
+    dlclose(handle);
+    return Error{fmt::format("{}: holds no coprocessor RTL; {}", file, rebuild)};
+  }
+  const auto entry = reinterpret_cast<capsoc_rtl_entry_function>(symbol);
+  const Handle library(new RtlLibrary(handle, entry()));
+  if (std::string reason = refuse(file, library->api(), options); !reason.empty())
+    return Error{std::move(reason)};
+  return library;
+}
+
+std::string RtlLibrary::file_name(coprocessor::Arithmetic arithmetic, bool coverage) {
+  std::error_code ignored;
+  const auto folder = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  const std::string name = fmt::format(
+      "libcapsoc_rtl_{}{}.so", arithmetic == coprocessor::Arithmetic::paper ? "paper" : "precise",
+      coverage ? "_coverage" : "");
+  // Tests lie some levels below the program.
+  for (const char* up : {"", "..", "../..", "../../.."}) {
+    const auto path = folder / up / name;
+    if (std::filesystem::exists(path, ignored))
+      return std::filesystem::proximate(path, ignored).string();
+  }
+  return (folder / name).string();
+}
+
+RtlLibrary::~RtlLibrary() {
+  dlclose(handle_);
+}
+
+const char* source_hash() {
+  return CAPSOC_RTL_SOURCE_HASH;
+}
+
+}  // namespace capsoc::rtl

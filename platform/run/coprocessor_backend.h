@@ -1,0 +1,34 @@
+// What stands behind the coprocessor's bus target in a run: the model, the RTL or both in lockstep.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "coprocessor/device.h"
+#include "coprocessor/types.h"
+#include "rtl/coprocessor_rtl.h"
+#include "rtl/lockstep.h"
+#include "support/result.h"
+#include "support/settings.h"
+
+namespace capsoc::run {
+
+/// The device and ways to look at it. The pointers live as long as the device.
+struct CoprocessorBackend {
+  std::unique_ptr<coprocessor::Device> device;
+  rtl::CoprocessorRtl* rtl = nullptr;
+  rtl::Lockstep* lockstep = nullptr;
+};
+
+/// Adds the settings coprocessor.backend, .rtl_library, .rtl_clock and results.waves.
+void add_backend_settings(Settings& settings);
+
+/// The coprocessor that the settings ask for. An Error: the library is missing, stale or has other
+/// parameters than `options`, or the wave file cannot be written.
+Result<CoprocessorBackend> make_backend(const Settings& settings,
+                                        const coprocessor::Options& options);
+
+/// Where the waves of a difference go.
+std::string lockstep_waves(const Settings& settings);
+
+}  // namespace capsoc::run

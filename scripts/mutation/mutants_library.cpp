@@ -1,0 +1,83 @@
+// The mutants' netlist, Verilated, behind mutants_abi.h.
+#include <new>
+
+#include "Vmutants.h"
+#include "mutants_abi.h"
+#ifdef CAPSOC_FAULTS
+#include "Vmutants_faults.h"
+#endif
+#include "verilated.h"
+
+struct capsoc_mutants {
+  VerilatedContext context;
+  Vmutants top{&context};
+  capsoc_rtl_pins pins{};
+};
+
+namespace {
+
+void drive(capsoc_mutants& m) {
+  const capsoc_rtl_pins& p = m.pins;
+  Vmutants& t = m.top;
+  t.presetn_i = p.presetn;
+  t.psel_i = p.psel;
+  t.penable_i = p.penable;
+  t.pwrite_i = p.pwrite;
+  t.pstrb_i = p.pstrb;
+  t.paddr_i = p.paddr;
+  t.pwdata_i = p.pwdata;
+  t.sample_valid_i = p.sample_valid;
+  t.sample_clip_i = p.sample_clip;
+  t.sample_u_i = p.sample_u;
+  t.sample_v_i = p.sample_v;
+}
+
+void fetch(capsoc_mutants& m) {
+  capsoc_rtl_pins& p = m.pins;
+  Vmutants& t = m.top;
+  p.pready = t.pready_o;
+  p.pslverr = t.pslverr_o;
+  p.prdata = t.prdata_o;
+  p.sample_ready = t.sample_ready_o;
+  p.irq = t.irq_o;
+  p.idle = t.idle_o;
+}
+
+capsoc_mutants* create(unsigned mutant) {
+  auto* m = new (std::nothrow) capsoc_mutants;
+  if (m == nullptr) return nullptr;
+#ifdef CAPSOC_FAULTS
+  m->top.__PVT__faults->selected = mutant;  // scripts/mutation/faults
+#else
+  m->top.mutant = mutant;  // scripts/mutation/mutation
+#endif
+  m->top.pclk_i = 0;
+  drive(*m);
+  m->top.eval();
+  return m;
+}
+
+void eval(capsoc_mutants* m) {
+  drive(*m);
+  m->top.eval();
+  fetch(*m);
+}
+
+void clock(capsoc_mutants* m) {
+  // What the inputs lead to settles before the registers take it.
+  drive(*m);
+  m->top.pclk_i = 1;
+  m->top.eval();
+  m->top.pclk_i = 0;
+  m->top.eval();
+  fetch(*m);
+}
+
+const capsoc_mutants_api api = {create, [](capsoc_mutants* m) { delete m; },
+                                [](capsoc_mutants* m) { return &m->pins; }, eval, clock};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const capsoc_mutants_api* capsoc_mutants_entry() {
+  return &api;
+}

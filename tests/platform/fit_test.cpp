@@ -1,0 +1,178 @@
+#include "fit/fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "fit/golden.h"
+#include "fit/report.h"
+#include "run/sample_record.h"
+
+namespace capsoc::fit {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// A file that lives as long as a test.
+class Trace {
+ public:
+  explicit Trace(const std::string& text) : path_(testing::TempDir() + "fit_test.csv") {
+    std::ofstream(path_, std::ios::binary) << text;
+  }
+  ~Trace() { std::remove(path_.c_str()); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::vector<run::RecordedSample> one_turn(const csfn::Parameters& p, int count) {
+  std::vector<run::RecordedSample> samples;
+  for (int i = 0; i < count; ++i) {
+    const double turns = static_cast<double>(i) / count, theta = 2 * pi * turns;
+    const double u = p.a1 * std::sin(theta) + p.b1, v = p.a2 * std::cos(theta + p.beta) + p.b2;
+    samples.push_back({i / 250.0, static_cast<int32_t>(std::lround(u * 0x1p31)),
+                       static_cast<int32_t>(std::lround(v * 0x1p31)), turns, true});
+  }
+  return samples;
+}
+
+const csfn::Parameters sensor{0.6, 0.5, 0.1, -0.1, 0.3};
+
+TEST(Record, ARecordingComesBackAsTheSameWords) {
+  const auto samples = one_turn(sensor, 1000);
+  const Trace trace(run::to_recording(samples, "test"));
+  const auto record = read_record(trace.path());
+  ASSERT_TRUE(record) << record.error();
+  ASSERT_EQ(record.value().samples.u.size(), 1000);
+  for (Eigen::Index i = 0; i < 1000; ++i) {
+    const auto& sample = samples[static_cast<std::size_t>(i)];
+    EXPECT_EQ(record.value().samples.u[i] * 0x1p31, sample.u);
+    EXPECT_EQ(record.value().samples.v[i] * 0x1p31, sample.v);
+    EXPECT_NEAR(record.value().angle[i], 2 * pi * sample.angle_turns, 1e-14);
+  }
+  EXPECT_NEAR(*record.value().description.sample_rate_hz, 250, 1e-9);
+}
+
+TEST(Record, WithoutATruthThereIsNoAngleColumn) {
+  auto samples = one_turn(sensor, 100);
+  samples[50].has_truth = false;
+  const Trace trace(run::to_recording(samples, "test"));
+  const auto record = read_record(trace.path());
+  ASSERT_TRUE(record) << record.error();
+  EXPECT_EQ(record.value().angle.size(), 0);
+}
+
+TEST(Record, BadInputIsASentenceWithFileAndLine) {
+  const auto refused = [](const std::string& text, const std::string& line,
+                          const std::string& what) {
+    const Trace trace(text);
+    const auto record = read_record(trace.path());
+    ASSERT_FALSE(record) << text;
+    EXPECT_EQ(record.error().rfind(trace.path() + line, 0), 0u) << record.error();
+    EXPECT_NE(record.error().find(what), std::string::npos) << record.error();
+  };
+  std::string line_text = "u,v\n", point = "u,v\n";
+  for (int i = 0; i < 50; ++i) {
+    line_text += std::to_string(0.01 * i) + "," + std::to_string(0.005 * i) + "\n";
+    point += "0.1,0.2\n";
+  }
+  refused("", ":1: ", "empty");
+  refused("u,v\n0.1,0.2\n", ":2: ", "too few");
+  refused("u,v\n0.1,0.2\nnan,0.1\n", ":3: ", "finite");
+  refused("u,v\n0.1,0.2\n0.1,zero\n", ":3: ", "not a number");
+  refused(line_text, ":51: ", "straight line");
+  refused(point, ":51: ", "single point");
+}
+
+TEST(Record, AnEndlessTraceGivesTheMainJobsLength) {
+  RecordOptions options;
+  const auto whole = read_record("traces/soc_eq21.toml", options);
+  ASSERT_TRUE(whole) << whole.error();
+  EXPECT_EQ(whole.value().samples.u.size(), 100'000);
+  options.samples = 5000;
+  options.adc_bits = 12;
+  const auto part = read_record("traces/soc_eq21.toml", options);
+  ASSERT_TRUE(part) << part.error();
+  EXPECT_EQ(part.value().samples.u.size(), 5000);
+  const double word = part.value().samples.u[17] * 2048;
+  EXPECT_EQ(word, std::round(word));
+}
+
+TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
+  const Trace trace(run::to_recording(one_turn(sensor, 2000), "test"));
+  const auto fitted = fit(trace.path(), {});
+  ASSERT_TRUE(fitted) << fitted.error();
+  ASSERT_EQ(fitted.value().rejection, "");
+  const auto j = to_json(fitted.value(), {}, "capsoc fit x");
+  EXPECT_NEAR(j["parameters"]["a1"]["value"].get<double>(), sensor.a1, 1e-9);
+  EXPECT_NEAR(j["parameters"]["beta"]["value"].get<double>(), sensor.beta, 1e-9);
+  EXPECT_EQ(j["parameters"]["phi"]["word"], 0);
+  EXPECT_EQ(j["inputs"][0]["sha256"].get<std::string>().size(), 64u);
+  for (const char* key : {"seed", "method", "stop_reason", "gates", "residuals", "confidence"})
+    EXPECT_TRUE(j.contains(key)) << key;
+  const std::string header = to_header(fitted.value());
+  EXPECT_NE(header.find("#define CALIBRATION_A1 (" + std::to_string(fitted.value().words.a1) + ")"),
+            std::string::npos)
+      << header;
+  EXPECT_EQ(header.find(testing::TempDir()), std::string::npos) << "no path of this machine";
+}
+
+TEST(Fit, AGateRejectsAShortArcWithAReason) {
+  std::vector<run::RecordedSample> arc = one_turn(sensor, 1000);
+  arc.resize(150);
+  const Trace trace(run::to_recording(arc, "test"));
+  const auto fitted = fit(trace.path(), {});
+  ASSERT_TRUE(fitted) << fitted.error();
+  EXPECT_NE(fitted.value().rejection, "");
+}
+
+TEST(Fit, AllMethodsAgreeOnCleanSamples) {
+  const Trace trace(run::to_recording(one_turn(sensor, 2000), "test"));
+  FitOptions options;
+  options.all_methods = true;
+  const auto fitted = fit(trace.path(), options);
+  ASSERT_TRUE(fitted) << fitted.error();
+  ASSERT_EQ(fitted.value().attempts.size(), 5u);
+  for (const Attempt& attempt : fitted.value().attempts) {
+    ASSERT_TRUE(attempt.parameters) << attempt.error;
+    EXPECT_LT(attempt.difference, 1e-8) << csfn::to_string(attempt.method);
+    EXPECT_LT(*attempt.angle_error_deg, 1e-6) << csfn::to_string(attempt.method);
+  }
+}
+
+TEST(Golden, EqualAnswersDifferByNothing) {
+  const auto words = run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 1.0});
+  const Golden golden = compare(one_turn(sensor, 5000), *words);
+  ASSERT_EQ(golden.rejection, "");
+  ASSERT_EQ(golden.rows.size(), 5u);
+  for (const GoldenRow& row : golden.rows) EXPECT_LE(std::abs(row.difference), 1) << row.name;
+  EXPECT_LT(*golden.angle_difference, 3);
+}
+
+TEST(Golden, ADifferenceIsCountedInUnitsOfTheLastPlace) {
+  auto words = run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 0});
+  words->a2 += 1000;
+  words->beta -= 500;
+  const Golden golden = compare(one_turn(sensor, 5000), *words);
+  EXPECT_NEAR(static_cast<double>(golden.rows[1].difference), 1000, 1);
+  EXPECT_NEAR(static_cast<double>(golden.rows[4].difference), -500, 1);
+}
+
+TEST(Golden, AReversedAnswerIsTheSameSensor) {
+  const auto words =
+      run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, pi - sensor.beta, 0});
+  const Golden golden = compare(one_turn(sensor, 5000), *words);
+  for (const GoldenRow& row : golden.rows) EXPECT_LE(std::abs(row.difference), 1) << row.name;
+}
+
+TEST(Golden, TooFewSamplesHaveAReason) {
+  const Golden golden = compare(one_turn(sensor, 4), {});
+  EXPECT_NE(golden.rejection, "");
+  EXPECT_TRUE(to_json(golden).contains("rejection"));
+}
+
+}  // namespace
+}  // namespace capsoc::fit

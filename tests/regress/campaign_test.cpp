@@ -1,0 +1,135 @@
+// The regression as a whole: it finds what is wrong, names it, and says the same however many
+// threads it has.
+#include <gtest/gtest.h>
+
+#include "coprocessor/coprocessor.h"
+#include "faulty_model.h"
+#include "regress/report.h"
+#include "regress/rtl_comparison.h"
+
+namespace capsoc::regress::test {
+namespace {
+
+using coprocessor::Arithmetic;
+
+Plan model_against_model() {
+  Plan plan;
+  plan.arithmetics = {Arithmetic::precise, Arithmetic::paper};
+  plan.samples = 2000;
+  plan.accesses = 2000;
+  plan.seeds = 2;
+  plan.compare = [](Arithmetic arithmetic) -> Result<std::unique_ptr<Comparison>> {
+    coprocessor::Options options;
+    options.arithmetic = arithmetic;
+    return compare_with(options, std::make_unique<coprocessor::Coprocessor>(options));
+  };
+  return plan;
+}
+
+Plan model_against(const Fault& fault) {
+  Plan plan = model_against_model();
+  plan.arithmetics = {fault.arithmetic};
+  plan.seeds = 1;
+  plan.compare = [&fault](Arithmetic arithmetic) -> Result<std::unique_ptr<Comparison>> {
+    coprocessor::Options options;
+    options.arithmetic = arithmetic;
+    return compare_with(options, std::make_unique<FaultyModel>(fault));
+  };
+  return plan;
+}
+
+class EveryFault : public testing::TestWithParam<size_t> {};
+
+TEST_P(EveryFault, IsFoundAndNamed) {
+  const Fault& fault = faults()[GetParam()];
+  const auto outcome = run_campaign(model_against(fault));
+  ASSERT_TRUE(outcome);
+  const regress::Run* run = outcome.value().first_difference();
+  ASSERT_NE(run, nullptr) << fault.name;
+  bool named = false;
+  std::string seen;
+  for (const regress::Run& each : outcome.value().runs) {
+    if (!each.finding) continue;
+    named |= each.finding->node.rfind(fault.node, 0) == 0 &&
+             each.finding->what.find(fault.what) != std::string::npos;
+    seen += each.finding->what + " [" + each.finding->node + "]\n";
+  }
+  EXPECT_TRUE(named) << fault.name << ":\n" << seen;
+  EXPECT_NE(run->finding->report.find("differ at cycle"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Regression, EveryFault, testing::Range<size_t>(0, faults().size()));
+
+// The command that a report prints leads to the same difference.
+TEST(Reproduction, RunsOneScenarioWithOneSeed) {
+  const Fault& fault = faults().front();
+  const auto all = run_campaign(model_against(fault));
+  ASSERT_TRUE(all);
+  const regress::Run* first = all.value().first_difference();
+  ASSERT_NE(first, nullptr);
+  Plan alone = model_against(fault);
+  alone.scenarios = {first->scenario->name};
+  alone.first_seed = first->seed;
+  alone.samples = first->budget.samples;
+  alone.accesses = first->budget.accesses;
+  const auto again = run_campaign(alone);
+  ASSERT_TRUE(again);
+  ASSERT_EQ(again.value().runs.size(), 1u);
+  ASSERT_TRUE(again.value().runs[0].finding);
+  EXPECT_EQ(again.value().runs[0].finding->cycle, first->finding->cycle);
+  EXPECT_EQ(again.value().runs[0].finding->what, first->finding->what);
+  EXPECT_EQ(again.value().runs[0].command, first->command);
+}
+
+TEST(Campaign, OfEqualModelsFindsNothingAndCoversEveryBin) {
+  const auto outcome = run_campaign(model_against_model());
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome.value().first_difference(), nullptr);
+  for (const auto& [arithmetic, coverage] : outcome.value().coverage)
+    for (const Coverage::Bin& bin : coverage.bins())
+      EXPECT_GT(bin.hits, 0u) << name_of(arithmetic) << ": " << bin.group << ": " << bin.name;
+}
+
+TEST(Campaign, SaysTheSameWithAnyNumberOfThreads) {
+  Plan plan = model_against_model();
+  std::vector<std::string> texts;
+  for (unsigned jobs : {1u, 2u, 5u}) {
+    plan.jobs = jobs;
+    const auto outcome = run_campaign(plan);
+    ASSERT_TRUE(outcome);
+    texts.push_back(to_json(plan, outcome.value(), {}).dump() + to_text(outcome.value(), {}) +
+                    to_junit(outcome.value()));
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+  EXPECT_EQ(texts[0], texts[2]);
+}
+
+TEST(Campaign, RunsExactlyTheAmountsAskedForOrALittleMore) {
+  Plan plan = model_against_model();
+  plan.samples = 1003;
+  plan.accesses = 507;
+  const auto runs = runs_of(plan);
+  ASSERT_TRUE(runs);
+  uint64_t samples = 0, accesses = 0;
+  for (const regress::Run& run : runs.value()) {
+    if (run.arithmetic != Arithmetic::precise) continue;
+    samples += run.budget.samples;
+    accesses += run.budget.accesses;
+  }
+  EXPECT_GE(samples, 1003u);
+  EXPECT_LE(samples, 1003u + scenarios().size());
+  EXPECT_GE(accesses, 507u);
+  EXPECT_LE(accesses, 507u + scenarios().size());
+}
+
+TEST(Campaign, RefusesAScenarioThatDoesNotExist) {
+  Plan plan = model_against_model();
+  plan.scenarios = {"trafic"};
+  const auto outcome = run_campaign(plan);
+  ASSERT_FALSE(outcome);
+  EXPECT_NE(outcome.error().find("did you mean"), std::string::npos) << outcome.error();
+  EXPECT_NE(outcome.error().find("traffic"), std::string::npos) << outcome.error();
+}
+
+}  // namespace
+}  // namespace capsoc::regress::test

@@ -1,0 +1,138 @@
+#include "regress/report.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+namespace capsoc::regress {
+namespace {
+
+using coprocessor::Arithmetic;
+
+Outcome outcome_with_difference() {
+  Outcome outcome;
+  outcome.coverage.emplace_back(Arithmetic::precise, Coverage(Arithmetic::precise));
+  for (uint64_t seed : {7u, 8u}) {
+    Run run;
+    run.scenario = &scenarios().back();
+    run.seed = seed;
+    run.command = "capsoc regress --again";
+    outcome.runs.push_back(run);
+  }
+  outcome.runs[1].finding = Finding{1234, "read of <FLAGS> & \"more\"", "sine (T2)", "line\x01\n"};
+  return outcome;
+}
+
+// Enough of XML for what we write: every tag is closed in order, no stray characters.
+::testing::AssertionResult well_formed(const std::string& text) {
+  std::vector<std::string> open;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (static_cast<unsigned char>(text[i]) < 0x20 && text[i] != '\n' && text[i] != '\t')
+      return ::testing::AssertionFailure() << "control character";
+    if (text[i] == '>') return ::testing::AssertionFailure() << "stray >";
+    if (text[i] != '<') continue;
+    bool quoted = false;
+    size_t end = i + 1;
+    for (; end < text.size() && (quoted || text[end] != '>'); ++end) {
+      if (text[end] == '"') quoted = !quoted;
+      if (quoted && text[end] == '<') return ::testing::AssertionFailure() << "< in an attribute";
+    }
+    const std::string tag = text.substr(i + 1, end - i - 1);
+    i = end;
+    if (tag.empty() || tag[0] == '?' || tag.back() == '/') continue;
+    const std::string name = tag.substr(0, tag.find(' '));
+    if (name[0] != '/') {
+      open.push_back(name);
+    } else if (open.empty() || open.back() != name.substr(1)) {
+      return ::testing::AssertionFailure() << name << " closes nothing";
+    } else {
+      open.pop_back();
+    }
+  }
+  if (!open.empty()) return ::testing::AssertionFailure() << open.back() << " is left open";
+  return ::testing::AssertionSuccess();
+}
+
+TEST(JUnit, IsWellFormedAndCountsFailures) {
+  const std::string text = to_junit(outcome_with_difference());
+  EXPECT_TRUE(well_formed(text)) << text;
+  EXPECT_NE(text.find("tests=\"2\" failures=\"1\""), std::string::npos) << text;
+  EXPECT_NE(text.find("&lt;FLAGS&gt; &amp; &quot;more&quot;"), std::string::npos) << text;
+}
+
+TEST(Text, NamesTheDifferenceTheNodeAndTheCommand) {
+  const std::string text = to_text(outcome_with_difference(), {});
+  for (const char* part : {"seed 8", "cycle 1234", "sine (T2)", "again: capsoc regress --again"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+}
+
+TEST(Text, NamesTheBinsThatWereNotReached) {
+  Outcome outcome = outcome_with_difference();
+  outcome.runs[1].finding.reset();
+  const std::string text = to_text(outcome, {});
+  EXPECT_NE(text.find("missing: seam: below half a turn"), std::string::npos) << text;
+  EXPECT_NE(text.find("no difference"), std::string::npos) << text;
+}
+
+TEST(Json, HoldsRunsBinsAndWhatIsMissing) {
+  const auto json = to_json(Plan{}, outcome_with_difference(), {});
+  EXPECT_TRUE(json["difference"].get<bool>());
+  const auto& part = json["arithmetics"]["precise"];
+  EXPECT_EQ(part["runs"].size(), 2u);
+  EXPECT_FALSE(part["runs"][0].contains("difference"));
+  EXPECT_EQ(part["runs"][1]["difference"]["node"], "sine (T2)");
+  EXPECT_EQ(part["coverage"]["seam"].size(), 4u);
+  EXPECT_FALSE(part["missing"].empty());
+}
+
+class RtlCoverageFiles : public testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& text) {
+    const std::string path = testing::TempDir() + "regress_" + name;
+    std::ofstream(path) << text;
+    paths_.push_back(path);
+    return path;
+  }
+  static std::string point(const std::string& file, int line, const std::string& page,
+                           const std::string& object, int hits) {
+    return "C '\1f\2" + file + "\1l\2" + std::to_string(line) + "\1n\2" + "1\1page\2" + page +
+           "\1o\2" + object + "\1h\2TOP.dut' " + std::to_string(hits) + "\n";
+  }
+  ~RtlCoverageFiles() override {
+    for (const std::string& path : paths_) std::remove(path.c_str());
+  }
+  std::vector<std::string> paths_;
+};
+
+TEST_F(RtlCoverageFiles, AreAddedPointByPoint) {
+  const auto a = write("a.dat", point("x/rtl/a.sv", 3, "v_line/a", "block", 1) +
+                                    point("x/rtl/a.sv", 4, "v_branch/a", "if", 0) +
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[0]", 0) +
+                                    point("x/rtl/verification/p.sv", 5, "v_toggle/p", "z", 0));
+  const auto b = write("b.dat", point("x/rtl/a.sv", 4, "v_branch/a", "if", 2) +
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[0]", 0) +
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[31]", 0));
+  const auto list = write("list.txt", "# comment\ntoggle a.sv q[31:16] # upper half is constant\n");
+  const auto exceptions = CoverageExceptions::read(list);
+  ASSERT_TRUE(exceptions) << exceptions.error();
+  const auto merged = merge_coverage("precise", {a, b}, write("sum.dat", ""), exceptions.value());
+  ASSERT_TRUE(merged) << merged.error();
+  const RtlCoverage::Kind& line = merged.value().kinds[0];
+  const RtlCoverage::Kind& toggle = merged.value().kinds[1];
+  EXPECT_EQ(line.points, 2u);
+  EXPECT_EQ(line.covered, 2u);
+  EXPECT_EQ(toggle.points, 2u);
+  EXPECT_EQ(toggle.excepted, 1u);
+  ASSERT_EQ(toggle.missing.size(), 1u);
+  EXPECT_EQ(toggle.missing[0], "a.sv:5 q[0] (TOP.dut)");
+}
+
+TEST_F(RtlCoverageFiles, AnExceptionWithoutAReasonIsRefused) {
+  const auto exceptions = CoverageExceptions::read(write("bad.txt", "toggle a.sv q\n"));
+  ASSERT_FALSE(exceptions);
+  EXPECT_NE(exceptions.error().find("bad.txt:1"), std::string::npos) << exceptions.error();
+}
+
+}  // namespace
+}  // namespace capsoc::regress
