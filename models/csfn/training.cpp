@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "csfn/fused_network.h"
 #include "csfn/random.h"
@@ -29,35 +30,52 @@ std::optional<Error> check_start(const Parameters& start) {
   return Error{"the training cannot start there: amplitudes must be positive, |beta| below 90 deg"};
 }
 
-void shuffle(Eigen::ArrayXd& u, Eigen::ArrayXd& v, Random& random) {
-  for (Eigen::Index i = u.size() - 1; i > 0; --i) {
-    const Eigen::Index j = random.below(i + 1);
-    std::swap(u[i], u[j]);
-    std::swap(v[i], v[j]);
-  }
-}
-
-/// The samples in an order of their own, batch by batch.
+/// The samples in an order of their own, batch by batch. They are shuffled as pairs, one place in
+/// memory each: with two arrays the swaps were a quarter of a training on 100,000 samples.
 class Batches {
  public:
   Batches(const Channel& u, const Channel& v, int64_t batch, uint64_t seed)
-      : u_(u), v_(v), batch_(std::min<int64_t>(batch, u.size())), next_(u.size()), random_(seed) {}
+      : samples_(u.size()),
+        batch_(std::min<int64_t>(batch, u.size())),
+        next_(u.size()),
+        u_(batch_),
+        v_(batch_),
+        random_(seed) {
+    for (Eigen::Index i = 0; i < u.size(); ++i) samples_[i] = {u[i], v[i]};
+  }
 
   Eigen::Index size() const { return batch_; }
-  Eigen::Index in_a_pass() const { return u_.size() / batch_; }
+  Eigen::Index in_a_pass() const { return count() / batch_; }
 
   void advance() {
     next_ += batch_;
-    if (next_ + batch_ <= u_.size()) return;
-    shuffle(u_, v_, random_);
-    next_ = 0;
+    if (next_ + batch_ > count()) {
+      shuffle();
+      next_ = 0;
+    }
+    for (Eigen::Index i = 0; i < batch_; ++i) {
+      u_[i] = samples_[next_ + i].u;
+      v_[i] = samples_[next_ + i].v;
+    }
   }
-  auto u() const { return u_.segment(next_, batch_); }
-  auto v() const { return v_.segment(next_, batch_); }
+  const Eigen::ArrayXd& u() const { return u_; }
+  const Eigen::ArrayXd& v() const { return v_; }
 
  private:
-  Eigen::ArrayXd u_, v_;
+  struct Pair {
+    double u, v;
+  };
+
+  Eigen::Index count() const { return static_cast<Eigen::Index>(samples_.size()); }
+
+  void shuffle() {
+    for (Eigen::Index i = count() - 1; i > 0; --i)
+      std::swap(samples_[i], samples_[random_.below(i + 1)]);
+  }
+
+  std::vector<Pair> samples_;
   Eigen::Index batch_, next_;
+  Eigen::ArrayXd u_, v_;  // the present batch
   Random random_;
 };
 

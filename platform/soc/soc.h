@@ -36,7 +36,7 @@ struct Config {
   coprocessor::Options coprocessor;
   /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
-  sc_core::sc_time quantum{10, sc_core::SC_US};
+  sc_core::sc_time quantum{1, sc_core::SC_MS};
   cortex_m3::Executor executor = cortex_m3::Executor::blocks;
 };
 

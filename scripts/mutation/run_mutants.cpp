@@ -1,6 +1,7 @@
 // Holds every mutant against what the model answers to the regression's stimulus.
 //
 // usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] [--seed N] [--jobs N]
+//                    [--first N] [--edges N]
 //
 // One line each on stdout: number, "killed" or "survived", scenario and edge of the first
 // difference, what differed. Mutant 0, the RTL as it is, must survive: status 1 if it does not.
@@ -32,14 +33,22 @@ struct Arguments {
   coprocessor::Options options;
   unsigned count = 0, jobs = 1;
   uint64_t seed = 1;
-  Budget budget{20000, 20000};
+  Budget budget{2000, 2000};
   unsigned first = 0;
+  uint64_t edges = 0;  // of each scenario; 0: all of them
 };
 
 struct Named {
   const char* name;
   Recording recording;
 };
+
+/// Keeps what happens in the first `edges` edges.
+void shorten(Recording& recording, uint64_t edges) {
+  auto& events = recording.events;
+  const auto late = [edges](const Event& event) { return event.edge > edges; };
+  if (edges != 0) events.erase(std::find_if(events.begin(), events.end(), late), events.end());
+}
 
 /// The regression's stimulus.
 std::vector<Named> record(const Arguments& arguments) {
@@ -56,6 +65,7 @@ std::vector<Named> record(const Arguments& arguments) {
     bench.drain();
     bench.wait(2);
     recorder.close();
+    shorten(result.back().recording, arguments.edges);
   }
   // What takes little time goes first.
   const auto length = [](const Named& named) {
@@ -306,6 +316,8 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.jobs = static_cast<unsigned>(value);
     else if (name == "--first")
       arguments.first = static_cast<unsigned>(value);
+    else if (name == "--edges")
+      arguments.edges = value;
     else
       return false;
   }
@@ -319,7 +331,7 @@ int main(int argc, char** argv) {
   if (!parse(argc, argv, arguments)) {
     fmt::print(stderr,
                "usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] "
-               "[--seed N] [--jobs N] [--first N]\n");
+               "[--seed N] [--jobs N] [--first N] [--edges N]\n");
     return 2;
   }
   void* handle = dlopen(arguments.library.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -338,7 +350,9 @@ int main(int argc, char** argv) {
   for (const Named& stimulus : stimuli) {
     left = survivors(api, arguments.jobs, left, stimulus);
     if (left.empty() || left.front() != 0) return 1;
-    fmt::print(stderr, "{:>5} left after {}\n", left.size() - 1, stimulus.name);
+    const auto& events = stimulus.recording.events;
+    fmt::print(stderr, "{:>5} left after {}, {} edges\n", left.size() - 1, stimulus.name,
+               events.empty() ? 0 : events.back().edge);
   }
   for (unsigned mutant : left) fmt::print("{}\n", line(mutant, {}));
   return 0;

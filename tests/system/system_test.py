@@ -79,7 +79,7 @@ class Determinism(unittest.TestCase):
     def test_quantum_and_executor_change_nothing(self):
         results = {}
         for name, options in {
-                "10 us": [], "again": [], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
+                "default": [], "again": [], "10 us": ["--quantum", 1e4], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
                 "stepping": ["-C", "cpu.executor=stepping"]}.items():
             process, r = run("--simlimit", 20, *options)
             self.assertEqual(process.returncode, 124)
