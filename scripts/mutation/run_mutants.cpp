@@ -1,7 +1,8 @@
 // Holds every mutant against what the model answers to the regression's stimulus.
 //
 // usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] [--seed N] [--jobs N]
-//                    [--first N] [--edges N]
+//                    [--first N] [--edges N] [--known FILE]
+// --known: what an earlier run printed; mutants killed there are not tried again.
 //
 // One line each on stdout: number, "killed" or "survived", scenario and edge of the first
 // difference, what differed. Mutant 0, the RTL as it is, must survive: status 1 if it does not.
@@ -12,9 +13,12 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "mutants_abi.h"
@@ -36,10 +40,12 @@ struct Arguments {
   Budget budget{2000, 2000};
   unsigned first = 0;
   uint64_t edges = 0;  // of each scenario; 0: all of them
+  std::string known;   // what an earlier run printed
 };
 
 struct Named {
   const char* name;
+  bool directed;
   Recording recording;
 };
 
@@ -54,7 +60,7 @@ void shorten(Recording& recording, uint64_t edges) {
 std::vector<Named> record(const Arguments& arguments) {
   std::vector<Named> result;
   for (const Scenario& scenario : scenarios()) {
-    result.push_back({scenario.name, {}});
+    result.push_back({scenario.name, scenario.directed(), {}});
     Recorder recorder(arguments.options, result.back().recording);
     Coverage coverage(arguments.options.arithmetic);
     Bench bench(recorder, arguments.options.arithmetic, coverage, [] { return false; });
@@ -67,13 +73,13 @@ std::vector<Named> record(const Arguments& arguments) {
     recorder.close();
     shorten(result.back().recording, arguments.edges);
   }
-  // What takes little time goes first.
-  const auto length = [](const Named& named) {
+  // What finds most in little time goes first: random ones, then short ones.
+  const auto order = [](const Named& named) {
     const auto& events = named.recording.events;
-    return events.empty() ? 0 : events.back().edge;
+    return std::pair(named.directed, events.empty() ? 0 : events.back().edge);
   };
   std::stable_sort(result.begin(), result.end(),
-                   [&](const Named& a, const Named& b) { return length(a) < length(b); });
+                   [&](const Named& a, const Named& b) { return order(a) < order(b); });
   return result;
 }
 
@@ -295,6 +301,15 @@ std::vector<unsigned> survivors(const capsoc_mutants_api& api, unsigned jobs,
   return left;
 }
 
+std::set<unsigned> killed_before(const std::string& file) {
+  std::set<unsigned> killed;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);)
+    if (line.find("\tkilled\t") != std::string::npos)
+      killed.insert(static_cast<unsigned>(std::stoul(line)));
+  return killed;
+}
+
 bool parse(int argc, char** argv, Arguments& arguments) {
   if (argc < 4 || argc % 2 != 0) return false;
   arguments.library = argv[1];
@@ -318,6 +333,8 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.first = static_cast<unsigned>(value);
     else if (name == "--edges")
       arguments.edges = value;
+    else if (name == "--known")
+      arguments.known = argv[i + 1];
     else
       return false;
   }
@@ -331,7 +348,7 @@ int main(int argc, char** argv) {
   if (!parse(argc, argv, arguments)) {
     fmt::print(stderr,
                "usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] "
-               "[--seed N] [--jobs N] [--first N] [--edges N]\n");
+               "[--seed N] [--jobs N] [--first N] [--edges N] [--known FILE]\n");
     return 2;
   }
   void* handle = dlopen(arguments.library.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -344,9 +361,10 @@ int main(int argc, char** argv) {
   const std::vector<Named> stimuli = record(arguments);
 
   // Scenario by scenario, with the mutants that are left; the RTL itself is one of them.
+  const std::set<unsigned> known = killed_before(arguments.known);
   std::vector<unsigned> left = {0};
   for (unsigned mutant = std::max(arguments.first, 1u); mutant <= arguments.count; ++mutant)
-    left.push_back(mutant);
+    if (known.count(mutant) == 0) left.push_back(mutant);
   for (const Named& stimulus : stimuli) {
     left = survivors(api, arguments.jobs, left, stimulus);
     if (left.empty() || left.front() != 0) return 1;

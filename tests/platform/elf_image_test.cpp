@@ -1,6 +1,7 @@
 #include "loader/elf_image.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -29,7 +30,7 @@ TEST(ElfImage, ABuiltProgramHasItsVectorTableAndItsSymbols) {
 TEST(ElfImage, DamageIsAnErrorOrLoadsButNeverCrashes) {
   const std::string whole = contents(HELLO_ELF);
   ASSERT_GT(whole.size(), 1000u);
-  const std::string path = testing::TempDir() + "damaged.elf";
+  const std::string path = testing::TempDir() + std::to_string(getpid()) + "damaged.elf";
   constexpr unsigned seed = 20191108;
   std::mt19937 random(seed);
   unsigned refused = 0;

@@ -1,6 +1,7 @@
 #include "run/files.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 class Files : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::TempDir() + "files_test";
+    folder_ = testing::TempDir() + std::to_string(getpid()) + "files_test";
     fs::remove_all(folder_);
     fs::create_directory(folder_);
   }

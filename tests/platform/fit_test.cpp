@@ -1,6 +1,7 @@
 #include "fit/fit.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -18,7 +19,8 @@ constexpr double pi = 3.14159265358979323846;
 /// A file that lives as long as a test.
 class Trace {
  public:
-  explicit Trace(const std::string& text) : path_(testing::TempDir() + "fit_test.csv") {
+  explicit Trace(const std::string& text)
+      : path_(testing::TempDir() + std::to_string(getpid()) + "fit_test.csv") {
     std::ofstream(path_, std::ios::binary) << text;
   }
   ~Trace() { std::remove(path_.c_str()); }

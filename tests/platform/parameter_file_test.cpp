@@ -1,6 +1,7 @@
 #include "run/parameter_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -28,7 +29,7 @@ json example() {
 }
 
 Result<ParameterWords> read_text(const std::string& text) {
-  const std::string path = testing::TempDir() + "parameters.json";
+  const std::string path = testing::TempDir() + std::to_string(getpid()) + "parameters.json";
   std::ofstream(path, std::ios::binary) << text;
   auto result = read_parameters(path);
   std::remove(path.c_str());

@@ -1,6 +1,7 @@
 #include "support/settings.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -43,7 +44,7 @@ TEST(Settings, AnUnknownNameIsAnsweredWithTheNearest) {
 }
 
 TEST(Settings, AFileNamesItsLine) {
-  const std::string path = testing::TempDir() + "settings.toml";
+  const std::string path = testing::TempDir() + std::to_string(getpid()) + "settings.toml";
   std::ofstream(path) << "[cpu]\nquantum_ns = 40\nlines = 99\n";
   Settings s = example();
   const auto error = s.read_file(path);
