@@ -114,6 +114,8 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
   }
   access_offset_ = 0;
   if (worst == Result::ok && !user && !unaligned) fill_view(address);
+  if (!watchpoints_.empty() && worst <= Result::device && watched(address, size, false))
+    worst = Result::device;
   if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
   fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
   return Access::fault;
@@ -141,6 +143,8 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
   }
   access_offset_ = 0;
   if (worst == Result::ok && !user && !unaligned) fill_view(address);
+  if (!watchpoints_.empty() && worst <= Result::device && watched(address, size, true))
+    worst = Result::device;
   if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
   fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
   return Access::fault;
@@ -163,6 +167,11 @@ bool Core::debug_read(uint32_t address, void* data, uint32_t size) const {
 
 bool Core::debug_write(uint32_t address, const void* data, uint32_t size) {
   const auto* bytes = static_cast<const uint8_t*>(data);
+  if (in_ppb(address) && (size == 1 || size == 2 || size == 4) && (address & (size - 1)) == 0) {
+    uint32_t value = 0;
+    std::memcpy(&value, bytes, size);
+    return ppb_write(address, size, value, true) <= Result::device;
+  }
   for (uint32_t i = 0; i < size; ++i) {
     const Memory::Region* r = memory_.find(address + i);
     if (r == nullptr) return false;

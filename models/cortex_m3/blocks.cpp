@@ -95,6 +95,7 @@ std::unique_ptr<Step[]> Core::build_block(uint32_t address, CodePage& page) {
   while (steps.size() < usual_length || it != 0 || trail != timing::no_trail) {
     uint32_t offset = address - start;
     if (offset + 2 > Memory::page_size) break;
+    if (!breakpoints_.empty() && breakpoints_.count(address) != 0) break;
     uint16_t first, second = 0;
     std::memcpy(&first, memory.read + offset, 2);
     if (is_wide(first)) {
@@ -150,6 +151,7 @@ const Step* Core::find_block() {
   if (__builtin_expect(code == nullptr, 0)) code = executable_page(pc_);
   if (code == nullptr) return nullptr;
   std::unique_ptr<Step[]>& slot = code->blocks[(pc_ & (Memory::page_size - 1)) >> 1];
+  // There is none at a breakpoint, so that every way to it leads past the run loop.
   if (__builtin_expect(slot == nullptr, 0)) slot = build_block(pc_, *code);
   return slot.get();
 }

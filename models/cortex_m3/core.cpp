@@ -23,6 +23,8 @@ void Core::reset() {
   entered_at_ = never;
   sleeping_ = locked_up_ = attention_ = reset_request_ = semihosting_exit_ = false;
   event_register_ = exclusive_ = false;
+  watch_stop_ = bkpt_stop_ = false;
+  breakpoint_passed_ = never;
   event_ = Event::none;
   fault_report_ = {};
   first_fault_ = {};
@@ -94,6 +96,11 @@ void Core::handle_event() {
           semihosting_exit_ = true;
           check_ = true;
         }
+        break;
+      }
+      if (halting_debug_) {
+        pc_ = event_return_;
+        bkpt_stop_ = check_ = true;
         break;
       }
       hfsr_ |= 1u << 31;
@@ -184,6 +191,8 @@ std::optional<StopReason> Core::service() {
   };
   if (semihosting_exit_) return stop(semihosting_exit_, StopReason::semihosting_exit);
   if (reset_request_) return stop(reset_request_, StopReason::reset_request);
+  if (watch_stop_) return stop(watch_stop_, StopReason::watchpoint);
+  if (bkpt_stop_) return stop(bkpt_stop_, StopReason::breakpoint);
   if (attention_) return stop(attention_, StopReason::attention);
   if (unsigned number = highest_pending(execution_priority()); number != 0) {
     bool wakes = sleeping_ || locked_up_;
@@ -226,19 +235,14 @@ StopReason Core::run(uint64_t until_cycle) {
     if (cycles_ >= systick_event_) systick_expire();
     if (__builtin_expect(check_, 0)) {
       bool may_go = cycles_ < until_cycle || sleeping_ || locked_up_ || attention_ ||
-                    semihosting_exit_ || reset_request_;
+                    semihosting_exit_ || reset_request_ || watch_stop_ || bkpt_stop_;
       if (!may_go) return StopReason::budget;
       if (std::optional<StopReason> reason = service()) return *reason;
       continue;
     }
     if (cycles_ >= until_cycle) return StopReason::budget;
-    if (!breakpoints_.empty() && breakpoints_.count(pc_) != 0 &&
-        breakpoint_passed_ != instructions_) {
-      breakpoint_passed_ = instructions_;
-      return StopReason::breakpoint;
-    }
-    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && trail_ == timing::no_trail &&
-                  breakpoints_.empty();
+    if (!breakpoints_.empty() && at_breakpoint()) return StopReason::breakpoint;
+    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && trail_ == timing::no_trail;
     if (blocks) {
       execute_block(std::min(until_cycle, systick_event_));
     } else {
@@ -306,6 +310,16 @@ void Core::set_primask(bool masked) {
   check_ = true;
 }
 
+void Core::set_basepri(uint32_t value) {
+  basepri_ = value & 0xE0;  // three priority bits
+  check_ = true;
+}
+
+void Core::set_faultmask(bool masked) {
+  faultmask_ = masked ? 1 : 0;
+  check_ = true;
+}
+
 void Core::set_reg(unsigned n, uint32_t value) {
   if (n == 13) {
     r_[13] = value & ~3u;
@@ -313,6 +327,7 @@ void Core::set_reg(unsigned n, uint32_t value) {
     pc_ = value & ~1u;
     it_state_ = 0;
     trail_ = timing::no_trail;
+    sleeping_ = locked_up_ = false;  // it goes on there
   } else if (n < 15) {
     r_[n] = value;
   }

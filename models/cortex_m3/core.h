@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "cortex_m3/bus.h"
 #include "cortex_m3/fault_report.h"
@@ -18,10 +19,27 @@ enum class StopReason {
   lockup,
   semihosting_exit,
   breakpoint,
+  watchpoint,
   reset_request,
   attention
 };
 enum class Executor { stepping, blocks };
+
+/// Data accesses that a debugger wants to see: loads and stores of instructions to a range.
+struct Watchpoint {
+  uint32_t address = 0, size = 0;
+  bool on_read = false, on_write = false;
+
+  bool operator==(const Watchpoint& other) const {
+    return address == other.address && size == other.size && on_read == other.on_read &&
+           on_write == other.on_write;
+  }
+};
+/// The access that ended a run.
+struct WatchHit {
+  Watchpoint watchpoint;
+  uint32_t address = 0;  ///< first watched byte that was touched
+};
 
 /// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 priorities. Both executors agree bit
 /// for bit and cycle for cycle. Nothing a guest does ends the host program.
@@ -77,6 +95,8 @@ class Core {
   uint32_t basepri() const { return basepri_; }
   void set_control(uint32_t value);
   void set_primask(bool masked);
+  void set_basepri(uint32_t value);
+  void set_faultmask(bool masked);
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.
   bool debug_read(uint32_t address, void* data, uint32_t size) const;
@@ -88,11 +108,18 @@ class Core {
   using Stimulus = std::function<void(unsigned port, uint32_t value, unsigned size)>;
   void set_stimulus(Stimulus listener) { stimulus_ = std::move(listener); }
   /// Ends run() before the instruction at the address; the next run() executes it.
-  void set_breakpoint(uint32_t address) {
-    breakpoints_.insert(address & ~1u);
-    check_ = true;
-  }
+  void set_breakpoint(uint32_t address);
   void clear_breakpoint(uint32_t address) { breakpoints_.erase(address & ~1u); }
+  bool has_breakpoint(uint32_t address) const { return breakpoints_.count(address & ~1u) != 0; }
+  /// The next run() executes the instruction at PC whether it has a breakpoint or not.
+  void pass_breakpoint();
+  /// Ends run() behind the instruction that made such an access.
+  void set_watchpoint(const Watchpoint& watchpoint);
+  void clear_watchpoint(const Watchpoint& watchpoint);
+  const WatchHit& watch_hit() const { return watch_hit_; }
+  /// As with halting debug (C1.6): BKPT ends run() with breakpoint before it is executed, instead
+  /// of raising a fault.
+  void set_halting_debug(bool enabled) { halting_debug_ = enabled; }
   /// HCLK cycles of SysTick's reference clock (25 at reset).
   void set_systick_reference(unsigned cycles_a_tick);
 
@@ -227,6 +254,11 @@ class Core {
   void select_view();
   void fill_view(uint32_t address);
 
+  // watchpoints.cpp
+  bool watches_page(uint32_t address) const;
+  bool watched(uint32_t address, unsigned size, bool write);
+  bool at_breakpoint();
+
   Bus& bus_;
   // Hot state first.
   std::array<uint32_t, 16> r_{};
@@ -260,7 +292,11 @@ class Core {
   Executor executor_ = Executor::blocks;
   std::function<bool(Core&)> semihosting_;
   std::set<uint32_t> breakpoints_;
-  uint64_t breakpoint_passed_ = never;
+  uint64_t breakpoint_passed_ = never;  // instructions() when the one at passed_pc_ was passed
+  uint32_t passed_pc_ = 0;
+  std::vector<Watchpoint> watchpoints_;
+  WatchHit watch_hit_;
+  bool watch_stop_ = false, bkpt_stop_ = false, halting_debug_ = false;
   FaultReport fault_report_, first_fault_;
   uint64_t fault_count_ = 0;
 

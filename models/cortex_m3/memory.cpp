@@ -18,15 +18,16 @@ Memory::~Memory() {
   for (Page* view : views_) std::free(view);
 }
 
-Memory::Page* Memory::view(bool priv) {
-  Page*& view = views_[priv ? 1 : 0];
+Memory::Page* Memory::view(View which) {
+  Page*& view = views_[static_cast<std::size_t>(which)];
   if (view == nullptr) view = static_cast<Page*>(std::calloc(1u << 20, sizeof(Page)));
   if (view == nullptr) throw std::bad_alloc();
   return view;
 }
 
 Memory::Page& Memory::view_page(Page* view, uint32_t address) {
-  filled_[view == views_[1] ? 1 : 0].push_back(address >> page_bits);
+  const auto which = std::find(views_.begin(), views_.end(), view) - views_.begin();
+  filled_[static_cast<std::size_t>(which)].push_back(address >> page_bits);
   return view[address >> page_bits];
 }
 

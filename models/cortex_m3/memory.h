@@ -41,9 +41,11 @@ class Memory {
 
   Page& page(uint32_t address) { return pages_[address >> page_bits]; }
   Page* table() { return pages_; }
-  /// A second table with less in it: what the MPU lets the privileged or the unprivileged reach
-  /// without a further look. Filled page by page, emptied as a whole.
-  Page* view(bool priv);
+  /// A further table with less in it: what the MPU lets the unprivileged or the privileged reach
+  /// without a further look, and what lies outside watched pages while no MPU applies. Filled page
+  /// by page, emptied as a whole.
+  enum class View : uint8_t { user, privileged, unprotected };
+  Page* view(View which);
   /// A page of a view, to be filled.
   Page& view_page(Page* view, uint32_t address);
   void clear_views();
@@ -65,8 +67,8 @@ class Memory {
   void retire(uint32_t page_index);
 
   Page* pages_;
-  std::array<Page*, 2> views_{};
-  std::array<std::vector<uint32_t>, 2> filled_;  // pages of each view
+  std::array<Page*, 3> views_{};
+  std::array<std::vector<uint32_t>, 3> filled_;  // pages of each view
   std::vector<Region> regions_;
   std::vector<uint32_t> code_pages_;
   std::vector<std::unique_ptr<CodePage>> retired_;

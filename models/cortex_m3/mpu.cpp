@@ -64,7 +64,13 @@ bool Core::mpu_uniform_in_page(uint32_t address) const {
 
 /// The table of direct pages for the present privilege and MPU.
 void Core::select_view() {
-  fast_pages_ = mpu_applies() ? memory_.view(privileged()) : memory_.table();
+  if (mpu_applies()) {
+    fast_pages_ = memory_.view(privileged() ? Memory::View::privileged : Memory::View::user);
+  } else if (!watchpoints_.empty()) {
+    fast_pages_ = memory_.view(Memory::View::unprotected);
+  } else {
+    fast_pages_ = memory_.table();
+  }
 }
 
 /// Behind an access that the regions let through: the next ones to its page need no look at them.
@@ -72,6 +78,7 @@ void Core::fill_view(uint32_t address) {
   const Memory::Page& page = memory_.page(address);
   if (fast_pages_ == memory_.table() || page.read == nullptr || !mpu_uniform_in_page(address))
     return;
+  if (watches_page(address)) return;
   const bool priv = privileged();
   Memory::Page& seen = memory_.view_page(fast_pages_, address);
   seen.wait_states = page.wait_states;

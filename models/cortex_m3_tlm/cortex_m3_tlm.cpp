@@ -59,9 +59,19 @@ void CortexM3Tlm::thread() {
     if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
     if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
     if (reset_requested_) reset_system();
-    const StopReason reason = core_.run(horizon());
+    uint64_t until = horizon();
+    if (debugger_ != nullptr) {
+      const uint64_t bound = debugger_->before_run();
+      if (debugger_->ended()) return end(EndReason::debugger);
+      settle();  // what it wrote to a device
+      until = std::min(horizon(), bound);
+    }
+    const uint64_t before = core_.cycles();
+    const StopReason reason = core_.run(until);
+    const bool advanced = core_.cycles() != before;
     synchronise();
     catch_up();
+    if (debugger_ != nullptr && debugger_->after_run(reason, advanced)) continue;
     switch (reason) {
       case StopReason::sleeping:
         sleep();
@@ -76,6 +86,7 @@ void CortexM3Tlm::thread() {
       case StopReason::budget:
       case StopReason::attention:
       case StopReason::breakpoint:
+      case StopReason::watchpoint:
         break;
     }
     if (end_reason_ != EndReason::none) return;
@@ -89,20 +100,27 @@ void CortexM3Tlm::end(EndReason reason) {
 
 /// Sleeps until an interrupt or an event of the core's own (SysTick) can wake it.
 void CortexM3Tlm::sleep() {
+  // With a debugger it is looked into now and then, so that it can be interrupted.
+  const sc_core::sc_time longest_nap(1, sc_core::SC_MS);
   while (!core_.wake_pending() && !reset_requested_) {
     const uint64_t internal = core_.next_internal_event();
     if (internal != never) {
       const sc_core::sc_time until = clock_.time_of(internal);
       const sc_core::sc_time now = sc_core::sc_time_stamp();
-      if (until > now) wait(until - now, wake_);
+      if (until > now)
+        wait(debugger_ != nullptr ? std::min(until - now, longest_nap) : until - now, wake_);
+    } else if (debugger_ != nullptr && sc_core::sc_pending_activity()) {
+      wait(longest_nap, wake_);
     } else {
       // Nothing in the kernel and nothing in the core: this sleep has no end.
+      if (debugger_ != nullptr && debugger_->asleep_for_good()) return;
       if (!sc_core::sc_pending_activity()) return end(EndReason::asleep);
       wait(wake_);
     }
     settle();
     catch_up();
     if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+    if (debugger_ != nullptr && debugger_->wants_attention()) return;
   }
 }
 

@@ -15,12 +15,13 @@
 #include <systemc>
 
 #include "cortex_m3/core.h"
+#include "cortex_m3_tlm/debugger.h"
 #include "tlm/clock_domain.h"
 
 namespace capsoc::cortex_m3 {
 
 /// Why the processor ended the simulation.
-enum class EndReason { none, exit, lockup, asleep, interrupted };
+enum class EndReason { none, exit, lockup, asleep, interrupted, debugger };
 
 /// The processor as a bus master.
 class CortexM3Tlm : public sc_core::sc_module, private Bus {
@@ -51,6 +52,11 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   /// Asked once a quantum: true ends the simulation (a limit of the host's time, a signal).
   void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
+  /// Asked before and told after every run of the core; null: nobody. It stays the caller's.
+  void set_debugger(Debugger* debugger) { debugger_ = debugger; }
+  /// A system reset at once; for the debugger, out of its calls.
+  void reset_now() { reset_system(); }
+
  private:
   void thread();
   void sleep();
@@ -72,11 +78,12 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
 
   tlm_util::ClockDomain& clock_;
   Core core_;
-  sc_core::sc_time quantum_{10, sc_core::SC_US};
+  sc_core::sc_time quantum_{1, sc_core::SC_MS};
   sc_core::sc_event wake_;
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
   EndReason end_reason_ = EndReason::none;
+  Debugger* debugger_ = nullptr;
   bool reset_requested_ = false;
 };
 

@@ -85,7 +85,18 @@ void add_run(CLI::App& app, int& code) {
         },
         help);
   };
-  option("elf", "firmware.elf", "Program for the Cortex-M3 (default: selfcal)")->type_name("ELF");
+  option("elf", "firmware.elf", "Program for the Cortex-M3, ELF or Intel HEX (default: selfcal)")
+      ->type_name("ELF");
+  run->add_option_function<std::vector<std::string>>(
+         "--load",
+         [arguments](const std::vector<std::string>& places) {
+           std::string list;
+           for (const std::string& place : places) list += (list.empty() ? "" : ",") + place;
+           arguments->options.emplace_back("firmware.load", list);
+         },
+         "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated")
+      ->type_name("FILE[@ADDR]")
+      ->allow_extra_args(false);
   option("--sensor", "sensor.file", "Sensor description (TOML) or recording (CSV)")
       ->type_name("FILE");
   option("--arithmetic", "coprocessor.arithmetic", "Arithmetic of the coprocessor")
@@ -114,6 +125,17 @@ void add_run(CLI::App& app, int& code) {
   run->add_flag_callback(
       "--golden", [arguments] { arguments->options.emplace_back("run.golden", "true"); },
       "Fit the samples that the coprocessor saw by the CSFN, too, and print both answers");
+  run->add_option_function<std::string>(
+         "--gdb",
+         [arguments](const std::string& port) {
+           arguments->options.emplace_back("gdb.port", port.empty() ? "3333" : port);
+         },
+         "GDB server on the loopback interface (default port 3333; 0: a free one)")
+      ->type_name("[PORT]")
+      ->expected(0, 1);
+  run->add_flag_callback(
+      "--halt", [arguments] { arguments->options.emplace_back("gdb.halt", "true"); },
+      "Wait for a debugger before the first instruction");
   option("--log-level", "log.level", "What the simulator says on stderr")->type_name("LEVEL");
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")

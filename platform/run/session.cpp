@@ -9,8 +9,11 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <sstream>
 
+#include "debug/gdb_server.h"
 #include "fit/golden.h"
+#include "loader/program_file.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
 #include "run/parameter_file.h"
@@ -69,6 +72,30 @@ std::string reproducing_command(const Settings& settings) {
     text += fmt::format(" -C {}={}", setting.path, setting.value);
   }
   return text;
+}
+
+/// What --load named, in its order; later ones overwrite.
+std::vector<std::string> places_to_load(const Settings& settings) {
+  std::vector<std::string> places;
+  std::istringstream list(settings.text("firmware.load"));
+  for (std::string place; std::getline(list, place, ',');)
+    if (!place.empty()) places.push_back(place);
+  return places;
+}
+
+/// The GDB server that the settings ask for, or null.
+Result<std::unique_ptr<debug::GdbServer>> make_gdb_server(const Settings& settings, soc::Soc& soc,
+                                                          std::function<bool()> give_up) {
+  const long long port = settings.integer("gdb.port");
+  const bool halted = settings.text("gdb.halt") == "true";
+  if (port < 0 && halted) return Error{"--halt waits for a debugger; give --gdb PORT, too"};
+  if (port < 0) return std::unique_ptr<debug::GdbServer>();
+  auto connections = debug::Connections::listen(static_cast<uint16_t>(port));
+  if (!connections) return Error{connections.error()};
+  fmt::print(stderr, "gdb: listening on 127.0.0.1:{}{}\n", connections.value()->port(),
+             halted ? ", waiting for a debugger" : "");
+  return std::make_unique<debug::GdbServer>(soc, std::move(connections.value()), halted,
+                                            std::move(give_up));
 }
 
 /// Ends the simulation at a simulated time, whatever the processor does.
@@ -178,6 +205,8 @@ void conclude(const soc::Soc& soc, const Semihosting& semihosting, const Limit& 
     return say(exit_code::crashed, "the firmware crashed: lockup");
   if (soc.cpu.end_reason() == EndReason::asleep)
     return say(exit_code::limit, "the firmware sleeps and nothing is left that could wake it");
+  if (soc.cpu.end_reason() == EndReason::debugger && caught_signal == 0 && !out_of_time)
+    return say(exit_code::pass, "ended by the debugger");
   if (caught_signal != 0)
     return say(exit_code::signal_base + caught_signal,
                fmt::format("ended by signal {}", caught_signal.load()));
@@ -206,6 +235,8 @@ Settings make_settings() {
   };
   add("firmware.elf", SettingKind::path, installed("firmware/selfcal.elf"),
       "program for the Cortex-M3");
+  add("firmware.load", SettingKind::text, "",
+      "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas");
   add("firmware.parameters", SettingKind::path, "",
       "JSON with parameters to write in the program; empty: none");
   add("sensor.file", SettingKind::path, installed("traces/soc_eq21.toml"),
@@ -215,8 +246,8 @@ Settings make_settings() {
   add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
       {"paper", "precise"});
   add_backend_settings(s);
-  add("cpu.quantum_ns", SettingKind::number, "10000", "how far the processor may run ahead, ns", {},
-      1, 1e9);
+  add("cpu.quantum_ns", SettingKind::number, "1000000", "how far the processor may run ahead, ns",
+      {}, 1, 1e9);
   add("cpu.executor", SettingKind::choice, "blocks", "blocks (fast) or stepping; same results",
       {"blocks", "stepping"});
   add("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none", {}, 0,
@@ -225,6 +256,9 @@ Settings make_settings() {
       1e6);
   add("uart0.backend", SettingKind::text, "stdio", "stdio, null or file:PATH");
   add("run.golden", SettingKind::flag, "false", "fit the coprocessor's samples by the CSFN, too");
+  add("gdb.port", SettingKind::integer, "-1", "port of the GDB server; 0: a free one, -1: none", {},
+      -1, 65535);
+  add("gdb.halt", SettingKind::flag, "false", "wait for a debugger before the first instruction");
   add("results.json", SettingKind::path, "", "where the results go; empty: nowhere");
   add("results.record", SettingKind::path, "",
       "where the coprocessor's samples go (CSV); empty: nowhere");
@@ -236,7 +270,7 @@ Settings make_settings() {
 Result<RunResult> run(const Settings& settings) {
   const std::string elf = program_of(settings);
   const std::string sensor_file = settings.text("sensor.file");
-  auto image = loader::load_elf(elf);
+  auto image = loader::load_program(elf);
   if (!image) return Error{image.error()};
   const std::string parameter_file = settings.text("firmware.parameters");
   std::optional<ParameterWords> preset;
@@ -270,6 +304,11 @@ Result<RunResult> run(const Settings& settings) {
   soc::Soc soc("soc", config);
   soc.adc.fit_converter(static_cast<uint32_t>(adc_bits));
   if (auto error = soc.load(image.value())) return *error;
+  for (const std::string& place : places_to_load(settings)) {
+    auto further = loader::load_at(place);
+    if (!further) return Error{further.error()};
+    if (auto error = soc.load(further.value())) return *error;
+  }
 
   Semihosting semihosting;
   soc.cpu.core().set_semihosting([&](cortex_m3::Core& core) { return semihosting.call(core); });
@@ -303,10 +342,13 @@ Result<RunResult> run(const Settings& settings) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   bool out_of_time = false;
-  soc.cpu.set_interrupted([&] {
+  const auto interrupted = [&] {
     out_of_time = wall_limit > 0 && wall() > wall_limit;
     return out_of_time || caught_signal != 0;
-  });
+  };
+  soc.cpu.set_interrupted(interrupted);
+  auto gdb = make_gdb_server(settings, soc, interrupted);
+  if (!gdb) return Error{gdb.error()};
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
 
@@ -330,6 +372,7 @@ Result<RunResult> run(const Settings& settings) {
   }
   if (backend.value().rtl != nullptr && lockstep == nullptr) backend.value().rtl->close_waves();
   conclude(soc, semihosting, limit, out_of_time, wall_limit, result);
+  if (gdb.value() != nullptr) gdb.value()->finish(result.code);
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.wall_s = wall();
   result.instructions = soc.cpu.core().instructions();
@@ -343,6 +386,10 @@ Result<RunResult> run(const Settings& settings) {
   result.uart0_sha256 = uart.value()->sha256();
   result.inputs = {{"firmware", elf, sha256_of_file(elf)},
                    {"sensor", sensor_file, sha256_of_file(sensor_file)}};
+  for (const std::string& place : places_to_load(settings)) {
+    const std::string file = place.substr(0, place.rfind('@'));
+    result.inputs.push_back({"image", place, sha256_of_file(file)});
+  }
   if (preset)
     result.inputs.push_back({"parameters", parameter_file, sha256_of_file(parameter_file)});
   if (golden) result.golden = fit::compare(observation.recorded(), result.words);

@@ -1,0 +1,52 @@
+#include "debug/description.h"
+
+#include <fmt/format.h>
+
+#include "debug/target.h"
+
+namespace capsoc::debug {
+namespace {
+
+std::string feature(const char* name, unsigned first, unsigned last) {
+  std::string text = fmt::format("<feature name=\"{}\">\n", name);
+  for (unsigned i = first; i < last; ++i) {
+    const Register& r = registers[i];
+    const std::string n = r.name;
+    const char* type = n == "pc"                               ? "code_ptr"
+                       : n == "sp" || n == "msp" || n == "psp" ? "data_ptr"
+                                                               : "int";
+    const unsigned number = i < 16 ? i : xpsr_number + (i - 16);
+    text += fmt::format("<reg name=\"{}\" bitsize=\"{}\" regnum=\"{}\" type=\"{}\"/>\n", r.name,
+                        r.bits, number, r.bits == 8 ? "int8" : type);
+  }
+  return text + "</feature>\n";
+}
+
+}  // namespace
+
+std::string target_description() {
+  return "<?xml version=\"1.0\"?>\n<!DOCTYPE target SYSTEM \"gdb-target.dtd\">\n"
+         "<target version=\"1.0\">\n<architecture>arm</architecture>\n" +
+         feature("org.gnu.gdb.arm.m-profile", 0, first_system_register) +
+         feature("org.gnu.gdb.arm.m-system", first_system_register, registers.size()) +
+         "</target>\n";
+}
+
+std::string memory_map(const std::vector<MemoryRange>& ranges) {
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<!DOCTYPE memory-map PUBLIC \"+//IDN gnu.org//DTD GDB Memory Map "
+      "V1.0//EN\" \"http://sourceware.org/gdb/gdb-memory-map.dtd\">\n<memory-map>\n";
+  for (const MemoryRange& range : ranges)
+    text += fmt::format("<memory type=\"ram\" start=\"{:#x}\" length=\"{:#x}\"/>\n", range.start,
+                        range.length);
+  return text + "</memory-map>\n";
+}
+
+std::string thread_list(const std::string& state) {
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n<threads>\n<thread id=\"1\" core=\"0\" "
+      "name=\"cortex-m3\">{}</thread>\n</threads>\n",
+      state);
+}
+
+}  // namespace capsoc::debug

@@ -1,0 +1,68 @@
+// capsoc run --gdb: the debugger's side of a run.
+#pragma once
+
+#include <functional>
+#include <list>
+#include <memory>
+
+#include "cortex_m3_tlm/debugger.h"
+#include "debug/client.h"
+#include "debug/connections.h"
+#include "debug/soc_target.h"
+#include "soc/soc.h"
+
+namespace capsoc::debug {
+
+/// Lets any number of GDBs look at one processor. The first one to connect halts it; one that comes
+/// later looks on without stopping it. Whoever resumes or interrupts has it; when the last of these
+/// is gone, the run goes on by itself. Everything happens in the processor's process between two
+/// instructions, and halting keeps simulated time, so that looking changes no result.
+class GdbServer : public cortex_m3::Debugger {
+ public:
+  /// `halted`: nothing is executed before a client says so. `give_up` ends the waiting for clients
+  /// (a signal, a limit of the host's time).
+  GdbServer(soc::Soc& soc, std::unique_ptr<Connections> connections, bool halted,
+            std::function<bool()> give_up);
+  ~GdbServer() override;
+  GdbServer(const GdbServer&) = delete;
+  GdbServer& operator=(const GdbServer&) = delete;
+
+  /// Tells the clients that the run is over.
+  void finish(int exit_code);
+
+  uint64_t before_run() override;
+  bool after_run(cortex_m3::StopReason reason, bool advanced) override;
+  bool asleep_for_good() override;
+  bool wants_attention() const override { return halted_ || connections_->any(); }
+  bool ended() const override { return ended_; }
+
+ private:
+  struct Session {
+    Session(std::shared_ptr<Socket> s, Target& target) : socket(std::move(s)), client(target) {}
+    std::shared_ptr<Socket> socket;
+    Client client;
+    PacketReader reader;
+    bool controls = false;
+  };
+
+  void serve();
+  void connect(const std::shared_ptr<Socket>& socket);
+  void receive(Session& session, const std::string& bytes);
+  void act(Session& session, const Request& request);
+  void leave(const Socket* socket);
+  void halt(const StopCause& cause);
+  void resume(const Resume& how);
+  bool step_is_over() const;
+  static void flush(Session& session);
+
+  soc::Soc& soc_;
+  SocTarget target_;
+  std::unique_ptr<Connections> connections_;
+  std::function<bool()> give_up_;
+  std::list<Session> sessions_;
+  Resume how_;
+  StopCause cause_;
+  bool halted_, ended_ = false;
+};
+
+}  // namespace capsoc::debug

@@ -1,0 +1,18 @@
+// The words of GDB's `monitor`.
+#pragma once
+
+#include <string>
+
+namespace capsoc::debug {
+
+/// What a monitor line asks for: a reset first, then a halt or a start, and a text for the console.
+struct MonitorAnswer {
+  bool reset = false, halt = false, resume = false;
+  std::string text;
+};
+
+/// Every line has an answer; what is unknown is said so and does nothing, because an error would
+/// end the launch of several IDEs.
+MonitorAnswer answer_monitor(const std::string& line);
+
+}  // namespace capsoc::debug

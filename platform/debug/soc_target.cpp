@@ -1,0 +1,208 @@
+#include "debug/soc_target.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bus/address_map.h"
+#include "debug/description.h"
+
+namespace capsoc::debug {
+namespace {
+
+constexpr uint32_t private_bus_size = 1U << 20U, bit_band_size = 32U << 20U;
+constexpr uint32_t private_bus = 0xE0000000, sram_bits = 0x22000000, device_bits = 0x42000000;
+
+bool on_private_bus(uint32_t address) {
+  return address - private_bus < private_bus_size;
+}
+bool in_bit_band(uint32_t address) {
+  return address - sram_bits < bit_band_size || address - device_bits < bit_band_size;
+}
+
+enum : unsigned { xpsr = 16, msp, psp, primask, basepri, faultmask, control };
+
+cortex_m3::Watchpoint watchpoint(StopPoint kind, uint32_t address, uint32_t size) {
+  return {address, size, kind != StopPoint::write_watchpoint, kind != StopPoint::read_watchpoint};
+}
+
+bool is_breakpoint(StopPoint kind) {
+  return kind == StopPoint::software_breakpoint || kind == StopPoint::hardware_breakpoint;
+}
+
+}  // namespace
+
+uint32_t SocTarget::read_register(unsigned index) {
+  const cortex_m3::Core& core = soc_.cpu.core();
+  switch (index) {
+    case xpsr:
+      return core.xpsr();
+    case msp:
+      return core.msp();
+    case psp:
+      return core.psp();
+    case primask:
+      return core.primask();
+    case basepri:
+      return core.basepri();
+    case faultmask:
+      return core.faultmask();
+    case control:
+      return core.control();
+    default:
+      return core.reg(index);
+  }
+}
+
+void SocTarget::write_register(unsigned index, uint32_t value) {
+  cortex_m3::Core& core = soc_.cpu.core();
+  switch (index) {
+    case xpsr:
+      return core.set_xpsr(value);
+    case msp:
+      return core.set_msp(value);
+    case psp:
+      return core.set_psp(value);
+    case primask:
+      return core.set_primask((value & 1) != 0);
+    case basepri:
+      return core.set_basepri(value);
+    case faultmask:
+      return core.set_faultmask((value & 1) != 0);
+    case control:
+      return core.set_control(value);
+    default:
+      return core.set_reg(index, value);
+  }
+}
+
+uint32_t SocTarget::read_on_bus(uint32_t address, uint32_t size, uint8_t* bytes) {
+  tlm::tlm_generic_payload payload;
+  payload.set_command(tlm::TLM_READ_COMMAND);
+  payload.set_address(address);
+  payload.set_data_ptr(bytes);
+  payload.set_data_length(size);
+  payload.set_streaming_width(size);
+  return soc_.cpu.system->transport_dbg(payload);
+}
+
+std::string SocTarget::read_memory(uint32_t address, uint32_t size) {
+  size = static_cast<uint32_t>(std::min<uint64_t>(size, (uint64_t{1} << 32U) - address));
+  std::string bytes(size, '\0');
+  auto* out = reinterpret_cast<uint8_t*>(bytes.data());
+  uint32_t done = 0;
+  if (!on_private_bus(address) && !in_bit_band(address)) {
+    done = read_on_bus(address, size, out);
+  } else if (on_private_bus(address)) {
+    while (done < size && soc_.cpu.core().debug_read(address + done, out + done, 1)) ++done;
+  } else {
+    // One word for each bit; bit 0 of the word is the bit.
+    for (; done < size && in_bit_band(address + done); ++done) {
+      const uint32_t at = address + done, bit = (at & (bit_band_size - 1)) >> 2U;
+      uint8_t byte = 0;
+      if (read_on_bus((at & 0xF0000000U) + (bit >> 3U), 1, &byte) != 1) break;
+      out[done] = (at & 3U) == 0 ? byte >> (bit & 7U) & 1U : 0;
+    }
+  }
+  bytes.resize(done);
+  return bytes;
+}
+
+bool SocTarget::write_memory(uint32_t address, const std::string& bytes) {
+  const auto size = static_cast<uint32_t>(bytes.size());
+  if (size == 0) return true;
+  if (address + size - 1 < address) return false;
+  if (on_private_bus(address)) return soc_.cpu.core().debug_write(address, bytes.data(), size);
+  std::string copy = bytes;
+  tlm::tlm_generic_payload payload;
+  payload.set_command(tlm::TLM_WRITE_COMMAND);
+  payload.set_address(address);
+  payload.set_data_ptr(reinterpret_cast<uint8_t*>(copy.data()));
+  payload.set_data_length(size);
+  payload.set_streaming_width(size);
+  const uint32_t done = soc_.cpu.system->transport_dbg(payload);
+  // Memory shows at several addresses, so what was decoded at any of them may be stale.
+  if (done != 0) soc_.cpu.core().invalidate_code(0, 0xFFFFFFFF);
+  return done == size || write_to_device(address + done, bytes.substr(done));
+}
+
+/// As the processor would write it, in the largest aligned pieces.
+bool SocTarget::write_to_device(uint32_t address, const std::string& bytes) {
+  for (uint32_t done = 0; done < bytes.size();) {
+    uint32_t size = 4;
+    while ((address + done) % size != 0 || size > bytes.size() - done) size /= 2;
+    std::array<uint8_t, 4> piece{};
+    for (uint32_t i = 0; i < piece.size() && i < size; ++i)
+      piece[i] = static_cast<uint8_t>(bytes[done + i]);
+    tlm::tlm_generic_payload payload;
+    payload.set_command(tlm::TLM_WRITE_COMMAND);
+    payload.set_address(address + done);
+    payload.set_data_ptr(piece.data());
+    payload.set_data_length(size);
+    payload.set_streaming_width(size);
+    payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+    sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
+    soc_.cpu.system->b_transport(payload, delay);
+    if (!payload.is_response_ok()) return false;
+    done += size;
+  }
+  return true;
+}
+
+bool SocTarget::set(StopPoint kind, uint32_t address, uint32_t size) {
+  if (!is_breakpoint(kind)) {
+    if (size == 0) return false;
+    soc_.cpu.core().set_watchpoint(watchpoint(kind, address, size));
+    return true;
+  }
+  address &= ~1U;
+  ++breakpoints_[address][static_cast<std::size_t>(kind)];
+  soc_.cpu.core().set_breakpoint(address);
+  return true;
+}
+
+void SocTarget::clear(StopPoint kind, uint32_t address, uint32_t size) {
+  if (!is_breakpoint(kind))
+    return soc_.cpu.core().clear_watchpoint(watchpoint(kind, address, size));
+  address &= ~1U;
+  const auto found = breakpoints_.find(address);
+  if (found == breakpoints_.end()) return;
+  unsigned& count = found->second[static_cast<std::size_t>(kind)];
+  if (count != 0) --count;
+  if (found->second[0] + found->second[1] != 0) return;
+  breakpoints_.erase(found);
+  soc_.cpu.core().clear_breakpoint(address);
+}
+
+StopPoint SocTarget::breakpoint_kind(uint32_t address) const {
+  const auto found = breakpoints_.find(address & ~1U);
+  const bool hardware = found != breakpoints_.end() && found->second[1] != 0;
+  return hardware ? StopPoint::hardware_breakpoint : StopPoint::software_breakpoint;
+}
+
+void SocTarget::reset() {
+  soc_.cpu.reset_now();
+}
+
+std::string SocTarget::state() {
+  const cortex_m3::Core& core = soc_.cpu.core();
+  if (core.locked_up()) return "lockup";
+  const uint32_t exception = core.xpsr() & 0x1FFU;
+  const std::string mode =
+      exception == 0   ? (core.control() & 1U) != 0 ? "Thread mode, unprivileged" : "Thread mode"
+      : exception < 16 ? fmt::format("exception {}", exception)
+                       : fmt::format("interrupt {}", exception - 16);
+  return core.sleeping() ? mode + ", asleep" : mode;
+}
+
+std::string SocTarget::memory_map() {
+  std::vector<MemoryRange> ranges;
+  for (const bus::MapEntry& entry : soc_.ahb.map())
+    if (entry.kind != bus::TargetKind::unimplemented) ranges.push_back({entry.base, entry.size});
+  ranges.push_back({sram_bits, bit_band_size});
+  ranges.push_back({device_bits, bit_band_size});
+  ranges.push_back({private_bus, private_bus_size});
+  return debug::memory_map(ranges);
+}
+
+}  // namespace capsoc::debug

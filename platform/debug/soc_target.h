@@ -1,0 +1,36 @@
+// The SoC as the debugger's protocol sees it.
+#pragma once
+
+#include <map>
+
+#include "debug/target.h"
+#include "soc/soc.h"
+
+namespace capsoc::debug {
+
+class SocTarget : public Target {
+ public:
+  explicit SocTarget(soc::Soc& soc) : soc_(soc) {}
+
+  uint32_t read_register(unsigned index) override;
+  void write_register(unsigned index, uint32_t value) override;
+  std::string read_memory(uint32_t address, uint32_t size) override;
+  bool write_memory(uint32_t address, const std::string& bytes) override;
+  bool set(StopPoint kind, uint32_t address, uint32_t size) override;
+  void clear(StopPoint kind, uint32_t address, uint32_t size) override;
+  void reset() override;
+  std::string state() override;
+  std::string memory_map() override;
+
+  /// Whose breakpoint it is, of those at the address.
+  StopPoint breakpoint_kind(uint32_t address) const;
+
+ private:
+  uint32_t read_on_bus(uint32_t address, uint32_t size, uint8_t* bytes);
+  bool write_to_device(uint32_t address, const std::string& bytes);
+
+  soc::Soc& soc_;
+  std::map<uint32_t, std::array<unsigned, 2>> breakpoints_;  ///< how often set: software, hardware
+};
+
+}  // namespace capsoc::debug

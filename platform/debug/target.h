@@ -1,0 +1,83 @@
+// What the protocol needs of a processor and its memory, so that it can be tested without one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace capsoc::debug {
+
+/// What `Z` packets set; the numbers are the protocol's.
+enum class StopPoint : uint8_t {
+  software_breakpoint = 0,
+  hardware_breakpoint = 1,
+  write_watchpoint = 2,
+  read_watchpoint = 3,
+  access_watchpoint = 4
+};
+
+/// Why the processor stands.
+struct StopCause {
+  enum class Kind : uint8_t {
+    attached,  ///< by a debugger that connected, or after a reset
+    step,
+    interrupted,  ///< Ctrl-C, `monitor halt`
+    breakpoint,
+    watchpoint,
+    bkpt_instruction,
+    lockup
+  };
+  Kind kind = Kind::attached;
+  StopPoint point = StopPoint::software_breakpoint;  ///< with breakpoint and watchpoint
+  uint32_t address = 0;                              ///< with watchpoint: what was accessed
+};
+
+/// One register of the target description.
+struct Register {
+  const char* name;
+  unsigned bits;
+};
+
+/// In the order of their numbers: r0 to r15, xpsr (GDB's m-profile), then the m-system group.
+constexpr std::array<Register, 23> registers = {
+    {{"r0", 32},  {"r1", 32},     {"r2", 32},     {"r3", 32},       {"r4", 32},    {"r5", 32},
+     {"r6", 32},  {"r7", 32},     {"r8", 32},     {"r9", 32},       {"r10", 32},   {"r11", 32},
+     {"r12", 32}, {"sp", 32},     {"lr", 32},     {"pc", 32},       {"xpsr", 32},  {"msp", 32},
+     {"psp", 32}, {"primask", 8}, {"basepri", 8}, {"faultmask", 8}, {"control", 8}}};
+constexpr unsigned first_system_register = 17;
+/// The number that GDB gives xpsr (the fpa registers of old lie between pc and it).
+constexpr unsigned xpsr_number = 25;
+
+/// The processor as a debugger sees it. Nothing takes simulated time.
+class Target {
+ public:
+  virtual ~Target() = default;
+
+  /// `index` into `registers`.
+  virtual uint32_t read_register(unsigned index) = 0;
+  virtual void write_register(unsigned index, uint32_t value) = 0;
+  /// Without side effects; as many bytes from `address` on as can be read, at most `size`.
+  virtual std::string read_memory(uint32_t address, uint32_t size) = 0;
+  /// Devices take it as a write of their own bus. False if any byte has no place.
+  virtual bool write_memory(uint32_t address, const std::string& bytes) = 0;
+  /// False for what cannot be watched.
+  virtual bool set(StopPoint kind, uint32_t address, uint32_t size) = 0;
+  virtual void clear(StopPoint kind, uint32_t address, uint32_t size) = 0;
+  /// Everything back to its reset state.
+  virtual void reset() = 0;
+  /// For the thread list: what the processor does, in words.
+  virtual std::string state() = 0;
+  /// The memory map of the protocol, an XML document.
+  virtual std::string memory_map() = 0;
+};
+
+/// How a client wants the processor to go on.
+struct Resume {
+  enum class Kind : uint8_t { run, step, range };
+  Kind kind = Kind::run;
+  uint32_t range_start = 0, range_end = 0;  ///< range: step while start <= pc < end
+};
+
+}  // namespace capsoc::debug

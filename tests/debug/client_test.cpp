@@ -1,0 +1,183 @@
+// What every packet of the protocol answers and does.
+#include "debug/client.h"
+
+#include <gtest/gtest.h>
+
+#include "debug/monitor.h"
+#include "fake_target.h"
+
+namespace capsoc::debug::test {
+namespace {
+
+class ClientTest : public ::testing::Test {
+ protected:
+  /// The payload of the last answer to a packet, "(none)" without one.
+  std::string ask(const std::string& payload) {
+    request = client.handle({Arrival::Kind::packet, payload});
+    return last_payload();
+  }
+  std::string last_payload() {
+    PacketReader reader;
+    std::string last = "(none)";
+    for (const Arrival& a : reader.feed(client.take_output()))
+      if (a.kind == Arrival::Kind::packet) last = a.payload;
+    return last;
+  }
+  FakeTarget target;
+  Client client{target};
+  Request request;
+};
+
+TEST_F(ClientTest, SaysWhatItCan) {
+  const std::string features = ask("qSupported:multiprocess+;swbreak+;hwbreak+");
+  for (const char* feature :
+       {"PacketSize=4000", "QStartNoAckMode+", "qXfer:features:read+", "qXfer:memory-map:read+",
+        "qXfer:threads:read+", "vContSupported+", "swbreak+", "hwbreak+"})
+    EXPECT_NE(features.find(feature), std::string::npos) << feature;
+  EXPECT_EQ(ask("vCont?"), "vCont;c;C;s;S;r;t");
+  EXPECT_EQ(ask("vMustReplyEmpty"), "");
+  EXPECT_EQ(ask("qTStatus"), "");
+  EXPECT_EQ(ask("qAttached"), "1");
+}
+
+TEST_F(ClientTest, AcknowledgesUntilToldNotTo) {
+  client.handle({Arrival::Kind::packet, "qC"});
+  EXPECT_EQ(client.take_output(), "+$QC1#c5");
+  client.handle({Arrival::Kind::nak});
+  EXPECT_EQ(client.take_output(), "$QC1#c5");
+  client.handle({Arrival::Kind::damaged});
+  EXPECT_EQ(client.take_output(), "-");
+  EXPECT_EQ(ask("QStartNoAckMode"), "OK");
+  client.handle({Arrival::Kind::packet, "qC"});
+  EXPECT_EQ(client.take_output(), "$QC1#c5");
+  client.handle({Arrival::Kind::damaged});
+  EXPECT_EQ(client.take_output(), "");
+}
+
+TEST_F(ClientTest, RegistersAreEightyBytesInTheOrderOfTheDescription) {
+  for (unsigned i = 0; i < registers.size(); ++i) target.values[i] = i + 1;
+  const std::string all = ask("g");
+  ASSERT_EQ(all.size(), 160U);
+  EXPECT_EQ(all.substr(0, 8), "01000000");
+  EXPECT_EQ(all.substr(2 * 64, 8), "11000000") << "xpsr";
+  EXPECT_EQ(all.substr(2 * 68, 8), "12000000") << "msp";
+  EXPECT_EQ(all.substr(2 * 79, 2), "17") << "control";
+  EXPECT_EQ(ask("p19"), "11000000");
+  EXPECT_EQ(ask("p1a"), "12000000");
+  EXPECT_EQ(ask("p1f"), "17");
+  EXPECT_EQ(ask("p10"), "E01");
+  EXPECT_EQ(ask("p20"), "E01");
+  EXPECT_EQ(ask("P0=efbeadde"), "OK");
+  EXPECT_EQ(target.values[0], 0xDEADBEEFU);
+  EXPECT_EQ(ask("P0=efbe"), "E01");
+  EXPECT_EQ(ask("G" + all), "OK");
+  EXPECT_EQ(target.values[0], 1U);
+  EXPECT_EQ(ask("G00"), "E01");
+}
+
+TEST_F(ClientTest, DescriptionNamesBothFeatures) {
+  const std::string xml = ask("qXfer:features:read:target.xml:0,4000");
+  EXPECT_EQ(xml.front(), 'l');
+  EXPECT_NE(xml.find("org.gnu.gdb.arm.m-profile"), std::string::npos);
+  EXPECT_NE(xml.find("org.gnu.gdb.arm.m-system"), std::string::npos);
+  EXPECT_NE(xml.find("name=\"xpsr\" bitsize=\"32\" regnum=\"25\""), std::string::npos);
+  EXPECT_NE(xml.find("name=\"control\" bitsize=\"8\" regnum=\"31\""), std::string::npos);
+  std::string pieces;
+  for (unsigned offset = 0;; offset += 100) {
+    const std::string piece =
+        ask("qXfer:features:read:target.xml:" +
+            to_hex(std::string{static_cast<char>(offset >> 8), static_cast<char>(offset)}) + ",64");
+    pieces += piece.substr(1);
+    if (piece.front() == 'l') break;
+    ASSERT_LT(offset, 10000U);
+  }
+  EXPECT_EQ(pieces, xml.substr(1));
+  EXPECT_EQ(ask("qXfer:features:read:other.xml:0,100"), "E00");
+}
+
+TEST_F(ClientTest, MemoryIsWrittenAndReadInBothForms) {
+  EXPECT_EQ(ask("M20000010,3:010203"), "OK");
+  EXPECT_EQ(ask("m20000010,4"), "01020300");
+  EXPECT_EQ(ask(std::string("X20000010,2:\x7f#", 14)), "OK");
+  EXPECT_EQ(ask("m20000010,2"), "7f23");
+  EXPECT_EQ(ask("X20000010,0:"), "OK");
+  EXPECT_EQ(ask("X20000010,3:a"), "E01");
+  EXPECT_EQ(ask("m10000000,4"), "E0e");
+  EXPECT_EQ(ask("M10000000,1:00"), "E0e");
+  EXPECT_EQ(ask("m2000fffe,8"), "0000") << "as far as there is memory";
+  EXPECT_EQ(ask("m,"), "E01");
+}
+
+TEST_F(ClientTest, StopPointsGoWithTheirOwner) {
+  EXPECT_EQ(ask("Z0,100,2"), "OK");
+  EXPECT_EQ(ask("Z0,100,2"), "OK");
+  EXPECT_EQ(ask("Z2,20000000,4"), "OK");
+  EXPECT_EQ(target.points.size(), 2U);
+  EXPECT_EQ(ask("z0,100,2"), "OK");
+  EXPECT_EQ(ask("z0,100,2"), "OK");
+  EXPECT_EQ(target.points.size(), 1U);
+  EXPECT_EQ(ask("Z5,0,0"), "");
+  {
+    Client other(target);
+    other.handle({Arrival::Kind::packet, "Z1,200,2"});
+    EXPECT_EQ(target.points.size(), 2U);
+  }
+  EXPECT_EQ(target.points.size(), 1U);
+}
+
+TEST_F(ClientTest, ResumesAndTellsWhyItStands) {
+  ask("qSupported:swbreak+;hwbreak+");
+  EXPECT_EQ(ask("vCont;r100,120:1"), "(none)");
+  EXPECT_EQ(request.kind, Request::Kind::resume);
+  EXPECT_EQ(request.resume.kind, Resume::Kind::range);
+  EXPECT_EQ(request.resume.range_end, 0x120U);
+  client.stopped({StopCause::Kind::watchpoint, StopPoint::read_watchpoint, 0x20000004});
+  EXPECT_EQ(last_payload().substr(0, 20), "T05rwatch:20000004;t");
+  client.stopped({StopCause::Kind::step});
+  EXPECT_EQ(last_payload(), "(none)") << "nobody asked";
+  ask("vCont;s:1;c");
+  EXPECT_EQ(request.resume.kind, Resume::Kind::step);
+  client.stopped({StopCause::Kind::breakpoint, StopPoint::hardware_breakpoint});
+  EXPECT_EQ(last_payload().substr(0, 12), "T05hwbreak:;");
+  ask("vCont;c");
+  EXPECT_EQ(client.handle({Arrival::Kind::interrupt}).kind, Request::Kind::halt);
+  client.stopped({StopCause::Kind::interrupted});
+  EXPECT_EQ(last_payload().substr(0, 3), "T02");
+  ask("c");
+  client.exited(3);
+  EXPECT_EQ(last_payload(), "W03");
+}
+
+TEST_F(ClientTest, MonitorAnswersEveryLine) {
+  const auto monitor = [&](const std::string& line) { return ask("qRcmd," + to_hex(line)); };
+  for (const char* line :
+       {"reset", "reset halt", "reset init", "system_reset", "halt", "stop", "help", "",
+        "arm semihosting enable", "rtt setup", "gdb_sync", "an unknown word", "\x01\xff"})
+    EXPECT_EQ(monitor(line), "OK") << line;
+  EXPECT_EQ(target.resets, 4);
+  monitor("reset run");
+  EXPECT_EQ(request.kind, Request::Kind::resume);
+  monitor("reset halt");
+  EXPECT_EQ(request.kind, Request::Kind::halt);
+  EXPECT_NE(answer_monitor("unheard of").text.find("not known"), std::string::npos);
+}
+
+TEST_F(ClientTest, DetachesAndEnds) {
+  EXPECT_EQ(ask("D"), "OK");
+  EXPECT_EQ(request.kind, Request::Kind::detach);
+  ask("k");
+  EXPECT_EQ(request.kind, Request::Kind::kill);
+  EXPECT_EQ(ask("!"), "OK");
+  EXPECT_EQ(ask("vKill;1"), "OK");
+  EXPECT_EQ(request.kind, Request::Kind::halt) << "an extended client may run again";
+  EXPECT_EQ(ask("vRun;").substr(0, 3), "T05");
+  EXPECT_EQ(target.resets, 1);
+}
+
+TEST_F(ClientTest, ComparesSectionsByTheirChecksum) {
+  target.write_memory(FakeTarget::base, "123456789");
+  EXPECT_EQ(ask("qCRC:20000000,9"), "C376e6e7") << "CRC-32/MPEG-2 of the digits";
+}
+
+}  // namespace
+}  // namespace capsoc::debug::test

@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""Intel HEX, raw binaries and several images, as objcopy writes them."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+CAPSOC = BUILD / "capsoc"
+HELLO = BUILD / "firmware" / "hello.elf"
+CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+
+
+class Loading(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def objcopy(self, form):
+        path = self.folder / f"hello.{form}"
+        subprocess.run(["arm-none-eabi-objcopy", "-O", form, HELLO, path], check=True)
+        return path
+
+    def run_it(self, *arguments):
+        done = subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=60, check=False, env=CLEAN)
+        return done.returncode, done.stdout, done.stderr.decode()
+
+    def test_every_format_is_the_same_program(self):
+        expected = self.run_it(HELLO)[:2]
+        self.assertEqual(expected, (0, b"hello from capsoc\n"))
+        self.assertEqual(self.run_it(self.objcopy("ihex"))[:2], expected)
+        # Over another program, which never ends: the last image wins.
+        forever = BUILD / "firmware" / "forever.elf"
+        self.assertEqual(self.run_it(forever, "--load", f"{self.objcopy('binary')}@0")[:2], expected)
+        self.assertEqual(self.run_it(forever, "--load", f"{self.objcopy('binary')}@0x21000000", "--load",
+                                     self.objcopy("ihex"))[:2], expected)
+
+    def test_what_cannot_be_loaded_is_refused_with_a_sentence(self):
+        raw = self.objcopy("binary")
+        for place, words in ((f"{raw}@0x60000000", "outside memory"), (f"{raw}@here", "no address"),
+                             ("nowhere@0", "cannot be read"), (raw, "not an ELF file")):
+            code, _, said = self.run_it(HELLO, "--load", place)
+            self.assertEqual(code, 2)
+            self.assertIn(words, said)
+
+
+if __name__ == "__main__":
+    unittest.main()
