@@ -1,7 +1,5 @@
 #include "cmsdk/timer.h"
 
-#include <algorithm>
-
 namespace capsoc::peripherals {
 namespace {
 
@@ -24,14 +22,21 @@ Timer::Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
       id(*this, part_number) {
   CTRL.on_write([this](uint32_t value) {
     CTRL.store(value);
-    if (CTRL.any(ctrl_external_enable | ctrl_external_clock))
-      report("EXTIN is not connected: the timer does not count");
+    const bool external = CTRL.any(ctrl_external_enable | ctrl_external_clock);
+    if (external) report("EXTIN is not connected: the timer does not count");
+    if (CTRL.any(ctrl_enable) && !external) {
+      counter_.start();
+    } else {
+      counter_.stop();
+    }
   });
-  VALUE.on_peek([this] { return value_at(std::max(now(), anchor_cycle_)); });
-  VALUE.on_write([this](uint32_t value) { set_counter(value); });
+  // Every access first advances the counter to its edge (ClockedBank), a debugger's excepted.
+  VALUE.on_peek([this] { return counter_.value_at(now()); });
+  VALUE.on_write([this](uint32_t value) { counter_.set_value(value); });
   RELOAD.on_write([this](uint32_t value) {
     RELOAD.store(value);
-    set_counter(value);
+    counter_.reload = value;
+    counter_.set_value(value);
   });
   INTSTATUS.on_write([this](uint32_t value) {
     INTSTATUS.store(value);
@@ -41,45 +46,22 @@ Timer::Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
 
 void Timer::reset() {
   reset_registers();
-  anchor_cycle_ = now();
+  counter_.stop();
+  counter_.advance(now());
+  counter_.reload = 0;
+  counter_.set_value(0);
   interrupt.set(false);
   plan();
 }
 
-bool Timer::counting() const {
-  return CTRL.any(ctrl_enable) && !CTRL.any(ctrl_external_enable | ctrl_external_clock);
-}
-
-uint32_t Timer::value_at(uint64_t cycle) const {
-  const uint64_t start = VALUE.get();
-  const uint64_t elapsed = cycle - anchor_cycle_;
-  if (!counting()) return static_cast<uint32_t>(start);
-  if (elapsed <= start) return static_cast<uint32_t>(start - elapsed);
-  const uint64_t period = uint64_t{RELOAD.get()} + 1;
-  return static_cast<uint32_t>(RELOAD.get() - (elapsed - start - 1) % period);
-}
-
-uint64_t Timer::next_zero() const {
-  if (!counting()) return never;
-  if (VALUE.get() != 0) return anchor_cycle_ + VALUE.get();
-  return RELOAD.get() != 0 ? anchor_cycle_ + 1 + RELOAD.get() : never;
-}
-
-void Timer::set_counter(uint32_t value) {
-  VALUE.set(value);  // advance() has put the anchor at the edge of this access
-}
-
 void Timer::advance(uint64_t cycle) {
-  if (cycle <= anchor_cycle_) return;
-  if (CTRL.any(ctrl_interrupt) && next_zero() <= cycle) INTSTATUS.raise(1);
-  VALUE.set(value_at(cycle));
-  anchor_cycle_ = cycle;
+  if (counter_.advance(cycle) && CTRL.any(ctrl_interrupt)) INTSTATUS.raise(1);
   interrupt.set(INTSTATUS.any(1));
 }
 
 uint64_t Timer::next_change() const {
   // A zero that finds the interrupt pending, or not enabled, changes nothing outside.
-  return CTRL.any(ctrl_interrupt) && !INTSTATUS.any(1) ? next_zero() : never;
+  return CTRL.any(ctrl_interrupt) && !INTSTATUS.any(1) ? counter_.next_zero() : never;
 }
 
 }  // namespace capsoc::peripherals

@@ -5,6 +5,7 @@
 #include <systemc>
 
 #include "cmsdk/clocked_bank.h"
+#include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
 #include "tlm/interrupt_line.h"
 
@@ -39,14 +40,7 @@ class Timer : public ClockedBank {
   void advance(uint64_t cycle) override;
   uint64_t next_change() const override;
 
-  bool counting() const;
-  /// Counter at edge `cycle`, not before the anchor.
-  uint32_t value_at(uint64_t cycle) const;
-  /// The first edge after the anchor at which the counter steps from 1 to 0, or never.
-  uint64_t next_zero() const;
-  void set_counter(uint32_t value);
-
-  uint64_t anchor_cycle_ = 0;  // VALUE holds the counter at this edge
+  DownCounter counter_;
 };
 
 }  // namespace capsoc::peripherals
