@@ -6,16 +6,14 @@
 #include <filesystem>
 #include <iterator>
 
+#include "support/json.h"
+
 namespace capsoc::fit {
 namespace {
 
 using nlohmann::ordered_json;
 
 constexpr int schema_version = 1;
-
-ordered_json number_or_null(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
 
 /// One parameter in every form that the file and the table show.
 struct Row {

@@ -5,16 +5,14 @@
 #include <cmath>
 #include <systemc>
 
+#include "support/json.h"
+
 namespace capsoc::run {
 namespace {
 
 using nlohmann::ordered_json;
 
 constexpr int schema_version = 1;
-
-ordered_json number_or_null(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
 
 /// One parameter in every form that the result file and the table show.
 struct Row {

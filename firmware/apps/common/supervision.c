@@ -3,6 +3,8 @@
 #include "capsoc_device.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
+#include "parameter_report.h"
+#include "sampling.h"
 
 // SAT and DIVERGED belong to a cold start: coefficients of 0 leave the whole signal as error. They
 // count while there is a lock. EARLY and CONFIG are wrong at any time.
@@ -42,6 +44,18 @@ bool supervise(struct supervision* state, uint32_t samples) {
   report(state, samples, " s: rotation is reversed: reference turned round\n");
   state->mirror_since = 0;
   state->locked_at = 0;  // the demodulation starts again, from the mirrored coefficients
+  return true;
+}
+
+bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_seconds) {
+  for (uint32_t seconds = 1; seconds * state->rate_hz <= samples; ++seconds) {
+    if (!sampling_wait(seconds * state->rate_hz)) return false;
+    supervise(state, seconds * state->rate_hz);
+    if (seconds % progress_seconds == 0) {
+      const struct coprocessor_parameters parameters = coprocessor_read_parameters();
+      print_progress(seconds, &parameters);
+    }
+  }
   return true;
 }
 

@@ -19,6 +19,10 @@ struct supervision {
 // changed. True if the reference was turned round (coprocessor_reverse_reference) by this call.
 bool supervise(struct supervision* state, uint32_t samples);
 
+// Supervises the first `samples` samples and prints the parameters every `progress_seconds`. False
+// if the signal ended early.
+bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_seconds);
+
 // The last look at the flags, before the ADC stops. Reports the time of the lock and the verdict.
 // Returns 0, or 1 if there is no lock or a flag that must not be raised.
 int verdict(struct supervision* state);

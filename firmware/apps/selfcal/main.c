@@ -55,20 +55,6 @@ static void print_banner(uint32_t clock_hz) {
   print_text(paper ? "paper arithmetic\n" : "precise arithmetic\n");
 }
 
-// False if the signal ended early.
-static bool demodulate(struct supervision* state) {
-  for (uint32_t seconds = 1; seconds * settings.rate_hz <= settings.demodulation_samples;
-       ++seconds) {
-    if (!sampling_wait(seconds * settings.rate_hz)) return false;
-    supervise(state, seconds * settings.rate_hz);
-    if (seconds % settings.progress_seconds == 0) {
-      const struct coprocessor_parameters parameters = coprocessor_read_parameters();
-      print_progress(seconds, &parameters);
-    }
-  }
-  return true;
-}
-
 static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
   print_text("calibration with the stored parameters\n");
   print_parameter_table(stored);
@@ -98,7 +84,8 @@ int main(void) {
 
   struct supervision state = {
       .name = "selfcal", .rate_hz = settings.rate_hz, .mirror_seconds = settings.mirror_seconds};
-  const bool complete = demodulate(&state);
+  const bool complete =
+      demodulate(&state, settings.demodulation_samples, settings.progress_seconds);
   // Before anything is printed: the next sample is already one of the calibration.
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   const uint32_t demodulated = sampling_count();

@@ -40,20 +40,6 @@ static const struct {
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
 
-// False if the signal ended early.
-static bool demodulate(struct supervision* state) {
-  for (uint32_t seconds = 1; seconds * settings.rate_hz <= settings.demodulation_samples;
-       ++seconds) {
-    if (!sampling_wait(seconds * settings.rate_hz)) return false;
-    supervise(state, seconds * settings.rate_hz);
-    if (seconds % settings.progress_seconds == 0) {
-      const struct coprocessor_parameters parameters = coprocessor_read_parameters();
-      print_progress(seconds, &parameters);
-    }
-  }
-  return true;
-}
-
 int main(void) {
   console_open(clock_frequency_hz(), settings.baud);
   if (!coprocessor_present() || !adc_present()) {
@@ -77,7 +63,8 @@ int main(void) {
   // The angle has no direction that could be turned round.
   struct supervision state = {
       .name = "unordered", .rate_hz = settings.rate_hz, .mirror_seconds = UINT32_MAX};
-  const bool complete = demodulate(&state);
+  const bool complete =
+      demodulate(&state, settings.demodulation_samples, settings.progress_seconds);
   // Before anything is printed: the next sample is already one of the calibration.
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   const uint32_t demodulated = sampling_count();
