@@ -11,12 +11,18 @@ namespace {
 
 constexpr Encoding parse(const char* name, const char* pattern, Operation operation, Form form,
                          FlagRule flags, CycleClass cycle_class, const char* assembly) {
-  Encoding e{name, pattern, operation, form, flags, cycle_class, assembly, 0, 0, 0, 0};
+  Encoding e{name, pattern, operation, form, flags, cycle_class, assembly, 0, 0, 0, 0, 0, 0, 0};
   for (const char* p = pattern; *p != 0; ++p, ++e.length) {
     bool fixed = *p == '0' || *p == '1';
     e.mask = e.mask << 1 | (fixed ? 1u : 0u);
     e.value = e.value << 1 | (*p == '1' ? 1u : 0u);
-    if (fixed) ++e.fixed_bits;
+    e.ones = e.ones << 1 | (*p == 'o' ? 1u : 0u);
+    e.zeros = e.zeros << 1 | (*p == 'z' ? 1u : 0u);
+    if (fixed) {
+      ++e.fixed_bits;
+    } else {
+      e.letters |= 1u << (*p - 'a');
+    }
   }
   return e;
 }
@@ -38,6 +44,11 @@ constexpr bool lengths_are_legal() {
 }
 static_assert(lengths_are_legal(), "a bit pattern of isa.def has neither 16 nor 32 bits");
 
+/// Which line is meant where several match: a literal load is one whatever its offset looks like.
+constexpr unsigned precedence(const Encoding& e) {
+  return e.fixed_bits + (e.form == Form::load_lit ? 32u : 0u);
+}
+
 /// 16-bit encodings by their value; 32-bit ones in buckets of bits 28..20, most fixed bits first.
 struct Lookup {
   std::vector<int16_t> narrow = std::vector<int16_t>(65536, -1);
@@ -47,7 +58,7 @@ struct Lookup {
     std::vector<int16_t> order(table_size);
     for (unsigned i = 0; i < table_size; ++i) order[i] = static_cast<int16_t>(i);
     std::stable_sort(order.begin(), order.end(), [](int16_t a, int16_t b) {
-      return table[a].fixed_bits > table[b].fixed_bits;
+      return precedence(table[a]) > precedence(table[b]);
     });
     for (int16_t i : order) {
       table[i].length == 16 ? add_narrow(i) : add_wide(i);
@@ -219,6 +230,11 @@ void resolve(DecodedOp& op, const Fields& f, Form form) {
       op.imm = f['l'];
       op.writeback = f['w'] != 0;
       break;
+    case Form::list_sp:
+      op.rn = 13;
+      op.imm = f['l'];
+      op.writeback = true;
+      break;
     case Form::list_wb:
       op.imm = f['l'];
       op.writeback = true;
@@ -301,6 +317,10 @@ const Encoding* find_encoding(uint32_t encoding, unsigned size) {
     if ((encoding & e.mask) == e.value) return &e;
   }
   return nullptr;
+}
+
+const Encoding& line_of(const DecodedOp& op) {
+  return table[op.encoding_index_low | static_cast<unsigned>(op.encoding_index_high) << 8];
 }
 
 DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state) {

@@ -31,6 +31,7 @@ enum class Form : uint8_t {
   list,
   list_wb,
   list_load,
+  list_sp,
   dual,
   store12,
   store8,
@@ -59,10 +60,14 @@ struct Encoding {
   FlagRule flags;
   CycleClass cycle_class;
   const char* assembly;
-  uint32_t mask;   // the fixed bits, 16-bit encodings in the low half
-  uint32_t value;  // what they must be
-  uint8_t length;  // 16 or 32
+  uint32_t mask;         // the fixed bits, 16-bit encodings in the low half
+  uint32_t value;        // what they must be
+  uint32_t ones, zeros;  // bits that should be one, and zero
+  uint32_t letters;      // bit n: the pattern has the n-th letter
+  uint8_t length;        // 16 or 32
   uint8_t fixed_bits;
+
+  bool has(char letter) const { return ((letters >> (letter - 'a')) & 1) != 0; }
 };
 
 const Encoding* encodings();
@@ -80,6 +85,9 @@ constexpr bool is_wide(uint32_t halfword) {
 constexpr uint8_t it_advance(uint8_t it) {
   return (it & 7) == 0 ? 0 : static_cast<uint8_t>((it & 0xE0) | ((it << 1) & 0x1F));
 }
+
+/// The line that an instruction was decoded by; not for Operation::undefined.
+const Encoding& line_of(const DecodedOp& op);
 
 /// Decodes any 16 or 32 bits; what is no instruction becomes Operation::undefined.
 DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state);

@@ -57,17 +57,32 @@ std::string it_text(uint32_t it) {
 }
 
 /// The register that MRS and MSR name (B5.1.1).
-std::string special_name(uint32_t encoding) {
+std::string special_name(const DecodedOp& op) {
   static const char* names[] = {
       "apsr",        "iapsr",     "eapsr",  "xpsr", "", "ipsr", "epsr", "iepsr",   "msp",
       "psp",         "",          "",       "",     "", "",     "",     "primask", "basepri",
       "basepri_max", "faultmask", "control"};
-  const uint32_t which = encoding & 0xFF;
-  return which < 21 && *names[which] != 0 ? names[which] : std::to_string(which);
+  const uint32_t which = op.encoding & 0xFF;
+  if (which >= 21 || *names[which] == 0) return std::to_string(which);
+  const bool flags = op.operation == Operation::msr && which < 4;
+  return std::string(names[which]) + (flags ? "_nzcvq" : "");
 }
 
-std::string option_text(uint32_t encoding) {
-  return (encoding & 15) == 15 ? "sy" : hex(encoding & 15);
+/// The limits of a barrier; only SY is defined, the others are reserved and act as it (A7.7.33).
+std::string option_text(const DecodedOp& op) {
+  static const char* names[16] = {"", "", "oshst", "osh", "", "", "nshst", "nsh",
+                                  "", "", "ishst", "ish", "", "", "st",    "sy"};
+  const bool named =
+      *names[op.imm & 15] != 0 && (op.operation == Operation::barrier || op.imm == 15);
+  return named ? names[op.imm & 15] : "#" + hex(op.imm);
+}
+
+/// The hints that do nothing here (A5.2.5, A5.3.4).
+std::string hint_text(uint32_t number, unsigned size) {
+  if (number == 0) return "nop";
+  if (number == 1) return "yield";
+  if (size == 4 && number >= 0xF0) return "dbg #" + std::to_string(number & 15);
+  return "hint #" + std::to_string(number);
 }
 
 std::string address_text(const DecodedOp& op) {
@@ -110,22 +125,33 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "cps")
     return std::string((op.encoding & 16) ? "id " : "ie ") + ((op.encoding & 2) ? "i" : "") +
            ((op.encoding & 1) ? "f" : "");
-  if (field == "special") return special_name(op.encoding);
-  if (field == "option") return option_text(op.encoding);
+  if (field == "hint") return hint_text(op.imm, op.size);
+  if (field == "special") return special_name(op);
+  if (field == "option") return option_text(op);
   if (field == "address") return address_text(op);
   if (field == "target") return hex(pc_of(op) + op.imm);
   return "?";
 }
 
-}  // namespace
+/// What a load of a byte or halfword to R15 is (A5.3.8, A5.3.9): a preload or, of a halfword, an
+/// unallocated hint.
+std::string preload_text(const DecodedOp& op) {
+  switch (line_of(op).operation) {
+    case Operation::ldrb:
+      return "pld " + address_text(op);
+    case Operation::ldrsb:
+      return "pli " + address_text(op);
+    default:
+      return "nop";
+  }
+}
 
-std::string disassemble(const DecodedOp& op) {
-  const Encoding* line = find_encoding(op.encoding, op.size);
-  const bool named = line != nullptr && line->operation == Operation::undefined;
-  if (op.operation == Operation::undefined && !named) return "undefined " + hex(op.encoding);
-  unsigned index = op.encoding_index_low | static_cast<unsigned>(op.encoding_index_high) << 8;
+/// The text of an instruction without its condition.
+std::string unconditional_text(const DecodedOp& op) {
+  if (op.operation == Operation::nop && line_of(op).operation != Operation::nop)
+    return preload_text(op);
   std::string text;
-  for (const char* p = encodings()[index].assembly; *p != 0; ++p) {
+  for (const char* p = line_of(op).assembly; *p != 0; ++p) {
     if (*p != '{') {
       text += *p;
       continue;
@@ -134,6 +160,16 @@ std::string disassemble(const DecodedOp& op) {
     while (*++p != '}') field += *p;
     text += field_text(field, op);
   }
+  return text;
+}
+
+}  // namespace
+
+std::string disassemble(const DecodedOp& op) {
+  const Encoding* line = find_encoding(op.encoding, op.size);
+  const bool named = line != nullptr && line->operation == Operation::undefined;
+  if (op.operation == Operation::undefined && !named) return "undefined " + hex(op.encoding);
+  std::string text = unconditional_text(op);
   if (op.condition == condition_always) return text;
   std::size_t end = text.find_first_of(" .");
   return text.insert(end == std::string::npos ? text.size() : end, condition_name(op.condition));

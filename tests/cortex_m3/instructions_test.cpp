@@ -101,6 +101,16 @@ TEST(Instructions, ADeviceAccessSeesItsExactCycle) {
   }
 }
 
+// A7.7.44: an offset that looks like a register's number is an offset still.
+TEST(Instructions, ALiteralLoadGoesBackwardsByFewBytes) {
+  Bench b;
+  b.start({0x1234, 0x5678, 0xF85F, 0x1008, 0xF81F, 0x200A, 0xE7FE});
+  b.core.set_reg(15, Bench::program + 4);  // ldr r1,[pc,#-8]; ldrb r2,[pc,#-10]
+  b.core.run(12);
+  EXPECT_EQ(b.core.reg(1), 0x56781234u);
+  EXPECT_EQ(b.core.reg(2), 0x78u);
+}
+
 TEST(Instructions, TheDisassemblerNamesOperands) {
   EXPECT_EQ(disassemble(decode(0, 0x1888, 0, 0)), "adds r0, r1, r2");
   EXPECT_EQ(disassemble(decode(0, 0xB510, 0, 0)), "push {r4, lr}");

@@ -46,9 +46,16 @@ class Oracle : public ::testing::Test {
   }
   void TearDown() override { uc_close(uc); }
 
+  /// The oracle's exclusive monitor outlives an instruction; our reset closes ours.
+  void close_oracle_monitor() {
+    constexpr uint32_t clrex = 0x8F2FF3BF, at = 0xFFF00;  // halfwords in memory order
+    std::memcpy(&code[at], &clrex, 4);
+    uc_emu_start(uc, (slots + at) | 1, 0, 0, 1);
+  }
+
   /// One instruction on both; the address is a slot of `code`.
   void compare(uint32_t address, const DecodedOp& op) {
-    if (outside_the_oracle(op) || unpredictable(op)) {
+    if (outside_the_oracle(op) || unpredictable(op) || known_fault(op)) {
       ++skipped;
       return;
     }
@@ -78,14 +85,23 @@ class Oracle : public ::testing::Test {
     bench.core.set_reg(15, address);
     uc_reg_write(uc, UC_ARM_REG_XPSR, &flags);
     bench.core.unmap_memory(0, 65536);
+    const uint32_t disdefwbuf = 2;  // the oracle's bus faults are precise
+    bench.core.debug_write(0xE000E008, &disdefwbuf, 4);
     uint64_t faults = bench.core.fault_count();
     bench.core.step_instruction();
+    const bool store_exclusive =
+        op.operation >= Operation::strex && op.operation <= Operation::strexh;
+    if (store_exclusive) close_oracle_monitor();
     uc_err error = uc_emu_start(uc, address | 1, 0, 0, 1);
     bool our_fault = bench.core.fault_count() != faults;
     // STREX to an unaligned address does nothing instead of faulting while the monitor is open.
-    const bool store_exclusive =
-        op.operation >= Operation::strex && op.operation <= Operation::strexh;
     if (store_exclusive && our_fault && bench.core.last_fault().cfsr == 1u << 24) {
+      ++skipped;
+      return;
+    }
+    // LDRD, STRD, LDM and STM of the oracle take any address; A3.2.1 has them aligned.
+    const bool several = op.operation >= Operation::ldrd && op.operation <= Operation::stmdb;
+    if (several && our_fault && bench.core.last_fault().cfsr == 1u << 24) {
       ++skipped;
       return;
     }
@@ -102,7 +118,7 @@ class Oracle : public ::testing::Test {
     if (!our_fault && fetch_error && leaves(op)) error = UC_ERR_OK;
     if (our_fault || error != UC_ERR_OK) {
       ++faulted;
-      if (!known_fault(op) && our_fault != (error != UC_ERR_OK))
+      if (our_fault != (error != UC_ERR_OK))
         note(op, our_fault ? "only we fault" : uc_strerror(error));
       return;
     }
@@ -131,8 +147,8 @@ class Oracle : public ::testing::Test {
   }
 
   void report(const char* name) {
-    std::printf("%s: %u compared, %u faults agreed or known, %u left out\n", name, compared,
-                faulted, skipped);
+    std::printf("%s: %u compared, %u faults agreed, %u left out\n", name, compared, faulted,
+                skipped);
     for (const auto& m : mismatches) ADD_FAILURE() << m.first << ": " << m.second;
   }
 };
@@ -166,6 +182,23 @@ TEST_F(Oracle, RandomThirtyTwoBitEncodingsAgree) {
   }
   report("32-bit");
   EXPECT_GT(compared, 10000u);
+}
+
+// A5.3: what no line of isa.def has is undefined to both, but for the oracle's known faults.
+TEST_F(Oracle, WhatTheTableDoesNotHaveIsUndefined) {
+  constexpr uint32_t count = 200000;
+  for (uint32_t k = 0; k < count;) {
+    const uint32_t bits = random(), w = bits << 16 | bits >> 16;
+    if (!is_wide(bits >> 16)) continue;
+    const DecodedOp op =
+        decode(slots + 4 * k, static_cast<uint16_t>(bits >> 16), static_cast<uint16_t>(bits), 0);
+    if (op.operation != Operation::undefined) continue;
+    std::memcpy(&code[4 * k++], &w, 4);
+    compare(op.address, op);
+  }
+  report("undefined");
+  EXPECT_EQ(compared, 0u);
+  EXPECT_GT(faulted, 100000u);
 }
 
 }  // namespace
