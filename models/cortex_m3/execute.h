@@ -25,6 +25,13 @@ struct Execute {
   /// For a direct branch to the page it is in; null for other operations.
   static Chain linked_branch_chain(const DecodedOp& op);
 
+  /// True for a saved ICI state (B1.4.2) before an instruction that cannot have left one: it is no
+  /// load or store multiple.
+  static bool cannot_continue(const DecodedOp& op) {
+    const bool multiple = op.operation >= Operation::ldm && op.operation <= Operation::stmdb;
+    return op.it_before != 0 && (op.it_before & 0xF) == 0 && !multiple;
+  }
+
   /// Executes one step, obeying its condition.
   static bool one(Core& c, const Step& op) {
     return op.condition == condition_always ? op.body->one(c, op) : conditional(c, op);
@@ -59,6 +66,7 @@ struct Execute {
   static bool table_branch(Core&, const Step&, uint32_t offset, Access access);
   static bool conditional(Core&, const Step&);
   static bool align_sp(Core&, const Step&);
+  static bool unpredictable(Core&, const Step&);
   static const Executors* unconditional(const DecodedOp& op);
 
   // Chains. Each ends in a call that compilers turn into a jump.

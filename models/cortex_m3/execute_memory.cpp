@@ -1,4 +1,5 @@
 #include "cortex_m3/execute.h"
+#include "cortex_m3/unpredictable.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -104,7 +105,6 @@ struct Stores {
 }  // namespace
 
 const Executors* Execute::memory_executors(const DecodedOp& op) {
-  // A base of R15 outside the literal forms is UNPREDICTABLE; it reads as the aligned PC.
   Addressing mode = op.addressing;
   switch (op.operation) {
     case Operation::ldr:
@@ -251,6 +251,7 @@ bool Execute::load_exclusive(Core& c, const Step& op) {
   Access a = c.load<T>(op, address, value);
   if (a == Access::fault) return false;
   c.exclusive_ = true;
+  c.exclusive_address_ = address;
   c.r_[op.rd] = value;
   return a == Access::ok || c.leave(op);
 }
@@ -263,6 +264,7 @@ bool Execute::store_exclusive(Core& c, const Step& op) {
     c.r_[op.ra] = 1;
     return true;
   }
+  if (c.exclusive_address_ != address) c.unpredictable(Unpredictable::exclusive_pair, op.address);
   Access a = c.store<T>(op, address, c.r_[op.rd]);
   if (a == Access::fault) return false;
   c.exclusive_ = false;

@@ -1,4 +1,5 @@
 #include "cortex_m3/execute.h"
+#include "cortex_m3/unpredictable.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -40,6 +41,17 @@ const Executors* Execute::unconditional(const DecodedOp& op) {
 /// SP[1:0] read as zero (B1.4.7), so whatever writes R13 ends here.
 bool Execute::align_sp(Core& c, const Step& op) {
   bool go_on = unconditional(op)->one(c, op);
+  if ((c.r_[13] & 3) != 0) c.unpredictable(Unpredictable::stack_pointer_bits, op.address);
+  c.r_[13] &= ~3u;
+  return go_on;
+}
+
+/// What unpredictable.def chooses for an encoding: that of the operation itself, with R15 as the
+/// PC reads.
+bool Execute::unpredictable(Core& c, const Step& op) {
+  c.unpredictable(*unpredictable_encoding(op), op.address);
+  c.r_[15] = pc_of(op);
+  bool go_on = unconditional(op)->one(c, op);
   c.r_[13] &= ~3u;
   return go_on;
 }
@@ -73,11 +85,12 @@ void Execute::bind(Step& step) {
       step.rd == 13 || step.ra == 13 || (step.writeback && step.rn == 13 && (step.imm & 3) != 0);
   if (writes_sp && step.operation < Operation::b && !keeps_sp_aligned(step))
     step.body = &both<align_sp>;
+  if (unpredictable_encoding(step)) step.body = &both<unpredictable>;
   step.chain = step.condition == condition_always ? step.body->chain : conditional_chain;
 }
 
 void Execute::bind_in_block(Step& step, bool flags_dead, const Step* next) {
-  if (step.body == &both<align_sp>) return;
+  if (step.body == &both<align_sp> || step.body == &both<unpredictable>) return;
   if (step.condition != condition_always || step.it_after != 0) return;
   if (Chain linked = linked_branch_chain(step)) {
     step.chain = linked;

@@ -1,0 +1,198 @@
+#include "cortex_m3/unpredictable.h"
+
+#include "cortex_m3/decoder.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr UnpredictableCase cases[] = {
+#define UNPREDICTABLE(name, section, what, choice) {#name, section, what, choice},
+#include "cortex_m3/unpredictable.def"
+#undef UNPREDICTABLE
+};
+
+using O = Operation;
+
+bool within(const DecodedOp& op, O first, O last) {
+  return op.operation >= first && op.operation <= last;
+}
+bool is_special(unsigned reg) {
+  return reg == 13 || reg == 15;
+}
+bool is_multiple(const DecodedOp& op) {
+  return within(op, O::ldm, O::stmdb);
+}
+bool is_transfer(const DecodedOp& op) {
+  return within(op, O::ldr, O::strexh);
+}
+bool is_compare(const DecodedOp& op) {
+  return within(op, O::tst_imm, O::cmn_imm) || within(op, O::tst_reg, O::cmn_reg);
+}
+
+/// ADD and SUB of the stack pointer by an immediate or a register, and its comparison.
+bool stack_arithmetic_is_allowed(const DecodedOp& op) {
+  if (op.rn != 13) return false;
+  switch (op.operation) {
+    case O::add_imm:
+    case O::sub_imm:
+    case O::cmp_imm:
+    case O::cmn_imm:
+      return true;
+    case O::add_reg:
+    case O::sub_reg:
+      return op.rd != 13 || (op.shift_type == ShiftType::lsl && op.shift_n <= 3);
+    case O::cmp_reg:
+    case O::cmn_reg:
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool forbidden_data_registers(const DecodedOp& op, const Encoding& line) {
+  const bool moves = op.operation == O::mov_reg && op.shift_n == 0;
+  if (moves && !op.set_flags) return op.rd == 15 || op.rm == 15 || (op.rd == 13 && op.rm == 13);
+  if (line.has('m') && is_special(op.rm)) return true;
+  if (line.has('a') && is_special(op.ra)) return true;
+  const bool stack = stack_arithmetic_is_allowed(op);
+  if (line.has('n') && is_special(op.rn) && !stack) return true;
+  if (!line.has('d') || is_compare(op)) return false;
+  return op.rd == 15 || (op.rd == 13 && !(stack && op.rn == 13));
+}
+
+bool forbidden_transfer_registers(const DecodedOp& op, const Encoding& line) {
+  const bool literal = op.addressing == Addressing::literal;
+  if (literal && (op.writeback || op.operation == O::strd)) return true;
+  if (line.has('n') && op.rn == 15 && !literal) return true;
+  if (line.has('m') && is_special(op.rm)) return true;
+  if (line.has('a') && is_special(op.ra)) return true;
+  const bool user = op.addressing == Addressing::unprivileged;
+  if (op.operation == O::ldr && !user) return false;
+  if (op.operation == O::str && !user) return op.rd == 15;
+  return is_special(op.rd);
+}
+
+bool forbidden_register(const DecodedOp& op, const Encoding& line) {
+  switch (op.operation) {
+    case O::tbb:
+    case O::tbh:
+      return op.rn == 13 || is_special(op.rm);
+    case O::mrs:
+      return is_special(op.rd);
+    case O::msr:
+      return is_special(op.rn);
+    default:
+      break;
+  }
+  if (is_multiple(op)) return op.rn == 15;
+  if (is_transfer(op)) return forbidden_transfer_registers(op, line);
+  if (within(op, O::and_imm, O::udiv)) return forbidden_data_registers(op, line);
+  return false;
+}
+
+bool forbidden_list(const DecodedOp& op) {
+  const uint32_t list = op.imm & 0xFFFF;
+  if (op.size == 2) return list == 0;
+  const bool stores = within(op, O::stm, O::stmdb);
+  return __builtin_popcount(list) < 2 || (list & 0x2000) != 0 || (list & 0xC000) == 0xC000 ||
+         (stores && (list & 0x8000) != 0);
+}
+
+bool base_is_transferred(const DecodedOp& op, const Encoding& line) {
+  if (!op.writeback) return false;
+  if (!is_multiple(op)) return op.rn == op.rd || (line.has('a') && op.rn == op.ra);
+  if (((op.imm >> op.rn) & 1) == 0) return false;
+  // STM T1 may store its base if that is the lowest of the list.
+  return op.size == 4 || (op.imm & ((1u << op.rn) - 1)) != 0;
+}
+
+bool has_one_destination_for_two(const DecodedOp& op) {
+  if (within(op, O::smull, O::umlal) || op.operation == O::ldrd) return op.rd == op.ra;
+  return within(op, O::strex, O::strexh) && (op.ra == op.rd || op.ra == op.rn);
+}
+
+bool field_is_impossible(const DecodedOp& op) {
+  if (op.operation == O::sbfx || op.operation == O::ubfx) return op.imm + op.ra > 31;
+  return (op.operation == O::bfi || op.operation == O::bfc) && op.ra < op.imm;
+}
+
+std::optional<Unpredictable> wide(const DecodedOp& op, const Encoding& line) {
+  if (is_multiple(op) && forbidden_list(op)) return Unpredictable::register_list;
+  if (forbidden_register(op, line)) return Unpredictable::special_register;
+  const bool preload = op.operation == O::nop && line.operation != O::nop;
+  if (preload && (op.writeback || op.addressing == Addressing::unprivileged))
+    return Unpredictable::preload_form;
+  if (is_transfer(op) && base_is_transferred(op, line)) return Unpredictable::written_back_base;
+  if (has_one_destination_for_two(op)) return Unpredictable::same_destination;
+  if (within(op, O::rev, O::clz) && op.rn != op.rm) return Unpredictable::two_operands_differ;
+  if (field_is_impossible(op)) return Unpredictable::bit_field;
+  return std::nullopt;
+}
+
+/// The 16-bit encodings that reach all registers; decoding may have made plain ones of them.
+bool high_registers_are_forbidden(const DecodedOp& op) {
+  const uint32_t opcode = op.encoding >> 7;
+  const bool adds = opcode >> 1 == 0x44, compares = opcode >> 1 == 0x45, calls = opcode == 0x8F;
+  if (adds) return op.rn == 15 && op.rm == 15;
+  if (compares) return op.rn == 15 || op.rm == 15 || (op.rn < 8 && op.rm < 8);
+  return calls && op.rm == 15;
+}
+
+std::optional<Unpredictable> narrow(const DecodedOp& op, const Encoding& line) {
+  if (is_multiple(op) && forbidden_list(op)) return Unpredictable::register_list;
+  if (op.operation == O::stm && base_is_transferred(op, line))
+    return Unpredictable::written_back_base;
+  if (high_registers_are_forbidden(op)) return Unpredictable::high_registers;
+  if (op.operation == O::cps && (op.encoding & 3) == 0) return Unpredictable::cps_without_mask;
+  if (op.operation != O::it) return std::nullopt;
+  const unsigned condition = op.imm >> 4;
+  const bool has_else = condition == 14 && __builtin_popcount(op.imm & 15) != 1;
+  if (condition == 15 || has_else) return Unpredictable::it_condition;
+  return std::nullopt;
+}
+
+bool special_name_is_allocated(const DecodedOp& op) {
+  const uint32_t name = op.encoding & 0xFF, mask = op.encoding >> 10 & 3;
+  const bool allocated = (name <= 9 && name != 4) || (name >= 16 && name <= 20);
+  return allocated && (op.operation == O::mrs || mask == 2);
+}
+
+std::optional<Unpredictable> in_it_block(const DecodedOp& op) {
+  if ((op.it_before & 0xF) == 0) return std::nullopt;
+  if (op.size == 2 && op.encoding >> 6 == 0) return Unpredictable::inside_it_block;  // MOVS
+  switch (op.operation) {
+    case O::it:
+    case O::cps:
+    case O::cbz:
+    case O::cbnz:
+    case O::bcond:
+      return Unpredictable::inside_it_block;
+    default:
+      break;
+  }
+  const bool branches =
+      within(op, O::b, O::tbh) || (ends_block(op) && !within(op, O::svc, O::isb) &&
+                                   op.operation != O::undefined && op.operation != O::coprocessor);
+  const bool last = (op.it_before & 0xF) == 8;
+  if (branches && !last) return Unpredictable::branch_in_it_block;
+  return std::nullopt;
+}
+
+}  // namespace
+
+const UnpredictableCase& describe(Unpredictable which) {
+  return cases[static_cast<unsigned>(which)];
+}
+
+std::optional<Unpredictable> unpredictable_encoding(const DecodedOp& op) {
+  if (op.operation == O::undefined) return std::nullopt;
+  const Encoding& line = line_of(op);
+  if ((op.encoding & line.ones) != line.ones || (op.encoding & line.zeros) != 0)
+    return Unpredictable::should_be_bits;
+  const bool special = op.operation == O::mrs || op.operation == O::msr;
+  if (special && !special_name_is_allocated(op)) return Unpredictable::special_name;
+  if (const auto found = op.size == 4 ? wide(op, line) : narrow(op, line)) return found;
+  return in_it_block(op);
+}
+
+}  // namespace capsoc::cortex_m3
