@@ -99,6 +99,7 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
+  if (in_ppb(address)) check_system_access(op, address, size);
   access_offset_ = op.cycles_before;
   Result worst = Result::ok;
   value = 0;
@@ -114,7 +115,8 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
   }
   access_offset_ = 0;
   if (worst == Result::ok && !user && !unaligned) fill_view(address);
-  if (!watchpoints_.empty() && worst <= Result::device && watched(address, size, false))
+  if (unaligned) check_unaligned(op, address, size);
+  if (watches_data() && worst <= Result::device && watched(address, size, false))
     worst = Result::device;
   if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
   fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
@@ -129,6 +131,7 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
+  if (in_ppb(address)) check_system_access(op, address, size);
   access_offset_ = op.cycles_before;
   Result worst = Result::ok;
   if (size < 4) value &= (1u << (8 * size)) - 1;
@@ -136,6 +139,10 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
     unsigned part = unaligned ? piece(address + done, size - done) : size;
     uint32_t bits = part == 4 ? value : (value >> (8 * done)) & ((1u << (8 * part)) - 1);
     Result result = write_aligned(address + done, part, bits, priv);
+    if (result == Result::bus_error && buffered(op, address + done)) {
+      imprecise_bus_fault();
+      result = Result::device;
+    }
     if (result > worst) worst = result;
     if (result > Result::device) break;
     if (done != 0) ++cycles_;
@@ -143,11 +150,37 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
   }
   access_offset_ = 0;
   if (worst == Result::ok && !user && !unaligned) fill_view(address);
-  if (!watchpoints_.empty() && worst <= Result::device && watched(address, size, true))
+  if (in_ppb(address)) check_system_write(op, address, value);
+  if (unaligned) check_unaligned(op, address, size);
+  if (watches_data() && worst <= Result::device && watched(address, size, true))
     worst = Result::device;
   if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
   fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
   return Access::fault;
+}
+
+/// Whether the write buffer takes a store and its bus error comes later, as IMPRECISERR: the
+/// accesses to Normal and Device memory are buffered, those to Strongly-ordered memory (the private
+/// peripheral bus, and regions of the MPU with TEX, C and B zero), of bit-band aliases (a locked
+/// read and write) and of store-exclusives (they wait for the answer) are not. ACTLR.DISDEFWBUF
+/// ends the buffering where the default map decides. The model's bus answers at once, so the
+/// exception is taken behind the instruction that stored, if its priority allows.
+bool Core::buffered(const Step& op, uint32_t address) const {
+  constexpr uint32_t disdefwbuf = 2, tex_c_b = 0x003B0000;
+  const bool exclusive = op.operation >= Operation::strex && op.operation <= Operation::strexh;
+  if (exclusive || in_ppb(address) || in_bit_band_alias(address)) return false;
+  const int region = mpu_applies() ? mpu_region(address) : -1;
+  if (region < 0) return (actlr_ & disdefwbuf) == 0;
+  return (mpu_rasr_[static_cast<unsigned>(region)] & tex_c_b) != 0;
+}
+
+/// UNPREDICTABLE cases of an unaligned access that was made.
+void Core::check_unaligned(const Step& op, uint32_t address, unsigned size) {
+  if (op.operation == Operation::ldr && op.rd == 15)
+    unpredictable(Unpredictable::load_to_pc_unaligned, op.address);
+  if (stalled_ || in_bit_band_alias(address))
+    unpredictable(Unpredictable::device_unaligned, op.address);
+  if (address + size < address) unpredictable(Unpredictable::address_wraps, op.address);
 }
 
 bool Core::debug_read(uint32_t address, void* data, uint32_t size) const {

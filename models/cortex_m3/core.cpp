@@ -7,6 +7,15 @@
 
 namespace capsoc::cortex_m3 {
 
+/// Tells the listener about each case once.
+void Core::unpredictable(Unpredictable which, uint32_t address) {
+  static_assert(static_cast<unsigned>(Unpredictable::count) <= 64);
+  const uint64_t bit = uint64_t{1} << static_cast<unsigned>(which);
+  if ((unpredictable_seen_ & bit) != 0) return;
+  unpredictable_seen_ |= bit;
+  if (unpredictable_listener_) unpredictable_listener_(which, address);
+}
+
 Core::Core(Bus& bus) : bus_(bus) {
   reset_system_control();
 }
@@ -103,13 +112,7 @@ void Core::handle_event() {
         bkpt_stop_ = check_ = true;
         break;
       }
-      hfsr_ |= 1u << 31;
-      // Without halting or monitor debug a breakpoint escalates to HardFault (C1.6.1).
-      if (execution_priority() <= -1) {
-        lock_up();
-      } else {
-        exception_entry(3, event_return_);
-      }
+      breakpoint_instruction(event_return_);
       break;
     case Event::exception_return:
       exception_return(event_value_);
@@ -169,6 +172,12 @@ void Core::step() {
   }
   Step step;
   static_cast<DecodedOp&>(step) = decode(address, first, second, it_state_);
+  if (Execute::cannot_continue(step)) {
+    fault(step, Cause::invalid_state);
+    cycles_ += 1;
+    handle_event();
+    return;
+  }
   const Memory::Region* region = memory_.find(address);
   add_cycles(step, trail_, region != nullptr ? region->wait_states : 0);
   step.instructions_to = 1;
@@ -242,11 +251,12 @@ StopReason Core::run(uint64_t until_cycle) {
     }
     if (cycles_ >= until_cycle) return StopReason::budget;
     if (!breakpoints_.empty() && at_breakpoint()) return StopReason::breakpoint;
-    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && trail_ == timing::no_trail;
+    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && trail_ == timing::no_trail &&
+                  !dwt_.observes_step;
     if (blocks) {
       execute_block(std::min(until_cycle, systick_event_));
     } else {
-      step();
+      dwt_.observes_step ? step_observed() : step();
     }
   }
 }

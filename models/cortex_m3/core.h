@@ -10,6 +10,7 @@
 #include "cortex_m3/bus.h"
 #include "cortex_m3/fault_report.h"
 #include "cortex_m3/memory.h"
+#include "cortex_m3/unpredictable.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -107,6 +108,12 @@ class Core {
   /// Called for what the program writes to a stimulus port of the ITM: `size` bytes of `value`.
   using Stimulus = std::function<void(unsigned port, uint32_t value, unsigned size)>;
   void set_stimulus(Stimulus listener) { stimulus_ = std::move(listener); }
+  /// Called the first time a program runs into each UNPREDICTABLE case (unpredictable.def), with
+  /// the address of the instruction.
+  using UnpredictableListener = std::function<void(Unpredictable which, uint32_t address)>;
+  void set_unpredictable_listener(UnpredictableListener l) {
+    unpredictable_listener_ = std::move(l);
+  }
   /// Ends run() before the instruction at the address; the next run() executes it.
   void set_breakpoint(uint32_t address);
   void clear_breakpoint(uint32_t address) { breakpoints_.erase(address & ~1u); }
@@ -218,6 +225,11 @@ class Core {
   unsigned record_cause(Cause cause, uint32_t address);
   void capture_fault(unsigned number, uint32_t return_address);
   void lock_up();
+  void imprecise_bus_fault();
+  void debug_event(uint32_t dfsr_bit);
+  bool monitor_can_preempt() const;
+  bool monitor_enabled() const;
+  void breakpoint_instruction(uint32_t address);
   unsigned active_count() const;
 
   // system_control.cpp
@@ -248,13 +260,34 @@ class Core {
   void itm_write(uint32_t address, unsigned size, uint32_t value);
 
   // mpu.cpp
+  int mpu_region(uint32_t address) const;
   bool mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const;
   bool mpu_applies() const;
   bool mpu_uniform_in_page(uint32_t address) const;
   void select_view();
   void fill_view(uint32_t address);
 
+  // dwt.cpp
+  static bool in_dwt_comparators(uint32_t address);
+  uint32_t dwt_read(uint32_t address) const;
+  void dwt_write(uint32_t address, uint32_t value, uint32_t mask);
+  void write_demcr(uint32_t value);
+  void select_dwt();
+  uint32_t cycle_count() const;
+  void step_observed();
+  void match_data(uint32_t address, unsigned size, bool write);
+  void match_step(uint32_t executed);
+  bool dwt_watches_page(uint32_t page) const;
+
+  // unpredictable cases
+  void unpredictable(Unpredictable which, uint32_t address);
+  void check_system_access(const Step& op, uint32_t address, unsigned size);
+  void check_system_write(const Step& op, uint32_t address, uint32_t value);
+  void check_unaligned(const Step& op, uint32_t address, unsigned size);
+  bool buffered(const Step& op, uint32_t address) const;
+
   // watchpoints.cpp
+  bool watches_data() const { return !watchpoints_.empty() || dwt_.watches_data; }
   bool watches_page(uint32_t address) const;
   bool watched(uint32_t address, unsigned size, bool write);
   bool at_breakpoint();
@@ -305,9 +338,18 @@ class Core {
   uint32_t lines_ = 0;
   BankedPriority priority_;
   uint32_t vtor_ = 0, prigroup_ = 0, scr_ = 0, ccr_ = 0, shcsr_ = 0, cfsr_ = 0, hfsr_ = 0,
-           mmfar_ = 0, bfar_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;
+           mmfar_ = 0, bfar_ = 0, dfsr_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;
   uint64_t cyccnt_base_ = 0;
   uint32_t cyccnt_stopped_ = 0;
+  /// The comparators of the DWT, and what of them is in use.
+  struct Dwt {
+    std::array<uint32_t, 4> comparator{}, mask{}, function{};
+    bool watches_data = false;   // accesses: their pages leave the direct tables
+    bool observes_step = false;  // instructions or cycles: they are executed one by one
+    uint32_t count_seen = 0;     // CYCCNT up to which cycle matches were looked for
+  } dwt_;
+  UnpredictableListener unpredictable_listener_;
+  uint64_t unpredictable_seen_ = 0;  // bit n: case n was reported
   uint32_t itm_ter_ = 0, itm_tpr_ = 0, itm_tcr_ = 0;
   bool itm_unlocked_ = false;
   Stimulus stimulus_;

@@ -10,7 +10,8 @@ namespace {
 constexpr uint64_t bit(unsigned number) {
   return uint64_t{1} << number;
 }
-constexpr unsigned nmi = 2, hard_fault = 3, mem_manage = 4, bus_fault = 5, usage_fault = 6;
+constexpr unsigned nmi = 2, hard_fault = 3, mem_manage = 4, bus_fault = 5, usage_fault = 6,
+                   debug_monitor = 12;
 constexpr uint32_t ccr_nonbasethrdena = 1, ccr_bfhfnmign = 1u << 8, ccr_stkalign = 1u << 9;
 constexpr uint32_t shcsr_memfaultena = 1u << 16, shcsr_busfaultena = 1u << 17,
                    shcsr_usgfaultena = 1u << 18;
@@ -193,6 +194,45 @@ void Core::lock_up() {
   check_ = true;
 }
 
+/// A store that had left the instruction behind failed (B1.5.14): BusFault, or HardFault where that
+/// is disabled, waits until its priority is sufficient. No address is kept.
+void Core::imprecise_bus_fault() {
+  constexpr uint32_t cfsr_impreciserr = 1u << 10;
+  cfsr_ |= cfsr_impreciserr;
+  const bool enabled = exception_enabled(bus_fault);
+  if (!enabled) hfsr_ |= hfsr_forced;
+  pending_ |= bit(enabled ? bus_fault : hard_fault);
+  check_ = true;
+}
+
+bool Core::monitor_enabled() const {
+  return (demcr_ & 1u << 16) != 0;
+}
+
+bool Core::monitor_can_preempt() const {
+  return monitor_enabled() &&
+         group_priority(exception_priority(debug_monitor)) < execution_priority();
+}
+
+/// An event of the DWT or a step (C1.6.1): ignored unless the DebugMonitor is enabled and of
+/// sufficient priority.
+void Core::debug_event(uint32_t dfsr_bit) {
+  if (!monitor_can_preempt()) return;
+  dfsr_ |= dfsr_bit;
+  pending_ |= bit(debug_monitor);
+  check_ = true;
+}
+
+/// BKPT without a debugger that halts (C1.6.1): the DebugMonitor, else it escalates to HardFault.
+void Core::breakpoint_instruction(uint32_t address) {
+  constexpr uint32_t dfsr_bkpt = 2, hfsr_debugevt = 1u << 31;
+  dfsr_ |= dfsr_bkpt;
+  if (monitor_can_preempt()) return exception_entry(debug_monitor, address);
+  hfsr_ |= hfsr_debugevt;
+  if (execution_priority() <= -1) return lock_up();
+  exception_entry(hard_fault, address);
+}
+
 bool Core::push_stack(uint32_t return_address, Cause& cause) {
   uint32_t sp = r_[13];
   bool align = (ccr_ & ccr_stkalign) != 0 && (sp & 4) != 0;
@@ -306,6 +346,7 @@ void Core::exception_return(uint32_t exc_return) {
   const unsigned nested = active_count();
   const bool base_ok = nested == 1 || (ccr_ & ccr_nonbasethrdena) != 0;
   bool legal = was_active && (exc_return | 0xF) == 0xFFFFFFFFu;
+  if ((exc_return | 0xF) != 0xFFFFFFFFu) unpredictable(Unpredictable::exc_return, pc_);
   switch (exc_return & 0xF) {
     case 0x1:
       legal = legal && nested != 1;

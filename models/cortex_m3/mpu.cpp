@@ -30,9 +30,8 @@ bool Core::mpu_applies() const {
   return (mpu_ctrl_ & 2) != 0 || (faultmask_ == 0 && ipsr_ != 2 && ipsr_ != 3);
 }
 
-/// ValidateAddress (B3.5.3): the highest region that matches decides.
-bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const {
-  if (!mpu_applies()) return true;
+/// The highest region that matches an address, -1 for none (B3.5.3).
+int Core::mpu_region(uint32_t address) const {
   for (unsigned n = 8; n-- > 0;) {
     uint32_t rasr = mpu_rasr_[n];
     unsigned bits = ((rasr >> 1) & 31) + 1;
@@ -42,10 +41,19 @@ bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const
     uint32_t offset = address - base;
     if (offset >= size) continue;
     if (bits >= 8 && ((rasr >> (8 + (offset >> (bits - 3)))) & 1)) continue;
-    if (fetch && (rasr & 1u << 28)) return false;
-    return permitted((rasr >> 24) & 7, write, priv);
+    return static_cast<int>(n);
   }
-  return priv && (mpu_ctrl_ & 4) != 0;
+  return -1;
+}
+
+/// ValidateAddress (B3.5.3): the region decides, or the default map.
+bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const {
+  if (!mpu_applies()) return true;
+  const int region = mpu_region(address);
+  if (region < 0) return priv && (mpu_ctrl_ & 4) != 0;
+  const uint32_t rasr = mpu_rasr_[static_cast<unsigned>(region)];
+  if (fetch && (rasr & 1u << 28)) return false;
+  return permitted((rasr >> 24) & 7, write, priv);
 }
 
 /// True when no border of a region or of its eighths runs through the page of the address.
@@ -66,7 +74,7 @@ bool Core::mpu_uniform_in_page(uint32_t address) const {
 void Core::select_view() {
   if (mpu_applies()) {
     fast_pages_ = memory_.view(privileged() ? Memory::View::privileged : Memory::View::user);
-  } else if (!watchpoints_.empty()) {
+  } else if (watches_data()) {
     fast_pages_ = memory_.view(Memory::View::unprotected);
   } else {
     fast_pages_ = memory_.table();

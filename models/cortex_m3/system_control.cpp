@@ -8,7 +8,6 @@ namespace {
 
 constexpr uint32_t priority_mask = 0xE0;  // three priority bits
 constexpr uint32_t ccr_usersetmpend = 2;
-constexpr uint32_t trcena = 1u << 24;
 
 struct ShcsrBit {
   unsigned position;
@@ -25,8 +24,9 @@ void Core::reset_system_control() {
   pending_ = active_ = enabled_ = 0;
   lines_ = 0;
   priority_.value.fill(0);
-  vtor_ = prigroup_ = scr_ = shcsr_ = cfsr_ = hfsr_ = mmfar_ = bfar_ = actlr_ = demcr_ = dwt_ctrl_ =
-      0;
+  vtor_ = prigroup_ = scr_ = shcsr_ = cfsr_ = hfsr_ = mmfar_ = bfar_ = dfsr_ = actlr_ = demcr_ =
+      dwt_ctrl_ = 0;
+  dwt_ = {};
   ccr_ = 0x200;  // STKALIGN, from r2p0 on
   cyccnt_stopped_ = 0;
   itm_ter_ = itm_tpr_ = itm_tcr_ = 0;
@@ -66,14 +66,13 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
     return value;
   }
   if (in_itm(address)) return itm_read(address);
+  if (in_dwt_comparators(address)) return dwt_read(address);
   bool wrapped = false;
   switch (address) {
     case 0xE0001000:
       return 0x40000000u | dwt_ctrl_;  // four comparators
-    case 0xE0001004: {
-      bool runs = (dwt_ctrl_ & 1) && (demcr_ & trcena);
-      return runs ? static_cast<uint32_t>(cycles() - cyccnt_base_) : cyccnt_stopped_;
-    }
+    case 0xE0001004:
+      return cycle_count();
     case 0xE000E004:
       return 0;  // ICTR: 32 lines
     case 0xE000E008:
@@ -120,6 +119,8 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
       return cfsr_;
     case 0xE000ED2C:
       return hfsr_;
+    case 0xE000ED30:
+      return dfsr_;
     case 0xE000ED34:
       return mmfar_;
     case 0xE000ED38:
@@ -159,7 +160,7 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
     case 0xE000EDB8:
       return mpu_rasr_[mpu_rnr_];
     case 0xE000EDFC:
-      return demcr_;
+      return demcr_ | ((pending_ >> 12) & 1) << 17;  // MON_PEND
     default:
       return 0;  // the rest reads as zero
   }
@@ -178,6 +179,9 @@ Core::Result Core::ppb_read(uint32_t address, unsigned size, uint32_t& value, bo
     if ((address & 3) + size > 2) systick_countflag_ = false;
     systick_schedule();
   }
+  // MATCHED is in byte 3 of FUNCTIONn, and reading it clears it.
+  if (in_dwt_comparators(address) && (address & 0xC) == 8 && (address & 3) + size > 3)
+    dwt_.function[(address - 0xE0001020) / 16] &= ~(1u << 24);
   return Result::device;
 }
 
@@ -246,22 +250,16 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
     for (unsigned reserved : {7, 8, 9, 10, 13}) priority_.value[reserved] = 0;
     return;
   }
+  if (in_dwt_comparators(address)) return dwt_write(address, value, mask);
   if (address >= 0xE000E100 && address < 0xE000E300) return write_nvic(address, value & mask, mask);
   if (address >= 0xE000ED90 && address < 0xE000EDBC) return write_mpu(address, value);
   switch (address) {
     case 0xE0001000:
-    case 0xE000EDFC: {
-      uint32_t count = ppb_peek(0xE0001004);
-      (address == 0xE000EDFC ? demcr_ : dwt_ctrl_) =
-          merge(address == 0xE000EDFC ? demcr_ : dwt_ctrl_);
-      dwt_ctrl_ &= 1;
-      cyccnt_stopped_ = count;
-      cyccnt_base_ = cycles() - count;
-      break;
-    }
     case 0xE0001004:
-      cyccnt_stopped_ = value;
-      cyccnt_base_ = cycles() - value;
+      dwt_write(address, value, mask);
+      break;
+    case 0xE000EDFC:
+      write_demcr(merge(ppb_peek(address)));
       break;
     case 0xE000E008:
       actlr_ = merge(actlr_) & 7;
@@ -314,6 +312,9 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
     case 0xE000ED2C:
       hfsr_ &= ~(value & mask);
       break;
+    case 0xE000ED30:
+      dfsr_ &= ~(value & mask);
+      break;
     case 0xE000ED34:
       mmfar_ = merge(mmfar_);
       break;
@@ -326,6 +327,28 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
     default:
       break;
   }
+}
+
+/// Registers that answer to bytes and halfwords: priorities, CFSR, the stimulus ports (B3.1.1).
+void Core::check_system_access(const Step& op, uint32_t address, unsigned size) {
+  const bool priority = (address >= 0xE000E400 && address < 0xE000E420) ||
+                        (address >= 0xE000ED18 && address < 0xE000ED24);
+  const bool takes_parts = priority || (address & ~3u) == 0xE000ED28 || in_itm(address);
+  if (size != 4 && !takes_parts) unpredictable(Unpredictable::register_size, op.address);
+}
+
+/// What a program has written to a register that takes anything.
+void Core::check_system_write(const Step& op, uint32_t address, uint32_t value) {
+  constexpr uint32_t for_debuggers = 3, key = 0x05FA;
+  if (address == 0xE000ED0C && value >> 16 == key && (value & for_debuggers) != 0)
+    unpredictable(Unpredictable::aircr_for_debuggers, op.address);
+  if (address < 0xE000ED9C || address >= 0xE000EDBC) return;
+  const uint32_t rasr = mpu_rasr_[mpu_rnr_], bits = ((rasr >> 1) & 31) + 1;
+  if ((rasr & 1) == 0) return;
+  const bool misplaced = bits < 32 && (mpu_rbar_[mpu_rnr_] & ((1u << bits) - 1)) != 0;
+  const bool divided = bits < 8 && (rasr >> 8 & 0xFF) != 0;
+  if (bits < 5 || misplaced || divided || (rasr >> 24 & 7) == 4)
+    unpredictable(Unpredictable::mpu_region, op.address);
 }
 
 }  // namespace capsoc::cortex_m3

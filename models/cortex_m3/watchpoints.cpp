@@ -1,4 +1,5 @@
-// What a debugger stops at. Nothing here is reached while no breakpoint and no watchpoint is set.
+// What a debugger stops at. Nothing here is reached while no breakpoint and no watchpoint is set,
+// neither by a debugger nor by the program in the DWT.
 #include <algorithm>
 
 #include "cortex_m3/core.h"
@@ -44,6 +45,7 @@ void Core::clear_watchpoint(const Watchpoint& watchpoint) {
 
 bool Core::watches_page(uint32_t address) const {
   const uint32_t page = address & ~(Memory::page_size - 1);
+  if (dwt_.watches_data && dwt_watches_page(page)) return true;
   return std::any_of(watchpoints_.begin(), watchpoints_.end(), [page](const Watchpoint& w) {
     return w.address - page < Memory::page_size || page - w.address < w.size;
   });
@@ -51,6 +53,7 @@ bool Core::watches_page(uint32_t address) const {
 
 /// Notes an access to a watched byte; the present instruction is the last one of the run then.
 bool Core::watched(uint32_t address, unsigned size, bool write) {
+  if (dwt_.watches_data) match_data(address, size, write);
   if (watch_stop_) return true;  // the first of an instruction counts
   for (const Watchpoint& w : watchpoints_) {
     if (!(write ? w.on_write : w.on_read)) continue;
