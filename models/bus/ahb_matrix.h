@@ -4,10 +4,12 @@
 #include <tlm_utils/simple_initiator_socket.h>
 #include <tlm_utils/simple_target_socket.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <systemc>
 #include <tlm>
+#include <utility>
 #include <vector>
 
 #include "bus/address_decoder.h"
@@ -39,6 +41,13 @@ class AhbMatrix : public sc_core::sc_module {
   /// nullptr if the map has no such target. Every existing port must be bound.
   InitiatorSocket* port(const std::string& target);
 
+  /// A transfer that was answered: the payload as it goes back, and when from now it began and
+  /// ended.
+  using Monitor = std::function<void(const tlm::tlm_generic_payload&, const sc_core::sc_time& begin,
+                                     const sc_core::sc_time& end)>;
+  /// Who looks on at transfers (debug access and direct memory excepted); empty: nobody.
+  void set_monitor(Monitor monitor) { monitor_ = std::move(monitor); }
+
   /// The names that port() knows, in the order of the map.
   std::vector<std::string> targets() const;
 
@@ -55,6 +64,7 @@ class AhbMatrix : public sc_core::sc_module {
   void make_ports();
   void serve(TargetSocket& socket, int id);
   Decoded decode(uint64_t address) const;
+  void transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   void b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   unsigned transport_dbg(int id, tlm::tlm_generic_payload& payload);
   bool get_direct_mem_ptr(int id, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
@@ -63,6 +73,7 @@ class AhbMatrix : public sc_core::sc_module {
 
   AddressDecoder decoder_;
   const tlm_util::ClockDomain& clock_;
+  Monitor monitor_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;
 };

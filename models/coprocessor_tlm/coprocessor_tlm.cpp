@@ -77,6 +77,7 @@ void CoprocessorTlm::pass(uint64_t edge) {
   const bool result = nodes.commits > commits_;
   commits_ = nodes.commits;
   if (result && result_observer_) result_observer_(edge, nodes);
+  if (result && result_trace_) result_trace_(edge, nodes);
 }
 
 void CoprocessorTlm::begin_access() {

@@ -48,6 +48,8 @@ class CoprocessorTlm : public tlm_util::RegisterTarget {
   void reset();
 
   void set_result_observer(ResultObserver observer) { result_observer_ = std::move(observer); }
+  /// A second one, for traces.
+  void set_result_trace(ResultObserver observer) { result_trace_ = std::move(observer); }
   void set_sample_observer(SampleObserver observer) { sample_observer_ = std::move(observer); }
 
   Device& device() { return *device_; }
@@ -70,7 +72,7 @@ class CoprocessorTlm : public tlm_util::RegisterTarget {
 
   tlm_util::ClockDomain& clock_;
   std::unique_ptr<Device> device_;
-  ResultObserver result_observer_;
+  ResultObserver result_observer_, result_trace_;
   SampleObserver sample_observer_;
   uint64_t interval_ = 0;  // the device has passed this edge; never goes back
   // What acts at edge interval_ + 1.

@@ -27,11 +27,20 @@ BitBand bit_band(uint32_t alias, unsigned size) {
 
 }  // namespace
 
+/// Tells the observer of an access that took the result; returns the result.
+Core::Result Core::observe(const DirectAccess& access, Result result) const {
+  DirectAccess told = access;
+  told.ok = result <= Result::device;
+  observer_->accessed(*this, told);
+  return result;
+}
+
 Core::Result Core::read_physical(uint32_t address, unsigned size, uint32_t& value) {
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->size - (address - r->base) >= size) {
     value = 0;
     std::memcpy(&value, r->host + (address - r->base), size);
+    if (sees_accesses_) observe({address, value, size, false, true}, Result::ok);
     cycles_ += r->wait_states;
     return Result::ok;
   }
@@ -48,6 +57,7 @@ Core::Result Core::write_physical(uint32_t address, unsigned size, uint32_t valu
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->writable && r->size - (address - r->base) >= size) {
     std::memcpy(r->host + (address - r->base), &value, size);
+    if (sees_accesses_) observe({address, value, size, true, true}, Result::ok);
     cycles_ += r->wait_states;
     if (!memory_.invalidate(address, size)) return Result::ok;
     invalidated_ = true;  // the block that runs may be among them: leave it
@@ -62,7 +72,10 @@ Core::Result Core::write_physical(uint32_t address, unsigned size, uint32_t valu
 }
 
 Core::Result Core::read_aligned(uint32_t address, unsigned size, uint32_t& value, bool priv) {
-  if (in_ppb(address)) return ppb_read(address, size, value, priv);
+  if (in_ppb(address)) {
+    const Result result = ppb_read(address, size, value, priv);
+    return sees_accesses_ ? observe({address, value, size, false}, result) : result;
+  }
   if (!mpu_allows(address, false, false, priv)) return Result::violation;
   if (!in_bit_band_alias(address)) return read_physical(address, size, value);
   BitBand target = bit_band(address, size);
@@ -72,7 +85,10 @@ Core::Result Core::read_aligned(uint32_t address, unsigned size, uint32_t& value
 }
 
 Core::Result Core::write_aligned(uint32_t address, unsigned size, uint32_t value, bool priv) {
-  if (in_ppb(address)) return ppb_write(address, size, value, priv);
+  if (in_ppb(address)) {
+    const Result result = ppb_write(address, size, value, priv);
+    return sees_accesses_ ? observe({address, value, size, true}, result) : result;
+  }
   if (!mpu_allows(address, true, false, priv)) return Result::violation;
   if (!in_bit_band_alias(address)) return write_physical(address, size, value);
   BitBand target = bit_band(address, size);

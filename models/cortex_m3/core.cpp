@@ -48,6 +48,22 @@ void Core::reset() {
   thumb_ = (pc & 1) != 0;
   check_ = true;
   if (!good) lock_up();
+  if (observer_ != nullptr) observer_->started(*this);
+}
+
+void Core::set_executor(Executor executor) {
+  executor_ = executor;
+  in_blocks_ = executor_ == Executor::blocks && !sees_instructions_;
+}
+
+void Core::set_observer(Observer* observer, bool instructions, bool accesses) {
+  observer_ = observer;
+  sees_instructions_ = observer != nullptr && instructions;
+  sees_accesses_ = observer != nullptr && accesses;
+  set_executor(executor_);
+  memory_.clear_views();
+  select_view();
+  check_ = true;
 }
 
 void Core::map_memory(uint32_t base, uint32_t size, uint8_t* host, bool writable,
@@ -122,18 +138,26 @@ void Core::handle_event() {
   }
 }
 
-/// What both executors do behind an operation that left: account for it, then handle its event.
-void Core::finish(const Step& op) {
+inline void Core::account(const Step& op) {
   cycles_ += op.cycles_before + op.cycles;
   instructions_ += op.instructions_to;
   it_state_ = op.it_after;
   trail_ = stalled_ ? timing::no_trail : op.trail;
   stalled_ = false;
+}
+
+inline void Core::conclude(const Step& op) {
   if (__builtin_expect(event_ != Event::none, 0)) {
     if (event_ == Event::fault) it_state_ = op.it_before;
     trail_ = timing::no_trail;
     handle_event();
   }
+}
+
+/// What both executors do behind an operation that left: account for it, then handle its event.
+void Core::finish(const Step& op) {
+  account(op);
+  conclude(op);
 }
 
 bool Core::fetch(uint32_t address, uint16_t& halfword) {
@@ -182,8 +206,11 @@ void Core::step() {
   add_cycles(step, trail_, region != nullptr ? region->wait_states : 0);
   step.instructions_to = 1;
   Execute::bind(step);
+  if (sees_instructions_) observer_->issued(*this, step);
   if (Execute::one(*this, step)) pc_ = next_address(step);
-  finish(step);
+  account(step);
+  if (sees_instructions_) observer_->retired(*this, step);
+  conclude(step);
 }
 
 std::optional<StopReason> Core::service() {
@@ -251,8 +278,7 @@ StopReason Core::run(uint64_t until_cycle) {
     }
     if (cycles_ >= until_cycle) return StopReason::budget;
     if (!breakpoints_.empty() && at_breakpoint()) return StopReason::breakpoint;
-    bool blocks = executor_ == Executor::blocks && it_state_ == 0 && trail_ == timing::no_trail &&
-                  !dwt_.observes_step;
+    bool blocks = in_blocks_ && it_state_ == 0 && trail_ == timing::no_trail && !dwt_.observes_step;
     if (blocks) {
       execute_block(std::min(until_cycle, systick_event_));
     } else {

@@ -10,6 +10,7 @@
 #include "cortex_m3/bus.h"
 #include "cortex_m3/fault_report.h"
 #include "cortex_m3/memory.h"
+#include "cortex_m3/observer.h"
 #include "cortex_m3/unpredictable.h"
 
 namespace capsoc::cortex_m3 {
@@ -79,7 +80,11 @@ class Core {
   bool sleeping() const { return sleeping_; }
   bool locked_up() const { return locked_up_; }
   bool wake_pending() const;
-  void set_executor(Executor executor) { executor_ = executor; }
+  void set_executor(Executor executor);
+  /// Who looks on; null: nobody. It stays the caller's. `instructions`: at each one, the executor
+  /// is stepping meanwhile. `accesses`: at each data access, direct memory is reached the slow way
+  /// meanwhile. Exceptions are told either way.
+  void set_observer(Observer* observer, bool instructions, bool accesses);
 
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
   uint32_t reg(unsigned n) const { return n == 15 ? pc_ : r_[n & 15]; }
@@ -183,6 +188,8 @@ class Core {
   const Step* resolve_link(const Step& branch);
   const Step* next_block();
   // core.cpp
+  void account(const Step& op);
+  void conclude(const Step& op);
   void finish(const Step& op);
   void handle_event();
   std::optional<StopReason> service();
@@ -202,6 +209,7 @@ class Core {
   Result write_aligned(uint32_t address, unsigned size, uint32_t value, bool priv);
   Result read_physical(uint32_t address, unsigned size, uint32_t& value);
   Result write_physical(uint32_t address, unsigned size, uint32_t value);
+  Result observe(const DirectAccess& access, Result result) const;
 
   // exceptions.cpp
   int group_priority(int priority) const;
@@ -215,7 +223,7 @@ class Core {
   void exception_entry(unsigned number, uint32_t return_address);
   bool push_stack(uint32_t return_address, Cause& cause);
   void late_arrival(unsigned number);
-  void exception_taken(unsigned number, uint32_t exc_return);
+  void exception_taken(unsigned number, uint32_t exc_return, Entry how, uint64_t since);
   void exception_return(uint32_t exc_return);
   void return_fault(Cause cause, uint32_t exc_return);
   bool pop_stack(uint32_t exc_return, Cause& cause);
@@ -323,6 +331,9 @@ class Core {
 
   Memory memory_;
   Executor executor_ = Executor::blocks;
+  bool in_blocks_ = true;  // executor_ is blocks and nobody looks on at instructions
+  Observer* observer_ = nullptr;
+  bool sees_instructions_ = false, sees_accesses_ = false;
   std::function<bool(Core&)> semihosting_;
   std::set<uint32_t> breakpoints_;
   uint64_t breakpoint_passed_ = never;  // instructions() when the one at passed_pc_ was passed

@@ -252,6 +252,7 @@ bool Core::push_stack(uint32_t return_address, Cause& cause) {
 
 void Core::exception_entry(unsigned number, uint32_t return_address) {
   if (number >= hard_fault && number <= usage_fault) capture_fault(number, return_address);
+  const uint64_t since = cycles_;
   cycles_ += timing::exception_entry;
   const uint32_t exc_return = ipsr_ != 0 ? 0xFFFFFFF1u : uses_psp() ? 0xFFFFFFFDu : 0xFFFFFFF9u;
   const int before = execution_priority();
@@ -273,7 +274,7 @@ void Core::exception_entry(unsigned number, uint32_t return_address) {
       }
     }
   }
-  exception_taken(number, exc_return);
+  exception_taken(number, exc_return, Entry::preempts, since);
 }
 
 /// B1.5.12: an exception of higher priority that arrives before the first instruction of a handler
@@ -282,12 +283,13 @@ void Core::late_arrival(unsigned number) {
   const unsigned displaced = ipsr_;
   active_ &= ~bit(displaced);
   pending_ |= bit(displaced);
+  const uint64_t since = cycles_;
   cycles_ += timing::late_arrival;
   if (number >= hard_fault && number <= usage_fault) capture_fault(number, pc_);
-  exception_taken(number, r_[14]);
+  exception_taken(number, r_[14], Entry::displaces, since);
 }
 
-void Core::exception_taken(unsigned number, uint32_t exc_return) {
+void Core::exception_taken(unsigned number, uint32_t exc_return, Entry how, uint64_t since) {
   uint32_t vector = 0;
   // The vector table is read past the MPU, by the default map.
   if (read_physical(vtor_ + 4 * number, 4, vector) > Result::device) {
@@ -318,6 +320,7 @@ void Core::exception_taken(unsigned number, uint32_t exc_return) {
   check_ = true;
   // Whether faults can be displaced is IMPLEMENTATION DEFINED; here they cannot.
   entered_at_ = number >= hard_fault && number <= usage_fault ? never : instructions_;
+  if (observer_ != nullptr) observer_->entered(*this, number, how, since);
 }
 
 void Core::deactivate(unsigned number) {
@@ -336,8 +339,9 @@ void Core::return_fault(Cause cause, uint32_t exc_return) {
     return lock_up();
   }
   capture_fault(number, pc_);
+  const uint64_t since = cycles_;
   cycles_ += timing::tail_chain;
-  exception_taken(number, exc_return);
+  exception_taken(number, exc_return, Entry::tail_chains, since);
 }
 
 void Core::exception_return(uint32_t exc_return) {
@@ -361,9 +365,10 @@ void Core::exception_return(uint32_t exc_return) {
   if (was_active) deactivate(returning);
   if (!legal) return return_fault(Cause::invalid_pc, 0xF0000000u | exc_return);
   if (unsigned next = highest_pending(execution_priority()); next != 0) {
+    const uint64_t since = cycles_;
     cycles_ += timing::tail_chain;
     if (next >= hard_fault && next <= usage_fault) capture_fault(next, pc_);
-    return exception_taken(next, exc_return);
+    return exception_taken(next, exc_return, Entry::tail_chains, since);
   }
   Cause cause{};
   cycles_ += timing::exception_return;
@@ -372,6 +377,7 @@ void Core::exception_return(uint32_t exc_return) {
   exclusive_ = false;
   event_register_ = true;
   check_ = true;
+  if (observer_ != nullptr) observer_->returned(*this, returning);
   if (ipsr_ == 0 && (scr_ & 2)) sleep_until_wake(false);  // SLEEPONEXIT
 }
 

@@ -74,7 +74,7 @@ bool Core::mpu_uniform_in_page(uint32_t address) const {
 void Core::select_view() {
   if (mpu_applies()) {
     fast_pages_ = memory_.view(privileged() ? Memory::View::privileged : Memory::View::user);
-  } else if (watches_data()) {
+  } else if (watches_data() || sees_accesses_) {
     fast_pages_ = memory_.view(Memory::View::unprotected);
   } else {
     fast_pages_ = memory_.table();
@@ -86,7 +86,7 @@ void Core::fill_view(uint32_t address) {
   const Memory::Page& page = memory_.page(address);
   if (fast_pages_ == memory_.table() || page.read == nullptr || !mpu_uniform_in_page(address))
     return;
-  if (watches_page(address)) return;
+  if (sees_accesses_ || watches_page(address)) return;
   const bool priv = privileged();
   Memory::Page& seen = memory_.view_page(fast_pages_, address);
   seen.wait_states = page.wait_states;

@@ -194,7 +194,9 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   payload.set_streaming_width(size);
   payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
   sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
+  accessing_ = kind;
   socket->b_transport(payload, delay);
+  accessing_.reset();
   const bool ok = payload.is_response_ok();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   wait_cycles = static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now));

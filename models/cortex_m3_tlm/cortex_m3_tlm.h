@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <systemc>
 
@@ -49,6 +50,9 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   const Core& core() const { return core_; }
   EndReason end_reason() const { return end_reason_; }
 
+  /// What the access that is on a socket now is for; nothing: it is not the core's (a debugger's).
+  std::optional<AccessKind> accessing() const { return accessing_; }
+
   /// Asked once a quantum: true ends the simulation (a limit of the host's time, a signal).
   void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
@@ -85,6 +89,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   EndReason end_reason_ = EndReason::none;
   Debugger* debugger_ = nullptr;
   bool reset_requested_ = false;
+  std::optional<AccessKind> accessing_;
 };
 
 }  // namespace capsoc::cortex_m3

@@ -31,6 +31,9 @@ class RegisterTarget : public sc_core::sc_module {
 
   uint64_t size() const { return size_; }
 
+  /// System reset, for a device that whoever resets knows by this class only (soc::OwnDevice).
+  virtual void system_reset() {}
+
  protected:
   /// Reads the register at `offset` (a multiple of 4). With `debug` nothing in the device may
   /// change and nothing is reported. False: there is nothing to read (bus error).

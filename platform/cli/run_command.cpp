@@ -107,7 +107,8 @@ void add_run(CLI::App& app, int& code) {
       ->type_name("FILE.so");
   option("--rtl-clock", "coprocessor.rtl_clock", "Clocks of the idle RTL; changes speed only")
       ->type_name("skip|every");
-  option("--waves", "results.waves", "Waves of the RTL; with lockstep those around a difference")
+  option("--waves", "results.waves",
+         "Waves of the SoC, of the RTL's inside, or with lockstep of both around a difference")
       ->type_name("FILE.fst");
   option("--quantum", "cpu.quantum_ns", "How far the processor may run ahead; changes speed only")
       ->type_name("NS");
@@ -136,6 +137,17 @@ void add_run(CLI::App& app, int& code) {
   run->add_flag_callback(
       "--halt", [arguments] { arguments->options.emplace_back("gdb.halt", "true"); },
       "Wait for a debugger before the first instruction");
+  option("--trace-instructions", "trace.instructions",
+         "A line for each instruction: time, place, disassembly, changed registers")
+      ->type_name("FILE");
+  option("--trace-bus", "trace.bus", "A line for each access of the processor and the debugger")
+      ->type_name("FILE");
+  option("--trace-waves", "trace.waves",
+         "Waves of the SoC, whatever the coprocessor is: interrupts, bus, nodes; and FILE.gtkw")
+      ->type_name("FILE.fst");
+  option("--profile", "trace.profile",
+         "Cycles of functions and calls, for kcachegrind or, as FILE.folded, for a flame graph")
+      ->type_name("FILE");
   option("--log-level", "log.level", "What the simulator says on stderr")->type_name("LEVEL");
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")

@@ -26,7 +26,7 @@ void add_backend_settings(Settings& settings) {
   settings.add({"results.waves",
                 SettingKind::path,
                 "",
-                "FST file of the RTL, or of both sides around a difference; empty: none",
+                "FST file: of the SoC, of the RTL, or of both sides around a difference",
                 {}});
 }
 
@@ -41,8 +41,6 @@ Result<CoprocessorBackend> make_backend(const Settings& settings,
   const std::string& waves = settings.text("results.waves");
   CoprocessorBackend backend;
   if (kind == "tlm") {
-    if (!waves.empty())
-      return Error{waves + ": the model has no waves; choose --coprocessor rtl or lockstep"};
     backend.device = std::make_unique<coprocessor::Coprocessor>(options);
     return backend;
   }

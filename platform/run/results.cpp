@@ -63,7 +63,7 @@ nlohmann::ordered_json versions() {
 
 bool is_place(const std::string& setting) {
   return setting == "results.json" || setting == "results.record" || setting == "results.waves" ||
-         setting.rfind("gdb.", 0) == 0;
+         setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0;
 }
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {

@@ -20,6 +20,7 @@
 #include "run/progress.h"
 #include "run/sample_record.h"
 #include "run/semihosting.h"
+#include "run/trace_settings.h"
 #include "run/uart_backend.h"
 #include "sensor/load.h"
 #include "soc/soc.h"
@@ -246,6 +247,7 @@ Settings make_settings() {
   add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
       {"paper", "precise"});
   add_backend_settings(s);
+  add_trace_settings(s);
   add("cpu.quantum_ns", SettingKind::number, "1000000", "how far the processor may run ahead, ns",
       {}, 1, 1e9);
   add("cpu.executor", SettingKind::choice, "blocks", "blocks (fast) or stepping; same results",
@@ -304,10 +306,12 @@ Result<RunResult> run(const Settings& settings) {
   soc::Soc soc("soc", config);
   soc.adc.fit_converter(static_cast<uint32_t>(adc_bits));
   if (auto error = soc.load(image.value())) return *error;
+  std::vector<loader::ElfImage> further_images;
   for (const std::string& place : places_to_load(settings)) {
     auto further = loader::load_at(place);
     if (!further) return Error{further.error()};
     if (auto error = soc.load(further.value())) return *error;
+    further_images.push_back(std::move(further.value()));
   }
 
   Semihosting semihosting;
@@ -347,6 +351,14 @@ Result<RunResult> run(const Settings& settings) {
     return out_of_time || caught_signal != 0;
   };
   soc.cpu.set_interrupted(interrupted);
+  std::unique_ptr<trace::Tracer> tracer;
+  if (const trace::TraceOptions wanted = trace_options(settings); wanted.any()) {
+    std::vector<const loader::ElfImage*> images = {&image.value()};
+    for (const loader::ElfImage& further : further_images) images.push_back(&further);
+    auto attached = trace::Tracer::attach(soc, wanted, images);
+    if (!attached) return Error{attached.error()};
+    tracer = std::move(attached.value());
+  }
   auto gdb = make_gdb_server(settings, soc, interrupted);
   if (!gdb) return Error{gdb.error()};
   std::signal(SIGINT, on_signal);
@@ -359,6 +371,9 @@ Result<RunResult> run(const Settings& settings) {
   progress.finish();
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});
+
+  if (tracer != nullptr)
+    if (auto error = tracer->finish()) return *error;
 
   RunResult result;
   result.command = reproducing_command(settings);

@@ -45,13 +45,24 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       clock_controller("clock_controller", clock) {
   cpu.set_quantum(config.quantum);
   cpu.core().set_executor(config.executor);
-  bind();
+  bind(config.devices);
   connect_interrupts();
   adc.set_sink([this](const peripherals::SensorSample& sample) { coprocessor.sample(sample); });
   cpu.on_reset_request([this] { reset_peripherals(); });
 }
 
-void Soc::bind() {
+/// The socket of the user's own device in a slot, or null.
+tlm_utils::simple_target_socket<tlm_util::RegisterTarget>* Soc::own_socket(
+    const std::vector<OwnDevice>& own, const std::string& slot) {
+  for (const OwnDevice& device : own) {
+    if (device.slot != slot) continue;
+    devices.push_back(device.make(*this));
+    return &devices.back()->socket;
+  }
+  return nullptr;
+}
+
+void Soc::bind(const std::vector<OwnDevice>& own) {
   cpu.icode.bind(ahb.i_code);
   cpu.dcode.bind(ahb.d_code);
   cpu.system.bind(ahb.system);
@@ -76,6 +87,14 @@ void Soc::bind() {
 
   for (const bus::MapEntry& entry : bus::soc_address_map()) {
     if (entry.kind != bus::TargetKind::unimplemented) continue;
+    if (auto* socket = own_socket(own, entry.name)) {
+      if (entry.bus == bus::BusKind::apb) {
+        apb.port(entry.target)->bind(*socket);
+      } else {
+        ahb.port(entry.target)->bind(*socket);
+      }
+      continue;
+    }
     const std::string module = entry.name + "_stub";
     unimplemented.push_back(
         std::make_unique<bus::Unimplemented>(module.c_str(), entry.name, entry.base));
@@ -105,23 +124,29 @@ void Soc::connect(tlm_util::InterruptLine& source, const char* device, const cha
   }
 }
 
+void Soc::each_interrupt(const EachInterrupt& call) {
+  call(timer0.interrupt, "timer0", "interrupt");
+  call(timer1.interrupt, "timer1", "interrupt");
+  call(dual_timer.interrupt, "dual_timer", "interrupt");
+  call(watchdog.interrupt, "watchdog", "interrupt");
+  for (peripherals::Uart* uart : uarts()) {
+    call(uart->rx_interrupt, uart->basename(), "rx");
+    call(uart->tx_interrupt, uart->basename(), "tx");
+    call(uart->overrun_interrupt, uart->basename(), "overrun");
+  }
+  for (peripherals::Gpio* gpio : gpios())
+    call(gpio->combined_interrupt, gpio->basename(), "combined");
+  call(coprocessor.interrupt, "coprocessor", "interrupt");
+  call(adc.interrupt, "adc_front_end", "interrupt");
+}
+
 void Soc::connect_interrupts() {
-  connect(timer0.interrupt, "timer0", "interrupt");
-  connect(timer1.interrupt, "timer1", "interrupt");
-  connect(dual_timer.interrupt, "dual_timer", "interrupt");
-  connect(watchdog.interrupt, "watchdog", "interrupt");
+  each_interrupt([this](tlm_util::InterruptLine& source, const char* device, const char* output) {
+    connect(source, device, output);
+  });
   watchdog.reset_request.connect([this](bool level) {
     if (level) cpu.request_reset();
   });
-  for (peripherals::Uart* uart : uarts()) {
-    connect(uart->rx_interrupt, uart->basename(), "rx");
-    connect(uart->tx_interrupt, uart->basename(), "tx");
-    connect(uart->overrun_interrupt, uart->basename(), "overrun");
-  }
-  for (peripherals::Gpio* gpio : gpios())
-    connect(gpio->combined_interrupt, gpio->basename(), "combined");
-  connect(coprocessor.interrupt, "coprocessor", "interrupt");
-  connect(adc.interrupt, "adc_front_end", "interrupt");
 }
 
 void Soc::reset_peripherals() {
@@ -136,6 +161,7 @@ void Soc::reset_peripherals() {
   coprocessor.reset();
   adc.reset();
   clock_controller.reset();
+  for (auto& device : devices) device->system_reset();
 }
 
 uint32_t Soc::peek(uint32_t address) {

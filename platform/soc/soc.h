@@ -28,8 +28,18 @@
 #include "peripherals/clock_controller.h"
 #include "support/result.h"
 #include "tlm/clock_domain.h"
+#include "tlm/register_target.h"
 
 namespace capsoc::soc {
+
+class Soc;
+
+/// A device of the user's own in a slot that the board leaves free (docs/extending.md).
+struct OwnDevice {
+  std::string slot;  ///< name of an unimplemented entry of the address map, "reserved_apb_3"
+  /// Called while the SoC is built. Interrupts go to soc.cpu.set_interrupt().
+  std::function<std::unique_ptr<tlm_util::RegisterTarget>(Soc& soc)> make;
+};
 
 /// What can be chosen when the SoC is built.
 struct Config {
@@ -38,6 +48,7 @@ struct Config {
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
   cortex_m3::Executor executor = cortex_m3::Executor::blocks;
+  std::vector<OwnDevice> devices;
 };
 
 /// Arm MPS2 AN385 with the self-calibration coprocessor. The address map is data
@@ -51,6 +62,11 @@ class Soc : public sc_core::sc_module {
 
   /// Everything back to its reset state, memories excepted; time goes on.
   void reset_peripherals();
+
+  /// Every interrupt output with the name of its device and its own, as the address map has them.
+  using EachInterrupt =
+      std::function<void(tlm_util::InterruptLine&, const char* device, const char* output)>;
+  void each_interrupt(const EachInterrupt& call);
 
   /// A word as a debugger reads it, without side effects; 0 where nothing answers.
   uint32_t peek(uint32_t address);
@@ -71,6 +87,7 @@ class Soc : public sc_core::sc_module {
   peripherals::AdcFrontEnd adc;
   peripherals::ClockController clock_controller;
   std::vector<std::unique_ptr<bus::Unimplemented>> unimplemented;
+  std::vector<std::unique_ptr<tlm_util::RegisterTarget>> devices;  ///< Config::devices
 
   /// Every UART and every GPIO, in the order of their numbers.
   std::array<peripherals::Uart*, 5> uarts() { return {&uart0, &uart1, &uart2, &uart3, &uart4}; }
@@ -80,7 +97,9 @@ class Soc : public sc_core::sc_module {
   /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).
   std::array<int, cortex_m3::Core::interrupt_count> high_sources_{};
 
-  void bind();
+  void bind(const std::vector<OwnDevice>& own);
+  tlm_utils::simple_target_socket<tlm_util::RegisterTarget>* own_socket(
+      const std::vector<OwnDevice>& own, const std::string& slot);
   void connect_interrupts();
   void connect(tlm_util::InterruptLine& source, const char* device, const char* output);
   bool write_memory(uint32_t address, const uint8_t* bytes, uint32_t size);

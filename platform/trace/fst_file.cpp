@@ -1,0 +1,142 @@
+#include "trace/fst_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "gtkwave/fstapi.h"
+
+namespace capsoc::trace {
+namespace {
+
+constexpr int picosecond = -12;  // power of ten
+
+Error cannot_write(const std::string& path, int error) {
+  return Error{
+      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
+}
+
+}  // namespace
+
+FstFile::FstFile(std::string path, std::string temporary, void* writer)
+    : path_(std::move(path)), temporary_(std::move(temporary)), writer_(writer) {}
+
+Result<std::unique_ptr<FstFile>> FstFile::create(const std::string& path) {
+  const std::string temporary = fmt::format("{}.{}.tmp", path, getpid());
+  errno = 0;
+  void* writer = fstWriterCreate(temporary.c_str(), 1);
+  if (writer == nullptr) return cannot_write(path, errno);
+  fstWriterSetTimescale(writer, picosecond);
+  fstWriterSetVersion(writer, "capsoc");
+  fstWriterSetDate(writer, "");  // the same run gives the same bytes
+  return std::unique_ptr<FstFile>(new FstFile(path, temporary, writer));
+}
+
+FstFile::~FstFile() {
+  if (writer_ == nullptr) return;
+  fstWriterClose(writer_);
+  std::remove(temporary_.c_str());
+}
+
+void FstFile::open_scope(const std::string& name) {
+  fstWriterSetScope(writer_, FST_ST_VCD_MODULE, name.c_str(), nullptr);
+}
+
+void FstFile::close_scope() {
+  fstWriterSetUpscope(writer_);
+}
+
+FstFile::Signal FstFile::add(const std::string& name, Kind kind, unsigned width) {
+  const fstVarType type = kind == Kind::real   ? FST_VT_VCD_REAL
+                          : kind == Kind::text ? FST_VT_GEN_STRING
+                                               : FST_VT_VCD_WIRE;
+  Variable variable;
+  variable.kind = kind;
+  variable.width = width;
+  variable.handle = fstWriterCreateVar(writer_, type, FST_VD_IMPLICIT, width, name.c_str(), 0);
+  variables_.push_back(variable);
+  return static_cast<Signal>(variables_.size() - 1);
+}
+
+FstFile::Signal FstFile::add_bits(const std::string& name, unsigned width) {
+  const std::string range = width == 1 ? "" : fmt::format(" [{}:0]", width - 1);
+  return add(name + range, Kind::bits, width);
+}
+
+FstFile::Signal FstFile::add_real(const std::string& name) {
+  return add(name, Kind::real, sizeof(double));
+}
+
+FstFile::Signal FstFile::add_text(const std::string& name) {
+  return add(name, Kind::text, 0);
+}
+
+void FstFile::announce(uint64_t picoseconds, Change change) {
+  waiting_.emplace(picoseconds, std::move(change));
+}
+
+void FstFile::set(uint64_t picoseconds, Signal signal, uint64_t value) {
+  announce(picoseconds, {signal, value, {}});
+}
+
+void FstFile::set_real(uint64_t picoseconds, Signal signal, double value) {
+  uint64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  announce(picoseconds, {signal, bits, {}});
+}
+
+void FstFile::set_text(uint64_t picoseconds, Signal signal, const std::string& text) {
+  announce(picoseconds, {signal, 0, text});
+}
+
+void FstFile::emit(const Change& change) {
+  Variable& variable = variables_[change.signal];
+  std::string now = change.text;
+  if (variable.kind != Kind::text) {
+    now.resize(sizeof change.bits);
+    std::memcpy(now.data(), &change.bits, sizeof change.bits);
+  }
+  if (variable.last == now) return;
+  variable.last = now;
+  switch (variable.kind) {
+    case Kind::bits:
+      fstWriterEmitValueChange64(writer_, variable.handle, variable.width, change.bits);
+      break;
+    case Kind::real:
+      fstWriterEmitValueChange(writer_, variable.handle, &change.bits);
+      break;
+    case Kind::text:
+      fstWriterEmitVariableLengthValueChange(writer_, variable.handle, change.text.data(),
+                                             static_cast<uint32_t>(change.text.size()));
+      break;
+  }
+}
+
+void FstFile::flush(uint64_t picoseconds) {
+  while (!waiting_.empty() && waiting_.begin()->first < picoseconds) {
+    const uint64_t time = waiting_.begin()->first;
+    fstWriterEmitTimeChange(writer_, time);
+    for (; !waiting_.empty() && waiting_.begin()->first == time; waiting_.erase(waiting_.begin()))
+      emit(waiting_.begin()->second);
+  }
+}
+
+std::optional<Error> FstFile::finish(uint64_t picoseconds) {
+  flush(picoseconds + 1);
+  waiting_.clear();  // ends of transfers that the run did not reach
+  fstWriterEmitTimeChange(writer_, picoseconds);
+  fstWriterFlushContext(writer_);
+  const bool whole = fstWriterGetFseekFailed(writer_) == 0;
+  fstWriterClose(writer_);
+  writer_ = nullptr;
+  if (whole && std::rename(temporary_.c_str(), path_.c_str()) == 0) return std::nullopt;
+  const int error = whole ? errno : ENOSPC;
+  std::remove(temporary_.c_str());
+  return cannot_write(path_, error);
+}
+
+}  // namespace capsoc::trace

@@ -1,0 +1,99 @@
+#include "trace/instruction_trace.h"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <utility>
+
+#include "cortex_m3/decoder.h"
+#include "trace/exception_name.h"
+
+namespace capsoc::trace {
+namespace {
+
+constexpr const char* names[] = {"r0",  "r1",  "r2",   "r3",      "r4",    "r5",     "r6",
+                                 "r7",  "r8",  "r9",   "r10",     "r11",   "r12",    "lr",
+                                 "msp", "psp", "xpsr", "control", "masks", "basepri"};
+constexpr uint32_t flags = 0xF8000000;  // N, Z, C, V, Q of the xPSR
+
+std::string note(uint64_t cycle, double seconds, const std::string& text) {
+  return fmt::format("{:>12} {:>14.9f}  {}", cycle, seconds, text);
+}
+
+}  // namespace
+
+InstructionTrace::InstructionTrace(std::unique_ptr<LineFile> file, Functions& functions)
+    : file_(std::move(file)), functions_(functions) {
+  file_->heading(fmt::format("{:>12} {:>14}  {:<8} {:<28} {:<32} {}", "cycle", "time/s", "pc",
+                             "place", "instruction", "changed registers"));
+}
+
+InstructionTrace::Registers InstructionTrace::registers_of(const cortex_m3::Core& core) {
+  Registers r{};
+  for (unsigned n = 0; n <= 12; ++n) r[n] = core.reg(n);
+  r[13] = core.reg(14);
+  r[14] = core.msp();
+  r[15] = core.psp();
+  r[16] = core.xpsr() & flags;
+  r[17] = core.control();
+  r[18] = core.primask() | core.faultmask() << 1U;
+  r[19] = core.basepri();
+  return r;
+}
+
+std::string InstructionTrace::changes(const Registers& now) const {
+  static_assert(std::size(names) == register_count);
+  std::string text;
+  for (unsigned n = 0; n < register_count; ++n)
+    if (now[n] != before_[n]) text += fmt::format(" {}={:08x}", names[n], now[n]);
+  return text;
+}
+
+const std::string& InstructionTrace::text_of(const cortex_m3::DecodedOp& op) {
+  Text& known = texts_[op.address];
+  if (known.text.empty() || known.encoding != op.encoding || known.it_state != op.it_before) {
+    known = {op.encoding, op.it_before,
+             fmt::format("{:08x} {:<28} {:<32}", op.address, functions_.place(op.address),
+                         cortex_m3::disassemble(op))};
+  }
+  return known.text;
+}
+
+void InstructionTrace::issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp&) {
+  before_ = registers_of(core);
+  issue_cycle_ = core.cycles();
+  pending_ = true;
+}
+
+void InstructionTrace::retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op,
+                               double seconds) {
+  pending_ = false;
+  std::string line = note(issue_cycle_, seconds, text_of(op)) + changes(registers_of(core));
+  line.erase(line.find_last_not_of(' ') + 1);
+  file_->put(std::move(line));
+}
+
+void InstructionTrace::entered(unsigned exception, cortex_m3::Entry how, uint64_t since,
+                               double seconds) {
+  constexpr const char* hows[] = {"", ", tail-chained", ", late, in place of the one before"};
+  file_->put(note(since, seconds,
+                  fmt::format("--> exception {} {}{}", exception, exception_name(exception),
+                              hows[static_cast<unsigned>(how)])));
+}
+
+void InstructionTrace::returned(const cortex_m3::Core& core, unsigned exception, double seconds) {
+  file_->put(note(core.cycles(), seconds,
+                  fmt::format("<-- exception {} {}, back to {}", exception,
+                              exception_name(exception), functions_.place(core.reg(15)))));
+}
+
+void InstructionTrace::started(const cortex_m3::Core& core, double seconds) {
+  file_->put(note(core.cycles(), seconds, "--- reset"));
+}
+
+std::optional<Error> InstructionTrace::finish(const cortex_m3::Core& core, double seconds) {
+  if (core.locked_up()) file_->put(note(core.cycles(), seconds, "--- lockup"));
+  return file_->finish();
+}
+
+}  // namespace capsoc::trace

@@ -1,0 +1,57 @@
+// The instruction trace: one line for each instruction and each exception.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+#include "cortex_m3/core.h"
+#include "trace/functions.h"
+#include "trace/line_file.h"
+
+namespace capsoc::trace {
+
+/// Lines of cycle, simulated seconds, PC, place, disassembly and the registers that the instruction
+/// changed, with their new values. Times are those at which an instruction begins.
+class InstructionTrace {
+ public:
+  InstructionTrace(std::unique_ptr<LineFile> file, Functions& functions);
+
+  void issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op);
+  /// An instruction was issued and has not retired.
+  bool pending() const { return pending_; }
+  /// `seconds`: when it was issued.
+  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op, double seconds);
+  void entered(unsigned exception, cortex_m3::Entry how, uint64_t since, double seconds);
+  void returned(const cortex_m3::Core& core, unsigned exception, double seconds);
+  void started(const cortex_m3::Core& core, double seconds);
+  /// Cycle at which the instruction under way began.
+  uint64_t issue_cycle() const { return issue_cycle_; }
+
+  std::optional<Error> finish(const cortex_m3::Core& core, double seconds);
+
+ private:
+  static constexpr unsigned register_count = 20;
+  using Registers = std::array<uint32_t, register_count>;
+
+  static Registers registers_of(const cortex_m3::Core& core);
+  std::string changes(const Registers& now) const;
+  const std::string& text_of(const cortex_m3::DecodedOp& op);
+
+  struct Text {
+    uint32_t encoding;
+    uint8_t it_state;
+    std::string text;  ///< PC, place and disassembly
+  };
+
+  std::unique_ptr<LineFile> file_;
+  Functions& functions_;
+  std::unordered_map<uint32_t, Text> texts_;
+  Registers before_{};
+  uint64_t issue_cycle_ = 0;
+  bool pending_ = false;
+};
+
+}  // namespace capsoc::trace

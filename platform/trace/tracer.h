@@ -1,0 +1,82 @@
+// Everything that looks on at a run, behind one object.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loader/elf_image.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "trace/bus_trace.h"
+#include "trace/call_tree.h"
+#include "trace/functions.h"
+#include "trace/instruction_trace.h"
+#include "trace/waves.h"
+#include "trace/window.h"
+
+namespace capsoc::trace {
+
+/// What is traced and where it goes; an empty file: not at all.
+struct TraceOptions {
+  std::string instructions, bus, profile, waves;
+  std::string start, stop;  ///< see Bound::parse()
+  std::size_t depth = 0;    ///< instruction and bus trace: the last lines only; 0: all
+  bool fetches = false;     ///< instruction fetches in the bus trace
+
+  bool any() const {
+    return !instructions.empty() || !bus.empty() || !profile.empty() || !waves.empty();
+  }
+};
+
+/// Attached before the simulation starts, detached by finish() or the end of its life. Changes the
+/// simulation's speed and nothing else.
+class Tracer : private cortex_m3::Observer {
+ public:
+  /// `images`: where the symbols are. An Error: a file that cannot be written or a wrong bound;
+  /// nothing is left behind. `soc` must outlive it.
+  static Result<std::unique_ptr<Tracer>> attach(soc::Soc& soc, const TraceOptions& options,
+                                                const std::vector<const loader::ElfImage*>& images);
+  ~Tracer() override;
+  Tracer(const Tracer&) = delete;
+  Tracer& operator=(const Tracer&) = delete;
+
+  /// Writes what is left. Behind the simulation.
+  std::optional<Error> finish();
+
+ private:
+  explicit Tracer(soc::Soc& soc, const TraceOptions& options) : soc_(soc), options_(options) {}
+  std::optional<Error> open();
+  void connect();
+
+  void issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
+  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
+  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+               uint64_t since) override;
+  void returned(const cortex_m3::Core& core, unsigned exception) override;
+  void accessed(const cortex_m3::Core& core, const cortex_m3::DirectAccess& access) override;
+  void started(const cortex_m3::Core& core) override;
+  void transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
+                const sc_core::sc_time& end);
+  void result(const coprocessor::Nodes& nodes);
+
+  uint64_t picoseconds_of(uint64_t cycle) const;
+  double seconds_of(uint64_t cycle) const;
+  bool open_at(uint64_t picoseconds);
+  void follow_window(uint64_t picoseconds);
+
+  soc::Soc& soc_;
+  TraceOptions options_;
+  Functions functions_;
+  std::optional<Window> window_;
+  std::unique_ptr<InstructionTrace> instructions_;
+  std::unique_ptr<BusTrace> bus_;
+  std::unique_ptr<CallTree> calls_;
+  std::unique_ptr<Waves> waves_;
+  std::string program_;
+};
+
+}  // namespace capsoc::trace

@@ -1,0 +1,205 @@
+#include "trace/waves.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "run/files.h"
+#include "trace/exception_name.h"
+#include "trace/node_format.h"
+
+namespace capsoc::trace {
+namespace {
+
+uint64_t picoseconds_now() {
+  return static_cast<uint64_t>(sc_core::sc_time_stamp().to_seconds() * 1e12 + 0.5);
+}
+
+std::string stage_name(unsigned stage) {
+  return stage == coprocessor::commit_stage ? "registers" : fmt::format("t{}", stage);
+}
+
+// Flags of a trace in GTKWave's save files (its enum TraceEntFlagBits), by bit.
+constexpr uint32_t hexadecimal = 1U << 1U, binary = 1U << 3U, right = 1U << 5U, blank = 1U << 9U,
+                   is_signed = 1U << 10U, ascii = 1U << 11U, analog_step = 1U << 15U,
+                   analog_more = 1U << 17U, group_begin = 1U << 23U, group_end = 1U << 24U;
+
+std::string shown(uint32_t flags, const std::string& signal) {
+  return fmt::format("@{:x}\n{}\n", flags, signal);
+}
+
+std::string range(unsigned width) {
+  return width == 1 ? "" : fmt::format("[{}:0]", width - 1);
+}
+
+/// What is worth a curve and not only numbers.
+bool is_curve(const std::string& node) {
+  return node == "u" || node == "v" || node == "angle" || node == "error_u" || node == "error_v";
+}
+
+}  // namespace
+
+Waves::Waves(std::unique_ptr<FstFile> file, std::string path, soc::Soc& soc)
+    : file_(std::move(file)), path_(std::move(path)), soc_(soc) {
+  file_->open_scope("soc");
+  add_interrupts();
+  add_bus();
+  add_nodes();
+  file_->close_scope();
+}
+
+void Waves::add_interrupts() {
+  file_->open_scope("interrupts");
+  soc_.each_interrupt(
+      [this](tlm_util::InterruptLine& source, const char* device, const char* output) {
+        Line added;
+        added.name = fmt::format("{}_{}", device, output);
+        added.signal = file_->add_bits(added.name, 1);
+        lines_.push_back(added);
+        file_->set(0, added.signal, 0);
+        source.connect([this, index = lines_.size() - 1](bool level) { line(index, level); });
+      });
+  file_->close_scope();
+  file_->open_scope("cpu");
+  exception_ = file_->add_bits("exception", 9);
+  exception_name_ = file_->add_text("exception_name");
+  file_->close_scope();
+  exception(0, 0);
+}
+
+void Waves::add_bus() {
+  file_->open_scope("bus");
+  active_ = file_->add_bits("active", 1);
+  initiator_ = file_->add_text("initiator");
+  write_ = file_->add_bits("write", 1);
+  size_ = file_->add_bits("size", 3);
+  address_ = file_->add_bits("address", 32);
+  data_ = file_->add_bits("data", 32);
+  status_ = file_->add_text("status");
+  file_->close_scope();
+  file_->set(0, active_, 0);
+}
+
+void Waves::add_nodes() {
+  file_->open_scope("coprocessor");
+  commits_ = file_->add_bits("commits", 32);
+  unsigned stage = ~0U;
+  for (const coprocessor::NamedNode& named : coprocessor::node_names()) {
+    if (named.stage != stage) {
+      if (stage != ~0U) file_->close_scope();
+      file_->open_scope(stage_name(named.stage));
+      stage = named.stage;
+    }
+    const NodeFormat format = node_format(named.name);
+    Node node;
+    node.node = &named;
+    node.word = file_->add_bits(named.name, format.width);
+    node.path = fmt::format("soc.coprocessor.{}.{}", stage_name(stage), named.name);
+    node.has_value = format.meaning != Meaning::word;
+    if (node.has_value) {
+      const char* unit = format.meaning == Meaning::turns ? "_degrees" : "_value";
+      node.value = file_->add_real(named.name + std::string(unit));
+      node.path += unit;
+    } else {
+      node.path += range(format.width);
+    }
+    nodes_.push_back(std::move(node));
+  }
+  file_->close_scope();
+  file_->close_scope();
+}
+
+void Waves::line(std::size_t index, bool level) {
+  lines_[index].level = level;
+  if (!open_) return;
+  const uint64_t now = picoseconds_now();
+  file_->flush(now);
+  file_->set(now, lines_[index].signal, level ? 1 : 0);
+}
+
+void Waves::open(bool on, uint64_t picoseconds) {
+  if (on == open_) return;
+  open_ = on;
+  if (!on) return;
+  for (const Line& line : lines_) file_->set(picoseconds, line.signal, line.level ? 1 : 0);
+  exception(picoseconds, exception_number_);
+}
+
+void Waves::transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& access) {
+  file_->flush(picoseconds_now());
+  file_->set(begin_ps, active_, 1);
+  file_->set_text(begin_ps, initiator_, access.initiator);
+  file_->set(begin_ps, write_, access.write ? 1 : 0);
+  file_->set(begin_ps, size_, access.size);
+  file_->set(begin_ps, address_, access.address);
+  file_->set(begin_ps, data_, access.data);
+  file_->set_text(begin_ps, status_, access.status);
+  file_->set(end_ps, active_, 0);
+}
+
+void Waves::exception(uint64_t picoseconds, unsigned number) {
+  exception_number_ = number;
+  if (!open_) return;
+  file_->flush(picoseconds_now());
+  file_->set(picoseconds, exception_, number);
+  file_->set_text(picoseconds, exception_name_, exception_name(number));
+}
+
+void Waves::result(uint64_t picoseconds, const coprocessor::Nodes& nodes) {
+  if (!open_) return;
+  file_->flush(picoseconds_now());
+  file_->set(picoseconds, commits_, nodes.commits);
+  for (const Node& node : nodes_) {
+    const int64_t word = nodes.*node.node->value;
+    file_->set(picoseconds, node.word, static_cast<uint64_t>(word));
+    if (node.has_value)
+      file_->set_real(picoseconds, node.value, node_format(node.node->name).value(word));
+  }
+}
+
+std::optional<Error> Waves::finish(uint64_t picoseconds) {
+  if (auto error = file_->finish(picoseconds)) return error;
+  return run::write_whole(save_file(path_), save_text());
+}
+
+std::string Waves::save_file(const std::string& path) {
+  return std::filesystem::path(path).replace_extension(".gtkw").string();
+}
+
+std::string Waves::save_text() const {
+  std::string text =
+      fmt::format("[dumpfile] \"{}\"\n[timestart] 0\n[size] 1400 900\n[sst_expanded] 1\n",
+                  std::filesystem::path(path_).filename().string());
+  const auto group = [&text](const std::string& name, bool begin) {
+    text += fmt::format("@{:x}\n-{}\n", blank | (begin ? group_begin : group_end), name);
+  };
+  group("interrupts", true);
+  for (const Line& line : lines_) text += shown(binary | right, "soc.interrupts." + line.name);
+  text += shown(ascii | right, "soc.cpu.exception_name");
+  group("interrupts", false);
+  group("bus", true);
+  text += shown(binary | right, "soc.bus.active");
+  text += shown(ascii | right, "soc.bus.initiator");
+  text += shown(binary | right, "soc.bus.write");
+  text += shown(hexadecimal | right, "soc.bus.address[31:0]");
+  text += shown(hexadecimal | right, "soc.bus.data[31:0]");
+  text += shown(ascii | right, "soc.bus.status");
+  group("bus", false);
+  unsigned stage = ~0U;
+  for (const Node& node : nodes_) {
+    if (node.node->stage != stage) {
+      if (stage != ~0U) group("coprocessor " + stage_name(stage), false);
+      stage = node.node->stage;
+      group("coprocessor " + stage_name(stage), true);
+    }
+    const bool curve = is_curve(node.node->name);
+    const uint32_t radix = node.has_value ? is_signed : hexadecimal;
+    text += shown(radix | right | (curve ? analog_step : 0), node.path);
+    if (curve) text += fmt::format("@{:x}\n-\n-\n", analog_more);
+  }
+  group("coprocessor " + stage_name(stage), false);
+  return text;
+}
+
+}  // namespace capsoc::trace
