@@ -65,6 +65,13 @@ WEAK void SPI1_Handler(void);
 WEAK void SPI2_Handler(void);
 WEAK void COPROCESSOR_Handler(void);
 WEAK void ADC_Handler(void);
+// Lines without a device: for one that is added (docs/extending.md).
+WEAK void IRQ23_Handler(void);
+WEAK void IRQ25_Handler(void);
+WEAK void IRQ26_Handler(void);
+WEAK void IRQ27_Handler(void);
+WEAK void IRQ28_Handler(void);
+WEAK void IRQ29_Handler(void);
 
 struct vector_table {
   const void* initial_stack;
@@ -92,9 +99,9 @@ __attribute__((section(".vectors"), used)) const struct vector_table vector_tabl
                    UART_OVERFLOW_Handler, ETHERNET_Handler,  I2S_Handler,
                    TOUCHSCREEN_Handler,   GPIO2_Handler,     GPIO3_Handler,
                    UART3_RX_Handler,      UART3_TX_Handler,  UART4_RX_Handler,
-                   UART4_TX_Handler,      SPI1_Handler,      fault_lockup,
-                   SPI2_Handler,          fault_lockup,      fault_lockup,
-                   fault_lockup,          fault_lockup,      fault_lockup,
+                   UART4_TX_Handler,      SPI1_Handler,      IRQ23_Handler,
+                   SPI2_Handler,          IRQ25_Handler,     IRQ26_Handler,
+                   IRQ27_Handler,         IRQ28_Handler,     IRQ29_Handler,
                    COPROCESSOR_Handler,   ADC_Handler},
 };
 

@@ -154,10 +154,25 @@ bool CallTree::leave_frames(uint32_t pc, uint32_t stack_pointer) {
   return true;
 }
 
+/// Ends the frames above one that goes on in the midst of its function, behind a call that it made
+/// with this stack pointer (longjmp); false: there is none.
+bool CallTree::go_back(uint32_t pc, uint32_t stack_pointer) {
+  Stack& stack = nest_.back();
+  const uint32_t function = functions_.at(pc);
+  if (pc == functions_[function].address) return false;
+  for (std::size_t i = stack.frames.size() - 1; i > 0; --i) {
+    if (stack.frames[i].stack != stack_pointer) return false;
+    if (stack.frames[i - 1].function != function) continue;
+    while (stack.frames.size() > i) pop(stack);
+    return true;
+  }
+  return false;
+}
+
 /// Execution goes on elsewhere than behind the instruction at `from`, and not by a call.
 void CallTree::jump(const Core& core, uint32_t from) {
   const uint32_t pc = core.reg(15);
-  if (leave_frames(pc, core.reg(13))) return;
+  if (leave_frames(pc, core.reg(13)) || go_back(pc, core.reg(13))) return;
   Stack& stack = nest_.back();
   const uint32_t function = functions_.at(pc);
   const Frame& top = stack.frames.back();

@@ -107,6 +107,7 @@ class CallTree {
   void jump(const cortex_m3::Core& core, uint32_t from);
   void call(const cortex_m3::Core& core, uint32_t site);
   bool leave_frames(uint32_t pc, uint32_t stack_pointer);
+  bool go_back(uint32_t pc, uint32_t stack_pointer);
   void resume_thread(const cortex_m3::Core& core);
   uint32_t child(uint32_t node, uint32_t function);
   uint32_t exception_function(unsigned number);

@@ -7,6 +7,7 @@ import re
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -197,6 +198,121 @@ continue
             code, uart, _ = run.end()
         self.assertGreaterEqual(out.count(", main ()"), 2, out)
         self.assertEqual((code, uart), (0, b"debuggee: right\n"))
+
+
+class Registers(unittest.TestCase):
+    """Peripheral registers by the names of the SVD description (scripts/gdb/svd.py)."""
+
+    def test_coprocessor_registers_by_name(self):
+        with Run(BUILD / "firmware" / "selfcal.elf", "--halt", "--simlimit", "2") as run:
+            out = gdb(run, """
+source scripts/gdb/svd.py
+svd list
+svd list ADC
+tbreak main
+continue
+print/x $svd("COPROCESSOR.ID")
+print $svd("coprocessor.latency")
+print $svd("COPROCESSOR.CTRL.CALIB")
+tbreak sampling_wait
+continue
+svd COPROCESSOR.CTRL
+svd COPROCESSOR.A1
+svd CLOCKCTRL
+svd COPROCESSOR.STATUS.LOCK
+complete svd COPROCESSOR.ST
+complete svd COPROCESSOR.STATUS.LO
+complete svd lo
+python
+try:
+  gdb.execute("svd COPROCESSOR.NONE")
+except gdb.error as error:
+  print("refused:", error)
+end
+print $svd("ADC.COUNT") == *(unsigned*)0x4000d020
+kill
+""", elf=BUILD / "firmware" / "selfcal.elf")
+            run.end()
+        for text in ("COPROCESSOR          0x4000c000", "CLOCKCTRL            0x4000e000", "PERIOD               0x4000d010",
+                     "$1 = 0x43415053", "$2 = 161", "$3 = 0", "CTRL                 0x4000c008", "A1                   0x4000c080",
+                     "FREQ                 0x4000e014  0x017d7840", "STATUS.LOCK = 0x", "svd COPROCESSOR.STATUS\n",
+                     "svd COPROCESSOR.STEP_AU\n", "svd COPROCESSOR.STATUS.LOCK\n", "svd load\n",
+                     "refused: COPROCESSOR has no register NONE", "$4 = 1"):
+            self.assertIn(text, out)
+        self.assertRegex(out, r"\[3:2\] +REF +0x[012] (NUMERIC|TRACKING|ANGLE)")
+
+
+class Bringup(unittest.TestCase):
+    """The whole session in one go, alone and with a second client beside it."""
+
+    SCRIPT = """
+load
+monitor reset halt
+maintenance flush register-cache
+source scripts/gdb/svd.py
+break main
+continue
+delete
+break SysTick_Handler
+continue
+backtrace
+stepi
+stepi
+next
+finish
+delete
+watch written
+continue
+delete
+print/x $svd("COPROCESSOR.ID")
+svd COPROCESSOR.STATUS
+set var crash_wanted = 1
+break HardFault_Handler
+continue
+backtrace
+delete
+monitor reset halt
+maintenance flush register-cache
+break main
+continue
+print crash_wanted
+delete
+continue
+"""
+
+    def check(self, out, result):
+        for text in ("Loading section .text", "Breakpoint 1, main ()", "SysTick_Handler ()", "<signal handler called>",
+                     "Hardware watchpoint 3: written", "New value = ", "= 0x43415053", "VALID", "HardFault_Handler ()", " in crash (",
+                     "$3 = 0", "exited normally"):
+            self.assertIn(text, out)
+        self.assertEqual(result[:2], (0, b"debuggee: right\n"))
+
+    def test_alone(self):
+        with Run(DEBUGGEE, "--halt") as run:
+            out = gdb(run, self.SCRIPT)
+            self.check(out, run.end())
+
+    def test_with_two_clients(self):
+        with Run(DEBUGGEE, "--halt") as run, Packets(run) as second:
+            looks = []
+
+            def look():
+                # Until the first client ends the run, and the server with it.
+                try:
+                    while True:
+                        looks.append((second.word(0x4000C000), second.word(0xE000ED00)))
+                except (ConnectionError, OSError):
+                    pass
+
+            watcher = threading.Thread(target=look)
+            watcher.start()
+            out = gdb(run, self.SCRIPT)
+            result = run.end()
+            watcher.join(timeout=30)
+            self.assertFalse(watcher.is_alive())
+        self.check(out, result)
+        self.assertGreater(len(looks), 100)
+        self.assertEqual(set(looks), {(0x43415053, 0x412FC231)})
 
 
 class Protocol(unittest.TestCase):

@@ -1,0 +1,6 @@
+# The cross compiler for CMake: cmake --toolchain toolchain.cmake ...
+set(CMAKE_SYSTEM_NAME Generic)
+set(CMAKE_SYSTEM_PROCESSOR cortex-m3)
+set(CMAKE_C_COMPILER arm-none-eabi-gcc)
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY) # nothing links without the linker script
+set(CMAKE_C_FLAGS_INIT "-mcpu=cortex-m3 -mthumb")

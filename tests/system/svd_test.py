@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""scripts/gdb/svd.py without GDB: our own description, and what other vendors' descriptions have in them."""
+
+import os
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(SOURCE / "scripts" / "gdb"))
+import svd  # noqa: E402
+
+OTHERS = """<device><name>X</name><size>0x20</size><access>read-write</access><peripherals>
+<peripheral><name>TIM0</name><baseAddress>0x40000000</baseAddress><registers>
+  <register><name>CTRL</name><addressOffset>0</addressOffset><fields>
+    <field><name>ON</name><bitOffset>0</bitOffset><bitWidth>1</bitWidth></field>
+    <field><name>MODE</name><lsb>4</lsb><msb>6</msb><enumeratedValues>
+      <enumeratedValue><name>FAST</name><value>#101</value></enumeratedValue></enumeratedValues></field>
+  </fields></register>
+  <register><dim>3</dim><dimIncrement>4</dimIncrement><name>CC[%s]</name><addressOffset>0x10</addressOffset><size>16</size></register>
+  <register derivedFrom="CTRL"><name>CTRL2</name><addressOffset>4</addressOffset></register>
+  <register><name>POP</name><addressOffset>8</addressOffset><readAction>modify</readAction></register>
+  <cluster><dim>2</dim><dimIncrement>0x20</dimIncrement><dimIndex>A,B</dimIndex><name>CH%s</name>
+    <addressOffset>0x100</addressOffset><access>write-only</access>
+    <register><name>DATA</name><addressOffset>4</addressOffset></register></cluster>
+</registers></peripheral>
+<peripheral derivedFrom="TIM0"><name>TIM1</name><baseAddress>0x40001000</baseAddress></peripheral>
+</peripherals></device>"""
+
+
+class Own(unittest.TestCase):
+    """models/registers/capsoc.svd."""
+
+    def setUp(self):
+        self.device = svd.Device()
+        self.device.load(SOURCE / "models/registers/capsoc.svd")
+
+    def test_all_our_peripherals_are_there(self):
+        # The address map's devices that the AN385 has not.
+        entries = re.findall(r'device\("(\w+)", (0x[0-9a-f]+)', (SOURCE / "models/bus/address_map.cpp").read_text())
+        own = {int(base, 16) for name, base in entries if name in ("coprocessor", "adc_front_end", "clock_controller")}
+        self.assertEqual({p.base for p in self.device.peripherals.values()}, own)
+        self.assertEqual(len(own), 3)
+
+    def test_names_addresses_and_fields(self):
+        _, register, field = self.device.find("coprocessor.status.lock")
+        self.assertEqual((register.address, field.low, field.of(0b10)), (0x4000C00C, 1, 1))
+        self.assertEqual(self.device.find("CLOCKCTRL.FREQ")[1].address, 0x4000E014)
+        reference = self.device.find("COPROCESSOR.CTRL.REF")[2]
+        self.assertEqual(reference.values[reference.of(8)], "ANGLE")
+
+    def test_formats_are_understood(self):
+        for path, word, meaning in (("COPROCESSOR.A1", 0x40000000, "0.5000000000"), ("COPROCESSOR.B1", 0xC0000000, "-0.5000000000"),
+                                    ("COPROCESSOR.AU_HI", 0x40000000, "0.5000000000"),
+                                    ("COPROCESSOR.ANGLE", 0x40000000, "90.0000000 degrees"),
+                                    ("COPROCESSOR.RESIDUE", 0xC0000000, "-90.0000000 degrees"), ("ADC.PERIOD", 7, "7")):
+            self.assertEqual(self.device.find(path)[1].meaning(word), meaning, path)
+
+    def test_completion(self):
+        self.assertEqual(self.device.complete("COP"), ["COPROCESSOR"])
+        self.assertIn("COPROCESSOR.STATUS", self.device.complete("coprocessor.st"))
+        self.assertEqual(self.device.complete("COPROCESSOR.STATUS.L"), ["COPROCESSOR.STATUS.LOCK"])
+        self.assertEqual(self.device.complete("NOTHING.X"), [])
+
+    def test_every_wrong_name_is_explained(self):
+        for path, text in (("NONE", "no peripheral NONE"), ("ADC.NONE", "no register NONE"), ("ADC.ID.X", "no field X"),
+                           ("A.B.C.D", "at the most")):
+            with self.assertRaisesRegex(svd.SvdError, text):
+                self.device.find(path)
+
+
+class Others(unittest.TestCase):
+    """Parts of CMSIS-SVD that our description does not use."""
+
+    def device(self, text):
+        with tempfile.NamedTemporaryFile("w", suffix=".svd") as file:
+            file.write(text)
+            file.flush()
+            device = svd.Device()
+            device.load(file.name)
+        return device
+
+    def test_arrays_clusters_and_derivation(self):
+        device = self.device(OTHERS)
+        for path, address, size in (("TIM0.CC2", 0x40000018, 2), ("TIM1.CC0", 0x40001010, 2), ("TIM1.CTRL2", 0x40001004, 4),
+                                    ("TIM0.CHB_DATA", 0x40000124, 4)):
+            register = device.find(path)[1]
+            self.assertEqual((register.address, register.size), (address, size), path)
+        mode = device.find("TIM1.CTRL2.MODE")[2]
+        self.assertEqual((mode.of(0x50), mode.values[5]), (5, "FAST"))
+        self.assertTrue(device.find("TIM0.POP")[1].has_side_effect)
+        self.assertFalse(device.find("TIM0.CHA_DATA")[1].readable)
+
+    def test_damage_is_one_sentence(self):
+        for text in ("", "<device>", "<html/>", OTHERS.replace("0x40000000", "zero"), OTHERS.replace("<lsb>4</lsb>", "<lsb/>"),
+                     OTHERS.replace("<name>TIM0</name>", "")):
+            with self.assertRaises(svd.SvdError) as caught:
+                self.device(text)
+            self.assertNotIn("\n", str(caught.exception))
+        with self.assertRaisesRegex(svd.SvdError, "cannot be read"):
+            svd.load("/nonexistent.svd")
+
+
+if __name__ == "__main__":
+    unittest.main()

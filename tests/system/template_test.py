@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""firmware/template copied out of the tree, built both ways and run."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS")}
+
+
+class Template(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.app = Path(folder.name) / "app"
+        shutil.copytree(SOURCE / "firmware" / "template", self.app)
+
+    def do(self, *command):
+        done = subprocess.run(command, cwd=self.app, capture_output=True, text=True, timeout=120, check=False, env=CLEAN)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_make(self):
+        self.do("make", f"CAPSOC={BUILD}")
+        self.assertEqual(self.do("make", "-s", f"CAPSOC={BUILD}", "run"), "angle: 300 tenths of a degree\n")
+        self.do("make", f"CAPSOC={BUILD}", "clean")
+        self.assertEqual({p.name for p in self.app.iterdir()}, {p.name for p in (SOURCE / "firmware/template").iterdir()})
+
+    def test_cmake(self):
+        self.do("cmake", "-B", "build", "--toolchain", "toolchain.cmake", f"-DCAPSOC={BUILD}")
+        self.do("cmake", "--build", "build")
+        self.assertEqual(self.do(BUILD / "capsoc", "run", "build/app.elf"), "angle: 300 tenths of a degree\n")
+        self.assertIn("angle: 300 tenths of a degree\n", self.do("cmake", "--build", "build", "--target", "run"))
+
+    def test_the_board_without_the_coprocessor(self):
+        if shutil.which("qemu-system-arm") is None:
+            self.skipTest("qemu-system-arm is not installed")
+        self.do("make", f"CAPSOC={BUILD}")
+        done = subprocess.run(["qemu-system-arm", "-M", "mps2-an385", "-nographic", "-semihosting", "-kernel", "app.elf"],
+                              cwd=self.app, capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+        self.assertEqual((done.returncode, done.stdout), (1, b"no coprocessor\n"))
+
+    def test_without_a_place_it_says_what_to_do(self):
+        for command in (["make"], ["cmake", "-B", "build", "--toolchain", "toolchain.cmake"]):
+            done = subprocess.run(command, cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn("/path/to/capsoc/build", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
