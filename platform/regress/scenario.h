@@ -61,4 +61,9 @@ void run_registers(Bench& bench, Random& random, const Budget&);
 void run_pairs(Bench& bench, Random& random, const Budget&);
 void run_flags(Bench& bench, Random& random, const Budget&);
 
+// scenarios_bits.cpp
+void run_threshold_bits(Bench& bench, Random& random, const Budget&);
+void run_stages(Bench& bench, Random& random, const Budget&);
+void run_flag_bits(Bench& bench, Random& random, const Budget&);
+
 }  // namespace capsoc::regress

@@ -39,6 +39,10 @@ const std::vector<Scenario>& scenarios() {
       {"interrupted", "resets, LOADs and changes of mode in the course of samples", 50, 150,
        run_interrupted},
       {"software", "samples that software submits", 50, 100, run_software},
+      {"threshold_bits", "thresholds, and averages of u and v, that differ in one bit", 0, 0,
+       run_threshold_bits},
+      {"stages", "each write stage and read latch alone, and each among all", 0, 0, run_stages},
+      {"flag_bits", "many flags at once, cleared one by one", 0, 0, run_flag_bits},
   };
   return all;
 }

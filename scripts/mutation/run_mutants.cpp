@@ -1,8 +1,9 @@
 // Holds every mutant against what the model answers to the regression's stimulus.
 //
 // usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] [--seed N] [--jobs N]
-//                    [--first N] [--edges N] [--known FILE]
-// --known: what an earlier run printed; mutants killed there are not tried again.
+//                    [--first N] [--edges N] [--known FILE] [--scenarios NAME,NAME...]
+// --known: what an earlier run printed; mutants killed there, or marked as equivalent, are not tried
+// again. --scenarios: only these.
 //
 // One line each on stdout: number, "killed" or "survived", scenario and edge of the first
 // difference, what differed. Mutant 0, the RTL as it is, must survive: status 1 if it does not.
@@ -41,11 +42,11 @@ struct Arguments {
   unsigned first = 0;
   uint64_t edges = 0;  // of each scenario; 0: all of them
   std::string known;   // what an earlier run printed
+  std::string scenarios;  // names with commas between; empty: all of them
 };
 
 struct Named {
   const char* name;
-  bool directed;
   Recording recording;
 };
 
@@ -56,11 +57,16 @@ void shorten(Recording& recording, uint64_t edges) {
   if (edges != 0) events.erase(std::find_if(events.begin(), events.end(), late), events.end());
 }
 
+bool chosen(const std::string& names, const char* name) {
+  return names.empty() || ("," + names + ",").find(fmt::format(",{},", name)) != std::string::npos;
+}
+
 /// The regression's stimulus.
 std::vector<Named> record(const Arguments& arguments) {
   std::vector<Named> result;
   for (const Scenario& scenario : scenarios()) {
-    result.push_back({scenario.name, scenario.directed(), {}});
+    if (!chosen(arguments.scenarios, scenario.name)) continue;
+    result.push_back({scenario.name, {}});
     Recorder recorder(arguments.options, result.back().recording);
     Coverage coverage(arguments.options.arithmetic);
     Bench bench(recorder, arguments.options.arithmetic, coverage, [] { return false; });
@@ -73,13 +79,13 @@ std::vector<Named> record(const Arguments& arguments) {
     recorder.close();
     shorten(result.back().recording, arguments.edges);
   }
-  // What finds most in little time goes first: random ones, then short ones.
-  const auto order = [](const Named& named) {
+  // What costs least goes first: few mutants are left when the long ones begin.
+  const auto edges = [](const Named& named) {
     const auto& events = named.recording.events;
-    return std::pair(named.directed, events.empty() ? 0 : events.back().edge);
+    return events.empty() ? 0 : events.back().edge;
   };
   std::stable_sort(result.begin(), result.end(),
-                   [&](const Named& a, const Named& b) { return order(a) < order(b); });
+                   [&](const Named& a, const Named& b) { return edges(a) < edges(b); });
   return result;
 }
 
@@ -301,13 +307,14 @@ std::vector<unsigned> survivors(const capsoc_mutants_api& api, unsigned jobs,
   return left;
 }
 
-std::set<unsigned> killed_before(const std::string& file) {
-  std::set<unsigned> killed;
+std::set<unsigned> decided_before(const std::string& file) {
+  std::set<unsigned> decided;
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);)
-    if (line.find("\tkilled\t") != std::string::npos)
-      killed.insert(static_cast<unsigned>(std::stoul(line)));
-  return killed;
+    if (line.find("\tkilled\t") != std::string::npos ||
+        line.find("\tequivalent\t") != std::string::npos)
+      decided.insert(static_cast<unsigned>(std::stoul(line)));
+  return decided;
 }
 
 bool parse(int argc, char** argv, Arguments& arguments) {
@@ -335,6 +342,8 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.edges = value;
     else if (name == "--known")
       arguments.known = argv[i + 1];
+    else if (name == "--scenarios")
+      arguments.scenarios = argv[i + 1];
     else
       return false;
   }
@@ -348,7 +357,8 @@ int main(int argc, char** argv) {
   if (!parse(argc, argv, arguments)) {
     fmt::print(stderr,
                "usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] "
-               "[--seed N] [--jobs N] [--first N] [--edges N] [--known FILE]\n");
+               "[--seed N] [--jobs N] [--first N] [--edges N] [--known FILE] "
+               "[--scenarios NAME,NAME...]\n");
     return 2;
   }
   void* handle = dlopen(arguments.library.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -361,7 +371,7 @@ int main(int argc, char** argv) {
   const std::vector<Named> stimuli = record(arguments);
 
   // Scenario by scenario, with the mutants that are left; the RTL itself is one of them.
-  const std::set<unsigned> known = killed_before(arguments.known);
+  const std::set<unsigned> known = decided_before(arguments.known);
   std::vector<unsigned> left = {0};
   for (unsigned mutant = std::max(arguments.first, 1u); mutant <= arguments.count; ++mutant)
     if (known.count(mutant) == 0) left.push_back(mutant);
