@@ -77,6 +77,7 @@ void Uart::write_data(uint8_t byte) {
 
 uint8_t Uart::read_data() {
   STATE.clear(state_rx_full);
+  begin_reception(now());
   return rx_buffer_;
 }
 
@@ -153,8 +154,21 @@ void Uart::receive(uint8_t byte) {
   plan();
 }
 
+void Uart::look_for_input() {
+  advance(now());
+  begin_reception(now());
+  plan();
+}
+
+void Uart::ask_source() {
+  if (!source_ || !far_end_.empty() || STATE.any(state_rx_full)) return;
+  if (const std::optional<uint8_t> byte = source_()) far_end_.push_back(*byte);
+}
+
 void Uart::begin_reception(uint64_t cycle) {
-  if (receiving_ || far_end_.empty() || !CTRL.any(ctrl_rx_enable) || !has_baud_rate()) return;
+  if (receiving_ || !CTRL.any(ctrl_rx_enable) || !has_baud_rate()) return;
+  ask_source();
+  if (far_end_.empty()) return;
   receiving_ = true;
   received_at_ = cycle + uint64_t{bits_per_byte} * BAUDDIV.get();
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <systemc>
 
 #include "cmsdk/clocked_bank.h"
@@ -47,6 +48,12 @@ class Uart : public ClockedBank {
   /// its stop bit is lost.
   void receive(uint8_t byte);
 
+  /// The far end waits for the program, too, as with RTS and CTS: `source` is asked for a byte
+  /// whenever the enabled receiver is idle and its buffer empty, so none overruns. Where it has
+  /// none, look_for_input() makes the receiver ask again.
+  void set_source(std::function<std::optional<uint8_t>()> source) { source_ = std::move(source); }
+  void look_for_input();
+
   /// The byte in the shifter and the one in the buffer go to the sink at once, for the end of a
   /// run.
   void flush();
@@ -86,10 +93,12 @@ class Uart : public ClockedBank {
   bool has_baud_rate() const { return BAUDDIV.get() >= minimum_baud_divider; }
   void load_shifter(uint64_t cycle);
   void finish_transmission();
+  void ask_source();
   void begin_reception(uint64_t cycle);
   void finish_reception();
 
   std::function<void(uint8_t)> sink_;
+  std::function<std::optional<uint8_t>()> source_;
   uint8_t tx_buffer_ = 0;
   uint8_t shifter_ = 0;
   bool shifting_ = false;

@@ -32,15 +32,16 @@ void Core::reset() {
   entered_at_ = never;
   sleeping_ = locked_up_ = attention_ = reset_request_ = semihosting_exit_ = false;
   event_register_ = exclusive_ = false;
-  watch_stop_ = bkpt_stop_ = false;
+  watch_stop_ = bkpt_stop_ = stuck_ = false;
   breakpoint_passed_ = never;
   event_ = Event::none;
   fault_report_ = {};
   first_fault_ = {};
   memory_.invalidate_all();
   uint32_t sp = 0, pc = 0;
-  bool good =
-      read_physical(0, 4, sp) <= Result::device && read_physical(4, 4, pc) <= Result::device;
+  vtor_ = vector_table_;
+  bool good = read_physical(vtor_, 4, sp) <= Result::device &&
+              read_physical(vtor_ + 4, 4, pc) <= Result::device;
   stalled_ = false;  // by these reads
   r_[13] = sp & ~3u;
   r_[14] = 0xFFFFFFFF;
@@ -229,6 +230,7 @@ std::optional<StopReason> Core::service() {
   if (reset_request_) return stop(reset_request_, StopReason::reset_request);
   if (watch_stop_) return stop(watch_stop_, StopReason::watchpoint);
   if (bkpt_stop_) return stop(bkpt_stop_, StopReason::breakpoint);
+  if (stuck_) return stop(stuck_, StopReason::stuck);
   if (attention_) return stop(attention_, StopReason::attention);
   if (unsigned number = highest_pending(execution_priority()); number != 0) {
     bool wakes = sleeping_ || locked_up_;
@@ -271,7 +273,7 @@ StopReason Core::run(uint64_t until_cycle) {
     if (cycles_ >= systick_event_) systick_expire();
     if (__builtin_expect(check_, 0)) {
       bool may_go = cycles_ < until_cycle || sleeping_ || locked_up_ || attention_ ||
-                    semihosting_exit_ || reset_request_ || watch_stop_ || bkpt_stop_;
+                    semihosting_exit_ || reset_request_ || watch_stop_ || bkpt_stop_ || stuck_;
       if (!may_go) return StopReason::budget;
       if (std::optional<StopReason> reason = service()) return *reason;
       continue;

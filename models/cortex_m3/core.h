@@ -23,7 +23,8 @@ enum class StopReason {
   breakpoint,
   watchpoint,
   reset_request,
-  attention
+  attention,
+  stuck
 };
 enum class Executor { stepping, blocks };
 
@@ -51,8 +52,10 @@ class Core {
   static constexpr uint64_t never = ~uint64_t{0};
 
   explicit Core(Bus& bus);
-  /// Power-on reset: reads the vector table at 0; cycles go on, so that time does not jump.
+  /// Power-on reset: reads the vector table; cycles go on, so that time does not jump.
   void reset();
+  /// Where reset() finds the vector table, and VTOR's reset value (B3.2.5): 0 unless set.
+  void set_vector_table(uint32_t address) { vector_table_ = address; }
 
   /// Memory the core reaches without the bus; `wait_states` a word. The host memory stays the
   /// caller's. Whoever else writes into it calls invalidate_code().
@@ -132,6 +135,10 @@ class Core {
   /// As with halting debug (C1.6): BKPT ends run() with breakpoint before it is executed, instead
   /// of raising a fault.
   void set_halting_debug(bool enabled) { halting_debug_ = enabled; }
+  /// Ends run() with `stuck` behind a branch to itself in HardFault, MemManage, BusFault or
+  /// UsageFault (the default handlers of CMSIS) that no enabled exception can preempt, if
+  /// `hopeless` says that nothing outside can, either (NMI, reset). Empty: never.
+  void set_stop_in_fault(std::function<bool()> hopeless) { hopeless_ = std::move(hopeless); }
   /// HCLK cycles of SysTick's reference clock (25 at reset).
   void set_systick_reference(unsigned cycles_a_tick);
 
@@ -238,6 +245,9 @@ class Core {
   bool monitor_can_preempt() const;
   bool monitor_enabled() const;
   void breakpoint_instruction(uint32_t address);
+  bool in_fault_handler() const { return ipsr_ >= 3 && ipsr_ <= 6; }
+  bool can_be_preempted() const;
+  void spin_in_fault();
   unsigned active_count() const;
 
   // system_control.cpp
@@ -341,6 +351,8 @@ class Core {
   std::vector<Watchpoint> watchpoints_;
   WatchHit watch_hit_;
   bool watch_stop_ = false, bkpt_stop_ = false, halting_debug_ = false;
+  std::function<bool()> hopeless_;
+  bool stuck_ = false;
   FaultReport fault_report_, first_fault_;
   uint64_t fault_count_ = 0;
 
@@ -348,6 +360,7 @@ class Core {
   uint64_t pending_ = 0, active_ = 0, enabled_ = 0;
   uint32_t lines_ = 0;
   BankedPriority priority_;
+  uint32_t vector_table_ = 0;
   uint32_t vtor_ = 0, prigroup_ = 0, scr_ = 0, ccr_ = 0, shcsr_ = 0, cfsr_ = 0, hfsr_ = 0,
            mmfar_ = 0, bfar_ = 0, dfsr_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;
   uint64_t cyccnt_base_ = 0;

@@ -233,6 +233,23 @@ void Core::breakpoint_instruction(uint32_t address) {
   exception_entry(hard_fault, address);
 }
 
+/// Whether an exception that comes by itself, NMI aside, could preempt the present code.
+bool Core::can_be_preempted() const {
+  constexpr unsigned systick = 15, first_interrupt = 16;
+  if (monitor_can_preempt()) return true;
+  const int priority = execution_priority();
+  for (unsigned number = systick; number < first_interrupt + interrupt_count; ++number) {
+    const bool may_come = number == systick ? (systick_csr_ & 3) == 3 : exception_enabled(number);
+    if (may_come && group_priority(exception_priority(number)) < priority) return true;
+  }
+  return false;
+}
+
+void Core::spin_in_fault() {
+  if (!hopeless_ || can_be_preempted() || !hopeless_()) return;
+  stuck_ = check_ = true;
+}
+
 bool Core::push_stack(uint32_t return_address, Cause& cause) {
   uint32_t sp = r_[13];
   bool align = (ccr_ & ccr_stkalign) != 0 && (sp & 4) != 0;

@@ -63,6 +63,7 @@ struct Execute {
   static bool load_multiple(Core&, const Step&, uint32_t address, uint32_t written_back);
   static bool store_multiple(Core&, const Step&, uint32_t address, uint32_t written_back);
   static bool take_branch(Core&, uint32_t target);
+  static bool branch_to_self(Core&, const Step&);
   static bool table_branch(Core&, const Step&, uint32_t offset, Access access);
   static bool conditional(Core&, const Step&);
   static bool align_sp(Core&, const Step&);
@@ -80,6 +81,7 @@ struct Execute {
   template <bool zero>
   static const Step* linked_compare_zero(Core&, const Step*);
   static const Step* linked_call(Core&, const Step*);
+  static const Step* linked_branch_to_self(Core&, const Step*);
   template <Handler compare, unsigned condition>
   static const Step* compare_and_branch(Core&, const Step*);
   template <Handler compare>

@@ -1,6 +1,13 @@
 #include "cortex_m3/execute.h"
 
 namespace capsoc::cortex_m3 {
+namespace {
+
+bool goes_to_itself(const DecodedOp& op) {
+  return pc_of(op) + op.imm == op.address;
+}
+
+}  // namespace
 
 bool Execute::take_branch(Core& c, uint32_t target) {
   c.branch_write_pc(target);
@@ -10,6 +17,12 @@ bool Execute::take_branch(Core& c, uint32_t target) {
 
 bool Execute::b(Core& c, const Step& op) {
   return take_branch(c, pc_of(op) + op.imm);
+}
+
+// `b .`: how a handler that gives up ends.
+bool Execute::branch_to_self(Core& c, const Step& op) {
+  if (c.in_fault_handler()) c.spin_in_fault();
+  return take_branch(c, op.address);
 }
 
 template <unsigned condition>
@@ -37,12 +50,13 @@ const Executors* Execute::branch_executors(const DecodedOp& op) {
   switch (op.operation) {
     case Operation::bcond:
       return conditional_branches[op.shift_n & 15];
+    case Operation::b:
+      return goes_to_itself(op) ? &both<branch_to_self> : &both<b>;
 #define ONE(name)       \
   case Operation::name: \
     return &both<name>;
       // A table of cases, which the formatter indents anew each time.
       // clang-format off
-    ONE(b)
     ONE(bl)
     ONE(bx)
     ONE(blx)
@@ -67,6 +81,10 @@ const Step* Execute::linked_compare_zero(Core& c, const Step* op) {
   return (c.r_[op->rn] == 0) == zero ? follow(c, op) : go_on(c, op + 1);
 }
 
+const Step* Execute::linked_branch_to_self(Core& c, const Step* op) {
+  return c.in_fault_handler() ? chain<branch_to_self>(c, op) : follow(c, op);
+}
+
 const Step* Execute::linked_call(Core& c, const Step* op) {
   c.r_[14] = next_address(*op) | 1;
   return follow(c, op);
@@ -82,7 +100,7 @@ Chain Execute::linked_branch_chain(const DecodedOp& op) {
   if (target >> Memory::page_bits != op.address >> Memory::page_bits) return nullptr;
   switch (op.operation) {
     case Operation::b:
-      return linked_branch<14>;
+      return goes_to_itself(op) ? linked_branch_to_self : linked_branch<14>;
     case Operation::bcond:
       return conditional_branches[op.shift_n & 15];
     case Operation::cbz:

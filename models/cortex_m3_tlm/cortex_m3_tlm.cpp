@@ -78,6 +78,8 @@ void CortexM3Tlm::thread() {
         break;
       case StopReason::lockup:
         return end(EndReason::lockup);
+      case StopReason::stuck:
+        return end(EndReason::stuck);
       case StopReason::semihosting_exit:
         return end(EndReason::exit);
       case StopReason::reset_request:

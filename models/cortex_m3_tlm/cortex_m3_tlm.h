@@ -22,7 +22,7 @@
 namespace capsoc::cortex_m3 {
 
 /// Why the processor ended the simulation.
-enum class EndReason { none, exit, lockup, asleep, interrupted, debugger };
+enum class EndReason { none, exit, lockup, stuck, asleep, interrupted, debugger };
 
 /// The processor as a bus master.
 class CortexM3Tlm : public sc_core::sc_module, private Bus {

@@ -9,6 +9,7 @@
 #include "sensor/motion.h"
 #include "sensor/text.h"
 #include "support/nearest.h"
+#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

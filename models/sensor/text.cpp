@@ -10,16 +10,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-std::string printable(std::string_view text) {
-  constexpr size_t longest = 40;
-  std::string out(text.substr(0, longest));
-  for (char& c : out) {
-    if (c < 0x20 || c > 0x7E) c = '?';
-  }
-  if (text.size() > longest) out += "...";
-  return out;
-}
-
 Error error_at(const std::string& file, unsigned long line, const std::string& message) {
   return Error{fmt::format("{}:{}: {}", file, line, message)};
 }

@@ -7,6 +7,7 @@
 
 #include "sensor/text.h"
 #include "support/nearest.h"
+#include "support/printable.h"
 #include "support/toml.h"
 
 namespace capsoc::sensor {

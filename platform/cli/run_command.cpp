@@ -65,7 +65,7 @@ int run_command(const RunArguments& arguments) {
   if (!r.fault_report.empty()) fmt::print(stderr, "\n{}", r.fault_report);
   fmt::print(stderr, "{}", run::to_table(r));
   if (!json.empty())
-    if (auto error = run::write_whole(json, run::to_json(r, settings).dump(2) + "\n"))
+    if (auto error = run::write_whole(json, run::to_text(run::to_json(r, settings))))
       return refuse(error->text);
   return r.code;
 }
@@ -116,7 +116,27 @@ void add_run(CLI::App& app, int& code) {
       ->type_name("S");
   option("--timelimit", "run.timelimit_s", "End after so many seconds of the host with exit 124")
       ->type_name("S");
-  option("--uart0", "uart0.backend", "Where UART 0 goes")->type_name("stdio|null|file:PATH");
+  for (const char number : {'0', '1', '2', '3', '4'})
+    option(fmt::format("--uart{}", number), fmt::format("uart{}.backend", number),
+           fmt::format("Where UART {} goes; stdio reads stdin, too", number))
+        ->type_name("stdout|stdio|null|file:PATH|pty[:LINK]|tcp[:PORT]");
+  run->add_flag_callback(
+      "--uart-wait", [arguments] { arguments->options.emplace_back("run.uart_wait", "true"); },
+      "Hold the first byte of a pty or tcp UART until somebody listens");
+  option("--until-uart", "run.until_uart", "End with 0 when a line of a UART matches")
+      ->type_name("REGEX");
+  option("--fail-uart", "run.fail_uart", "End with 1 when a line of a UART matches")
+      ->type_name("REGEX");
+  option("--semihosting-dir", "semihosting.directory",
+         "Directory that the program's semihosting files are in; without it there are none")
+      ->type_name("DIR");
+  option("--semihosting-console", "semihosting.console", "Where :tt goes; as --uart0 (stderr)")
+      ->type_name("BACKEND");
+  option("--semihosting-args", "semihosting.arguments", "The program's command line")
+      ->type_name("TEXT");
+  option("--vector-table", "firmware.vector_table",
+         "Where the vector table is (auto: 0, or where the program has it)")
+      ->type_name("ADDR");
   option("--json", "results.json", "Write the results as JSON")->type_name("FILE");
   option("--record", "results.record", "Write the samples that the coprocessor saw as a recording")
       ->type_name("FILE.csv");

@@ -1,6 +1,5 @@
 #include "debug/connections.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -16,19 +15,13 @@
 #include <utility>
 #include <vector>
 
+#include "host/loopback.h"
+
 namespace capsoc::debug {
 namespace {
 
 constexpr time_t longest_send_s = 5;
 constexpr std::size_t most_connections = 16;
-
-sockaddr_in loopback(uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
 
 void prepare(int descriptor) {
   const int on = 1;
@@ -58,24 +51,14 @@ void Socket::shut_down() const {
 }
 
 Result<std::unique_ptr<Connections>> Connections::listen(uint16_t port) {
-  const auto failed = [port] {
-    return Error{fmt::format("--gdb {}: cannot listen ({}); choose another port, 0 for a free one",
-                             port, std::strerror(errno))};
-  };
-  const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return failed();
-  auto listener = std::make_shared<Socket>(descriptor);
-  const int on = 1;
-  setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  sockaddr_in address = loopback(port);
-  socklen_t size = sizeof address;
-  if (bind(descriptor, reinterpret_cast<sockaddr*>(&address), size) != 0) return failed();
-  if (::listen(descriptor, 4) != 0) return failed();
-  if (getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return failed();
+  auto listener = host::listen_on_loopback(port, "--gdb");
+  if (!listener) return Error{listener.error()};
   std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) return failed();
+  if (pipe(ends.data()) != 0)
+    return Error{fmt::format("--gdb {}: no pipe can be opened ({})", port, std::strerror(errno))};
   return std::unique_ptr<Connections>(
-      new Connections(std::move(listener), ntohs(address.sin_port), ends[0], ends[1]));
+      new Connections(std::make_shared<Socket>(listener.value().socket.release()),
+                      listener.value().port, ends[0], ends[1]));
 }
 
 Connections::Connections(std::shared_ptr<Socket> listener, uint16_t port, int stop_read,

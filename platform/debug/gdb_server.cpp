@@ -59,6 +59,7 @@ bool GdbServer::after_run(cortex_m3::StopReason reason, bool advanced) {
       return true;
     }
     case StopReason::lockup:
+    case StopReason::stuck:
       if (sessions_.empty()) return false;
       halt({Kind::lockup});
       return true;

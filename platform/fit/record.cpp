@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "peripherals/quantiser.h"
-#include "run/uart_backend.h"
+#include "run/sha256.h"
 #include "sensor/load.h"
 
 namespace capsoc::fit {

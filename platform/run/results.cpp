@@ -5,6 +5,7 @@
 #include <cmath>
 #include <systemc>
 
+#include "run/uart_lines.h"
 #include "support/json.h"
 
 namespace capsoc::run {
@@ -61,9 +62,14 @@ nlohmann::ordered_json versions() {
   return v;
 }
 
+std::string to_text(const ordered_json& json) {
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
 bool is_place(const std::string& setting) {
   return setting == "results.json" || setting == "results.record" || setting == "results.waves" ||
-         setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0;
+         setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0 ||
+         is_uart_place(setting) || setting == "semihosting.console";
 }
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {

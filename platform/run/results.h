@@ -62,6 +62,9 @@ bool is_place(const std::string& setting);
 /// The result file's contents; keys are documented in docs/results.md.
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);
 
+/// A result file's text. Bytes that are no UTF-8 (of an option, of a UART) are replaced.
+std::string to_text(const nlohmann::ordered_json& json);
+
 /// Parameters beside the truth and the angle error before and after, as text.
 std::string to_table(const RunResult& result);
 

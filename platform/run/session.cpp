@@ -14,14 +14,16 @@
 #include "debug/gdb_server.h"
 #include "fit/golden.h"
 #include "loader/program_file.h"
+#include "loader/vector_table.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
 #include "run/parameter_file.h"
 #include "run/progress.h"
 #include "run/sample_record.h"
-#include "run/semihosting.h"
+#include "run/semihosting_port.h"
+#include "run/sha256.h"
 #include "run/trace_settings.h"
-#include "run/uart_backend.h"
+#include "run/uart_lines.h"
 #include "sensor/load.h"
 #include "soc/soc.h"
 #include "tlm/guest_error.h"
@@ -68,8 +70,7 @@ std::string reproducing_command(const Settings& settings) {
   std::string text = "capsoc run";
   for (const Setting& setting : settings.all()) {
     if (setting.source == SettingSource::built_in) continue;
-    if (is_place(setting.path) || setting.path == "uart0.backend")
-      continue;  // where it goes, not what it is
+    if (is_place(setting.path)) continue;  // where it goes, not what it is
     text += fmt::format(" -C {}={}", setting.path, setting.value);
   }
   return text;
@@ -82,6 +83,18 @@ std::vector<std::string> places_to_load(const Settings& settings) {
   for (std::string place; std::getline(list, place, ',');)
     if (!place.empty()) places.push_back(place);
   return places;
+}
+
+/// Where the processor starts.
+std::optional<Error> place_vector_table(const Settings& settings, const loader::ElfImage& program,
+                                        const std::vector<loader::ElfImage>& further,
+                                        soc::Soc& soc) {
+  std::vector<const loader::ElfImage*> images = {&program};
+  for (const loader::ElfImage& image : further) images.push_back(&image);
+  const auto table = loader::find_vector_table(images, settings.text("firmware.vector_table"));
+  if (!table) return Error{table.error()};
+  soc.cpu.core().set_vector_table(table.value());
+  return std::nullopt;
 }
 
 /// The GDB server that the settings ask for, or null.
@@ -188,8 +201,8 @@ class Observation {
 };
 
 /// Why the simulation is over, as an exit code and a sentence.
-void conclude(const soc::Soc& soc, const Semihosting& semihosting, const Limit& limit,
-              bool out_of_time, double wall_limit, RunResult& result) {
+void conclude(const Settings& settings, const soc::Soc& soc, int status, const UartLines& uarts,
+              const Limit& limit, bool out_of_time, RunResult& result) {
   using cortex_m3::EndReason;
   const auto say = [&](int code, std::string reason) {
     result.code = code;
@@ -197,14 +210,26 @@ void conclude(const soc::Soc& soc, const Semihosting& semihosting, const Limit& 
   };
   if (!result.divergence.empty())
     return say(exit_code::diverged, "the coprocessor's model and RTL differ");
+  const serial::SerialLine* said = uarts.matched();
+  if (said != nullptr && said->match()->failed)
+    return say(exit_code::failed, fmt::format("{} printed what --fail-uart names: {}", said->name(),
+                                              said->match()->line));
   if (soc.cpu.end_reason() == EndReason::exit) {
-    const int status = semihosting.exit_status();
+    if (settings.text("semihosting.status") == "process")
+      return say(status & 0xFF, fmt::format("the firmware ended with status {}", status));
     if (status == 0) return say(exit_code::pass, "the firmware ended with status 0");
     return say(exit_code::failed, fmt::format("the firmware ended with status {}", status));
   }
   if (soc.cpu.end_reason() == EndReason::lockup)
     return say(exit_code::crashed, "the firmware crashed: lockup");
-  if (soc.cpu.end_reason() == EndReason::asleep)
+  if (soc.cpu.end_reason() == EndReason::stuck)
+    return say(exit_code::crashed, "the firmware crashed: its fault handler branches to itself");
+  if (said != nullptr && soc.cpu.end_reason() == EndReason::none)
+    return say(exit_code::pass, fmt::format("{} printed what --until-uart names: {}", said->name(),
+                                            said->match()->line));
+  const bool sleeps = soc.cpu.end_reason() == EndReason::none && soc.cpu.core().sleeping();
+  if (soc.cpu.end_reason() == EndReason::asleep ||
+      (sleeps && caught_signal == 0 && !out_of_time && !limit.expired()))
     return say(exit_code::limit, "the firmware sleeps and nothing is left that could wake it");
   if (soc.cpu.end_reason() == EndReason::debugger && caught_signal == 0 && !out_of_time)
     return say(exit_code::pass, "ended by the debugger");
@@ -212,8 +237,8 @@ void conclude(const soc::Soc& soc, const Semihosting& semihosting, const Limit& 
     return say(exit_code::signal_base + caught_signal,
                fmt::format("ended by signal {}", caught_signal.load()));
   if (out_of_time)
-    return say(exit_code::limit,
-               fmt::format("the limit of {:g} s of the host was hit", wall_limit));
+    return say(exit_code::limit, fmt::format("the limit of {:g} s of the host was hit",
+                                             settings.number("run.timelimit_s")));
   if (limit.expired())
     return say(exit_code::limit, fmt::format("the limit of {:g} simulated s was hit",
                                              sc_core::sc_time_stamp().to_seconds()));
@@ -238,6 +263,8 @@ Settings make_settings() {
       "program for the Cortex-M3");
   add("firmware.load", SettingKind::text, "",
       "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas");
+  add("firmware.vector_table", SettingKind::text, "auto",
+      "address of the vector table; auto: 0, or where the program has it");
   add("firmware.parameters", SettingKind::path, "",
       "JSON with parameters to write in the program; empty: none");
   add("sensor.file", SettingKind::path, installed("traces/soc_eq21.toml"),
@@ -256,7 +283,10 @@ Settings make_settings() {
       1e6);
   add("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none", {}, 0,
       1e6);
-  add("uart0.backend", SettingKind::text, "stdio", "stdio, null or file:PATH");
+  add_uart_settings(s);
+  add_semihosting_settings(s);
+  add("run.stop_in_fault", SettingKind::flag, "true",
+      "a fault handler that branches to itself is a crash, if nothing can interrupt it");
   add("run.golden", SettingKind::flag, "false", "fit the coprocessor's samples by the CSFN, too");
   add("gdb.port", SettingKind::integer, "-1", "port of the GDB server; 0: a free one, -1: none", {},
       -1, 65535);
@@ -313,13 +343,9 @@ Result<RunResult> run(const Settings& settings) {
     if (auto error = soc.load(further.value())) return *error;
     further_images.push_back(std::move(further.value()));
   }
-
-  Semihosting semihosting;
-  soc.cpu.core().set_semihosting([&](cortex_m3::Core& core) { return semihosting.call(core); });
-
-  auto uart = UartBackend::open(settings.text("uart0.backend"));
-  if (!uart) return Error{uart.error()};
-  soc.uart0.on_transmit([&](uint8_t byte) { uart.value()->put(byte); });
+  if (auto error = place_vector_table(settings, image.value(), further_images, soc)) return *error;
+  if (settings.text("run.stop_in_fault") == "true")
+    soc.cpu.core().set_stop_in_fault([&soc] { return soc.watchdog_is_off(); });
 
   const double rate = description.sample_rate_hz.value_or(250);
   const double frequency = std::fabs(description.frequency_hz.value_or(0.05));
@@ -359,15 +385,26 @@ Result<RunResult> run(const Settings& settings) {
     if (!attached) return Error{attached.error()};
     tracer = std::move(attached.value());
   }
-  auto gdb = make_gdb_server(settings, soc, interrupted);
-  if (!gdb) return Error{gdb.error()};
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  std::signal(SIGPIPE, SIG_IGN);  // whoever read our output and is gone does not end the run
+  auto semihosting = SemihostingPort::open(settings, soc, image.value(), elf, interrupted);
+  if (!semihosting) return Error{semihosting.error()};
+  UartLines uarts("uart_lines", soc, interrupted);
+  if (auto error = uarts.open(settings)) return *error;
+  // While a debugger holds the processor, what it printed is to be seen.
+  auto gdb = make_gdb_server(settings, soc, [&] {
+    uarts.flush();
+    semihosting.value()->flush();
+    return interrupted();
+  });
+  if (!gdb) return Error{gdb.error()};
 
   sc_core::sc_start();
 
-  soc.uart0.flush();
-  uart.value()->flush();
+  semihosting.value()->flush();
+  uarts.finish();
+  for (const std::string& failure : uarts.failures()) spdlog::error(failure);
   progress.finish();
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});
@@ -386,7 +423,7 @@ Result<RunResult> run(const Settings& settings) {
         error ? error->text + "\n" : fmt::format("waves of both sides: {}\n", waves);
   }
   if (backend.value().rtl != nullptr && lockstep == nullptr) backend.value().rtl->close_waves();
-  conclude(soc, semihosting, limit, out_of_time, wall_limit, result);
+  conclude(settings, soc, semihosting.value()->exit_status(), uarts, limit, out_of_time, result);
   if (gdb.value() != nullptr) gdb.value()->finish(result.code);
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.wall_s = wall();
@@ -397,8 +434,8 @@ Result<RunResult> run(const Settings& settings) {
   result.words = metrics.words();
   result.truth = metrics.truth();
   result.errors = metrics.angle_errors();
-  result.uart0_bytes = uart.value()->bytes();
-  result.uart0_sha256 = uart.value()->sha256();
+  result.uart0_bytes = uarts.line(0).bytes();
+  result.uart0_sha256 = uarts.line(0).sha256();
   result.inputs = {{"firmware", elf, sha256_of_file(elf)},
                    {"sensor", sensor_file, sha256_of_file(sensor_file)}};
   for (const std::string& place : places_to_load(settings)) {

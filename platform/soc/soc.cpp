@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bus/address_map.h"
 
 namespace capsoc::soc {
@@ -176,38 +178,56 @@ uint32_t Soc::peek(uint32_t address) {
   return bytes[0] | bytes[1] << 8 | bytes[2] << 16 | static_cast<uint32_t>(bytes[3]) << 24;
 }
 
-bool Soc::write_memory(uint32_t address, const uint8_t* bytes, uint32_t size) {
+bool Soc::is_memory(uint32_t address, uint32_t size) const {
+  const bus::AddressMap& map = ahb.map();
+  return std::any_of(map.begin(), map.end(), [&](const bus::MapEntry& entry) {
+    return entry.kind == bus::TargetKind::memory && address >= entry.base &&
+           address <= entry.last() && size - 1 <= entry.last() - address;
+  });
+}
+
+/// Bytes of a debug access that one memory answers; 0 for any other place.
+uint32_t Soc::access_memory(tlm::tlm_command command, uint32_t address, void* bytes,
+                            uint32_t size) {
+  if (!is_memory(address, size)) return 0;
   tlm::tlm_generic_payload payload;
-  payload.set_command(tlm::TLM_WRITE_COMMAND);
+  payload.set_command(command);
   payload.set_address(address);
-  payload.set_data_ptr(const_cast<uint8_t*>(bytes));  // a write only reads them
+  payload.set_data_ptr(static_cast<uint8_t*>(bytes));
   payload.set_data_length(size);
   payload.set_streaming_width(size);
-  return cpu.system->transport_dbg(payload) == size;
+  return cpu.system->transport_dbg(payload);
+}
+
+bool Soc::read_memory(uint32_t address, void* bytes, uint32_t size) {
+  return size == 0 || access_memory(tlm::TLM_READ_COMMAND, address, bytes, size) == size;
+}
+
+bool Soc::write_memory(uint32_t address, const void* bytes, uint32_t size) {
+  if (size == 0) return true;
+  // A write only reads them.
+  const uint32_t done =
+      access_memory(tlm::TLM_WRITE_COMMAND, address, const_cast<void*>(bytes), size);
+  if (done != 0) cpu.core().invalidate_code(address, done);
+  return done == size;
 }
 
 std::optional<Error> Soc::load(const loader::ElfImage& image) {
-  const bus::AddressMap map = bus::soc_address_map();
-  const auto is_memory = [&](uint32_t address) {
-    for (const bus::MapEntry& entry : map)
-      if (address >= entry.base && address <= entry.last())
-        return entry.kind == bus::TargetKind::memory;
-    return false;
-  };
   for (const loader::Segment& segment : image.segments) {
     const uint32_t last = segment.address + segment.memory_size - 1;
-    if (!is_memory(segment.address) || !is_memory(last))
+    if (!is_memory(segment.address, 1) || !is_memory(last, 1))
       return Error{fmt::format(
           "{}: the segment {:#010x} to {:#010x} lies outside memory; link it to the map that "
           "`capsoc info` prints",
           image.path, segment.address, last)};
-    std::vector<uint8_t> bytes = segment.bytes;
-    bytes.resize(segment.memory_size);
-    if (!write_memory(segment.address, bytes.data(), segment.memory_size))
+    if (!is_memory(segment.address, segment.memory_size))
       return Error{fmt::format(
           "{}: the segment at {:#010x} crosses the end of a memory; link it to the map that "
           "`capsoc info` prints",
           image.path, segment.address)};
+    std::vector<uint8_t> bytes = segment.bytes;
+    bytes.resize(segment.memory_size);
+    write_memory(segment.address, bytes.data(), segment.memory_size);
   }
   return std::nullopt;
 }

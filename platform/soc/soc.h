@@ -68,6 +68,16 @@ class Soc : public sc_core::sc_module {
       std::function<void(tlm_util::InterruptLine&, const char* device, const char* output)>;
   void each_interrupt(const EachInterrupt& call);
 
+  /// Bytes of one memory, without side effects or time; false, with nothing done, for any other
+  /// place.
+  bool read_memory(uint32_t address, void* bytes, uint32_t size);
+  bool write_memory(uint32_t address, const void* bytes, uint32_t size);
+
+  /// Nothing outside the processor will interrupt it where only NMI or a reset can.
+  bool watchdog_is_off() const {
+    return !watchdog.CONTROL.any(peripherals::Watchdog::control_interrupt);
+  }
+
   /// A word as a debugger reads it, without side effects; 0 where nothing answers.
   uint32_t peek(uint32_t address);
 
@@ -102,7 +112,8 @@ class Soc : public sc_core::sc_module {
       const std::vector<OwnDevice>& own, const std::string& slot);
   void connect_interrupts();
   void connect(tlm_util::InterruptLine& source, const char* device, const char* output);
-  bool write_memory(uint32_t address, const uint8_t* bytes, uint32_t size);
+  bool is_memory(uint32_t address, uint32_t size) const;
+  uint32_t access_memory(tlm::tlm_command command, uint32_t address, void* bytes, uint32_t size);
 };
 
 }  // namespace capsoc::soc

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "support/nearest.h"
+#include "support/printable.h"
 #include "support/toml.h"
 
 namespace capsoc {
@@ -85,18 +86,19 @@ std::optional<Error> Settings::check(const Setting& setting, const std::string& 
       if (std::count(setting.choices.begin(), setting.choices.end(), value) > 0)
         return std::nullopt;
       return Error{fmt::format("{}: {} cannot be '{}'; choose one of {}", origin, setting.path,
-                               value, fmt::join(setting.choices, ", "))};
+                               printable(value), fmt::join(setting.choices, ", "))};
     case SettingKind::flag:
       if (value == "true" || value == "false") return std::nullopt;
-      return Error{
-          fmt::format("{}: {} cannot be '{}'; give true or false", origin, setting.path, value)};
+      return Error{fmt::format("{}: {} cannot be '{}'; give true or false", origin, setting.path,
+                               printable(value))};
     case SettingKind::number:
     case SettingKind::integer: {
       double number = 0;
       if (!parse_number(value, number) ||
           (setting.kind == SettingKind::integer && number != std::floor(number)))
         return Error{fmt::format("{}: {} cannot be '{}'; give a{} number", origin, setting.path,
-                                 value, setting.kind == SettingKind::integer ? " whole" : "")};
+                                 printable(value),
+                                 setting.kind == SettingKind::integer ? " whole" : "")};
       if (number < setting.minimum || number > setting.maximum)
         return Error{fmt::format("{}: {} = {} is out of range; give {:g} to {:g}", origin,
                                  setting.path, value, setting.minimum, setting.maximum)};
@@ -121,7 +123,7 @@ std::optional<Error> Settings::set(const std::string& path, const std::string& v
   for (const Setting& setting : settings_) known.push_back(setting.path);
   return Error{
       fmt::format("{}: there is no setting '{}'; did you mean {}? (--list-params lists all)",
-                  origin, path, nearest_names(path, known))};
+                  origin, printable(path), nearest_names(path, known))};
 }
 
 std::optional<Error> Settings::set_assignment(const std::string& assignment) {
@@ -160,7 +162,7 @@ std::optional<Error> Settings::read_file(const std::string& file) {
   const toml::parse_result parsed = toml::parse_file(file);
   if (!parsed)
     return Error{fmt::format("{}:{}: {}; mend the TOML", file, parsed.error().source().begin.line,
-                             parsed.error().description())};
+                             printable(parsed.error().description(), 120))};
   const toml::table& root = parsed.table();
   for (auto&& [table_name, node] : root) {
     const auto line = [&](const toml::node& n) {
@@ -169,13 +171,13 @@ std::optional<Error> Settings::read_file(const std::string& file) {
     const toml::table* table = node.as_table();
     if (table == nullptr)
       return Error{fmt::format("{}: '{}' stands outside a table; write [{}] and keys below it",
-                               line(node), table_name.str(), "section")};
+                               line(node), printable(table_name.str()), "section")};
     for (auto&& [key, value] : *table) {
       const std::string path = fmt::format("{}.{}", table_name.str(), key.str());
       const auto text = text_of(value);
       if (!text)
-        return Error{
-            fmt::format("{}: {} must be a text, a number or true/false", line(value), path)};
+        return Error{fmt::format("{}: {} must be a text, a number or true/false", line(value),
+                                 printable(path))};
       if (auto error = set(path, *text, SettingSource::file, line(value))) return error;
     }
   }

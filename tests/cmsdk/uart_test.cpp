@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +30,10 @@ class UartTest : public testing::Test {
     sent.clear();
     uart.on_transmit([this](uint8_t byte) { sent.push_back({b.cycle(), byte}); });
   }
-  ~UartTest() override { uart.on_transmit({}); }
+  ~UartTest() override {
+    uart.on_transmit({});
+    uart.set_source({});
+  }
 
   uint32_t get(uint64_t offset) { return b.to_uart.read(offset).value; }
   void set(uint64_t offset, uint32_t value) { ASSERT_TRUE(b.to_uart.write(offset, value).ok()); }
@@ -284,6 +288,40 @@ TEST_F(UartTest, ADebuggerReadsDataWithoutTakingIt) {
   EXPECT_EQ(b.to_uart.debug_read(data), uint32_t{'x'});
   EXPECT_EQ(b.to_uart.debug_read(state), Uart::state_rx_full);
   EXPECT_EQ(get(state), Uart::state_rx_full);
+}
+
+TEST_F(UartTest, ASourceWaitsForTheProgram) {
+  std::string text = "abc";
+  uart.set_source([&]() -> std::optional<uint8_t> {
+    if (text.empty()) return std::nullopt;
+    const auto byte = static_cast<uint8_t>(text[0]);
+    text.erase(0, 1);
+    return byte;
+  });
+  b.run(byte_time);
+  EXPECT_EQ(text, "abc") << "nobody listens";
+  enable(Uart::ctrl_rx_enable);
+  b.run(byte_time - 1);
+  EXPECT_EQ(get(state), 0U);
+  b.run(1);
+  EXPECT_EQ(get(state), Uart::state_rx_full);
+  b.run(10 * byte_time);
+  EXPECT_EQ(text, "bc") << "the buffer is full";
+  EXPECT_EQ(get(data), uint32_t{'a'});
+  b.run(byte_time - 1);
+  EXPECT_EQ(get(state), 0U);
+  b.run(1);
+  EXPECT_EQ(get(data), uint32_t{'b'});
+  b.run(byte_time);
+  EXPECT_EQ(get(data), uint32_t{'c'});
+  b.run(3 * byte_time);
+  EXPECT_EQ(get(state), 0U) << "no overrun, nothing left";
+  text = "d";
+  b.run(3 * byte_time);
+  EXPECT_EQ(get(state), 0U) << "it does not ask by itself";
+  uart.look_for_input();
+  b.run(byte_time);
+  EXPECT_EQ(get(data), uint32_t{'d'});
 }
 
 TEST_F(UartTest, TakesAByteWriteToItsLowByteOnly) {

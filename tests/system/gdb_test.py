@@ -456,6 +456,17 @@ class Protocol(unittest.TestCase):
             self.assertEqual(client.ask("qRcmd," + b"reset halt".hex()), "OK")
             self.assertEqual(client.register(15), client.word(4) & ~1)
 
+    def test_a_fault_handler_that_branches_to_itself_stops(self):
+        with Run(BUILD / "firmware" / "spin.elf", "--halt") as run, Packets(run) as client:
+            for _ in range(2):
+                self.assertTrue(client.ask("vCont;c").startswith("T0b"))
+                self.assertEqual(client.register(25) & 0x1FF, 3, "in the HardFault handler")
+                self.assertEqual(client.word(0xE000ED38), 0x60000000)
+                self.assertTrue(client.ask("vCont;s:1").startswith("T0"))
+                self.assertEqual(client.ask("qRcmd," + b"reset halt".hex()), "OK")
+            self.assertEqual(client.ask("D"), "OK")
+            self.assertEqual(run.end()[0], 5, "without a debugger it is a crash")
+
     def test_halt_without_gdb_and_a_taken_port_are_refused(self):
         done = subprocess.run([CAPSOC, "run", DEBUGGEE, "--halt"], capture_output=True, timeout=60, check=False,
                               env=CLEAN)

@@ -1,0 +1,120 @@
+#include "run/semihosting_port.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "serial/open_backend.h"
+
+namespace capsoc::run {
+namespace {
+
+constexpr uint32_t stack_size = 64U << 10U;  // what SYS_HEAPINFO leaves for it
+
+/// From the end of the program, as linker scripts name it, to the end of the memory that it is in.
+semihosting::HeapInfo heap_of(const loader::ElfImage& image, const bus::AddressMap& map) {
+  for (const char* name : {"end", "_end", "__end__", "heap_start"}) {
+    const auto symbol = image.address_of(name);
+    if (!symbol) continue;
+    for (const bus::MapEntry& entry : map) {
+      if (entry.kind != bus::TargetKind::memory || *symbol < entry.base || *symbol > entry.last())
+        continue;
+      const auto top = static_cast<uint32_t>(entry.last() + 1);
+      const uint32_t base = (*symbol + 7) & ~7U, limit = top - stack_size;
+      if (base < limit) return {base, limit, top, limit};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_semihosting_settings(Settings& s) {
+  s.add({"semihosting.directory",
+         SettingKind::path,
+         "",
+         "where the program's files are; empty: it gets none",
+         {},
+         0,
+         0});
+  s.add({"semihosting.console", SettingKind::text, "stderr", serial::backend_names, {}, 0, 0});
+  s.add({"semihosting.arguments",
+         SettingKind::text,
+         "",
+         "the program's command line behind its name",
+         {},
+         0,
+         0});
+  s.add({"semihosting.epoch_s",
+         SettingKind::integer,
+         "1767225600",
+         "the program's time at the start, s since 1970 (2026-01-01)",
+         {},
+         0,
+         4102444800.0});
+  s.add({"semihosting.status",
+         SettingKind::choice,
+         "verdict",
+         "verdict: any status but 0 is exit code 1; process: its low byte is the exit code",
+         {"verdict", "process"},
+         0,
+         0});
+}
+
+Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const Settings& settings,
+                                                               soc::Soc& soc,
+                                                               const loader::ElfImage& image,
+                                                               const std::string& program,
+                                                               const serial::GiveUp& give_up) {
+  semihosting::GuestFiles files;
+  if (const std::string& directory = settings.text("semihosting.directory"); !directory.empty()) {
+    auto opened = semihosting::GuestFiles::in(directory);
+    if (!opened) return Error{opened.error()};
+    files = std::move(opened.value());
+  }
+  auto console =
+      serial::open_backend(settings.text("semihosting.console"), "--semihosting-console", give_up);
+  if (!console) return Error{console.error()};
+  if (const std::string place = console.value()->place(); !place.empty())
+    fmt::print(stderr, "semihosting: {}\n", place);
+  semihosting::Environment environment;
+  // The name without its folder: the same bytes wherever the program lies.
+  environment.command_line = std::filesystem::path(program).filename().string();
+  if (const std::string& arguments = settings.text("semihosting.arguments"); !arguments.empty())
+    environment.command_line += " " + arguments;
+  environment.epoch_s = static_cast<uint64_t>(settings.integer("semihosting.epoch_s"));
+  environment.heap = heap_of(image, soc.ahb.map());
+  environment.now_ns = [&soc] {
+    return static_cast<uint64_t>(soc.clock.time_of(soc.cpu.core().cycles()) /
+                                 sc_core::sc_time(1, sc_core::SC_NS));
+  };
+  return std::unique_ptr<SemihostingPort>(new SemihostingPort(
+      soc, std::move(console.value()), std::move(files), std::move(environment), give_up));
+}
+
+SemihostingPort::SemihostingPort(soc::Soc& soc, std::unique_ptr<serial::CharacterBackend> console,
+                                 semihosting::GuestFiles files,
+                                 semihosting::Environment environment,
+                                 const serial::GiveUp& give_up)
+    : soc_(soc),
+      console_(std::move(console), give_up),
+      semihosting_(*this, std::move(files), console_, std::move(environment)) {
+  soc_.cpu.core().set_semihosting([this](cortex_m3::Core& core) {
+    uint32_t result = core.reg(0);
+    const bool goes_on = semihosting_.call(core.reg(0), core.reg(1), result);
+    core.set_reg(0, result);
+    return goes_on;
+  });
+}
+
+bool SemihostingPort::read(uint32_t address, void* data, uint32_t size) {
+  return soc_.read_memory(address, data, size);
+}
+
+bool SemihostingPort::write(uint32_t address, const void* data, uint32_t size) {
+  return soc_.write_memory(address, data, size);
+}
+
+}  // namespace capsoc::run

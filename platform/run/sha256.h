@@ -1,0 +1,27 @@
+// SHA-256 of what a run reads and prints.
+#pragma once
+
+#include <openssl/evp.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace capsoc::run {
+
+/// SHA-256 of a stream.
+class Sha256 {
+ public:
+  Sha256();
+  void update(const void* data, std::size_t size);
+  /// Lower-case hexadecimal digest of everything so far; the stream may go on.
+  std::string hex() const;
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+};
+
+/// SHA-256 of a file's bytes, "" if it cannot be read.
+std::string sha256_of_file(const std::string& path);
+
+}  // namespace capsoc::run

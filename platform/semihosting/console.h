@@ -1,0 +1,31 @@
+// The guest's console, `:tt`.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "serial/character_backend.h"
+
+namespace capsoc::semihosting {
+
+/// Text in lines to the host; text from the host, for which the simulation waits.
+class Console {
+ public:
+  Console(std::unique_ptr<serial::CharacterBackend> backend, serial::GiveUp give_up)
+      : backend_(std::move(backend)), give_up_(std::move(give_up)) {}
+
+  void write(std::string_view text);
+  void flush();
+  /// 1 to `most` bytes; empty at the end of the input.
+  std::string read(std::size_t most);
+
+ private:
+  bool refill();
+
+  std::unique_ptr<serial::CharacterBackend> backend_;
+  serial::GiveUp give_up_;
+  std::string pending_, incoming_;
+};
+
+}  // namespace capsoc::semihosting

@@ -1,0 +1,107 @@
+#include "serial/file_backend.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <limits.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace capsoc::serial {
+namespace {
+
+constexpr int patience_ms = 50;      // how often give_up is asked
+constexpr std::size_t piece = 4096;  // of a read
+
+bool readable(int descriptor) {
+  pollfd polled{descriptor, POLLIN, 0};
+  return poll(&polled, 1, 0) > 0;
+}
+
+/// A process in the background that reads its terminal is stopped.
+bool in_foreground() {
+  return tcgetpgrp(STDIN_FILENO) == getpgrp();
+}
+
+}  // namespace
+
+FileBackend::FileBackend(int output, host::Descriptor owned, std::string name, Input input,
+                         GiveUp give_up)
+    : output_(output),
+      owned_(std::move(owned)),
+      name_(std::move(name)),
+      input_(input),
+      give_up_(std::move(give_up)) {}
+
+Result<std::unique_ptr<CharacterBackend>> FileBackend::to_file(const std::string& path,
+                                                               const GiveUp& give_up) {
+  host::Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.valid())
+    return Error{
+        fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(errno))};
+  const int number = file.get();
+  return std::unique_ptr<CharacterBackend>(
+      new FileBackend(number, std::move(file), path, Input::none, give_up));
+}
+
+std::unique_ptr<CharacterBackend> FileBackend::standard(bool reads, const GiveUp& give_up) {
+  Input input = Input::none;
+  struct stat status {};
+  if (reads && fstat(STDIN_FILENO, &status) == 0)
+    input = S_ISREG(status.st_mode)     ? Input::file
+            : isatty(STDIN_FILENO) != 0 ? Input::terminal
+                                        : Input::pipe;
+  return std::unique_ptr<CharacterBackend>(
+      new FileBackend(STDOUT_FILENO, host::Descriptor(), "stdout", input, give_up));
+}
+
+std::unique_ptr<CharacterBackend> FileBackend::standard_error(const GiveUp& give_up) {
+  return std::unique_ptr<CharacterBackend>(
+      new FileBackend(STDERR_FILENO, host::Descriptor(), "stderr", Input::none, give_up));
+}
+
+std::unique_ptr<CharacterBackend> FileBackend::null() {
+  return std::unique_ptr<CharacterBackend>(
+      new FileBackend(-1, host::Descriptor(), "", Input::none, {}));
+}
+
+bool FileBackend::wait_writable() {
+  pollfd polled{output_, POLLOUT, 0};
+  while (poll(&polled, 1, patience_ms) <= 0)
+    if (give_up_()) return false;
+  return true;
+}
+
+void FileBackend::write(std::string_view bytes) {
+  if (output_ < 0 || !failure_.empty()) return;
+  while (!bytes.empty()) {
+    if (!wait_writable()) return;
+    // A pipe that is writable takes so much without blocking.
+    const ssize_t done =
+        ::write(output_, bytes.data(), std::min<std::size_t>(bytes.size(), PIPE_BUF));
+    if (done > 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(done));
+    } else if (done < 0 && errno != EINTR && errno != EAGAIN) {
+      failure_ = fmt::format("{}: takes no more bytes ({})", name_, std::strerror(errno));
+      return;
+    }
+  }
+}
+
+std::string FileBackend::read() {
+  if (input_ == Input::none) return {};
+  if (live() && !readable(STDIN_FILENO)) return {};
+  if (input_ == Input::terminal && !in_foreground()) return {};
+  std::string bytes(piece, '\0');
+  const ssize_t got = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+  if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN)) input_ = Input::none;
+  bytes.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  return bytes;
+}
+
+}  // namespace capsoc::serial

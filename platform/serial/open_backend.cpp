@@ -1,0 +1,50 @@
+#include "serial/open_backend.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <optional>
+
+#include "serial/file_backend.h"
+#include "serial/pty_backend.h"
+#include "serial/tcp_backend.h"
+
+namespace capsoc::serial {
+namespace {
+
+std::optional<uint16_t> port_number(const std::string& text) {
+  uint16_t port = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, port);
+  if (text.empty() || error != std::errc() || last != end) return std::nullopt;
+  return port;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CharacterBackend>> open_backend(const std::string& spec,
+                                                       const std::string& option,
+                                                       const GiveUp& give_up) {
+  const std::size_t colon = spec.find(':');
+  const std::string kind = spec.substr(0, colon);
+  const bool named = colon != std::string::npos;
+  const std::string name = named ? spec.substr(colon + 1) : "";
+  if (spec == "stdout" || spec == "stdio") return FileBackend::standard(spec == "stdio", give_up);
+  if (spec == "stderr") return FileBackend::standard_error(give_up);
+  if (spec == "null") return FileBackend::null();
+  if (kind == "file" && !name.empty()) return FileBackend::to_file(name, give_up);
+  if (kind == "pty" && named == !name.empty()) return PtyBackend::open(name, give_up);
+  if (kind == "tcp")
+    if (const auto port = port_number(named ? name : "0"))
+      return TcpBackend::open(*port, option + " tcp", give_up);
+  return Error{fmt::format("{} {}: choose {}", option, spec, backend_names)};
+}
+
+bool are_the_same_place(const std::string& one, const std::string& other) {
+  const auto is_standard = [](const std::string& spec) {
+    return spec == "stdout" || spec == "stdio";
+  };
+  return (is_standard(one) && is_standard(other)) || (one == other && one.rfind("file:", 0) == 0);
+}
+
+}  // namespace capsoc::serial

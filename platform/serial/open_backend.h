@@ -1,0 +1,24 @@
+// Backends by their names on the command line.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "serial/character_backend.h"
+#include "support/result.h"
+
+namespace capsoc::serial {
+
+/// For messages and help: what open_backend() takes.
+constexpr const char* backend_names =
+    "stdout, stderr, stdio, null, file:PATH, pty[:LINK] or tcp[:PORT]";
+
+/// `spec` as backend_names says; `option` begins the sentence of an error ("--uart0").
+Result<std::unique_ptr<CharacterBackend>> open_backend(const std::string& spec,
+                                                       const std::string& option,
+                                                       const GiveUp& give_up);
+
+/// Two lines cannot have both: their bytes would mix.
+bool are_the_same_place(const std::string& one, const std::string& other);
+
+}  // namespace capsoc::serial

@@ -1,0 +1,107 @@
+#include "serial/serial_line.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <thread>
+
+#include "serial/open_backend.h"
+
+namespace capsoc::serial {
+namespace {
+
+constexpr std::size_t piece = 4096;  // handed to the host, or read from a file, at once
+constexpr std::chrono::milliseconds look_again{10};
+
+bool is_regular(const std::string& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SerialLine>> SerialLine::open(LineConfig config, const GiveUp& give_up) {
+  auto backend = open_backend(config.backend, "--" + config.name, give_up);
+  if (!backend) return Error{backend.error()};
+  std::unique_ptr<SerialLine> line(
+      new SerialLine(std::move(config), std::move(backend.value()), give_up));
+  if (auto error = line->open_files()) return *error;
+  return line;
+}
+
+SerialLine::SerialLine(LineConfig config, std::unique_ptr<CharacterBackend> backend, GiveUp give_up)
+    : config_(std::move(config)),
+      backend_(std::move(backend)),
+      give_up_(std::move(give_up)),
+      watch_(config_.patterns) {}
+
+std::optional<Error> SerialLine::open_files() {
+  if (!config_.input.empty()) {
+    input_.open(config_.input, std::ios::binary);
+    if (!input_ || !is_regular(config_.input))
+      return Error{
+          fmt::format("{}: cannot be read; name a file for {}.input", config_.input, config_.name)};
+  }
+  if (!config_.log.empty()) {
+    log_.open(config_.log, std::ios::binary | std::ios::trunc);
+    if (!log_)
+      return Error{fmt::format("{}: cannot be written; name another file for {}.log", config_.log,
+                               config_.name)};
+  }
+  return std::nullopt;
+}
+
+void SerialLine::wait_for_listener() {
+  config_.wait = false;
+  while (!backend_->has_listener() && !give_up_()) std::this_thread::sleep_for(look_again);
+}
+
+void SerialLine::transmitted(uint8_t byte, bool dry) {
+  if (config_.wait) wait_for_listener();
+  ++bytes_;
+  digest_.update(&byte, 1);
+  if (log_.is_open()) log_.put(static_cast<char>(byte));
+  pending_ += static_cast<char>(byte);
+  if (byte == '\n' || pending_.size() >= piece) flush();
+  if (!config_.patterns.any() || match_) return;
+  match_ = watch_.feed(byte, dry);
+  if (match_ && on_match_) on_match_();
+}
+
+void SerialLine::flush() {
+  if (pending_.empty()) return;
+  backend_->write(pending_);
+  pending_.clear();
+  if (log_.is_open()) log_.flush();
+}
+
+bool SerialLine::refill() {
+  taken_ = 0;
+  if (config_.input.empty()) {
+    incoming_ = backend_->read();
+  } else {
+    incoming_.resize(piece);
+    input_.read(incoming_.data(), static_cast<std::streamsize>(incoming_.size()));
+    incoming_.resize(static_cast<std::size_t>(input_.gcount()));
+  }
+  return !incoming_.empty();
+}
+
+std::optional<uint8_t> SerialLine::next_input() {
+  if (taken_ == incoming_.size() && !refill()) return std::nullopt;
+  return static_cast<uint8_t>(incoming_[taken_++]);
+}
+
+void SerialLine::finish() {
+  flush();
+  backend_->finish();
+}
+
+std::string SerialLine::failure() const {
+  if (!backend_->failure().empty()) return backend_->failure();
+  if (log_.is_open() && !log_) return fmt::format("{}: takes no more bytes", config_.log);
+  return {};
+}
+
+}  // namespace capsoc::serial

@@ -1,0 +1,220 @@
+// Damaged files of every kind that a user hands to the program: whatever the bytes, reading ends
+// with a value or with one sentence that names the file. The numbers are the seeds, so a failure
+// repeats. CAPSOC_FUZZ_FILES sets how many of each kind; a build of the preset `sanitize` sees
+// reads outside them, too.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "damage.h"
+#include "loader/elf_image.h"
+#include "loader/program_file.h"
+#include "loader/vector_table.h"
+#include "run/parameter_file.h"
+#include "sensor/described_source.h"
+#include "sensor/recorded_source.h"
+#include "sensor/toml_reader.h"
+#include "support/settings.h"
+
+namespace capsoc::test {
+namespace {
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Counts outcomes, and prints them at the end.
+class Tally {
+ public:
+  Tally(const char* kind, uint64_t count) : kind_(kind), count_(count) {}
+  ~Tally() {
+    std::printf("fuzz: %s: %llu files, %llu accepted, %llu refused\n", kind_,
+                static_cast<unsigned long long>(count_), static_cast<unsigned long long>(accepted_),
+                static_cast<unsigned long long>(refused_));
+    // Both outcomes must occur, or the damage is not worth its name.
+    EXPECT_GT(accepted_, count_ / 500);
+    EXPECT_GT(refused_, count_ / 100);
+  }
+  void accept() { ++accepted_; }
+  void refuse(const std::string& error, const std::string& file, uint64_t number) {
+    ++refused_;
+    EXPECT_EQ(error.rfind(file + ":", 0), 0U) << number << ": " << error;
+    for (const char c : error) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << number << ": " << error;
+  }
+
+ private:
+  const char* kind_;
+  uint64_t count_, accepted_ = 0, refused_ = 0;
+};
+
+/// A file that is gone with the test.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const char* suffix)
+      : path_(testing::TempDir() + "fuzz" + std::to_string(getpid()) + suffix) {}
+  ~TemporaryFile() { std::remove(path_.c_str()); }
+  const std::string& write(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary) << bytes;
+    return path_;
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+TEST(FileFuzz, DamagedElf) {
+  const std::string whole = content(HELLO_ELF);
+  ASSERT_GT(whole.size(), 2000U);
+  const uint64_t count = file_count(4000);
+  Tally tally("ELF", count);
+  const TemporaryFile file(".elf");
+  for (uint64_t number = 0; number < count; ++number) {
+    Damage damage(number);
+    auto image = loader::load_elf(file.write(damage.binary(whole, 0x100, 0x600)));
+    if (!image) {
+      tally.refuse(image.error(), file.path(), number);
+      continue;
+    }
+    tally.accept();
+    for (const uint32_t address : {0U, 0x100U, 0x20000000U, 0xFFFFFFFFU, image.value().entry})
+      image.value().symbolise(address);
+    image.value().overwrite("main", {1, 2, 3, 4});
+    loader::find_vector_table({&image.value()}, "auto");
+  }
+}
+
+/// Intel HEX of a program; `line` may be damaged before its checksum is made, so that damage gets
+/// past it.
+std::string hex_record(uint8_t type, uint16_t address, const std::string& data) {
+  std::string line = fmt::format(":{:02X}{:04X}{:02X}", data.size(), address, type);
+  unsigned sum = static_cast<unsigned>(data.size()) + (address >> 8U) + (address & 0xFFU) + type;
+  for (const char c : data) {
+    line += fmt::format("{:02X}", static_cast<uint8_t>(c));
+    sum += static_cast<uint8_t>(c);
+  }
+  return line + fmt::format("{:02X}\n", static_cast<uint8_t>(-sum));
+}
+
+std::string hex_file(Damage& damage) {
+  std::string text = hex_record(4, 0, std::string("\x20\x00", 2));
+  for (uint64_t records = 4 + damage.below(12); records > 0; --records) {
+    const bool odd = damage.below(16) == 0;
+    const auto type = static_cast<uint8_t>(odd ? damage.below(8) : 0);
+    const auto address = static_cast<uint16_t>(odd ? damage.below(65536) : 16 * records);
+    text += hex_record(type, address, std::string(odd ? damage.below(6) : 16, 'x'));
+  }
+  return text + hex_record(5, 0, std::string("\0\0\0\x09", 4)) + hex_record(1, 0, "");
+}
+
+TEST(FileFuzz, DamagedHex) {
+  const uint64_t count = file_count(4000);
+  Tally tally("HEX", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    Damage damage(number);
+    std::string text = hex_file(damage);
+    if (damage.below(2) != 0) text = damage.text(text);
+    const auto image = loader::parse_hex("f.hex", text);
+    if (!image) {
+      tally.refuse(image.error(), "f.hex", number);
+      continue;
+    }
+    tally.accept();
+    for (const loader::Segment& segment : image.value().segments)
+      ASSERT_LE(uint64_t{segment.address} + segment.memory_size, uint64_t{1} << 32U) << number;
+  }
+}
+
+TEST(FileFuzz, DamagedSensorDescriptions) {
+  const std::string whole = content("traces/soc_experiment.toml") +
+                            "[speed_disturbance]\nscale = 1e-2\nrecord_samples = 100\nseed = 1\n";
+  ASSERT_GT(whole.size(), 200U);
+  const uint64_t count = file_count(4000);
+  Tally tally("sensor TOML", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    const auto result = sensor::read_signal_toml(Damage(number).text(whole), "f.toml");
+    if (!result) {
+      tally.refuse(result.error(), "f.toml", number);
+      continue;
+    }
+    tally.accept();
+    sensor::DescribedSource source(result.value());
+    const auto value = source.sample(3, 0.012);
+    if (!value) continue;
+    EXPECT_TRUE(std::isfinite(value->u) && std::isfinite(value->v)) << number;
+  }
+}
+
+TEST(FileFuzz, DamagedRecordings) {
+  const std::string whole = content("traces/recorded_example.csv").substr(0, 3000);
+  ASSERT_GT(whole.size(), 2000U);
+  const uint64_t count = file_count(4000);
+  Tally tally("CSV", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    auto result = sensor::read_recording(Damage(number).text(whole), "f.csv");
+    if (!result) {
+      tally.refuse(result.error(), "f.csv", number);
+      continue;
+    }
+    tally.accept();
+    const auto value = result.value().sample(0, 0.0);
+    ASSERT_TRUE(value) << number;
+    EXPECT_TRUE(std::isfinite(value->u) && std::isfinite(value->v)) << number;
+    EXPECT_TRUE(value->angle_turns >= 0.0 && value->angle_turns < 1.0) << number;
+  }
+}
+
+TEST(FileFuzz, DamagedSettings) {
+  const std::string whole =
+      "# of a run\n[cpu]\nquantum_ns = 4e3\nexecutor = 'blocks'\nlines = 3\n[run]\ngolden = true\n"
+      "until_uart = \"pass$\"\nlog = 'a.log'\n";
+  const uint64_t count = file_count(4000);
+  Tally tally("settings TOML", count);
+  const TemporaryFile file(".toml");
+  for (uint64_t number = 0; number < count; ++number) {
+    Settings settings;
+    settings.add({"cpu.quantum_ns", SettingKind::number, "10", "", {}, 1, 1e9});
+    settings.add({"cpu.executor", SettingKind::choice, "blocks", "", {"blocks", "stepping"}});
+    settings.add({"cpu.lines", SettingKind::integer, "3", "", {}, 0, 32});
+    settings.add({"run.golden", SettingKind::flag, "false", "", {}});
+    settings.add({"run.until_uart", SettingKind::text, "", "", {}});
+    settings.add({"run.log", SettingKind::path, "", "", {}});
+    const auto error = settings.read_file(file.write(Damage(number).text(whole)));
+    if (!error) {
+      tally.accept();
+      EXPECT_GE(settings.number("cpu.quantum_ns"), 1) << number;
+      EXPECT_LE(settings.integer("cpu.lines"), 32) << number;
+      continue;
+    }
+    tally.refuse(error->text, file.path(), number);
+  }
+}
+
+TEST(FileFuzz, DamagedParameters) {
+  std::string whole = "{\"parameters\": {";
+  for (const char* name : {"a1", "a2", "b1", "b2", "beta", "phi"})
+    whole += fmt::format("{}\"{}\": {{\"word\": 1073741824, \"value\": {}}}",
+                         whole.back() == '{' ? "" : ", ", name,
+                         std::string(name).size() == 2 ? "0.5" : "1.5707963267948966");
+  whole += "}, \"method\": \"lm\", \"samples\": 1000}";
+  const uint64_t count = file_count(4000);
+  Tally tally("JSON parameters", count);
+  const TemporaryFile file(".json");
+  for (uint64_t number = 0; number < count; ++number) {
+    const auto words = run::read_parameters(file.write(Damage(number).text(whole)));
+    if (words)
+      tally.accept();
+    else
+      tally.refuse(words.error(), file.path(), number);
+  }
+}
+
+}  // namespace
+}  // namespace capsoc::test
