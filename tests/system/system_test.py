@@ -612,7 +612,7 @@ class Itm(unittest.TestCase):
     def test_a_wrong_place_is_refused(self):
         process = capsoc("run", FIRMWARE / "itm.elf", "--itm", "nowhere")
         self.assertEqual(process.returncode, 2)
-        self.assertIn("choose null, stdio, log or file:PATH", process.stderr.decode())
+        self.assertIn("choose stdout, null, log or file:PATH", process.stderr.decode())
 
     def test_an_unpredictable_case_is_told_of_once(self):
         process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1)
