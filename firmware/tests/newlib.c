@@ -1,6 +1,7 @@
 // What a program may expect of the C library on this board: formatted output with floating point,
-// sorting, the heap, 64-bit division.
+// sorting, the heap, 64-bit division, parsing, jumps out of a call.
 #include <math.h>
+#include <setjmp.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -64,11 +65,41 @@ static bool computes(void) {
   return fabs(sin(angle) * sin(angle) + cos(angle) * cos(angle) - 1.0) < 1e-15;
 }
 
+static bool parses(void) {
+  long number = 0;
+  double fraction = 0;
+  char word[8];
+  const int found = sscanf("-1234 6.25e-3 seven", "%ld %lf %7s", &number, &fraction, word);
+  char* end = NULL;
+  const unsigned long hex = strtoul("0xfeedBEEFg", &end, 0);
+  return found == 3 && number == -1234 && fraction == 0.00625 && strcmp(word, "seven") == 0 &&
+         hex == 0xFEEDBEEFul && *end == 'g';
+}
+
+static jmp_buf back;
+
+static void dive(unsigned depth) {
+  volatile unsigned char weight[64];
+  weight[0] = (unsigned char)depth;
+  if (depth == 0) longjmp(back, 42);
+  if (depth <= 20) dive(depth - 1);
+  weight[1] = weight[0];
+}
+
+static bool jumps(void) {
+  volatile unsigned turns = 0;
+  const int status = setjmp(back);
+  if (++turns == 1) dive(20);
+  return status == 42 && turns == 2;
+}
+
 int main(void) {
   bool passed = check("printf", prints());
   passed &= check("qsort", sorts());
   passed &= check("malloc", allocates());
   passed &= check("division", divides());
   passed &= check("libm", computes());
+  passed &= check("scanf", parses());
+  passed &= check("longjmp", jumps());
   return passed ? 0 : 1;
 }

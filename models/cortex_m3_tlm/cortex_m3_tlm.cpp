@@ -1,7 +1,11 @@
 #include "cortex_m3_tlm/cortex_m3_tlm.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
+
+#include "tlm/guest_error.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -9,6 +13,14 @@ namespace {
 constexpr uint64_t never = std::numeric_limits<uint64_t>::max();
 constexpr uint32_t code_region_end =
     0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
+
+void log_unpredictable(Unpredictable which, uint32_t address) {
+  const UnpredictableCase& c = describe(which);
+  // One source a case: each is told of once, so that none is left out.
+  tlm_util::guest_error(fmt::format("cpu: {}", c.name),
+                        fmt::format("UNPREDICTABLE (ARM DDI 0403, {}) at {:#010x}: {}; here: {}",
+                                    c.section, address, c.what, c.choice));
+}
 
 }  // namespace
 
@@ -26,6 +38,7 @@ CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDom
   clock_.on_change([this] {
     core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000));
   });
+  core_.set_unpredictable_listener(log_unpredictable);
   SC_HAS_PROCESS(CortexM3Tlm);
   SC_THREAD(thread);
 }

@@ -137,6 +137,8 @@ void add_run(CLI::App& app, int& code) {
   option("--vector-table", "firmware.vector_table",
          "Where the vector table is (auto: 0, or where the program has it)")
       ->type_name("ADDR");
+  option("--itm", "itm.backend", "Where the text on the ITM's stimulus port goes")
+      ->type_name("stdout|null|log|file:PATH");
   option("--json", "results.json", "Write the results as JSON")->type_name("FILE");
   option("--record", "results.record", "Write the samples that the coprocessor saw as a recording")
       ->type_name("FILE.csv");

@@ -69,7 +69,8 @@ std::string to_text(const ordered_json& json) {
 bool is_place(const std::string& setting) {
   return setting == "results.json" || setting == "results.record" || setting == "results.waves" ||
          setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0 ||
-         is_uart_place(setting) || setting == "semihosting.console";
+         is_uart_place(setting) || setting == "semihosting.console" ||
+         setting.rfind("itm.", 0) == 0;
 }
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {

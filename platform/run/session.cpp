@@ -17,6 +17,7 @@
 #include "loader/vector_table.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
+#include "run/itm_output.h"
 #include "run/parameter_file.h"
 #include "run/progress.h"
 #include "run/sample_record.h"
@@ -287,6 +288,9 @@ Settings make_settings() {
   add_semihosting_settings(s);
   add("run.stop_in_fault", SettingKind::flag, "true",
       "a fault handler that branches to itself is a crash, if nothing can interrupt it");
+  add("itm.backend", SettingKind::text, "null",
+      "where the processor's ITM text goes: stdout, null, log (level info) or file:PATH");
+  add("itm.port", SettingKind::integer, "0", "stimulus port of that text", {}, 0, 31);
   add("run.golden", SettingKind::flag, "false", "fit the coprocessor's samples by the CSFN, too");
   add("gdb.port", SettingKind::integer, "-1", "port of the GDB server; 0: a free one, -1: none", {},
       -1, 65535);
@@ -347,6 +351,13 @@ Result<RunResult> run(const Settings& settings) {
   if (settings.text("run.stop_in_fault") == "true")
     soc.cpu.core().set_stop_in_fault([&soc] { return soc.watchdog_is_off(); });
 
+  auto itm = ItmOutput::open(settings.text("itm.backend"),
+                             static_cast<unsigned>(settings.integer("itm.port")));
+  if (!itm) return Error{itm.error()};
+  soc.cpu.core().set_stimulus([&itm](unsigned port, uint32_t value, unsigned size) {
+    itm.value()->put(port, value, size);
+  });
+
   const double rate = description.sample_rate_hz.value_or(250);
   const double frequency = std::fabs(description.frequency_hz.value_or(0.05));
   const auto revolution =
@@ -405,6 +416,7 @@ Result<RunResult> run(const Settings& settings) {
   semihosting.value()->flush();
   uarts.finish();
   for (const std::string& failure : uarts.failures()) spdlog::error(failure);
+  itm.value()->flush();
   progress.finish();
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});

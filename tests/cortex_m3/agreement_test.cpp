@@ -32,6 +32,22 @@ void random_code(std::mt19937& random, std::vector<uint8_t>& flash) {
   }
 }
 
+/// The DWT and the DebugMonitor at work in a third of the programs.
+void watch_at_random(Bench& b, std::mt19937& random) {
+  const auto write = [&b](uint32_t address, uint32_t value) {
+    b.core.debug_write(address, &value, 4);
+  };
+  write(0xE000EDFC, 1u << 24 | 1u << 16 | (random() % 4 == 0 ? 1u << 18 : 0));
+  write(0xE0001000, 1);
+  for (uint32_t n = 0; n < 4; ++n) {
+    const uint32_t place = random() % 2 == 0 ? Bench::ram_base + (random() & 0xFFFF)
+                                             : Bench::program + (random() & 0x3FE);
+    write(0xE0001020 + 16 * n, n == 0 ? random() % 2000 : place);
+    write(0xE0001024 + 16 * n, random() % 16);
+    write(0xE0001028 + 16 * n, n == 0 ? 0x84 : random() % 8);
+  }
+}
+
 void prepare(Bench& b, uint32_t seed) {
   std::mt19937 random(seed);
   random_code(random, b.flash);
@@ -46,6 +62,7 @@ void prepare(Bench& b, uint32_t seed) {
   b.core.set_reg(7, 0x40000000);
   uint32_t enable = 0xE000E100;
   b.core.set_reg(6, enable);
+  if (seed % 3 == 2) watch_at_random(b, random);
 }
 
 void expect_equal(Bench& a, Bench& b, uint32_t seed) {

@@ -4,6 +4,7 @@
 
 namespace capsoc::cortex_m3 {
 
+// A2.2.1
 TEST(Alu, AddWithCarryReportsCarryAndOverflow) {
   AddResult r = add_with_carry(0x7FFFFFFF, 1, false);
   EXPECT_EQ(r.value, 0x80000000u);
@@ -15,6 +16,7 @@ TEST(Alu, AddWithCarryReportsCarryAndOverflow) {
   EXPECT_FALSE(r.overflow);
 }
 
+// A7.4.2
 TEST(Alu, ShiftsByThirtyTwoAndMoreFollowTheManual) {
   EXPECT_TRUE(shift_c(1, ShiftType::lsl, 32, false).carry);
   EXPECT_FALSE(shift_c(1, ShiftType::lsl, 33, true).carry);
@@ -26,6 +28,7 @@ TEST(Alu, ShiftsByThirtyTwoAndMoreFollowTheManual) {
   EXPECT_TRUE(shift_c(7, ShiftType::lsl, 0, true).carry);
 }
 
+// A5.3.2
 TEST(Alu, ModifiedImmediatesExpand) {
   EXPECT_EQ(thumb_expand_imm_c(0x1AB).value, 0x00AB00ABu);
   EXPECT_EQ(thumb_expand_imm_c(0x2AB).value, 0xAB00AB00u);

@@ -55,6 +55,7 @@ TEST(Debug, WatchpointsStopBehindTheAccessTheyNameOnly) {
   EXPECT_EQ(b.core.run(far), StopReason::budget) << "the word beside it";
 }
 
+// C1.6.1
 TEST(Debug, BkptStopsBeforeItselfUnderHaltingDebugAndFaultsWithout) {
   Bench b;
   b.start({0xBE01, 0xE7FE});

@@ -4,6 +4,7 @@
 
 namespace capsoc::cortex_m3::test {
 
+// B1.5.6
 TEST(Exceptions, AnInterruptRaisedByAStoreIsTakenRightAfterIt) {
   Bench b;
   b.on_write = [&](uint32_t) { b.core.set_interrupt(5, true); };
@@ -19,6 +20,7 @@ TEST(Exceptions, AnInterruptRaisedByAStoreIsTakenRightAfterIt) {
   EXPECT_EQ(b.peek(b.core.msp() + 24), Bench::program + 4);
 }
 
+// B1.5.6
 TEST(Exceptions, SvcStacksTheNextAddressAndReturnsThere) {
   Bench b;
   b.start({0xDF00, 0x2301, 0xE7FE});
@@ -30,6 +32,7 @@ TEST(Exceptions, SvcStacksTheNextAddressAndReturnsThere) {
   EXPECT_EQ(b.core.reg(13), Bench::stack);
 }
 
+// B1.5.7
 TEST(Exceptions, TheStackIsAlignedToEightAndRestored) {
   Bench b;
   b.start({0xB082 - 1, 0xDF00, 0xE7FE});  // sub sp,#4; svc
@@ -40,6 +43,7 @@ TEST(Exceptions, TheStackIsAlignedToEightAndRestored) {
   EXPECT_EQ(b.core.reg(13), Bench::stack - 4);
 }
 
+// B1.5.4
 TEST(Exceptions, ADisabledUsageFaultEscalatesToHardFault) {
   Bench b;
   b.start({0xDE00});
@@ -51,6 +55,7 @@ TEST(Exceptions, ADisabledUsageFaultEscalatesToHardFault) {
   EXPECT_NE(describe_cfsr(1u << 16, 0).find("undefined instruction"), std::string::npos);
 }
 
+// B1.5.15
 TEST(Exceptions, AFaultInHardFaultLocksUpAndAnNmiLeadsOut) {
   Bench b;
   b.code(0x4000 + 32 * 3, {0xDE00});
@@ -63,6 +68,7 @@ TEST(Exceptions, AFaultInHardFaultLocksUpAndAnNmiLeadsOut) {
   EXPECT_EQ(b.core.xpsr() & 0x1FF, 2u);
 }
 
+// C1.6.1
 TEST(Exceptions, BreakpointsWithoutADebuggerAreHardFaults) {
   Bench b;
   b.start({0xBE00});
@@ -70,6 +76,7 @@ TEST(Exceptions, BreakpointsWithoutADebuggerAreHardFaults) {
   EXPECT_EQ(b.core.last_fault().hfsr >> 31, 1u);
 }
 
+// B1.4.2
 TEST(Exceptions, BranchingToAnEvenAddressFaultsAtTheTarget) {
   Bench b;
   b.start({0x4700});
@@ -79,6 +86,7 @@ TEST(Exceptions, BranchingToAnEvenAddressFaultsAtTheTarget) {
   EXPECT_EQ(b.core.last_fault().frame[6], 0x2000u);
 }
 
+// B1.5.17
 TEST(Exceptions, WfiWakesThoughPrimaskIsSet) {
   Bench b;
   b.start({0x6025, 0xB672, 0xBF30, 0x2301, 0xE7FE});  // enable; cpsid i; wfi; movs r3,#1
@@ -92,6 +100,7 @@ TEST(Exceptions, WfiWakesThoughPrimaskIsSet) {
   EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
 }
 
+// B1.4.3
 TEST(Exceptions, BasepriMasksItsOwnPriorityAndLower) {
   Bench b;
   // str r5,[r4]; strb r6,[r7]; msr basepri,r6; b .; msr basepri,r0; b .
@@ -111,6 +120,7 @@ TEST(Exceptions, BasepriMasksItsOwnPriorityAndLower) {
   EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
 }
 
+// B1.5.12, B3.4.1
 TEST(Exceptions, ALevelStillHighAtTheReturnTailChains) {
   Bench b;
   b.start({0x6025, 0xE7FE});
@@ -136,6 +146,7 @@ TEST(Exceptions, SemihostingGoesToTheHandlerWhichMayEndTheRun) {
   EXPECT_EQ(b.core.reg(15), Bench::program + 6);
 }
 
+// B1.5.8
 TEST(Exceptions, AReturnWithAReservedValueRaisesInvpc) {
   Bench b;
   b.code(0x4000 + 32 * 11, {0x2002, 0x4240, 0x4700});  // movs r0,#2; negs r0,r0; bx r0 = 0xFFFFFFFE
@@ -144,6 +155,7 @@ TEST(Exceptions, AReturnWithAReservedValueRaisesInvpc) {
   EXPECT_EQ(b.core.last_fault().cfsr, 1u << 18);
 }
 
+// B3.3.1
 TEST(Exceptions, SysTickPendsEveryReloadPlusOneCycles) {
   Bench b;
   // r4 = SysTick: str r5,[r4,#4]; str r6,[r4,#8]; str r7,[r4]; wfi
@@ -160,6 +172,7 @@ TEST(Exceptions, SysTickPendsEveryReloadPlusOneCycles) {
   EXPECT_EQ(b.core.next_internal_event(), first + 100);
 }
 
+// B3.5.3
 TEST(Exceptions, TheMpuForbidsWhatNoRegionAllows) {
   Bench b;
   // str r5,[r4] (MPU_CTRL=1, no region, no PRIVDEFENA): the next fetch faults
@@ -170,6 +183,7 @@ TEST(Exceptions, TheMpuForbidsWhatNoRegionAllows) {
   EXPECT_EQ(b.core.last_fault().cfsr & 1, 1u);
 }
 
+// B3.3.3
 TEST(Exceptions, DebugReadsLeaveCountflagAlone) {
   Bench b;
   b.start({0x6065, 0x60A6, 0x6027, 0xE7FE});

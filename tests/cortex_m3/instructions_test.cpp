@@ -7,6 +7,7 @@
 
 namespace capsoc::cortex_m3::test {
 
+// A7.3.2
 TEST(Instructions, ItBlockExecutesThenAndSkipsElse) {
   Bench b;
   // movs r0,#1; cmp r0,#1; ite eq; moveq r1,#2; movne r1,#3; b .
@@ -15,6 +16,7 @@ TEST(Instructions, ItBlockExecutesThenAndSkipsElse) {
   EXPECT_EQ(b.core.reg(1), 2u);
 }
 
+// B1.4.1
 TEST(Instructions, StackPointerKeepsItsLowBitsZero) {
   Bench b;
   b.start({0x2003, 0x4685, 0xE7FE});  // movs r0,#3; mov sp,r0
@@ -22,6 +24,7 @@ TEST(Instructions, StackPointerKeepsItsLowBitsZero) {
   EXPECT_EQ(b.core.reg(13), 0u);
 }
 
+// TRM, 3.7
 TEST(Instructions, BitBandAliasSetsOneBitAndReadsOneBit) {
   Bench b;
   // movs r1,#1; str r1,[r0]; ldr r2,[r0]; b .
@@ -32,6 +35,7 @@ TEST(Instructions, BitBandAliasSetsOneBitAndReadsOneBit) {
   EXPECT_EQ(b.core.reg(2), 1u);
 }
 
+// A3.2.1
 TEST(Instructions, UnalignedWordLoadsWorkAndUnalignedDoublesFault) {
   Bench b;
   b.ram[1] = 0x11;
@@ -44,12 +48,14 @@ TEST(Instructions, UnalignedWordLoadsWorkAndUnalignedDoublesFault) {
   EXPECT_EQ(b.core.last_fault().cfsr, 1u << 24);
 }
 
+// A5.3
 TEST(Instructions, DspAndUnallocatedEncodingsAreUndefined) {
   EXPECT_EQ(decode(0, 0xFA80, 0xF000, 0).operation, Operation::undefined);  // sadd8
   EXPECT_EQ(decode(0, 0xDE00, 0, 0).operation, Operation::undefined);
   EXPECT_EQ(decode(0, 0xEE00, 0x0A10, 0).operation, Operation::coprocessor);
 }
 
+// The architecture asks for an ISB; none is needed here.
 TEST(Instructions, CodeThatOverwritesItselfRunsTheNewCode) {
   Bench b;
   b.start({0x4700});  // bx r0, into RAM
@@ -63,6 +69,7 @@ TEST(Instructions, CodeThatOverwritesItselfRunsTheNewCode) {
   EXPECT_EQ(b.core.reg(3), 2u);
 }
 
+// A3.4.1
 TEST(Instructions, AStoreExclusiveSucceedsOnceAfterItsLoad) {
   Bench b;
   // ldrex r1,[r0]; strex r2,r3,[r0]; strex r4,r3,[r0]; b .

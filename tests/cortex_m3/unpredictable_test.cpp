@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -178,6 +180,17 @@ TEST(Unpredictable, EveryCaseHasASectionAReasonAndAChoice) {
     const UnpredictableCase& c = describe(static_cast<Unpredictable>(i));
     EXPECT_TRUE(std::string(c.section).find_first_of("AB") == 0) << c.name;
     EXPECT_FALSE(std::string(c.what).empty() || std::string(c.choice).empty()) << c.name;
+  }
+}
+
+TEST(Unpredictable, TheDocumentationHasTheTable) {
+  std::ifstream file(CAPSOC_PROCESSOR_PAGE);
+  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  for (unsigned i = 0; i < static_cast<unsigned>(Unpredictable::count); ++i) {
+    const UnpredictableCase& c = describe(static_cast<Unpredictable>(i));
+    const std::string row =
+        std::string("| ") + c.name + " | " + c.section + " | " + c.what + " | " + c.choice + " |\n";
+    EXPECT_NE(page.find(row), std::string::npos) << row;
   }
 }
 

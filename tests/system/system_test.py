@@ -547,17 +547,79 @@ class Rtl(unittest.TestCase):
 class Qemu(unittest.TestCase):
     """The same ELF on qemu-system-arm: the same bytes on UART 0 and the same end."""
 
-    def test_programs_without_the_coprocessor(self):
-        for program in ("hello", "board", "newlib", "newlib-O0", "newlib-O2", "newlib-O3", "exit_code"):
+    @staticmethod
+    def qemu(elf):
+        return subprocess.run(
+            # Counted instructions: the host's load must not reach the guest's watchdog.
+            ["qemu-system-arm", "-M", "mps2-an385", "-icount", "shift=5,sleep=off", "-display", "none",
+             "-monitor", "none", "-serial", "stdio", "-semihosting-config", "enable=on,target=native", "-kernel", elf],
+            capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+
+    def check(self, *programs):
+        for program in programs:
             elf = FIRMWARE / f"{program}.elf"
-            theirs = subprocess.run(
-                # Counted instructions: the host's load must not reach the guest's watchdog.
-                ["qemu-system-arm", "-M", "mps2-an385", "-icount", "shift=5,sleep=off", "-display", "none",
-                 "-monitor", "none", "-serial", "stdio", "-semihosting-config", "enable=on,target=native", "-kernel", elf],
-                capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+            theirs = self.qemu(elf)
             ours = capsoc("run", elf, "--simlimit", 10)
+            self.assertNotEqual(theirs.stdout, b"", program)
             self.assertEqual(ours.stdout, theirs.stdout, program)
             self.assertEqual(ours.returncode == 0, theirs.returncode == 0, program)
+
+    def check_every_level(self, program):
+        self.check(program, *(f"{program}-{level}" for level in ("O0", "O2", "O3")))
+
+    def test_programs_without_the_coprocessor(self):
+        self.check("hello", "board", "exit_code")
+
+    def test_the_c_library_at_every_level_of_optimisation(self):
+        self.check_every_level("newlib")
+
+    def test_exceptions_nesting_and_stacks(self):
+        self.check_every_level("exceptions")
+
+    def test_faults_and_escalation(self):
+        self.check_every_level("faults")
+
+    def test_the_memory_protection_unit(self):
+        self.check_every_level("mpu")
+
+    def test_threads_without_privilege(self):
+        self.check_every_level("threads")
+
+    def test_where_qemu_departs_a_buffered_store_fails_precisely(self):
+        """B1.5.14: the Cortex-M3 buffers stores, QEMU never does."""
+        elf = FIRMWARE / "imprecise.elf"
+        self.assertEqual(self.qemu(elf).stdout, b"PRECISERR pc +0\n")
+        self.assertEqual(capsoc("run", elf, "--simlimit", 1).stdout, b"IMPRECISERR pc +2\n")
+
+
+class Itm(unittest.TestCase):
+    """C1.7: the text on a stimulus port, and what else the processor tells the host."""
+
+    TEXT = b"itm: 42\n"
+
+    def test_a_file_takes_the_text_of_its_port(self):
+        for port, text in ((0, self.TEXT), (1, b"")):
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "itm.txt"
+                process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1, "--itm", f"file:{path}", "-C", f"itm.port={port}")
+                self.assertEqual(process.returncode, 0, process.stderr.decode())
+                self.assertEqual(path.read_bytes(), text)
+
+    def test_the_log_takes_lines(self):
+        process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1, "--itm", "log", "--log-level", "info")
+        self.assertIn("itm: itm: 42", process.stderr.decode())
+
+    def test_a_wrong_place_is_refused(self):
+        process = capsoc("run", FIRMWARE / "itm.elf", "--itm", "nowhere")
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("choose stdout, null, log or file:PATH", process.stderr.decode())
+
+    def test_an_unpredictable_case_is_told_of_once(self):
+        process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1)
+        lines = [line for line in process.stderr.decode().splitlines() if "UNPREDICTABLE" in line]
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("bit_field", lines[0])
+        self.assertIn("BFI and BFC do nothing", lines[0])
 
 
 if __name__ == "__main__":
