@@ -388,14 +388,8 @@ Result<RunResult> run(const Settings& settings) {
     return out_of_time || caught_signal != 0;
   };
   soc.cpu.set_interrupted(interrupted);
-  std::unique_ptr<trace::Tracer> tracer;
-  if (const trace::TraceOptions wanted = trace_options(settings); wanted.any()) {
-    std::vector<const loader::ElfImage*> images = {&image.value()};
-    for (const loader::ElfImage& further : further_images) images.push_back(&further);
-    auto attached = trace::Tracer::attach(soc, wanted, images);
-    if (!attached) return Error{attached.error()};
-    tracer = std::move(attached.value());
-  }
+  auto tracer = attach_tracer(settings, soc, image.value(), further_images);
+  if (!tracer) return Error{tracer.error()};
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);  // whoever read our output and is gone does not end the run
@@ -421,8 +415,8 @@ Result<RunResult> run(const Settings& settings) {
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});
 
-  if (tracer != nullptr)
-    if (auto error = tracer->finish()) return *error;
+  if (tracer.value() != nullptr)
+    if (auto error = tracer.value()->finish()) return *error;
 
   RunResult result;
   result.command = reproducing_command(settings);

@@ -1,6 +1,24 @@
 #include "run/trace_settings.h"
 
 namespace capsoc::run {
+namespace {
+
+trace::TraceOptions trace_options(const Settings& settings) {
+  trace::TraceOptions options;
+  options.instructions = settings.text("trace.instructions");
+  options.bus = settings.text("trace.bus");
+  options.profile = settings.text("trace.profile");
+  options.waves = settings.text("trace.waves");
+  if (options.waves.empty() && settings.text("coprocessor.backend") == "tlm")
+    options.waves = settings.text("results.waves");
+  options.start = settings.text("trace.start");
+  options.stop = settings.text("trace.stop");
+  options.depth = static_cast<std::size_t>(settings.integer("trace.depth"));
+  options.fetches = settings.text("trace.fetches") == "true";
+  return options;
+}
+
+}  // namespace
 
 void add_trace_settings(Settings& settings) {
   const auto place = [&settings](const char* path, const char* help) {
@@ -30,19 +48,14 @@ void add_trace_settings(Settings& settings) {
   settings.add({"trace.fetches", SettingKind::flag, "false", "fetches in the bus trace, too", {}});
 }
 
-trace::TraceOptions trace_options(const Settings& settings) {
-  trace::TraceOptions options;
-  options.instructions = settings.text("trace.instructions");
-  options.bus = settings.text("trace.bus");
-  options.profile = settings.text("trace.profile");
-  options.waves = settings.text("trace.waves");
-  if (options.waves.empty() && settings.text("coprocessor.backend") == "tlm")
-    options.waves = settings.text("results.waves");
-  options.start = settings.text("trace.start");
-  options.stop = settings.text("trace.stop");
-  options.depth = static_cast<std::size_t>(settings.integer("trace.depth"));
-  options.fetches = settings.text("trace.fetches") == "true";
-  return options;
+Result<std::unique_ptr<trace::Tracer>> attach_tracer(
+    const Settings& settings, soc::Soc& soc, const loader::ElfImage& program,
+    const std::vector<loader::ElfImage>& further_images) {
+  const trace::TraceOptions options = trace_options(settings);
+  if (!options.any()) return std::unique_ptr<trace::Tracer>();
+  std::vector<const loader::ElfImage*> images = {&program};
+  for (const loader::ElfImage& further : further_images) images.push_back(&further);
+  return trace::Tracer::attach(soc, options, images);
 }
 
 }  // namespace capsoc::run

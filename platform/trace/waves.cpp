@@ -7,7 +7,6 @@
 
 #include "run/files.h"
 #include "trace/exception_name.h"
-#include "trace/node_format.h"
 
 namespace capsoc::trace {
 namespace {
@@ -91,18 +90,17 @@ void Waves::add_nodes() {
       file_->open_scope(stage_name(named.stage));
       stage = named.stage;
     }
-    const NodeFormat format = node_format(named.name);
     Node node;
     node.node = &named;
-    node.word = file_->add_bits(named.name, format.width);
+    node.format = node_format(named.name);
+    node.word = file_->add_bits(named.name, node.format.width);
     node.path = fmt::format("soc.coprocessor.{}.{}", stage_name(stage), named.name);
-    node.has_value = format.meaning != Meaning::word;
-    if (node.has_value) {
-      const char* unit = format.meaning == Meaning::turns ? "_degrees" : "_value";
+    if (node.has_value()) {
+      const char* unit = node.format.meaning == Meaning::turns ? "_degrees" : "_value";
       node.value = file_->add_real(named.name + std::string(unit));
       node.path += unit;
     } else {
-      node.path += range(format.width);
+      node.path += range(node.format.width);
     }
     nodes_.push_back(std::move(node));
   }
@@ -153,8 +151,7 @@ void Waves::result(uint64_t picoseconds, const coprocessor::Nodes& nodes) {
   for (const Node& node : nodes_) {
     const int64_t word = nodes.*node.node->value;
     file_->set(picoseconds, node.word, static_cast<uint64_t>(word));
-    if (node.has_value)
-      file_->set_real(picoseconds, node.value, node_format(node.node->name).value(word));
+    if (node.has_value()) file_->set_real(picoseconds, node.value, node.format.value(word));
   }
 }
 
@@ -194,7 +191,7 @@ std::string Waves::save_text() const {
       group("coprocessor " + stage_name(stage), true);
     }
     const bool curve = is_curve(node.node->name);
-    const uint32_t radix = node.has_value ? is_signed : hexadecimal;
+    const uint32_t radix = node.has_value() ? is_signed : hexadecimal;
     text += shown(radix | right | (curve ? analog_step : 0), node.path);
     if (curve) text += fmt::format("@{:x}\n-\n-\n", analog_more);
   }

@@ -12,6 +12,7 @@
 #include "support/result.h"
 #include "trace/bus_trace.h"
 #include "trace/fst_file.h"
+#include "trace/node_format.h"
 
 namespace capsoc::trace {
 
@@ -43,8 +44,10 @@ class Waves {
   struct Node {
     const coprocessor::NamedNode* node = nullptr;
     FstFile::Signal word = 0, value = 0;
-    bool has_value = false;
+    NodeFormat format;
     std::string path;  ///< of the signal to show
+
+    bool has_value() const { return format.meaning != Meaning::word; }
   };
 
   void add_interrupts();

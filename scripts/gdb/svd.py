@@ -27,14 +27,14 @@ class SvdError(Exception):
 
 
 def number(text):
-    """A scaledNonNegativeInteger of the schema: decimal, 0x.., #binary, with k, M, G, T."""
+    """A number of the schema: decimal, 0x.., #binary, 0bbinary; decimal with k, M, G, T."""
     text = text.strip().lstrip("+")
     scale = 1
     if not text.lower().startswith("0x") and text[-1:] in "kKmMgGtT":
         scale = 1024 ** ("kmgt".index(text[-1].lower()) + 1)
         text = text[:-1]
-    if text.startswith("#"):
-        return int(text[1:].replace("x", "0"), 2) * scale
+    if text.startswith("#") or text.lower().startswith("0b"):
+        return int(text.lstrip("#").lower().replace("0b", "").replace("x", "0"), 2) * scale
     return int(text, 16 if text.lower().startswith("0x") else 10) * scale
 
 
@@ -108,6 +108,8 @@ def expand(element):
     elif re.fullmatch(r"\d+-\d+", indices):
         first, last = map(int, indices.split("-"))
         indices = [str(i) for i in range(first, last + 1)]
+    elif re.fullmatch(r"[A-Z]-[A-Z]", indices):
+        indices = [chr(code) for code in range(ord(indices[0]), ord(indices[2]) + 1)]
     else:
         indices = [index.strip() for index in indices.split(",")]
     return [(name.replace("[%s]", index).replace("%s", index), i * step) for i, index in enumerate(indices)]

@@ -7,6 +7,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from xml.etree import ElementTree
 
 SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
 sys.dont_write_bytecode = True
@@ -18,17 +19,33 @@ OTHERS = """<device><name>X</name><size>0x20</size><access>read-write</access><p
   <register><name>CTRL</name><addressOffset>0</addressOffset><fields>
     <field><name>ON</name><bitOffset>0</bitOffset><bitWidth>1</bitWidth></field>
     <field><name>MODE</name><lsb>4</lsb><msb>6</msb><enumeratedValues>
-      <enumeratedValue><name>FAST</name><value>#101</value></enumeratedValue></enumeratedValues></field>
+      <enumeratedValue><name>FAST</name><value>#101</value></enumeratedValue>
+      <enumeratedValue><name>SLOW</name><value>0b010</value></enumeratedValue></enumeratedValues></field>
   </fields></register>
   <register><dim>3</dim><dimIncrement>4</dimIncrement><name>CC[%s]</name><addressOffset>0x10</addressOffset><size>16</size></register>
   <register derivedFrom="CTRL"><name>CTRL2</name><addressOffset>4</addressOffset></register>
   <register><name>POP</name><addressOffset>8</addressOffset><readAction>modify</readAction></register>
-  <cluster><dim>2</dim><dimIncrement>0x20</dimIncrement><dimIndex>A,B</dimIndex><name>CH%s</name>
+  <cluster><dim>2</dim><dimIncrement>0x20</dimIncrement><dimIndex>A-B</dimIndex><name>CH%s</name>
     <addressOffset>0x100</addressOffset><access>write-only</access>
     <register><name>DATA</name><addressOffset>4</addressOffset></register></cluster>
 </registers></peripheral>
 <peripheral derivedFrom="TIM0"><name>TIM1</name><baseAddress>0x40001000</baseAddress></peripheral>
 </peripherals></device>"""
+
+
+# Elements in the order in which the schema (CMSIS-SVD.xsd 1.3) wants them; those that we use.
+SCHEMA = {
+    "device": "vendor name series version description cpu addressUnitBits width size resetMask peripherals",
+    "cpu": "name revision endian mpuPresent fpuPresent nvicPrioBits vendorSystickConfig deviceNumInterrupts",
+    "peripherals": "peripheral", "registers": "register", "fields": "field", "enumeratedValues": "enumeratedValue",
+    "peripheral": "name description baseAddress addressBlock interrupt registers",
+    "addressBlock": "offset size usage", "writeConstraint": "range", "range": "minimum maximum",
+    "interrupt": "name description value",
+    "register": "name description addressOffset size access resetValue resetMask dataType modifiedWriteValues "
+                "writeConstraint readAction fields",
+    "field": "name description bitRange access modifiedWriteValues writeConstraint readAction enumeratedValues",
+    "enumeratedValue": "name description value",
+}
 
 
 class Own(unittest.TestCase):
@@ -44,6 +61,13 @@ class Own(unittest.TestCase):
         own = {int(base, 16) for name, base in entries if name in ("coprocessor", "adc_front_end", "clock_controller")}
         self.assertEqual({p.base for p in self.device.peripherals.values()}, own)
         self.assertEqual(len(own), 3)
+
+    def test_elements_stand_in_the_order_of_the_schema(self):
+        for element in ElementTree.parse(SOURCE / "models/registers/capsoc.svd").iter():
+            order = SCHEMA.get(element.tag, "").split()
+            names = [child.tag for child in element]
+            self.assertEqual([name for name in names if name not in order], [], element.tag)
+            self.assertEqual(names, sorted(names, key=order.index), element.tag)
 
     def test_names_addresses_and_fields(self):
         _, register, field = self.device.find("coprocessor.status.lock")
@@ -90,7 +114,7 @@ class Others(unittest.TestCase):
             register = device.find(path)[1]
             self.assertEqual((register.address, register.size), (address, size), path)
         mode = device.find("TIM1.CTRL2.MODE")[2]
-        self.assertEqual((mode.of(0x50), mode.values[5]), (5, "FAST"))
+        self.assertEqual((mode.of(0x50), mode.values), (5, {5: "FAST", 2: "SLOW"}))
         self.assertTrue(device.find("TIM0.POP")[1].has_side_effect)
         self.assertFalse(device.find("TIM0.CHA_DATA")[1].readable)
 

@@ -533,7 +533,7 @@ class Rtl(unittest.TestCase):
         self.refuse("no shared library", *rtl, "--rtl-library", TRACES / "soc_eq21.toml")
         self.refuse("its arithmetic is paper", *rtl, "--rtl-library", BUILD / "libcapsoc_rtl_paper.so")
         self.refuse("/nonexistent/w.fst: cannot be written", *rtl, "--waves", "/nonexistent/w.fst")
-        self.refuse("the model has no waves", "--waves", self.folder / "w.fst")
+        self.refuse("/nonexistent/w.fst: cannot be written", "--waves", "/nonexistent/w.fst")
 
     def test_a_stale_library_is_refused(self):
         library = self.folder / "stale.so"
