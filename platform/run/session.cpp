@@ -66,13 +66,23 @@ std::string program_of(const Settings& settings) {
   return installed("firmware/calibrate.elf");
 }
 
+/// As a shell takes it for one word.
+std::string quoted(const std::string& word) {
+  static constexpr const char* plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789=._-/,:@+%";
+  if (word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 /// A command line that gives the same run.
 std::string reproducing_command(const Settings& settings) {
   std::string text = "capsoc run";
   for (const Setting& setting : settings.all()) {
     if (setting.source == SettingSource::built_in) continue;
     if (is_place(setting.path)) continue;  // where it goes, not what it is
-    text += fmt::format(" -C {}={}", setting.path, setting.value);
+    text += fmt::format(" -C {}", quoted(setting.path + "=" + setting.value));
   }
   return text;
 }
@@ -448,6 +458,9 @@ Result<RunResult> run(const Settings& settings) {
     const std::string file = place.substr(0, place.rfind('@'));
     result.inputs.push_back({"image", place, sha256_of_file(file)});
   }
+  for (unsigned n = 0; n < soc.uarts().size(); ++n)
+    if (const std::string& input = settings.text(fmt::format("uart{}.input", n)); !input.empty())
+      result.inputs.push_back({fmt::format("uart{}", n), input, sha256_of_file(input)});
   if (preset)
     result.inputs.push_back({"parameters", parameter_file, sha256_of_file(parameter_file)});
   if (golden) result.golden = fit::compare(observation.recorded(), result.words);

@@ -82,7 +82,9 @@ void UartLines::connect(std::size_t number) {
   serial::SerialLine& line = *lines_[number];
   uart.on_transmit([&](uint8_t byte) { line.transmitted(byte, uart.transmitter_idle()); });
   uart.set_source([&] { return line.next_input(); });
-  line.on_match([] { sc_core::sc_stop(); });
+  line.on_match([] {
+    if (sc_core::sc_is_running()) sc_core::sc_stop();  // not for what is flushed at the end
+  });
 }
 
 /// Runs while the host may have something to say; then it is what keeps a sleeping board alive.

@@ -44,7 +44,8 @@ bool are_the_same_place(const std::string& one, const std::string& other) {
   const auto is_standard = [](const std::string& spec) {
     return spec == "stdout" || spec == "stdio";
   };
-  return (is_standard(one) && is_standard(other)) || (one == other && one.rfind("file:", 0) == 0);
+  const bool has_name = one.rfind("file:", 0) == 0 || one.rfind("pty:", 0) == 0;
+  return (is_standard(one) && is_standard(other)) || (one == other && has_name);
 }
 
 }  // namespace capsoc::serial

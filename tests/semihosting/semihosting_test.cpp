@@ -22,12 +22,12 @@ class FakeMemory : public GuestMemory {
   static constexpr uint32_t base = 0x20000000, size = 0x10000;
   bool read(uint32_t address, void* data, uint32_t count) override {
     if (!inside(address, count)) return false;
-    std::memcpy(data, &bytes[address - base], count);
+    if (count != 0) std::memcpy(data, &bytes[address - base], count);
     return true;
   }
   bool write(uint32_t address, const void* data, uint32_t count) override {
     if (!inside(address, count)) return false;
-    std::memcpy(&bytes[address - base], data, count);
+    if (count != 0) std::memcpy(&bytes[address - base], data, count);
     return true;
   }
   std::vector<uint8_t> bytes = std::vector<uint8_t>(size + 1);
