@@ -65,5 +65,6 @@ void run_flags(Bench& bench, Random& random, const Budget&);
 void run_threshold_bits(Bench& bench, Random& random, const Budget&);
 void run_stages(Bench& bench, Random& random, const Budget&);
 void run_flag_bits(Bench& bench, Random& random, const Budget&);
+void run_magnitudes(Bench& bench, Random& random, const Budget&);
 
 }  // namespace capsoc::regress

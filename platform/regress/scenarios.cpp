@@ -43,6 +43,7 @@ const std::vector<Scenario>& scenarios() {
        run_threshold_bits},
       {"stages", "each write stage and read latch alone, and each among all", 0, 0, run_stages},
       {"flag_bits", "many flags at once, cleared one by one", 0, 0, run_flag_bits},
+      {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},
   };
   return all;
 }

@@ -1,4 +1,6 @@
 // Directed sequences in which one bit, or one word of many, decides.
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "coprocessor/register_map.h"
@@ -150,6 +152,43 @@ void run_flag_bits(Bench& bench, Random& random, const Budget&) {
       bench.read(reg_flags);
       bench.write(reg_flags, flags_all);
       bench.interrupt();
+    }
+}
+
+void run_magnitudes(Bench& bench, Random& random, const Budget&) {
+  pass_through(bench);
+  // Vectors (x, y), Q2.46, whose magnitude is so near to one half of a unit that an error of one
+  // in the last place of the polar unit's gain rounds it the other way.
+  constexpr std::array<std::pair<int64_t, int64_t>, 6> vectors = {
+      {{-13236006837524, -13180994802493},
+       {-28525451015262, 4698484575186},
+       {-1312909605645, 15507329489672},
+       {33611823667284, -20630268129750},
+       {23779585415368, -4343949646737},
+       {2709649139854, 7935660705513}}};
+  for (const auto& [x, y] : vectors) {
+    if (bench.failed()) return;
+    bench.drain();
+    bench.write_pair(reg_au_lo, x);
+    bench.write_pair(reg_au_lo + 8, y);
+    bench.write_pair(reg_au_lo + 24, -y);
+    bench.write_pair(reg_au_lo + 32, x);
+    bench.sample(random.word32(), random.word32());
+    bench.drain();
+    bench.read(reg_a1);
+    bench.read(reg_a2);
+  }
+  // Offsets at 1 and beside it: the parameters B1 and B2 are clamped.
+  for (int64_t offset : {one, -one, one - (1 << 14), -one - (1 << 14), -one - (1 << 14) - 1})
+    for (uint32_t pair : {reg_au_lo + 16, reg_au_lo + 40}) {
+      if (bench.failed()) return;
+      pass_through(bench);
+      bench.write_pair(pair, offset);
+      bench.sample(0, 0);
+      bench.drain();
+      bench.read(reg_flags);
+      bench.read(reg_b1);
+      bench.read(reg_b2);
     }
 }
 

@@ -2,8 +2,8 @@
 //
 // usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] [--seed N] [--jobs N]
 //                    [--first N] [--edges N] [--known FILE] [--scenarios NAME,NAME...]
-// --known: what an earlier run printed; mutants killed there, or marked as equivalent, are not tried
-// again. --scenarios: only these.
+// --known: what an earlier run printed; mutants killed there, or marked as equivalent, are not
+// tried again. --scenarios: only these.
 //
 // One line each on stdout: number, "killed" or "survived", scenario and edge of the first
 // difference, what differed. Mutant 0, the RTL as it is, must survive: status 1 if it does not.
@@ -40,8 +40,8 @@ struct Arguments {
   uint64_t seed = 1;
   Budget budget{2000, 2000};
   unsigned first = 0;
-  uint64_t edges = 0;  // of each scenario; 0: all of them
-  std::string known;   // what an earlier run printed
+  uint64_t edges = 0;     // of each scenario; 0: all of them
+  std::string known;      // what an earlier run printed
   std::string scenarios;  // names with commas between; empty: all of them
 };
 
