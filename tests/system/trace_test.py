@@ -80,6 +80,12 @@ class Unchanged(Traced):
                       self.folder / "p", "--trace-waves", self.folder / "w.fst")
         self.assertEqual({p.name for p in self.folder.iterdir()}, {"i", "b", "p", "w.fst", "w.gtkw", "r.json"})
 
+    def test_a_device_stays_one(self):
+        null = self.folder / "null"
+        null.symlink_to("/dev/null")
+        self.run_with("hello", "--trace-instructions", null, "--trace-bus", null, "--profile", null)
+        self.assertTrue(null.is_char_device())
+
     def test_same_bytes_every_time(self):
         for option, name in (("--trace-instructions", "i"), ("--trace-bus", "b"), ("--profile", "p"),
                              ("--trace-waves", "w.fst")):
@@ -101,6 +107,8 @@ class Refusals(Traced):
     def test_places_that_cannot_be_written(self):
         for option in ("--trace-instructions", "--trace-bus", "--profile", "--trace-waves"):
             self.refuse("/nonexistent/x: cannot be written", option, "/nonexistent/x")
+        (self.folder / "null").symlink_to("/dev/null")
+        self.refuse("null: is no file", "--trace-waves", self.folder / "null")
         self.refuse("call the waves .fst", "--trace-waves", self.folder / "w.gtkw")
 
     def test_bounds_that_mean_nothing(self):
