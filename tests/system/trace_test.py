@@ -5,11 +5,13 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
 from collections import Counter
 from pathlib import Path
+from random import Random
 
 BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
 CAPSOC = BUILD / "capsoc"
@@ -74,6 +76,33 @@ class Unchanged(Traced):
 
     def test_coprocessor_and_sleep(self):
         self.check("selfcal", "--simlimit", "0.3")
+
+    def test_random_programs(self):
+        """Wild jumps, returns without calls, nested faults: the same cycles, and every one of them in the profile."""
+        codes = Counter()
+        for seed in range(12):
+            random = Random(seed)
+
+            def halfword():
+                if random.random() < 0.9:
+                    return random.randrange(0x10000)
+                return random.choice([0x4770, 0x4700 | random.randrange(16) << 3, 0x4780 | random.randrange(15) << 3,
+                                      0xBD00 | random.randrange(256), 0xB500 | random.randrange(256), 0xDF00,
+                                      0xE000 | random.randrange(2048), 0xD000 | random.randrange(0xE00)])
+
+            vectors = [0x20010000] + [0x201 + 2 * random.randrange(0x1800) for _ in range(47)]
+            program = struct.pack("<48I", *vectors).ljust(0x200, b"\0")
+            program += b"".join(struct.pack("<H", halfword()) for _ in range(0x1800))
+            image = self.folder / "random.bin"
+            image.write_bytes(program)
+            common = ("--load", f"{image}@0", "--simlimit", "0.002", "--log-level", "off")
+            plain = self.run_with("hello", *common)
+            codes[plain[0]] += 1
+            self.assertEqual(self.run_with("hello", *common, "--trace-instructions", self.folder / "i", "--trace-bus",
+                                           self.folder / "b", "--trace-waves", self.folder / "w.fst", "--profile",
+                                           self.folder / "p", "-C", "trace.depth=9"), plain, seed)
+            self.assertIn(f"totals: {plain[2]['cpu']['cycles']} ", (self.folder / "p").read_text(), seed)
+        self.assertEqual(set(codes), {5, 124}, "crashes, and programs that run on")
 
     def test_nothing_is_left_behind(self):
         self.run_with("hello", "--trace-instructions", self.folder / "i", "--trace-bus", self.folder / "b", "--profile",
