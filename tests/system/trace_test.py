@@ -343,10 +343,18 @@ class Waves(Traced):
     @unittest.skipUnless(shutil.which("fst2vcd"), "GTKWave is not installed")
     def test_gtkwaves_own_reader_takes_it(self):
         waves = self.folder / "w.fst"
-        self.run_with("debuggee", "--trace-waves", waves)
+        _, _, result = self.run_with("selfcal", "--trace-waves", waves, "--simlimit", "0.5")
         text = subprocess.run(["fst2vcd", waves], capture_output=True, text=True, check=True).stdout
         self.assertIn("$timescale\n\t1ps\n$end", text)
         self.assertRegex(text, r"\$var wire 1 \S+ uart0_tx \$end")
+        for name, parameter in result["parameters"].items():
+            if name.startswith(("a", "b")) and name != "beta":
+                number = re.search(rf"\$var real 64 (\S+) {name}_value ", text).group(1)
+                values = re.findall(rf"(?m)^r(\S+) {re.escape(number)}$", text)
+                self.assertAlmostEqual(float(values[-1]), parameter["value"], places=14, msg=name)
+        commits = re.search(r"\$var wire 32 (\S+) commits ", text).group(1)
+        counts = re.findall(rf"(?m)^b([01]+) {re.escape(commits)}$", text)
+        self.assertEqual([int(count, 2) for count in counts], list(range(1, result["samples"] + 1)))
 
 
 if __name__ == "__main__":
