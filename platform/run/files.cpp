@@ -11,17 +11,13 @@
 namespace capsoc::run {
 namespace {
 
-std::string temporary_beside(const std::string& path) {
-  return fmt::format("{}.{}.tmp", path, getpid());
-}
-
-Error cannot_write(const std::string& path, int error) {
-  return Error{
-      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
+bool is_special(const std::string& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
 }
 
 std::optional<Error> write_temporary(const TextFile& file) {
-  std::FILE* stream = std::fopen(temporary_beside(file.path).c_str(), "wb");
+  std::FILE* stream = std::fopen(growing_name(file.path).c_str(), "wb");
   if (stream == nullptr) return cannot_write(file.path, errno);
   const bool written =
       std::fwrite(file.text.data(), 1, file.text.size(), stream) == file.text.size();
@@ -35,19 +31,37 @@ std::optional<Error> write_and_rename(const std::vector<TextFile>& files) {
   for (const TextFile& file : files)
     if (auto error = write_temporary(file)) return error;
   for (const TextFile& file : files)
-    if (std::rename(temporary_beside(file.path).c_str(), file.path.c_str()) != 0)
-      return cannot_write(file.path, errno);
+    if (auto error = name_grown(file.path)) return error;
   return std::nullopt;
 }
 
 }  // namespace
+
+Error cannot_write(const std::string& path, int error) {
+  return Error{
+      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
+}
+
+std::string growing_name(const std::string& path) {
+  return is_special(path) ? path : fmt::format("{}.{}.tmp", path, getpid());
+}
+
+std::optional<Error> name_grown(const std::string& path) {
+  if (is_special(path) || std::rename(growing_name(path).c_str(), path.c_str()) == 0)
+    return std::nullopt;
+  return cannot_write(path, errno);
+}
+
+void discard_grown(const std::string& path) {
+  if (!is_special(path)) std::remove(growing_name(path).c_str());
+}
 
 std::optional<Error> write_together(const std::vector<TextFile>& files) {
   for (const TextFile& file : files)  // a rename onto a directory would fail half-way
     if (auto error = check_writable(file.path)) return error;
   auto error = write_and_rename(files);
   if (error)
-    for (const TextFile& file : files) std::remove(temporary_beside(file.path).c_str());
+    for (const TextFile& file : files) discard_grown(file.path);
   return error;
 }
 
@@ -59,10 +73,10 @@ std::optional<Error> check_writable(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
     return cannot_write(path, EISDIR);
-  std::FILE* file = std::fopen(temporary_beside(path).c_str(), "wb");
+  std::FILE* file = std::fopen(growing_name(path).c_str(), "wb");
   if (file == nullptr) return cannot_write(path, errno);
   std::fclose(file);
-  std::remove(temporary_beside(path).c_str());
+  discard_grown(path);
   return std::nullopt;
 }
 

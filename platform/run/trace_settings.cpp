@@ -44,7 +44,7 @@ void add_trace_settings(Settings& settings) {
                 "lines of instruction and bus trace that are kept, the last ones; 0: all",
                 {},
                 0,
-                1e8});
+                1e7});
   settings.add({"trace.fetches", SettingKind::flag, "false", "fetches in the bus trace, too", {}});
 }
 

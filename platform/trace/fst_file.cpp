@@ -1,45 +1,39 @@
 #include "trace/fst_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
 #include "gtkwave/fstapi.h"
+#include "run/files.h"
 
 namespace capsoc::trace {
 namespace {
 
 constexpr int picosecond = -12;  // power of ten
 
-Error cannot_write(const std::string& path, int error) {
-  return Error{
-      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
-}
-
 }  // namespace
 
-FstFile::FstFile(std::string path, std::string temporary, void* writer)
-    : path_(std::move(path)), temporary_(std::move(temporary)), writer_(writer) {}
+FstFile::FstFile(std::string path, void* writer) : path_(std::move(path)), writer_(writer) {}
 
 Result<std::unique_ptr<FstFile>> FstFile::create(const std::string& path) {
-  const std::string temporary = fmt::format("{}.{}.tmp", path, getpid());
-  errno = 0;
-  void* writer = fstWriterCreate(temporary.c_str(), 1);
-  if (writer == nullptr) return cannot_write(path, errno);
+  if (auto error = run::check_writable(path)) return *error;
+  const std::string growing = run::growing_name(path);
+  if (growing == path) return Error{path + ": is no file; name one for the waves"};
+  void* writer = fstWriterCreate(growing.c_str(), 1);
+  if (writer == nullptr) return run::cannot_write(path, errno);
   fstWriterSetTimescale(writer, picosecond);
   fstWriterSetVersion(writer, "capsoc");
   fstWriterSetDate(writer, "");  // the same run gives the same bytes
-  return std::unique_ptr<FstFile>(new FstFile(path, temporary, writer));
+  return std::unique_ptr<FstFile>(new FstFile(path, writer));
 }
 
 FstFile::~FstFile() {
   if (writer_ == nullptr) return;
   fstWriterClose(writer_);
-  std::remove(temporary_.c_str());
+  run::discard_grown(path_);
 }
 
 void FstFile::open_scope(const std::string& name) {
@@ -133,10 +127,9 @@ std::optional<Error> FstFile::finish(uint64_t picoseconds) {
   const bool whole = fstWriterGetFseekFailed(writer_) == 0;
   fstWriterClose(writer_);
   writer_ = nullptr;
-  if (whole && std::rename(temporary_.c_str(), path_.c_str()) == 0) return std::nullopt;
-  const int error = whole ? errno : ENOSPC;
-  std::remove(temporary_.c_str());
-  return cannot_write(path_, error);
+  if (whole) return run::name_grown(path_);
+  run::discard_grown(path_);
+  return run::cannot_write(path_, ENOSPC);
 }
 
 }  // namespace capsoc::trace

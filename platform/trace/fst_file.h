@@ -55,12 +55,12 @@ class FstFile {
     std::string text;
   };
 
-  FstFile(std::string path, std::string temporary, void* writer);
+  FstFile(std::string path, void* writer);
   void announce(uint64_t picoseconds, Change change);
   void emit(const Change& change);
   Signal add(const std::string& name, Kind kind, unsigned width);
 
-  std::string path_, temporary_;
+  std::string path_;
   void* writer_;
   std::vector<Variable> variables_;
   std::multimap<uint64_t, Change> waiting_;

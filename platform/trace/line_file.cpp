@@ -1,44 +1,26 @@
 #include "trace/line_file.h"
 
-#include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
-#include <cstring>
+#include <utility>
+
+#include "run/files.h"
 
 namespace capsoc::trace {
-namespace {
 
-/// A device or a pipe is written as it is: there is nothing to rename.
-bool is_special(const std::string& path) {
-  struct stat status {};
-  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
-}
-
-Error cannot_write(const std::string& path, int error) {
-  return Error{
-      fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
-}
-
-}  // namespace
-
-LineFile::LineFile(std::string path, std::size_t depth)
-    : path_(std::move(path)),
-      temporary_(is_special(path_) ? path_ : fmt::format("{}.{}.tmp", path_, getpid())),
-      depth_(depth) {}
+LineFile::LineFile(std::string path, std::size_t depth) : path_(std::move(path)), depth_(depth) {}
 
 Result<std::unique_ptr<LineFile>> LineFile::open(const std::string& path, std::size_t depth) {
   std::unique_ptr<LineFile> file(new LineFile(path, depth));
-  file->file_ = std::fopen(file->temporary_.c_str(), "w");
-  if (file->file_ == nullptr) return cannot_write(path, errno);
+  if (auto error = run::check_writable(path)) return *error;
+  file->file_ = std::fopen(run::growing_name(path).c_str(), "w");
+  if (file->file_ == nullptr) return run::cannot_write(path, errno);
   return file;
 }
 
 LineFile::~LineFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
-  if (temporary_ != path_) std::remove(temporary_.c_str());
+  run::discard_grown(path_);
 }
 
 void LineFile::write(const std::string& line) {
@@ -64,11 +46,9 @@ std::optional<Error> LineFile::finish() {
   for (const std::string& line : kept_) write(line);
   if (std::fclose(file_) != 0 && error_ == 0) error_ = errno;
   file_ = nullptr;
-  if (error_ == 0 && temporary_ != path_ && std::rename(temporary_.c_str(), path_.c_str()) != 0)
-    error_ = errno;
-  if (error_ == 0) return std::nullopt;
-  if (temporary_ != path_) std::remove(temporary_.c_str());
-  return cannot_write(path_, error_);
+  if (error_ == 0) return run::name_grown(path_);
+  run::discard_grown(path_);
+  return run::cannot_write(path_, error_);
 }
 
 }  // namespace capsoc::trace

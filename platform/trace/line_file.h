@@ -33,7 +33,7 @@ class LineFile {
   LineFile(std::string path, std::size_t depth);
   void write(const std::string& line);
 
-  std::string path_, temporary_, heading_;
+  std::string path_, heading_;
   std::size_t depth_;
   std::deque<std::string> kept_;
   std::FILE* file_ = nullptr;

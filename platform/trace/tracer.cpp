@@ -5,16 +5,11 @@
 #include <utility>
 
 #include "run/files.h"
+#include "trace/picoseconds.h"
 #include "trace/profile.h"
 
 namespace capsoc::trace {
 namespace {
-
-uint64_t picoseconds(const sc_core::sc_time& time) {
-  static const uint64_t resolution =
-      static_cast<uint64_t>(sc_core::sc_get_time_resolution().to_seconds() * 1e12 + 0.5);
-  return time.value() * resolution;
-}
 
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;

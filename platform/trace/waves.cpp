@@ -7,12 +7,13 @@
 
 #include "run/files.h"
 #include "trace/exception_name.h"
+#include "trace/picoseconds.h"
 
 namespace capsoc::trace {
 namespace {
 
 uint64_t picoseconds_now() {
-  return static_cast<uint64_t>(sc_core::sc_time_stamp().to_seconds() * 1e12 + 0.5);
+  return picoseconds(sc_core::sc_time_stamp());
 }
 
 std::string stage_name(unsigned stage) {

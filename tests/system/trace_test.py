@@ -5,11 +5,13 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
 from collections import Counter
 from pathlib import Path
+from random import Random
 
 BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
 CAPSOC = BUILD / "capsoc"
@@ -75,10 +77,43 @@ class Unchanged(Traced):
     def test_coprocessor_and_sleep(self):
         self.check("selfcal", "--simlimit", "0.3")
 
+    def test_random_programs(self):
+        """Wild jumps, returns without calls, nested faults: the same cycles, and every one of them in the profile."""
+        codes = Counter()
+        for seed in range(12):
+            random = Random(seed)
+
+            def halfword():
+                if random.random() < 0.9:
+                    return random.randrange(0x10000)
+                return random.choice([0x4770, 0x4700 | random.randrange(16) << 3, 0x4780 | random.randrange(15) << 3,
+                                      0xBD00 | random.randrange(256), 0xB500 | random.randrange(256), 0xDF00,
+                                      0xE000 | random.randrange(2048), 0xD000 | random.randrange(0xE00)])
+
+            vectors = [0x20010000] + [0x201 + 2 * random.randrange(0x1800) for _ in range(47)]
+            program = struct.pack("<48I", *vectors).ljust(0x200, b"\0")
+            program += b"".join(struct.pack("<H", halfword()) for _ in range(0x1800))
+            image = self.folder / "random.bin"
+            image.write_bytes(program)
+            common = ("--load", f"{image}@0", "--simlimit", "0.002", "--log-level", "off")
+            plain = self.run_with("hello", *common)
+            codes[plain[0]] += 1
+            self.assertEqual(self.run_with("hello", *common, "--trace-instructions", self.folder / "i", "--trace-bus",
+                                           self.folder / "b", "--trace-waves", self.folder / "w.fst", "--profile",
+                                           self.folder / "p", "-C", "trace.depth=9"), plain, seed)
+            self.assertIn(f"totals: {plain[2]['cpu']['cycles']} ", (self.folder / "p").read_text(), seed)
+        self.assertEqual(set(codes), {5, 124}, "crashes, and programs that run on")
+
     def test_nothing_is_left_behind(self):
         self.run_with("hello", "--trace-instructions", self.folder / "i", "--trace-bus", self.folder / "b", "--profile",
                       self.folder / "p", "--trace-waves", self.folder / "w.fst")
         self.assertEqual({p.name for p in self.folder.iterdir()}, {"i", "b", "p", "w.fst", "w.gtkw", "r.json"})
+
+    def test_a_device_stays_one(self):
+        null = self.folder / "null"
+        null.symlink_to("/dev/null")
+        self.run_with("hello", "--trace-instructions", null, "--trace-bus", null, "--profile", null)
+        self.assertTrue(null.is_char_device())
 
     def test_same_bytes_every_time(self):
         for option, name in (("--trace-instructions", "i"), ("--trace-bus", "b"), ("--profile", "p"),
@@ -101,6 +136,8 @@ class Refusals(Traced):
     def test_places_that_cannot_be_written(self):
         for option in ("--trace-instructions", "--trace-bus", "--profile", "--trace-waves"):
             self.refuse("/nonexistent/x: cannot be written", option, "/nonexistent/x")
+        (self.folder / "null").symlink_to("/dev/null")
+        self.refuse("null: is no file", "--trace-waves", self.folder / "null")
         self.refuse("call the waves .fst", "--trace-waves", self.folder / "w.gtkw")
 
     def test_bounds_that_mean_nothing(self):
@@ -306,10 +343,18 @@ class Waves(Traced):
     @unittest.skipUnless(shutil.which("fst2vcd"), "GTKWave is not installed")
     def test_gtkwaves_own_reader_takes_it(self):
         waves = self.folder / "w.fst"
-        self.run_with("debuggee", "--trace-waves", waves)
+        _, _, result = self.run_with("selfcal", "--trace-waves", waves, "--simlimit", "0.5")
         text = subprocess.run(["fst2vcd", waves], capture_output=True, text=True, check=True).stdout
         self.assertIn("$timescale\n\t1ps\n$end", text)
         self.assertRegex(text, r"\$var wire 1 \S+ uart0_tx \$end")
+        for name, parameter in result["parameters"].items():
+            if name.startswith(("a", "b")) and name != "beta":
+                number = re.search(rf"\$var real 64 (\S+) {name}_value ", text).group(1)
+                values = re.findall(rf"(?m)^r(\S+) {re.escape(number)}$", text)
+                self.assertAlmostEqual(float(values[-1]), parameter["value"], places=14, msg=name)
+        commits = re.search(r"\$var wire 32 (\S+) commits ", text).group(1)
+        counts = re.findall(rf"(?m)^b([01]+) {re.escape(commits)}$", text)
+        self.assertEqual([int(count, 2) for count in counts], list(range(1, result["samples"] + 1)))
 
 
 if __name__ == "__main__":
