@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -30,6 +31,8 @@ constexpr std::size_t operations_between_checkpoints = 2048;
 // Clocks before and after the difference in the wave file.
 constexpr uint64_t cycles_before = 2000;
 constexpr uint64_t cycles_after = 64;
+// The tick under way, five that empty the pipeline, and the three of the LOAD.
+constexpr uint64_t load_ticks = 9;
 
 std::string register_name(uint32_t offset) {
   for (const auto& entry : registers::coprocessor::table)
@@ -127,6 +130,8 @@ class Lockstep::Pair {
     record({Operation::Kind::write, present_, offset, value, false});
     ++counters_.writes;
     const bool mapped = model_->write(present_, offset, value);
+    if (offset == coprocessor::reg_cmd && (value & coprocessor::cmd_load) != 0)
+      load_until_ = present_ + load_ticks * tick_cycles;
     if (same()) {
       const bool theirs = rtl_->write(present_, offset, value);
       compare("response to the write of " + register_name(offset), mapped, theirs);
@@ -157,6 +162,7 @@ class Lockstep::Pair {
     closed_ = true;
     compare_outputs();
     compare_commit();
+    if (present_ <= load_until_) compare_loaded();
     compare_stages();
   }
 
@@ -325,6 +331,20 @@ class Lockstep::Pair {
     }
   }
 
+  /// The coefficients that a LOAD has just computed, before a sample meets them.
+  void compare_loaded() {
+    static constexpr std::array<const char*, 6> names = {"a_u", "b_u", "c_u", "a_v", "b_v", "c_v"};
+    for (uint32_t word = 0; word < 2 * names.size(); ++word) {
+      if (!same()) return;
+      const uint32_t offset = coprocessor::reg_au_lo + 4 * word;
+      const int64_t ours = model_->read(present_, offset, true).value;
+      const int64_t theirs = rtl_->read(present_, offset, true).value;
+      if (ours != theirs)
+        found(register_name(offset) + " at LOAD", ours, theirs,
+              fmt::format("{} (LOAD)", names[word / 2]));
+    }
+  }
+
   void compare_stages() {
     if (!same()) return;
     for (unsigned stage = 0; stage < stage_count; ++stage) {
@@ -360,6 +380,7 @@ class Lockstep::Pair {
   bool closed_ = false;
   bool level_ = false;
   uint64_t commits_ = 0;
+  uint64_t load_until_ = 0;  // a LOAD has ended by this edge
 };
 
 Lockstep::Lockstep(std::unique_ptr<Device> model, std::unique_ptr<Device> rtl)

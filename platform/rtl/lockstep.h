@@ -34,8 +34,8 @@ struct Operation {
 std::string describe(const Operation& operation);
 
 /// Compares read data, responses, interrupt edges with their cycle, next event, idle, every node at
-/// the end of its tick and every register at each commit. Answers with the model's values; after
-/// the first difference it compares no more.
+/// the end of its tick, every register at each commit and the coefficients that a LOAD writes.
+/// Answers with the model's values; after the first difference it compares no more.
 class Lockstep final : public coprocessor::Device {
  public:
   Lockstep(std::unique_ptr<Device> model, std::unique_ptr<Device> rtl);

@@ -118,6 +118,21 @@ TEST_P(LockstepTest, AWrongReadIsFound) {
   EXPECT_EQ(both->difference()->cycle, 9u);
 }
 
+TEST_P(LockstepTest, AWrongLoadIsNamedWithoutASample) {
+  Faults faults;
+  bool loaded = false;
+  faults.read = [&](uint32_t offset, RegisterAccess& access) {
+    if (loaded && offset == reg_au_lo + 28) access.value ^= 1;  // AV_HI
+  };
+  const auto both = lockstep(faults);
+  both->write(5, reg_cmd, cmd_load);
+  loaded = true;
+  both->advance(300);
+  ASSERT_TRUE(both->difference());
+  EXPECT_EQ(both->difference()->node, "a_v (LOAD)");
+  EXPECT_LE(both->difference()->cycle, 5u + 1 + 3 * 32) << "three ticks after the command";
+}
+
 TEST_P(LockstepTest, AWrongInterruptIsFoundAtItsEdge) {
   Faults faults;
   faults.interrupt = [](bool) { return false; };
