@@ -17,7 +17,7 @@ PROBES = ["stage_i", "load_i", "cycle_i", *WEIGHTS]
 PASSES = ["expose " + " ".join(f"w:u_datapath.{name} w:u_datapath.g_*.u_core.{name}" for name in PROBES),
           "memory_map", "opt_clean", "async2sync", "dffunmap", "simplemap", "techmap", "opt_clean", "dffunmap",
           "setundef -zero", "aigmap", "opt_clean"]
-SOLVER_ROUNDS = 3  # each with more conflicts than the last; then it is not known
+SOLVER_SECONDS = 60  # a proof takes a second or two; multipliers can take for ever
 
 
 class Unproved(Exception):
@@ -84,8 +84,11 @@ class Prover:
             return literal == 0
         file = self.folder / "question.aig"
         self.graph.write(literal, file)
-        done = subprocess.run(["yosys-abc", "-q", f"read_aiger {file}; iprove -N {SOLVER_ROUNDS}"], check=False,
-                              capture_output=True, text=True)
+        try:
+            done = subprocess.run(["yosys-abc", "-q", f"read_aiger {file}; iprove"], check=False, capture_output=True, text=True,
+                                  timeout=SOLVER_SECONDS)
+        except subprocess.TimeoutExpired:
+            return False  # not known
         return "UNSATISFIABLE" in done.stdout
 
     def prove(self, mutant):
