@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 
 #include "sensor/random.h"
@@ -25,8 +26,12 @@ class Damage {
   /// something to one of the formats.
   std::string text(std::string whole) {
     static const std::string likely = "0123456789.,-+eE\n\r\t \"'[]{}=#:_naifAF";
+    // A letter, spaces, a combining mark, a byte order mark, a surrogate, beyond the 16-bit plane.
+    static constexpr const char* beyond_ascii[] = {
+        "\u00e9", "\u00a0", "\u2003", "\u0301", "\ufeff", "\u2028", "\xed\xa0\x80", "\U0001f600"};
     for (uint64_t edits = 1 + below(8); edits > 0 && !whole.empty(); --edits) {
       const std::size_t place = below(whole.size());
+      if (below(16) == 0) whole.insert(place, beyond_ascii[below(std::size(beyond_ascii))]);
       const char byte =
           below(4) != 0 ? likely[below(likely.size())] : static_cast<char>(below(256));
       switch (below(4)) {

@@ -53,6 +53,18 @@ TEST(Settings, AFileNamesItsLine) {
   EXPECT_NE(error->text.find(path + ":3"), std::string::npos) << error->text;
 }
 
+TEST(Settings, ALetterBeyondAsciiOutsideATextIsRefusedWithItsLine) {
+  const std::string path = testing::TempDir() + std::to_string(getpid()) + "letters.toml";
+  for (const char* letter : {"\u00e9", "\u0416", "\u00a0", "\u2003", "\u0301", "\U0001f600"}) {
+    std::ofstream(path) << "[cpu]\nlines " << letter << "= 4\n";
+    Settings s = example();
+    const auto error = s.read_file(path);
+    if (!error) continue;  // some are spaces to the reader
+    EXPECT_EQ(error->text.rfind(path + ":2: ", 0), 0U) << error->text;
+  }
+  std::remove(path.c_str());
+}
+
 TEST(Settings, TheEnvironmentIsRead) {
   Settings s = example();
   char name[] = "CAPSOC_CPU_EXECUTOR=stepping";

@@ -221,7 +221,6 @@ class Clients(Case):
         process.stdout.close()
         self.assertEqual(process.wait(PATIENCE), 0)
         self.assertIn('"code": 0', result.read_text())
-        process.stdout = subprocess.DEVNULL and open(os.devnull, "rb")
 
     def test_waiting_for_a_listener(self):
         for backend in ("tcp", "pty"):
