@@ -185,7 +185,7 @@ const UnpredictableCase& describe(Unpredictable which) {
 }
 
 std::optional<Unpredictable> unpredictable_encoding(const DecodedOp& op) {
-  if (op.operation == O::undefined) return std::nullopt;
+  if (op.operation == O::undefined || op.operation == O::fall_through) return std::nullopt;
   const Encoding& line = line_of(op);
   if ((op.encoding & line.ones) != line.ones || (op.encoding & line.zeros) != 0)
     return Unpredictable::should_be_bits;

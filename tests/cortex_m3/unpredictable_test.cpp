@@ -56,6 +56,14 @@ TEST_P(Choices, OrdinaryCodeIsNotToldOf) {
        0x0D08});
   EXPECT_TRUE(told.empty());
 }
+TEST_P(Choices, AnItBlockAcrossTheEndOfAPageIsOrdinary) {
+  b.start({0xE7FE});
+  b.code(0x1FFC, {0x2000, 0xBF06, 0x3001, 0x3002, 0x3004, 0xE7FE});  // itte eq over 0x2000
+  b.core.set_reg(15, 0x1FFC);
+  b.core.run(b.core.cycles() + 30);
+  EXPECT_EQ(b.core.reg(0), 3u);
+  EXPECT_TRUE(told.empty());
+}
 // A5.1.1
 TEST_P(Choices, TheProgramCounterReadsAsTheAddressPlusFour) {
   run({0xEA4F, 0x0000, 0xEA80, 0x000F, 0xEA80, 0x0001});  // mov.w; eor r0,r0,pc; eor r0,r0,r1
