@@ -22,6 +22,8 @@ typedef struct {
 
 #define WORD(address) (*(volatile uint32_t*)(address))
 #define WATCHDOG 0x40008000u
+#define ACTLR WORD(0xE000E008u)
+#define ACTLR_DISDEFWBUF 2u
 
 void start(void);
 
@@ -56,7 +58,8 @@ static void scribble(uint32_t base, uint32_t size) {
 }
 
 static void disturb(void) {
-  __disable_irq();  // what follows pends and is never taken
+  __disable_irq();           // what follows pends and is never taken
+  ACTLR = ACTLR_DISDEFWBUF;  // skip_instruction() has to see the store itself
   if ((next_random() & 3) == 0) clock_use_pll(1 + next_random() % 8, 1 + next_random() % 3);
   scribble(0x4000C000u, 0x100);  // coprocessor
   scribble(0x4000D000u, 0x20);   // ADC front-end
