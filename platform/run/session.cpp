@@ -402,7 +402,7 @@ Result<RunResult> run(const Settings& settings) {
   if (!tracer) return Error{tracer.error()};
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
-  std::signal(SIGPIPE, SIG_IGN);  // whoever read our output and is gone does not end the run
+  std::signal(SIGPIPE, on_signal);  // nobody reads stdout any more; sockets do not raise it
   auto semihosting = SemihostingPort::open(settings, soc, image.value(), elf, interrupted);
   if (!semihosting) return Error{semihosting.error()};
   UartLines uarts("uart_lines", soc, interrupted);

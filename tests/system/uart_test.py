@@ -215,12 +215,12 @@ class Clients(Case):
         self.assertEqual(process.wait(PATIENCE), 0)
         os.close(terminal)
 
-    def test_a_reader_of_stdout_that_is_gone(self):
+    def test_a_reader_of_stdout_that_is_gone_ends_the_run(self):
         result = self.folder / "r.json"
-        process = self.start(FIRMWARE / "newlib.elf", "--json", result)
+        process = self.start(FIRMWARE / "selfcal.elf", "--simlimit", 100000, "--json", result)
         process.stdout.close()
-        self.assertEqual(process.wait(PATIENCE), 0)
-        self.assertIn('"code": 0', result.read_text())
+        self.assertEqual(process.wait(PATIENCE), 128 + signal.SIGPIPE)
+        self.assertIn('"code": 141', result.read_text())
 
     def test_waiting_for_a_listener(self):
         for backend in ("tcp", "pty"):
