@@ -3,7 +3,7 @@
 namespace capsoc::cortex_m3 {
 namespace {
 
-constexpr uint32_t ccr_unalign_trp = 1u << 3;
+constexpr uint32_t ccr_unalign_trp = 1u << 3, ccr_bfhfnmign = 1u << 8;
 
 bool in_ppb(uint32_t address) {
   return (address >> 20) == 0xE00;
@@ -134,9 +134,11 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
   if (unaligned) check_unaligned(op, address, size);
   if (watches_data() && worst <= Result::device && watched(address, size, false))
     worst = Result::device;
-  if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
-  fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
-  return Access::fault;
+  if (worst > Result::device) {
+    value = 0;
+    return failed_access(op, worst, address);
+  }
+  return worst == Result::ok ? Access::ok : Access::leave;
 }
 
 Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
@@ -170,8 +172,19 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
   if (unaligned) check_unaligned(op, address, size);
   if (watches_data() && worst <= Result::device && watched(address, size, true))
     worst = Result::device;
-  if (worst <= Result::device) return worst == Result::ok ? Access::ok : Access::leave;
-  fault(op, worst == Result::bus_error ? Cause::data_bus : Cause::data_access, address);
+  if (worst > Result::device) return failed_access(op, worst, address);
+  return worst == Result::ok ? Access::ok : Access::leave;
+}
+
+/// The fault of a data access; but CCR.BFHFNMIGN lets handlers at priority -1 and -2 probe the bus
+/// (B3.2.8): the status is recorded, a load gives 0, and the handler goes on.
+Core::Access Core::failed_access(const Step& op, Result result, uint32_t address) {
+  const Cause cause = result == Result::bus_error ? Cause::data_bus : Cause::data_access;
+  if (cause == Cause::data_bus && (ccr_ & ccr_bfhfnmign) != 0 && execution_priority() < 0) {
+    record_cause(cause, address);
+    return Access::leave;
+  }
+  fault(op, cause, address);
   return Access::fault;
 }
 

@@ -303,6 +303,7 @@ class Core {
   void check_system_write(const Step& op, uint32_t address, uint32_t value);
   void check_unaligned(const Step& op, uint32_t address, unsigned size);
   bool buffered(const Step& op, uint32_t address) const;
+  Access failed_access(const Step& op, Result result, uint32_t address);
 
   // watchpoints.cpp
   bool watches_data() const { return !watchpoints_.empty() || dwt_.watches_data; }

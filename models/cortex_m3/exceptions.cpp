@@ -12,7 +12,7 @@ constexpr uint64_t bit(unsigned number) {
 }
 constexpr unsigned nmi = 2, hard_fault = 3, mem_manage = 4, bus_fault = 5, usage_fault = 6,
                    debug_monitor = 12;
-constexpr uint32_t ccr_nonbasethrdena = 1, ccr_bfhfnmign = 1u << 8, ccr_stkalign = 1u << 9;
+constexpr uint32_t ccr_nonbasethrdena = 1, ccr_stkalign = 1u << 9;
 constexpr uint32_t shcsr_memfaultena = 1u << 16, shcsr_busfaultena = 1u << 17,
                    shcsr_usgfaultena = 1u << 18;
 constexpr uint32_t hfsr_vecttbl = 2, hfsr_forced = 1u << 30;

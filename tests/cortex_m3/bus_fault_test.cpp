@@ -10,6 +10,7 @@ namespace {
 
 constexpr uint32_t nowhere = 0x60000000;
 constexpr uint32_t actlr = 0xE000E008, disdefwbuf = 2, dismcycint = 1;
+constexpr uint32_t ccr = 0xE000ED14, bfhfnmign = 1u << 8;
 constexpr uint32_t shcsr = 0xE000ED24, busfaultena = 1u << 17;
 constexpr uint32_t cfsr = 0xE000ED28, preciserr = 1u << 9, impreciserr = 1u << 10,
                    bfarvalid = 1u << 15;
@@ -46,6 +47,31 @@ TEST_P(BusFaults, ALoadFailsPrecisely) {
   EXPECT_EQ(run(), 5u);
   EXPECT_EQ(b.peek(cfsr), preciserr | bfarvalid);
   EXPECT_EQ(stacked_pc(), Bench::program);
+}
+TEST_P(BusFaults, BfhfnmignLetsFaultmaskProbeTheBus) {  // B3.2.8
+  start();
+  b.code(Bench::program, {0x6801});  // ldr r1,[r0]
+  b.core.set_reg(1, 5);
+  b.core.set_faultmask(true);
+  write(ccr, bfhfnmign);
+  EXPECT_EQ(run(20), 0u);
+  EXPECT_EQ(b.core.reg(1), 0u);
+  EXPECT_EQ(b.core.reg(2), 2u) << "the program goes on";
+  EXPECT_EQ(b.peek(cfsr), preciserr | bfarvalid);
+  EXPECT_EQ(b.peek(0xE000ED38), nowhere);
+}
+TEST_P(BusFaults, WithoutFaultmaskBfhfnmignIgnoresNothing) {
+  start();
+  b.code(Bench::program, {0x6801});
+  write(ccr, bfhfnmign);
+  EXPECT_EQ(run(), 5u);
+}
+TEST_P(BusFaults, WithoutBfhfnmignAFaultUnderFaultmaskLocksUp) {
+  start();
+  b.code(Bench::program, {0x6801});
+  b.core.set_faultmask(true);
+  b.core.step_instruction();
+  EXPECT_TRUE(b.core.locked_up());
 }
 TEST_P(BusFaults, DisdefwbufMakesStoresPrecise) {
   start();
