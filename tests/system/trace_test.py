@@ -4,7 +4,6 @@
 import json
 import os
 import re
-import shutil
 import struct
 import subprocess
 import tempfile
@@ -306,7 +305,6 @@ class Profile(Traced):
                      "Reset_Handler;main;run_on;thread_a;work_a;leaf"):
             self.assertIn(path, stacks)
 
-    @unittest.skipUnless(shutil.which("callgrind_annotate"), "callgrind_annotate is not installed")
     def test_callgrind_annotate_reads_it(self):
         place = self.folder / "p.out"
         _, _, result = self.run_with("profiled", "--profile", place)
@@ -340,7 +338,6 @@ class Waves(Traced):
             self.run_with("debuggee", option, self.folder / (option + ".fst"))
         self.assertEqual((self.folder / "--waves.fst").read_bytes(), (self.folder / "--trace-waves.fst").read_bytes())
 
-    @unittest.skipUnless(shutil.which("fst2vcd"), "GTKWave is not installed")
     def test_gtkwaves_own_reader_takes_it(self):
         waves = self.folder / "w.fst"
         _, _, result = self.run_with("selfcal", "--trace-waves", waves, "--simlimit", "0.5")
