@@ -3,30 +3,22 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
-#include <cstring>
+#include "serial/open_backend.h"
 
 namespace capsoc::run {
 
-Result<std::unique_ptr<ItmOutput>> ItmOutput::open(const std::string& place, unsigned port) {
-  const auto make = [port](std::FILE* stream, bool owned, bool logs) {
-    return std::unique_ptr<ItmOutput>(new ItmOutput(port, stream, owned, logs));
-  };
-  if (place == "null") return make(nullptr, false, false);
-  if (place == "stdout") return make(stdout, false, false);
-  if (place == "log") return make(nullptr, false, true);
-  if (place.rfind("file:", 0) != 0 || place.size() == 5)
-    return Error{fmt::format("--itm {}: choose stdout, null, log or file:PATH", place)};
-  const std::string path = place.substr(5);
-  std::FILE* stream = std::fopen(path.c_str(), "wb");
-  if (stream == nullptr)
-    return Error{fmt::format("{}: cannot be written ({}); name another file for --itm", path,
-                             std::strerror(errno))};
-  return make(stream, true, false);
-}
-
-ItmOutput::~ItmOutput() {
-  if (owned_) std::fclose(stream_);
+Result<std::unique_ptr<ItmOutput>> ItmOutput::open(const std::string& place, unsigned port,
+                                                   const serial::GiveUp& give_up) {
+  std::unique_ptr<serial::CharacterBackend> backend;
+  if (place != "log") {
+    const bool is_file = place.rfind("file:", 0) == 0 && place.size() > 5;
+    if (place != "stdout" && place != "null" && !is_file)
+      return Error{fmt::format("--itm {}: choose stdout, null, log or file:PATH", place)};
+    auto opened = serial::open_backend(place, "--itm", give_up);
+    if (!opened) return Error{opened.error()};
+    backend = std::move(opened.value());
+  }
+  return std::unique_ptr<ItmOutput>(new ItmOutput(port, std::move(backend)));
 }
 
 void ItmOutput::put(unsigned port, uint32_t value, unsigned size) {
@@ -35,18 +27,20 @@ void ItmOutput::put(unsigned port, uint32_t value, unsigned size) {
 }
 
 void ItmOutput::put_byte(char byte) {
-  if (stream_ != nullptr) std::fputc(byte, stream_);
-  if (!logs_) return;
   constexpr std::size_t longest = 1000;  // a program may never end its line
-  if (byte != '\n') line_ += byte;
-  if (byte != '\n' && line_.size() < longest) return;
-  spdlog::info("itm: {}", line_);
-  line_.clear();
+  line_ += byte;
+  if (byte == '\n' || line_.size() >= longest) flush();
 }
 
 void ItmOutput::flush() {
-  if (stream_ != nullptr) std::fflush(stream_);
-  if (!line_.empty()) put_byte('\n');
+  if (line_.empty()) return;
+  if (backend_) {
+    backend_->write(line_);
+  } else {
+    if (line_.back() == '\n') line_.pop_back();
+    spdlog::info("itm: {}", line_);
+  }
+  line_.clear();
 }
 
 }  // namespace capsoc::run

@@ -3,10 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 
+#include "serial/character_backend.h"
 #include "support/result.h"
 
 namespace capsoc::run {
@@ -15,25 +16,24 @@ namespace capsoc::run {
 class ItmOutput {
  public:
   /// `place`: stdout, null, log (a line of the log each, level info) or file:PATH.
-  static Result<std::unique_ptr<ItmOutput>> open(const std::string& place, unsigned port);
-  ~ItmOutput();
-  ItmOutput(const ItmOutput&) = delete;
-  ItmOutput& operator=(const ItmOutput&) = delete;
+  static Result<std::unique_ptr<ItmOutput>> open(const std::string& place, unsigned port,
+                                                 const serial::GiveUp& give_up);
 
   /// A write of `size` bytes, the lowest one first; those to other ports are dropped.
   void put(unsigned port, uint32_t value, unsigned size);
-  /// Logs an unfinished line, and hands the file's bytes to the host.
+  /// Hands on an unfinished line.
   void flush();
+  /// Why text was lost, a sentence; empty if none was.
+  std::string failure() const { return backend_ ? backend_->failure() : ""; }
 
  private:
-  ItmOutput(unsigned port, std::FILE* stream, bool owned, bool logs)
-      : port_(port), stream_(stream), owned_(owned), logs_(logs) {}
+  ItmOutput(unsigned port, std::unique_ptr<serial::CharacterBackend> backend)
+      : port_(port), backend_(std::move(backend)) {}
   void put_byte(char byte);
 
   unsigned port_;
-  std::FILE* stream_;  // null: none
-  bool owned_, logs_;
-  std::string line_;  // of the log, so far
+  std::unique_ptr<serial::CharacterBackend> backend_;  // null: the log
+  std::string line_;                                   // so far
 };
 
 }  // namespace capsoc::run

@@ -361,13 +361,6 @@ Result<RunResult> run(const Settings& settings) {
   if (settings.text("run.stop_in_fault") == "true")
     soc.cpu.core().set_stop_in_fault([&soc] { return soc.watchdog_is_off(); });
 
-  auto itm = ItmOutput::open(settings.text("itm.backend"),
-                             static_cast<unsigned>(settings.integer("itm.port")));
-  if (!itm) return Error{itm.error()};
-  soc.cpu.core().set_stimulus([&itm](unsigned port, uint32_t value, unsigned size) {
-    itm.value()->put(port, value, size);
-  });
-
   const double rate = description.sample_rate_hz.value_or(250);
   const double frequency = std::fabs(description.frequency_hz.value_or(0.05));
   const auto revolution =
@@ -398,6 +391,12 @@ Result<RunResult> run(const Settings& settings) {
     return out_of_time || caught_signal != 0;
   };
   soc.cpu.set_interrupted(interrupted);
+  auto itm = ItmOutput::open(settings.text("itm.backend"),
+                             static_cast<unsigned>(settings.integer("itm.port")), interrupted);
+  if (!itm) return Error{itm.error()};
+  soc.cpu.core().set_stimulus([&itm](unsigned port, uint32_t value, unsigned size) {
+    itm.value()->put(port, value, size);
+  });
   auto tracer = attach_tracer(settings, soc, image.value(), further_images);
   if (!tracer) return Error{tracer.error()};
   std::signal(SIGINT, on_signal);
@@ -421,6 +420,7 @@ Result<RunResult> run(const Settings& settings) {
   uarts.finish();
   for (const std::string& failure : uarts.failures()) spdlog::error(failure);
   itm.value()->flush();
+  if (const std::string failure = itm.value()->failure(); !failure.empty()) spdlog::error(failure);
   progress.finish();
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});

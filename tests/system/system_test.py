@@ -605,6 +605,10 @@ class Itm(unittest.TestCase):
                 self.assertEqual(process.returncode, 0, process.stderr.decode())
                 self.assertEqual(path.read_bytes(), text)
 
+    def test_text_that_a_full_disk_loses_is_told_of(self):
+        process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1, "--itm", "file:/dev/full")
+        self.assertIn("/dev/full: takes no more bytes", process.stderr.decode())
+
     def test_the_log_takes_lines(self):
         process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1, "--itm", "log", "--log-level", "info")
         self.assertIn("itm: itm: 42", process.stderr.decode())
