@@ -91,6 +91,11 @@ class Packets:
     def register(self, number):
         return int.from_bytes(bytes.fromhex(self.ask(f"p{number:x}")), "little")
 
+    def run_to(self, address):
+        self.ask(f"Z0,{address:x},2")
+        self.ask("vCont;c")
+        self.ask(f"z0,{address:x},2")
+
 
 def symbols():
     """Addresses of the debuggee's symbols."""
@@ -354,9 +359,7 @@ class Protocol(unittest.TestCase):
     def test_stepping_neither_skips_nor_invents_interrupts(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as gdb_client:
-            gdb_client.ask(f"Z0,{at['main']:x},2")
-            gdb_client.ask("vCont;c")
-            gdb_client.ask(f"z0,{at['main']:x},2")
+            gdb_client.run_to(at['main'])
             handler = 0
             for _ in range(3000):
                 self.assertTrue(gdb_client.ask("vCont;s:1").startswith("T05"))
@@ -410,9 +413,7 @@ class Protocol(unittest.TestCase):
     def test_sleeping_processor_is_interrupted_stepped_and_reset(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as client:
-            client.ask(f"Z0,{at['main']:x},2")
-            client.ask("vCont;c")
-            client.ask(f"z0,{at['main']:x},2")
+            client.run_to(at['main'])
             client.ask(f"M{at['sleep_wanted']:x},1:01")
             client.packet("vCont;c")
             for _ in range(20):
@@ -442,9 +443,7 @@ class Protocol(unittest.TestCase):
     def test_lockup_and_bkpt_stop_instead_of_ending(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as client:
-            client.ask(f"Z0,{at['work']:x},2")
-            client.ask("vCont;c")
-            client.ask(f"z0,{at['work']:x},2")
+            client.run_to(at['work'])
             self.assertEqual(client.ask(f"M{at['work']:x},2:01be"), "OK")  # bkpt #1
             self.assertTrue(client.ask("vCont;c").startswith("T05thread"))
             self.assertEqual(client.register(15), at["work"] & ~1)
