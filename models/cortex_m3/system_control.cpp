@@ -342,7 +342,10 @@ void Core::check_system_write(const Step& op, uint32_t address, uint32_t value) 
   constexpr uint32_t for_debuggers = 3, key = 0x05FA;
   if (address == 0xE000ED0C && value >> 16 == key && (value & for_debuggers) != 0)
     unpredictable(Unpredictable::aircr_for_debuggers, op.address);
-  if (address < 0xE000ED9C || address >= 0xE000EDBC) return;
+  if (address < 0xE000ED98 || address >= 0xE000EDBC) return;
+  const bool names =
+      address == 0xE000ED98 ? value > 7 : (address & 4) != 0 && (value & 0x18) == 0x18;
+  if (names) unpredictable(Unpredictable::mpu_number, op.address);
   const uint32_t rasr = mpu_rasr_[mpu_rnr_], bits = ((rasr >> 1) & 31) + 1;
   if ((rasr & 1) == 0) return;
   const bool misplaced = bits < 32 && (mpu_rbar_[mpu_rnr_] & ((1u << bits) - 1)) != 0;

@@ -116,6 +116,13 @@ bool field_is_impossible(const DecodedOp& op) {
   return (op.operation == O::bfi || op.operation == O::bfc) && op.ra < op.imm;
 }
 
+/// i:imm3:imm8 of the forms 0x00xy00xy, 0xxy00xy00 and 0xxyxyxyxy with xy = 0.
+bool repeats_zero(const DecodedOp& op, const Encoding& line) {
+  constexpr uint32_t rotates = 1u << 26 | 1u << 14, repeats = 3u << 12;
+  return line.form == Form::modified && (op.encoding & (rotates | 0xFF)) == 0 &&
+         (op.encoding & repeats) != 0;
+}
+
 std::optional<Unpredictable> wide(const DecodedOp& op, const Encoding& line) {
   if (is_multiple(op) && forbidden_list(op)) return Unpredictable::register_list;
   if (forbidden_register(op, line)) return Unpredictable::special_register;
@@ -126,6 +133,7 @@ std::optional<Unpredictable> wide(const DecodedOp& op, const Encoding& line) {
   if (has_one_destination_for_two(op)) return Unpredictable::same_destination;
   if (within(op, O::rev, O::clz) && op.rn != op.rm) return Unpredictable::two_operands_differ;
   if (field_is_impossible(op)) return Unpredictable::bit_field;
+  if (repeats_zero(op, line)) return Unpredictable::repeated_zero;
   return std::nullopt;
 }
 

@@ -64,7 +64,7 @@ TEST_P(Choices, AnItBlockAcrossTheEndOfAPageIsOrdinary) {
   EXPECT_EQ(b.core.reg(0), 3u);
   EXPECT_TRUE(told.empty());
 }
-// A5.1.1
+// A5.1.2
 TEST_P(Choices, TheProgramCounterReadsAsTheAddressPlusFour) {
   run({0xEA4F, 0x0000, 0xEA80, 0x000F, 0xEA80, 0x0001});  // mov.w; eor r0,r0,pc; eor r0,r0,r1
   EXPECT_EQ(b.core.reg(0), (0x20000100u ^ (Bench::program + 8)) ^ 0x20000110u);
@@ -75,7 +75,7 @@ TEST_P(Choices, AResultForTheProgramCounterIsLost) {
   EXPECT_EQ(b.core.reg(0), 7u);
   EXPECT_EQ(told, once("special_register@0"));
 }
-// A5.1.2
+// A5.1.1
 TEST_P(Choices, ABitThatShouldBeZeroIsIgnored) {
   run({0xFA0F, 0xF0C1});  // sxth.w r0,r1 with bit 6 set
   EXPECT_EQ(b.core.reg(0), 0x110u);
@@ -106,6 +106,18 @@ TEST_P(Choices, AFieldBeyondBit31EndsThere) {
   run({0xF3C1, 0x700F});  // ubfx r0,r1,#28,#16
   EXPECT_EQ(b.core.reg(0), 2u);
   EXPECT_EQ(told, once("bit_field@0"));
+}
+// A5.3.2
+TEST_P(Choices, ARepeatedByteOfZeroIsZero) {
+  run({0xF441, 0x3000});  // orr r0,r1,#0x20000: i:imm3 = 0b1011, rotated
+  EXPECT_TRUE(told.empty());
+  run({0xF041, 0x3000});  // the same with i = 0: repeated
+  EXPECT_EQ(b.core.reg(0), 0x20000110u);
+  EXPECT_EQ(told, once("repeated_zero@0"));
+}
+TEST_P(Choices, APlainZeroIsOrdinary) {
+  run({0xF041, 0x0000, 0xF201, 0x1000});  // orr r0,r1,#0; addw r0,r1,#0x100
+  EXPECT_TRUE(told.empty());
 }
 // A7.7.38
 TEST_P(Choices, AConditionalBranchInAnItBlockObeysBoth) {
@@ -166,6 +178,24 @@ TEST_P(Choices, AnMpuRegionBelow32BytesMatchesNothing) {
   b.core.set_reg(1, 3u << 24 | 3 << 1 | 1);  // 16 bytes
   b.core.run(b.core.cycles() + 10);
   EXPECT_EQ(told, once("mpu_region@0"));
+}
+// B3.5.7, B3.5.8
+TEST_P(Choices, AnMpuRegionAbove7IsTakenModulo8) {
+  b.start({0x6001, 0xE7FE});  // str r1,[r0]: RNR
+  b.core.set_reg(0, 0xE000ED98);
+  b.core.set_reg(1, 11);
+  b.core.run(b.core.cycles() + 10);
+  EXPECT_EQ(b.peek(0xE000ED98), 3u);
+  EXPECT_EQ(told, once("mpu_number@0"));
+}
+TEST_P(Choices, TheRegionInRbarCountsOnlyIfItIsValid) {
+  b.start({0x6001, 0x6002, 0xE7FE});  // str r1,[r0]; str r2,[r0]: RBAR
+  b.core.set_reg(0, 0xE000ED9C);
+  b.core.set_reg(1, 0x20000000 | 9);         // VALID 0: not a number
+  b.core.set_reg(2, 0x20000000 | 0x10 | 9);  // VALID 1
+  b.core.run(b.core.cycles() + 10);
+  EXPECT_EQ(b.peek(0xE000ED98), 1u);
+  EXPECT_EQ(told, once("mpu_number@2"));
 }
 // B1.5.8
 TEST_P(Choices, AnExcReturnWithZerosInItsMiddleRaisesInvpc) {
