@@ -65,8 +65,9 @@ std::string coverage_text(const Coverage& coverage) {
 std::string rtl_text(const RtlCoverage& rtl) {
   std::string text;
   for (const RtlCoverage::Kind& kind : rtl.kinds) {
-    text += fmt::format("RTL {} coverage: {:.2f} % ({} of {}; {} excepted)\n", kind.name,
-                        kind.percent(), kind.covered, kind.points - kind.excepted, kind.excepted);
+    text += fmt::format("RTL {} coverage: {:.2f} % ({} of {}; {} excepted, {:.2f} % with these)\n",
+                        kind.name, kind.percent(), kind.covered, kind.points - kind.excepted,
+                        kind.excepted, kind.percent_of_all());
     for (const std::string& point : kind.missing) text += "  missing: " + point + "\n";
   }
   return text;

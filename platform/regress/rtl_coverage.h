@@ -32,10 +32,13 @@ struct RtlCoverage {
     uint64_t points = 0, covered = 0, excepted = 0;
     std::vector<std::string> missing;  ///< "file:line name"
 
-    double percent() const {
-      const uint64_t counted = points - excepted;
-      return counted == 0 ? 100
-                          : 100.0 * static_cast<double>(covered) / static_cast<double>(counted);
+    /// Of the points that can be reached; of all, exceptions counted as not covered.
+    double percent() const { return share(points - excepted); }
+    double percent_of_all() const { return share(points); }
+
+   private:
+    double share(uint64_t of) const {
+      return of == 0 ? 100 : 100.0 * static_cast<double>(covered) / static_cast<double>(of);
     }
   };
   std::string arithmetic;

@@ -63,6 +63,7 @@ void run_flags(Bench& bench, Random& random, const Budget&);
 
 // scenarios_bits.cpp
 void run_threshold_bits(Bench& bench, Random& random, const Budget&);
+void run_largest_error(Bench& bench, Random& random, const Budget&);
 void run_stages(Bench& bench, Random& random, const Budget&);
 void run_flag_bits(Bench& bench, Random& random, const Budget&);
 void run_magnitudes(Bench& bench, Random& random, const Budget&);

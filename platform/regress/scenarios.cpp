@@ -41,6 +41,8 @@ const std::vector<Scenario>& scenarios() {
       {"software", "samples that software submits", 50, 100, run_software},
       {"threshold_bits", "thresholds, and averages of u and v, that differ in one bit", 0, 0,
        run_threshold_bits},
+      {"largest_error", "the error average at its end, and the thresholds beside it", 0, 0,
+       run_largest_error},
       {"stages", "each write stage and read latch alone, and each among all", 0, 0, run_stages},
       {"flag_bits", "many flags at once, cleared one by one", 0, 0, run_flag_bits},
       {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},

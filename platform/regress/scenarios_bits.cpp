@@ -87,6 +87,29 @@ void run_threshold_bits(Bench& bench, Random& random, const Budget&) {
   }
 }
 
+void run_largest_error(Bench& bench, Random&, const Budget&) {
+  // An error of -1 again and again: each sum comes to rest at 2^37 - 32, the average at 2^31. In u,
+  // then in v.
+  for (bool swapped : {false, true}) {
+    pass_through(bench);
+    const int64_t largest = one - (int64_t{1} << 15);            // the largest word of Q1.31
+    bench.write_pair(reg_au_lo + (swapped ? 40 : 16), largest);  // CV, CU
+    for (unsigned i = 0; i < 1800 && !bench.failed(); ++i) {
+      bench.sample(swapped ? 0 : 0x80000000, swapped ? 0x80000000 : 0);
+      bench.wait(32);
+    }
+    for (uint32_t threshold : {0x7fffffffu, 0x80000000u, 0x80000001u}) {
+      bench.write(reg_lock_threshold, threshold);
+      bench.write(reg_diverge_threshold, threshold);
+      bench.sample(swapped ? 0 : 0x80000000, swapped ? 0x80000000 : 0);
+      bench.drain();
+      bench.read(reg_error_average);
+      bench.read(reg_status);
+      bench.write(reg_flags, flags_all);
+    }
+  }
+}
+
 void run_stages(Bench& bench, Random& random, const Budget&) {
   const std::vector<uint32_t> lows = pairs();
   // One word of the memory written after a reset, or read as HI: no other has become valid.

@@ -112,6 +112,7 @@ TEST_F(RtlCoverageFiles, AreAddedPointByPoint) {
                                     point("x/rtl/verification/p.sv", 5, "v_toggle/p", "z", 0));
   const auto b = write("b.dat", point("x/rtl/a.sv", 4, "v_branch/a", "if", 2) +
                                     point("x/rtl/a.sv", 5, "v_toggle/a", "q[0]", 0) +
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[1]", 3) +
                                     point("x/rtl/a.sv", 5, "v_toggle/a", "q[31]", 0));
   const auto list = write("list.txt", "# comment\ntoggle a.sv q[31:16] # upper half is constant\n");
   const auto exceptions = CoverageExceptions::read(list);
@@ -122,8 +123,10 @@ TEST_F(RtlCoverageFiles, AreAddedPointByPoint) {
   const RtlCoverage::Kind& toggle = merged.value().kinds[1];
   EXPECT_EQ(line.points, 2u);
   EXPECT_EQ(line.covered, 2u);
-  EXPECT_EQ(toggle.points, 2u);
+  EXPECT_EQ(toggle.points, 3u);
   EXPECT_EQ(toggle.excepted, 1u);
+  EXPECT_EQ(toggle.percent(), 50);
+  EXPECT_DOUBLE_EQ(toggle.percent_of_all(), 100.0 / 3);
   ASSERT_EQ(toggle.missing.size(), 1u);
   EXPECT_EQ(toggle.missing[0], "a.sv:5 q[0] (TOP.dut)");
 }
