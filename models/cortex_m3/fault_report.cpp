@@ -45,6 +45,9 @@ void describe(std::string& text, const Bit (&bits)[n], uint32_t value) {
 }  // namespace
 
 std::string describe_cfsr(uint32_t cfsr, uint32_t hfsr) {
+  constexpr uint32_t forced = 1u << 30;
+  // Only faults leave a trace in CFSR.
+  if (hfsr == forced && cfsr == 0) return "FORCED: escalated from an SVC that could not be taken";
   std::string text;
   describe(text, hfsr_bits, hfsr);
   describe(text, cfsr_bits, cfsr);

@@ -47,7 +47,9 @@ std::string describe_fault(const cortex_m3::Core& core, const loader::ElfImage& 
   line("HFSR", word(report.hfsr));
   line("MMFAR", word(report.mmfar));
   line("BFAR", word(report.bfar));
-  text += "  the stacked frame:\n";
+  constexpr uint32_t stacking_failed = 1u << 4 | 1u << 12;  // MSTKERR, STKERR
+  text += (report.cfsr & stacking_failed) == 0 ? "  the stacked frame:\n"
+                                               : "  the frame, which could not be stacked whole:\n";
   static constexpr const char* names[] = {"r0", "r1", "r2", "r3", "r12", "lr", "pc", "xpsr"};
   for (unsigned i = 0; i < report.frame.size(); ++i)
     line(names[i], i == 5 || i == 6 ? named(image, report.frame[i]) : word(report.frame[i]));
