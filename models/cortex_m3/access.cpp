@@ -107,6 +107,17 @@ unsigned piece(uint32_t address, unsigned left) {
 }
 }  // namespace
 
+/// The host's bytes of an aligned access to a page that regions of the MPU share, nullptr if it has
+/// to go the whole way. Such pages are those of most tasks' stacks.
+uint8_t* Core::shared_page(uint32_t address, bool write, bool user) {
+  if (!fast_pages_[address >> Memory::page_bits].mixed || user) return nullptr;
+  const Memory::Page& page = memory_.page(address);
+  uint8_t* bytes = write ? page.write : page.read;
+  if (bytes == nullptr || !mpu_allows(address, write, false, privileged())) return nullptr;
+  cycles_ += page.wait_states;
+  return bytes + (address & (Memory::page_size - 1));
+}
+
 Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, uint32_t& value,
                              bool user) {
   const bool priv = privileged() && !user;
@@ -115,16 +126,24 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
+  value = 0;
+  if (const uint8_t* bytes = unaligned ? nullptr : shared_page(address, false, user)) {
+    std::memcpy(&value, bytes, size);
+    return Access::ok;
+  }
   if (in_ppb(address)) check_system_access(op, address, size);
   access_offset_ = op.cycles_before;
   Result worst = Result::ok;
-  value = 0;
+  uint32_t failed = address;
   for (unsigned done = 0; done < size;) {
     unsigned part = unaligned ? piece(address + done, size - done) : size;
     uint32_t bits = 0;
     Result result = read_aligned(address + done, part, bits, priv);
     if (result > worst) worst = result;
-    if (result > Result::device) break;
+    if (result > Result::device) {
+      if (result == Result::violation) failed += done;
+      break;
+    }
     value |= bits << (8 * done);
     if (done != 0) ++cycles_;
     done += part;
@@ -136,7 +155,7 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
     worst = Result::device;
   if (worst > Result::device) {
     value = 0;
-    return failed_access(op, worst, address);
+    return failed_access(op, worst, failed);
   }
   return worst == Result::ok ? Access::ok : Access::leave;
 }
@@ -149,9 +168,14 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
+  if (uint8_t* bytes = unaligned ? nullptr : shared_page(address, true, user)) {
+    std::memcpy(bytes, &value, size);
+    return Access::ok;
+  }
   if (in_ppb(address)) check_system_access(op, address, size);
   access_offset_ = op.cycles_before;
   Result worst = Result::ok;
+  uint32_t failed = address;
   if (size < 4) value &= (1u << (8 * size)) - 1;
   for (unsigned done = 0; done < size;) {
     unsigned part = unaligned ? piece(address + done, size - done) : size;
@@ -162,7 +186,10 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
       result = Result::device;
     }
     if (result > worst) worst = result;
-    if (result > Result::device) break;
+    if (result > Result::device) {
+      if (result == Result::violation) failed += done;
+      break;
+    }
     if (done != 0) ++cycles_;
     done += part;
   }
@@ -172,7 +199,7 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
   if (unaligned) check_unaligned(op, address, size);
   if (watches_data() && worst <= Result::device && watched(address, size, true))
     worst = Result::device;
-  if (worst > Result::device) return failed_access(op, worst, address);
+  if (worst > Result::device) return failed_access(op, worst, failed);
   return worst == Result::ok ? Access::ok : Access::leave;
 }
 

@@ -279,7 +279,10 @@ class Core {
 
   // mpu.cpp
   int mpu_region(uint32_t address) const;
-  bool mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const;
+  bool mpu_allows(uint32_t address, bool write, bool fetch, bool priv);
+  uint32_t mpu_rights(uint32_t address) const;
+  uint8_t* shared_page(uint32_t address, bool write, bool user);
+  void mpu_changed();
   bool mpu_applies() const;
   bool mpu_uniform_in_page(uint32_t address) const;
   void select_view();
@@ -301,6 +304,7 @@ class Core {
   void unpredictable(Unpredictable which, uint32_t address);
   void check_system_access(const Step& op, uint32_t address, unsigned size);
   void check_system_write(const Step& op, uint32_t address, uint32_t value);
+  void check_mpu_region(const Step& op, unsigned number);
   void check_unaligned(const Step& op, uint32_t address, unsigned size);
   bool buffered(const Step& op, uint32_t address) const;
   Access failed_access(const Step& op, Result result, uint32_t address);
@@ -380,6 +384,10 @@ class Core {
   Stimulus stimulus_;
   uint32_t mpu_ctrl_ = 0, mpu_rnr_ = 0;
   std::array<uint32_t, 8> mpu_rbar_{}, mpu_rasr_{};
+  struct MpuLine {
+    uint32_t tag, rights;  // of 32 bytes; tag 0: none
+  };
+  std::array<MpuLine, 64> mpu_lines_{};
 
   uint32_t systick_csr_ = 0, systick_rvr_ = 0, systick_start_ = 0;
   bool systick_countflag_ = false;

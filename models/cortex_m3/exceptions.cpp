@@ -424,6 +424,7 @@ bool Core::pop_stack(uint32_t exc_return, Cause& cause) {
   for (unsigned i = 0; i < 4; ++i) r_[i] = words[i];
   r_[12] = words[4];
   r_[14] = words[5];
+  if ((words[6] & 1) != 0) unpredictable(Unpredictable::return_address, words[6] - 1);
   pc_ = words[6] & ~1u;
   set_xpsr(psr);
   return true;

@@ -20,6 +20,7 @@ class Memory {
     uint8_t* write = nullptr;
     CodePage* code = nullptr;  // decoded blocks, if any
     uint32_t wait_states = 0;
+    bool mixed = false;  // of a view: borders run through the page, every access is looked at
   };
   struct Region {
     uint32_t base, size;

@@ -22,6 +22,10 @@ bool permitted(unsigned ap, bool write, bool priv) {
   }
 }
 
+constexpr unsigned right(bool write, bool fetch, bool priv) {
+  return unsigned{write} << 2 | unsigned{fetch} << 1 | unsigned{priv};
+}
+
 }  // namespace
 
 /// Whether accesses are held against the regions at all: HFNMIENA (B3.5.5).
@@ -46,14 +50,39 @@ int Core::mpu_region(uint32_t address) const {
   return -1;
 }
 
-/// ValidateAddress (B3.5.3): the region decides, or the default map.
-bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) const {
+/// ValidateAddress (B3.5.3): the region decides, or the default map. Nothing differs within 32
+/// bytes, so what was decided is kept for as many lines as a task's stack and data have; in a
+/// program whose regions share pages, as the stacks of an RTOS do, that is every access.
+bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) {
   if (!mpu_applies()) return true;
+  MpuLine& line = mpu_lines_[address >> 5 & (mpu_lines_.size() - 1)];
+  const uint32_t tag = address >> 5 | 1u << 31;
+  if (line.tag != tag) line = {tag, mpu_rights(address)};
+  return (line.rights >> right(write, fetch, priv) & 1) != 0;
+}
+
+/// A bit for each kind of access, in the order of right().
+uint32_t Core::mpu_rights(uint32_t address) const {
   const int region = mpu_region(address);
-  if (region < 0) return priv && (mpu_ctrl_ & 4) != 0;
-  const uint32_t rasr = mpu_rasr_[static_cast<unsigned>(region)];
-  if (fetch && (rasr & 1u << 28)) return false;
-  return permitted((rasr >> 24) & 7, write, priv);
+  const bool background = (mpu_ctrl_ & 4) != 0;
+  uint32_t rights = 0;
+  for (bool write : {false, true})
+    for (bool fetch : {false, true})
+      for (bool priv : {false, true}) {
+        bool allowed = priv && background;
+        if (region >= 0) {
+          const uint32_t rasr = mpu_rasr_[static_cast<unsigned>(region)];
+          const bool no_code = fetch && (rasr & 1u << 28) != 0;
+          allowed = !no_code && permitted((rasr >> 24) & 7, write, priv);
+        }
+        rights |= uint32_t{allowed} << right(write, fetch, priv);
+      }
+  return rights;
+}
+
+void Core::mpu_changed() {
+  mpu_lines_.fill({});
+  memory_.clear_views();
 }
 
 /// True when no border of a region or of its eighths runs through the page of the address.
@@ -84,11 +113,13 @@ void Core::select_view() {
 /// Behind an access that the regions let through: the next ones to its page need no look at them.
 void Core::fill_view(uint32_t address) {
   const Memory::Page& page = memory_.page(address);
-  if (fast_pages_ == memory_.table() || page.read == nullptr || !mpu_uniform_in_page(address))
-    return;
+  if (fast_pages_ == memory_.table() || page.read == nullptr) return;
+  if (fast_pages_[address >> Memory::page_bits].mixed) return;
   if (sees_accesses_ || watches_page(address)) return;
   const bool priv = privileged();
   Memory::Page& seen = memory_.view_page(fast_pages_, address);
+  seen.mixed = !mpu_uniform_in_page(address);
+  if (seen.mixed) return;
   seen.wait_states = page.wait_states;
   if (mpu_allows(address, false, false, priv)) seen.read = page.read;
   if (mpu_allows(address, true, false, priv)) seen.write = page.write;
@@ -119,7 +150,7 @@ void Core::write_mpu(uint32_t address, uint32_t value) {
     default:
       break;
   }
-  memory_.clear_views();
+  mpu_changed();
   check_ = true;
 }
 

@@ -34,7 +34,7 @@ void Core::reset_system_control() {
   mpu_ctrl_ = mpu_rnr_ = 0;
   mpu_rbar_.fill(0);
   mpu_rasr_.fill(0);
-  memory_.clear_views();
+  mpu_changed();
   select_view();
   systick_csr_ = systick_rvr_ = systick_start_ = 0;
   systick_countflag_ = false;
@@ -337,21 +337,32 @@ void Core::check_system_access(const Step& op, uint32_t address, unsigned size) 
   if (size != 4 && !takes_parts) unpredictable(Unpredictable::register_size, op.address);
 }
 
+void Core::check_mpu_region(const Step& op, unsigned number) {
+  const uint32_t rasr = mpu_rasr_[number], bits = ((rasr >> 1) & 31) + 1;
+  if ((rasr & 1) == 0) return;
+  const bool misplaced = bits < 32 && (mpu_rbar_[number] & ((1u << bits) - 1)) != 0;
+  if (bits < 5)
+    unpredictable(Unpredictable::mpu_size, op.address);
+  else if (misplaced)
+    unpredictable(Unpredictable::mpu_base, op.address);
+  if (bits < 8 && (rasr >> 8 & 0xFF) != 0) unpredictable(Unpredictable::mpu_subregions, op.address);
+  if ((rasr >> 24 & 7) == 4) unpredictable(Unpredictable::mpu_permissions, op.address);
+}
+
 /// What a program has written to a register that takes anything.
 void Core::check_system_write(const Step& op, uint32_t address, uint32_t value) {
   constexpr uint32_t for_debuggers = 3, key = 0x05FA;
   if (address == 0xE000ED0C && value >> 16 == key && (value & for_debuggers) != 0)
     unpredictable(Unpredictable::aircr_for_debuggers, op.address);
+  if (address == 0xE000ED94 && (value & 1) != 0)
+    for (unsigned number = 0; number < mpu_rasr_.size(); ++number) check_mpu_region(op, number);
   if (address < 0xE000ED98 || address >= 0xE000EDBC) return;
   const bool names =
       address == 0xE000ED98 ? value > 7 : (address & 4) != 0 && (value & 0x18) == 0x18;
   if (names) unpredictable(Unpredictable::mpu_number, op.address);
-  const uint32_t rasr = mpu_rasr_[mpu_rnr_], bits = ((rasr >> 1) & 31) + 1;
-  if ((rasr & 1) == 0) return;
-  const bool misplaced = bits < 32 && (mpu_rbar_[mpu_rnr_] & ((1u << bits) - 1)) != 0;
-  const bool divided = bits < 8 && (rasr >> 8 & 0xFF) != 0;
-  if (bits < 5 || misplaced || divided || (rasr >> 24 & 7) == 4)
-    unpredictable(Unpredictable::mpu_region, op.address);
+  // A new RBAR may meet the old RASR: the region is looked at when it is complete.
+  const bool completes = address >= 0xE000EDA0 && (address & 4) == 0;
+  if (completes) check_mpu_region(op, mpu_rnr_);
 }
 
 }  // namespace capsoc::cortex_m3

@@ -2,6 +2,8 @@
 // fast one keeps what the regions decided by the page.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "bench.h"
 
 namespace capsoc::cortex_m3::test {
@@ -95,6 +97,46 @@ TEST_P(Mpu, ARegionOfThirtyTwoBytesGuardsThem) {
   EXPECT_TRUE(allows_store(ram + 0x3C));
   EXPECT_TRUE(allows_store(ram + 0x60));
   EXPECT_FALSE(allows_store(ram + 0x5C));
+}
+// B3.2.15: the part that the region forbids, not the address that was asked for.
+TEST_P(Mpu, MmfarHasTheAddressOfThePartOfAnUnalignedAccessThatFaulted) {
+  for (uint32_t region_base : {ram + 0x100, ram + 0x1000}) {
+    for (uint16_t instruction : {0x6802, 0x6001}) {  // ldr r2,[r0]; str r1,[r0]
+      for (uint32_t before : {1u, 2u, 3u}) {
+        start(true);
+        region(1, ram, full_access | size_of(16));
+        region(2, region_base, privileged_only | size_of(8));
+        enable();
+        EXPECT_FALSE(allows_load(region_base - before, instruction));
+        EXPECT_EQ(b.core.last_fault().mmfar, region_base) << before;
+        EXPECT_EQ(b.core.last_fault().address, region_base);
+      }
+    }
+  }
+}
+TEST_P(Mpu, MmfarHasTheAddressThatWasAskedForIfItsFirstPartFaults) {
+  start(true);
+  region(1, ram, full_access | size_of(16));
+  region(2, ram + 0x100, privileged_only | size_of(8));
+  enable();
+  EXPECT_FALSE(allows_load(ram + 0x1FE));
+  EXPECT_EQ(b.core.last_fault().mmfar, ram + 0x1FE);
+}
+TEST_P(Mpu, RegionsThatShareAPageAreToldApartAtEachAccess) {
+  constexpr uint16_t load = 0x6802, store = 0x6001;
+  // 0x880 falls on the same line as 0x80 among the decisions that are kept.
+  const std::pair<uint32_t, uint16_t> forbidden[] = {{0x80, store}, {0xA0, load}, {0x880, load}};
+  for (const auto& [offset, instruction] : forbidden) {
+    start(true);
+    region(1, ram, full_access | size_of(7));
+    region(2, ram + 0x80, read_only | size_of(5));
+    enable();
+    for (unsigned i = 0; i < 3; ++i) {
+      EXPECT_TRUE(allows_store(ram + 0x7C));
+      EXPECT_TRUE(allows_load(ram + 0x9C));
+    }
+    EXPECT_FALSE(allows_load(ram + offset, instruction)) << offset;
+  }
 }
 TEST_P(Mpu, AChangeOfARegionCountsFromTheNextAccess) {
   start(false);

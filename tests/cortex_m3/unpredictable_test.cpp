@@ -177,7 +177,7 @@ TEST_P(Choices, AnMpuRegionBelow32BytesMatchesNothing) {
   b.core.set_reg(0, 0xE000EDA0);
   b.core.set_reg(1, 3u << 24 | 3 << 1 | 1);  // 16 bytes
   b.core.run(b.core.cycles() + 10);
-  EXPECT_EQ(told, once("mpu_region@0"));
+  EXPECT_EQ(told, once("mpu_size@0"));
 }
 // B3.5.7, B3.5.8
 TEST_P(Choices, AnMpuRegionAbove7IsTakenModulo8) {
@@ -197,7 +197,39 @@ TEST_P(Choices, TheRegionInRbarCountsOnlyIfItIsValid) {
   EXPECT_EQ(b.peek(0xE000ED98), 1u);
   EXPECT_EQ(told, once("mpu_number@2"));
 }
+// B3.5.8: a task's new base meets the size of the last one until RASR is written, too.
+TEST_P(Choices, AnMpuRegionIsLookedAtWhenItIsComplete) {
+  b.start(
+      {0xC006, 0x3804, 0x6003, 0xE7FE});  // stm r0!,{r1,r2}; subs r0,#4; str r3,[r0]: RBAR, RASR
+  b.core.set_reg(0, 0xE000ED9C);
+  b.core.set_reg(1, 0x20000100);
+  b.core.set_reg(2, 3u << 24 | 7 << 1 | 1);  // 256 bytes
+  b.core.set_reg(3, 3u << 24 | 8 << 1 | 1);  // 512 bytes: misplaced
+  b.core.run(b.core.cycles() + 20);
+  EXPECT_EQ(told, once("mpu_base@4"));
+}
+TEST_P(Choices, AMisplacedBaseIsToldOfWhenTheMpuIsEnabled) {
+  // str r1,[r0]; str r2,[r0,#4]; str r4,[r0]; str r3,[r0,#-8]: RBAR, RASR, RBAR, CTRL
+  b.start({0x6001, 0x6042, 0x6004, 0xF840, 0x3C08, 0xE7FE});
+  b.core.set_reg(0, 0xE000ED9C);
+  b.core.set_reg(1, 0x20000100);
+  b.core.set_reg(2, 3u << 24 | 7 << 1 | 1);
+  b.core.set_reg(3, 5);
+  b.core.set_reg(4, 0x20000120);
+  b.core.run(b.core.cycles() + 20);
+  EXPECT_EQ(told, once("mpu_base@6"));
+}
 // B1.5.8
+TEST_P(Choices, AnExceptionReturnToAnOddAddressDropsTheBit) {
+  b.code(0x4000 + 32 * 11,
+         {0x9806, 0x3001, 0x9006, 0x4770});  // SVCall: pc on the frame |= 1; bx lr
+  b.start({0xDF00, 0x2007, 0xE7FE});         // svc; movs r0,#7
+  b.core.run(b.core.cycles() + 60);
+  EXPECT_EQ(b.core.reg(0), 7u);
+  EXPECT_EQ(b.core.fault_count(), 0u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].substr(0, told[0].find('@')), "return_address");
+}
 TEST_P(Choices, AnExcReturnWithZerosInItsMiddleRaisesInvpc) {
   b.code(0x4000 + 32 * 11, {0x4700});  // SVCall: bx r0
   b.start({0xDF00, 0xE7FE});
