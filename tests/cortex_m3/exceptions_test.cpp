@@ -55,6 +55,19 @@ TEST(Exceptions, ADisabledUsageFaultEscalatesToHardFault) {
   EXPECT_NE(describe_cfsr(1u << 16, 0).find("undefined instruction"), std::string::npos);
 }
 
+TEST(Exceptions, AnSvcThatItsPriorityDoesNotLetThroughEscalatesAndLeavesNoStatus) {
+  Bench b;
+  b.start({0xB672, 0xDF00});  // cpsid i; svc
+  b.core.run(8);
+  EXPECT_EQ(b.core.xpsr() & 0x1FF, 3u);
+  const FaultReport& report = b.core.last_fault();
+  EXPECT_EQ(report.hfsr, 1u << 30);
+  EXPECT_EQ(report.cfsr, 0u);
+  EXPECT_EQ(describe_cfsr(report.cfsr, report.hfsr),
+            "FORCED: escalated from an SVC that could not be taken");
+  EXPECT_NE(describe_cfsr(1u << 16, report.hfsr).find("escalated from a fault"), std::string::npos);
+}
+
 // B1.5.15
 TEST(Exceptions, AFaultInHardFaultLocksUpAndAnNmiLeadsOut) {
   Bench b;

@@ -147,6 +147,19 @@ TEST_P(Mpu, AChangeOfARegionCountsFromTheNextAccess) {
   region(3, 0, 0);
   EXPECT_TRUE(allows_store(ram + 0x3000));
 }
+TEST_P(Mpu, AChangeOfARegionCountsWhereRegionsShareAPage) {
+  constexpr uint32_t address =
+      ram + 0x3740;  // apart from the code's lines among those that are kept
+  start(true);
+  region(1, ram, full_access | size_of(16));
+  region(3, address, full_access | size_of(5));
+  enable();
+  EXPECT_TRUE(allows_store(address));
+  b.core.set_control(0);
+  region(3, address, read_only | size_of(5));
+  b.core.set_control(1);
+  EXPECT_FALSE(allows_store(address));
+}
 TEST_P(Mpu, CodeInAnExecuteNeverRegionIsNotExecuted) {
   start(false);
   const uint16_t loop[] = {0xBF00, 0xE7FD};
