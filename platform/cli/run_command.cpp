@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "run/run_settings.h"
 #include "run/session.h"
 
 namespace capsoc::cli {
