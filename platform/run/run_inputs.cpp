@@ -6,11 +6,11 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/sha256.h"
 #include "loader/program_file.h"
 #include "loader/vector_table.h"
 #include "run/parameter_file.h"
 #include "run/run_settings.h"
-#include "run/sha256.h"
 
 namespace capsoc::run {
 namespace {
@@ -95,14 +95,14 @@ Metrics RunInputs::make_metrics() const {
 }
 
 std::vector<Input> RunInputs::files(const Settings& settings) const {
-  std::vector<Input> files = {{"firmware", program_file, sha256_of_file(program_file)},
-                              {"sensor", sensor_file, sha256_of_file(sensor_file)}};
+  std::vector<Input> files = {{"firmware", program_file, host::sha256_of_file(program_file)},
+                              {"sensor", sensor_file, host::sha256_of_file(sensor_file)}};
   for (const std::string& place : places_to_load(settings))
-    files.push_back({"image", place, sha256_of_file(place.substr(0, place.rfind('@')))});
+    files.push_back({"image", place, host::sha256_of_file(place.substr(0, place.rfind('@')))});
   for (unsigned n = 0; n < soc::Soc::uart_count; ++n)
     if (const std::string& input = settings.text(fmt::format("uart{}.input", n)); !input.empty())
-      files.push_back({fmt::format("uart{}", n), input, sha256_of_file(input)});
-  if (preset) files.push_back({"parameters", parameter_file, sha256_of_file(parameter_file)});
+      files.push_back({fmt::format("uart{}", n), input, host::sha256_of_file(input)});
+  if (preset) files.push_back({"parameters", parameter_file, host::sha256_of_file(parameter_file)});
   return files;
 }
 

@@ -8,6 +8,7 @@
 #include <csignal>
 
 #include "fit/golden.h"
+#include "host/files.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
 #include "run/host_ports.h"
@@ -218,7 +219,7 @@ Result<RunResult> run(const Settings& settings) {
   result.inputs = inputs.files(settings);
   if (golden) result.golden = fit::compare(observation.recorded(), result.words);
   if (!record_file.empty())
-    if (auto error = write_whole(
+    if (auto error = host::write_whole(
             record_file,
             to_recording(observation.recorded(), "The coprocessor's samples of " + result.command)))
       return *error;
