@@ -5,7 +5,7 @@
 #include "bench/cpu_bench.h"
 #include "cli/commands.h"
 #include "run/results.h"
-#include "run/session.h"
+#include "run/run_settings.h"
 
 namespace capsoc::cli {
 

@@ -8,7 +8,7 @@
 #include "fit/fit.h"
 #include "fit/report.h"
 #include "fit/tables.h"
-#include "run/files.h"
+#include "host/files.h"
 #include "run/results.h"
 
 namespace capsoc::cli {
@@ -51,7 +51,7 @@ int fit_command(FitArguments& arguments) {
   choose_method(arguments);
   for (const std::string& place : {arguments.json, arguments.header, arguments.convergence})
     if (!place.empty())
-      if (auto error = run::check_writable(place))
+      if (auto error = host::check_writable(place))
         return refuse(run::exit_code::usage, error->text);
 
   const auto fitted = fit::fit(arguments.trace, arguments.options);
@@ -61,15 +61,15 @@ int fit_command(FitArguments& arguments) {
     return refuse(run::exit_code::rejected, fmt::format("{}: {}", arguments.trace, fit.rejection));
 
   fmt::print("{}", fit::to_table(fit));
-  std::vector<run::TextFile> files = {
+  std::vector<host::TextFile> files = {
       {arguments.json,
        fit::to_json(fit, run::versions(), arguments.command + " " + arguments.trace).dump(2) +
            "\n"},
       {arguments.header, fit::to_header(fit)}};
   if (!arguments.convergence.empty())
     files.push_back({arguments.convergence, fit::to_convergence(fit)});
-  if (auto error = run::write_together(files)) return refuse(run::exit_code::usage, error->text);
-  for (const run::TextFile& file : files) fmt::print("wrote        {}\n", file.path);
+  if (auto error = host::write_together(files)) return refuse(run::exit_code::usage, error->text);
+  for (const host::TextFile& file : files) fmt::print("wrote        {}\n", file.path);
   return run::exit_code::pass;
 }
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "cli/commands.h"
+#include "host/files.h"
 #include "regress/report.h"
 #include "regress/rtl_comparison.h"
 #include "run/results.h"
@@ -46,7 +47,7 @@ std::optional<Error> prepare(RegressArguments& a) {
     return Error{"--rtl-library holds one arithmetic: give --arithmetic precise or paper, too"};
   for (const std::string& file : {a.junit, a.json})
     if (!file.empty())
-      if (auto error = run::check_writable(file)) return error;
+      if (auto error = host::check_writable(file)) return error;
   if (!a.library.empty()) plan.command_options = "--rtl-library " + a.library;
   std::error_code failure;
   if (!plan.coverage_directory.empty() && !std::filesystem::is_directory(plan.coverage_directory) &&
@@ -125,13 +126,13 @@ int regress_command(RegressArguments& a) {
   fmt::print("{}", regress::to_text(outcome.value(), rtl.value()));
   std::fflush(stdout);
   fmt::print(stderr, "{:.1f} s\n", wall.count());
-  std::vector<run::TextFile> files;
+  std::vector<host::TextFile> files;
   if (!a.json.empty())
     files.push_back(
         {a.json, regress::to_json(a.plan, outcome.value(), rtl.value()).dump(2) + "\n"});
   if (!a.junit.empty()) files.push_back({a.junit, regress::to_junit(outcome.value())});
-  for (const run::TextFile& file : files)
-    if (auto error = run::write_whole(file.path, file.text)) return refuse(error->text);
+  for (const host::TextFile& file : files)
+    if (auto error = host::write_whole(file.path, file.text)) return refuse(error->text);
   if (outcome.value().first_difference() != nullptr) return run::exit_code::diverged;
   return covered(rtl.value()) ? run::exit_code::pass : run::exit_code::failed;
 }

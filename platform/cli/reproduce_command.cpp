@@ -3,7 +3,8 @@
 
 #include "cli/commands.h"
 #include "reproduce/reproduce.h"
-#include "run/session.h"
+#include "run/results.h"
+#include "run/run_settings.h"
 
 namespace capsoc::cli {
 

@@ -6,6 +6,8 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "host/files.h"
+#include "run/run_settings.h"
 #include "run/session.h"
 
 namespace capsoc::cli {
@@ -57,7 +59,7 @@ int run_command(const RunArguments& arguments) {
   const std::string& json = settings.text("results.json");
   for (const std::string& place : {json, settings.text("results.record")})
     if (!place.empty())
-      if (auto error = run::check_writable(place)) return refuse(error->text);
+      if (auto error = host::check_writable(place)) return refuse(error->text);
   auto result = run::run(settings);
   if (!result) return refuse(result.error());
   const run::RunResult& r = result.value();
@@ -65,7 +67,7 @@ int run_command(const RunArguments& arguments) {
   if (!r.fault_report.empty()) fmt::print(stderr, "\n{}", r.fault_report);
   fmt::print(stderr, "{}", run::to_table(r));
   if (!json.empty())
-    if (auto error = run::write_whole(json, run::to_text(run::to_json(r, settings))))
+    if (auto error = host::write_whole(json, run::to_text(run::to_json(r, settings))))
       return refuse(error->text);
   return r.code;
 }

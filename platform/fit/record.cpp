@@ -8,8 +8,8 @@
 #include <iterator>
 #include <vector>
 
+#include "host/sha256.h"
 #include "peripherals/quantiser.h"
-#include "run/sha256.h"
 #include "sensor/load.h"
 
 namespace capsoc::fit {
@@ -68,7 +68,7 @@ Result<Record> read_record(const std::string& path, const RecordOptions& options
   if (!source) return Error{source.error()};
   Record record;
   record.path = path;
-  record.sha256 = run::sha256_of_file(path);
+  record.sha256 = host::sha256_of_file(path);
   record.description = source.value()->description();
   record.adc_bits = options.adc_bits != 0
                         ? options.adc_bits

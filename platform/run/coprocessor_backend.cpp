@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "coprocessor/coprocessor.h"
-#include "run/files.h"
+#include "host/files.h"
 
 namespace capsoc::run {
 
@@ -49,7 +49,7 @@ Result<CoprocessorBackend> make_backend(const Settings& settings,
   auto library = rtl::RtlLibrary::open(file, options);
   if (!library) return Error{library.error()};
   if (!waves.empty())
-    if (auto error = check_writable(waves)) return *error;
+    if (auto error = host::check_writable(waves)) return *error;
   const auto clocking = settings.text("coprocessor.rtl_clock") == "every" ? rtl::Clocking::every
                                                                           : rtl::Clocking::skip;
   auto verilated = std::make_unique<rtl::CoprocessorRtl>(library.value(), clocking);

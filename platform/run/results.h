@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "fit/golden.h"
-#include "run/files.h"
 #include "run/metrics.h"
 #include "support/result.h"
 #include "support/settings.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "run/sha256.h"
+#include "host/sha256.h"
 #include "serial/character_backend.h"
 #include "serial/line_watch.h"
 #include "support/result.h"
@@ -70,7 +70,7 @@ class SerialLine {
   std::string incoming_;  ///< from the host, not yet received
   std::size_t taken_ = 0;
   uint64_t bytes_ = 0;
-  run::Sha256 digest_;
+  host::Sha256 digest_;
 };
 
 }  // namespace capsoc::serial

@@ -99,8 +99,11 @@ class Soc : public sc_core::sc_module {
   std::vector<std::unique_ptr<bus::Unimplemented>> unimplemented;
   std::vector<std::unique_ptr<tlm_util::RegisterTarget>> devices;  ///< Config::devices
 
+  static constexpr std::size_t uart_count = 5;
   /// Every UART and every GPIO, in the order of their numbers.
-  std::array<peripherals::Uart*, 5> uarts() { return {&uart0, &uart1, &uart2, &uart3, &uart4}; }
+  std::array<peripherals::Uart*, uart_count> uarts() {
+    return {&uart0, &uart1, &uart2, &uart3, &uart4};
+  }
   std::array<peripherals::Gpio*, 4> gpios() { return {&gpio0, &gpio1, &gpio2, &gpio3}; }
 
  private:

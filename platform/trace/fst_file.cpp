@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "gtkwave/fstapi.h"
-#include "run/files.h"
+#include "host/files.h"
 
 namespace capsoc::trace {
 namespace {
@@ -19,11 +19,11 @@ constexpr int picosecond = -12;  // power of ten
 FstFile::FstFile(std::string path, void* writer) : path_(std::move(path)), writer_(writer) {}
 
 Result<std::unique_ptr<FstFile>> FstFile::create(const std::string& path) {
-  if (auto error = run::check_writable(path)) return *error;
-  const std::string growing = run::growing_name(path);
+  if (auto error = host::check_writable(path)) return *error;
+  const std::string growing = host::growing_name(path);
   if (growing == path) return Error{path + ": is no file; name one for the waves"};
   void* writer = fstWriterCreate(growing.c_str(), 1);
-  if (writer == nullptr) return run::cannot_write(path, errno);
+  if (writer == nullptr) return host::cannot_write(path, errno);
   fstWriterSetTimescale(writer, picosecond);
   fstWriterSetVersion(writer, "capsoc");
   fstWriterSetDate(writer, "");  // the same run gives the same bytes
@@ -33,7 +33,7 @@ Result<std::unique_ptr<FstFile>> FstFile::create(const std::string& path) {
 FstFile::~FstFile() {
   if (writer_ == nullptr) return;
   fstWriterClose(writer_);
-  run::discard_grown(path_);
+  host::discard_grown(path_);
 }
 
 void FstFile::open_scope(const std::string& name) {
@@ -127,9 +127,9 @@ std::optional<Error> FstFile::finish(uint64_t picoseconds) {
   const bool whole = fstWriterGetFseekFailed(writer_) == 0;
   fstWriterClose(writer_);
   writer_ = nullptr;
-  if (whole) return run::name_grown(path_);
-  run::discard_grown(path_);
-  return run::cannot_write(path_, ENOSPC);
+  if (whole) return host::name_grown(path_);
+  host::discard_grown(path_);
+  return host::cannot_write(path_, ENOSPC);
 }
 
 }  // namespace capsoc::trace

@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "run/files.h"
+#include "host/files.h"
 
 namespace capsoc::trace {
 
@@ -11,16 +11,16 @@ LineFile::LineFile(std::string path, std::size_t depth) : path_(std::move(path))
 
 Result<std::unique_ptr<LineFile>> LineFile::open(const std::string& path, std::size_t depth) {
   std::unique_ptr<LineFile> file(new LineFile(path, depth));
-  if (auto error = run::check_writable(path)) return *error;
-  file->file_ = std::fopen(run::growing_name(path).c_str(), "w");
-  if (file->file_ == nullptr) return run::cannot_write(path, errno);
+  if (auto error = host::check_writable(path)) return *error;
+  file->file_ = std::fopen(host::growing_name(path).c_str(), "w");
+  if (file->file_ == nullptr) return host::cannot_write(path, errno);
   return file;
 }
 
 LineFile::~LineFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
-  run::discard_grown(path_);
+  host::discard_grown(path_);
 }
 
 void LineFile::write(const std::string& line) {
@@ -46,9 +46,9 @@ std::optional<Error> LineFile::finish() {
   for (const std::string& line : kept_) write(line);
   if (std::fclose(file_) != 0 && error_ == 0) error_ = errno;
   file_ = nullptr;
-  if (error_ == 0) return run::name_grown(path_);
-  run::discard_grown(path_);
-  return run::cannot_write(path_, error_);
+  if (error_ == 0) return host::name_grown(path_);
+  host::discard_grown(path_);
+  return host::cannot_write(path_, error_);
 }
 
 }  // namespace capsoc::trace

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "run/files.h"
+#include "host/files.h"
 #include "trace/picoseconds.h"
 #include "trace/profile.h"
 
@@ -45,7 +45,7 @@ std::optional<Error> Tracer::open() {
     bus_ = std::make_unique<BusTrace>(std::move(file.value()));
   }
   if (!options_.profile.empty()) {
-    if (auto error = run::check_writable(options_.profile)) return error;
+    if (auto error = host::check_writable(options_.profile)) return error;
     calls_ = std::make_unique<CallTree>(functions_);
     calls_->count(window_->open());
   }
@@ -54,7 +54,7 @@ std::optional<Error> Tracer::open() {
     if (save == options_.waves)
       return Error{options_.waves + ": GTKWave's save file has this name; call the waves .fst"};
     for (const std::string& place : {options_.waves, save})
-      if (auto error = run::check_writable(place)) return error;
+      if (auto error = host::check_writable(place)) return error;
     auto file = FstFile::create(options_.waves);
     if (!file) return Error{file.error()};
     waves_ = std::make_unique<Waves>(std::move(file.value()), options_.waves, soc_);
@@ -211,9 +211,9 @@ std::optional<Error> Tracer::finish() {
   if (bus_ != nullptr) keep(bus_->finish());
   if (calls_ != nullptr) {
     calls_->finish(core);
-    keep(run::write_whole(options_.profile, ends_with(options_.profile, ".folded")
-                                                ? to_folded(*calls_, functions_)
-                                                : to_callgrind(*calls_, functions_, program_)));
+    keep(host::write_whole(options_.profile, ends_with(options_.profile, ".folded")
+                                                 ? to_folded(*calls_, functions_)
+                                                 : to_callgrind(*calls_, functions_, program_)));
   }
   if (waves_ != nullptr) keep(waves_->finish(picoseconds(sc_core::sc_time_stamp())));
   return first;

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "run/files.h"
+#include "host/files.h"
 #include "trace/exception_name.h"
 #include "trace/picoseconds.h"
 
@@ -158,7 +158,7 @@ void Waves::result(uint64_t picoseconds, const coprocessor::Nodes& nodes) {
 
 std::optional<Error> Waves::finish(uint64_t picoseconds) {
   if (auto error = file_->finish(picoseconds)) return error;
-  return run::write_whole(save_file(path_), save_text());
+  return host::write_whole(save_file(path_), save_text());
 }
 
 std::string Waves::save_file(const std::string& path) {

@@ -1,4 +1,4 @@
-#include "run/files.h"
+#include "host/files.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace capsoc::run {
+namespace capsoc::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,4 +60,4 @@ TEST_F(Files, WhetherItIsWritableIsTriedWithoutATrace) {
 }
 
 }  // namespace
-}  // namespace capsoc::run
+}  // namespace capsoc::host

@@ -1,4 +1,4 @@
-#include "run/files.h"
+#include "host/files.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace capsoc::run {
+namespace capsoc::host {
 namespace {
 
 bool is_special(const std::string& path) {
@@ -80,4 +80,4 @@ std::optional<Error> check_writable(const std::string& path) {
   return std::nullopt;
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::host

@@ -1,10 +1,10 @@
-#include "run/sha256.h"
+#include "host/sha256.h"
 
 #include <fmt/format.h>
 
 #include <fstream>
 
-namespace capsoc::run {
+namespace capsoc::host {
 
 Sha256::Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
   EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
@@ -35,4 +35,4 @@ std::string sha256_of_file(const std::string& path) {
   return digest.hex();
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::host

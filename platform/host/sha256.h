@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace capsoc::run {
+namespace capsoc::host {
 
 /// SHA-256 of a stream.
 class Sha256 {
@@ -24,4 +24,4 @@ class Sha256 {
 /// SHA-256 of a file's bytes, "" if it cannot be read.
 std::string sha256_of_file(const std::string& path);
 
-}  // namespace capsoc::run
+}  // namespace capsoc::host

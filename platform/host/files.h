@@ -7,7 +7,7 @@
 
 #include "support/result.h"
 
-namespace capsoc::run {
+namespace capsoc::host {
 
 /// A file to be written.
 struct TextFile {
@@ -34,4 +34,4 @@ void discard_grown(const std::string& path);
 /// nothing behind.
 std::optional<Error> check_writable(const std::string& path);
 
-}  // namespace capsoc::run
+}  // namespace capsoc::host

@@ -1,0 +1,69 @@
+#include "run/host_ports.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+namespace capsoc::run {
+namespace {
+
+/// The GDB server that the settings ask for, or null.
+Result<std::unique_ptr<debug::GdbServer>> make_gdb_server(const Settings& settings, soc::Soc& soc,
+                                                          std::function<bool()> give_up) {
+  const long long port = settings.integer("gdb.port");
+  const bool halted = settings.text("gdb.halt") == "true";
+  if (port < 0 && halted) return Error{"--halt waits for a debugger; give --gdb PORT, too"};
+  if (port < 0) return std::unique_ptr<debug::GdbServer>();
+  auto connections = debug::Connections::listen(static_cast<uint16_t>(port));
+  if (!connections) return Error{connections.error()};
+  fmt::print(stderr, "gdb: listening on 127.0.0.1:{}{}\n", connections.value()->port(),
+             halted ? ", waiting for a debugger" : "");
+  return std::make_unique<debug::GdbServer>(soc, std::move(connections.value()), halted,
+                                            std::move(give_up));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HostPorts>> HostPorts::open(const Settings& settings, soc::Soc& soc,
+                                                   const loader::ElfImage& program,
+                                                   const std::string& program_file,
+                                                   const serial::GiveUp& give_up) {
+  std::unique_ptr<HostPorts> ports(new HostPorts(soc, give_up));
+  HostPorts* self = ports.get();
+
+  auto itm = ItmOutput::open(settings.text("itm.backend"),
+                             static_cast<unsigned>(settings.integer("itm.port")), give_up);
+  if (!itm) return Error{itm.error()};
+  ports->itm_ = std::move(itm.value());
+  soc.cpu.core().set_stimulus(
+      [self](unsigned port, uint32_t value, unsigned size) { self->itm_->put(port, value, size); });
+
+  auto semihosting = SemihostingPort::open(settings, soc, program, program_file, give_up);
+  if (!semihosting) return Error{semihosting.error()};
+  ports->semihosting_ = std::move(semihosting.value());
+
+  if (auto error = ports->uarts_.open(settings)) return *error;
+
+  // While a debugger holds the processor, what it printed is to be seen.
+  auto gdb = make_gdb_server(settings, soc, [self, give_up] {
+    self->uarts_.flush();
+    self->semihosting_->flush();
+    return give_up();
+  });
+  if (!gdb) return Error{gdb.error()};
+  ports->gdb_ = std::move(gdb.value());
+  return ports;
+}
+
+void HostPorts::finish() {
+  semihosting_->flush();
+  uarts_.finish();
+  for (const std::string& failure : uarts_.failures()) spdlog::error(failure);
+  itm_->flush();
+  if (const std::string failure = itm_->failure(); !failure.empty()) spdlog::error(failure);
+}
+
+void HostPorts::tell_debugger(int code) {
+  if (gdb_ != nullptr) gdb_->finish(code);
+}
+
+}  // namespace capsoc::run

@@ -1,0 +1,42 @@
+// Where the SoC meets the host in a run: UARTs, semihosting, ITM and the debugger.
+#pragma once
+
+#include <memory>
+
+#include "debug/gdb_server.h"
+#include "run/itm_output.h"
+#include "run/semihosting_port.h"
+#include "run/uart_lines.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "support/settings.h"
+
+namespace capsoc::run {
+
+class HostPorts {
+ public:
+  /// Opens what the settings ask for. `give_up` ends whatever waits for the host. An Error is a
+  /// wrong setting.
+  static Result<std::unique_ptr<HostPorts>> open(const Settings& settings, soc::Soc& soc,
+                                                 const loader::ElfImage& program,
+                                                 const std::string& program_file,
+                                                 const serial::GiveUp& give_up);
+
+  /// After the simulation: everything delivered, and what was lost told of.
+  void finish();
+  /// What the program ended with goes to a debugger.
+  void tell_debugger(int code);
+
+  const UartLines& uarts() const { return uarts_; }
+  int exit_status() const { return semihosting_->exit_status(); }
+
+ private:
+  HostPorts(soc::Soc& soc, const serial::GiveUp& give_up) : uarts_("uart_lines", soc, give_up) {}
+
+  UartLines uarts_;
+  std::unique_ptr<ItmOutput> itm_;
+  std::unique_ptr<SemihostingPort> semihosting_;
+  std::unique_ptr<debug::GdbServer> gdb_;  // null without
+};
+
+}  // namespace capsoc::run

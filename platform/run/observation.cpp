@@ -1,0 +1,60 @@
+#include "run/observation.h"
+
+namespace capsoc::run {
+namespace {
+
+namespace cop = registers::coprocessor;
+
+constexpr uint32_t coprocessor_base = 0x4000C000;
+
+}  // namespace
+
+Observation::Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics,
+                         Progress& progress, bool recording)
+    : soc_(soc), source_(source), metrics_(metrics), progress_(progress), recording_(recording) {
+  soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
+  // Its edge comes before the next sample, so the truth is still this sample's.
+  soc.coprocessor.set_sample_observer([this](uint64_t, bool latched) {
+    if (!latched) return;
+    metrics_.accepted(truth_);
+    if (recording_) record();
+  });
+  soc.coprocessor.set_result_observer(
+      [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
+  soc.adc.set_observer([this](uint64_t, int32_t u, int32_t v, double turns, bool has_truth) {
+    converted_ = {sc_core::sc_time_stamp().to_seconds(), u, v, turns, has_truth};
+  });
+}
+
+void Observation::record() {
+  if (recorded_.empty()) recording_since_s_ = converted_.time_s;
+  recorded_.push_back(converted_);
+  recorded_.back().time_s -= recording_since_s_;
+}
+
+std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
+  if (k == 0) {
+    source_.rewind();
+    metrics_.dropped_all();
+  }
+  const auto value = source_.sample(k, t);
+  if (!value) return std::nullopt;
+  truth_ = {k, value->u, value->v, value->angle_turns, value->has_truth};
+  return peripherals::AdcInput{value->u, value->v, value->angle_turns, value->has_truth};
+}
+
+void Observation::result(const coprocessor::Nodes& nodes) {
+  // The observer runs in the cycle of the result, before the firmware can have changed the mode.
+  const uint32_t control = soc_.peek(coprocessor_base + cop::CTRL_offset);
+  CoprocessorResult r;
+  r.angle = static_cast<uint32_t>(nodes.angle);
+  r.angle_valid = (nodes.status & cop::STATUS_VALID_mask) != 0;
+  r.demodulating = (control & cop::CTRL_DEMOD_mask) != 0;
+  r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
+             static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
+             static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
+  metrics_.result(r);
+  progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
+}
+
+}  // namespace capsoc::run

@@ -1,0 +1,43 @@
+// What a run sees of the sensor and of the coprocessor.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "run/metrics.h"
+#include "run/progress.h"
+#include "run/sample_record.h"
+#include "sensor/load.h"
+#include "soc/soc.h"
+
+namespace capsoc::run {
+
+/// The sensor, the coprocessor's results and the metrics wired together.
+class Observation {
+ public:
+  /// `recording`: the samples are kept as the coprocessor saw them.
+  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, Progress& progress,
+              bool recording);
+  Observation(const Observation&) = delete;
+  Observation& operator=(const Observation&) = delete;
+
+  const std::vector<RecordedSample>& recorded() const { return recorded_; }
+
+ private:
+  void record();
+  std::optional<peripherals::AdcInput> next(uint64_t k, double t);
+  void result(const coprocessor::Nodes& nodes);
+
+  soc::Soc& soc_;
+  sensor::Source& source_;
+  Metrics& metrics_;
+  Progress& progress_;
+  SensorTruth truth_;
+  bool recording_;
+  RecordedSample converted_;  ///< the newest of the front-end
+  double recording_since_s_ = 0;
+  std::vector<RecordedSample> recorded_;
+};
+
+}  // namespace capsoc::run

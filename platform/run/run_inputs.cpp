@@ -1,0 +1,109 @@
+#include "run/run_inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "host/sha256.h"
+#include "loader/program_file.h"
+#include "loader/vector_table.h"
+#include "run/parameter_file.h"
+#include "run/run_settings.h"
+
+namespace capsoc::run {
+namespace {
+
+std::optional<Parameters> truth_of(const sensor::Description& d) {
+  if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta || !d.phi) return std::nullopt;
+  return Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
+}
+
+/// Parameters from outside need a program that has a place for them.
+std::string program_of(const Settings& settings) {
+  const bool chosen = settings.source("firmware.elf") != SettingSource::built_in;
+  if (settings.text("firmware.parameters").empty() || chosen) return settings.text("firmware.elf");
+  return installed("firmware/calibrate.elf");
+}
+
+/// What --load named, in its order; later ones overwrite.
+std::vector<std::string> places_to_load(const Settings& settings) {
+  std::vector<std::string> places;
+  std::istringstream list(settings.text("firmware.load"));
+  for (std::string place; std::getline(list, place, ',');)
+    if (!place.empty()) places.push_back(place);
+  return places;
+}
+
+}  // namespace
+
+Result<RunInputs> read_inputs(const Settings& settings) {
+  RunInputs inputs;
+  inputs.program_file = program_of(settings);
+  auto program = loader::load_program(inputs.program_file);
+  if (!program) return Error{program.error()};
+  inputs.program = std::move(program.value());
+
+  inputs.parameter_file = settings.text("firmware.parameters");
+  if (!inputs.parameter_file.empty()) {
+    const auto words = read_parameters(inputs.parameter_file);
+    if (!words) return Error{words.error()};
+    inputs.preset = words.value();
+    if (auto error = write_in_program(inputs.program, *inputs.preset)) return *error;
+  }
+
+  inputs.sensor_file = settings.text("sensor.file");
+  auto source = sensor::load(inputs.sensor_file);
+  if (!source) return Error{source.error()};
+  inputs.source = std::move(source.value());
+  const long long adc_bits = settings.integer("sensor.adc_bits") != 0
+                                 ? settings.integer("sensor.adc_bits")
+                                 : inputs.source->description().adc_bits.value_or(32);
+  if (adc_bits < 12)
+    return Error{fmt::format("sensor.adc_bits = {} is out of range; give 12 to 32", adc_bits)};
+  inputs.adc_bits = static_cast<unsigned>(adc_bits);
+
+  for (const std::string& place : places_to_load(settings)) {
+    auto further = loader::load_at(place);
+    if (!further) return Error{further.error()};
+    inputs.further_images.push_back(std::move(further.value()));
+  }
+  return inputs;
+}
+
+std::optional<Error> RunInputs::load(const Settings& settings, soc::Soc& soc) const {
+  std::vector<const loader::ElfImage*> images = {&program};
+  for (const loader::ElfImage& image : further_images) images.push_back(&image);
+  for (const loader::ElfImage* image : images)
+    if (auto error = soc.load(*image)) return error;
+  const auto table = loader::find_vector_table(images, settings.text("firmware.vector_table"));
+  if (!table) return Error{table.error()};
+  soc.cpu.core().set_vector_table(table.value());
+  return std::nullopt;
+}
+
+Metrics RunInputs::make_metrics() const {
+  const sensor::Description& description = source->description();
+  const double rate = description.sample_rate_hz.value_or(250);
+  const double frequency = std::fabs(description.frequency_hz.value_or(0.05));
+  const auto revolution =
+      static_cast<uint64_t>(std::llround(frequency > 0 ? rate / frequency : 5000));
+  Metrics metrics(truth_of(description), rate, std::min<uint64_t>(revolution, 10'000'000));
+  if (preset) metrics.preset(*preset);
+  return metrics;
+}
+
+std::vector<Input> RunInputs::files(const Settings& settings) const {
+  std::vector<Input> files = {{"firmware", program_file, host::sha256_of_file(program_file)},
+                              {"sensor", sensor_file, host::sha256_of_file(sensor_file)}};
+  for (const std::string& place : places_to_load(settings))
+    files.push_back({"image", place, host::sha256_of_file(place.substr(0, place.rfind('@')))});
+  for (unsigned n = 0; n < soc::Soc::uart_count; ++n)
+    if (const std::string& input = settings.text(fmt::format("uart{}.input", n)); !input.empty())
+      files.push_back({fmt::format("uart{}", n), input, host::sha256_of_file(input)});
+  if (preset) files.push_back({"parameters", parameter_file, host::sha256_of_file(parameter_file)});
+  return files;
+}
+
+}  // namespace capsoc::run

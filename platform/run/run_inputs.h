@@ -1,0 +1,42 @@
+// What a run reads before it begins: programs, the sensor, parameters.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loader/elf_image.h"
+#include "run/metrics.h"
+#include "run/results.h"
+#include "sensor/load.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "support/settings.h"
+
+namespace capsoc::run {
+
+struct RunInputs {
+  std::string program_file, sensor_file, parameter_file;  ///< the last "" without
+  loader::ElfImage program;                               ///< with the parameters in it
+  std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
+  std::unique_ptr<sensor::Source> source;
+  unsigned adc_bits = 0;
+  std::optional<ParameterWords> preset;
+
+  /// The programs into the SoC's memories and the start of the processor. An Error: they do not
+  /// fit, or none has a vector table.
+  std::optional<Error> load(const Settings& settings, soc::Soc& soc) const;
+
+  /// Nothing found yet, the truth and the length of a revolution (250 Hz and 0.05 Hz where the
+  /// sensor does not say).
+  Metrics make_metrics() const;
+
+  /// Every file that counts, with its hash.
+  std::vector<Input> files(const Settings& settings) const;
+};
+
+/// An Error is a file that is missing or wrong, or a setting that does not fit it.
+Result<RunInputs> read_inputs(const Settings& settings);
+
+}  // namespace capsoc::run

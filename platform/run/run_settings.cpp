@@ -1,0 +1,104 @@
+#include "run/run_settings.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "run/coprocessor_backend.h"
+#include "run/results.h"
+#include "run/semihosting_port.h"
+#include "run/trace_settings.h"
+#include "run/uart_lines.h"
+
+namespace capsoc::run {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As a shell takes it for one word.
+std::string quoted(const std::string& word) {
+  static constexpr const char* plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789=._-/,:@+%";
+  if (word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+}  // namespace
+
+std::string program_folder() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
+}
+
+std::string installed(const std::string& relative) {
+  for (const char* up : {"", "../"}) {
+    const fs::path path = fs::path(program_folder()) / (up + relative);
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) return fs::proximate(path, ignored).string();
+  }
+  return (fs::path(program_folder()) / relative).string();
+}
+
+std::string reproducing_command(const Settings& settings) {
+  std::string text = "capsoc run";
+  for (const Setting& setting : settings.all()) {
+    if (setting.source == SettingSource::built_in) continue;
+    if (is_place(setting.path)) continue;  // where it goes, not what it is
+    text += fmt::format(" -C {}", quoted(setting.path + "=" + setting.value));
+  }
+  return text;
+}
+
+Settings make_settings() {
+  Settings s;
+  const auto add = [&](const char* path, SettingKind kind, std::string value, const char* help,
+                       std::vector<std::string> choices = {}, double minimum = 0,
+                       double maximum = 0) {
+    s.add({path, kind, std::move(value), help, std::move(choices), minimum, maximum});
+  };
+  add("firmware.elf", SettingKind::path, installed("firmware/selfcal.elf"),
+      "program for the Cortex-M3");
+  add("firmware.load", SettingKind::text, "",
+      "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas");
+  add("firmware.vector_table", SettingKind::text, "auto",
+      "address of the vector table; auto: 0, or where the program has it");
+  add("firmware.parameters", SettingKind::path, "",
+      "JSON with parameters to write in the program; empty: none");
+  add("sensor.file", SettingKind::path, installed("traces/soc_eq21.toml"),
+      "sensor description or recording");
+  add("sensor.adc_bits", SettingKind::integer, "0",
+      "width of the converter at reset; 0: as the sensor says", {}, 0, 32);
+  add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
+      {"paper", "precise"});
+  add_backend_settings(s);
+  add_trace_settings(s);
+  add("cpu.quantum_ns", SettingKind::number, "1000000", "how far the processor may run ahead, ns",
+      {}, 1, 1e9);
+  add("cpu.executor", SettingKind::choice, "blocks", "blocks (fast) or stepping; same results",
+      {"blocks", "stepping"});
+  add("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none", {}, 0,
+      1e6);
+  add("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none", {}, 0,
+      1e6);
+  add_uart_settings(s);
+  add_semihosting_settings(s);
+  add("run.stop_in_fault", SettingKind::flag, "true",
+      "a fault handler that branches to itself is a crash, if nothing can interrupt it");
+  add("itm.backend", SettingKind::text, "null",
+      "where the processor's ITM text goes: stdout, null, log (level info) or file:PATH");
+  add("itm.port", SettingKind::integer, "0", "stimulus port of that text", {}, 0, 31);
+  add("run.golden", SettingKind::flag, "false", "fit the coprocessor's samples by the CSFN, too");
+  add("gdb.port", SettingKind::integer, "-1", "port of the GDB server; 0: a free one, -1: none", {},
+      -1, 65535);
+  add("gdb.halt", SettingKind::flag, "false", "wait for a debugger before the first instruction");
+  add("results.json", SettingKind::path, "", "where the results go; empty: nowhere");
+  add("results.record", SettingKind::path, "",
+      "where the coprocessor's samples go (CSV); empty: nowhere");
+  add("log.level", SettingKind::choice, "warn", "trace, debug, info, warn, error, off",
+      {"trace", "debug", "info", "warn", "error", "off"});
+  return s;
+}
+
+}  // namespace capsoc::run
