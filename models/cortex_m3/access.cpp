@@ -203,8 +203,10 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
   return worst == Result::ok ? Access::ok : Access::leave;
 }
 
-/// The fault of a data access; but CCR.BFHFNMIGN lets handlers at priority -1 and -2 probe the bus
-/// (B3.2.8): the status is recorded, a load gives 0, and the handler goes on.
+/// The fault of a data access. `address`, for MMFAR or BFAR: of an unaligned access the part that
+/// the MPU forbids, but at a bus error what was asked for (Cortex-M3 Devices Generic User Guide).
+/// CCR.BFHFNMIGN lets handlers at priority -1 and -2 probe the bus (B3.2.8): the status is
+/// recorded, a load gives 0, and the handler goes on.
 Core::Access Core::failed_access(const Step& op, Result result, uint32_t address) {
   const Cause cause = result == Result::bus_error ? Cause::data_bus : Cause::data_access;
   if (cause == Cause::data_bus && (ccr_ & ccr_bfhfnmign) != 0 && execution_priority() < 0) {

@@ -98,7 +98,8 @@ TEST_P(Mpu, ARegionOfThirtyTwoBytesGuardsThem) {
   EXPECT_TRUE(allows_store(ram + 0x60));
   EXPECT_FALSE(allows_store(ram + 0x5C));
 }
-// B3.2.15: the part that the region forbids, not the address that was asked for.
+// MMFAR (Cortex-M3 Devices Generic User Guide): the part that the region forbids, not the address
+// that was asked for.
 TEST_P(Mpu, MmfarHasTheAddressOfThePartOfAnUnalignedAccessThatFaulted) {
   for (uint32_t region_base : {ram + 0x100, ram + 0x1000}) {
     for (uint16_t instruction : {0x6802, 0x6001}) {  // ldr r2,[r0]; str r1,[r0]
