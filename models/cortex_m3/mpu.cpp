@@ -22,8 +22,12 @@ bool permitted(unsigned ap, bool write, bool priv) {
   }
 }
 
+constexpr unsigned right_of_privileged = 1, right_to_fetch = 2, right_to_write = 4;
+
+/// The kind of an access as a number below 8.
 constexpr unsigned right(bool write, bool fetch, bool priv) {
-  return unsigned{write} << 2 | unsigned{fetch} << 1 | unsigned{priv};
+  return (write ? right_to_write : 0) | (fetch ? right_to_fetch : 0) |
+         (priv ? right_of_privileged : 0);
 }
 
 }  // namespace
@@ -65,18 +69,17 @@ bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) {
 uint32_t Core::mpu_rights(uint32_t address) const {
   const int region = mpu_region(address);
   const bool background = (mpu_ctrl_ & 4) != 0;
+  const uint32_t rasr = region < 0 ? 0 : mpu_rasr_[static_cast<unsigned>(region)];
+  const bool never_execute = (rasr & 1u << 28) != 0;
   uint32_t rights = 0;
-  for (bool write : {false, true})
-    for (bool fetch : {false, true})
-      for (bool priv : {false, true}) {
-        bool allowed = priv && background;
-        if (region >= 0) {
-          const uint32_t rasr = mpu_rasr_[static_cast<unsigned>(region)];
-          const bool no_code = fetch && (rasr & 1u << 28) != 0;
-          allowed = !no_code && permitted((rasr >> 24) & 7, write, priv);
-        }
-        rights |= uint32_t{allowed} << right(write, fetch, priv);
-      }
+  for (unsigned kind = 0; kind < 8; ++kind) {
+    const bool write = (kind & right_to_write) != 0, fetch = (kind & right_to_fetch) != 0,
+               priv = (kind & right_of_privileged) != 0;
+    const bool allowed =
+        region < 0 ? priv && background
+                   : !(fetch && never_execute) && permitted((rasr >> 24) & 7, write, priv);
+    rights |= uint32_t{allowed} << kind;
+  }
   return rights;
 }
 

@@ -84,6 +84,7 @@ class ForeignFirmware(unittest.TestCase):
 
     def test_wrong_options_are_one_sentence(self):
         self.assertIn("is missing; build it first", self.refused("--build", self.work))
+        self.assertIn("Not a directory", self.refused("--build", BUILD, "--work", SCRIPT / "work"))
         self.assertIn("no program with 'cobol'", self.refused("--build", BUILD, "--work", self.work, "--match", "cobol"))
 
 
