@@ -86,6 +86,7 @@ class ForeignFirmware(unittest.TestCase):
         self.assertIn("is missing; build it first", self.refused("--build", self.work))
         self.assertIn("Not a directory", self.refused("--build", BUILD, "--work", SCRIPT / "work"))
         self.assertIn("no program with 'cobol'", self.refused("--build", BUILD, "--work", self.work, "--match", "cobol"))
+        self.assertIn("no level -O9", self.refused("--build", BUILD, "--work", self.work, "--level=-O9"))
 
 
 if __name__ == "__main__":
