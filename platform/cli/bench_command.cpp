@@ -1,13 +1,26 @@
 // capsoc bench cpu: the processor's speed beside QEMU's.
+#include <fmt/format.h>
+
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "bench/cpu_bench.h"
 #include "cli/commands.h"
+#include "host/places.h"
 #include "run/results.h"
-#include "run/run_settings.h"
 
 namespace capsoc::cli {
+namespace {
+
+std::vector<std::string> kernels() {
+  std::vector<std::string> files;
+  for (const char* kernel : {"list_search", "matrix", "state_machine", "crc", "sort", "strings"})
+    files.push_back(host::data_path(std::string("firmware/bench_") + kernel + ".elf"));
+  return files;
+}
+
+}  // namespace
 
 void add_bench(CLI::App& app, int& code) {
   CLI::App* bench = app.add_subcommand("bench", "Measure the simulator's speed");
@@ -30,13 +43,17 @@ void add_bench(CLI::App& app, int& code) {
                   "Exit 1 if the mean ratio to QEMU with -icount is less")
       ->type_name("RATIO");
   cpu->callback([settings, &code] {
-    const std::string folder = run::program_folder();
-    settings->program = folder + "/capsoc";
-    if (settings->firmware.empty()) {
-      for (const char* kernel :
-           {"list_search", "matrix", "state_machine", "crc", "sort", "strings"})
-        settings->firmware.push_back(folder + "/firmware/bench_" + kernel + ".elf");
-    }
+    settings->program = host::program_path();
+    if (settings->firmware.empty()) settings->firmware = kernels();
+    for (const std::string& program : settings->firmware)
+      if (std::error_code ignored; !std::filesystem::exists(program, ignored)) {
+        fmt::print(stderr,
+                   "capsoc: {}: there is no such program; name others (capsoc bench cpu FILE.elf), "
+                   "or keep the folder firmware/ beside capsoc\n",
+                   program);
+        code = run::exit_code::usage;
+        return;
+      }
     const bool good = bench::run_cpu_bench(*settings, std::cout) == 0;
     code = good ? run::exit_code::pass : run::exit_code::failed;
   });

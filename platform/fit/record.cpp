@@ -63,12 +63,17 @@ Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
 
 }  // namespace
 
+std::string sha256_of_trace(const std::string& path) {
+  const auto text = sensor::built_in(path);
+  return text ? host::sha256_of(*text) : host::sha256_of_file(path);
+}
+
 Result<Record> read_record(const std::string& path, const RecordOptions& options) {
   auto source = sensor::load(path);
   if (!source) return Error{source.error()};
   Record record;
   record.path = path;
-  record.sha256 = host::sha256_of_file(path);
+  record.sha256 = sha256_of_trace(path);
   record.description = source.value()->description();
   record.adc_bits = options.adc_bits != 0
                         ? options.adc_bits

@@ -21,13 +21,16 @@ struct RecordOptions {
 /// but not rounded).
 struct Record {
   std::string path;
-  std::string sha256;  ///< of the file
+  std::string sha256;  ///< of the file, or of what is built in
   csfn::Samples samples;
   Eigen::ArrayXd angle;  ///< true angle, radians; empty when it is not known
   sensor::Description description;
   unsigned adc_bits = 32;
   double full_scale = 1;  ///< the converter's largest value: what reaches it may be clipped
 };
+
+/// SHA-256 of a trace's bytes, a file's or of what is built in; "" if it cannot be read.
+std::string sha256_of_trace(const std::string& path);
 
 /// Reads what `capsoc run --sensor` takes. Error: one sentence with file and line for what cannot
 /// be read, and for samples that no ellipse can be put through (too few, a point, a straight line).

@@ -25,6 +25,12 @@ std::string Sha256::hex() const {
   return text;
 }
 
+std::string sha256_of(std::string_view bytes) {
+  Sha256 digest;
+  digest.update(bytes.data(), bytes.size());
+  return digest.hex();
+}
+
 std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return "";

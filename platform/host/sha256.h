@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 
 namespace capsoc::host {
 
@@ -20,6 +21,9 @@ class Sha256 {
  private:
   std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
 };
+
+/// SHA-256 of some bytes.
+std::string sha256_of(std::string_view bytes);
 
 /// SHA-256 of a file's bytes, "" if it cannot be read.
 std::string sha256_of_file(const std::string& path);

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <array>
 #include <iosfwd>
 #include <string>
 
 namespace capsoc::reproduce {
+
+/// The files of the folder of traces that the tables are made from.
+inline constexpr std::array needed_traces = {"soc_experiment.toml", "csfn_eq.toml", "csfn_h3.toml",
+                                             "csfn_experiment.toml"};
 
 /// Prints every row of Tables 1 to 6 of the SoC paper beside what the double-precision LMSED gives,
 /// Table 8 and Figures 13 and 14 beside the coprocessor model's paper arithmetic, and the

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "host/places.h"
 #include "rtl_hash.h"
 
 namespace capsoc::rtl {
@@ -62,18 +63,9 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
 }
 
 std::string RtlLibrary::file_name(coprocessor::Arithmetic arithmetic, bool coverage) {
-  std::error_code ignored;
-  const auto folder = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  const std::string name = fmt::format(
+  return host::library_path(fmt::format(
       "libcapsoc_rtl_{}{}.so", arithmetic == coprocessor::Arithmetic::paper ? "paper" : "precise",
-      coverage ? "_coverage" : "");
-  // Tests lie some levels below the program.
-  for (const char* up : {"", "..", "../..", "../../.."}) {
-    const auto path = folder / up / name;
-    if (std::filesystem::exists(path, ignored))
-      return std::filesystem::proximate(path, ignored).string();
-  }
-  return (folder / name).string();
+      coverage ? "_coverage" : ""));
 }
 
 RtlLibrary::~RtlLibrary() {

@@ -20,7 +20,7 @@ class RtlLibrary {
   /// what to do.
   static Result<Handle> open(const std::string& file, const coprocessor::Options& options);
 
-  /// Where the build leaves the library for an arithmetic: beside the program.
+  /// Where the library for an arithmetic is: beside the program, or in its install tree.
   static std::string file_name(coprocessor::Arithmetic arithmetic, bool coverage = false);
 
   ~RtlLibrary();

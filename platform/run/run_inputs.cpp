@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
+#include "fit/record.h"
+#include "host/places.h"
 #include "host/sha256.h"
 #include "loader/program_file.h"
 #include "loader/vector_table.h"
 #include "run/parameter_file.h"
-#include "run/run_settings.h"
 
 namespace capsoc::run {
 namespace {
@@ -24,7 +26,19 @@ std::optional<Parameters> truth_of(const sensor::Description& d) {
 std::string program_of(const Settings& settings) {
   const bool chosen = settings.source("firmware.elf") != SettingSource::built_in;
   if (settings.text("firmware.parameters").empty() || chosen) return settings.text("firmware.elf");
-  return installed("firmware/calibrate.elf");
+  return host::data_path("firmware/calibrate.elf");
+}
+
+/// A program that nobody named and that is not there: the binary was copied without its files.
+std::optional<Error> missing_default(const Settings& settings, const std::string& program) {
+  std::error_code ignored;
+  if (settings.source("firmware.elf") != SettingSource::built_in ||
+      std::filesystem::exists(program, ignored))
+    return std::nullopt;
+  return Error{fmt::format(
+      "{}: the default program is not there; name yours (capsoc run FILE.elf), or keep the folder "
+      "firmware/ beside capsoc",
+      program)};
 }
 
 /// What --load named, in its order; later ones overwrite.
@@ -41,6 +55,7 @@ std::vector<std::string> places_to_load(const Settings& settings) {
 Result<RunInputs> read_inputs(const Settings& settings) {
   RunInputs inputs;
   inputs.program_file = program_of(settings);
+  if (auto error = missing_default(settings, inputs.program_file)) return *error;
   auto program = loader::load_program(inputs.program_file);
   if (!program) return Error{program.error()};
   inputs.program = std::move(program.value());
@@ -96,7 +111,7 @@ Metrics RunInputs::make_metrics() const {
 
 std::vector<Input> RunInputs::files(const Settings& settings) const {
   std::vector<Input> files = {{"firmware", program_file, host::sha256_of_file(program_file)},
-                              {"sensor", sensor_file, host::sha256_of_file(sensor_file)}};
+                              {"sensor", sensor_file, fit::sha256_of_trace(sensor_file)}};
   for (const std::string& place : places_to_load(settings))
     files.push_back({"image", place, host::sha256_of_file(place.substr(0, place.rfind('@')))});
   for (unsigned n = 0; n < soc::Soc::uart_count; ++n)

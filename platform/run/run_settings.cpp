@@ -4,16 +4,23 @@
 
 #include <filesystem>
 
+#include "host/places.h"
 #include "run/coprocessor_backend.h"
 #include "run/results.h"
 #include "run/semihosting_port.h"
 #include "run/trace_settings.h"
 #include "run/uart_lines.h"
+#include "sensor/load.h"
 
 namespace capsoc::run {
 namespace {
 
-namespace fs = std::filesystem;
+/// The default sensor as a file that can be edited, or else what is built in.
+std::string default_sensor() {
+  const std::string file = host::data_path("traces/soc_eq21.toml");
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored) ? file : std::string(sensor::built_in_default);
+}
 
 /// As a shell takes it for one word.
 std::string quoted(const std::string& word) {
@@ -26,20 +33,6 @@ std::string quoted(const std::string& word) {
 }
 
 }  // namespace
-
-std::string program_folder() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
-}
-
-std::string installed(const std::string& relative) {
-  for (const char* up : {"", "../"}) {
-    const fs::path path = fs::path(program_folder()) / (up + relative);
-    std::error_code ignored;
-    if (fs::exists(path, ignored)) return fs::proximate(path, ignored).string();
-  }
-  return (fs::path(program_folder()) / relative).string();
-}
 
 std::string reproducing_command(const Settings& settings) {
   std::string text = "capsoc run";
@@ -58,7 +51,7 @@ Settings make_settings() {
                        double maximum = 0) {
     s.add({path, kind, std::move(value), help, std::move(choices), minimum, maximum});
   };
-  add("firmware.elf", SettingKind::path, installed("firmware/selfcal.elf"),
+  add("firmware.elf", SettingKind::path, host::data_path("firmware/selfcal.elf"),
       "program for the Cortex-M3");
   add("firmware.load", SettingKind::text, "",
       "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas");
@@ -66,8 +59,7 @@ Settings make_settings() {
       "address of the vector table; auto: 0, or where the program has it");
   add("firmware.parameters", SettingKind::path, "",
       "JSON with parameters to write in the program; empty: none");
-  add("sensor.file", SettingKind::path, installed("traces/soc_eq21.toml"),
-      "sensor description or recording");
+  add("sensor.file", SettingKind::path, default_sensor(), "sensor description or recording");
   add("sensor.adc_bits", SettingKind::integer, "0",
       "width of the converter at reset; 0: as the sensor says", {}, 0, 32);
   add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",

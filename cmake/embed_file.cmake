@@ -1,0 +1,9 @@
+# Writes OUTPUT, C++ source that defines `extern const std::string_view SYMBOL` in NAMESPACE: the bytes of INPUT.
+file(READ ${INPUT} text)
+set(end ")capsoc_embedded\"")
+string(FIND "${text}" "${end}" inside)
+if(NOT inside EQUAL -1)
+  message(FATAL_ERROR "${INPUT}: holds ${end}, the end of the literal that it is written into")
+endif()
+file(WRITE ${OUTPUT} "#include <string_view>\n\nnamespace ${NAMESPACE} {\n\nextern const std::string_view ${SYMBOL};\n"
+     "const std::string_view ${SYMBOL} =\n    R\"capsoc_embedded(${text}${end};\n\n}  // namespace ${NAMESPACE}\n")
