@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "run/results.h"
 #include "support/nearest.h"
+#include "version/version.h"
 
 namespace {
 
@@ -49,7 +50,7 @@ int sc_main(int argc, char* argv[]) {
   CLI::App app{
       "capsoc: a virtual prototype of a system-on-chip that calibrates angle sensors by itself",
       "capsoc"};
-  app.set_version_flag("--version", std::string("capsoc ") + CAPSOC_VERSION);
+  app.set_version_flag("--version", fmt::format("capsoc {} (commit {})", version(), commit()));
   app.require_subcommand(1);
   int code = run::exit_code::internal;
   cli::add_run(app, code);

@@ -7,6 +7,7 @@
 
 #include "run/uart_lines.h"
 #include "support/json.h"
+#include "version/version.h"
 
 namespace capsoc::run {
 namespace {
@@ -52,7 +53,8 @@ std::string degrees(const std::optional<double>& value) {
 
 nlohmann::ordered_json versions() {
   ordered_json v;
-  v["capsoc"] = CAPSOC_VERSION;
+  v["capsoc"] = version();
+  v["commit"] = commit();
   v["systemc"] = sc_core::sc_version();
   v["compiler"] = "g++ " __VERSION__;
   v["fmt"] =
