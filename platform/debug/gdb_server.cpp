@@ -60,7 +60,7 @@ bool GdbServer::after_run(cortex_m3::StopReason reason, bool advanced) {
     }
     case StopReason::lockup:
     case StopReason::stuck:
-      if (sessions_.empty()) return false;
+      if (!debugged()) return false;
       halt({Kind::lockup});
       return true;
     case StopReason::budget:
@@ -77,7 +77,7 @@ bool GdbServer::after_run(cortex_m3::StopReason reason, bool advanced) {
 }
 
 bool GdbServer::asleep_for_good() {
-  if (sessions_.empty() && !connections_->any()) return false;
+  if (!debugged() && !connections_->any()) return false;
   connections_->wait(patience);
   return true;
 }
@@ -86,7 +86,7 @@ void GdbServer::serve() {
   LineEvent event;
   while (connections_->next(event)) {
     if (event.kind == LineEvent::Kind::connected) {
-      connect(event.socket);
+      sessions_.emplace_back(event.socket, target_);
       continue;
     }
     if (event.kind == LineEvent::Kind::closed) {
@@ -101,18 +101,28 @@ void GdbServer::serve() {
   }
 }
 
-void GdbServer::connect(const std::shared_ptr<Socket>& socket) {
-  const bool first = sessions_.empty();
-  sessions_.emplace_back(socket, target_);
-  sessions_.back().controls = first;
+bool GdbServer::debugged() const {
+  return std::any_of(sessions_.begin(), sessions_.end(), [](const Session& s) { return s.debugs; });
+}
+
+/// The client's first packet: from here on it is a debugger.
+void GdbServer::begin(Session& session) {
+  const bool first = !debugged();
+  session.debugs = true;
+  session.controls = first;
   soc_.cpu.core().set_halting_debug(true);
   if (first && !halted_) halt({StopCause::Kind::attached});
-  sessions_.back().client.set_cause(halted_ ? cause_ : StopCause{});
+  session.client.set_cause(halted_ ? cause_ : StopCause{});
 }
 
 void GdbServer::receive(Session& session, const std::string& bytes) {
   const std::shared_ptr<Socket> socket = session.socket;
   for (const Arrival& arrival : session.reader.feed(bytes)) {
+    if (!session.debugs) {
+      // The byte 0x03 is in every TLS greeting: it interrupts only behind a packet.
+      if (arrival.kind == Arrival::Kind::interrupt) continue;
+      if (arrival.kind == Arrival::Kind::packet) begin(session);
+    }
     const Request request = session.client.handle(arrival);
     if (session.client.no_ack()) session.reader.ignore_checksums();
     flush(session);
@@ -150,12 +160,16 @@ void GdbServer::flush(Session& session) {
 }
 
 void GdbServer::leave(const Socket* socket) {
-  const auto count = sessions_.size();
-  sessions_.remove_if([socket](const Session& s) { return s.socket.get() == socket; });
-  if (sessions_.size() == count) return;
+  const auto leaving = std::find_if(sessions_.begin(), sessions_.end(), [socket](const Session& s) {
+    return s.socket.get() == socket;
+  });
+  if (leaving == sessions_.end()) return;
+  const bool debugged_here = leaving->debugs;
+  sessions_.erase(leaving);
+  if (!debugged_here) return;
   const bool held =
       std::any_of(sessions_.begin(), sessions_.end(), [](const Session& s) { return s.controls; });
-  soc_.cpu.core().set_halting_debug(!sessions_.empty());
+  soc_.cpu.core().set_halting_debug(debugged());
   if (!held) resume({});
 }
 

@@ -13,10 +13,12 @@
 
 namespace capsoc::debug {
 
-/// Lets any number of GDBs look at one processor. The first one to connect halts it; one that comes
-/// later looks on without stopping it. Whoever resumes or interrupts has it; when the last of these
-/// is gone, the run goes on by itself. Everything happens in the processor's process between two
-/// instructions, and halting keeps simulated time, so that looking changes no result.
+/// Lets any number of GDBs look at one processor. Its first packet makes a client a debugger;
+/// before it, and if none ever comes (a probe of the port), a client changes nothing. The first
+/// debugger halts the processor; one that comes later looks on without stopping it. Whoever resumes
+/// or interrupts has it; when the last of these is gone, the run goes on by itself. Everything
+/// happens in the processor's process between two instructions, and halting keeps simulated time,
+/// so that looking changes no result.
 class GdbServer : public cortex_m3::Debugger {
  public:
   /// `halted`: nothing is executed before a client says so. `give_up` ends the waiting for clients
@@ -42,11 +44,13 @@ class GdbServer : public cortex_m3::Debugger {
     std::shared_ptr<Socket> socket;
     Client client;
     PacketReader reader;
+    bool debugs = false;  ///< a packet came
     bool controls = false;
   };
 
   void serve();
-  void connect(const std::shared_ptr<Socket>& socket);
+  bool debugged() const;
+  void begin(Session& session);
   void receive(Session& session, const std::string& bytes);
   void act(Session& session, const Request& request);
   void leave(const Socket* socket);

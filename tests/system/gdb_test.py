@@ -320,8 +320,8 @@ continue
         self.assertEqual(set(looks), {(0x43415053, 0x412FC231)})
 
 
-class Protocol(unittest.TestCase):
-    """What the client hides."""
+class Comparison:
+    """With a run of the debuggee that nobody looked at."""
 
     def plain(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -338,6 +338,10 @@ class Protocol(unittest.TestCase):
             self.assertEqual(result["cpu"][key], expected["cpu"][key], key)
         self.assertEqual(result["time"]["simulated_s"], expected["time"]["simulated_s"])
         self.assertEqual(result["configuration"], expected["configuration"])
+
+
+class Protocol(Comparison, unittest.TestCase):
+    """What the client hides."""
 
     def test_looking_changes_nothing(self):
         at = symbols()
@@ -483,6 +487,121 @@ class Protocol(unittest.TestCase):
             local = [line.split()[1] for line in table if line.split()[3] == "0A"]
             mine = [address for address in local if address.endswith(f":{run.port:04X}")]
             self.assertEqual(mine, [f"0100007F:{run.port:04X}"])
+
+
+class Probes(Comparison, unittest.TestCase):
+    """A client that sends no packet is no debugger: it changes neither a halt nor a run."""
+
+    #: What scripts, scanners and browsers send; no packet among it.
+    WORDS = {
+        "nothing": b"",
+        "an acknowledgement": b"+",
+        "a repeat": b"-",
+        "a HTTP request": b"GET / HTTP/1.1\r\nHost: localhost:3333\r\n\r\n",
+        "a greeting of TLS": bytes.fromhex("16030100c8010000c40303") + bytes(range(0x40, 0x60)),
+        "an interrupt": b"\x03",
+        "noise": bytes(range(256)).replace(b"$", b"") * 40,
+        "half a packet": b"$qSuppor",
+        "a packet without its checksum": b"+$qSupported#",
+        "a packet with a wrong checksum": b"$?#00",
+        "a packet without an end": b"$" + b"0" * 100_000,
+    }
+
+    @staticmethod
+    def probe(run, data, wait=0.05):
+        with socket.create_connection(("127.0.0.1", run.port), timeout=30) as client:
+            client.sendall(data)
+            time.sleep(wait)
+
+    def check_stands(self, run):
+        """Nothing was executed, and a real debugger finds it so."""
+        time.sleep(0.2)
+        self.assertIsNone(run.process.poll(), "it ran off")
+        with Packets(run) as client:
+            self.assertEqual(client.word(0), client.register(13), "the stack pointer out of the vector table")
+            self.assertEqual(client.word(4) & ~1, client.register(15), "before the first instruction")
+            self.assertEqual(client.ask("vCont;c"), "W00")
+
+    def test_a_halt_stands(self):
+        for what, data in self.WORDS.items():
+            with self.subTest(what), Run(DEBUGGEE, "--halt") as run:
+                self.probe(run, data)
+                self.check_stands(run)
+                self.check_same(run)
+
+    def test_a_halt_stands_after_two_in_a_row_and_twenty_at_once(self):
+        with Run(DEBUGGEE, "--halt") as run:
+            self.probe(run, b"")
+            self.probe(run, b"")
+            clients = [socket.create_connection(("127.0.0.1", run.port), timeout=30) for _ in range(20)]
+            for client in clients:
+                client.close()
+            self.check_stands(run)
+            self.check_same(run)
+
+    def test_a_run_goes_on_while_silent_clients_are_there(self):
+        for what, data in self.WORDS.items():
+            with self.subTest(what), Run(DEBUGGEE, "--halt") as run, \
+                    socket.create_connection(("127.0.0.1", run.port), timeout=30) as client:
+                client.sendall(data)
+                with Packets(run) as debugger:
+                    self.assertEqual(debugger.ask("D"), "OK")
+                self.check_same(run)
+
+    def test_a_run_is_not_halted_by_one_that_comes(self):
+        for data in (b"", b"\x03"):
+            with Run(FOREVER, "--uart0", "null", "--simlimit", 15) as run, \
+                    socket.create_connection(("127.0.0.1", run.port), timeout=30) as client:
+                client.sendall(data)
+                self.assertEqual(run.end()[2]["exit"]["reason"], "the limit of 15 simulated s was hit")
+
+    def test_a_crash_ends_the_run_though_a_silent_client_is_there(self):
+        for program, code in (("divzero", 5), ("evenjump", 5)):
+            with Run(BUILD / "firmware" / f"{program}.elf", "--halt") as run, \
+                    socket.create_connection(("127.0.0.1", run.port), timeout=30):
+                with Packets(run) as client:
+                    self.assertEqual(client.ask("D"), "OK")
+                self.assertEqual(run.end()[0], code)
+
+    def test_a_session_of_another_client_is_not_disturbed(self):
+        at = symbols()
+        with Run(DEBUGGEE, "--halt") as run, Packets(run) as client:
+            client.run_to(at["main"])
+            pc = client.register(15)
+            for data in self.WORDS.values():
+                self.probe(run, data, wait=0.02)
+                self.assertEqual(client.register(15), pc)
+            client.packet("vCont;c")
+            self.probe(run, b"\x03")
+            self.assertEqual(client.answer(), "W00")
+            self.check_same(run)
+
+    def test_the_first_packet_behind_noise_makes_a_debugger(self):
+        with Run(FOREVER, "--uart0", "null") as run:
+            with Packets.__new__(Packets) as client:
+                client.socket = socket.create_connection(("127.0.0.1", run.port), timeout=30)
+                client.buffer = b""
+                client.send(b"noise\x03+")
+                self.assertTrue(client.ask("?").startswith("T05"))
+                client.send(b"+")
+                pc = client.register(15)
+                time.sleep(0.05)
+                self.assertEqual(client.register(15), pc, "it halts the processor")
+                client.send(b"+")
+                client.packet("c")
+                client.send(b"\x03")
+                self.assertTrue(client.answer().startswith("T02"))
+                client.packet("k")
+            run.end()
+
+    def test_a_debugger_is_the_first_one_though_probes_came_before(self):
+        with Run(FOREVER, "--uart0", "null") as run, \
+                socket.create_connection(("127.0.0.1", run.port), timeout=30), Packets(run) as client:
+            pc = client.register(15)
+            time.sleep(0.05)
+            self.assertEqual(client.register(15), pc, "it halts the processor")
+            client.packet("k")
+            self.assertEqual(run.end()[2]["exit"]["reason"], "ended by the debugger")
 
 
 if __name__ == "__main__":
