@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "tlm/guest_error.h"
+
 namespace capsoc::peripherals {
 namespace {
 
@@ -68,7 +70,13 @@ bool Uart::write_word(uint32_t offset, uint32_t value, uint32_t lanes) {
 
 void Uart::write_data(uint8_t byte) {
   // The buffer takes the newer byte; the older one is what an overrun loses.
-  if (STATE.any(state_tx_full)) STATE.raise(state_tx_overrun);
+  if (STATE.any(state_tx_full)) {
+    STATE.raise(state_tx_overrun);
+    tlm_util::guest_error_once(
+        fmt::format("{} (transmit overrun)", name()),
+        fmt::format("byte {:#04x} is written while STATE.TXFULL is 1, so {:#04x} before it is lost",
+                    byte, tx_buffer_));
+  }
   tx_buffer_ = byte;
   STATE.raise(state_tx_full);
   load_shifter(now());

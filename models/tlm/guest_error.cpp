@@ -11,9 +11,14 @@ namespace {
 // One log for the process, like spdlog's own; locked, because tests and a debugger's thread may
 // report as well.
 struct Reports {
+  struct Source {
+    uint64_t count = 0, logged = 0;
+  };
   std::mutex mutex;
-  std::map<std::string, uint64_t, std::less<>> counts;
+  std::map<std::string, Source, std::less<>> sources;
   std::function<std::string()> context;
+
+  std::string where() const { return context ? " (" + context() + ")" : std::string(); }
 };
 
 Reports& reports() {
@@ -21,50 +26,63 @@ Reports& reports() {
   return instance;
 }
 
+void report(std::string_view name, std::string_view text, uint64_t limit) {
+  Reports& all = reports();
+  const std::lock_guard lock(all.mutex);
+  auto entry = all.sources.find(name);
+  if (entry == all.sources.end())
+    entry = all.sources.emplace(std::string(name), Reports::Source{}).first;
+  Reports::Source& source = entry->second;
+  if (++source.count > limit) return;
+  ++source.logged;
+  spdlog::warn("{}: {}{}{}", name, text, all.where(),
+               source.count == limit ? "; further messages of this source are only counted" : "");
+}
+
 }  // namespace
 
 void guest_error(std::string_view source, std::string_view text) {
+  report(source, text, guest_error_limit);
+}
+
+void guest_error_once(std::string_view source, std::string_view text) {
+  report(source, text, 1);
+}
+
+void guest_note(std::string_view source, std::string_view text) {
+  if (!spdlog::should_log(spdlog::level::info)) return;
   Reports& all = reports();
   const std::lock_guard lock(all.mutex);
-  auto entry = all.counts.find(source);
-  if (entry == all.counts.end()) entry = all.counts.emplace(std::string(source), 0).first;
-  const uint64_t count = ++entry->second;
-  if (count > guest_error_limit) return;
-  const std::string where = all.context ? " (" + all.context() + ")" : std::string();
-  spdlog::warn(
-      "{}: {}{}{}", source, text, where,
-      count == guest_error_limit ? "; further messages of this source are only counted" : "");
+  spdlog::info("{}: {}{}", source, text, all.where());
 }
 
 uint64_t guest_error_count(std::string_view source) {
   Reports& all = reports();
   const std::lock_guard lock(all.mutex);
-  const auto entry = all.counts.find(source);
-  return entry == all.counts.end() ? 0 : entry->second;
+  const auto entry = all.sources.find(source);
+  return entry == all.sources.end() ? 0 : entry->second.count;
 }
 
 uint64_t guest_error_total() {
   Reports& all = reports();
   const std::lock_guard lock(all.mutex);
   uint64_t total = 0;
-  for (const auto& entry : all.counts) total += entry.second;
+  for (const auto& entry : all.sources) total += entry.second.count;
   return total;
 }
 
 void summarise_guest_errors() {
   Reports& all = reports();
   const std::lock_guard lock(all.mutex);
-  for (const auto& [source, count] : all.counts) {
-    if (count > guest_error_limit) {
-      spdlog::warn("{}: {} further messages left out", source, count - guest_error_limit);
-    }
-  }
+  for (const auto& [name, source] : all.sources)
+    if (source.count > source.logged)
+      spdlog::warn("{}: {} further messages left out", name, source.count - source.logged);
 }
 
 void clear_guest_errors() {
   Reports& all = reports();
   const std::lock_guard lock(all.mutex);
-  all.counts.clear();
+  all.sources.clear();
 }
 
 void set_guest_error_context(std::function<std::string()> context) {

@@ -15,13 +15,20 @@ constexpr uint64_t guest_error_limit = 10;
 /// the log, at most guest_error_limit of one source.
 void guest_error(std::string_view source, std::string_view text);
 
+/// As guest_error(), but only the first message of the source reaches the log. For what a program
+/// repeats as long as it runs.
+void guest_error_once(std::string_view source, std::string_view text);
+
+/// Says at level info what is worth knowing of a program and no error. Not counted.
+void guest_note(std::string_view source, std::string_view text);
+
 /// Reports of `source` so far, logged or not.
 uint64_t guest_error_count(std::string_view source);
 
 /// Reports of all sources so far.
 uint64_t guest_error_total();
 
-/// Logs, for every source that exceeded the limit, how many messages were left out. For the end of
+/// Logs, for every source of which messages were left out, how many. For the end of
 /// a run.
 void summarise_guest_errors();
 

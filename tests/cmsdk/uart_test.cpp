@@ -99,6 +99,18 @@ TEST_F(UartTest, IsFullWhileTheShifterIsBusyAndTheBufferTaken) {
   EXPECT_FALSE(uart.transmitter_idle());
 }
 
+TEST_F(UartTest, EveryByteThatATransmitOverrunLosesIsReported) {
+  const auto lost = [] { return tlm_util::guest_error_count("uart (transmit overrun)"); };
+  const uint64_t before = lost();
+  enable(Uart::ctrl_tx_enable);
+  set(data, 1);  // to the shifter
+  set(data, 2);  // to the buffer
+  EXPECT_EQ(lost(), before);
+  set(data, 3);
+  set(data, 4);
+  EXPECT_EQ(lost(), before + 2);
+}
+
 TEST_F(UartTest, AnOverrunLosesTheOlderByteAndSticksUntilOneIsWritten) {
   enable(Uart::ctrl_tx_enable);
   for (char c : std::string("ABC")) set(data, static_cast<uint8_t>(c));
