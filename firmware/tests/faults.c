@@ -52,10 +52,10 @@ HANDLER_WITH_FRAME(handle_fault, note_fault)
 
 static void show(const char* what, uint32_t at) {
   if (fault.count == 0) {
-    printf("%-14s none\n", what);
+    printf("%-15s none\n", what);
     return;
   }
-  printf("%-14s %lu cfsr %08lx hfsr %08lx address %08lx pc %+ld T %lu\n", what,
+  printf("%-15s %lu cfsr %08lx hfsr %08lx address %08lx pc %+ld T %lu\n", what,
          (unsigned long)fault.exception, (unsigned long)fault.cfsr, (unsigned long)fault.hfsr,
          (unsigned long)fault.address, (long)(int32_t)(fault.pc - at),
          (unsigned long)(fault.xpsr >> 24 & 1));
@@ -67,6 +67,12 @@ static void attempts(void) {
   ATTEMPT("undefined", 0, 0, "1: udf #0");
   ATTEMPT("dsp", 0, 0, "1: .inst.w 0xfa80f000");  // SADD8
   ATTEMPT("coprocessor", 0, 0, "1: mcr p15, 0, r0, c0, c0, 0");
+  // A5.3.18: these name a coprocessor, the last two are none of its instructions.
+  ATTEMPT("ldc", 0, 0, "1: .inst.w 0xec900000");
+  ATTEMPT("mcr2", 0, 0, "1: .inst.w 0xfe000010");
+  ATTEMPT("no line of ldc", 0, 0, "1: .inst.w 0xec000000");
+  ATTEMPT("simd ef", 0, 0, "1: .inst.w 0xef000110");
+  ATTEMPT("simd ff", 0, 0, "1: .inst.w 0xff000110");
   ATTEMPT("divide by 0", 7, 0, "1: udiv r2, r0, r1");
   ATTEMPT("unaligned", odd, 0, "1: ldr r2, [r0]");
   ATTEMPT("byte is well", odd, 0, "1: ldrb r2, [r0]");
@@ -94,6 +100,9 @@ static void jump(const char* what, uint32_t target) {
 static void everything(void) {
   attempts();
   jump("even address", 0x100);
+  jump("even in device", 0x40000000);
+  jump("even in system", 0xE0000000);
+  jump("even nowhere", 0x60000000);
   jump("peripheral", 0x40000001);
   jump("system space", 0xE0000001);
   jump("no memory", 0x60000001);

@@ -126,6 +126,7 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
+  pc_ = op.address;  // what a device reports, it reports of this instruction
   value = 0;
   if (const uint8_t* bytes = unaligned ? nullptr : shared_page(address, false, user)) {
     std::memcpy(&value, bytes, size);
@@ -168,6 +169,7 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
+  pc_ = op.address;
   if (uint8_t* bytes = unaligned ? nullptr : shared_page(address, true, user)) {
     std::memcpy(bytes, &value, size);
     return Access::ok;
@@ -195,7 +197,10 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
   }
   access_offset_ = 0;
   if (worst == Result::ok && !user && !unaligned) fill_view(address);
-  if (in_ppb(address)) check_system_write(op, address, value);
+  if (in_ppb(address)) {
+    check_system_write(op, address, value);
+    if (worst <= Result::device) check_priorities(op, address, size, value);
+  }
   if (unaligned) check_unaligned(op, address, size);
   if (watches_data() && worst <= Result::device && watched(address, size, true))
     worst = Result::device;

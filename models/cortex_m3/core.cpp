@@ -1,19 +1,24 @@
 #include "cortex_m3/core.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "cortex_m3/decoder.h"
 #include "cortex_m3/execute.h"
 
 namespace capsoc::cortex_m3 {
 
-/// Tells the listener about each case once.
+/// Tells the listener about each case once. Inside a block pc_ is behind what is executed, so it is
+/// the instruction's address for that long.
 void Core::unpredictable(Unpredictable which, uint32_t address) {
   static_assert(static_cast<unsigned>(Unpredictable::count) <= 64);
   const uint64_t bit = uint64_t{1} << static_cast<unsigned>(which);
   if ((unpredictable_seen_ & bit) != 0) return;
   unpredictable_seen_ |= bit;
-  if (unpredictable_listener_) unpredictable_listener_(which, address);
+  if (!unpredictable_listener_) return;
+  const uint32_t pc = std::exchange(pc_, address);
+  unpredictable_listener_(which, address);
+  pc_ = pc;
 }
 
 Core::Core(Bus& bus) : bus_(bus) {
@@ -150,6 +155,7 @@ inline void Core::account(const Step& op) {
 inline void Core::conclude(const Step& op) {
   if (__builtin_expect(event_ != Event::none, 0)) {
     if (event_ == Event::fault) it_state_ = op.it_before;
+    if (event_ == Event::exception_return) event_return_ = op.address;
     trail_ = timing::no_trail;
     handle_event();
   }
@@ -260,12 +266,22 @@ std::optional<StopReason> Core::service() {
     return StopReason::sleeping;
   }
   if (!thumb_) {
-    cycles_ += 1;
-    event_return_ = pc_;
-    raise(record_cause(Cause::invalid_state, 0), pc_);
+    execute_without_thumb();
     check_ = true;
   }
   return std::nullopt;
+}
+
+/// INVSTATE belongs to the instruction at the target (A2.3.1, BXWritePC: "on the next
+/// instruction"). It is raised by executing that one, and what cannot be fetched is not executed:
+/// a fault of the fetch comes first (B3.2.15, IACCVIOL and IBUSERR).
+void Core::execute_without_thumb() {
+  uint16_t unused = 0;
+  Step at;
+  at.address = pc_;
+  if (fetch(pc_, unused)) fault(at, Cause::invalid_state);
+  cycles_ += 1;
+  handle_event();
 }
 
 StopReason Core::run(uint64_t until_cycle) {
@@ -348,8 +364,12 @@ void Core::set_primask(bool masked) {
   check_ = true;
 }
 
+void Core::set_priority_bits(unsigned bits) {
+  priority_mask_ = 0xFF00u >> std::clamp(bits, 3u, 8u) & 0xFF;
+}
+
 void Core::set_basepri(uint32_t value) {
-  basepri_ = value & 0xE0;  // three priority bits
+  basepri_ = value & priority_mask_;
   check_ = true;
 }
 

@@ -44,8 +44,15 @@ struct WatchHit {
   uint32_t address = 0;  ///< first watched byte that was touched
 };
 
-/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 priorities. Both executors agree bit
-/// for bit and cycle for cycle. Nothing a guest does ends the host program.
+/// A program's write of priority bits that are not implemented (B1.5.4) and so are dropped.
+struct DroppedPriority {
+  uint32_t address = 0;   ///< of the NVIC's or SCB's word; 0: BASEPRI
+  uint32_t value = 0;     ///< as written, at its place in the word
+  bool all_ones = false;  ///< only fields of 0xFF: the lowest priority, whatever the number of bits
+};
+
+/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 to 256 priorities. Both executors
+/// agree bit for bit and cycle for cycle. Nothing a guest does ends the host program.
 class Core {
  public:
   static constexpr unsigned interrupt_count = 32;
@@ -116,8 +123,15 @@ class Core {
   /// Called for what the program writes to a stimulus port of the ITM: `size` bytes of `value`.
   using Stimulus = std::function<void(unsigned port, uint32_t value, unsigned size)>;
   void set_stimulus(Stimulus listener) { stimulus_ = std::move(listener); }
+  /// Implemented bits of each priority (B1.5.4), 3 to 8 from the most significant one down; others
+  /// count as the nearest of these. Before reset().
+  void set_priority_bits(unsigned bits);
+  /// Called the first time a program writes priority bits that are not implemented, and the first
+  /// time it writes nothing but ones there. Meanwhile reg(15) is the instruction's address.
+  using PriorityListener = std::function<void(const DroppedPriority&)>;
+  void set_priority_listener(PriorityListener l) { priority_listener_ = std::move(l); }
   /// Called the first time a program runs into each UNPREDICTABLE case (unpredictable.def), with
-  /// the address of the instruction.
+  /// the address of the instruction, which reg(15) is meanwhile.
   using UnpredictableListener = std::function<void(Unpredictable which, uint32_t address)>;
   void set_unpredictable_listener(UnpredictableListener l) {
     unpredictable_listener_ = std::move(l);
@@ -200,6 +214,7 @@ class Core {
   void finish(const Step& op);
   void handle_event();
   std::optional<StopReason> service();
+  void execute_without_thumb();
   void sleep_until_wake(bool for_event);
 
   // access.cpp
@@ -304,6 +319,9 @@ class Core {
   void unpredictable(Unpredictable which, uint32_t address);
   void check_system_access(const Step& op, uint32_t address, unsigned size);
   void check_system_write(const Step& op, uint32_t address, uint32_t value);
+  void check_priorities(const Step& op, uint32_t address, unsigned size, uint32_t value);
+  void check_basepri(const Step& op, uint32_t value);
+  void dropped_priority(const Step& op, const DroppedPriority& dropped);
   void check_mpu_region(const Step& op, unsigned number);
   void check_unaligned(const Step& op, uint32_t address, unsigned size);
   bool buffered(const Step& op, uint32_t address) const;
@@ -365,6 +383,9 @@ class Core {
   uint64_t pending_ = 0, active_ = 0, enabled_ = 0;
   uint32_t lines_ = 0;
   BankedPriority priority_;
+  uint32_t priority_mask_ = 0xE0;  // the bits that are implemented
+  PriorityListener priority_listener_;
+  bool priority_told_[2] = {};  // of bits that were dropped, of nothing but ones
   uint32_t vector_table_ = 0;
   uint32_t vtor_ = 0, prigroup_ = 0, scr_ = 0, ccr_ = 0, shcsr_ = 0, cfsr_ = 0, hfsr_ = 0,
            mmfar_ = 0, bfar_ = 0, dfsr_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;

@@ -367,7 +367,7 @@ void Core::exception_return(uint32_t exc_return) {
   const unsigned nested = active_count();
   const bool base_ok = nested == 1 || (ccr_ & ccr_nonbasethrdena) != 0;
   bool legal = was_active && (exc_return | 0xF) == 0xFFFFFFFFu;
-  if ((exc_return | 0xF) != 0xFFFFFFFFu) unpredictable(Unpredictable::exc_return, pc_);
+  if ((exc_return | 0xF) != 0xFFFFFFFFu) unpredictable(Unpredictable::exc_return, event_return_);
   switch (exc_return & 0xF) {
     case 0x1:
       legal = legal && nested != 1;
@@ -424,7 +424,7 @@ bool Core::pop_stack(uint32_t exc_return, Cause& cause) {
   for (unsigned i = 0; i < 4; ++i) r_[i] = words[i];
   r_[12] = words[4];
   r_[14] = words[5];
-  if ((words[6] & 1) != 0) unpredictable(Unpredictable::return_address, words[6] - 1);
+  if ((words[6] & 1) != 0) unpredictable(Unpredictable::return_address, event_return_);
   pc_ = words[6] & ~1u;
   set_xpsr(psr);
   return true;

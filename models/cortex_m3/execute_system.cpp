@@ -233,10 +233,12 @@ bool Execute::msr(Core& c, const Step& op) {
         c.primask_ = value & 1;
         break;
       case 17:
-        c.basepri_ = value & 0xE0;
+        c.check_basepri(op, value);
+        c.basepri_ = value & c.priority_mask_;
         break;
       case 18:
-        value &= 0xE0;
+        c.check_basepri(op, value);
+        value &= c.priority_mask_;
         if (value != 0 && (value < c.basepri_ || c.basepri_ == 0)) c.basepri_ = value;
         break;
       case 19:

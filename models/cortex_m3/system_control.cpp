@@ -1,12 +1,12 @@
 // The private peripheral bus: NVIC, SCB, SysTick, MPU and DWT registers (ARM DDI 0403, B3 and C1).
 #include <algorithm>
+#include <utility>
 
 #include "cortex_m3/core.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
 
-constexpr uint32_t priority_mask = 0xE0;  // three priority bits
 constexpr uint32_t ccr_usersetmpend = 2;
 
 struct ShcsrBit {
@@ -17,6 +17,20 @@ struct ShcsrBit {
 constexpr ShcsrBit shcsr_bits[] = {{0, 4, false},  {1, 5, false},   {3, 6, false},   {7, 11, false},
                                    {8, 12, false}, {10, 14, false}, {11, 15, false}, {12, 6, true},
                                    {13, 4, true},  {14, 5, true},   {15, 11, true}};
+
+/// NVIC_IPR0 to 7 and SHPR1 to 3.
+bool has_priorities(uint32_t address) {
+  return (address >= 0xE000E400 && address < 0xE000E420) ||
+         (address >= 0xE000ED18 && address < 0xE000ED24);
+}
+
+constexpr unsigned reserved_exceptions[] = {7, 8, 9, 10, 13};
+
+bool is_reserved_priority(uint32_t address) {
+  for (unsigned number : reserved_exceptions)
+    if (address == 0xE000ED14 + number) return true;
+  return false;
+}
 
 }  // namespace
 
@@ -240,14 +254,14 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
   auto priorities = [&](unsigned first) {
     for (unsigned i = 0; i < 4; ++i) {
       if ((mask >> (8 * i)) & 0xFF) {
-        priority_.value[first + i] = static_cast<uint8_t>((value >> (8 * i)) & priority_mask);
+        priority_.value[first + i] = static_cast<uint8_t>((value >> (8 * i)) & priority_mask_);
       }
     }
   };
   if (address >= 0xE000E400 && address < 0xE000E420) return priorities(16 + (address - 0xE000E400));
   if (address >= 0xE000ED18 && address < 0xE000ED24) {
     priorities(4 + (address - 0xE000ED18));
-    for (unsigned reserved : {7, 8, 9, 10, 13}) priority_.value[reserved] = 0;
+    for (unsigned reserved : reserved_exceptions) priority_.value[reserved] = 0;
     return;
   }
   if (in_dwt_comparators(address)) return dwt_write(address, value, mask);
@@ -331,9 +345,8 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
 
 /// Registers that answer to bytes and halfwords: priorities, CFSR, the stimulus ports (B3.1.1).
 void Core::check_system_access(const Step& op, uint32_t address, unsigned size) {
-  const bool priority = (address >= 0xE000E400 && address < 0xE000E420) ||
-                        (address >= 0xE000ED18 && address < 0xE000ED24);
-  const bool takes_parts = priority || (address & ~3u) == 0xE000ED28 || in_itm(address);
+  const bool takes_parts =
+      has_priorities(address) || (address & ~3u) == 0xE000ED28 || in_itm(address);
   if (size != 4 && !takes_parts) unpredictable(Unpredictable::register_size, op.address);
 }
 
@@ -363,6 +376,33 @@ void Core::check_system_write(const Step& op, uint32_t address, uint32_t value) 
   // A new RBAR may meet the old RASR: the region is looked at when it is complete.
   const bool completes = address >= 0xE000EDA0 && (address & 4) == 0;
   if (completes) check_mpu_region(op, mpu_rnr_);
+}
+
+void Core::dropped_priority(const Step& op, const DroppedPriority& dropped) {
+  bool& told = priority_told_[dropped.all_ones ? 1 : 0];
+  if (told || !priority_listener_) return;
+  told = true;
+  const uint32_t pc = std::exchange(pc_, op.address);
+  priority_listener_(dropped);
+  pc_ = pc;
+}
+
+/// Priority bits that a program has written and that are not implemented.
+void Core::check_priorities(const Step& op, uint32_t address, unsigned size, uint32_t value) {
+  if (!has_priorities(address)) return;
+  bool any = false, all_ones = true;
+  for (unsigned i = 0; i < size; ++i) {
+    const uint32_t field = value >> (8 * i) & 0xFF;
+    if (is_reserved_priority(address + i) || (field & ~priority_mask_) == 0) continue;
+    any = true;
+    all_ones = all_ones && field == 0xFF;
+  }
+  if (any) dropped_priority(op, {address & ~3u, value << (8 * (address & 3)), all_ones});
+}
+
+void Core::check_basepri(const Step& op, uint32_t value) {
+  value &= 0xFF;
+  if ((value & ~priority_mask_) != 0) dropped_priority(op, {0, value, value == 0xFF});
 }
 
 }  // namespace capsoc::cortex_m3

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "bench.h"
 
 namespace capsoc::cortex_m3::test {
@@ -90,6 +92,33 @@ TEST(Exceptions, BreakpointsWithoutADebuggerAreHardFaults) {
 }
 
 // B1.4.2
+// A2.3.1: INVSTATE is the next instruction's, so that has to be fetched first (B3.2.15).
+TEST(Exceptions, WhatCannotBeFetchedFaultsSoAtAnEvenAddress) {
+  constexpr uint32_t iaccviol = 1, ibuserr = 1U << 8, invstate = 1U << 17;
+  for (const Executor executor : {Executor::stepping, Executor::blocks})
+    for (const auto& [target, cfsr] : {std::pair{0x40000000U, iaccviol},
+                                       {0xE0000000U, iaccviol},
+                                       {0x60000000U, ibuserr},
+                                       {0x20000000U, invstate},
+                                       {0x20000002U, invstate}})
+      for (const uint16_t branch : {uint16_t{0x4700}, uint16_t{0x4780}}) {  // bx r0, blx r0
+        Bench b;
+        b.core.set_executor(executor);
+        b.start({branch});
+        b.core.set_reg(0, target);
+        b.core.run(10);
+        EXPECT_EQ(b.core.first_fault().cfsr, cfsr) << std::hex << target;
+        EXPECT_EQ(b.core.first_fault().frame[6], target);
+        EXPECT_EQ(b.core.first_fault().frame[7] >> 24 & 1, 0U) << "EPSR.T is stacked as it was";
+      }
+}
+TEST(Exceptions, AnEvenVectorIntoDeviceMemoryIsAViolationOfTheFetch) {
+  Bench b;
+  b.word(4 * 11, 0x40000000);
+  b.start({0xDF00});  // svc
+  b.core.run(30);
+  EXPECT_EQ(b.core.first_fault().cfsr, 1U);
+}
 TEST(Exceptions, BranchingToAnEvenAddressFaultsAtTheTarget) {
   Bench b;
   b.start({0x4700});

@@ -52,7 +52,21 @@ TEST(Instructions, UnalignedWordLoadsWorkAndUnalignedDoublesFault) {
 TEST(Instructions, DspAndUnallocatedEncodingsAreUndefined) {
   EXPECT_EQ(decode(0, 0xFA80, 0xF000, 0).operation, Operation::undefined);  // sadd8
   EXPECT_EQ(decode(0, 0xDE00, 0, 0).operation, Operation::undefined);
-  EXPECT_EQ(decode(0, 0xEE00, 0x0A10, 0).operation, Operation::coprocessor);
+}
+
+// A5.3.18: what names a coprocessor is refused by it, the lines that none has included; 111x1111 is
+// no coprocessor instruction of ARMv7-M (in ARMv7-A it is Advanced SIMD).
+TEST(Instructions, CoprocessorEncodingsEndWhereThoseOfAdvancedSimdBegin) {
+  for (const uint32_t high : {0xEC00U, 0xED00U, 0xEE00U, 0xFC00U, 0xFD00U, 0xFE00U})
+    for (const uint32_t low : {0x00U, 0x10U, 0x90U, 0xFFU})
+      EXPECT_EQ(decode(0, static_cast<uint16_t>(high | low), 0x0A10, 0).operation,
+                Operation::coprocessor)
+          << std::hex << (high | low);
+  for (uint32_t low = 0; low < 0x100; ++low)
+    for (const uint32_t high : {0xEF00U, 0xFF00U})
+      EXPECT_EQ(decode(0, static_cast<uint16_t>(high | low), 0x0A10, 0).operation,
+                Operation::undefined)
+          << std::hex << (high | low);
 }
 
 // The architecture asks for an ISB; none is needed here.
