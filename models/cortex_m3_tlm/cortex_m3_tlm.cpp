@@ -17,9 +17,12 @@ constexpr uint32_t code_region_end =
 void log_unpredictable(Unpredictable which, uint32_t address) {
   const UnpredictableCase& c = describe(which);
   // One source a case: each is told of once, so that none is left out.
-  tlm_util::guest_error(fmt::format("cpu: {}", c.name),
-                        fmt::format("UNPREDICTABLE (ARM DDI 0403, {}) at {:#010x}: {}; here: {}",
-                                    c.section, address, c.what, c.choice));
+  const std::string source = fmt::format("cpu: {}", c.name);
+  const std::string text = fmt::format("UNPREDICTABLE (ARM DDI 0403, {}) at {:#010x}: {}; here: {}",
+                                       c.section, address, c.what, c.choice);
+  // Schedulers begin their tasks so: they stack a function's address as C has it.
+  if (which == Unpredictable::return_address) return tlm_util::guest_note(source, text);
+  tlm_util::guest_error(source, text);
 }
 
 }  // namespace
@@ -59,8 +62,14 @@ void CortexM3Tlm::request_reset() {
   wake_.notify(sc_core::SC_ZERO_TIME);
 }
 
+void CortexM3Tlm::note_work() {
+  // The core may be ahead of the kernel; behind it is only after a change to a faster clock.
+  if (idle_) idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
+}
+
 void CortexM3Tlm::reset_system() {
   reset_requested_ = false;
+  note_work();
   if (reset_request_) reset_request_();
   core_.reset();
 }
@@ -113,24 +122,35 @@ void CortexM3Tlm::end(EndReason reason) {
   sc_core::sc_stop();
 }
 
-/// Sleeps until an interrupt or an event of the core's own (SysTick) can wake it.
 void CortexM3Tlm::sleep() {
+  if (idle_) idle_->fall_asleep(sc_core::sc_time_stamp());
+  sleep_until_woken();
+  if (idle_) idle_->wake_up(sc_core::sc_time_stamp());
+}
+
+/// Sleeps until an interrupt or an event of the core's own (SysTick) can wake it.
+void CortexM3Tlm::sleep_until_woken() {
   // With a debugger it is looked into now and then, so that it can be interrupted.
   const sc_core::sc_time longest_nap(1, sc_core::SC_MS);
   while (!core_.wake_pending() && !reset_requested_) {
+    const sc_core::sc_time now = sc_core::sc_time_stamp();
+    if (idle_ && idle_->is_over(now)) return end(EndReason::idle);
+    sc_core::sc_time nap = idle_ ? idle_->deadline() - now : sc_core::sc_max_time() - now;
     const uint64_t internal = core_.next_internal_event();
     if (internal != never) {
       const sc_core::sc_time until = clock_.time_of(internal);
-      const sc_core::sc_time now = sc_core::sc_time_stamp();
-      if (until > now)
-        wait(debugger_ != nullptr ? std::min(until - now, longest_nap) : until - now, wake_);
+      if (debugger_ != nullptr) nap = std::min(nap, longest_nap);
+      if (until > now) wait(std::min(until - now, nap), wake_);
     } else if (debugger_ != nullptr && sc_core::sc_pending_activity()) {
-      wait(longest_nap, wake_);
+      wait(std::min(nap, longest_nap), wake_);
     } else {
       // Nothing in the kernel and nothing in the core: this sleep has no end.
       if (debugger_ != nullptr && debugger_->asleep_for_good()) return;
-      if (!sc_core::sc_pending_activity()) return end(EndReason::asleep);
-      wait(wake_);
+      if (!idle_ && !sc_core::sc_pending_activity()) return end(EndReason::asleep);
+      if (idle_)
+        wait(nap, wake_);
+      else
+        wait(wake_);
     }
     settle();
     catch_up();
@@ -212,6 +232,7 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   accessing_ = kind;
   socket->b_transport(payload, delay);
   accessing_.reset();
+  if (idle_ && idle_->is_work(address)) note_work();
   const bool ok = payload.is_response_ok();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   wait_cycles = static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now));

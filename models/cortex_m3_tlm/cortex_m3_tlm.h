@@ -17,12 +17,13 @@
 
 #include "cortex_m3/core.h"
 #include "cortex_m3_tlm/debugger.h"
+#include "cortex_m3_tlm/idle_watch.h"
 #include "tlm/clock_domain.h"
 
 namespace capsoc::cortex_m3 {
 
 /// Why the processor ended the simulation.
-enum class EndReason { none, exit, lockup, stuck, asleep, interrupted, debugger };
+enum class EndReason { none, exit, lockup, stuck, asleep, idle, interrupted, debugger };
 
 /// The processor as a bus master.
 class CortexM3Tlm : public sc_core::sc_module, private Bus {
@@ -56,6 +57,11 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   /// Asked once a quantum: true ends the simulation (a limit of the host's time, a signal).
   void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
+  /// Ends the simulation when the program has been idle for so long (idle_watch.h).
+  void set_idle_watch(IdleWatch watch) { idle_.emplace(std::move(watch)); }
+  /// The program did something at this instant that is seen outside: it is not idle.
+  void note_work();
+
   /// Asked before and told after every run of the core; null: nobody. It stays the caller's.
   void set_debugger(Debugger* debugger) { debugger_ = debugger; }
   /// A system reset at once; for the debugger, out of its calls.
@@ -64,6 +70,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
  private:
   void thread();
   void sleep();
+  void sleep_until_woken();
   void synchronise();
   void catch_up();
   void settle();
@@ -90,6 +97,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   Debugger* debugger_ = nullptr;
   bool reset_requested_ = false;
   std::optional<AccessKind> accessing_;
+  std::optional<IdleWatch> idle_;
 };
 
 }  // namespace capsoc::cortex_m3

@@ -6,6 +6,7 @@
 
 #include "host/places.h"
 #include "run/coprocessor_backend.h"
+#include "run/idle.h"
 #include "run/results.h"
 #include "run/semihosting_port.h"
 #include "run/trace_settings.h"
@@ -70,10 +71,13 @@ Settings make_settings() {
       {}, 1, 1e9);
   add("cpu.executor", SettingKind::choice, "blocks", "blocks (fast) or stepping; same results",
       {"blocks", "stepping"});
+  add("cpu.priority_bits", SettingKind::integer, "3",
+      "implemented bits of each priority: 3 as the AN385, 8 as QEMU's board", {}, 3, 8);
   add("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none", {}, 0,
       1e6);
   add("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none", {}, 0,
       1e6);
+  add_idle_settings(s);
   add_uart_settings(s);
   add_semihosting_settings(s);
   add("run.stop_in_fault", SettingKind::flag, "true",

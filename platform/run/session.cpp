@@ -12,7 +12,9 @@
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
 #include "run/host_ports.h"
+#include "run/idle.h"
 #include "run/observation.h"
+#include "run/priority_report.h"
 #include "run/progress.h"
 #include "run/run_inputs.h"
 #include "run/run_settings.h"
@@ -104,6 +106,13 @@ void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& po
   if (said != nullptr && soc.cpu.end_reason() == EndReason::none)
     return say(exit_code::pass, fmt::format("{} printed what --until-uart names: {}", said->name(),
                                             said->match()->line));
+  if (soc.cpu.end_reason() == EndReason::idle) {
+    const std::string idle = fmt::format(
+        "the firmware is idle: for {} simulated s only timers woke it, and only to sleep again",
+        settings.text("run.end_on_idle"));
+    if (settings.text("run.until_uart").empty()) return say(exit_code::pass, idle);
+    return say(exit_code::limit, idle + "; no line matched --until-uart");
+  }
   const bool sleeps = soc.cpu.end_reason() == EndReason::none && soc.cpu.core().sleeping();
   if (soc.cpu.end_reason() == EndReason::asleep ||
       (sleeps && caught_signal == 0 && !out_of_time && !limit.expired()))
@@ -175,6 +184,9 @@ Result<RunResult> run(const Settings& settings) {
   config.make_coprocessor = [&] { return std::move(backend.value().device); };
   soc::Soc soc("soc", config);
   soc.adc.fit_converter(inputs.adc_bits);
+  PriorityReport priorities(soc, inputs.program,
+                            static_cast<unsigned>(settings.integer("cpu.priority_bits")));
+  watch_for_idle(settings, soc);
   if (auto error = inputs.load(settings, soc)) return *error;
   if (settings.text("run.stop_in_fault") == "true")
     soc.cpu.core().set_stop_in_fault([&soc] { return soc.watchdog_is_off(); });
@@ -213,6 +225,7 @@ Result<RunResult> run(const Settings& settings) {
   result.divergence = divergence_of(settings, lockstep, soc);
   if (rtl != nullptr && lockstep == nullptr) rtl->close_waves();
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
+  priorities.finish(result.code == exit_code::pass);
   ports.value()->tell_debugger(result.code);
   result.wall_s = host_limit.elapsed_s();
   take_figures(soc, metrics, ports.value()->uarts(), result);

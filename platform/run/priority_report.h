@@ -1,0 +1,33 @@
+// What a run says of a program that was written for another number of priority bits.
+#pragma once
+
+#include <string>
+
+#include "loader/elf_image.h"
+#include "soc/soc.h"
+
+namespace capsoc::run {
+
+/// Warns once of priority bits that the program wrote and that do not exist. Fields of nothing but
+/// ones are the lowest priority of any width, and how programs find out the width (B1.5.4): they
+/// are told at level info, and as a warning only at the end of a run that failed, for a program may
+/// have refused the width that it found.
+class PriorityReport {
+ public:
+  PriorityReport(soc::Soc& soc, const loader::ElfImage& program, unsigned bits);
+  PriorityReport(const PriorityReport&) = delete;
+  PriorityReport& operator=(const PriorityReport&) = delete;
+
+  void finish(bool passed);
+
+ private:
+  void dropped(const cortex_m3::DroppedPriority& dropped);
+
+  soc::Soc& soc_;
+  const loader::ElfImage& program_;
+  unsigned bits_;
+  bool warned_ = false;
+  std::string probe_;  ///< what to say of the fields of ones, "" if there were none
+};
+
+}  // namespace capsoc::run
