@@ -9,6 +9,7 @@
 #include <systemc>
 
 #include "cli/commands.h"
+#include "cli/exit_codes.h"
 #include "run/results.h"
 #include "support/nearest.h"
 #include "version/version.h"
@@ -32,12 +33,19 @@ std::string sentence(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::Option* option : active->get_options())
       for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
     for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
-      if (active == &app) known.push_back(sub->get_name());
+      if (active == &app && !sub->get_group().empty()) known.push_back(sub->get_name());
     if (!known.empty())
       return fmt::format("there is no '{}' here; did you mean {}?", all_unknown.front(),
                          nearest_names(all_unknown.front(), known));
   }
   return text + "; try --help";
+}
+
+std::string exit_code_text() {
+  std::string text = "Exit codes:";
+  for (const cli::ExitCodeText& exit : cli::exit_codes)
+    text += fmt::format("\n  {:<7} {}", exit.code, exit.meaning);
+  return text;
 }
 
 }  // namespace
@@ -52,6 +60,7 @@ int sc_main(int argc, char* argv[]) {
       "capsoc"};
   app.set_version_flag("--version", fmt::format("capsoc {} (commit {})", version(), commit()));
   app.require_subcommand(1);
+  app.footer(exit_code_text());
   int code = run::exit_code::internal;
   cli::add_run(app, code);
   cli::add_fit(app, code);
@@ -60,6 +69,7 @@ int sc_main(int argc, char* argv[]) {
   cli::add_accuracy(app, code);
   cli::add_bench(app, code);
   cli::add_regress(app, code);
+  cli::add_generate(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -172,7 +172,8 @@ void add_run(CLI::App& app, int& code) {
   option("--profile", "trace.profile",
          "Cycles of functions and calls, for kcachegrind or, as FILE.folded, for a flame graph")
       ->type_name("FILE");
-  option("--log-level", "log.level", "What the simulator says on stderr")->type_name("LEVEL");
+  option("--log-level", "log.level", "What the simulator says on stderr")
+      ->type_name("trace|debug|info|warn|error|off");
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")
       ->type_name("PATH=VALUE")

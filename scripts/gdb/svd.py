@@ -318,6 +318,8 @@ if gdb is not None:
 
     SvdCommand()
     SvdFunction()
-    DEFAULT = Path(__file__).resolve().parents[2] / "models" / "registers" / "capsoc.svd"
-    if DEFAULT.exists():
-        DEVICE.load(DEFAULT)
+    HOME = Path(__file__).resolve().parents[1]
+    for DEFAULT in (HOME.parent / "models/registers/capsoc.svd", HOME / "svd/capsoc.svd"):  # the sources; an install tree
+        if DEFAULT.exists():
+            DEVICE.load(DEFAULT)
+            break

@@ -43,8 +43,9 @@ class Template(unittest.TestCase):
                               cwd=self.app, capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
         self.assertEqual((done.returncode, done.stdout), (1, b"no coprocessor\n"))
 
-    def test_without_a_place_it_says_what_to_do(self):
-        for command in (["make"], ["cmake", "-B", "build", "--toolchain", "toolchain.cmake"]):
+    def test_in_a_wrong_place_it_says_what_to_do(self):
+        for command in (["make", "CAPSOC=/nowhere"],
+                        ["cmake", "-B", "build", "--toolchain", "toolchain.cmake", "-DCAPSOC=/nowhere"]):
             done = subprocess.run(command, cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
             self.assertNotEqual(done.returncode, 0)
             self.assertIn("/path/to/capsoc/build", done.stderr)

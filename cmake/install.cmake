@@ -1,0 +1,41 @@
+# cmake --install: a tree that may be moved as a whole.
+#   bin/capsoc
+#   lib/capsoc/        the Verilated coprocessor, if it was built
+#   share/capsoc/      firmware/ (what was built), traces/, template/, include/,
+#                      sources/ of the programs, svd/, gdb/
+#   share/doc/capsoc/  README.md, docs/, licence
+#   share/man, share/bash-completion, share/zsh, share/fish
+include(GNUInstallDirs)
+set(data ${CMAKE_INSTALL_DATADIR}/capsoc)
+set(generated ${PROJECT_BINARY_DIR}/generated)
+
+# Man pages and completions, made by the program itself from the declarations of its command line.
+set(pages ${generated}/share)
+add_custom_command(
+  OUTPUT ${generated}/share.stamp
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${pages}
+  COMMAND capsoc generate ${pages}
+  COMMAND ${CMAKE_COMMAND} -E touch ${generated}/share.stamp
+  DEPENDS capsoc
+  COMMENT "Generating man pages and completions" VERBATIM)
+add_custom_target(capsoc_manuals ALL DEPENDS ${generated}/share.stamp)
+
+install(TARGETS capsoc RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+foreach(library capsoc_rtl_precise capsoc_rtl_paper)
+  if(TARGET ${library})
+    install(FILES $<TARGET_FILE:${library}> DESTINATION ${CMAKE_INSTALL_LIBDIR}/capsoc COMPONENT rtl OPTIONAL)
+  endif()
+endforeach()
+install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${data}/firmware COMPONENT data
+        FILES_MATCHING PATTERN "*.elf" PATTERN objects EXCLUDE PATTERN CMakeFiles EXCLUDE)
+install(DIRECTORY traces/ DESTINATION ${data}/traces COMPONENT data)
+install(DIRECTORY firmware/template DESTINATION ${data} COMPONENT data)
+install(FILES ${generated}/capsoc_device.h DESTINATION ${data}/include COMPONENT data)
+install(DIRECTORY firmware/apps firmware/common firmware/drivers DESTINATION ${data}/sources COMPONENT data)
+install(FILES models/registers/capsoc.svd DESTINATION ${data}/svd COMPONENT data)
+install(FILES scripts/gdb/svd.py DESTINATION ${data}/gdb COMPONENT data)
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
+install(FILES ${generated}/registers.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT doc)
+install(DIRECTORY ${pages}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT doc)
+install(DIRECTORY ${pages}/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program PATTERN man EXCLUDE)
