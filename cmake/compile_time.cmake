@@ -1,0 +1,59 @@
+# What the compiler spends its time on: the headers of SystemC, CLI11, nlohmann-json and fmt (two to five seconds of each source
+# that includes them), and optimising code that runs once.
+
+# capsoc_cold(TARGET): what runs a few times in a run (command line, settings, reports, tests) is compiled for the
+# compiler's time and not for its own. -O1 takes two thirds of -O3's time for it.
+add_library(capsoc_cold_options INTERFACE)
+target_compile_options(capsoc_cold_options INTERFACE $<$<CONFIG:Release>:-O1>)
+function(capsoc_cold)
+  foreach(target ${ARGN})
+    target_link_libraries(${target} PRIVATE capsoc_cold_options)
+  endforeach()
+endfunction()
+
+# capsoc_precompiled(NAME LIBS ... HEADERS ... [COLD]): precompiles headers once, for capsoc_use_precompiled(NAME TARGET ...).
+# Sources still include what they use: scripts/check_tidy compiles them without. A compiler takes a precompiled header only
+# with the options it was made with, so there is one for hot and one for cold code.
+function(capsoc_precompiled name)
+  cmake_parse_arguments(arg "COLD" "" "LIBS;HEADERS" ${ARGN})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "// Carries the precompiled header.\n")
+  add_library(${name} OBJECT EXCLUDE_FROM_ALL ${source})
+  target_link_libraries(${name} PUBLIC ${arg_LIBS} PRIVATE capsoc_options)
+  if(arg_COLD)
+    capsoc_cold(${name})
+  endif()
+  target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
+  set_target_properties(${name} PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
+endfunction()
+
+function(capsoc_use_precompiled name)
+  foreach(target ${ARGN})
+    # What the header was made with, without its object file.
+    target_include_directories(${target} SYSTEM PRIVATE $<TARGET_PROPERTY:${name},INTERFACE_SYSTEM_INCLUDE_DIRECTORIES>)
+    target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:${name},COMPILE_DEFINITIONS>)
+    target_precompile_headers(${target} REUSE_FROM ${name})
+  endforeach()
+endfunction()
+
+set(systemc_headers <systemc> <tlm> <tlm_utils/simple_initiator_socket.h> <tlm_utils/simple_target_socket.h>)
+capsoc_precompiled(capsoc_pch_shells LIBS capsoc_systemc fmt::fmt HEADERS ${systemc_headers} <fmt/format.h>)
+capsoc_precompiled(capsoc_pch_run COLD LIBS capsoc_systemc fmt::fmt nlohmann_json::nlohmann_json
+                   HEADERS ${systemc_headers} <fmt/format.h> <nlohmann/json.hpp>)
+capsoc_precompiled(capsoc_pch_cli COLD LIBS CLI11::CLI11 fmt::fmt nlohmann_json::nlohmann_json
+                   HEADERS <CLI/CLI.hpp> <fmt/format.h> <nlohmann/json.hpp>)
+if(CAPSOC_TESTS)
+  capsoc_precompiled(capsoc_pch_tests COLD LIBS GTest::gtest HEADERS <gtest/gtest.h>)
+  capsoc_precompiled(capsoc_pch_shell_tests COLD LIBS GTest::gtest capsoc_systemc
+                     HEADERS ${systemc_headers} <gtest/gtest.h>)
+endif()
+
+# Which targets; to be called when all of them are there.
+function(capsoc_save_compile_time)
+  capsoc_cold(capsoc capsoc_run capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting capsoc_rsp
+              capsoc_gdb capsoc_bench)
+  capsoc_use_precompiled(capsoc_pch_cli capsoc)
+  capsoc_use_precompiled(capsoc_pch_run capsoc_run capsoc_gdb)
+  capsoc_use_precompiled(capsoc_pch_shells capsoc_tlm capsoc_bus capsoc_cmsdk capsoc_mps2 capsoc_peripherals capsoc_coprocessor_tlm
+                         capsoc_cortex_m3_tlm capsoc_soc capsoc_trace)
+endfunction()
