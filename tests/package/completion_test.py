@@ -32,6 +32,8 @@ LINES = {
     "capsoc run -C run.golden=t": "run -C run.golden=true",
     "capsoc run -C sensor.file=trace_": "run -C sensor.file=trace_of_mine.csv",
     "capsoc run --sensor trace_": "run --sensor trace_of_mine.csv",
+    "capsoc run --sensor=trace_": "run --sensor=trace_of_mine.csv",
+    "capsoc run --itm fi": "run --itm file:",
     "capsoc run prog": "run program.elf",
     "capsoc fit --method adam trace_": "fit --method adam trace_of_mine.csv",
     "capsoc run --quantum 100 --coprocessor lo": "run --quantum 100 --coprocessor lockstep",

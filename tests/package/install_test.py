@@ -87,16 +87,20 @@ class Installed(unittest.TestCase):
 
     def test_the_template_builds_with_what_is_installed(self):
         expected = "angle: 300 tenths of a degree\n"
-        # make splits words at blanks, so it gets a link without one.
+        # The tree's own path has blanks, the link's none; a link to the program alone may stand in the path, too.
         link = self.work / "capsoc"
         link.symlink_to(self.tree)
-        for name, options, environment in (("named", [f"CAPSOC={link}"], {}),
-                                           ("found", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"})):
+        (self.work / "bin").mkdir()
+        (self.work / "bin" / "capsoc").symlink_to(link / "bin" / "capsoc")
+        for name, options, environment in (("named", [f"CAPSOC={self.tree}"], {}),
+                                           ("found", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
+                                           ("linked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"})):
             app = self.work / name
             shutil.copytree(self.share / "capsoc/template", app)
             self.assertEqual(self.do("make", "-s", "-C", app, *options, "run", environment=environment), expected)
         for name, options, environment in (("cnamed", [f"-DCAPSOC={self.tree}"], {}),
-                                           ("cfound", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"})):
+                                           ("cfound", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
+                                           ("clinked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"})):
             app = self.work / name
             shutil.copytree(self.share / "capsoc/template", app)
             self.do("cmake", "-S", app, "-B", app / "build", "--toolchain", app / "toolchain.cmake", *options,
