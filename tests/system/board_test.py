@@ -33,6 +33,12 @@ def qemu(program):
         capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
 
 
+def instruction_at(program, address):
+    """As objdump shows it."""
+    return subprocess.run(["arm-none-eabi-objdump", "-d", f"--start-address={address}", f"--stop-address={address + 2}",
+                           FIRMWARE / f"{program}.elf"], capture_output=True, text=True, check=True).stdout
+
+
 def warnings(done, about):
     return [line for line in done.stderr.decode().splitlines() if line.startswith("warning:") and about in line]
 
@@ -101,6 +107,22 @@ class Priorities(unittest.TestCase):
             self.assertIn(b"cpu.priority_bits", done.stderr)
 
 
+class TaskStart(unittest.TestCase):
+    """What schedulers do is worth a note and no warning: a return to a stacked PC with bit 0 set."""
+
+    def test_is_told_at_level_info_with_the_instruction_that_returns(self):
+        for executor in ("blocks", "stepping"):
+            ours, _ = run("task_start", "-C", f"cpu.executor={executor}")
+            self.assertEqual((ours.returncode, ours.stdout), (0, b"task_start: runs\n"))
+            self.assertEqual(warnings(ours, ""), [])
+            ours, _ = run("task_start", "-C", f"cpu.executor={executor}", "-C", "log.level=info")
+            said = [line for line in ours.stderr.decode().splitlines() if "return_address" in line]
+            self.assertEqual(len(said), 1, said)
+            found = re.search(r"^info: .* at 0x([0-9a-f]{8}): .* \(pc 0x([0-9a-f]{8}) start_task\+", said[0])
+            self.assertTrue(found and found.group(1) == found.group(2), said)
+            self.assertRegex(instruction_at("task_start", int(found.group(1), 16)), r"\tbx\tlr")
+
+
 class Overrun(unittest.TestCase):
     """A byte that a UART loses."""
 
@@ -113,10 +135,8 @@ class Overrun(unittest.TestCase):
             self.assertRegex(said[0], r"soc\.uart0 \(transmit overrun\): byte 0x73 is written while STATE\.TXFULL is 1, so "
                              r"0x6f before it is lost \(pc 0x[0-9a-f]{8} main\+")
             pc = int(re.search(r"pc (0x[0-9a-f]{8})", said[0]).group(1), 16)
-            code = subprocess.run(["arm-none-eabi-objdump", "-d", f"--start-address={pc}", f"--stop-address={pc + 2}",
-                                   FIRMWARE / "overrun.elf"], capture_output=True, text=True, check=True).stdout
-            self.assertRegex(code, r"\tstr\t", "the store, not the block that it is in")
-            # 21 bytes, of which the first and the last two at most are not followed by one too many.
+            self.assertRegex(instruction_at("overrun", pc), r"\tstr\t", "the store, not the block that it is in")
+            # 21 bytes: the first goes to the shifter, the second to the buffer.
             self.assertTrue(said[1].endswith("18 further messages left out"), said[1])
 
     def test_a_program_that_asks_is_told_nothing(self):
