@@ -48,7 +48,7 @@ struct WatchHit {
 struct DroppedPriority {
   uint32_t address = 0;   ///< of the NVIC's or SCB's word; 0: BASEPRI
   uint32_t value = 0;     ///< as written, at its place in the word
-  bool all_ones = false;  ///< only fields of 0xFF: the lowest priority, whatever the number of bits
+  bool all_ones = false;  ///< they all are: the program means any number of bits (0xFF, 191)
 };
 
 /// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 to 256 priorities. Both executors

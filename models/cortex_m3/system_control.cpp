@@ -395,14 +395,15 @@ void Core::check_priorities(const Step& op, uint32_t address, unsigned size, uin
     const uint32_t field = value >> (8 * i) & 0xFF;
     if (is_reserved_priority(address + i) || (field & ~priority_mask_) == 0) continue;
     any = true;
-    all_ones = all_ones && field == 0xFF;
+    all_ones = all_ones && (field | priority_mask_) == 0xFF;
   }
   if (any) dropped_priority(op, {address & ~3u, value << (8 * (address & 3)), all_ones});
 }
 
 void Core::check_basepri(const Step& op, uint32_t value) {
   value &= 0xFF;
-  if ((value & ~priority_mask_) != 0) dropped_priority(op, {0, value, value == 0xFF});
+  const bool all_ones = (value | priority_mask_) == 0xFF;
+  if ((value & ~priority_mask_) != 0) dropped_priority(op, {0, value, all_ones});
 }
 
 }  // namespace capsoc::cortex_m3

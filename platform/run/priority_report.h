@@ -8,10 +8,11 @@
 
 namespace capsoc::run {
 
-/// Warns once of priority bits that the program wrote and that do not exist. Fields of nothing but
-/// ones are the lowest priority of any width, and how programs find out the width (B1.5.4): they
-/// are told at level info, and as a warning only at the end of a run that failed, for a program may
-/// have refused the width that it found.
+/// Warns once of priority bits that the program wrote and that do not exist. Where they are all
+/// ones the program means any width: 0xFF is the lowest priority of each, and how programs find out
+/// the width (B1.5.4); FreeRTOS's examples have 191 for 0xA0. These are told at level info, and as
+/// a warning only at the end of a run that failed, for a program may have refused the width it
+/// found.
 class PriorityReport {
  public:
   PriorityReport(soc::Soc& soc, const loader::ElfImage& program, unsigned bits);
@@ -27,7 +28,7 @@ class PriorityReport {
   const loader::ElfImage& program_;
   unsigned bits_;
   bool warned_ = false;
-  std::string probe_;  ///< what to say of the fields of ones, "" if there were none
+  std::string probe_;  ///< what to say of ones, "" if there were none
 };
 
 }  // namespace capsoc::run
