@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "csfn/fused_network.h"
+#include "csfn/robust_fit.h"
 
 namespace capsoc::csfn {
 namespace {
@@ -49,6 +50,9 @@ Gate at_most(const char* name, double value, double limit, std::string reason) {
   const bool passed = value <= limit;
   return {name, passed, value, limit, passed ? std::string() : std::move(reason)};
 }
+
+/// Mean distance of a plateau inside the ellipse that is not by chance, in its standard errors.
+constexpr double plateau_limit = 5;
 
 /// How many samples have the largest value, and how many the next smaller one.
 struct Pile {
@@ -130,6 +134,44 @@ std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLim
   if (error) return gates;
   gates.push_back(check_clipping(u, v, limits.full_scale));
   return gates;
+}
+
+std::vector<Plateau> plateaus_of(const Channel& u, const Channel& v, double resolution) {
+  std::vector<Plateau> plateaus;
+  for (const bool is_u : {true, false}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Channel &channel = is_u ? u : v, &other = is_u ? v : u;
+      const double extreme = sign * (sign * channel).maxCoeff();
+      Plateau plateau{is_u ? "U" : "V", sign > 0, {}};
+      double least = HUGE_VAL, largest = -HUGE_VAL;
+      for (Eigen::Index i = 0; i < channel.size(); ++i) {
+        if (std::abs(channel[i] - extreme) > 1.01 * resolution) continue;
+        plateau.places.push_back(i);
+        least = std::min(least, other[i]);
+        largest = std::max(largest, other[i]);
+      }
+      if (plateau.places.size() >= 2 && largest > least) plateaus.push_back(std::move(plateau));
+    }
+  }
+  return plateaus;
+}
+
+Gate check_plateau(const Channel& u, const Channel& v, const Plateau& plateau,
+                   const Parameters& parameters, double noise, double resolution) {
+  double inward = 0;
+  for (const Eigen::Index i : plateau.places) inward -= distance_from(parameters, u[i], v[i]);
+  const auto count = static_cast<double>(plateau.places.size());
+  // What an unknown converter's steps do to all samples of a plateau alike is up to half a step,
+  // and the noise of such a record is the steps' 0.29 and more.
+  const double error = std::hypot(noise * std::max(1 / std::sqrt(count), 0.5), resolution);
+  Gate gate = at_most("plateau", inward / count / std::max(error, 1e-300), plateau_limit, "");
+  if (!gate.passed) {
+    gate.reason =
+        "channel " + plateau.name + " is clipped: " + text("%.0f samples share its ", count) +
+        (plateau.top ? "largest" : "smallest") +
+        text(" value, %.2g inside the ellipse of the others; lower the gain", inward / count);
+  }
+  return gate;
 }
 
 Coverage coverage_of(const Channel& u, const Channel& v, const Parameters& parameters) {

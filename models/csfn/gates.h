@@ -21,7 +21,10 @@ struct GateLimits {
   int64_t samples = 16;        ///< at least
   double coverage = 0.5;       ///< at least this part of the circle, 0..1
   double gap = 150;            ///< largest part of the circle without a sample, at most, degrees
-  double residual = 0.1;       ///< rms of 1 - Y, at most
+  double residual = 0.35;      ///< rms of 1 - Y, at most
+  double noise = 0.25;         ///< in units of the ellipse's smaller half axis, at most
+  double outliers = 0.2;       ///< part of the samples, at most
+  double bound = 30;           ///< of the angle's error but for harmonics, at most, degrees
   double phase = 1.5;          ///< |beta| at most, radians: beyond, the ellipse is nearly a line
   double magnification = 100;  ///< amplitude at most this many times half the channel's range
   /// Values at or beyond +-full_scale are clipped. 0: not known. A channel whose samples pile up
@@ -32,6 +35,21 @@ struct GateLimits {
 /// Checks that need no parameters: "samples" (too few), "finite", "ellipse" (a point, a line, too
 /// few different points), "clipping". Ends at the first that makes the later ones meaningless.
 std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits);
+
+/// Samples that share the largest or the smallest value of a channel (to `resolution`, the
+/// converter's step) although their other channel differs, at least two of them: they may be
+/// clipped.
+struct Plateau {
+  std::string name;  ///< "U" or "V"
+  bool top = true;
+  std::vector<Eigen::Index> places;
+};
+std::vector<Plateau> plateaus_of(const Channel& u, const Channel& v, double resolution);
+
+/// "plateau": whether the samples of a plateau are on the inner side of the ellipse that the others
+/// lie on, together farther than its noise explains.
+Gate check_plateau(const Channel& u, const Channel& v, const Plateau& plateau,
+                   const Parameters& parameters, double noise, double resolution);
 
 /// Checks of what was identified: "coverage", "gap", "phase", "magnification", "residual".
 std::vector<Gate> check_answer(const Channel& u, const Channel& v, const Parameters& parameters,

@@ -7,8 +7,11 @@
 #include <utility>
 
 #include "csfn/calibration.h"
+#include "csfn/circle_plane.h"
+#include "csfn/distributions.h"
 #include "csfn/ellipse_fit.h"
 #include "csfn/fused_network.h"
+#include "csfn/robust_fit.h"
 #include "csfn/uncertainty.h"
 
 namespace capsoc::csfn {
@@ -27,7 +30,9 @@ constexpr double worse = 1.05;
 constexpr double rounding_loss = 1e-24;
 /// Harmonics stand out when the residual's third or fourth order has this much of the power that
 /// noise would spread over all orders.
-constexpr double structure = 30;
+constexpr double standing_out = 30;
+
+constexpr double pi = 3.14159265358979323846;
 
 std::string text(const char* format, double one, double other = 0) {
   char buffer[320];
@@ -166,13 +171,6 @@ Handedness handedness_of(const Scatter& scatter, Eigen::Index count) {
   return scatter.step > 0 ? Handedness::direct : Handedness::reversed;
 }
 
-Intervals intervals_of(const Samples& samples, const Parameters& parameters, double confidence) {
-  const std::array<double, 5> errors = standard_errors(samples.u, samples.v, parameters);
-  const double width = normal_quantile(confidence);
-  return {width * errors[0], width * errors[1], width * errors[2],
-          width * errors[3], width * errors[4], confidence};
-}
-
 /// How far a full Gauss-Newton step would still move the parameters, in the units of
 /// difference_of().
 double unsettled(const Samples& samples, const Parameters& parameters) {
@@ -185,7 +183,8 @@ double unsettled(const Samples& samples, const Parameters& parameters) {
 /// Why fits of the same samples differ.
 std::string reason_of(const Samples& samples, const Identification& found, const Scatter& scatter,
                       const Companion* best, double difference) {
-  if (best != nullptr && found.loss > worse * best->loss + rounding_loss) {
+  const bool trained = found.iterations > 0 && found.method != Method::distances;
+  if (trained && best != nullptr && found.loss > worse * best->loss + rounding_loss) {
     return text("the training is not at its end: its loss is %.2e, the ellipse fit's %.2e",
                 found.loss, best->loss);
   }
@@ -200,7 +199,7 @@ std::string reason_of(const Samples& samples, const Identification& found, const
   const auto count = static_cast<double>(samples.u.size());
   for (const int order : {3, 4}) {
     const double power = scatter.order[order] / std::max(scatter.rms, 1e-300);
-    if (scatter.rms > 1e-11 && count * power * power > structure) {
+    if (scatter.rms > 1e-11 && count * power * power > standing_out) {
       return text(
           "harmonics: the distance from the ellipse repeats %.0f times a turn with an "
           "amplitude of %.2g",
@@ -218,12 +217,12 @@ std::string reason_of(const Samples& samples, const Identification& found, const
   return text("noise of %.1e of the amplitude, which each fit weighs in its own way", scatter.rms);
 }
 
+/// half: what noise explains, without the difference itself.
 std::string disagreement_of(const Samples& samples, const Identification& found,
-                            const Scatter& scatter) {
+                            const Scatter& scatter, const Intervals& half) {
   const Parameters& p = found.network_parameters;
-  const double explained =
-      std::max({found.intervals.a1 / p.a1, found.intervals.b1 / p.a1, found.intervals.a2 / p.a2,
-                found.intervals.b2 / p.a2, found.intervals.beta, agreement});
+  const double explained = std::max(
+      {half.a1 / p.a1, half.b1 / p.a1, half.a2 / p.a2, half.b2 / p.a2, half.beta, agreement});
   const Companion* farthest = nullptr;
   for (const Companion& companion : found.companions) {
     if (!companion.parameters || companion.difference <= explained) continue;
@@ -262,9 +261,180 @@ Gate check_training(const Identification& found) {
   return gate;
 }
 
+/// Rounding of the samples' last digits, in units of the record's largest value.
+constexpr double arithmetic = 1e-14;
+
+/// Distances that say nothing: the converter's step, or the arithmetic.
+double resolution_of(const Samples& samples, const IdentifyOptions& options) {
+  const double largest = std::max(samples.u.abs().maxCoeff(), samples.v.abs().maxCoeff());
+  return std::max(options.step, arithmetic * largest);
+}
+
+Samples without(const Samples& samples, const std::vector<Eigen::Index>& places) {
+  const Eigen::Index count = samples.u.size() - static_cast<Eigen::Index>(places.size());
+  Samples rest{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  Eigen::Index to = 0;
+  auto next = places.begin();
+  for (Eigen::Index i = 0; i < samples.u.size(); ++i) {
+    if (next != places.end() && *next == i) {
+      ++next;
+      continue;
+    }
+    rest.u[to] = samples.u[i];
+    rest.v[to++] = samples.v[i];
+  }
+  return rest;
+}
+
+/// The failed gate of a plateau that lies inside the ellipse of the other samples; otherwise the
+/// last one passed.
+Gate check_plateaus(const Samples& samples, double resolution, const IdentifyOptions& options) {
+  Gate gate = {"plateau", true, 0, 0, ""};
+  for (const Plateau& plateau : plateaus_of(samples.u, samples.v, options.step)) {
+    const Samples others = without(samples, plateau.places);
+    if (others.u.size() < 12 || check_samples(others.u, others.v)) continue;
+    const auto start = robust_start(others.u, others.v);
+    if (!start) continue;
+    const RobustFit robust = fit_robustly(others.u, others.v, *start, resolution);
+    if (!robust.fit.converged) continue;
+    gate = check_plateau(samples.u, samples.v, plateau, robust.fit.parameters, robust.fit.noise,
+                         resolution);
+    if (!gate.passed) break;
+  }
+  return gate;
+}
+
+/// Gates of what belongs to the ellipse; fills in the outliers. `kept`: the others.
+RobustFit separate(const Samples& samples, double resolution, const IdentifyOptions& options,
+                   Identification& found) {
+  const auto start = robust_start(samples.u, samples.v);
+  if (!start) {
+    found.gates.push_back(
+        failed_gate("distances",
+                    "no ellipse lies near half of the samples: record more of the turn, or with "
+                    "less noise"));
+    return {};
+  }
+  RobustFit robust = fit_robustly(samples.u, samples.v, *start, resolution);
+  found.outliers = robust.outliers;
+  found.nearest_outlier = robust.outliers.empty() ? 0 : robust.nearest;
+  found.farthest_outlier = robust.farthest;
+  const auto count = static_cast<double>(robust.outliers.size());
+  const double share = count / static_cast<double>(samples.u.size());
+  Gate outliers = {"outliers", share <= options.gates.outliers, share, options.gates.outliers, ""};
+  if (!outliers.passed) {
+    outliers.reason = text(
+        "%.0f samples (%.0f %% of them) lie off the ellipse of the others: find what disturbs them",
+        count, 100 * share);
+  }
+  found.gates.push_back(std::move(outliers));
+  if (found.rejected()) return robust;
+  Gate distances = {"distances", robust.fit.converged, robust.fit.noise, HUGE_VAL, ""};
+  if (!robust.fit.converged) {
+    distances.reason =
+        "no ellipse fits the samples by their distances: record more samples, more of the turn, or "
+        "with less noise";
+  }
+  found.gates.push_back(std::move(distances));
+  return robust;
+}
+
+Gate check_noise(const DistanceFit& fit, double limit) {
+  const double relative = fit.noise * CirclePlane(fit.parameters).largest_slope();
+  Gate gate = {"noise", relative <= limit, relative, limit, ""};
+  if (!gate.passed) {
+    gate.reason = text(
+        "the samples scatter by %.2g of the ellipse's smaller half axis (at most %.2g): these are "
+        "not a sine and a cosine of one angle, or the noise is too large",
+        relative, limit);
+  }
+  return gate;
+}
+
+/// Part of the samples whose values occur before.
+double repeated_part(const Samples& samples) {
+  std::vector<std::pair<double, double>> points;
+  for (Eigen::Index i = 0; i < samples.u.size(); ++i)
+    points.emplace_back(samples.u[i], samples.v[i]);
+  std::sort(points.begin(), points.end());
+  const auto end = std::unique(points.begin(), points.end());
+  return 1 - static_cast<double>(end - points.begin()) / static_cast<double>(samples.u.size());
+}
+
+std::string warning_of(const Structure& structure) {
+  // Harmonics of the same size in both channels, at any phases, leave an amplitude of h/sqrt(2).
+  return text(
+             "the intervals do not hold: the samples' distance from the ellipse repeats %.0f times "
+             "a turn, as a harmonic of %.2g %% of the amplitude leaves it",
+             structure.order, 100 * std::sqrt(2.0) * structure.amplitude) +
+         (structure.order <= 4
+              ? " (order " + std::to_string(structure.order - 1) + " or " +
+                    std::to_string(structure.order + 1) + "); use --harmonics " +
+                    std::to_string(structure.order - 1)
+              : " (order " + std::to_string(structure.order - 1) + " or " +
+                    std::to_string(structure.order + 1) + ", beyond what --harmonics identifies)");
+}
+
+/// What the answer vouches for. Returns what noise alone explains.
+Intervals assess(const Samples& samples, const DistanceFit& fit, const IdentifyOptions& options,
+                 Identification& found) {
+  Evidence evidence;
+  evidence.answer = found.network_parameters;
+  evidence.fit = fit;
+  evidence.structure = found.structure;
+  evidence.count = static_cast<double>(samples.u.size());
+  evidence.resolution = options.step / std::sqrt(12.0);
+  if (fit.noise < 2 * options.step) evidence.repeated = repeated_part(samples);
+  found.intervals = intervals_of(evidence, options.confidence);
+  Evidence of_noise = evidence;
+  of_noise.answer = fit.parameters;
+  of_noise.structure = {};
+  const Intervals explained = intervals_of(of_noise, options.confidence);
+  if (found.structure.found) {
+    found.warning = warning_of(found.structure);
+    return explained;
+  }
+  found.bound = bound_of(evidence);
+  // Harmonics that could hide are the bound's affair; a record is refused for what it tells too
+  // little of.
+  const double degrees = (found.bound->total - found.bound->harmonics) * 180 / pi;
+  const double limit = options.gates.bound;
+  Gate gate = {"bound", degrees <= limit, degrees, limit, ""};
+  if (!gate.passed) {
+    gate.reason = text(
+        "the samples tell the angle to %.2g degrees only (at most %.2g): record more samples, more "
+        "of the turn, or with less noise",
+        degrees, limit);
+  }
+  found.gates.push_back(std::move(gate));
+  return explained;
+}
+
+/// With harmonics the angle's expected error is the harmonics' own (a median).
+void assess_harmonics(Identification& found) {
+  constexpr double by_median = 4;
+  const Harmonics& harmonics = found.harmonics;
+  const Parameters& p = harmonics.model.fundamental;
+  const double error = by_median * harmonics.expected_error;
+  found.bound = AngleBound{};
+  found.bound->harmonics = found.bound->total = error;
+  Intervals& half = found.intervals;
+  for (double* width : {&half.a1, &half.b1}) *width = std::max(*width, p.a1 * error);
+  for (double* width : {&half.a2, &half.b2}) *width = std::max(*width, p.a2 * error);
+  half.beta = std::max(half.beta, error);
+  found.warning.clear();
+}
+
 /// Fills in the method's parameters; a gate when there are none.
-std::optional<Gate> train(const Samples& samples, const IdentifyOptions& options,
-                          Identification& found) {
+std::optional<Gate> train(const Samples& samples, const DistanceFit& fit,
+                          const IdentifyOptions& options, Identification& found) {
+  if (options.method == Method::distances) {
+    found.network_parameters = fit.parameters;
+    found.iterations = fit.iterations;
+    found.start = Start::ellipse;
+    found.loss = FusedNetwork().loss(to_nodes(fit.parameters), samples.u, samples.v);
+    return std::nullopt;
+  }
   if (options.method != Method::adam && options.method != Method::levenberg_marquardt) {
     for (const Companion& companion : found.companions) {
       if (companion.method != options.method) continue;
@@ -295,6 +465,8 @@ std::optional<Gate> train(const Samples& samples, const IdentifyOptions& options
 
 const char* to_string(Method method) {
   switch (method) {
+    case Method::distances:
+      return "ml";
     case Method::adam:
       return "adam";
     case Method::levenberg_marquardt:
@@ -310,8 +482,8 @@ const char* to_string(Method method) {
 }
 
 std::optional<Method> method_from(const std::string& name) {
-  for (const Method method : {Method::adam, Method::levenberg_marquardt, Method::heydemann,
-                              Method::taubin, Method::direct}) {
+  for (const Method method : {Method::distances, Method::adam, Method::levenberg_marquardt,
+                              Method::heydemann, Method::taubin, Method::direct}) {
     if (name == to_string(method)) return method;
   }
   return std::nullopt;
@@ -336,31 +508,39 @@ std::string Identification::rejection() const {
   return "";
 }
 
-Result<Identification> identify(const Samples& samples, const IdentifyOptions& options) {
+Result<Identification> identify(const Samples& all, const IdentifyOptions& options) {
   if (auto error = check_options(options)) return *error;
   Identification found;
   found.method = options.method;
-  found.gates = check_record(samples.u, samples.v, options.gates);
+  found.gates = check_record(all.u, all.v, options.gates);
   if (found.rejected()) return found;
+  const double resolution = resolution_of(all, options);
+  found.gates.push_back(check_plateaus(all, resolution, options));
+  if (found.rejected()) return found;
+  const RobustFit robust = separate(all, resolution, options, found);
+  if (found.rejected()) return found;
+  const Samples& samples = robust.kept;
   found.companions = companions_of(samples);
-  if (auto gate = train(samples, options, found)) {
+  if (auto gate = train(samples, robust.fit, options, found)) {
     found.gates.push_back(std::move(*gate));
     return found;
   }
   found.parameters = found.network_parameters;
-  found.gates.push_back(check_training(found));
+  if (options.method != Method::distances) found.gates.push_back(check_training(found));
   for (Gate& gate : check_answer(samples.u, samples.v, found.network_parameters, options.gates)) {
     found.gates.push_back(std::move(gate));
   }
+  found.gates.push_back(check_noise(robust.fit, options.gates.noise));
   const Scatter scatter = scatter_of(samples.u, samples.v, found.network_parameters);
-  found.residuals = {scatter.rms, scatter.largest, scatter.noise};
-  found.intervals = intervals_of(samples, found.network_parameters, options.confidence);
+  found.residuals = {scatter.rms, scatter.largest, robust.fit.noise};
+  found.structure = structure_of(samples.u, samples.v, robust.fit, resolution);
+  const Intervals explained = assess(samples, robust.fit, options, found);
   found.handedness = handedness_of(scatter, samples.u.size());
   for (Companion& companion : found.companions) {
     if (!companion.parameters) continue;
     companion.difference = difference_of(*companion.parameters, found.network_parameters);
   }
-  found.disagreement = disagreement_of(samples, found, scatter);
+  found.disagreement = disagreement_of(samples, found, scatter, explained);
   found.harmonics.model.fundamental = found.network_parameters;
   if (found.rejected()) {
     found.harmonics.reason = "no harmonics: the fit was rejected";
@@ -371,6 +551,7 @@ Result<Identification> identify(const Samples& samples, const IdentifyOptions& o
   if (!harmonics) return Error{harmonics.error()};
   found.harmonics = std::move(harmonics.value());
   found.parameters = found.harmonics.model.fundamental;
+  if (found.harmonics.identified) assess_harmonics(found);
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "csfn/certainty.h"
 #include "csfn/gates.h"
 #include "csfn/harmonics.h"
 #include "csfn/samples.h"
@@ -13,9 +14,16 @@
 
 namespace capsoc::csfn {
 
-enum class Method { adam, levenberg_marquardt, heydemann, taubin, direct };
+enum class Method {
+  distances,  ///< maximum likelihood with the bias of noise taken off (distance_fit.h)
+  adam,
+  levenberg_marquardt,
+  heydemann,
+  taubin,
+  direct
+};
 
-/// "adam", "lm", "heydemann", "taubin", "direct": as on the command line.
+/// "ml", "adam", "lm", "heydemann", "taubin", "direct": as on the command line.
 const char* to_string(Method method);
 std::optional<Method> method_from(const std::string& name);
 
@@ -28,7 +36,7 @@ enum class Start {
 };
 
 struct IdentifyOptions {
-  Method method = Method::adam;
+  Method method = Method::distances;
   /// Where Adam starts. From the paper's start it does not reach every beta beyond 1 rad, nor
   /// amplitudes far below the offset. Levenberg-Marquardt always starts from the ellipse and tries
   /// the paper's start when that fails.
@@ -40,21 +48,15 @@ struct IdentifyOptions {
   HarmonicsOptions harmonics;
   GateLimits gates;
   double confidence = 0.95;  ///< of the intervals, 0..1 exclusive
+  double step = 0;           ///< of the converter, unit of the samples; 0: not known
   bool trace = false;        ///< fill Identification::convergence
-};
-
-/// Half widths of the confidence intervals, in the units of the parameters. For what scatters about
-/// the fit; a bias (harmonics, noise of 1e-2 and more) is not in them.
-struct Intervals {
-  double a1 = 0, a2 = 0, b1 = 0, b2 = 0, beta = 0;
-  double confidence = 0;
 };
 
 /// How far the samples are from the identified curve.
 struct Residuals {
   double rms = 0;      ///< of 1 - Y, Eq (15): relative to the size of the ellipse
   double largest = 0;  ///< of |1 - Y|
-  double noise = 0;    ///< rms distance from the curve in the unit of the samples
+  double noise = 0;    ///< standard deviation of each channel in the unit of the samples
 };
 
 /// A closed-form fit of the same samples.
@@ -77,12 +79,24 @@ struct Identification {
   /// were identified, otherwise the network's. Meaningless when rejected() and no training ended.
   Parameters parameters;
   Parameters network_parameters;  ///< what the five-parameter network (or closed form) found
-  Intervals intervals;            ///< of network_parameters
+  /// Of network_parameters, by any method about its own answer; of `parameters` when harmonics were
+  /// identified.
+  Intervals intervals;
+  /// Of the angle over the whole turn. Nothing when harmonics were found and not identified: what
+  /// they do to the angle is not in the samples' distances alone.
+  std::optional<AngleBound> bound;
+  /// One sentence when harmonics were found that were not asked for. Empty otherwise.
+  std::string warning;
+  Structure structure;
+  /// Samples left out, places in the record, and how far they are from the ellipse in units of the
+  /// noise.
+  std::vector<Eigen::Index> outliers;
+  double nearest_outlier = 0, farthest_outlier = 0;
   /// Reversed: with this order of samples beta of Eq (3) is pi - beta and the angle falls, as with
   /// the SoC paper's 3.0796. Unknown: the order tells nothing (shuffled samples).
   Handedness handedness = Handedness::unknown;
 
-  Method method = Method::adam;
+  Method method = Method::distances;
   Start start = Start::paper;  ///< paper or ellipse: where the training that gave the answer began
   int iterations = 0;          ///< 0 for the closed forms
   StopReason stopped = StopReason::converged;

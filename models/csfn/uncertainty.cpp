@@ -1,16 +1,10 @@
 #include "csfn/uncertainty.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 namespace capsoc::csfn {
 namespace {
-
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
-constexpr Eigen::Index most_looked_at = 16384;
-constexpr double golden_ratio = 0.61803398874989484820;
 
 /// One sample seen by the network: Y, and its gradient by x and y over Y.
 struct Seen {
@@ -46,16 +40,6 @@ class View {
     return seen;
   }
 
-  /// dY/d(a1, a2, b1, b2, beta).
-  Eigen::Matrix<double, 5, 1> jacobian(const Seen& s) const {
-    const double a_by_beta = 2 * a_ * sine_ / cosine_;
-    const double b_by_beta = cosine_ * a_ + sine_ * a_by_beta;
-    Eigen::Matrix<double, 5, 1> j;
-    j << -s.x * s.by_x / p_.a1, -s.y * s.by_y / p_.a2, -s.by_x / p_.a1, -s.by_y / p_.a2,
-        (a_by_beta * (s.x * s.x + s.y * s.y) / 2 + b_by_beta * s.x * s.y) / s.norm;
-    return j;
-  }
-
   double slope(const Seen& s) const {
     const double by_u = s.by_x / p_.a1;
     const double by_v = s.by_y / p_.a2;
@@ -74,44 +58,6 @@ class View {
 };
 
 }  // namespace
-
-std::array<double, 5> standard_errors(const Channel& u, const Channel& v,
-                                      const Parameters& parameters) {
-  const View view(parameters);
-  Matrix5 information = Matrix5::Zero(), spread = Matrix5::Zero();
-  // Golden-ratio places are spread evenly and in step with no period of the samples.
-  const auto size = static_cast<double>(u.size());
-  const Eigen::Index looked_at = std::min(u.size(), most_looked_at);
-  for (Eigen::Index k = 0; k < looked_at; ++k) {
-    double turns = 0;
-    const double place = std::modf(static_cast<double>(k) * golden_ratio, &turns);
-    const Eigen::Index i = looked_at == u.size() ? k : static_cast<Eigen::Index>(place * size);
-    const Seen seen = view.at(u[i], v[i]);
-    const Eigen::Matrix<double, 5, 1> j = view.jacobian(seen);
-    const Matrix5 product = j * j.transpose();
-    const double residual = 1 - seen.norm;
-    information += product;
-    spread += residual * residual * product;
-  }
-  const Matrix5 inverse = information.ldlt().solve(Matrix5::Identity());
-  // The whole record carries more information, and five parameters take five degrees of freedom.
-  const double share = static_cast<double>(looked_at) / std::max(size - 5, 1.0);
-  const Matrix5 covariance = inverse * spread * inverse * share;
-  std::array<double, 5> errors{};
-  for (int i = 0; i < 5; ++i) errors[i] = std::sqrt(std::max(covariance(i, i), 0.0));
-  return errors;
-}
-
-double normal_quantile(double share) {
-  double x = 1;
-  for (int i = 0; i < 50; ++i) {  // Newton on erf(x/sqrt 2) = share; erf is concave for x > 0
-    const double step = (std::erfc(x / std::sqrt(2.0)) - (1 - share)) /
-                        (std::sqrt(2 / 3.14159265358979323846) * std::exp(-x * x / 2));
-    x = std::max(x + std::min(step, 1.0), x / 10);
-    if (std::abs(step) < 1e-14) break;
-  }
-  return x;
-}
 
 Scatter scatter_of(const Channel& u, const Channel& v, const Parameters& parameters) {
   const View view(parameters);

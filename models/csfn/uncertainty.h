@@ -1,4 +1,4 @@
-// How far the identified parameters can be trusted.
+// How the samples lie about the identified curve.
 #pragma once
 
 #include <array>
@@ -6,18 +6,6 @@
 #include "csfn/network.h"
 
 namespace capsoc::csfn {
-
-/// Standard errors of a1, a2, b1, b2 (unit of the samples) and beta (radians) at the minimum of the
-/// network's loss, from the information that the samples carry: H^-1 S H^-1 with H = J^T J the
-/// (Fisher) information of the residuals and S their scatter in it. S rather than H times one
-/// variance, because noise equal in U and V is not equal in 1 - Y: it is divided by a local radius.
-/// Noise must be independent from sample to sample. Of a long record 16,384 samples are looked at.
-std::array<double, 5> standard_errors(const Channel& u, const Channel& v,
-                                      const Parameters& parameters);
-
-/// Number of standard deviations that hold the given share of a normal distribution, share in
-/// (0, 1): 0.95 gives 1.96.
-double normal_quantile(double share);
 
 /// Distances to the curve of a fitted ellipse, to first order, and how they vary over the turn.
 struct Scatter {

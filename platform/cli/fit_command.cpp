@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "fit/certainty_tables.h"
 #include "fit/fit.h"
 #include "fit/report.h"
 #include "fit/tables.h"
@@ -17,8 +18,9 @@ namespace {
 struct FitArguments {
   std::string trace;
   bool tables = false;
+  std::string table;  ///< one of them
   fit::FitOptions options;
-  std::string method = "adam";
+  std::string method = "ml";
   int iterations = 0;  ///< 0: the method's own
   std::string json = "calibration.json";
   std::string header = "calibration.h";
@@ -35,7 +37,7 @@ int refuse(int code, const std::string& text) {
 void choose_method(FitArguments& arguments) {
   csfn::IdentifyOptions& identify = arguments.options.identify;
   arguments.options.all_methods = arguments.method == "all";
-  identify.method = csfn::method_from(arguments.method).value_or(csfn::Method::adam);
+  identify.method = csfn::method_from(arguments.method).value_or(csfn::Method::distances);
   if (arguments.iterations != 0) {
     identify.adam.iterations = arguments.iterations;
     identify.levenberg_marquardt.iterations = arguments.iterations;
@@ -43,11 +45,20 @@ void choose_method(FitArguments& arguments) {
   identify.trace = !arguments.convergence.empty();
 }
 
+int print_tables(const FitArguments& arguments) {
+  constexpr int coverage_records = 200, drawn_records = 500;
+  const auto wanted = [&](const char* name) { return arguments.tables || arguments.table == name; };
+  int missed = 0;
+  if (wanted("methods")) missed += fit::print_tables(std::cout);
+  if (wanted("coverage")) missed += fit::print_coverage(std::cout, coverage_records);
+  if (wanted("drawn")) missed += fit::print_drawn(std::cout, drawn_records);
+  return missed == 0 ? run::exit_code::pass : run::exit_code::failed;
+}
+
 int fit_command(FitArguments& arguments) {
-  if (arguments.tables)
-    return fit::print_tables(std::cout) == 0 ? run::exit_code::pass : run::exit_code::failed;
+  if (arguments.tables || !arguments.table.empty()) return print_tables(arguments);
   if (arguments.trace.empty())
-    return refuse(run::exit_code::usage, "fit needs a TRACE or --tables; try --help");
+    return refuse(run::exit_code::usage, "fit needs a TRACE, --tables or --table; try --help");
   choose_method(arguments);
   for (const std::string& place : {arguments.json, arguments.header, arguments.convergence})
     if (!place.empty())
@@ -83,6 +94,9 @@ void add_fit(CLI::App& app, int& code) {
       ->type_name("TRACE");
   fit->add_flag("--tables", arguments->tables,
                 "Instead of a trace: print how exact every method is on generated records");
+  fit->add_option("--table", arguments->table, "One of them: by method, intervals, drawn records")
+      ->check(CLI::IsMember({"methods", "coverage", "drawn"}))
+      ->type_name("methods|coverage|drawn");
   // Options that change the result are part of the command that gives it again.
   std::vector<CLI::Option*> inputs;
   const auto input = [&](CLI::Option* option, const char* type) {
@@ -90,9 +104,11 @@ void add_fit(CLI::App& app, int& code) {
     return option;
   };
   csfn::IdentifyOptions& identify = arguments->options.identify;
-  input(fit->add_option("--method", arguments->method, "How; all: Adam, and the others beside it")
-            ->check(CLI::IsMember({"adam", "lm", "heydemann", "taubin", "direct", "all"})),
-        "adam|lm|heydemann|taubin|direct|all");
+  input(fit->add_option(
+               "--method", arguments->method,
+               "How: ml is the default; adam as the CSFN paper; all: ml, and the others beside it")
+            ->check(CLI::IsMember({"ml", "adam", "lm", "heydemann", "taubin", "direct", "all"})),
+        "ml|adam|lm|heydemann|taubin|direct|all");
   input(fit->add_option("--harmonics", identify.harmonics.highest,
                         "Highest harmonic to identify (0 and 1: none)")
             ->check(CLI::Range(0, 3)),

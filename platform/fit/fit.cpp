@@ -88,16 +88,18 @@ Attempt companion_attempt(const Record& record, const csfn::Companion& companion
   return attempt;
 }
 
-/// The answer's method, the other training, and the closed forms.
+/// The answer's method, the trainings, and the closed forms.
 std::vector<Attempt> all_attempts(const Fit& fit, csfn::IdentifyOptions options) {
-  const bool adam = options.method == csfn::Method::adam;
   const csfn::Parameters& answer = fit.answer.network_parameters;
   std::vector<Attempt> attempts = {training_attempt(fit.record, fit.answer, answer)};
-  options.method = adam ? csfn::Method::levenberg_marquardt : csfn::Method::adam;
   options.harmonics = {};
   options.trace = false;
-  if (const auto other = csfn::identify(fit.record.samples, options))
-    attempts.push_back(training_attempt(fit.record, other.value(), answer));
+  for (const csfn::Method method : {csfn::Method::adam, csfn::Method::levenberg_marquardt}) {
+    options.method = method;
+    if (method == fit.answer.method) continue;
+    if (const auto other = csfn::identify(fit.record.samples, options))
+      attempts.push_back(training_attempt(fit.record, other.value(), answer));
+  }
   for (const csfn::Companion& companion : fit.answer.companions)
     attempts.push_back(companion_attempt(fit.record, companion));
   return attempts;
@@ -112,6 +114,9 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   fit.record = std::move(record.value());
   csfn::IdentifyOptions identify = options.identify;
   identify.gates.full_scale = fit.record.full_scale;
+  // 32 bits stand for a converter without steps (record.h).
+  if (fit.record.adc_bits < 32)
+    identify.step = std::ldexp(1.0, 1 - static_cast<int>(fit.record.adc_bits));
   auto answer = csfn::identify(fit.record.samples, identify);
   if (!answer) return Error{fmt::format("{}: {}", trace, answer.error())};
   fit.answer = std::move(answer.value());

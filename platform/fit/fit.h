@@ -19,7 +19,7 @@ struct FitOptions {
 
 /// What one method made of the samples.
 struct Attempt {
-  csfn::Method method = csfn::Method::adam;
+  csfn::Method method = csfn::Method::distances;
   std::optional<csfn::Parameters> parameters;  ///< nothing: see error
   std::string error;
   double loss = 0;                        ///< mean of (1 - Y)^2

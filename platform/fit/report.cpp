@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -14,6 +15,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr int schema_version = 1;
+constexpr double degree = 57.295779513082320877;
 
 /// One parameter in every form that the file and the table show.
 struct Row {
@@ -111,7 +113,6 @@ ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
     j["order_" + std::to_string(order)] = {{"u", term_json(harmonics.model.u.at(index))},
                                            {"v", term_json(harmonics.model.v.at(index))}};
   }
-  constexpr double degree = 57.295779513082320877;
   j["expected_error_deg"] = harmonics.expected_error * degree;
   j["coverage_error_deg"] = harmonics.coverage_error * degree;
   return j;
@@ -166,6 +167,37 @@ std::string harmonics_table(const csfn::Harmonics& harmonics) {
   return text;
 }
 
+/// The first of them, and how many there are.
+std::string outliers_line(const csfn::Identification& answer) {
+  if (answer.outliers.empty()) return "";
+  constexpr std::size_t named = 8;
+  std::string text = fmt::format(
+      "outliers     {} left out, {:.2g} to {:.2g} times the noise off: ", answer.outliers.size(),
+      answer.nearest_outlier, answer.farthest_outlier);
+  for (std::size_t i = 0; i < std::min(named, answer.outliers.size()); ++i)
+    text += fmt::format("{}{}", i == 0 ? "samples " : ", ", answer.outliers[i]);
+  return text + (answer.outliers.size() > named ? " ...\n" : "\n");
+}
+
+/// What is vouched for, or why nothing is.
+std::string bound_line(const csfn::Identification& answer) {
+  if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
+  const csfn::AngleBound& bound = *answer.bound;
+  return fmt::format(
+      "angle bound  {:.2g} deg over the whole turn ({:g} %): noise {:.2g}, harmonics too small to "
+      "be found {:.2g}, method {:.2g}, resolution {:.2g}\n",
+      bound.total * degree, 100 * csfn::bound_confidence, bound.noise * degree,
+      bound.harmonics * degree, bound.method * degree, bound.resolution * degree);
+}
+
+ordered_json bound_json(const csfn::Identification& answer) {
+  if (!answer.bound) return nullptr;
+  const csfn::AngleBound& bound = *answer.bound;
+  return {{"total", bound.total * degree},   {"confidence", csfn::bound_confidence},
+          {"noise", bound.noise * degree},   {"harmonics", bound.harmonics * degree},
+          {"method", bound.method * degree}, {"resolution", bound.resolution * degree}};
+}
+
 std::string gates_line(const csfn::Identification& answer) {
   std::string names;
   for (const csfn::Gate& gate : answer.gates) names += (names.empty() ? "" : ", ") + gate.name;
@@ -200,6 +232,14 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
   j["residuals"] = {{"rms", answer.residuals.rms},
                     {"largest", answer.residuals.largest},
                     {"noise", answer.residuals.noise}};
+  j["angle_bound_deg"] = bound_json(answer);
+  j["warning"] = answer.warning;
+  j["outliers"] = answer.outliers;
+  j["structure"] = {{"found", answer.structure.found},
+                    {"order", answer.structure.order},
+                    {"amplitude", answer.structure.amplitude},
+                    {"noise", answer.structure.noise},
+                    {"probability", answer.structure.probability}};
   j["gates"] = gates_json(answer);
   j["companions"] = companions_json(answer);
   j["disagreement"] = answer.disagreement;
@@ -266,6 +306,8 @@ std::string to_table(const Fit& fit) {
                       answer.residuals.rms, answer.residuals.largest, answer.residuals.noise);
   text += fmt::format("rotation     {}\n", csfn::to_string(answer.handedness));
   text += gates_line(answer);
+  text += outliers_line(answer);
+  text += bound_line(answer);
   if (!answer.disagreement.empty()) text += fmt::format("companions   {}\n", answer.disagreement);
   if (!answer.harmonics.reason.empty()) text += harmonics_table(answer.harmonics);
   text += fmt::format("angle error  {} before, {} after (peak to peak)\n",

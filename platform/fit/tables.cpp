@@ -27,8 +27,9 @@ constexpr uint64_t seed = 2018;
 /// Table 1 of the CSFN paper.
 constexpr Parameters papers = {0.3428, 0.2537, 0.0485, -0.0224, 0.9032};
 
-constexpr std::array<Method, 5> methods = {Method::adam, Method::levenberg_marquardt,
-                                           Method::heydemann, Method::taubin, Method::direct};
+constexpr std::array<Method, 6> methods = {
+    Method::distances, Method::adam,   Method::levenberg_marquardt,
+    Method::heydemann, Method::taubin, Method::direct};
 
 enum class Angles { even, random, constant_speed };
 
@@ -189,7 +190,8 @@ void print_methods(std::ostream& out, Judge& judge) {
         continue;
       }
       const double error = error_of(row.recording, found.value().parameters);
-      const bool trained = method == Method::adam || method == Method::levenberg_marquardt;
+      const bool trained = method == Method::distances || method == Method::adam ||
+                           method == Method::levenberg_marquardt;
       good = good && (!trained || error <= row.bound);
       line += fmt::format(" {:10.2e}", error);
     }

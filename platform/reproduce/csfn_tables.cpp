@@ -20,7 +20,9 @@ FiveFigures figures(const csfn::Parameters& p) {
 
 std::optional<fit::Fit> fitted(Report& report, const std::string& trace,
                                const fit::FitOptions& options = {}) {
-  auto result = fit::fit(trace, options);
+  fit::FitOptions papers = options;
+  papers.identify.method = csfn::Method::adam;
+  auto result = fit::fit(trace, papers);
   const std::string reason = result ? result.value().rejection : result.error();
   if (reason.empty()) return std::move(result.value());
   report.row(trace, "", reason, false);

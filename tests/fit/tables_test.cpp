@@ -5,6 +5,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "fit/certainty_tables.h"
+
 namespace capsoc::fit {
 namespace {
 
@@ -14,6 +16,21 @@ TEST(Tables, KeepTheirBounds) {
   std::cout << text.str();
   EXPECT_EQ(missed, 0);
   EXPECT_EQ(text.str().find("MISSED"), std::string::npos);
+}
+
+/// A part of what `capsoc fit --tables` draws, the same on every run.
+TEST(Tables, IntervalsOf95PercentHoldTheTruthAsOften) {
+  std::ostringstream text;
+  const int missed = print_coverage(text, 40);
+  std::cout << text.str();
+  EXPECT_EQ(missed, 0);
+}
+
+TEST(Tables, DrawnRecordsAreWithinTheirBoundsOrRefusedForATrueReason) {
+  std::ostringstream text;
+  const int missed = print_drawn(text, 110);
+  std::cout << text.str();
+  EXPECT_EQ(missed, 0);
 }
 
 }  // namespace

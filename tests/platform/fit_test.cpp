@@ -137,7 +137,7 @@ TEST(Fit, AllMethodsAgreeOnCleanSamples) {
   options.all_methods = true;
   const auto fitted = fit(trace.path(), options);
   ASSERT_TRUE(fitted) << fitted.error();
-  ASSERT_EQ(fitted.value().attempts.size(), 5u);
+  ASSERT_EQ(fitted.value().attempts.size(), 6u);
   for (const Attempt& attempt : fitted.value().attempts) {
     ASSERT_TRUE(attempt.parameters) << attempt.error;
     EXPECT_LT(attempt.difference, 1e-8) << csfn::to_string(attempt.method);

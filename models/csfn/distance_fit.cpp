@@ -1,0 +1,142 @@
+#include "csfn/distance_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "csfn/noise_expectation.h"
+
+namespace capsoc::csfn {
+namespace {
+
+using Square5 = Eigen::Matrix<double, 5, 5>;
+using Terms6 = Terms<fit_orders>;
+using Square6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr int iteration_limit = 100;
+/// Changes of the circle below this are rounding.
+constexpr double settled = 1e-14;
+/// So are changes below this part of the smallest standard error.
+constexpr double negligible = 1e-6;
+constexpr double smallest_damping = 1.0 / 16;
+/// A change of the circle beyond this leaves what the first order describes.
+constexpr double longest_step = 0.3;
+/// Below this noise, relative to the smaller half axis, its bias and the curvature of the problem
+/// leave the covariance alone.
+constexpr double first_order_noise = 1e-3;
+/// Samples that the derivatives of the sums are taken from.
+constexpr Eigen::Index most_looked_at = 4096;
+constexpr double golden_ratio = 0.61803398874989484820;
+
+struct Sums {
+  Square5 information = Square5::Zero();  ///< of shape shape^T w
+  Terms6 terms = Terms6::Zero();
+  Terms6 expected = Terms6::Zero();
+};
+
+Sums sums_of(const Channel& u, const Channel& v, const Parameters& p, double noise) {
+  const CirclePlane plane(p);
+  const NoiseExpectation<fit_orders> expectation(plane, noise);
+  Sums sums;
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    const CirclePlane::Polar at = plane.at(u[i], v[i]);
+    const double weight = 1 / plane.square_slope(at);
+    const double excess = at.length - 1;
+    const Change shape = shape_of<fit_orders>(at);
+    sums.information.selfadjointView<Eigen::Lower>().rankUpdate(shape, weight);
+    sums.terms.head<5>() += (weight * excess) * shape;
+    sums.terms[5] += weight * excess * excess;
+    sums.expected += expectation.at(std::atan2(at.sine, at.cosine));
+  }
+  sums.information = sums.information.selfadjointView<Eigen::Lower>();
+  return sums;
+}
+
+/// Five parameters take five degrees of freedom.
+double freedom_of(const Channel& u) {
+  return static_cast<double>(u.size()) - 5;
+}
+
+/// The sums that the fit sets to zero, the last one for the noise.
+Terms6 rest_of(const Channel& u, const Channel& v, const Parameters& p, double noise) {
+  const Sums sums = sums_of(u, v, p, noise);
+  Terms6 rest = sums.terms - sums.expected;
+  rest[5] = sums.terms[5] - sums.expected[5] * freedom_of(u) / static_cast<double>(u.size());
+  return rest;
+}
+
+/// Derivatives of rest_of() by the change and the logarithm of the noise.
+Square6 derivatives(const Channel& u, const Channel& v, const DistanceFit& fit,
+                    const Square5& covariance) {
+  const Terms6 here = rest_of(u, v, fit.parameters, fit.noise);
+  Square6 by;
+  for (int k = 0; k < 6; ++k) {
+    const double step = k < 5 ? 0.05 * std::sqrt(covariance(k, k)) : 0.01;
+    const Change change = k < 5 ? Change(step * Change::Unit(k)) : Change(Change::Zero());
+    const double noise = k < 5 ? fit.noise : fit.noise * (1 + step);
+    by.col(k) = (rest_of(u, v, changed(fit.parameters, change), noise) - here) / step;
+  }
+  return by;
+}
+
+Square5 covariance_of(const Channel& u, const Channel& v, const DistanceFit& fit,
+                      const Square5& first_order) {
+  const CirclePlane plane(fit.parameters);
+  if (fit.noise * plane.largest_slope() < first_order_noise) return first_order;
+  // Golden-ratio places are spread evenly and in step with no period of the samples.
+  const Eigen::Index count = std::min(u.size(), most_looked_at);
+  Eigen::ArrayXd some_u(count), some_v(count), theta(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    double turns = 0;
+    const double place = std::modf(static_cast<double>(k) * golden_ratio, &turns);
+    const auto i =
+        count == u.size() ? k : static_cast<Eigen::Index>(place * static_cast<double>(u.size()));
+    some_u[k] = u[i];
+    some_v[k] = v[i];
+    const CirclePlane::Polar at = plane.at(u[i], v[i]);
+    theta[k] = std::atan2(at.sine, at.cosine);
+  }
+  const Square6 by = derivatives(some_u, some_v, fit, first_order);
+  const Square6 inverse = by.inverse();
+  const Square6 scatter = NoiseExpectation<fit_orders>(plane, fit.noise, true).scatter(theta);
+  const Square6 covariance = inverse * scatter * inverse.transpose();
+  return covariance.topLeftCorner<5, 5>() *
+         (static_cast<double>(count) / static_cast<double>(u.size()));
+}
+
+}  // namespace
+
+DistanceFit fit_distances(const Channel& u, const Channel& v, const Parameters& start) {
+  DistanceFit fit;
+  fit.parameters = start;
+  double last = HUGE_VAL, damping = 1;
+  Square5 information;
+  while (fit.iterations < iteration_limit) {
+    ++fit.iterations;
+    const Sums sums = sums_of(u, v, fit.parameters, fit.noise);
+    information = sums.information;
+    const double count = static_cast<double>(u.size());
+    // The table holds noise^2 times what curvature makes of it.
+    const double shape_of_noise =
+        fit.noise > 0 ? sums.expected[5] / count / (fit.noise * fit.noise) : 1;
+    fit.noise = std::sqrt(sums.terms[5] / freedom_of(u) / shape_of_noise);
+    Change change = information.ldlt().solve((sums.terms - sums.expected).head<5>());
+    const double size = change.cwiseAbs().maxCoeff();
+    if (!std::isfinite(size) || !std::isfinite(fit.noise)) return fit;
+    if (size > last) damping = std::max(damping / 2, smallest_damping);
+    fit.parameters = changed(fit.parameters, change * std::min(damping, longest_step / size));
+    // In the minimum the last bits go round in circles.
+    const double error = fit.noise / std::sqrt(information.diagonal().maxCoeff());
+    fit.converged =
+        size < std::max(settled, negligible * error) || (size >= last / 2 && size < 1e-11);
+    if (fit.converged) break;
+    last = size;
+  }
+  if (!fit.converged) return fit;
+  const Square5 inverse = information.ldlt().solve(Square5::Identity());
+  fit.unit_covariance = inverse;
+  fit.covariance = covariance_of(u, v, fit, fit.noise * fit.noise * inverse);
+  return fit;
+}
+
+}  // namespace capsoc::csfn

@@ -1,0 +1,186 @@
+#include "fit/certainty_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "csfn/circle_plane.h"
+#include "csfn/identify.h"
+#include "fit/drawn_records.h"
+
+namespace capsoc::fit {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+constexpr uint64_t seed = 2018;
+
+csfn::IdentifyOptions options_for(const DrawnRecord& record) {
+  csfn::IdentifyOptions options;
+  options.step = record.step;
+  return options;
+}
+
+struct Coverage {
+  int accepted = 0;
+  std::array<int, 5> held{};
+};
+
+void count_held(const csfn::Identification& found, const csfn::Parameters& truth,
+                Coverage& coverage) {
+  const csfn::Parameters& p = found.network_parameters;
+  const csfn::Intervals& half = found.intervals;
+  const std::array<double, 5> error = {p.a1 - truth.a1, p.a2 - truth.a2, p.b1 - truth.b1,
+                                       p.b2 - truth.b2, p.beta - truth.beta};
+  const std::array<double, 5> width = {half.a1, half.a2, half.b1, half.b2, half.beta};
+  ++coverage.accepted;
+  for (std::size_t k = 0; k < 5; ++k) coverage.held[k] += std::abs(error[k]) <= width[k] ? 1 : 0;
+}
+
+const csfn::Gate* failed_gate(const csfn::Identification& found) {
+  for (const csfn::Gate& gate : found.gates)
+    if (!gate.passed) return &gate;
+  return nullptr;
+}
+
+/// Whether what the gate says is so, by what is known of the record.
+bool is_true(const csfn::Gate& gate, const DrawnRecord& record) {
+  const bool no_ellipse = record.kind == RecordKind::dead || record.kind == RecordKind::constant ||
+                          record.kind == RecordKind::equal;
+  if (no_ellipse) return true;
+  const double slope = csfn::CirclePlane(record.truth).largest_slope();
+  const double noise = record.noise * slope;
+  const auto count = static_cast<double>(record.samples.u.size());
+  if (gate.name == "outliers") return record.outside > 0.15;
+  if (gate.name == "clipping" || gate.name == "plateau") return record.clipped >= 2;
+  if (gate.name == "noise") return noise > 0.2 || record.outside > 0.3;
+  if (gate.name == "coverage" || gate.name == "gap") {
+    const csfn::Coverage there =
+        csfn::coverage_of(record.samples.u, record.samples.v, record.truth);
+    return there.part < 0.55 || there.largest_gap > 135;
+  }
+  // Too little to tell the angle: an arc, few samples or noise. Five parameters know the angle to
+  // some five times noise/sqrt(N), of an arc far worse.
+  const bool arc = record.kind == RecordKind::arc || record.clipped > 0 || record.outside > 0.3;
+  if (gate.name == "bound" || gate.name == "distances" || gate.name == "ellipse" ||
+      gate.name == "magnification" || gate.name == "phase")
+    return arc || noise > 0.15 || 40 * noise / std::sqrt(count) > 20 * degree;
+  return false;
+}
+
+struct Verdicts {
+  int right = 0, said = 0, wrong = 0, refused = 0, falsely = 0;
+  double inside = 0;  ///< largest ratio of error and bound
+  std::vector<double> ratios;
+};
+
+std::string judge(const DrawnRecord& record, Verdicts& verdicts) {
+  const auto result = csfn::identify(record.samples, options_for(record));
+  if (!result) return result.error();
+  const csfn::Identification& found = result.value();
+  if (const csfn::Gate* gate = failed_gate(found)) {
+    const bool good = is_true(*gate, record);
+    ++(good ? verdicts.refused : verdicts.falsely);
+    return good ? "" : "refused: " + gate->reason;
+  }
+  if (!found.bound) {
+    const bool good = record.kind == RecordKind::harmonics || record.clipped > 0;
+    ++(good ? verdicts.said : verdicts.falsely);
+    return good ? "" : found.warning;
+  }
+  const double error =
+      record.kind == RecordKind::dead ? HUGE_VAL : angle_error_of(record, found.network_parameters);
+  const double ratio = error / found.bound->total;
+  verdicts.ratios.push_back(ratio);
+  if (ratio <= 1) {
+    ++verdicts.right;
+    return "";
+  }
+  ++verdicts.wrong;
+  return fmt::format("{} samples, noise {:.1e}: {:.3g} deg wrong, {:.3g} stated",
+                     record.samples.u.size(), record.noise, error / degree,
+                     found.bound->total / degree);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+int print_coverage(std::ostream& out, int records) {
+  int missed = 0;
+  out << fmt::format(
+      "\n95 % intervals that hold the truth, %: drawn sensors at random angles, noise relative to "
+      "the smaller amplitude, seed {}\n{:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} "
+      "{:>7}\n",
+      seed, "noise", "samples", "records", "accepted", "a1", "a2", "b1", "b2", "beta", "all");
+  for (const double noise : {1e-4, 1e-3, 1e-2, 3e-2}) {
+    for (const Eigen::Index count : {20, 100, 1000, 20000}) {
+      csfn::Random random(seed + static_cast<uint64_t>(count));
+      const int wanted = count > 10000 ? std::max(records / 5, 1) : records;
+      Coverage coverage;
+      for (int i = 0; i < wanted; ++i) {
+        const DrawnRecord record = draw_good_record(random, noise, count);
+        const auto found = csfn::identify(record.samples, options_for(record));
+        if (!found || found.value().rejected()) continue;
+        count_held(found.value(), record.truth, coverage);
+      }
+      out << fmt::format("{:8.0e} {:8} {:8} {:8}", noise, count, wanted, coverage.accepted);
+      const double accepted = std::max(coverage.accepted, 1);
+      double sum = 0;
+      for (const int held : coverage.held) {
+        out << fmt::format(" {:7.1f}", 100 * held / accepted);
+        sum += 20 * held / accepted;
+      }
+      // The five intervals of a record depend on each other: they count as two.
+      const double error = 100 * std::sqrt(0.95 * 0.05 / (2 * accepted));
+      const bool good = std::abs(sum - 95) <= 2 + 3 * error;
+      missed += good ? 0 : 1;
+      out << fmt::format(" {:7.1f}{}\n", sum, good ? "" : "  MISSED");
+    }
+  }
+  return missed;
+}
+
+int print_drawn(std::ostream& out, int records) {
+  int missed = 0;
+  csfn::Random random(seed);
+  std::array<Verdicts, record_kinds> verdicts;
+  std::array<std::vector<std::string>, record_kinds> wrong;
+  for (int i = 0; i < records; ++i) {
+    // Half of the records are good ones, the others of all kinds in turn.
+    const int kind = i % 2 == 0 ? 0 : i / 2 % record_kinds;
+    const DrawnRecord record = draw_record(random, static_cast<RecordKind>(kind));
+    const std::string text = judge(record, verdicts.at(static_cast<std::size_t>(kind)));
+    if (!text.empty()) wrong.at(static_cast<std::size_t>(kind)).push_back(text);
+  }
+  out << fmt::format(
+      "\n{} drawn records, seed {}: the angle's error over the turn within the bound that is "
+      "stated, or a reason that is true\n{:26} {:>8} {:>10} {:>7} {:>9} {:>8} {:>13} {:>8}\n",
+      records, seed, "record", "accepted", "harmonics", "over", "refused", "falsely", "error/bound",
+      "largest");
+  for (std::size_t kind = 0; kind < record_kinds; ++kind) {
+    const Verdicts& v = verdicts.at(kind);
+    const double largest =
+        v.ratios.empty() ? 0 : *std::max_element(v.ratios.begin(), v.ratios.end());
+    missed += static_cast<int>(wrong.at(kind).size());
+    out << fmt::format("{:26} {:8} {:10} {:7} {:9} {:8} {:13.2f} {:8.2f}{}\n",
+                       to_string(static_cast<RecordKind>(kind)), v.right, v.said, v.wrong,
+                       v.refused, v.falsely, median(v.ratios), largest,
+                       wrong.at(kind).empty() ? "" : "  MISSED");
+    for (const std::string& text : wrong.at(kind)) out << "    " << text << "\n";
+  }
+  out << "accepted: with a bound that holds; harmonics: accepted, found and said, no bound; over: "
+         "the error is larger than the bound; falsely: refused, or harmonics said, without cause\n";
+  return missed;
+}
+
+}  // namespace capsoc::fit
