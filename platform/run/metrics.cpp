@@ -49,10 +49,8 @@ std::optional<ParameterWords> to_words(const Parameters& values) {
                         fraction(values.b2), turn(values.beta),   turn(values.phi)};
 }
 
-Metrics::Metrics(std::optional<Parameters> truth, double sample_rate_hz, uint64_t revolution)
-    : truth_(truth),
-      sample_rate_hz_(sample_rate_hz),
-      revolution_(std::max<uint64_t>(revolution, 1)) {}
+Metrics::Metrics(std::optional<Parameters> truth, double revolution_s)
+    : truth_(truth), revolution_s_(revolution_s) {}
 
 void Metrics::accepted(const SensorTruth& sample) {
   in_flight_.push_back(sample);
@@ -78,46 +76,60 @@ void Metrics::result(const CoprocessorResult& result) {
   ++samples_;
 
   if (result.demodulating) {
+    const bool late = !has_demodulated_ && sample.time_s > 0;
+    if (late || !result.numeric_reference) phi_shifted_ = true;
     has_demodulated_ = true;
     words_ = result.words;
     if (truth_) {
       const bool inside = within_one_percent(result.words);
-      if (!inside) converged_since_.reset();
-      if (inside && !converged_since_) converged_since_ = sample.index;
+      if (!inside) converged_since_s_.reset();
+      if (inside && !converged_since_s_) converged_since_s_ = sample.time_s;
     }
   }
   if (!sample.has_truth) return;
+  errors_.angle_known = true;
 
   const double turns = sample.angle_turns - std::floor(sample.angle_turns);
-  if (truth_ && (result.demodulating || !has_demodulated_)) {
+  if (result.demodulating || !has_demodulated_) {
     const double raw = std::atan2(sample.u, sample.v);
     keep_larger(errors_.uncalibrated_max,
                 std::fabs(wrapped_difference(raw, turns * two_pi)) / two_pi * degrees_per_turn);
-    keep_larger(errors_.uncalibrated_max_paper,
-                std::fabs(wrapped_difference(raw, turns * two_pi - truth_->phi)) / two_pi *
-                    degrees_per_turn);
+    if (truth_)
+      keep_larger(errors_.uncalibrated_max_paper,
+                  std::fabs(wrapped_difference(raw, turns * two_pi - truth_->phi)) / two_pi *
+                      degrees_per_turn);
   }
   if (!result.angle_valid) return;
   const double error =
       std::fabs(std::remainder(result.angle / q32 - turns, 1.0)) * degrees_per_turn;
   if (result.demodulating) {
-    last_revolution_.push_back(error);
-    if (last_revolution_.size() > revolution_) last_revolution_.pop_front();
+    keep_last_revolution({sample.time_s, error});
   } else {
     keep_larger(errors_.calibration_mode_max, error);
   }
 }
 
-std::optional<double> Metrics::convergence_s() const {
-  if (!converged_since_) return std::nullopt;
-  return static_cast<double>(*converged_since_) / sample_rate_hz_;
+void Metrics::keep_last_revolution(TimedError newest) {
+  // Less than half a sample's worth of rounding: a turn of n samples is n of them, not n + 1.
+  const double age = revolution_s_ * (1 - 1e-9);
+  constexpr std::size_t most = 10'000'000;
+  last_revolution_.push_back(newest);
+  // A time that goes back is a sensor that began anew.
+  while (newest.time_s - last_revolution_.front().time_s >= age ||
+         newest.time_s < last_revolution_.front().time_s || last_revolution_.size() > most)
+    last_revolution_.pop_front();
+}
+
+Convergence Metrics::convergence() const {
+  if (!truth_ || !phi_comparable()) return {Convergence::State::not_known};
+  if (!converged_since_s_) return {Convergence::State::not_reached};
+  return {Convergence::State::reached, *converged_since_s_};
 }
 
 AngleErrors Metrics::angle_errors() const {
   AngleErrors errors = errors_;
-  if (!last_revolution_.empty())
-    errors.calibrated_max_last_revolution =
-        *std::max_element(last_revolution_.begin(), last_revolution_.end());
+  for (const TimedError& error : last_revolution_)
+    keep_larger(errors.calibrated_max_last_revolution, error.degrees);
   return errors;
 }
 

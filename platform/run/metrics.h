@@ -30,7 +30,7 @@ std::optional<ParameterWords> to_words(const Parameters& values);
 
 /// A sample as the coprocessor took it, with what the sensor knows about it.
 struct SensorTruth {
-  uint64_t index = 0;
+  double time_s = 0;       ///< of the sensor, since its sample 0
   double u = 0, v = 0;     ///< before quantisation
   double angle_turns = 0;  ///< true mechanical angle theta, turns
   bool has_truth = false;
@@ -41,11 +41,25 @@ struct CoprocessorResult {
   uint32_t angle = 0;  ///< 2^-32 turn
   bool angle_valid = false;
   bool demodulating = false;
+  bool numeric_reference = true;
   ParameterWords words;
 };
 
-/// Largest absolute angle errors, degrees; none where the sensor's angle is not known.
+/// When all six parameters are within 1 % of the truth.
+struct Convergence {
+  enum class State {
+    not_known,    ///< the sensor's parameters are not known, or phi's is not comparable
+    not_reached,  ///< they were not within it when demodulation ended
+    reached,
+  };
+  State state = State::not_known;
+  double since_s = 0;  ///< only with `reached`: the sensor's time from when on they stayed, seconds
+};
+
+/// Largest absolute angle errors, degrees; none where the sensor's angle is not known or the run
+/// did not come there.
 struct AngleErrors {
+  bool angle_known = false;  ///< of any sample
   /// atan2(U, V) against theta, in demodulation (before the first of it: in calibration mode)
   std::optional<double> uncalibrated_max;
   std::optional<double>
@@ -57,8 +71,9 @@ struct AngleErrors {
 /// Follows a run sample by sample. Never influences the simulation.
 class Metrics {
  public:
-  /// `truth`: the sensor's parameters where known. `revolution`: samples in one turn of the sensor.
-  Metrics(std::optional<Parameters> truth, double sample_rate_hz, uint64_t revolution);
+  /// `truth`: the sensor's parameters where known. `revolution_s`: of one turn of the sensor, in
+  /// the sensor's time.
+  Metrics(std::optional<Parameters> truth, double revolution_s);
 
   /// A sample that the coprocessor accepted; results arrive in the same order.
   void accepted(const SensorTruth& sample);
@@ -67,8 +82,11 @@ class Metrics {
   void dropped_all() { in_flight_.clear(); }
 
   uint64_t samples() const { return samples_; }
-  /// Time from when on all six parameters stayed within 1 % until demodulation ended, seconds.
-  std::optional<double> convergence_s() const;
+  Convergence convergence() const;
+  /// phi counts from where the reference was at the sensor's sample 0: the sensor's own is the
+  /// truth of a numeric reference that began there, not of a program that measured or tracked the
+  /// speed, took the angle as its reference or never demodulated.
+  bool phi_comparable() const { return has_demodulated_ && !phi_shifted_; }
   AngleErrors angle_errors() const;
   /// The parameters at the end of demodulation; without one, those that were preset.
   const ParameterWords& words() const { return words_; }
@@ -76,17 +94,22 @@ class Metrics {
   const std::optional<Parameters>& truth() const { return truth_; }
 
  private:
+  struct TimedError {
+    double time_s = 0, degrees = 0;
+  };
+
   bool within_one_percent(const ParameterWords& words) const;
+  void keep_last_revolution(TimedError newest);
 
   std::optional<Parameters> truth_;
-  double sample_rate_hz_;
-  uint64_t revolution_;
+  double revolution_s_;
   uint64_t samples_ = 0;
   std::deque<SensorTruth> in_flight_;
   ParameterWords words_;
   bool has_demodulated_ = false;
-  std::optional<uint64_t> converged_since_;
-  std::deque<double> last_revolution_;  ///< |error| in degrees of the newest demodulated samples
+  bool phi_shifted_ = false;
+  std::optional<double> converged_since_s_;
+  std::deque<TimedError> last_revolution_;  ///< of demodulation, the newest last
   AngleErrors errors_;
 };
 

@@ -10,8 +10,13 @@ constexpr uint32_t coprocessor_base = 0x4000C000;
 }  // namespace
 
 Observation::Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics,
-                         Progress& progress, bool recording)
-    : soc_(soc), source_(source), metrics_(metrics), progress_(progress), recording_(recording) {
+                         SensorMatch& match, Progress& progress, bool recording)
+    : soc_(soc),
+      source_(source),
+      metrics_(metrics),
+      match_(match),
+      progress_(progress),
+      recording_(recording) {
   soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
   soc.coprocessor.set_sample_observer([this](uint64_t, bool latched) {
@@ -36,11 +41,31 @@ std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
   if (k == 0) {
     source_.rewind();
     metrics_.dropped_all();
+    match_.restarted();
   }
   const auto value = source_.sample(k, t);
   if (!value) return std::nullopt;
-  truth_ = {k, value->u, value->v, value->angle_turns, value->has_truth};
+  truth_ = {sensor_time(k, t), value->u, value->v, value->angle_turns, value->has_truth};
   return peripherals::AdcInput{value->u, value->v, value->angle_turns, value->has_truth};
+}
+
+double Observation::sensor_time(uint64_t k, double t) const {
+  const sensor::Description& description = source_.description();
+  const bool recorded = description.motion == sensor::MotionKind::recorded;
+  if (!recorded || !description.sample_rate_hz) return t;
+  return static_cast<double>(k) / *description.sample_rate_hz;
+}
+
+void Observation::watch_sampling(uint32_t control) {
+  SamplingState state;
+  const uint32_t both = cop::CTRL_DEMOD_mask | cop::CTRL_ADC_mask;
+  state.demodulating = (control & both) == both;  // samples that software feeds have no rate
+  const uint32_t reference = (control & cop::CTRL_REF_mask) >> cop::CTRL_REF_shift;
+  state.reference = static_cast<SamplingState::Reference>(reference);
+  state.period_cycles = soc_.adc.period.get();
+  state.rate_hz = static_cast<double>(soc_.clock.frequency_hz()) / state.period_cycles;
+  state.frequency = static_cast<int32_t>(soc_.peek(coprocessor_base + cop::FREQ_HI_offset));
+  match_.result(state);
 }
 
 void Observation::result(const coprocessor::Nodes& nodes) {
@@ -50,10 +75,13 @@ void Observation::result(const coprocessor::Nodes& nodes) {
   r.angle = static_cast<uint32_t>(nodes.angle);
   r.angle_valid = (nodes.status & cop::STATUS_VALID_mask) != 0;
   r.demodulating = (control & cop::CTRL_DEMOD_mask) != 0;
+  const uint32_t reference = (control & cop::CTRL_REF_mask) >> cop::CTRL_REF_shift;
+  r.numeric_reference = reference == cop::CTRL_REF_numeric;
   r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
              static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
              static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
   metrics_.result(r);
+  watch_sampling(control);
   progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
 }
 

@@ -8,6 +8,7 @@
 #include "run/metrics.h"
 #include "run/progress.h"
 #include "run/sample_record.h"
+#include "run/sensor_match.h"
 #include "sensor/load.h"
 #include "soc/soc.h"
 
@@ -17,8 +18,8 @@ namespace capsoc::run {
 class Observation {
  public:
   /// `recording`: the samples are kept as the coprocessor saw them.
-  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, Progress& progress,
-              bool recording);
+  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, SensorMatch& match,
+              Progress& progress, bool recording);
   Observation(const Observation&) = delete;
   Observation& operator=(const Observation&) = delete;
 
@@ -28,10 +29,13 @@ class Observation {
   void record();
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
   void result(const coprocessor::Nodes& nodes);
+  void watch_sampling(uint32_t control);
+  double sensor_time(uint64_t k, double t) const;
 
   soc::Soc& soc_;
   sensor::Source& source_;
   Metrics& metrics_;
+  SensorMatch& match_;
   Progress& progress_;
   SensorTruth truth_;
   bool recording_;

@@ -30,7 +30,8 @@ std::vector<Row> rows_of(const RunResult& result) {
   const auto row = [&](const char* name, int64_t word, double found, double Parameters::*member,
                        bool angle) {
     Row r{name, word, found, std::nullopt, std::nullopt};
-    if (result.truth) {
+    const bool comparable = member != &Parameters::phi || result.phi_comparable;
+    if (result.truth && comparable) {
       r.truth = (*result.truth).*member;
       const double difference = angle ? wrapped_difference(found, *r.truth) : found - *r.truth;
       if (*r.truth != 0) r.relative_error = difference / *r.truth;
@@ -45,8 +46,67 @@ std::vector<Row> rows_of(const RunResult& result) {
           row("phi", result.words.phi, value.phi, &Parameters::phi, true)};
 }
 
-std::string degrees(const std::optional<double>& value) {
-  return value ? fmt::format("{:.3g} deg", *value) : std::string("not known");
+/// In the state's own words: what the table prints and the result file says.
+const char* name_of(Convergence::State state) {
+  switch (state) {
+    case Convergence::State::not_known:
+      return "not known";
+    case Convergence::State::not_reached:
+      return "not reached";
+    case Convergence::State::reached:
+      return "reached";
+  }
+  return "";
+}
+
+/// `known`: the truth is; then the run did not come there.
+std::string degrees(const std::optional<double>& value, bool known) {
+  if (value) return fmt::format("{:.3g} deg", *value);
+  return known ? "not reached" : "not known";
+}
+
+void add_sensor_results(const RunResult& result, ordered_json& j) {
+  const Convergence& convergence = result.convergence;
+  j["convergence"] = name_of(convergence.state);
+  j["convergence_s"] = nullptr;
+  if (convergence.state == Convergence::State::reached) j["convergence_s"] = convergence.since_s;
+  for (const Row& row : rows_of(result))
+    j["parameters"][row.name] = {{"word", row.word},
+                                 {"value", row.value},
+                                 {"true", number_or_null(row.truth)},
+                                 {"relative_error", number_or_null(row.relative_error)}};
+  j["angle_error_deg"] = {
+      {"uncalibrated_max", number_or_null(result.errors.uncalibrated_max)},
+      {"uncalibrated_max_paper", number_or_null(result.errors.uncalibrated_max_paper)},
+      {"calibrated_max_last_revolution",
+       number_or_null(result.errors.calibrated_max_last_revolution)},
+      {"calibration_mode_max", number_or_null(result.errors.calibration_mode_max)}};
+}
+
+std::string sensor_table(const RunResult& result) {
+  std::string text;
+  const auto line = [&](const std::string& l) { text += l + "\n"; };
+  line(fmt::format("{:<10}{:>14}{:>16}{:>16}{:>16}", "parameter", "word", "identified", "true",
+                   "relative error"));
+  for (const Row& row : rows_of(result))
+    line(fmt::format("{:<10}{:>14}{:>16.9f}{:>16}{:>16}", row.name, row.word, row.value,
+                     row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",
+                     row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-"));
+  line("");
+  const AngleErrors& errors = result.errors;
+  const Convergence& convergence = result.convergence;
+  line(fmt::format("largest angle error before    {} (as the paper counts: {})",
+                   degrees(errors.uncalibrated_max, errors.angle_known),
+                   degrees(errors.uncalibrated_max_paper, errors.angle_known && result.truth)));
+  line(fmt::format("  last turn of demodulation   {}",
+                   degrees(errors.calibrated_max_last_revolution, errors.angle_known)));
+  line(fmt::format("  in calibration mode         {}",
+                   degrees(errors.calibration_mode_max, errors.angle_known)));
+  line(fmt::format("all six within 1 % after      {}",
+                   convergence.state == Convergence::State::reached
+                       ? fmt::format("{:.1f} s", convergence.since_s)
+                       : name_of(convergence.state)));
+  return text;
 }
 
 }  // namespace
@@ -92,18 +152,13 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   j["cpu"]["mips"] =
       result.wall_s > 0 ? static_cast<double>(result.instructions) / result.wall_s / 1e6 : 0.0;
   j["samples"] = result.samples;
-  j["convergence_s"] = number_or_null(result.convergence_s);
-  for (const Row& row : rows_of(result))
-    j["parameters"][row.name] = {{"word", row.word},
-                                 {"value", row.value},
-                                 {"true", number_or_null(row.truth)},
-                                 {"relative_error", number_or_null(row.relative_error)}};
-  j["angle_error_deg"] = {
-      {"uncalibrated_max", number_or_null(result.errors.uncalibrated_max)},
-      {"uncalibrated_max_paper", number_or_null(result.errors.uncalibrated_max_paper)},
-      {"calibrated_max_last_revolution",
-       number_or_null(result.errors.calibrated_max_last_revolution)},
-      {"calibration_mode_max", number_or_null(result.errors.calibration_mode_max)}};
+  if (result.samples > 0) {
+    add_sensor_results(result, j);
+  } else {
+    for (const char* key : {"convergence", "convergence_s", "parameters", "angle_error_deg"})
+      j[key] = nullptr;
+  }
+  if (!result.sensor_warnings.empty()) j["sensor_warnings"] = result.sensor_warnings;
   j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
   if (result.golden) j["golden"] = fit::to_json(*result.golden);
   if (!result.divergence.empty()) j["divergence"] = result.divergence;
@@ -115,32 +170,14 @@ std::string to_table(const RunResult& result) {
   std::string text;
   const auto line = [&](const std::string& l) { text += l + "\n"; };
   line("");
-  if (result.samples > 0) {
-    line(fmt::format("{:<10}{:>14}{:>16}{:>16}{:>16}", "parameter", "word", "identified", "true",
-                     "relative error"));
-    for (const Row& row : rows_of(result))
-      line(fmt::format("{:<10}{:>14}{:>16.9f}{:>16}{:>16}", row.name, row.word, row.value,
-                       row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",
-                       row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-"));
-    line("");
-    line(fmt::format("largest angle error before    {} (as the paper counts: {})",
-                     degrees(result.errors.uncalibrated_max),
-                     degrees(result.errors.uncalibrated_max_paper)));
-    line(fmt::format("  last turn of demodulation   {}",
-                     degrees(result.errors.calibrated_max_last_revolution)));
-    line(fmt::format("  in calibration mode         {}",
-                     degrees(result.errors.calibration_mode_max)));
-    line(fmt::format(
-        "all six within 1 % after      {}",
-        result.convergence_s ? fmt::format("{:.1f} s", *result.convergence_s) : "not reached"));
-  }
+  if (result.samples > 0) text += sensor_table(result);
   if (result.golden) text += fit::to_table(*result.golden) + "\n";
-  line(
-      fmt::format("{} samples, {:.1f} simulated s in {:.2f} s ({:.0f} times real time), {} "
-                  "instructions, {} cycles",
-                  result.samples, result.simulated_s, result.wall_s,
-                  result.wall_s > 0 ? result.simulated_s / result.wall_s : 0.0, result.instructions,
-                  result.cycles));
+  line(fmt::format(
+      "{}{:.1f} simulated s in {:.2f} s ({:.0f} times real time), {} "
+      "instructions, {} cycles",
+      result.samples > 0 ? fmt::format("{} samples, ", result.samples) : "", result.simulated_s,
+      result.wall_s, result.wall_s > 0 ? result.simulated_s / result.wall_s : 0.0,
+      result.instructions, result.cycles));
   line(fmt::format("exit {}: {}", result.code, result.reason));
   return text;
 }

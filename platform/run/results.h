@@ -42,9 +42,11 @@ struct RunResult {
   uint64_t instructions = 0;
   uint64_t cycles = 0;
   uint64_t samples = 0;
-  std::optional<double> convergence_s;
+  Convergence convergence;
+  std::vector<std::string> sensor_warnings;  ///< where the program does not match the sensor
   ParameterWords words;
   std::optional<Parameters> truth;
+  bool phi_comparable = true;  ///< Metrics::phi_comparable()
   AngleErrors errors;
   uint64_t uart0_bytes = 0;
   std::string uart0_sha256;
@@ -64,7 +66,8 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
 /// A result file's text. Bytes that are no UTF-8 (of an option, of a UART) are replaced.
 std::string to_text(const nlohmann::ordered_json& json);
 
-/// Parameters beside the truth and the angle error before and after, as text.
+/// Parameters beside the truth and the angle error before and after, as text; only the last lines
+/// for a run that took no sample of the sensor.
 std::string to_table(const RunResult& result);
 
 /// Versions of the program and of the libraries that it runs on, name by name.

@@ -13,6 +13,7 @@
 #include "loader/program_file.h"
 #include "loader/vector_table.h"
 #include "run/parameter_file.h"
+#include "run/sensor_match.h"
 
 namespace capsoc::run {
 namespace {
@@ -72,6 +73,7 @@ Result<RunInputs> read_inputs(const Settings& settings) {
   auto source = sensor::load(inputs.sensor_file);
   if (!source) return Error{source.error()};
   inputs.source = std::move(source.value());
+  inputs.recorded_speed = recorded_speed(*inputs.source);
   const long long adc_bits = settings.integer("sensor.adc_bits") != 0
                                  ? settings.integer("sensor.adc_bits")
                                  : inputs.source->description().adc_bits.value_or(32);
@@ -100,11 +102,10 @@ std::optional<Error> RunInputs::load(const Settings& settings, soc::Soc& soc) co
 
 Metrics RunInputs::make_metrics() const {
   const sensor::Description& description = source->description();
-  const double rate = description.sample_rate_hz.value_or(250);
-  const double frequency = std::fabs(description.frequency_hz.value_or(0.05));
-  const auto revolution =
-      static_cast<uint64_t>(std::llround(frequency > 0 ? rate / frequency : 5000));
-  Metrics metrics(truth_of(description), rate, std::min<uint64_t>(revolution, 10'000'000));
+  double frequency = std::fabs(description.frequency_hz.value_or(0));
+  if (recorded_speed)
+    frequency = std::fabs(*recorded_speed) * description.sample_rate_hz.value_or(0);
+  Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20);
   if (preset) metrics.preset(*preset);
   return metrics;
 }

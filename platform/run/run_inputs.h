@@ -22,14 +22,15 @@ struct RunInputs {
   std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
   std::unique_ptr<sensor::Source> source;
   unsigned adc_bits = 0;
+  std::optional<double> recorded_speed;  ///< of the sensor, turns a sample
   std::optional<ParameterWords> preset;
 
   /// The programs into the SoC's memories and the start of the processor. An Error: they do not
   /// fit, or none has a vector table.
   std::optional<Error> load(const Settings& settings, soc::Soc& soc) const;
 
-  /// Nothing found yet, the truth and the length of a revolution (250 Hz and 0.05 Hz where the
-  /// sensor does not say).
+  /// Nothing found yet, the truth and the length of a revolution (20 s where the sensor does not
+  /// say).
   Metrics make_metrics() const;
 
   /// Every file that counts, with its hash.

@@ -1,6 +1,7 @@
 #include "run/session.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -159,9 +160,10 @@ void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& 
   result.instructions = soc.cpu.core().instructions();
   result.cycles = soc.cpu.core().cycles();
   result.samples = metrics.samples();
-  result.convergence_s = metrics.convergence_s();
+  result.convergence = metrics.convergence();
   result.words = metrics.words();
   result.truth = metrics.truth();
+  result.phi_comparable = metrics.phi_comparable();
   result.errors = metrics.angle_errors();
   result.uart0_bytes = uarts.line(0).bytes();
   result.uart0_sha256 = uarts.line(0).sha256();
@@ -196,7 +198,14 @@ Result<RunResult> run(const Settings& settings) {
   Progress progress(isatty(STDERR_FILENO) != 0);
   const bool golden = settings.text("run.golden") == "true";
   const std::string record_file = settings.text("results.record");
-  Observation observation(soc, *inputs.source, metrics, progress, golden || !record_file.empty());
+  RunResult result;
+  SensorMatch match(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
+                    [&result](const std::string& sentence) {
+                      spdlog::warn("{}", sentence);
+                      result.sensor_warnings.push_back(sentence);
+                    });
+  Observation observation(soc, *inputs.source, metrics, match, progress,
+                          golden || !record_file.empty());
   tlm_util::set_guest_error_context([&] {
     const uint32_t pc = soc.cpu.core().reg(15);
     return fmt::format("pc {:#010x} {}", pc, inputs.program.symbolise(pc));
@@ -215,12 +224,12 @@ Result<RunResult> run(const Settings& settings) {
 
   ports.value()->finish();
   progress.finish();
+  match.finish();
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});
   if (tracer.value() != nullptr)
     if (auto error = tracer.value()->finish()) return *error;
 
-  RunResult result;
   result.command = reproducing_command(settings);
   result.divergence = divergence_of(settings, lockstep, soc);
   if (rtl != nullptr && lockstep == nullptr) rtl->close_waves();

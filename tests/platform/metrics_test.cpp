@@ -20,13 +20,15 @@ ParameterWords words_of(const Parameters& p) {
   return {q31(p.a1), q31(p.a2), q31(p.b1), q31(p.b2), turn(p.beta), turn(p.phi)};
 }
 
+constexpr double rate_hz = 250;
+
 SensorTruth sample(uint64_t index, double turns) {
-  return {index, 0.3, 0.4, turns, true};
+  return {static_cast<double>(index) / rate_hz, 0.3, 0.4, turns, true};
 }
 
 CoprocessorResult answer(double turns, const Parameters& p, bool demodulating = true) {
   return {static_cast<uint32_t>(static_cast<int64_t>(std::llround(turns * 4294967296.0))), true,
-          demodulating, words_of(p)};
+          demodulating, true, words_of(p)};
 }
 
 TEST(Metrics, WordsBecomeFullScaleAndRadians) {
@@ -39,19 +41,22 @@ TEST(Metrics, WordsBecomeFullScaleAndRadians) {
 }
 
 TEST(Metrics, ConvergenceCountsFromTheLastEntryIntoTheBand) {
-  Metrics metrics(truth, 250, 10);
+  Metrics metrics(truth, 10 / rate_hz);
   Parameters outside = truth;
   outside.a1 *= 1.011;
   for (uint64_t k = 0; k < 40; ++k) {
     metrics.accepted(sample(k, 0.0));
     metrics.result(answer(0.0, k < 10 || k == 20 ? outside : truth));
   }
-  ASSERT_TRUE(metrics.convergence_s());
-  EXPECT_DOUBLE_EQ(*metrics.convergence_s(), 21 / 250.0);
+  ASSERT_EQ(metrics.convergence().state, Convergence::State::reached);
+  EXPECT_DOUBLE_EQ(metrics.convergence().since_s, 21 / rate_hz);
+  metrics.accepted(sample(40, 0.0));
+  metrics.result(answer(0.0, outside));
+  EXPECT_EQ(metrics.convergence().state, Convergence::State::not_reached);
 }
 
 TEST(Metrics, OnlyTheLastRevolutionOfDemodulationCounts) {
-  Metrics metrics(truth, 250, 5);
+  Metrics metrics(truth, 5 / rate_hz);
   for (uint64_t k = 0; k < 20; ++k) {
     metrics.accepted(sample(k, 0.25));
     metrics.result(answer(k < 15 ? 0.5 : 0.25 + 1.0 / 360, truth));
@@ -63,7 +68,7 @@ TEST(Metrics, OnlyTheLastRevolutionOfDemodulationCounts) {
 }
 
 TEST(Metrics, TheUncalibratedErrorIsTakenAgainstTheAngleAndAgainstTheReference) {
-  Metrics metrics(truth, 250, 5);
+  Metrics metrics(truth, 5 / rate_hz);
   metrics.accepted({0, std::sin(0.5), std::cos(0.5), 0.0, true});
   metrics.result(answer(0.0, truth));
   EXPECT_NEAR(*metrics.angle_errors().uncalibrated_max, 0.5 * 180 / std::acos(-1.0), 1e-9);
@@ -72,7 +77,7 @@ TEST(Metrics, TheUncalibratedErrorIsTakenAgainstTheAngleAndAgainstTheReference) 
 }
 
 TEST(Metrics, CalibrationModeFromTheStartHasItsErrorsAndKeepsThePresetWords) {
-  Metrics metrics(truth, 250, 5);
+  Metrics metrics(truth, 5 / rate_hz);
   metrics.preset(words_of(truth));
   metrics.accepted({0, std::sin(0.5), std::cos(0.5), 0.0, true});
   metrics.result(answer(0.25, truth, false));
@@ -87,16 +92,63 @@ TEST(Metrics, CalibrationModeFromTheStartHasItsErrorsAndKeepsThePresetWords) {
 }
 
 TEST(Metrics, WithoutATruthThereIsNoError) {
-  Metrics metrics(std::nullopt, 250, 5);
+  Metrics metrics(std::nullopt, 5 / rate_hz);
   metrics.accepted({0, 0.1, 0.2, 0.0, false});
   metrics.result(answer(0.0, truth));
   EXPECT_EQ(metrics.samples(), 1u);
   EXPECT_FALSE(metrics.angle_errors().uncalibrated_max);
-  EXPECT_FALSE(metrics.convergence_s());
+  EXPECT_FALSE(metrics.angle_errors().angle_known);
+  EXPECT_EQ(metrics.convergence().state, Convergence::State::not_known);
+}
+
+TEST(Metrics, AnAngleThatIsKnownIsEnoughForTheAngleErrors) {
+  Metrics metrics(std::nullopt, 5 / rate_hz);
+  metrics.accepted({0, std::sin(0.5), std::cos(0.5), 0.0, true});
+  metrics.result(answer(0.25, truth));
+  EXPECT_TRUE(metrics.angle_errors().angle_known);
+  EXPECT_NEAR(*metrics.angle_errors().uncalibrated_max, 0.5 * 180 / std::acos(-1.0), 1e-9);
+  EXPECT_FALSE(metrics.angle_errors().uncalibrated_max_paper) << "that takes phi";
+  EXPECT_NEAR(*metrics.angle_errors().calibrated_max_last_revolution, 90, 1e-6);
+  EXPECT_EQ(metrics.convergence().state, Convergence::State::not_known);
+}
+
+TEST(Metrics, TheLastRevolutionIsOneOfTheSensorsTimeWhateverTheRate) {
+  for (const double rate : {100.0, 250.0, 1000.0}) {
+    Metrics metrics(truth, 0.5);
+    const auto turn_samples = static_cast<uint64_t>(rate / 2);
+    for (uint64_t k = 0; k < 3 * turn_samples; ++k) {
+      // The sample before the last turn is 2 degrees off, those of the last turn 1 degree.
+      const double degrees = k == 2 * turn_samples - 1 ? 2 : 1;
+      metrics.accepted({static_cast<double>(k) / rate, 0.3, 0.4, 0.25, true});
+      metrics.result(answer(0.25 + degrees / 360, truth));
+      const AngleErrors errors = metrics.angle_errors();
+      const double expected = k + 1 < 2 * turn_samples || k + 1 == 3 * turn_samples ? 1 : 2;
+      ASSERT_NEAR(*errors.calibrated_max_last_revolution, expected, 1e-6) << rate << " " << k;
+    }
+    EXPECT_NEAR(*metrics.angle_errors().calibrated_max_last_revolution, 1, 1e-6) << rate;
+  }
+}
+
+TEST(Metrics, PhiIsComparedOnlyWithANumericReferenceFromTheSensorsStartOn) {
+  const auto after = [](uint64_t first, bool numeric) {
+    Metrics metrics(truth, 1);
+    for (uint64_t k = first; k < first + 5; ++k) {
+      metrics.accepted(sample(k, 0.0));
+      CoprocessorResult result = answer(0.0, truth);
+      result.numeric_reference = numeric || k < first + 4;
+      metrics.result(result);
+    }
+    EXPECT_EQ(metrics.phi_comparable(), metrics.convergence().state == Convergence::State::reached);
+    return metrics.phi_comparable();
+  };
+  EXPECT_TRUE(after(0, true));
+  EXPECT_FALSE(after(0, false));
+  EXPECT_FALSE(after(1, true));
+  EXPECT_FALSE(Metrics(truth, 1).phi_comparable()) << "before any demodulation";
 }
 
 TEST(Metrics, ASampleThatSoftwareFedIsLeftOut) {
-  Metrics metrics(truth, 250, 5);
+  Metrics metrics(truth, 5 / rate_hz);
   metrics.result(answer(0.0, truth));
   EXPECT_EQ(metrics.samples(), 0u);
 }

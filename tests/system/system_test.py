@@ -2,6 +2,7 @@
 """The program as a user runs it: what it prints, what it writes, how it ends."""
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -234,6 +235,23 @@ class Firmware(unittest.TestCase):
         self.assertEqual(process.returncode, 0, process.stderr.decode())
         self.assertIn(b"ello", process.stdout)
 
+    def test_a_program_without_a_sensor_has_no_summary_of_one(self):
+        process, r = run(FIRMWARE / "hello.elf")
+        text = process.stderr.decode()
+        self.assertEqual(process.returncode, 0, text)
+        for word in ("parameter", "angle error", "within 1 %", "samples"):
+            self.assertNotIn(word, text)
+        self.assertIn("instructions", text)
+        self.assertEqual(r["samples"], 0)
+        for key in ("convergence", "convergence_s", "parameters", "angle_error_deg"):
+            self.assertIsNone(r[key], key)
+        with tempfile.TemporaryDirectory() as folder:
+            results = Path(folder) / "r.json"
+            results.write_text(json.dumps(r))
+            process = capsoc("run", "--parameters", results)
+            self.assertEqual(process.returncode, 2)
+            self.assertIn(f"{results}: there are no parameters in it", process.stderr.decode())
+
     def test_a_status_of_its_own_is_a_failure(self):
         process, r = run(FIRMWARE / "exit_code.elf")
         self.assertEqual(process.returncode, 1)
@@ -251,6 +269,62 @@ class Firmware(unittest.TestCase):
                 self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
                 outputs.add(process.stdout)
         self.assertEqual(len(outputs), 1)
+
+
+class Sensor(unittest.TestCase):
+    """What the results say of a sensor of which not everything is known, or that the program does not match."""
+
+    def record(self, folder, rate_hz, *, columns="t,u,v,angle_deg", turns_per_s=0.05, samples=6000):
+        path = Path(folder) / "trace.csv"
+        lines = [columns]
+        for k in range(samples):
+            angle = 2 * math.pi * turns_per_s * k / rate_hz
+            row = {"t": k / rate_hz, "u": 0.6 * math.sin(angle), "v": 0.6 * math.cos(angle), "angle_deg": math.degrees(angle)}
+            lines.append(",".join(f"{row[name]:.9f}" for name in columns.split(",")))
+        path.write_text("\n".join(lines) + "\n")
+        return path
+
+    def test_what_is_not_known_and_what_is_not_reached(self):
+        with tempfile.TemporaryDirectory() as folder:
+            process, r = run("--sensor", self.record(folder, 250, columns="t,u,v"))
+            self.assertIn(b"all six within 1 % after      not known\n", process.stderr)
+            self.assertIn(b"last turn of demodulation   not known\n", process.stderr)
+            self.assertEqual((r["convergence"], r["convergence_s"]), ("not known", None))
+            self.assertEqual(set(r["angle_error_deg"].values()), {None})
+            process, r = run("--sensor", self.record(folder, 250))
+            self.assertEqual(r["convergence"], "not known")
+            self.assertIsNotNone(r["angle_error_deg"]["uncalibrated_max"])
+            self.assertIn(b"in calibration mode         not reached\n", process.stderr)
+        process, r = run("--simlimit", 20)
+        self.assertIn(b"all six within 1 % after      not reached\n", process.stderr)
+        self.assertEqual((r["convergence"], r["convergence_s"]), ("not reached", None))
+        _, r = run("--simlimit", 120)
+        self.assertEqual(r["convergence"], "reached")
+        self.assertAlmostEqual(r["convergence_s"], 95.7, delta=0.05)
+
+    def test_phi_is_not_known_where_the_reference_did_not_start_with_the_sensor(self):
+        process, r = run(FIRMWARE / "track.elf")
+        self.assertEqual(process.returncode, 0)
+        self.assertIsNone(r["parameters"]["phi"]["true"])
+        self.assertIsNotNone(r["parameters"]["beta"]["true"])
+        self.assertEqual(r["convergence"], "not known")
+
+    def test_a_trace_at_another_rate_is_warned_of_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for columns in ("t,u,v", "t,u,v,angle_deg"):
+                process, r = run("--sensor", self.record(folder, 1000, columns=columns))
+                warnings = [l for l in process.stderr.decode().splitlines() if "warning" in l]
+                self.assertEqual(len(warnings), 1, process.stderr.decode())
+                self.assertIn("the trace was sampled at 1000 Hz and the program samples at 250 Hz: ", warnings[0])
+                self.assertEqual(warnings[0], "warning: " + r["sensor_warnings"][0])
+            process, r = run(FIRMWARE / "unordered.elf", "--sensor", self.record(folder, 1000))
+            self.assertNotIn(b"warning", process.stderr)
+            self.assertNotIn("sensor_warnings", r)
+
+    def test_the_main_job_has_no_warning(self):
+        process, r = run("--simlimit", 60)
+        self.assertNotIn(b"warning", process.stderr)
+        self.assertNotIn("sensor_warnings", r)
 
 
 class Track(unittest.TestCase):

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""The pages for each kind of user (docs/for-*.md): their commands are run, and what they say is printed is.
+
+A code block "```sh run" is run from a folder with the project's folders in it, the blocks of a page one after the other, each
+ending with 0. Every line of a block "```text printed" but for "..." is a line of what the block before it printed.
+The picture in the README is drawn anew.
+"""
+
+import os
+import re
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+DOCS = SOURCE / "docs"
+
+
+def blocks(page):
+    """The fenced blocks of a page: what stands behind the fence, the text, and the line."""
+    text = page.read_text()
+    found = re.finditer(r"^```([^\n]*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return [(m[1], m[2], text[:m.start()].count("\n") + 1) for m in found]
+
+
+class Pages(unittest.TestCase):
+    """One test for each page."""
+
+    def run_page(self, name):
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+        environment["PATH"] = f"{BUILD}:{environment['PATH']}"
+        ran, printed = 0, None
+        with tempfile.TemporaryDirectory() as folder:
+            for part in ("traces", "firmware", "tests", "models", "rtl"):
+                (Path(folder) / part).symlink_to(SOURCE / part)
+            (Path(folder) / "build").symlink_to(BUILD)
+            for kind, text, line in blocks(DOCS / name):
+                where = f"docs/{name}:{line}"
+                if kind == "sh run":
+                    process = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment, text=True,
+                                             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                             timeout=300, check=False)
+                    printed = process.stdout.splitlines()
+                    self.assertEqual(process.returncode, 0, f"{where}:\n{process.stdout}")
+                    ran += 1
+                elif kind == "text printed":
+                    self.assertIsNotNone(printed, f"{where}: nothing was run before")
+                    for expected in text.splitlines():
+                        if expected != "...":
+                            self.assertIn(expected, printed, where)
+                else:
+                    self.assertIn(kind, ("sh", "text", "c", "toml", "make"), f"{where}: an unknown kind of block")
+        self.assertGreater(ran, 3, name)
+
+    def test_for_virtual_platforms(self):
+        self.run_page("for-virtual-platforms.md")
+
+    def test_for_firmware(self):
+        self.run_page("for-firmware.md")
+
+    def test_for_rtl(self):
+        self.run_page("for-rtl.md")
+
+    def test_for_sensors(self):
+        self.run_page("for-sensors.md")
+
+
+class Links(unittest.TestCase):
+    """The README leads to every page, and no relative link of either leads nowhere."""
+
+    def targets(self, page):
+        return [t for t in re.findall(r"\]\(([^)\s]+)\)", page.read_text()) if not t.startswith(("http:", "https:"))]
+
+    def test_the_readme_leads_to_every_page_and_the_picture(self):
+        targets = [t.split("#")[0] for t in self.targets(SOURCE / "README.md")]
+        for page in sorted(DOCS.glob("for-*.md")):
+            self.assertIn(f"docs/{page.name}", targets)
+        self.assertIn("docs/images/main_job.svg", targets)
+
+    def test_every_link_leads_somewhere(self):
+        for page in [SOURCE / "README.md", SOURCE / "traces" / "README.md", *sorted(DOCS.glob("*.md"))]:
+            for target in self.targets(page):
+                name, _, anchor = target.partition("#")
+                file = (page.parent / name) if name else page
+                self.assertTrue(file.exists(), f"{page}: {target}")
+                if anchor:
+                    headings = re.findall(r"^#+ (.*)$", file.read_text(), re.MULTILINE)
+                    anchors = [re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in headings]
+                    self.assertIn(anchor, anchors, f"{page}: {target}")
+
+
+class Picture(unittest.TestCase):
+    """docs/images/main_job.svg is what the main job prints."""
+
+    def test_it_is_drawn_anew_to_the_byte(self):
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = Path(folder) / "main_job.svg"
+            script = SOURCE / "scripts" / "main_job_picture"
+            process = subprocess.run([script, "--capsoc", BUILD / "capsoc", "--output", drawn], capture_output=True,
+                                     text=True, check=False)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            self.assertEqual(drawn.read_text(), (DOCS / "images" / "main_job.svg").read_text(),
+                             "the main job prints something else: run scripts/main_job_picture and look at it")
+
+
+if __name__ == "__main__":
+    unittest.main()
