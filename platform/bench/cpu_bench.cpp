@@ -15,6 +15,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "host/console.h"
+#include "host/end_signals.h"
+
 extern char** environ;
 
 namespace capsoc::bench {
@@ -57,7 +60,9 @@ Run execute(std::vector<std::string> command, const fs::path& output) {
   posix_spawn_file_actions_destroy(&files);
   int status = 0;
   rusage usage{};
-  if (!started || wait4(child, &status, 0, &usage) != child) return {};
+  if (!started) return {};
+  const host::EndedAtSignal ended(child);
+  if (wait4(child, &status, 0, &usage) != child) return {};
   return {WIFEXITED(status) && WEXITSTATUS(status) == 0,
           seconds(usage.ru_utime) + seconds(usage.ru_stime), contents(output)};
 }
@@ -97,15 +102,25 @@ class Scratch {
  public:
   Scratch() {
     std::string name = (fs::temp_directory_path() / "capsoc-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path = name;
+    if (mkdtemp(name.data()) == nullptr) return;
+    path = name;
+    removed_.emplace_back(name);
   }
   ~Scratch() {
     std::error_code ignored;
     if (!path.empty()) fs::remove_all(path, ignored);
   }
+  /// A file in it, which a signal that ends the program removes with the folder.
+  fs::path file(const char* name) {
+    removed_.emplace_back((path / name).string());
+    return path / name;
+  }
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;
   fs::path path;
+
+ private:
+  std::vector<host::RemovedAtSignal> removed_;
 };
 
 struct Line {
@@ -115,11 +130,12 @@ struct Line {
 }  // namespace
 
 int run_cpu_bench(const CpuBench& bench, std::ostream& out) {
-  const Scratch scratch;
+  Scratch scratch;
   if (scratch.path.empty()) {
-    fmt::print(out, "capsoc: no temporary folder can be made\n");
+    host::say("capsoc: no temporary folder can be made; let TMPDIR name one that can be written\n");
     return 1;
   }
+  const fs::path json = scratch.file("result.json"), text = scratch.file("stdout");
   bool good = true;
   std::vector<Line> lines;
   fmt::print(out, "{:<16} {:>10} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "million", "", "",
@@ -128,7 +144,6 @@ int run_cpu_bench(const CpuBench& bench, std::ostream& out) {
              "MIPS", "MIPS", "", "MIPS", "");
   for (const std::string& elf : bench.firmware) {
     const std::string name = fs::path(elf).stem().string();
-    const fs::path json = scratch.path / "result.json", text = scratch.path / "stdout";
     const Run ours = best_of(
         bench.repeat,
         {bench.program, "run", elf, "--quantum", bench.quantum_ns, "--json", json.string()}, text);

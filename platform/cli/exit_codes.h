@@ -10,7 +10,7 @@ struct ExitCodeText {
   const char* meaning;
 };
 
-inline constexpr std::array<ExitCodeText, 9> exit_codes = {{
+inline constexpr std::array<ExitCodeText, 10> exit_codes = {{
     {"0", "pass"},
     {"1", "the firmware or a test failed"},
     {"2", "a wrong option or input"},
@@ -18,6 +18,7 @@ inline constexpr std::array<ExitCodeText, 9> exit_codes = {{
     {"4", "model and RTL of the coprocessor differ"},
     {"5", "the firmware crashed"},
     {"70", "internal error"},
+    {"74", "all went well, but an output did not take everything"},
     {"124", "a limit was hit"},
     {"128+n", "ended by signal n"},
 }};

@@ -5,10 +5,14 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/refuse.h"
+#include "cli/whole_number.h"
 #include "fit/certainty_tables.h"
 #include "fit/fit.h"
 #include "fit/report.h"
 #include "fit/tables.h"
+#include "host/console.h"
+#include "host/file_uses.h"
 #include "host/files.h"
 #include "run/results.h"
 
@@ -21,17 +25,11 @@ struct FitArguments {
   std::string table;  ///< one of them
   fit::FitOptions options;
   std::string method = "ml";
-  int iterations = 0;  ///< 0: the method's own
-  std::string json = "calibration.json";
-  std::string header = "calibration.h";
+  int iterations = 0;        ///< 0: the method's own
+  std::string json, header;  ///< both empty: neither was named
   std::string convergence;
   std::string command = "capsoc fit";  ///< that gives the same fit
 };
-
-int refuse(int code, const std::string& text) {
-  fmt::print(stderr, "capsoc: {}\n", text);
-  return code;
-}
 
 /// What the method names on the command line mean.
 void choose_method(FitArguments& arguments) {
@@ -55,33 +53,46 @@ int print_tables(const FitArguments& arguments) {
   return missed == 0 ? run::exit_code::pass : run::exit_code::failed;
 }
 
-int fit_command(FitArguments& arguments) {
-  if (arguments.tables || !arguments.table.empty()) return print_tables(arguments);
-  if (arguments.trace.empty())
-    return refuse(run::exit_code::usage, "fit needs a TRACE, --tables or --table; try --help");
-  choose_method(arguments);
-  for (const std::string& place : {arguments.json, arguments.header, arguments.convergence})
-    if (!place.empty())
-      if (auto error = host::check_writable(place))
-        return refuse(run::exit_code::usage, error->text);
+/// No output is the trace or another output, and all of them can be written.
+std::optional<Error> check_files(const FitArguments& arguments) {
+  using Kind = host::FileUse::Kind;
+  const std::vector<host::FileUse> uses = {{Kind::input, "TRACE", arguments.trace},
+                                           {Kind::output, "--json", arguments.json},
+                                           {Kind::output, "--header", arguments.header},
+                                           {Kind::output, "--convergence", arguments.convergence}};
+  if (auto error = host::check_uses(uses)) return error;
+  for (const host::FileUse& use : uses)
+    if (use.kind == Kind::output && !use.path.empty())
+      if (auto error = host::check_writable(use.path)) return error;
+  return std::nullopt;
+}
 
-  const auto fitted = fit::fit(arguments.trace, arguments.options);
-  if (!fitted) return refuse(run::exit_code::usage, fitted.error());
-  const fit::Fit& fit = fitted.value();
-  if (!fit.rejection.empty())
-    return refuse(run::exit_code::rejected, fmt::format("{}: {}", arguments.trace, fit.rejection));
-
-  fmt::print("{}", fit::to_table(fit));
-  std::vector<host::TextFile> files = {
-      {arguments.json,
-       fit::to_json(fit, run::versions(), arguments.command + " " + arguments.trace).dump(2) +
-           "\n"},
-      {arguments.header, fit::to_header(fit)}};
+/// Writes what was asked for, all or nothing, and prints what there is to say.
+int report(const FitArguments& arguments, const fit::Fit& fit) {
+  std::vector<host::TextFile> files;
+  const std::string command = arguments.command + " " + arguments.trace;
+  if (!arguments.json.empty())
+    files.push_back({arguments.json, run::to_text(fit::to_json(fit, run::versions(), command))});
+  if (!arguments.header.empty()) files.push_back({arguments.header, fit::to_header(fit)});
   if (!arguments.convergence.empty())
     files.push_back({arguments.convergence, fit::to_convergence(fit)});
-  if (auto error = host::write_together(files)) return refuse(run::exit_code::usage, error->text);
-  for (const host::TextFile& file : files) fmt::print("wrote        {}\n", file.path);
+  const auto error = host::write_together(files);
+  host::print("{}", fit::to_table(fit));
+  if (error) return refuse(error->text, run::exit_code::lost);
+  for (const host::TextFile& file : files) host::print("wrote        {}\n", file.path);
   return run::exit_code::pass;
+}
+
+int fit_command(FitArguments& arguments) {
+  if (arguments.tables || !arguments.table.empty()) return print_tables(arguments);
+  if (arguments.trace.empty()) return refuse("fit needs a TRACE, --tables or --table; try --help");
+  choose_method(arguments);
+  if (auto error = check_files(arguments)) return refuse(error->text);
+  const auto fitted = fit::fit(arguments.trace, arguments.options);
+  if (!fitted) return refuse(fitted.error());
+  if (const std::string& reason = fitted.value().rejection; !reason.empty())
+    return refuse(fmt::format("{}: {}", arguments.trace, reason), run::exit_code::rejected);
+  return report(arguments, fitted.value());
 }
 
 }  // namespace
@@ -111,32 +122,36 @@ void add_fit(CLI::App& app, int& code) {
         "ml|adam|lm|heydemann|taubin|direct|all");
   input(fit->add_option("--harmonics", identify.harmonics.highest,
                         "Highest harmonic to identify (0 and 1: none)")
-            ->check(CLI::Range(0, 3)),
+            ->transform(whole_number(0, 3)),
         "0..3");
   input(fit->add_option("--batch", identify.adam.batch, "Samples a step of Adam")
-            ->check(CLI::Range(int64_t{1}, int64_t{1'000'000'000})),
+            ->transform(whole_number(1, 1'000'000'000)),
         "N");
   input(fit->add_option("--rate", identify.adam.rate, "Adam's rate at the start; it decays")
-            ->check(CLI::Range(1e-9, 1.0)),
+            ->check(real_number(1e-9, 1)),
         "X");
   input(fit->add_option("--iterations", arguments->iterations, "Limit of iterations")
-            ->check(CLI::Range(1, 1'000'000'000)),
+            ->transform(whole_number(1, 1'000'000'000)),
         "N");
-  input(fit->add_option("--seed", identify.adam.seed, "Seed of Adam's shuffling"), "N");
+  input(fit->add_option("--seed", identify.adam.seed, "Seed of Adam's shuffling")
+            ->transform(whole_number(0, UINT64_MAX)),
+        "N");
   input(fit->add_option("--samples", arguments->options.record.samples,
                         "Take so many samples only (of a trace without an end: 100,000)")
-            ->check(CLI::Range(int64_t{1}, int64_t{1'000'000'000})),
+            ->transform(whole_number(1, 1'000'000'000)),
         "N");
   input(fit->add_option("--adc-bits", arguments->options.record.adc_bits,
                         "Width of the converter (default: as the trace says)")
-            ->check(CLI::Range(12, 32)),
+            ->transform(whole_number(12, 32)),
         "N");
-  fit->add_option("--json", arguments->json, "Where the calibration goes")
+  fit->add_option("--json", arguments->json,
+                  "Where the calibration goes (without --header, too: calibration.json)")
       ->type_name("FILE")
-      ->capture_default_str();
-  fit->add_option("--header", arguments->header, "Where the words for the firmware go")
+      ->check(not_empty());
+  fit->add_option("--header", arguments->header,
+                  "Where the words for the firmware go (without --json, too: calibration.h)")
       ->type_name("FILE")
-      ->capture_default_str();
+      ->check(not_empty());
   fit->add_option("--convergence", arguments->convergence,
                   "Write loss and parameters by iteration (adam, lm)")
       ->type_name("FILE.csv");
@@ -144,6 +159,10 @@ void add_fit(CLI::App& app, int& code) {
     for (const CLI::Option* option : inputs)
       if (option->count() > 0)
         arguments->command += fmt::format(" {} {}", option->get_name(), option->as<std::string>());
+    if (arguments->json.empty() && arguments->header.empty()) {
+      arguments->json = "calibration.json";
+      arguments->header = "calibration.h";
+    }
     code = fit_command(*arguments);
   });
 }

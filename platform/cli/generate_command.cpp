@@ -8,6 +8,7 @@
 #include "cli/command_tree.h"
 #include "cli/commands.h"
 #include "cli/exit_codes.h"
+#include "cli/refuse.h"
 #include "host/files.h"
 #include "manual/pages.h"
 #include "run/results.h"
@@ -38,10 +39,7 @@ int generate(CLI::App& app, const std::string& folder) {
        {bash_completion(line), zsh_completion(line), fish_completion(line)})
     pages.push_back(page);
   for (const manual::Page& page : pages)
-    if (auto error = write(page, folder)) {
-      fmt::print(stderr, "capsoc: {}\n", error->text);
-      return run::exit_code::usage;
-    }
+    if (auto error = write(page, folder)) return refuse(error->text);
   return run::exit_code::pass;
 }
 

@@ -3,6 +3,7 @@
 
 #include "bus/address_map.h"
 #include "cli/commands.h"
+#include "host/console.h"
 #include "run/results.h"
 
 namespace capsoc::cli {
@@ -23,14 +24,14 @@ const char* name_of(bus::TargetKind kind) {
 int info_command() {
   const auto versions = run::versions();
   for (const auto& [name, version] : versions.items())
-    fmt::print("{:<16} {}\n", name, version.get<std::string>());
-  fmt::print("\n{:<12} {:<12} {:<24} {:<14} {}\n", "from", "to", "what", "kind", "interrupts");
+    host::print("{:<16} {}\n", name, version.get<std::string>());
+  host::print("\n{:<12} {:<12} {:<24} {:<14} {}\n", "from", "to", "what", "kind", "interrupts");
   for (const bus::MapEntry& entry : bus::soc_address_map()) {
     std::string lines;
     for (const bus::InterruptWire& wire : entry.interrupts)
       lines += wire.line == bus::nmi_line ? " NMI" : fmt::format(" {}", wire.line);
-    fmt::print("{:#010x}   {:#010x}   {:<24} {:<14}{}\n", entry.base, entry.last(), entry.name,
-               name_of(entry.kind), lines);
+    host::print("{:#010x}   {:#010x}   {:<24} {:<14}{}\n", entry.base, entry.last(), entry.name,
+                name_of(entry.kind), lines);
   }
   return run::exit_code::pass;
 }

@@ -1,15 +1,19 @@
 // capsoc: the command line. stdout carries UART 0 and what was asked for; everything else goes to
 // stderr.
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <mutex>
 #include <systemc>
 
 #include "cli/commands.h"
 #include "cli/exit_codes.h"
+#include "cli/refuse.h"
+#include "host/console.h"
+#include "host/end_signals.h"
 #include "run/results.h"
 #include "support/nearest.h"
 #include "version/version.h"
@@ -17,6 +21,23 @@
 namespace {
 
 using namespace capsoc;
+
+/// The log on standard error, which may be closed, full or left by its reader.
+class LogSink final : public spdlog::sinks::base_sink<std::mutex> {
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t text;
+    formatter_->format(message, text);
+    host::say(std::string_view(text.data(), text.size()));
+  }
+  void flush_() override {}
+};
+
+/// SystemC's own words, which it would print on standard output.
+void report(const sc_core::sc_report& words, const sc_core::sc_actions& actions) {
+  if ((actions & sc_core::SC_DISPLAY) != 0)
+    host::say("{}\n", sc_core::sc_report_compose_message(words));
+  sc_core::sc_report_handler::default_handler(words, actions & ~sc_core::SC_DISPLAY);
+}
 
 /// CLI11's complaint as one sentence, with the nearest known names for an unknown word.
 std::string sentence(const CLI::App& app, const CLI::ParseError& error) {
@@ -48,13 +69,8 @@ std::string exit_code_text() {
   return text;
 }
 
-}  // namespace
-
-int sc_main(int argc, char* argv[]) {
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("capsoc"));
-  spdlog::set_pattern("%l: %v");
-  spdlog::set_level(spdlog::level::warn);
-
+/// What the command line asks for, as an exit code.
+int perform(int argc, char* argv[]) {
   CLI::App app{
       "capsoc: a virtual prototype of a system-on-chip that calibrates angle sensors by itself",
       "capsoc"};
@@ -75,17 +91,33 @@ int sc_main(int argc, char* argv[]) {
   } catch (const CLI::Success& success) {
     return app.exit(success);  // --help and --version
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "capsoc: {}\n", sentence(app, error));
-    return run::exit_code::usage;
+    return cli::refuse(sentence(app, error));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "capsoc: internal error: {}; please report it with the command line\n",
-               error.what());
-    return run::exit_code::internal;
+    return cli::refuse(
+        fmt::format("internal error: {}; please report it with the command line", error.what()),
+        run::exit_code::internal);
   }
   return code;
 }
 
+}  // namespace
+
+int sc_main(int argc, char* argv[]) {
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("capsoc", std::make_shared<LogSink>()));
+  spdlog::set_pattern("%l: %v");
+  spdlog::set_level(spdlog::level::warn);
+  sc_core::sc_report_handler::set_handler(report);
+  const int code = perform(argc, argv);
+  // 74 says that all went well but for this; any other code says more.
+  if (const auto error = host::finish_output())
+    return cli::refuse(error->text, code == run::exit_code::pass ? run::exit_code::lost : code);
+  return code;
+}
+
 int main(int argc, char* argv[]) {
+  host::reserve_standard_streams();
+  host::catch_end_signals(run::exit_code::lost);
   setenv("SYSTEMC_DISABLE_COPYRIGHT_MESSAGE", "1", 1);
   return sc_core::sc_elab_and_sim(argc, argv);
 }

@@ -9,6 +9,10 @@
 #include <thread>
 
 #include "cli/commands.h"
+#include "cli/refuse.h"
+#include "cli/whole_number.h"
+#include "host/end_signals.h"
+#include "host/file_uses.h"
 #include "host/files.h"
 #include "regress/report.h"
 #include "regress/rtl_comparison.h"
@@ -19,6 +23,7 @@ namespace {
 
 using coprocessor::Arithmetic;
 
+constexpr uint64_t most_random = 1'000'000'000'000;
 constexpr double least_line_percent = 100, least_toggle_percent = 98;
 
 struct RegressArguments {
@@ -29,14 +34,43 @@ struct RegressArguments {
   bool list = false;
 };
 
-int refuse(const std::string& text) {
-  fmt::print(stderr, "capsoc: {}\n", text);
-  return run::exit_code::usage;
-}
-
 void list_scenarios() {
   for (const regress::Scenario& scenario : regress::scenarios())
-    fmt::print("{:<16} {}\n", scenario.name, scenario.purpose);
+    host::print("{:<16} {}\n", scenario.name, scenario.purpose);
+}
+
+std::string merged_coverage(const RegressArguments& a, Arithmetic arithmetic) {
+  return fmt::format("{}/{}.dat", a.plan.coverage_directory, regress::name_of(arithmetic));
+}
+
+std::string library_of(const RegressArguments& a, Arithmetic arithmetic) {
+  if (!a.library.empty()) return a.library;
+  return rtl::RtlLibrary::file_name(arithmetic, !a.plan.coverage_directory.empty());
+}
+
+/// No output is another file of the command, and all of them can be written.
+std::optional<Error> check_files(const RegressArguments& a) {
+  using Kind = host::FileUse::Kind;
+  std::vector<host::FileUse> uses = {{Kind::output, "--junit", a.junit},
+                                     {Kind::output, "--json", a.json}};
+  const bool coverage = !a.plan.coverage_directory.empty();
+  if (coverage) uses.push_back({Kind::input, "--coverage-exceptions", a.exceptions});
+  for (Arithmetic arithmetic : a.plan.arithmetics) {
+    uses.push_back({Kind::input, "--rtl-library", library_of(a, arithmetic)});
+    if (coverage) uses.push_back({Kind::output, "--coverage", merged_coverage(a, arithmetic)});
+  }
+  const auto runs = regress::runs_of(a.plan);
+  if (!runs) return Error{runs.error()};
+  for (const regress::Run& run : runs.value())
+    uses.push_back({Kind::output, "--coverage", run.coverage_file});
+  if (auto error = host::check_uses(uses)) return error;
+  for (const host::FileUse& use : uses)
+    if (use.kind == Kind::output && !use.path.empty())
+      if (auto error = host::check_writable(use.path)) return error;
+  // Read before an hour's work and not after it.
+  if (!coverage) return std::nullopt;
+  const auto exceptions = regress::CoverageExceptions::read(a.exceptions);
+  return exceptions ? std::nullopt : std::make_optional(Error{exceptions.error()});
 }
 
 std::optional<Error> prepare(RegressArguments& a) {
@@ -45,28 +79,22 @@ std::optional<Error> prepare(RegressArguments& a) {
   if (a.arithmetic != "precise") plan.arithmetics.push_back(Arithmetic::paper);
   if (!a.library.empty() && plan.arithmetics.size() > 1)
     return Error{"--rtl-library holds one arithmetic: give --arithmetic precise or paper, too"};
-  for (const std::string& file : {a.junit, a.json})
-    if (!file.empty())
-      if (auto error = host::check_writable(file)) return error;
   if (!a.library.empty()) plan.command_options = "--rtl-library " + a.library;
   std::error_code failure;
   if (!plan.coverage_directory.empty() && !std::filesystem::is_directory(plan.coverage_directory) &&
       !std::filesystem::create_directories(plan.coverage_directory, failure))
     return Error{fmt::format("the directory {} cannot be made: {}", plan.coverage_directory,
                              failure.message())};
-  return std::nullopt;
+  return check_files(a);
 }
 
 /// Opens each arithmetic's library once; instances share nothing but its code.
 std::optional<Error> open_libraries(RegressArguments& a) {
   std::vector<std::pair<Arithmetic, rtl::RtlLibrary::Handle>> libraries;
   for (Arithmetic arithmetic : a.plan.arithmetics) {
-    const bool coverage = !a.plan.coverage_directory.empty();
-    const std::string file =
-        a.library.empty() ? rtl::RtlLibrary::file_name(arithmetic, coverage) : a.library;
     coprocessor::Options options;
     options.arithmetic = arithmetic;
-    auto library = rtl::RtlLibrary::open(file, options);
+    auto library = rtl::RtlLibrary::open(library_of(a, arithmetic), options);
     if (!library) return Error{library.error()};
     libraries.emplace_back(arithmetic, library.value());
   }
@@ -92,9 +120,8 @@ Result<std::vector<regress::RtlCoverage>> merge(const RegressArguments& a,
     std::vector<std::string> files;
     for (const regress::Run& run : outcome.runs)
       if (run.arithmetic == arithmetic) files.push_back(run.coverage_file);
-    const std::string name = regress::name_of(arithmetic);
-    auto merged = regress::merge_coverage(
-        name, files, a.plan.coverage_directory + "/" + name + ".dat", exceptions.value());
+    auto merged = regress::merge_coverage(regress::name_of(arithmetic), files,
+                                          merged_coverage(a, arithmetic), exceptions.value());
     if (!merged) return Error{merged.error()};
     for (const std::string& file : files) std::remove(file.c_str());
     result.push_back(std::move(merged.value()));
@@ -110,6 +137,16 @@ bool covered(const std::vector<regress::RtlCoverage>& all) {
   return true;
 }
 
+/// The runs' own coverage files are gone at the end, whatever ends the command.
+std::vector<host::RemovedAtSignal> partial_coverage(const RegressArguments& a) {
+  std::vector<host::RemovedAtSignal> files;
+  if (a.plan.coverage_directory.empty()) return files;
+  const auto runs = regress::runs_of(a.plan);
+  if (!runs) return files;
+  for (const regress::Run& run : runs.value()) files.emplace_back(run.coverage_file);
+  return files;
+}
+
 int regress_command(RegressArguments& a) {
   if (a.list) {
     list_scenarios();
@@ -118,23 +155,29 @@ int regress_command(RegressArguments& a) {
   if (auto error = prepare(a)) return refuse(error->text);
   if (auto error = open_libraries(a)) return refuse(error->text);
   const auto begin = std::chrono::steady_clock::now();
+  const auto parts = partial_coverage(a);
   const auto outcome = regress::run_campaign(a.plan);
   if (!outcome) return refuse(outcome.error());
   const auto rtl = merge(a, outcome.value());
   if (!rtl) return refuse(rtl.error());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  fmt::print("{}", regress::to_text(outcome.value(), rtl.value()));
+  host::print("{}", regress::to_text(outcome.value(), rtl.value()));
   std::fflush(stdout);
-  fmt::print(stderr, "{:.1f} s\n", wall.count());
+  host::say("{:.1f} s\n", wall.count());
   std::vector<host::TextFile> files;
   if (!a.json.empty())
     files.push_back(
         {a.json, regress::to_json(a.plan, outcome.value(), rtl.value()).dump(2) + "\n"});
   if (!a.junit.empty()) files.push_back({a.junit, regress::to_junit(outcome.value())});
+  bool whole = true;
   for (const host::TextFile& file : files)
-    if (auto error = host::write_whole(file.path, file.text)) return refuse(error->text);
+    if (auto error = host::write_whole(file.path, file.text)) {
+      refuse(error->text);
+      whole = false;
+    }
   if (outcome.value().first_difference() != nullptr) return run::exit_code::diverged;
-  return covered(rtl.value()) ? run::exit_code::pass : run::exit_code::failed;
+  if (!covered(rtl.value())) return run::exit_code::failed;
+  return whole ? run::exit_code::pass : run::exit_code::lost;
 }
 
 }  // namespace
@@ -151,16 +194,19 @@ void add_regress(CLI::App& app, int& code) {
       ->check(CLI::IsMember({"precise", "paper", "both"}))
       ->capture_default_str();
   command->add_option("--seeds", a->plan.seeds, "How many seeds the amounts are spread over")
-      ->check(CLI::Range(uint64_t{1}, uint64_t{1000000}))
+      ->transform(whole_number(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--first-seed", a->plan.first_seed, "The first of them")
+      ->transform(whole_number(0, INT64_MAX))
       ->capture_default_str();
   command->add_option("--samples", a->plan.samples, "Random samples of each arithmetic")
+      ->transform(whole_number(0, most_random))
       ->capture_default_str();
   command->add_option("--accesses", a->plan.accesses, "Random bus accesses of each arithmetic")
+      ->transform(whole_number(0, most_random))
       ->capture_default_str();
   command->add_option("--jobs", a->plan.jobs, "Threads; the results do not depend on it")
-      ->check(CLI::Range(1u, 1024u));
+      ->transform(whole_number(1, 1024));
   command->add_option("--scenario", a->plan.scenarios, "Only these; --list names them")
       ->type_name("NAME");
   command->add_flag("--list", a->list, "List the scenarios");

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "cli/commands.h"
+#include "cli/refuse.h"
 #include "host/places.h"
 #include "reproduce/reproduce.h"
 #include "run/results.h"
@@ -17,11 +18,9 @@ void add_reproduce(CLI::App& app, int& code) {
         const std::string traces = host::data_path("traces");
         for (const char* trace : reproduce::needed_traces)
           if (std::error_code ignored; !std::filesystem::exists(traces + "/" + trace, ignored)) {
-            fmt::print(stderr,
-                       "capsoc: {}/{}: there is no such trace; keep the folder traces/ beside "
-                       "capsoc\n",
-                       traces, trace);
-            code = run::exit_code::usage;
+            code = refuse(
+                fmt::format("{}/{}: there is no such trace; keep the folder traces/ beside capsoc",
+                            traces, trace));
             return;
           }
         code = reproduce::reproduce_tables(std::cout, traces) == 0 ? run::exit_code::pass

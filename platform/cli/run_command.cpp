@@ -1,21 +1,31 @@
 // capsoc run: the firmware on the SoC, with a sensor.
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/refuse.h"
+#include "host/file_uses.h"
 #include "host/files.h"
+#include "run/run_files.h"
 #include "run/run_settings.h"
 #include "run/session.h"
 
 namespace capsoc::cli {
 namespace {
 
-/// What the command line said, as text; Settings checks it.
+/// What an option of the command line said, as text; Settings checks it.
+struct Given {
+  std::string setting, value;
+  std::string option = "command line";  ///< that gave it, as sentences name it
+  Given(std::string path, std::string text) : setting(std::move(path)), value(std::move(text)) {}
+  Given(std::string path, std::string text, std::string name)
+      : setting(std::move(path)), value(std::move(text)), option(std::move(name)) {}
+};
+
 struct RunArguments {
-  std::vector<std::pair<std::string, std::string>> options;  ///< setting, value
+  std::vector<Given> options;
   std::vector<std::string> assignments;
   std::string config;
   bool list = false;
@@ -23,28 +33,40 @@ struct RunArguments {
 
 void list_settings(const Settings& settings) {
   for (const Setting& setting : settings.all())
-    fmt::print("{:<26} {:<22} {:<13} {}\n", setting.path, setting.value, name_of(setting.source),
-               setting.help);
+    host::print("{:<26} {:<22} {:<13} {}\n", setting.path, setting.value, name_of(setting.source),
+                setting.help);
+}
+
+/// The settings file, or "".
+std::string config_of(const RunArguments& arguments) {
+  const char* named = std::getenv("CAPSOC_CONFIG");
+  return arguments.config.empty() && named != nullptr ? named : arguments.config;
 }
 
 std::optional<Error> collect(const RunArguments& arguments, Settings& settings) {
-  std::string config = arguments.config;
-  if (const char* named = std::getenv("CAPSOC_CONFIG"); config.empty() && named != nullptr)
-    config = named;
+  const std::string config = config_of(arguments);
   if (!config.empty())
     if (auto error = settings.read_file(config)) return error;
   if (auto error = settings.read_environment(environ)) return error;
-  for (const auto& [path, value] : arguments.options)
-    if (auto error = settings.set(path, value, SettingSource::command_line, "command line"))
+  for (const Given& given : arguments.options)
+    if (auto error =
+            settings.set(given.setting, given.value, SettingSource::command_line, given.option))
       return error;
   for (const std::string& assignment : arguments.assignments)
     if (auto error = settings.set_assignment(assignment)) return error;
   return std::nullopt;
 }
 
-int refuse(const std::string& text) {
-  fmt::print(stderr, "capsoc: {}\n", text);
-  return run::exit_code::usage;
+/// Before anything is opened: no output is another file of the run, and what is written at the end
+/// can be.
+std::optional<Error> check_files(const RunArguments& arguments, const Settings& settings) {
+  std::vector<host::FileUse> uses = run::files_of(settings);
+  uses.push_back({host::FileUse::Kind::input, "--config", config_of(arguments)});
+  if (auto error = host::check_uses(uses)) return error;
+  for (const char* place : {"results.json", "results.record"})
+    if (const std::string& path = settings.text(place); !path.empty())
+      if (auto error = host::check_writable(path)) return error;
+  return std::nullopt;
 }
 
 int run_command(const RunArguments& arguments) {
@@ -56,19 +78,17 @@ int run_command(const RunArguments& arguments) {
   }
   spdlog::set_level(spdlog::level::from_str(settings.text("log.level")));
 
-  const std::string& json = settings.text("results.json");
-  for (const std::string& place : {json, settings.text("results.record")})
-    if (!place.empty())
-      if (auto error = host::check_writable(place)) return refuse(error->text);
+  if (auto error = check_files(arguments, settings)) return refuse(error->text);
   auto result = run::run(settings);
   if (!result) return refuse(result.error());
   const run::RunResult& r = result.value();
-  if (!r.divergence.empty()) fmt::print(stderr, "\n{}", r.divergence);
-  if (!r.fault_report.empty()) fmt::print(stderr, "\n{}", r.fault_report);
-  fmt::print(stderr, "{}", run::to_table(r));
-  if (!json.empty())
+  if (!r.divergence.empty()) host::say("\n{}", r.divergence);
+  if (!r.fault_report.empty()) host::say("\n{}", r.fault_report);
+  for (const std::string& sentence : r.lost) host::say("capsoc: {}\n", sentence);
+  host::say("{}", run::to_table(r));
+  if (const std::string& json = settings.text("results.json"); !json.empty())
     if (auto error = host::write_whole(json, run::to_text(run::to_json(r, settings))))
-      return refuse(error->text);
+      return refuse(error->text, r.code == run::exit_code::pass ? run::exit_code::lost : r.code);
   return r.code;
 }
 
@@ -82,8 +102,8 @@ void add_run(CLI::App& app, int& code) {
                           const std::string& help) {
     return run->add_option_function<std::string>(
         names,
-        [arguments, setting](const std::string& value) {
-          arguments->options.emplace_back(setting, value);
+        [arguments, setting, names](const std::string& value) {
+          arguments->options.emplace_back(setting, value, names == "elf" ? "ELF" : names);
         },
         help);
   };
@@ -94,7 +114,7 @@ void add_run(CLI::App& app, int& code) {
          [arguments](const std::vector<std::string>& places) {
            std::string list;
            for (const std::string& place : places) list += (list.empty() ? "" : ",") + place;
-           arguments->options.emplace_back("firmware.load", list);
+           arguments->options.emplace_back("firmware.load", list, "--load");
          },
          "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated")
       ->type_name("FILE[@ADDR]")

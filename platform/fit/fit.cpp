@@ -112,6 +112,11 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   if (!record) return Error{record.error()};
   Fit fit;
   fit.record = std::move(record.value());
+  const csfn::Samples& samples = fit.record.samples;
+  if (const auto error = csfn::check_samples(samples.u, samples.v)) {
+    fit.rejection = error->text;
+    return fit;
+  }
   csfn::IdentifyOptions identify = options.identify;
   identify.gates.full_scale = fit.record.full_scale;
   // 32 bits stand for a converter without steps (record.h).

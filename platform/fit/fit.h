@@ -40,7 +40,8 @@ struct AngleErrors {
 struct Fit {
   Record record;
   csfn::Identification answer;
-  /// Why there is no calibration: the reason of the gate that rejected it, or parameters that the
+  /// Why there is no calibration: samples that no ellipse can be put through (too few, a point, a
+  /// straight line), the reason of the gate that rejected it, or parameters that the
   /// registers cannot hold. Empty: there is one.
   std::string rejection;
   run::ParameterWords words;              ///< phi is 0
@@ -49,8 +50,8 @@ struct Fit {
   std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first
 };
 
-/// Error: the trace cannot be read or is no ellipse at all, or an option is out of range. A record
-/// that a gate rejects is no error: see Fit::rejection.
+/// Error: the trace cannot be read, or an option is out of range. A record that is rejected is no
+/// error: see Fit::rejection.
 Result<Fit> fit(const std::string& trace, const FitOptions& options);
 
 }  // namespace capsoc::fit

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include "host/sha256.h"
@@ -21,15 +19,6 @@ constexpr uint64_t largest_record = 100'000'000;  // 2.4 GB
 
 Eigen::ArrayXd to_array(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::ArrayXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-/// The line up to which a record was read before it could be judged: the last of a recording.
-long last_line(const std::string& path, const sensor::Description& description) {
-  if (description.motion != sensor::MotionKind::recorded) return 1;
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const long ends = std::count(text.begin(), text.end(), '\n');
-  return ends + (text.empty() || text.back() == '\n' ? 0 : 1);
 }
 
 double largest_value(unsigned bits) {
@@ -88,8 +77,6 @@ Result<Record> read_record(const std::string& path, const RecordOptions& options
   const Columns columns = convert(*source.value(), count, record.adc_bits);
   record.samples = {to_array(columns.u), to_array(columns.v)};
   if (columns.has_angle) record.angle = to_array(columns.angle);
-  if (const auto error = csfn::check_samples(record.samples.u, record.samples.v))
-    return Error{fmt::format("{}:{}: {}", path, last_line(path, record.description), error->text)};
   return record;
 }
 

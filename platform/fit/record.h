@@ -33,7 +33,7 @@ struct Record {
 std::string sha256_of_trace(const std::string& path);
 
 /// Reads what `capsoc run --sensor` takes. Error: one sentence with file and line for what cannot
-/// be read, and for samples that no ellipse can be put through (too few, a point, a straight line).
+/// be read. Whether the samples tell a sensor is not looked at.
 Result<Record> read_record(const std::string& path, const RecordOptions& options = {});
 
 }  // namespace capsoc::fit

@@ -1,5 +1,6 @@
 #include "host/files.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -7,17 +8,15 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <utility>
+
+#include "host/link_target.h"
 
 namespace capsoc::host {
 namespace {
 
-bool is_special(const std::string& path) {
-  struct stat status {};
-  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
-}
-
-std::optional<Error> write_temporary(const TextFile& file) {
-  std::FILE* stream = std::fopen(growing_name(file.path).c_str(), "wb");
+std::optional<Error> write_growing(const TextFile& file) {
+  std::FILE* stream = open_growing(file.path);
   if (stream == nullptr) return cannot_write(file.path, errno);
   const bool written =
       std::fwrite(file.text.data(), 1, file.text.size(), stream) == file.text.size();
@@ -27,11 +26,15 @@ std::optional<Error> write_temporary(const TextFile& file) {
   return std::nullopt;
 }
 
-std::optional<Error> write_and_rename(const std::vector<TextFile>& files) {
-  for (const TextFile& file : files)
-    if (auto error = write_temporary(file)) return error;
-  for (const TextFile& file : files)
-    if (auto error = name_grown(file.path)) return error;
+/// A device or a descriptor is not opened for a try: a pipe would take that for its end.
+std::optional<Error> check_in_place(const std::string& path, const Place& place) {
+  if (place.descriptor >= 0) {
+    const int flags = fcntl(place.descriptor, F_GETFL);
+    if (flags == -1) return cannot_write(path, errno);
+    if ((flags & O_ACCMODE) == O_RDONLY) return cannot_write(path, EBADF);
+    return std::nullopt;
+  }
+  if (access(place.path.c_str(), W_OK) != 0) return cannot_write(path, errno);
   return std::nullopt;
 }
 
@@ -43,26 +46,55 @@ Error cannot_write(const std::string& path, int error) {
 }
 
 std::string growing_name(const std::string& path) {
-  return is_special(path) ? path : fmt::format("{}.{}.tmp", path, getpid());
+  const Place place = place_of(path);
+  return place.in_place() ? path : fmt::format("{}.{}.tmp", place.path, getpid());
 }
 
-std::optional<Error> name_grown(const std::string& path) {
-  if (is_special(path) || std::rename(growing_name(path).c_str(), path.c_str()) == 0)
-    return std::nullopt;
-  return cannot_write(path, errno);
+std::FILE* open_growing(const std::string& path) {
+  const Place place = place_of(path);
+  if (place.descriptor < 0) return std::fopen(growing_name(path).c_str(), "wb");
+  // Opened anew it would begin at the front of a file that others write to as well.
+  const int copy = fcntl(place.descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  if (copy < 0) return nullptr;
+  std::fflush(stdout);
+  std::FILE* stream = fdopen(copy, "wb");
+  if (stream == nullptr) close(copy);
+  return stream;
 }
 
-void discard_grown(const std::string& path) {
-  if (!is_special(path)) std::remove(growing_name(path).c_str());
+GrowingFile::GrowingFile(const std::string& path) : path_(path), growing_(growing_name(path)) {
+  if (growing_ != path_) removed_.emplace(growing_);
+}
+
+GrowingFile::GrowingFile(GrowingFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      growing_(std::move(other.growing_)),
+      removed_(std::move(other.removed_)) {
+  other.removed_.reset();
+}
+
+GrowingFile::~GrowingFile() {
+  if (removed_) std::remove(growing_.c_str());
+}
+
+std::optional<Error> GrowingFile::name() {
+  if (!removed_) return std::nullopt;
+  if (std::rename(growing_.c_str(), place_of(path_).path.c_str()) != 0)
+    return cannot_write(path_, errno);
+  removed_.reset();
+  return std::nullopt;
 }
 
 std::optional<Error> write_together(const std::vector<TextFile>& files) {
   for (const TextFile& file : files)  // a rename onto a directory would fail half-way
     if (auto error = check_writable(file.path)) return error;
-  auto error = write_and_rename(files);
-  if (error)
-    for (const TextFile& file : files) discard_grown(file.path);
-  return error;
+  std::vector<GrowingFile> growing;
+  for (const TextFile& file : files) growing.emplace_back(file.path);
+  for (const TextFile& file : files)
+    if (auto error = write_growing(file)) return error;
+  for (GrowingFile& file : growing)
+    if (auto error = file.name()) return error;
+  return std::nullopt;
 }
 
 std::optional<Error> write_whole(const std::string& path, const std::string& text) {
@@ -70,13 +102,17 @@ std::optional<Error> write_whole(const std::string& path, const std::string& tex
 }
 
 std::optional<Error> check_writable(const std::string& path) {
+  const Place place = place_of(path);
+  if (place.in_place()) return check_in_place(path, place);
   struct stat status {};
-  if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
+  if (stat(place.path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
     return cannot_write(path, EISDIR);
-  std::FILE* file = std::fopen(growing_name(path).c_str(), "wb");
+  const std::string growing = growing_name(path);
+  const RemovedAtSignal removed(growing);
+  std::FILE* file = std::fopen(growing.c_str(), "wb");
   if (file == nullptr) return cannot_write(path, errno);
   std::fclose(file);
-  discard_grown(path);
+  std::remove(growing.c_str());
   return std::nullopt;
 }
 

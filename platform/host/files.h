@@ -1,10 +1,12 @@
 // Files that are written whole or not at all.
 #pragma once
 
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/end_signals.h"
 #include "support/result.h"
 
 namespace capsoc::host {
@@ -14,7 +16,8 @@ struct TextFile {
   std::string path, text;
 };
 
-/// Writes the whole file or nothing: a temporary file beside it, renamed at the end.
+/// Writes the whole file or nothing: a temporary file beside it, renamed at the end. A symbolic
+/// link stays one; the file that it leads to is written.
 std::optional<Error> write_whole(const std::string& path, const std::string& text);
 
 /// The same for files that belong together: none gets its name before all are complete.
@@ -23,12 +26,31 @@ std::optional<Error> write_together(const std::vector<TextFile>& files);
 /// The sentence for what cannot be written; `error` as errno has it.
 Error cannot_write(const std::string& path, int error);
 
-/// Where a file grows until it is whole: beside its place. A device or a pipe grows in its place.
+/// Where a file grows until it is whole: beside its place. A device, a pipe or a descriptor of this
+/// program (/dev/stdout) grows in its place.
 std::string growing_name(const std::string& path);
-/// Gives what has grown there its name.
-std::optional<Error> name_grown(const std::string& path);
-/// Or removes it.
-void discard_grown(const std::string& path);
+/// Opens that for writing; null with errno on failure.
+std::FILE* open_growing(const std::string& path);
+/// A file on its way to its name. Without name() it is removed in the end, and by a signal that
+/// ends the program.
+class GrowingFile {
+ public:
+  explicit GrowingFile(const std::string& path);
+  ~GrowingFile();
+  GrowingFile(GrowingFile&& other) noexcept;
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+  GrowingFile& operator=(GrowingFile&&) = delete;
+
+  const std::string& path() const { return path_; }
+  const std::string& growing() const { return growing_; }
+  /// Once it is complete and closed.
+  std::optional<Error> name();
+
+ private:
+  std::string path_, growing_;
+  std::optional<RemovedAtSignal> removed_;
+};
 
 /// Whether write_whole() could write there, tried before a long run and not after it. Leaves
 /// nothing behind.

@@ -1,23 +1,18 @@
 #include "loader/elf_image.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gelf.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <memory>
+#include <utility>
+
+#include "support/input_file.h"
 
 namespace capsoc::loader {
 namespace {
 
-struct FileCloser {
-  int descriptor;
-  ~FileCloser() { close(descriptor); }
-};
+constexpr uint64_t largest_program = 256U << 20U;  // debugging information included
 using ElfHandle = std::unique_ptr<Elf, int (*)(Elf*)>;
 
 Error wrong(const std::string& path, const std::string& what) {
@@ -126,18 +121,19 @@ bool ElfImage::overwrite(const std::string& name, const std::vector<uint8_t>& by
   return false;
 }
 
-Result<ElfImage> load_elf(const std::string& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0)
-    return wrong(path, fmt::format("cannot be read ({}); name an ELF file for the Cortex-M3",
-                                   std::strerror(errno)));
-  const FileCloser closer{descriptor};
-  struct stat status = {};
-  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-    return wrong(path, "is not a file; name an ELF file for the Cortex-M3");
+Result<std::string> read_program(const std::string& path) {
+  return read_input(path, {"name an ELF file for the Cortex-M3", largest_program});
+}
 
+Result<ElfImage> load_elf(const std::string& path) {
+  auto bytes = read_program(path);
+  if (!bytes) return Error{bytes.error()};
+  return parse_elf(path, std::move(bytes.value()));
+}
+
+Result<ElfImage> parse_elf(const std::string& path, std::string bytes) {
   elf_version(EV_CURRENT);
-  const ElfHandle elf(elf_begin(descriptor, ELF_C_READ, nullptr), elf_end);
+  const ElfHandle elf(elf_memory(bytes.data(), bytes.size()), elf_end);
   if (!elf || elf_kind(elf.get()) != ELF_K_ELF)
     return wrong(path, "is not an ELF file; build it with arm-none-eabi-gcc -mcpu=cortex-m3");
   GElf_Ehdr header;
@@ -148,7 +144,7 @@ Result<ElfImage> load_elf(const std::string& path) {
     return wrong(path, "is for another machine; build it with arm-none-eabi-gcc -mcpu=cortex-m3");
   if (header.e_type != ET_EXEC) return wrong(path, "is not linked to an executable; link it first");
 
-  auto segments = read_segments(path, elf.get(), static_cast<uint64_t>(status.st_size));
+  auto segments = read_segments(path, elf.get(), bytes.size());
   if (!segments) return Error{segments.error()};
   ElfImage image;
   image.path = path;

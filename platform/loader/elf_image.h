@@ -43,5 +43,9 @@ struct ElfImage {
 
 /// Reads a 32-bit little-endian ARM executable. Every damage is an error that names the file.
 Result<ElfImage> load_elf(const std::string& path);
+/// The bytes of such a file.
+Result<ElfImage> parse_elf(const std::string& path, std::string bytes);
+/// The bytes of a file that may be a program.
+Result<std::string> read_program(const std::string& path);
 
 }  // namespace capsoc::loader

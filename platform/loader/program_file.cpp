@@ -1,13 +1,11 @@
 #include "loader/program_file.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <optional>
+
+#include "support/input_file.h"
 
 namespace capsoc::loader {
 namespace {
@@ -15,18 +13,7 @@ namespace {
 constexpr uint64_t largest_file = 64U << 20U;  // more than all memories of the board
 
 Result<std::string> contents(const std::string& path) {
-  struct stat status = {};
-  if (stat(path.c_str(), &status) != 0)
-    return Error{
-        fmt::format("{}: cannot be read ({}); name a file to load", path, std::strerror(errno))};
-  if (!S_ISREG(status.st_mode)) return Error{fmt::format("{}: is not a file", path)};
-  if (static_cast<uint64_t>(status.st_size) > largest_file)
-    return Error{fmt::format("{}: is larger than all memories of the board", path)};
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-  file.read(bytes.data(), status.st_size);
-  if (!file) return Error{fmt::format("{}: cannot be read; look at its permissions", path)};
-  return bytes;
+  return read_input(path, {"name a file to load", largest_file});
 }
 
 int digit(char c) {
@@ -145,8 +132,10 @@ Result<ElfImage> parse_hex(const std::string& path, const std::string& text) {
 }
 
 Result<ElfImage> load_program(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return file.peek() == ':' ? load_hex(path) : load_elf(path);
+  auto bytes = read_program(path);
+  if (!bytes) return Error{bytes.error()};
+  const bool hex = bytes.value().front() == ':';
+  return hex ? parse_hex(path, bytes.value()) : parse_elf(path, std::move(bytes.value()));
 }
 
 Result<ElfImage> load_at(const std::string& place) {
@@ -161,7 +150,6 @@ Result<ElfImage> load_at(const std::string& place) {
   auto bytes = contents(path);
   if (!bytes) return Error{bytes.error()};
   const uint64_t size = bytes.value().size();
-  if (size == 0) return Error{fmt::format("{}: is empty", path)};
   if (address + size > uint64_t{1} << 32U)
     return Error{fmt::format("{}: does not fit behind {:#x}", path, address)};
   ElfImage image;

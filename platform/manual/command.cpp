@@ -80,7 +80,7 @@ Value read_value(const std::string& type_name, const std::string& description) {
 Value value_of(const Setting& setting) {
   Value value;
   value.choices = setting.choices;
-  value.file = setting.kind == SettingKind::path;
+  value.file = setting.is_path();
   switch (setting.kind) {
     case SettingKind::choice:
       value.name = joined(setting.choices, "|");
@@ -89,7 +89,9 @@ Value value_of(const Setting& setting) {
       value.choices = {"true", "false"};
       value.name = "true|false";
       break;
-    case SettingKind::path:
+    case SettingKind::input:
+    case SettingKind::output:
+    case SettingKind::directory:
       value.name = "FILE";
       break;
     case SettingKind::number:
@@ -98,6 +100,7 @@ Value value_of(const Setting& setting) {
       value.range = fmt::format("{} to {}", setting.minimum, setting.maximum);
       break;
     case SettingKind::text:
+    case SettingKind::backend:
       value.name = "TEXT";
       break;
   }

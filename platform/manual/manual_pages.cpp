@@ -119,7 +119,7 @@ std::string settings(const CommandLine& line, const Command& command) {
   for (const Setting& setting : line.settings) {
     const Value value = value_of(setting);
     // Where a file lies by default depends on where the program is.
-    const std::string built_in = setting.kind == SettingKind::path ? "" : setting.value;
+    const std::string built_in = setting.is_path() ? "" : setting.value;
     text += ".TP\n" + bold(setting.path) + "=" + italic(value.name) + "\n" +
             help_of(setting.help, remarks(value, built_in, false));
   }

@@ -5,7 +5,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 #include <sstream>
+
+#include "host/files.h"
+#include "support/input_file.h"
 
 namespace capsoc::regress {
 namespace {
@@ -27,7 +31,7 @@ Point parse(const std::string& key) {
     if (name == "f") point.file = value;
     if (name == "o") point.object = value;
     if (name == "h") point.hierarchy = value;
-    if (name == "l") point.line = static_cast<unsigned>(std::stoul(value));
+    if (name == "l") point.line = static_cast<unsigned>(std::strtoul(value.c_str(), nullptr, 10));
   }
   return point;
 }
@@ -43,17 +47,24 @@ bool counts(const Point& point) {
          point.file.compare(point.file.size() - folder.size(), folder.size(), folder) == 0;
 }
 
+/// Every file has the same points; one with fewer was cut short.
 Result<std::map<std::string, uint64_t>> sum(const std::vector<std::string>& files) {
   std::map<std::string, uint64_t> points;
   for (const std::string& name : files) {
     std::ifstream file(name);
     if (!file)
       return Error{fmt::format("{} cannot be read: coverage needs a library built for it", name)};
+    const size_t before = points.size();
+    std::set<std::string> seen;
     for (std::string line; std::getline(file, line);) {
       const size_t end = line.rfind('\'');
       if (line.rfind("C '", 0) != 0 || end < 3) continue;
-      points[line.substr(3, end - 3)] += std::stoull(line.substr(end + 1));
+      const std::string key = line.substr(3, end - 3);
+      points[key] += std::strtoull(line.c_str() + end + 1, nullptr, 10);
+      seen.insert(key);
     }
+    if (seen.size() != points.size() || (before != 0 && before != points.size()))
+      return Error{fmt::format("{} or a file before it is cut short; make room on its disk", name)};
   }
   return points;
 }
@@ -61,8 +72,10 @@ Result<std::map<std::string, uint64_t>> sum(const std::vector<std::string>& file
 }  // namespace
 
 Result<CoverageExceptions> CoverageExceptions::read(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) return Error{fmt::format("{} cannot be read", file)};
+  constexpr uint64_t largest = 1U << 24U;
+  const auto text = read_input(file, {"name the points that cannot be reached", largest, true});
+  if (!text) return Error{text.error()};
+  std::istringstream in(text.value());
   CoverageExceptions exceptions;
   unsigned number = 0;
   for (std::string line; std::getline(in, line);) {
@@ -105,11 +118,9 @@ Result<RtlCoverage> merge_coverage(const std::string& arithmetic,
                                    const CoverageExceptions& exceptions) {
   const auto points = sum(files);
   if (!points) return Error{points.error()};
-  std::ofstream out(merged);
-  out << "# SystemC::Coverage-3\n";
-  for (const auto& [key, hits] : points.value()) out << "C '" << key << "' " << hits << "\n";
-  out.close();
-  if (!out) return Error{fmt::format("{} cannot be written", merged)};
+  std::string text = "# SystemC::Coverage-3\n";
+  for (const auto& [key, hits] : points.value()) text += fmt::format("C '{}' {}\n", key, hits);
+  if (auto error = host::write_whole(merged, text)) return *error;
 
   RtlCoverage coverage;
   coverage.arithmetic = arithmetic;

@@ -8,10 +8,12 @@
 
 #include "host/places.h"
 #include "rtl_hash.h"
+#include "support/input_file.h"
 
 namespace capsoc::rtl {
 namespace {
 
+constexpr uint64_t largest_library = 1U << 30U;
 constexpr const char* rebuild = "build it with `cmake --build BUILD --target capsoc_rtl`";
 
 std::string refuse(const std::string& file, const capsoc_rtl_api& api,
@@ -45,6 +47,7 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored))
     return Error{fmt::format("{}: there is no such RTL library; {}", file, rebuild)};
+  if (auto error = check_input(file, {rebuild, largest_library})) return *error;
   // dlopen takes a name without a slash for one of the system's.
   const std::string path = std::filesystem::absolute(file, ignored).string();
   void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "coprocessor/coprocessor.h"
-#include "host/files.h"
 
 namespace capsoc::run {
 
@@ -14,7 +13,7 @@ void add_backend_settings(Settings& settings) {
                 "tlm (model), rtl (Verilated) or lockstep (both, compared)",
                 {"tlm", "rtl", "lockstep"}});
   settings.add({"coprocessor.rtl_library",
-                SettingKind::path,
+                SettingKind::input,
                 "",
                 "Verilated coprocessor; empty: the build's own",
                 {}});
@@ -24,10 +23,19 @@ void add_backend_settings(Settings& settings) {
                 "skip idle clocks or make every one; same results",
                 {"skip", "every"}});
   settings.add({"results.waves",
-                SettingKind::path,
+                SettingKind::output,
                 "",
                 "FST file: of the SoC, of the RTL, or of both sides around a difference",
                 {}});
+}
+
+std::string rtl_library(const Settings& settings) {
+  if (settings.text("coprocessor.backend") == "tlm") return "";
+  if (const std::string& chosen = settings.text("coprocessor.rtl_library"); !chosen.empty())
+    return chosen;
+  return rtl::RtlLibrary::file_name(settings.text("coprocessor.arithmetic") == "paper"
+                                        ? coprocessor::Arithmetic::paper
+                                        : coprocessor::Arithmetic::precise);
 }
 
 std::string lockstep_waves(const Settings& settings) {
@@ -44,19 +52,20 @@ Result<CoprocessorBackend> make_backend(const Settings& settings,
     backend.device = std::make_unique<coprocessor::Coprocessor>(options);
     return backend;
   }
-  std::string file = settings.text("coprocessor.rtl_library");
-  if (file.empty()) file = rtl::RtlLibrary::file_name(options.arithmetic);
-  auto library = rtl::RtlLibrary::open(file, options);
+  auto library = rtl::RtlLibrary::open(rtl_library(settings), options);
   if (!library) return Error{library.error()};
-  if (!waves.empty())
-    if (auto error = host::check_writable(waves)) return *error;
+  if (!waves.empty()) {
+    auto file = trace::WaveFile::at(waves);
+    if (!file) return Error{file.error()};
+    if (kind == "rtl") backend.waves.emplace(std::move(file.value()));
+  }
   const auto clocking = settings.text("coprocessor.rtl_clock") == "every" ? rtl::Clocking::every
                                                                           : rtl::Clocking::skip;
   auto verilated = std::make_unique<rtl::CoprocessorRtl>(library.value(), clocking);
   backend.rtl = verilated.get();
   if (kind == "rtl") {
-    if (!waves.empty())
-      if (auto error = verilated->open_waves(waves)) return *error;
+    if (backend.waves)
+      if (auto error = verilated->open_waves(backend.waves->growing())) return *error;
     backend.device = std::move(verilated);
     return backend;
   }

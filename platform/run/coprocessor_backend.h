@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "coprocessor/device.h"
@@ -10,6 +11,7 @@
 #include "rtl/lockstep.h"
 #include "support/result.h"
 #include "support/settings.h"
+#include "trace/wave_file.h"
 
 namespace capsoc::run {
 
@@ -18,6 +20,7 @@ struct CoprocessorBackend {
   std::unique_ptr<coprocessor::Device> device;
   rtl::CoprocessorRtl* rtl = nullptr;
   rtl::Lockstep* lockstep = nullptr;
+  std::optional<trace::WaveFile> waves;  ///< of the RTL's inside, if they are asked for
 };
 
 /// Adds the settings coprocessor.backend, .rtl_library, .rtl_clock and results.waves.
@@ -27,6 +30,9 @@ void add_backend_settings(Settings& settings);
 /// parameters than `options`, or the wave file cannot be written.
 Result<CoprocessorBackend> make_backend(const Settings& settings,
                                         const coprocessor::Options& options);
+
+/// The library of the Verilated coprocessor, "" if the model is all that there is.
+std::string rtl_library(const Settings& settings);
 
 /// Where the waves of a difference go.
 std::string lockstep_waves(const Settings& settings);

@@ -1,7 +1,6 @@
 #include "run/host_ports.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
+#include "host/console.h"
 
 namespace capsoc::run {
 namespace {
@@ -15,8 +14,8 @@ Result<std::unique_ptr<debug::GdbServer>> make_gdb_server(const Settings& settin
   if (port < 0) return std::unique_ptr<debug::GdbServer>();
   auto connections = debug::Connections::listen(static_cast<uint16_t>(port));
   if (!connections) return Error{connections.error()};
-  fmt::print(stderr, "gdb: listening on 127.0.0.1:{}{}\n", connections.value()->port(),
-             halted ? ", waiting for a debugger" : "");
+  host::say("gdb: listening on 127.0.0.1:{}{}\n", connections.value()->port(),
+            halted ? ", waiting for a debugger" : "");
   return std::make_unique<debug::GdbServer>(soc, std::move(connections.value()), halted,
                                             std::move(give_up));
 }
@@ -56,12 +55,14 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const Settings& settings, soc
   return ports;
 }
 
-void HostPorts::finish() {
-  semihosting_->flush();
+std::vector<std::string> HostPorts::finish() {
+  const std::string console = semihosting_->finish();
   uarts_.finish();
-  for (const std::string& failure : uarts_.failures()) spdlog::error(failure);
-  itm_->flush();
-  if (const std::string failure = itm_->failure(); !failure.empty()) spdlog::error(failure);
+  itm_->finish();
+  std::vector<std::string> lost = uarts_.failures();
+  for (const std::string& failure : {console, itm_->failure()})
+    if (!failure.empty()) lost.push_back(failure);
+  return lost;
 }
 
 void HostPorts::tell_debugger(int code) {

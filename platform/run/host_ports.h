@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "debug/gdb_server.h"
 #include "run/itm_output.h"
@@ -22,8 +24,8 @@ class HostPorts {
                                                  const std::string& program_file,
                                                  const serial::GiveUp& give_up);
 
-  /// After the simulation: everything delivered, and what was lost told of.
-  void finish();
+  /// After the simulation: everything delivered. A sentence for each place that lost something.
+  std::vector<std::string> finish();
   /// What the program ended with goes to a debugger.
   void tell_debugger(int code);
 

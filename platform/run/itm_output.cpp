@@ -32,6 +32,11 @@ void ItmOutput::put_byte(char byte) {
   if (byte == '\n' || line_.size() >= longest) flush();
 }
 
+void ItmOutput::finish() {
+  flush();
+  if (backend_) backend_->finish();
+}
+
 void ItmOutput::flush() {
   if (line_.empty()) return;
   if (backend_) {

@@ -23,6 +23,8 @@ class ItmOutput {
   void put(unsigned port, uint32_t value, unsigned size);
   /// Hands on an unfinished line.
   void flush();
+  /// At the end of the run.
+  void finish();
   /// Why text was lost, a sentence; empty if none was.
   std::string failure() const { return backend_ ? backend_->failure() : ""; }
 

@@ -5,19 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
 #include <vector>
+
+#include "support/input_file.h"
 
 namespace capsoc::run {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t largest_file = 1u << 24;
+constexpr uint64_t largest_file = 1U << 24U;
 
 struct Entry {
   int64_t word = 0;
@@ -72,14 +72,9 @@ Result<uint32_t> read_angle(const json& parameters, const char* name, const std:
 }
 
 Result<json> read_json(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  if (file) text.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  if (!file || text.empty())
-    return Error{fmt::format("{}: cannot be read; name a file that capsoc fit wrote", path)};
-  if (text.size() > largest_file)
-    return Error{fmt::format("{}: {} bytes are no calibration; name a file that capsoc fit wrote",
-                             path, text.size())};
+  const auto read = read_input(path, {"name a file that capsoc fit wrote", largest_file});
+  if (!read) return Error{read.error()};
+  const std::string& text = read.value();
   std::size_t damaged_at = 0;
   try {
     return json::parse(text);

@@ -1,6 +1,7 @@
 #include "run/progress.h"
 
-#include <fmt/format.h>
+#include "host/console.h"
+#include "run/results.h"
 
 namespace capsoc::run {
 
@@ -13,15 +14,14 @@ void Progress::update(double simulated_s, const ParameterWords& words) {
   last_ = now;
   const double wall = std::chrono::duration<double>(now - start_).count();
   const Parameters p = to_values(words);
-  fmt::print(stderr,
-             "\r{:7.1f} s  {:5.0f}x  a1 {:.6f}  a2 {:.6f}  b1 {:+.6f}  b2 {:+.6f}  beta {:+.6f}  "
-             "phi {:+.6f} ",
-             simulated_s, simulated_s / wall, p.a1, p.a2, p.b1, p.b2, p.beta, p.phi);
-  std::fflush(stderr);
+  host::say(
+      "\r{:7.1f} s  {:>5}x  a1 {:.6f}  a2 {:.6f}  b1 {:+.6f}  b2 {:+.6f}  beta {:+.6f}  "
+      "phi {:+.6f} ",
+      simulated_s, speed_of(simulated_s, wall), p.a1, p.a2, p.b1, p.b2, p.beta, p.phi);
 }
 
 void Progress::finish() {
-  if (shown_ && calls_ > 0) fmt::print(stderr, "\r{:110}\r", "");
+  if (shown_ && calls_ > 0) host::say("\r{:110}\r", "");
 }
 
 }  // namespace capsoc::run

@@ -109,6 +109,11 @@ std::string sensor_table(const RunResult& result) {
   return text;
 }
 
+/// A short time is not none.
+std::string seconds(double value) {
+  return value >= 1 ? fmt::format("{:.2f}", value) : fmt::format("{:.2g}", value);
+}
+
 }  // namespace
 
 nlohmann::ordered_json versions() {
@@ -161,9 +166,15 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   if (!result.sensor_warnings.empty()) j["sensor_warnings"] = result.sensor_warnings;
   j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
   if (result.golden) j["golden"] = fit::to_json(*result.golden);
+  if (!result.lost.empty()) j["lost"] = result.lost;
   if (!result.divergence.empty()) j["divergence"] = result.divergence;
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
   return j;
+}
+
+std::string speed_of(double simulated_s, double wall_s) {
+  const double speed = wall_s > 0 ? simulated_s / wall_s : 0;
+  return speed >= 10 ? fmt::format("{:.0f}", speed) : fmt::format("{:.2g}", speed);
 }
 
 std::string to_table(const RunResult& result) {
@@ -172,12 +183,11 @@ std::string to_table(const RunResult& result) {
   line("");
   if (result.samples > 0) text += sensor_table(result);
   if (result.golden) text += fit::to_table(*result.golden) + "\n";
-  line(fmt::format(
-      "{}{:.1f} simulated s in {:.2f} s ({:.0f} times real time), {} "
-      "instructions, {} cycles",
-      result.samples > 0 ? fmt::format("{} samples, ", result.samples) : "", result.simulated_s,
-      result.wall_s, result.wall_s > 0 ? result.simulated_s / result.wall_s : 0.0,
-      result.instructions, result.cycles));
+  line(fmt::format("{}{} simulated s in {} s ({} times real time), {} instructions, {} cycles",
+                   result.samples > 0 ? fmt::format("{} samples, ", result.samples) : "",
+                   seconds(result.simulated_s), seconds(result.wall_s),
+                   speed_of(result.simulated_s, result.wall_s), result.instructions,
+                   result.cycles));
   line(fmt::format("exit {}: {}", result.code, result.reason));
   return text;
 }

@@ -24,6 +24,7 @@ constexpr int rejected = 3;  ///< a gate of the identifier refuses the samples
 constexpr int diverged = 4;  ///< the coprocessor's model and RTL differ
 constexpr int crashed = 5;   ///< lockup
 constexpr int internal = 70;
+constexpr int lost = 74;          ///< all went well, but an output did not take everything
 constexpr int limit = 124;        ///< a time limit was hit
 constexpr int signal_base = 128;  ///< + signal number
 }  // namespace exit_code
@@ -52,6 +53,7 @@ struct RunResult {
   std::string uart0_sha256;
   std::vector<Input> inputs;
   std::string command;                ///< a command that reproduces the run
+  std::vector<std::string> lost;      ///< a sentence for each output that is not whole
   std::string divergence;             ///< "" unless model and RTL of the coprocessor differ
   std::string fault_report;           ///< "" unless the firmware crashed
   std::optional<fit::Golden> golden;  ///< only when it was asked for
@@ -65,6 +67,9 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
 
 /// A result file's text. Bytes that are no UTF-8 (of an option, of a UART) are replaced.
 std::string to_text(const nlohmann::ordered_json& json);
+
+/// How many times faster than real time, "1234" or "0.021".
+std::string speed_of(double simulated_s, double wall_s);
 
 /// Parameters beside the truth and the angle error before and after, as text; only the last lines
 /// for a run that took no sample of the sensor.

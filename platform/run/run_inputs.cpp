@@ -23,13 +23,6 @@ std::optional<Parameters> truth_of(const sensor::Description& d) {
   return Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
 }
 
-/// Parameters from outside need a program that has a place for them.
-std::string program_of(const Settings& settings) {
-  const bool chosen = settings.source("firmware.elf") != SettingSource::built_in;
-  if (settings.text("firmware.parameters").empty() || chosen) return settings.text("firmware.elf");
-  return host::data_path("firmware/calibrate.elf");
-}
-
 /// A program that nobody named and that is not there: the binary was copied without its files.
 std::optional<Error> missing_default(const Settings& settings, const std::string& program) {
   std::error_code ignored;
@@ -42,7 +35,14 @@ std::optional<Error> missing_default(const Settings& settings, const std::string
       program)};
 }
 
-/// What --load named, in its order; later ones overwrite.
+}  // namespace
+
+std::string program_of(const Settings& settings) {
+  const bool chosen = settings.source("firmware.elf") != SettingSource::built_in;
+  if (settings.text("firmware.parameters").empty() || chosen) return settings.text("firmware.elf");
+  return host::data_path("firmware/calibrate.elf");
+}
+
 std::vector<std::string> places_to_load(const Settings& settings) {
   std::vector<std::string> places;
   std::istringstream list(settings.text("firmware.load"));
@@ -50,8 +50,6 @@ std::vector<std::string> places_to_load(const Settings& settings) {
     if (!place.empty()) places.push_back(place);
   return places;
 }
-
-}  // namespace
 
 Result<RunInputs> read_inputs(const Settings& settings) {
   RunInputs inputs;

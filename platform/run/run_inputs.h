@@ -37,6 +37,12 @@ struct RunInputs {
   std::vector<Input> files(const Settings& settings) const;
 };
 
+/// The program: of the settings, or the one that has a place for parameters from outside.
+std::string program_of(const Settings& settings);
+
+/// FILE or FILE@ADDRESS of each further image, in order; later ones overwrite.
+std::vector<std::string> places_to_load(const Settings& settings);
+
 /// An Error is a file that is missing or wrong, or a setting that does not fit it.
 Result<RunInputs> read_inputs(const Settings& settings);
 

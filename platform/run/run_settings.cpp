@@ -52,15 +52,15 @@ Settings make_settings() {
                        double maximum = 0) {
     s.add({path, kind, std::move(value), help, std::move(choices), minimum, maximum});
   };
-  add("firmware.elf", SettingKind::path, host::data_path("firmware/selfcal.elf"),
+  add("firmware.elf", SettingKind::input, host::data_path("firmware/selfcal.elf"),
       "program for the Cortex-M3");
   add("firmware.load", SettingKind::text, "",
       "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas");
   add("firmware.vector_table", SettingKind::text, "auto",
       "address of the vector table; auto: 0, or where the program has it");
-  add("firmware.parameters", SettingKind::path, "",
+  add("firmware.parameters", SettingKind::input, "",
       "JSON with parameters to write in the program; empty: none");
-  add("sensor.file", SettingKind::path, default_sensor(), "sensor description or recording");
+  add("sensor.file", SettingKind::input, default_sensor(), "sensor description or recording");
   add("sensor.adc_bits", SettingKind::integer, "0",
       "width of the converter at reset; 0: as the sensor says", {}, 0, 32);
   add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
@@ -82,15 +82,15 @@ Settings make_settings() {
   add_semihosting_settings(s);
   add("run.stop_in_fault", SettingKind::flag, "true",
       "a fault handler that branches to itself is a crash, if nothing can interrupt it");
-  add("itm.backend", SettingKind::text, "null",
+  add("itm.backend", SettingKind::backend, "null",
       "where the processor's ITM text goes: stdout, null, log (level info) or file:PATH");
   add("itm.port", SettingKind::integer, "0", "stimulus port of that text", {}, 0, 31);
   add("run.golden", SettingKind::flag, "false", "fit the coprocessor's samples by the CSFN, too");
   add("gdb.port", SettingKind::integer, "-1", "port of the GDB server; 0: a free one, -1: none", {},
       -1, 65535);
   add("gdb.halt", SettingKind::flag, "false", "wait for a debugger before the first instruction");
-  add("results.json", SettingKind::path, "", "where the results go; empty: nowhere");
-  add("results.record", SettingKind::path, "",
+  add("results.json", SettingKind::output, "", "where the results go; empty: nowhere");
+  add("results.record", SettingKind::output, "",
       "where the coprocessor's samples go (CSV); empty: nowhere");
   add("log.level", SettingKind::choice, "warn", "trace, debug, info, warn, error, off",
       {"trace", "debug", "info", "warn", "error", "off"});

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
+#include "host/console.h"
 #include "serial/open_backend.h"
 
 namespace capsoc::run {
@@ -33,13 +33,13 @@ semihosting::HeapInfo heap_of(const loader::ElfImage& image, const bus::AddressM
 
 void add_semihosting_settings(Settings& s) {
   s.add({"semihosting.directory",
-         SettingKind::path,
+         SettingKind::directory,
          "",
          "where the program's files are; empty: it gets none",
          {},
          0,
          0});
-  s.add({"semihosting.console", SettingKind::text, "stderr", serial::backend_names, {}, 0, 0});
+  s.add({"semihosting.console", SettingKind::backend, "stderr", serial::backend_names, {}, 0, 0});
   s.add({"semihosting.arguments",
          SettingKind::text,
          "",
@@ -78,7 +78,7 @@ Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const Settings& s
       serial::open_backend(settings.text("semihosting.console"), "--semihosting-console", give_up);
   if (!console) return Error{console.error()};
   if (const std::string place = console.value()->place(); !place.empty())
-    fmt::print(stderr, "semihosting: {}\n", place);
+    host::say("semihosting: {}\n", place);
   semihosting::Environment environment;
   // The name without its folder: the same bytes wherever the program lies.
   environment.command_line = std::filesystem::path(program).filename().string();
@@ -90,8 +90,10 @@ Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const Settings& s
     return static_cast<uint64_t>(soc.clock.time_of(soc.cpu.core().cycles()) /
                                  sc_core::sc_time(1, sc_core::SC_NS));
   };
-  return std::unique_ptr<SemihostingPort>(new SemihostingPort(
+  std::unique_ptr<SemihostingPort> port(new SemihostingPort(
       soc, std::move(console.value()), std::move(files), std::move(environment), give_up));
+  port->on_standard_error_ = settings.text("semihosting.console") == "stderr";
+  return port;
 }
 
 SemihostingPort::SemihostingPort(soc::Soc& soc, std::unique_ptr<serial::CharacterBackend> console,
@@ -108,6 +110,11 @@ SemihostingPort::SemihostingPort(soc::Soc& soc, std::unique_ptr<serial::Characte
     core.set_reg(0, result);
     return goes_on;
   });
+}
+
+std::string SemihostingPort::finish() {
+  console_.finish();
+  return on_standard_error_ ? "" : console_.failure();
 }
 
 bool SemihostingPort::read(uint32_t address, void* data, uint32_t size) {

@@ -27,6 +27,9 @@ class SemihostingPort : private semihosting::GuestMemory {
   int exit_status() const { return semihosting_.exit_status(); }
   /// What the guest wrote is with the host.
   void flush() { console_.flush(); }
+  /// At the end of the run: why text of the console was lost, or "". Standard error may lose it: it
+  /// is the console's place when nobody asked for one.
+  std::string finish();
 
  private:
   SemihostingPort(soc::Soc& soc, std::unique_ptr<serial::CharacterBackend> console,
@@ -36,6 +39,7 @@ class SemihostingPort : private semihosting::GuestMemory {
   bool write(uint32_t address, const void* data, uint32_t size) override;
 
   soc::Soc& soc_;
+  bool on_standard_error_ = false;
   semihosting::Console console_;
   semihosting::Semihosting semihosting_;
 };

@@ -4,11 +4,11 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <csignal>
 
 #include "fit/golden.h"
+#include "host/end_signals.h"
 #include "host/files.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
@@ -26,27 +26,17 @@
 namespace capsoc::run {
 namespace {
 
-std::atomic<int> caught_signal{0};
-
-void on_signal(int number) {
-  caught_signal = number;
-}
-
 /// The host's reasons to end a run: a signal, or its own time.
 class HostLimit {
  public:
   /// 0 seconds: no limit.
-  explicit HostLimit(double seconds) : seconds_(seconds) {
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
-    std::signal(SIGPIPE, on_signal);  // nobody reads stdout any more; sockets do not raise it
-  }
+  explicit HostLimit(double seconds) : seconds_(seconds) {}
   double elapsed_s() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
   bool reached() {
     out_of_time_ = seconds_ > 0 && elapsed_s() > seconds_;
-    return out_of_time_ || caught_signal != 0;
+    return out_of_time_ || host::noted_signal() != 0;
   }
   /// As it was when it was last asked.
   bool out_of_time() const { return out_of_time_; }
@@ -84,6 +74,7 @@ void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& po
               const Limit& limit, bool out_of_time, RunResult& result) {
   using cortex_m3::EndReason;
   const int status = ports.exit_status();
+  const int caught_signal = host::noted_signal();
   const auto say = [&](int code, std::string reason) {
     result.code = code;
     result.reason = std::move(reason);
@@ -122,7 +113,7 @@ void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& po
     return say(exit_code::pass, "ended by the debugger");
   if (caught_signal != 0)
     return say(exit_code::signal_base + caught_signal,
-               fmt::format("ended by signal {}", caught_signal.load()));
+               fmt::format("ended by signal {}", caught_signal));
   if (out_of_time)
     return say(exit_code::limit, fmt::format("the limit of {:g} s of the host was hit",
                                              settings.number("run.timelimit_s")));
@@ -143,12 +134,32 @@ soc::Config soc_config(const Settings& settings) {
   return config;
 }
 
+std::optional<Error> write_waves(const rtl::Lockstep& lockstep, const std::string& path) {
+  auto file = trace::WaveFile::at(path);
+  if (!file) return Error{file.error()};
+  if (auto error = lockstep.write_waves(file.value().growing())) return error;
+  return file.value().finish();
+}
+
+/// What could not be written is told of by the run's exit code if nothing worse has happened.
+void take_losses(std::vector<std::string> lost, RunResult& result) {
+  result.lost = std::move(lost);
+  if (result.lost.empty() || result.code != exit_code::pass) return;
+  if (host::noted_signal() == SIGPIPE) {
+    result.code = exit_code::signal_base + SIGPIPE;
+    result.reason += ", but nobody read all of standard output";
+    return;
+  }
+  result.code = exit_code::lost;
+  result.reason += ", but not everything that it wrote could be kept";
+}
+
 /// The report of lockstep's difference, "" if there is none; its waves are written.
 std::string divergence_of(const Settings& settings, const rtl::Lockstep* lockstep,
                           const soc::Soc& soc) {
   if (lockstep == nullptr || !lockstep->difference()) return "";
   const std::string waves = lockstep_waves(settings);
-  const auto error = lockstep->write_waves(waves);
+  const auto error = write_waves(*lockstep, waves);
   return lockstep->report(reproducing_command(settings),
                           1e9 / static_cast<double>(soc.clock.frequency_hz())) +
          (error ? error->text + "\n" : fmt::format("waves of both sides: {}\n", waves));
@@ -220,31 +231,36 @@ Result<RunResult> run(const Settings& settings) {
   auto ports = HostPorts::open(settings, soc, inputs.program, inputs.program_file, interrupted);
   if (!ports) return Error{ports.error()};
 
+  host::note_end_signals();
   sc_core::sc_start();
 
-  ports.value()->finish();
+  std::vector<std::string> lost = ports.value()->finish();
+  const auto keep = [&lost](const std::optional<Error>& error) {
+    if (error) lost.push_back(error->text);
+  };
   progress.finish();
   match.finish();
   tlm_util::summarise_guest_errors();
   tlm_util::set_guest_error_context({});
   if (tracer.value() != nullptr)
-    if (auto error = tracer.value()->finish()) return *error;
+    for (const Error& error : tracer.value()->finish()) keep(error);
 
   result.command = reproducing_command(settings);
   result.divergence = divergence_of(settings, lockstep, soc);
   if (rtl != nullptr && lockstep == nullptr) rtl->close_waves();
+  if (backend.value().waves) keep(backend.value().waves->finish());
+  if (!record_file.empty())
+    keep(host::write_whole(
+        record_file,
+        to_recording(observation.recorded(), "The coprocessor's samples of " + result.command)));
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
   priorities.finish(result.code == exit_code::pass);
+  take_losses(std::move(lost), result);
   ports.value()->tell_debugger(result.code);
   result.wall_s = host_limit.elapsed_s();
   take_figures(soc, metrics, ports.value()->uarts(), result);
   result.inputs = inputs.files(settings);
   if (golden) result.golden = fit::compare(observation.recorded(), result.words);
-  if (!record_file.empty())
-    if (auto error = host::write_whole(
-            record_file,
-            to_recording(observation.recorded(), "The coprocessor's samples of " + result.command)))
-      return *error;
   if (result.code == exit_code::crashed)
     result.fault_report = describe_fault(soc.cpu.core(), inputs.program);
   return result;

@@ -22,7 +22,7 @@ trace::TraceOptions trace_options(const Settings& settings) {
 
 void add_trace_settings(Settings& settings) {
   const auto place = [&settings](const char* path, const char* help) {
-    settings.add({path, SettingKind::path, "", help, {}});
+    settings.add({path, SettingKind::output, "", help, {}});
   };
   place("trace.instructions", "where the instruction trace goes; empty: nowhere");
   place("trace.bus", "where the bus trace goes; empty: nowhere");
@@ -52,6 +52,10 @@ Result<std::unique_ptr<trace::Tracer>> attach_tracer(
     const Settings& settings, soc::Soc& soc, const loader::ElfImage& program,
     const std::vector<loader::ElfImage>& further_images) {
   const trace::TraceOptions options = trace_options(settings);
+  if (settings.text("coprocessor.backend") == "tlm" && !settings.text("trace.waves").empty() &&
+      !settings.text("results.waves").empty())
+    return Error{
+        "--waves and --trace-waves are the same waves with --coprocessor tlm; give one of them"};
   if (!options.any()) return std::unique_ptr<trace::Tracer>();
   std::vector<const loader::ElfImage*> images = {&program};
   for (const loader::ElfImage& further : further_images) images.push_back(&further);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "host/console.h"
 #include "serial/open_backend.h"
 
 namespace capsoc::run {
@@ -26,11 +27,11 @@ void add_uart_settings(Settings& settings) {
     settings.add({path, kind, value, std::move(help), {}, 0, 0});
   };
   for (std::size_t n = 0; n < 5; ++n) {
-    add(setting(n, "backend"), SettingKind::text, n == 0 ? "stdout" : "null",
+    add(setting(n, "backend"), SettingKind::backend, n == 0 ? "stdout" : "null",
         serial::backend_names);
-    add(setting(n, "input"), SettingKind::path, "",
+    add(setting(n, "input"), SettingKind::input, "",
         "bytes for the receiver from this file instead of the backend; empty: the backend's");
-    add(setting(n, "log"), SettingKind::path, "", "copy of what it sends; empty: none");
+    add(setting(n, "log"), SettingKind::output, "", "copy of what it sends; empty: none");
   }
   add("run.uart_wait", SettingKind::flag, "false",
       "a UART's first byte waits until somebody listens on its pty or tcp");
@@ -73,7 +74,7 @@ std::optional<Error> UartLines::open(const Settings& settings) {
   }
   for (const auto& line : lines_)
     if (const std::string place = line->backend().place(); !place.empty())
-      fmt::print(stderr, "{}: {}\n", line->name(), place);
+      host::say("{}: {}\n", line->name(), place);
   return std::nullopt;
 }
 
@@ -123,7 +124,7 @@ const serial::SerialLine* UartLines::matched() const {
 std::vector<std::string> UartLines::failures() const {
   std::vector<std::string> sentences;
   for (const auto& line : lines_)
-    if (std::string text = line->failure(); !text.empty()) sentences.push_back(std::move(text));
+    for (std::string& text : line->failures()) sentences.push_back(std::move(text));
   return sentences;
 }
 

@@ -21,6 +21,11 @@ void Console::flush() {
   if (!pending_.empty()) backend_->write(std::exchange(pending_, {}));
 }
 
+void Console::finish() {
+  flush();
+  backend_->finish();
+}
+
 bool Console::refill() {
   while (incoming_.empty()) {
     incoming_ = backend_->read();

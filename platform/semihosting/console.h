@@ -17,6 +17,10 @@ class Console {
 
   void write(std::string_view text);
   void flush();
+  /// At the end of the run: everything is delivered.
+  void finish();
+  /// Why text was lost, a sentence; empty if none was.
+  std::string failure() const { return backend_->failure(); }
   /// 1 to `most` bytes; empty at the end of the input.
   std::string read(std::size_t most);
 

@@ -9,8 +9,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <utility>
+
+#include "host/end_signals.h"
+#include "host/files.h"
 
 namespace capsoc::serial {
 namespace {
@@ -40,13 +44,28 @@ FileBackend::FileBackend(int output, host::Descriptor owned, std::string name, I
 
 Result<std::unique_ptr<CharacterBackend>> FileBackend::to_file(const std::string& path,
                                                                const GiveUp& give_up) {
-  host::Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.valid())
-    return Error{
-        fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(errno))};
+  struct stat status {};
+  const bool exists = stat(path.c_str(), &status) == 0;
+  if (!exists)
+    if (auto error = host::check_writable(path)) return *error;
+  host::Descriptor file(exists ? open(path.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC) : -1);
+  if (exists && !file.valid()) return host::cannot_write(path, errno);
   const int number = file.get();
-  return std::unique_ptr<CharacterBackend>(
+  std::unique_ptr<FileBackend> backend(
       new FileBackend(number, std::move(file), path, Input::none, give_up));
+  backend->untouched_ = !exists || S_ISREG(status.st_mode);
+  return std::unique_ptr<CharacterBackend>(std::move(backend));
+}
+
+/// The file is as it was until the run has begun: another option may still be refused.
+void FileBackend::begin() {
+  untouched_ = false;
+  if (!owned_.valid()) {
+    owned_.reset(open(name_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOCTTY, 0666));
+    output_ = owned_.get();
+  }
+  if (!owned_.valid() || ftruncate(owned_.get(), 0) != 0)
+    failure_ = fmt::format("{}: takes no bytes ({})", name_, std::strerror(errno));
 }
 
 std::unique_ptr<CharacterBackend> FileBackend::standard(bool reads, const GiveUp& give_up) {
@@ -78,6 +97,7 @@ bool FileBackend::wait_writable() {
 }
 
 void FileBackend::write(std::string_view bytes) {
+  if (untouched_) begin();
   if (output_ < 0 || !failure_.empty()) return;
   while (!bytes.empty()) {
     if (!wait_writable()) return;
@@ -87,10 +107,22 @@ void FileBackend::write(std::string_view bytes) {
     if (done > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(done));
     } else if (done < 0 && errno != EINTR && errno != EAGAIN) {
-      failure_ = fmt::format("{}: takes no more bytes ({})", name_, std::strerror(errno));
+      const int error = errno;
+      failure_ = fmt::format("{}: takes no more bytes ({})", name_, std::strerror(error));
+      // As any program of a pipe ends when nobody reads its standard output any more.
+      if (error == EPIPE && output_ == STDOUT_FILENO) host::note_signal(SIGPIPE);
       return;
     }
   }
+}
+
+/// Some file systems tell of a full disk only here.
+void FileBackend::finish() {
+  if (untouched_) begin();
+  if (!owned_.valid()) return;
+  output_ = -1;
+  if (close(owned_.release()) != 0 && failure_.empty())
+    failure_ = fmt::format("{}: did not take all bytes ({})", name_, std::strerror(errno));
 }
 
 std::string FileBackend::read() {

@@ -13,7 +13,7 @@ namespace capsoc::serial {
 /// Writes to a file; reads another one.
 class FileBackend : public CharacterBackend {
  public:
-  /// Output to `path`, replaced; no input.
+  /// Output to `path`, which is replaced by the first write() or finish(); no input.
   static Result<std::unique_ptr<CharacterBackend>> to_file(const std::string& path,
                                                            const GiveUp& give_up);
   /// Output to stdout; input from stdin if `reads`.
@@ -23,6 +23,7 @@ class FileBackend : public CharacterBackend {
 
   void write(std::string_view bytes) override;
   std::string read() override;
+  void finish() override;
   bool live() const override { return input_ != Input::none && input_ != Input::file; }
   std::string failure() const override { return failure_; }
 
@@ -30,6 +31,7 @@ class FileBackend : public CharacterBackend {
   enum class Input : uint8_t { none, file, pipe, terminal };
   FileBackend(int output, host::Descriptor owned, std::string name, Input input, GiveUp give_up);
   bool wait_writable();
+  void begin();
 
   int output_;  ///< -1: nowhere
   host::Descriptor owned_;
@@ -37,6 +39,7 @@ class FileBackend : public CharacterBackend {
   Input input_;
   GiveUp give_up_;
   std::string failure_;
+  bool untouched_ = false;  ///< a file of which nothing has been changed yet
 };
 
 }  // namespace capsoc::serial

@@ -1,23 +1,19 @@
 #include "serial/serial_line.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <chrono>
 #include <thread>
 
+#include "serial/file_backend.h"
 #include "serial/open_backend.h"
+#include "support/input_file.h"
 
 namespace capsoc::serial {
 namespace {
 
 constexpr std::size_t piece = 4096;  // handed to the host, or read from a file, at once
 constexpr std::chrono::milliseconds look_again{10};
-
-bool is_regular(const std::string& path) {
-  struct stat status {};
-  return stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
-}
 
 }  // namespace
 
@@ -38,16 +34,14 @@ SerialLine::SerialLine(LineConfig config, std::unique_ptr<CharacterBackend> back
 
 std::optional<Error> SerialLine::open_files() {
   if (!config_.input.empty()) {
+    const InputLimits any{fmt::format("name a file for {}.input", config_.name), UINT64_MAX, true};
+    if (auto error = check_input(config_.input, any)) return error;
     input_.open(config_.input, std::ios::binary);
-    if (!input_ || !is_regular(config_.input))
-      return Error{
-          fmt::format("{}: cannot be read; name a file for {}.input", config_.input, config_.name)};
   }
   if (!config_.log.empty()) {
-    log_.open(config_.log, std::ios::binary | std::ios::trunc);
-    if (!log_)
-      return Error{fmt::format("{}: cannot be written; name another file for {}.log", config_.log,
-                               config_.name)};
+    auto log = FileBackend::to_file(config_.log, give_up_);
+    if (!log) return Error{log.error()};
+    log_ = std::move(log.value());
   }
   return std::nullopt;
 }
@@ -61,7 +55,6 @@ void SerialLine::transmitted(uint8_t byte, bool dry) {
   if (config_.wait) wait_for_listener();
   ++bytes_;
   digest_.update(&byte, 1);
-  if (log_.is_open()) log_.put(static_cast<char>(byte));
   pending_ += static_cast<char>(byte);
   if (byte == '\n' || pending_.size() >= piece) flush();
   if (!config_.patterns.any() || match_) return;
@@ -72,8 +65,8 @@ void SerialLine::transmitted(uint8_t byte, bool dry) {
 void SerialLine::flush() {
   if (pending_.empty()) return;
   backend_->write(pending_);
+  if (log_ != nullptr) log_->write(pending_);
   pending_.clear();
-  if (log_.is_open()) log_.flush();
 }
 
 bool SerialLine::refill() {
@@ -95,13 +88,15 @@ std::optional<uint8_t> SerialLine::next_input() {
 
 void SerialLine::finish() {
   flush();
+  if (log_ != nullptr) log_->finish();
   backend_->finish();
 }
 
-std::string SerialLine::failure() const {
-  if (!backend_->failure().empty()) return backend_->failure();
-  if (log_.is_open() && !log_) return fmt::format("{}: takes no more bytes", config_.log);
-  return {};
+std::vector<std::string> SerialLine::failures() const {
+  std::vector<std::string> sentences;
+  for (const CharacterBackend* place : {backend_.get(), log_.get()})
+    if (place != nullptr && !place->failure().empty()) sentences.push_back(place->failure());
+  return sentences;
 }
 
 }  // namespace capsoc::serial

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/sha256.h"
 #include "serial/character_backend.h"
@@ -49,8 +50,8 @@ class SerialLine {
   const std::optional<LineWatch::Match>& match() const { return match_; }
   uint64_t bytes() const { return bytes_; }
   std::string sha256() const { return digest_.hex(); }
-  /// A sentence when bytes were lost that should have been kept, else empty.
-  std::string failure() const;
+  /// A sentence for the backend and for the log if bytes were lost that should have been kept.
+  std::vector<std::string> failures() const;
 
  private:
   SerialLine(LineConfig config, std::unique_ptr<CharacterBackend> backend, GiveUp give_up);
@@ -65,9 +66,9 @@ class SerialLine {
   std::optional<LineWatch::Match> match_;
   std::function<void()> on_match_;
   std::ifstream input_;
-  std::ofstream log_;
-  std::string pending_;   ///< sent by the UART, not yet handed on
-  std::string incoming_;  ///< from the host, not yet received
+  std::unique_ptr<CharacterBackend> log_;  ///< null without
+  std::string pending_;                    ///< sent by the UART, not yet handed on
+  std::string incoming_;                   ///< from the host, not yet received
   std::size_t taken_ = 0;
   uint64_t bytes_ = 0;
   host::Sha256 digest_;

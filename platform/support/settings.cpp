@@ -10,12 +10,15 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "support/input_file.h"
 #include "support/nearest.h"
 #include "support/printable.h"
 #include "support/toml.h"
 
 namespace capsoc {
 namespace {
+
+constexpr uint64_t largest_file = 1U << 20U;
 
 bool parse_number(const std::string& text, double& value) {
   const char* end = text.data() + text.size();
@@ -80,7 +83,10 @@ std::optional<Error> Settings::check(const Setting& setting, const std::string& 
                                      const std::string& origin) const {
   switch (setting.kind) {
     case SettingKind::text:
-    case SettingKind::path:
+    case SettingKind::input:
+    case SettingKind::output:
+    case SettingKind::directory:
+    case SettingKind::backend:
       return std::nullopt;
     case SettingKind::choice:
       if (std::count(setting.choices.begin(), setting.choices.end(), value) > 0)
@@ -116,6 +122,8 @@ std::optional<Error> Settings::set(const std::string& path, const std::string& v
     if (source >= setting.source) {
       setting.value = value;
       setting.source = source;
+      const bool general = origin == "command line" || origin.rfind("-C ", 0) == 0;
+      setting.option = source == SettingSource::command_line && !general ? origin : "";
     }
     return std::nullopt;
   }
@@ -159,7 +167,9 @@ std::optional<Error> Settings::read_environment(char** environment) {
 }
 
 std::optional<Error> Settings::read_file(const std::string& file) {
-  const toml::parse_result parsed = toml::parse_file(file);
+  const auto text = read_input(file, {"name a TOML file with settings", largest_file});
+  if (!text) return Error{text.error()};
+  const toml::parse_result parsed = toml::parse(text.value(), file);
   if (!parsed)
     return Error{fmt::format("{}:{}: {}; mend the TOML", file, parsed.error().source().begin.line,
                              printable(parsed.error().description(), 120))};
@@ -174,11 +184,11 @@ std::optional<Error> Settings::read_file(const std::string& file) {
                                line(node), printable(table_name.str()), "section")};
     for (auto&& [key, value] : *table) {
       const std::string path = fmt::format("{}.{}", table_name.str(), key.str());
-      const auto text = text_of(value);
-      if (!text)
+      const auto given = text_of(value);
+      if (!given)
         return Error{fmt::format("{}: {} must be a text, a number or true/false", line(value),
                                  printable(path))};
-      if (auto error = set(path, *text, SettingSource::file, line(value))) return error;
+      if (auto error = set(path, *given, SettingSource::file, line(value))) return error;
     }
   }
   return std::nullopt;

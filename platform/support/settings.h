@@ -12,8 +12,9 @@ namespace capsoc {
 /// Where a setting's value comes from; a later one wins.
 enum class SettingSource { built_in, file, environment, command_line };
 
-/// What a value must look like.
-enum class SettingKind { text, path, number, integer, choice, flag };
+/// What a value must look like. Files are told apart by what the run does with them, so that no
+/// output can be one of its inputs; a backend is a UART's (file:PATH, pty:LINK, ...).
+enum class SettingKind { text, input, output, directory, backend, number, integer, choice, flag };
 
 /// One setting of the platform, for instance `coprocessor.arithmetic`.
 struct Setting {
@@ -24,6 +25,14 @@ struct Setting {
   std::vector<std::string> choices;  ///< for SettingKind::choice
   double minimum = 0, maximum = 0;   ///< for numbers, both inclusive
   SettingSource source = SettingSource::built_in;
+  std::string option = {};  ///< that gave the value, "--json"; "" unless an option of its own did
+
+  bool is_path() const {
+    return kind == SettingKind::input || kind == SettingKind::output ||
+           kind == SettingKind::directory;
+  }
+  /// As a sentence names it.
+  const std::string& name() const { return option.empty() ? path : option; }
 };
 
 /// The settings of a run. Every refused value is a sentence that names where it came from.
@@ -47,10 +56,11 @@ class Settings {
   double number(const std::string& path) const;
   long long integer(const std::string& path) const;
   SettingSource source(const std::string& path) const { return find(path).source; }
+  /// A setting that exists.
+  const Setting& find(const std::string& path) const;
   const std::vector<Setting>& all() const { return settings_; }
 
  private:
-  const Setting& find(const std::string& path) const;
   std::optional<Error> check(const Setting& setting, const std::string& value,
                              const std::string& origin) const;
 

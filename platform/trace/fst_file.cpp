@@ -16,24 +16,21 @@ constexpr int picosecond = -12;  // power of ten
 
 }  // namespace
 
-FstFile::FstFile(std::string path, void* writer) : path_(std::move(path)), writer_(writer) {}
+FstFile::FstFile(WaveFile file, void* writer) : file_(std::move(file)), writer_(writer) {}
 
 Result<std::unique_ptr<FstFile>> FstFile::create(const std::string& path) {
-  if (auto error = host::check_writable(path)) return *error;
-  const std::string growing = host::growing_name(path);
-  if (growing == path) return Error{path + ": is no file; name one for the waves"};
-  void* writer = fstWriterCreate(growing.c_str(), 1);
+  auto file = WaveFile::at(path);
+  if (!file) return Error{file.error()};
+  void* writer = fstWriterCreate(file.value().growing().c_str(), 1);
   if (writer == nullptr) return host::cannot_write(path, errno);
   fstWriterSetTimescale(writer, picosecond);
   fstWriterSetVersion(writer, "capsoc");
   fstWriterSetDate(writer, "");  // the same run gives the same bytes
-  return std::unique_ptr<FstFile>(new FstFile(path, writer));
+  return std::unique_ptr<FstFile>(new FstFile(std::move(file.value()), writer));
 }
 
 FstFile::~FstFile() {
-  if (writer_ == nullptr) return;
-  fstWriterClose(writer_);
-  host::discard_grown(path_);
+  if (writer_ != nullptr) fstWriterClose(writer_);
 }
 
 void FstFile::open_scope(const std::string& name) {
@@ -124,12 +121,9 @@ std::optional<Error> FstFile::finish(uint64_t picoseconds) {
   waiting_.clear();  // ends of transfers that the run did not reach
   fstWriterEmitTimeChange(writer_, picoseconds);
   fstWriterFlushContext(writer_);
-  const bool whole = fstWriterGetFseekFailed(writer_) == 0;
   fstWriterClose(writer_);
   writer_ = nullptr;
-  if (whole) return host::name_grown(path_);
-  host::discard_grown(path_);
-  return host::cannot_write(path_, ENOSPC);
+  return file_.finish();
 }
 
 }  // namespace capsoc::trace

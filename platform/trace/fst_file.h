@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/result.h"
+#include "trace/wave_file.h"
 
 namespace capsoc::trace {
 
@@ -55,12 +56,12 @@ class FstFile {
     std::string text;
   };
 
-  FstFile(std::string path, void* writer);
+  FstFile(WaveFile file, void* writer);
   void announce(uint64_t picoseconds, Change change);
   void emit(const Change& change);
   Signal add(const std::string& name, Kind kind, unsigned width);
 
-  std::string path_;
+  WaveFile file_;
   void* writer_;
   std::vector<Variable> variables_;
   std::multimap<uint64_t, Change> waiting_;

@@ -3,24 +3,20 @@
 #include <cerrno>
 #include <utility>
 
-#include "host/files.h"
-
 namespace capsoc::trace {
 
-LineFile::LineFile(std::string path, std::size_t depth) : path_(std::move(path)), depth_(depth) {}
+LineFile::LineFile(const std::string& path, std::size_t depth) : growing_(path), depth_(depth) {}
 
 Result<std::unique_ptr<LineFile>> LineFile::open(const std::string& path, std::size_t depth) {
-  std::unique_ptr<LineFile> file(new LineFile(path, depth));
   if (auto error = host::check_writable(path)) return *error;
-  file->file_ = std::fopen(host::growing_name(path).c_str(), "w");
+  std::unique_ptr<LineFile> file(new LineFile(path, depth));
+  file->file_ = host::open_growing(path);
   if (file->file_ == nullptr) return host::cannot_write(path, errno);
   return file;
 }
 
 LineFile::~LineFile() {
-  if (file_ == nullptr) return;
-  std::fclose(file_);
-  host::discard_grown(path_);
+  if (file_ != nullptr) std::fclose(file_);
 }
 
 void LineFile::write(const std::string& line) {
@@ -46,9 +42,8 @@ std::optional<Error> LineFile::finish() {
   for (const std::string& line : kept_) write(line);
   if (std::fclose(file_) != 0 && error_ == 0) error_ = errno;
   file_ = nullptr;
-  if (error_ == 0) return host::name_grown(path_);
-  host::discard_grown(path_);
-  return host::cannot_write(path_, error_);
+  if (error_ == 0) return growing_.name();
+  return host::cannot_write(growing_.path(), error_);
 }
 
 }  // namespace capsoc::trace

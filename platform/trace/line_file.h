@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "host/files.h"
 #include "support/result.h"
 
 namespace capsoc::trace {
@@ -30,10 +31,11 @@ class LineFile {
   std::optional<Error> finish();
 
  private:
-  LineFile(std::string path, std::size_t depth);
+  LineFile(const std::string& path, std::size_t depth);
   void write(const std::string& line);
 
-  std::string path_, heading_;
+  host::GrowingFile growing_;
+  std::string heading_;
   std::size_t depth_;
   std::deque<std::string> kept_;
   std::FILE* file_ = nullptr;

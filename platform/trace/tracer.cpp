@@ -201,11 +201,11 @@ void Tracer::result(const coprocessor::Nodes& nodes) {
   waves_->result(now, nodes);
 }
 
-std::optional<Error> Tracer::finish() {
+std::vector<Error> Tracer::finish() {
   const cortex_m3::Core& core = soc_.cpu.core();
-  std::optional<Error> first;
-  const auto keep = [&first](std::optional<Error> error) {
-    if (!first) first = std::move(error);
+  std::vector<Error> errors;
+  const auto keep = [&errors](std::optional<Error> error) {
+    if (error) errors.push_back(std::move(*error));
   };
   if (instructions_ != nullptr) keep(instructions_->finish(core, seconds_of(core.cycles())));
   if (bus_ != nullptr) keep(bus_->finish());
@@ -216,7 +216,7 @@ std::optional<Error> Tracer::finish() {
                                                  : to_callgrind(*calls_, functions_, program_)));
   }
   if (waves_ != nullptr) keep(waves_->finish(picoseconds(sc_core::sc_time_stamp())));
-  return first;
+  return errors;
 }
 
 }  // namespace capsoc::trace

@@ -45,7 +45,7 @@ class Tracer : private cortex_m3::Observer {
   Tracer& operator=(const Tracer&) = delete;
 
   /// Writes what is left. Behind the simulation.
-  std::optional<Error> finish();
+  std::vector<Error> finish();
 
  private:
   explicit Tracer(soc::Soc& soc, const TraceOptions& options) : soc_(soc), options_(options) {}

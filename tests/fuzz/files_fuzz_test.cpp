@@ -185,7 +185,7 @@ TEST(FileFuzz, DamagedSettings) {
     settings.add({"cpu.lines", SettingKind::integer, "3", "", {}, 0, 32});
     settings.add({"run.golden", SettingKind::flag, "false", "", {}});
     settings.add({"run.until_uart", SettingKind::text, "", "", {}});
-    settings.add({"run.log", SettingKind::path, "", "", {}});
+    settings.add({"run.log", SettingKind::output, "", "", {}});
     const auto error = settings.read_file(file.write(Damage(number).text(whole)));
     if (!error) {
       tally.accept();

@@ -44,7 +44,7 @@ TEST(Value, ARangeIsReadable) {
 TEST(Value, SettingsOfferWhatTheyTake) {
   Setting setting{"a.b", SettingKind::flag, "true", "", {}};
   EXPECT_EQ(value_of(setting).choices, (Words{"true", "false"}));
-  setting.kind = SettingKind::path;
+  setting.kind = SettingKind::input;
   EXPECT_TRUE(value_of(setting).file);
   setting.kind = SettingKind::integer;
   setting.maximum = 31;

@@ -76,17 +76,29 @@ TEST(Record, BadInputIsASentenceWithFileAndLine) {
     EXPECT_EQ(record.error().rfind(trace.path() + line, 0), 0u) << record.error();
     EXPECT_NE(record.error().find(what), std::string::npos) << record.error();
   };
-  std::string line_text = "u,v\n", point = "u,v\n";
-  for (int i = 0; i < 50; ++i) {
-    line_text += std::to_string(0.01 * i) + "," + std::to_string(0.005 * i) + "\n";
-    point += "0.1,0.2\n";
-  }
-  refused("", ":1: ", "empty");
-  refused("u,v\n0.1,0.2\n", ":2: ", "too few");
+  refused("", ": ", "empty");
+  refused("u,v\n", ":1: ", "no row");
   refused("u,v\n0.1,0.2\nnan,0.1\n", ":3: ", "finite");
   refused("u,v\n0.1,0.2\n0.1,zero\n", ":3: ", "not a number");
-  refused(line_text, ":51: ", "straight line");
-  refused(point, ":51: ", "single point");
+}
+
+TEST(Fit, SamplesOfNoEllipseAreRejectedAndNoError) {
+  const auto rejected = [](const std::string& rows, const std::string& what) {
+    const Trace trace("u,v\n" + rows);
+    const auto fitted = fit(trace.path(), {});
+    ASSERT_TRUE(fitted) << fitted.error();
+    EXPECT_NE(fitted.value().rejection.find(what), std::string::npos) << fitted.value().rejection;
+  };
+  std::string line, point, four;
+  for (int i = 0; i < 50; ++i) {
+    line += std::to_string(0.01 * i) + "," + std::to_string(0.005 * i) + "\n";
+    point += "0.1,0.2\n";
+    four += "0.1,0.2\n0.3,0.1\n-0.2,0.3\n0.1,-0.3\n";
+  }
+  rejected("0.1,0.2\n", "too few");
+  rejected(line, "straight line");
+  rejected(point, "single point");
+  rejected(four, "five different points");
 }
 
 TEST(Record, AnEndlessTraceGivesTheMainJobsLength) {

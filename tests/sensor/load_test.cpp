@@ -15,11 +15,12 @@ std::string error_of(const std::string& path) {
 TEST(Load, SaysThatAFileIsMissing) {
   EXPECT_EQ(
       error_of("traces/none.toml"),
-      "traces/none.toml: cannot be opened (No such file or directory); check the path and its "
-      "permissions");
-  EXPECT_EQ(error_of("traces/none.csv"),
-            "traces/none.csv: cannot be opened (No such file or directory); check the path and its "
-            "permissions");
+      "traces/none.toml: cannot be read (No such file or directory); name a sensor description "
+      "(.toml) or a recording (.csv)");
+  EXPECT_EQ(
+      error_of("traces/none.csv"),
+      "traces/none.csv: cannot be read (No such file or directory); name a sensor description "
+      "(.toml) or a recording (.csv)");
 }
 
 TEST(Load, SaysWhichKindsOfFileItKnows) {
@@ -32,7 +33,9 @@ TEST(Load, SaysWhichKindsOfFileItKnows) {
 TEST(Load, DoesNotTakeADirectoryForAFile) {
   const std::string directory = ::testing::TempDir() + "folder.csv";
   std::filesystem::create_directories(directory);
-  EXPECT_EQ(error_of(directory), directory + ": this is a directory; give a .toml or .csv file");
+  EXPECT_EQ(
+      error_of(directory),
+      directory + ": is a directory; name a sensor description (.toml) or a recording (.csv)");
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST(SerialLine, CopiesToItsLogAndReadsItsInput) {
     for (const char c : std::string("text without an end")) line.value()->transmitted(c, false);
     line.value()->finish();
     EXPECT_EQ(line.value()->bytes(), 19U);
-    EXPECT_EQ(line.value()->failure(), "");
+    EXPECT_EQ(line.value()->failures().size(), 0u);
   }
   for (const std::string& path : {log, out}) {
     std::ifstream file(path);
@@ -104,11 +104,14 @@ TEST(SerialLine, CopiesToItsLogAndReadsItsInput) {
 }
 
 TEST(SerialLine, AFullDiskIsSaid) {
-  auto line = SerialLine::open({"uart0", "file:/dev/full", "", "", false, {}}, never);
+  auto line = SerialLine::open({"uart0", "file:/dev/full", "", "/dev/full", false, {}}, never);
   ASSERT_TRUE(line) << line.error();
   line.value()->transmitted('x', true);
   line.value()->finish();
-  EXPECT_NE(line.value()->failure().find("/dev/full: takes no more bytes"), std::string::npos);
+  const auto failures = line.value()->failures();
+  ASSERT_EQ(failures.size(), 2u) << "the file and the log";
+  for (const std::string& failure : failures)
+    EXPECT_NE(failure.find("/dev/full: takes no more bytes"), std::string::npos);
 }
 
 }  // namespace

@@ -409,13 +409,10 @@ class Fit(unittest.TestCase):
         self.assertEqual([m["method"] for m in every["methods"]], ["ml", "adam", "lm", "heydemann", "taubin", "direct"])
 
     def test_bad_input(self):
-        line = "".join(f"{0.01 * i},{0.005 * i}\n" for i in range(50))
-        self.refuse_file(2, b"", ":1: ")
-        self.refuse_file(2, b"u,v\n0.1,0.2\n", ":2: ")
+        self.refuse_file(2, b"", ": is empty")
+        self.refuse_file(2, b"u,v\n", ":1: ")
         self.refuse_file(2, b"u,v\n0.1,0.2\n0.3,nan\n", ":3: ")
         self.refuse_file(2, b"u,v\n0.1,0.2\n0.3,much\n", ":3: ")
-        self.refuse_file(2, b"u,v\n" + line.encode(), ":51: ")
-        self.refuse_file(2, b"u,v\n" + b"0.1,0.2\n" * 50, ":51: ")
         self.refuse(2, "none.csv", "none.csv")
         self.refuse(2, "--method", TRACES / "csfn_eq.toml", "--method", "guess")
         self.refuse(2, "--batch", TRACES / "csfn_eq.toml", "--batch", "0")
@@ -486,7 +483,7 @@ class Fit(unittest.TestCase):
         whole = json.dumps(good, indent=1)
         refuse(whole[:300], f"{path}:")
         refuse("[]", "no parameters")
-        refuse("", "cannot be read")
+        refuse("", "is empty")
         damaged = json.loads(whole)
         del damaged["parameters"]["b2"]
         refuse(json.dumps(damaged), "parameters.b2")

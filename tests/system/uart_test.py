@@ -315,7 +315,7 @@ class Options(Case):
         self.refuse("/nonexistent/x: cannot be written", "--uart0", "file:/nonexistent/x")
         self.refuse("cannot be made a link", "--uart0", f"pty:{file}")
         self.refuse("is taken by uart0", "--uart1", "stdio")
-        self.refuse("cannot be read", "-C", f"uart2.input={self.folder}")
+        self.refuse("is a directory", "-C", f"uart2.input={self.folder}")
         self.refuse("cannot be written", "-C", "uart2.log=/nonexistent/x")
         self.refuse("--until-uart (: is no regular expression", "--until-uart", "(")
         self.assertEqual(file.read_text(), "")

@@ -1,0 +1,26 @@
+// The files that a command reads and writes, held against each other before anything is opened.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "support/result.h"
+
+namespace capsoc::host {
+
+/// One file of a command.
+struct FileUse {
+  enum class Kind { input, output };
+  Kind kind;
+  std::string name;  ///< of the option, as an error sentence has it: "--json"
+  std::string path;
+};
+
+/// An Error if an output is an input's file or another output's: by device and inode, or, of files
+/// that are not there yet, by where the name leads to. The standard streams of the program count
+/// where they are files. Devices, pipes and names of open descriptors (/dev/stdout) are in nobody's
+/// way. The sentence names both options and the file.
+std::optional<Error> check_uses(const std::vector<FileUse>& uses);
+
+}  // namespace capsoc::host

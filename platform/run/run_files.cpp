@@ -1,0 +1,56 @@
+#include "run/run_files.h"
+
+#include "run/coprocessor_backend.h"
+#include "run/run_inputs.h"
+#include "trace/waves.h"
+
+namespace capsoc::run {
+namespace {
+
+using Kind = host::FileUse::Kind;
+
+/// The file or the link in "file:PATH" or "pty:LINK", or "".
+std::string path_of_backend(const std::string& backend) {
+  for (const char* kind : {"file:", "pty:"})
+    if (backend.rfind(kind, 0) == 0) return backend.substr(std::string(kind).size());
+  return "";
+}
+
+/// Where the waves of the SoC go, and GTKWave's save file beside them.
+void add_save_file(const Settings& settings, std::vector<host::FileUse>& uses) {
+  const bool model = settings.text("coprocessor.backend") == "tlm";
+  for (const char* path : {"trace.waves", "results.waves"}) {
+    const Setting& setting = settings.find(path);
+    const std::string save = trace::Waves::save_file(setting.value);
+    const bool made = !setting.value.empty() && (setting.path == "trace.waves" || model);
+    // Waves of the save file's own name are refused with a better sentence.
+    if (made && save != setting.value)
+      uses.push_back({Kind::output, "the save file of " + setting.name(), save});
+  }
+}
+
+}  // namespace
+
+std::vector<host::FileUse> files_of(const Settings& settings) {
+  std::vector<host::FileUse> uses;
+  for (const Setting& setting : settings.all()) {
+    if (setting.kind == SettingKind::input)
+      uses.push_back({Kind::input, setting.name(), setting.value});
+    if (setting.kind == SettingKind::output)
+      uses.push_back({Kind::output, setting.name(), setting.value});
+    if (setting.kind == SettingKind::backend)
+      uses.push_back({Kind::output, setting.name(), path_of_backend(setting.value)});
+  }
+  // What the settings' values do not say as they are.
+  uses.push_back({Kind::input, "the program", program_of(settings)});
+  for (const std::string& place : places_to_load(settings))
+    uses.push_back(
+        {Kind::input, settings.find("firmware.load").name(), place.substr(0, place.rfind('@'))});
+  uses.push_back({Kind::input, "the coprocessor's RTL", rtl_library(settings)});
+  if (settings.text("coprocessor.backend") == "lockstep" && settings.text("results.waves").empty())
+    uses.push_back({Kind::output, "the waves of --coprocessor lockstep", lockstep_waves(settings)});
+  add_save_file(settings, uses);
+  return uses;
+}
+
+}  // namespace capsoc::run

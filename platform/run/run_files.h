@@ -1,0 +1,15 @@
+// The files of a run.
+#pragma once
+
+#include <vector>
+
+#include "host/file_uses.h"
+#include "support/settings.h"
+
+namespace capsoc::run {
+
+/// Every file that these settings make a run read or write, for host::check_uses(). What the
+/// semihosting directory holds is the program's affair.
+std::vector<host::FileUse> files_of(const Settings& settings);
+
+}  // namespace capsoc::run

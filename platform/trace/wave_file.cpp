@@ -1,0 +1,53 @@
+#include "trace/wave_file.h"
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+
+#include "host/link_target.h"
+
+namespace capsoc::trace {
+namespace {
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+/// A block is a byte with its kind and its length without that byte, 8 bytes with the highest
+/// first; a file is a chain of blocks that begins with the header and ends at its end.
+bool is_whole(const std::string& path) {
+  constexpr int header_kind = 0, skip_kind = 255;
+  const File file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (file == nullptr || std::fseek(file.get(), 0, SEEK_END) != 0) return false;
+  const auto size = static_cast<uint64_t>(std::ftell(file.get()));
+  uint64_t at = 0;
+  while (at < size) {
+    std::array<unsigned char, 9> head{};
+    if (std::fseek(file.get(), static_cast<long>(at), SEEK_SET) != 0 ||
+        std::fread(head.data(), 1, head.size(), file.get()) != head.size())
+      return false;
+    uint64_t length = 0;
+    for (std::size_t i = 1; i < head.size(); ++i) length = length << 8U | head[i];
+    if ((at == 0) != (head[0] == header_kind) || head[0] == skip_kind) return false;
+    if (length < 8 || length > size - at - 1) return false;
+    at += 1 + length;
+  }
+  return at != 0;
+}
+
+}  // namespace
+
+WaveFile::WaveFile(const std::string& path) : file_(path), hierarchy_(file_.growing() + ".hier") {}
+
+Result<WaveFile> WaveFile::at(const std::string& path) {
+  if (host::place_of(path).in_place()) return Error{path + ": is no file; name one for the waves"};
+  if (auto error = host::check_writable(path)) return *error;
+  return WaveFile(path);
+}
+
+std::optional<Error> WaveFile::finish() {
+  if (!is_whole(file_.growing())) return host::cannot_write(file_.path(), ENOSPC);
+  return file_.name();
+}
+
+}  // namespace capsoc::trace
