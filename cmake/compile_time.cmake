@@ -55,5 +55,5 @@ function(capsoc_save_compile_time)
   capsoc_use_precompiled(capsoc_pch_cli capsoc)
   capsoc_use_precompiled(capsoc_pch_run capsoc_run capsoc_gdb)
   capsoc_use_precompiled(capsoc_pch_shells capsoc_tlm capsoc_bus capsoc_cmsdk capsoc_mps2 capsoc_peripherals capsoc_coprocessor_tlm
-                         capsoc_cortex_m3_tlm capsoc_soc capsoc_trace)
+                         capsoc_cortex_m3_tlm capsoc_soc)
 endfunction()
