@@ -290,7 +290,8 @@ class Signals(Case):
             self.assertEqual(self.names(), [])
 
     def test_other_commands_leave_nothing(self):
-        for command in (("fit", TRACES / "soc_noise_1e-2.toml", "--samples", 1_000_000, "--json", "c.json", "--header", "c.h"),
+        for command in (("fit", TRACES / "soc_eq21.toml", "--samples", 20_000_000, "--json", "c.json",
+                         "--header", "c.h"),
                         ("regress", "--samples", 100_000_000, "--json", "r.json", "--junit", "j.xml"), ("reproduce",),
                         ("accuracy",), ("fit", "--tables")):
             process = self.start(*command)
