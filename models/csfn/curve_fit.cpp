@@ -1,9 +1,9 @@
 #include "csfn/curve_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <cmath>
 #include <complex>
+
+#include "csfn/linear_algebra.h"
 
 namespace capsoc::csfn {
 namespace {
@@ -202,7 +202,7 @@ CurveFit fit_curve(const Channel& u, const Channel& v, const SignalModel& start,
     const Matrix map = unknowns.map(x);
     Matrix normal = map.transpose() * sums.jtj * map;
     normal.diagonal() *= 1 + damping;
-    const Vector step = normal.ldlt().solve(map.transpose() * sums.jtr);
+    const Vector step = solve_symmetric(normal, map.transpose() * sums.jtr);
     const Vector candidate = x + step;
     const CurveVector terms = unknowns.terms(candidate);
     bool accepted = false;
@@ -229,7 +229,7 @@ CurveFit fit_curve(const Channel& u, const Channel& v, const SignalModel& start,
   fit.noise = std::sqrt(sums.square / std::max(count - unknowns.size(), 1.0));
   const Matrix map = unknowns.map(x);
   const Matrix normal = map.transpose() * sums.jtj * map;
-  const Matrix inverse = normal.completeOrthogonalDecomposition().pseudoInverse();
+  const Matrix inverse = pseudo_inverse_of(normal);
   fit.covariance = fit.noise * fit.noise * (map * inverse * map.transpose());
   for (const auto& order : sums.order) {
     fit.structure = std::max(fit.structure, std::norm(order) / std::max(sums.square, 1e-300));

@@ -1,9 +1,8 @@
 #include "csfn/distance_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <cmath>
 
+#include "csfn/linear_algebra.h"
 #include "csfn/noise_expectation.h"
 
 namespace capsoc::csfn {
@@ -97,7 +96,7 @@ Square5 covariance_of(const Channel& u, const Channel& v, const DistanceFit& fit
     theta[k] = std::atan2(at.sine, at.cosine);
   }
   const Square6 by = derivatives(some_u, some_v, fit, first_order);
-  const Square6 inverse = by.inverse();
+  const Square6 inverse = pseudo_inverse_of(by);
   const Square6 scatter = NoiseExpectation<fit_orders>(plane, fit.noise, true).scatter(theta);
   const Square6 covariance = inverse * scatter * inverse.transpose();
   return covariance.topLeftCorner<5, 5>() *
@@ -120,7 +119,7 @@ DistanceFit fit_distances(const Channel& u, const Channel& v, const Parameters& 
     const double shape_of_noise =
         fit.noise > 0 ? sums.expected[5] / count / (fit.noise * fit.noise) : 1;
     fit.noise = std::sqrt(sums.terms[5] / freedom_of(u) / shape_of_noise);
-    Change change = information.ldlt().solve((sums.terms - sums.expected).head<5>());
+    Change change = solve_symmetric(information, (sums.terms - sums.expected).head<5>());
     const double size = change.cwiseAbs().maxCoeff();
     if (!std::isfinite(size) || !std::isfinite(fit.noise)) return fit;
     if (size > last) damping = std::max(damping / 2, smallest_damping);
@@ -133,7 +132,7 @@ DistanceFit fit_distances(const Channel& u, const Channel& v, const Parameters& 
     last = size;
   }
   if (!fit.converged) return fit;
-  const Square5 inverse = information.ldlt().solve(Square5::Identity());
+  const Square5 inverse = solve_symmetric(information, Square5::Identity());
   fit.unit_covariance = inverse;
   fit.covariance = covariance_of(u, v, fit, fit.noise * fit.noise * inverse);
   return fit;

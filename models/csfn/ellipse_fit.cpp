@@ -1,8 +1,8 @@
 #include "csfn/ellipse_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "csfn/linear_algebra.h"
 
 namespace capsoc::csfn {
 namespace {
@@ -62,7 +62,7 @@ Result<Parameters> fit_heydemann(const Moments& record) {
   const Scaled moments = scaled_alike(record);
   Conic conic;
   const Matrix5 normal = moments.m.topLeftCorner<5, 5>();
-  conic.head<5>() = normal.ldlt().solve(moments.m.col(5).head<5>());
+  conic.head<5>() = solve_symmetric(normal, moments.m.col(5).head<5>());
   conic[5] = -1;
   return parameters_of(conic, moments);
 }
@@ -80,10 +80,10 @@ Result<Parameters> fit_taubin(const Moments& record) {
       0, 2 * xy, 4 * yy, 0, 2 * my,          //
       2 * mx, my, 0, 1, 0,                   //
       0, mx, 2 * my, 0, 1;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix5> eigen(scatter, gradient);
-  if (eigen.info() != Eigen::Success) return failed();
+  const SymmetricEigen eigen = eigen_of_pencil(scatter, gradient);
+  if (!eigen.found) return failed();
   Conic conic;
-  conic.head<5>() = eigen.eigenvectors().col(0);
+  conic.head<5>() = eigen.vectors.col(0);
   conic[5] = -mean.dot(conic.head<5>());
   return parameters_of(conic, moments);
 }
@@ -93,14 +93,13 @@ Result<Parameters> fit_direct(const Moments& record) {
   const Eigen::Matrix3d quadratic = moments.m.topLeftCorner<3, 3>();
   const Eigen::Matrix3d mixed = moments.m.topRightCorner<3, 3>();
   const Eigen::Matrix3d linear = moments.m.bottomRightCorner<3, 3>();
-  const Eigen::Matrix3d to_linear = -linear.ldlt().solve(mixed.transpose());
+  const Eigen::Matrix3d to_linear = -solve_symmetric(linear, mixed.transpose());
   const Eigen::Matrix3d reduced = quadratic + mixed * to_linear;
   Eigen::Matrix3d constrained;  // the constraint's inverse (0 0 1/2; 0 -1 0; 1/2 0 0) times reduced
   constrained << reduced.row(2) / 2, -reduced.row(1), reduced.row(0) / 2;
-  const Eigen::EigenSolver<Eigen::Matrix3d> eigen(constrained);
-  if (eigen.info() != Eigen::Success) return failed();
-  for (int i = 0; i < 3; ++i) {  // exactly one eigenvector is an ellipse's
-    const Eigen::Vector3d top = eigen.eigenvectors().col(i).real();
+  const Eigen::MatrixXd vectors = eigenvectors_of(constrained);
+  for (Eigen::Index i = 0; i < vectors.cols(); ++i) {  // exactly one eigenvector is an ellipse's
+    const Eigen::Vector3d top = vectors.col(i);
     if (4 * top[0] * top[2] - top[1] * top[1] <= 0) continue;
     Conic conic;
     conic << top, to_linear * top;

@@ -1,7 +1,5 @@
 #include "csfn/harmonics.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "csfn/curve_fit.h"
+#include "csfn/linear_algebra.h"
 #include "csfn/random.h"
 
 namespace capsoc::csfn {
@@ -134,7 +133,7 @@ LinearFit fit_on_angles(const Channel& u, const Channel& v, const Eigen::ArrayXd
     normal.block(size - 1, 0, 1, terms) = by_slope_u.transpose();
     normal.block(size - 1, terms, 1, terms) = by_slope_v.transpose();
   }
-  const Eigen::VectorXd x = normal.ldlt().solve(right);
+  const Eigen::VectorXd x = solve_symmetric(normal, right);
   Coefficients cu = Coefficients::Zero(), cv = Coefficients::Zero();
   cu.head(terms) = x.head(terms);
   cv.head(terms) = x.segment(terms, terms);
@@ -153,9 +152,8 @@ double distance_of(const Channel& u, const Channel& v, const SignalModel& model)
 /// Median peak-to-peak error of the angle when the model's terms scatter with that covariance.
 double expected_error(const SignalModel& model, const Eigen::MatrixXd& covariance) {
   constexpr int draws = 63, angles = 90;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  const Eigen::MatrixXd root =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen eigen = eigen_of_symmetric(covariance);
+  const Eigen::MatrixXd root = eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
   Eigen::MatrixXd sensitivity(angles, curve_terms);
   for (int i = 0; i < angles; ++i) {
     const double theta = 2 * pi * i / angles;

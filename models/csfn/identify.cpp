@@ -1,6 +1,5 @@
 #include "csfn/identify.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +10,7 @@
 #include "csfn/distributions.h"
 #include "csfn/ellipse_fit.h"
 #include "csfn/fused_network.h"
+#include "csfn/linear_algebra.h"
 #include "csfn/robust_fit.h"
 #include "csfn/uncertainty.h"
 
@@ -176,7 +176,7 @@ Handedness handedness_of(const Scatter& scatter, Eigen::Index count) {
 double unsettled(const Samples& samples, const Parameters& parameters) {
   const Nodes nodes = to_nodes(parameters);
   const auto normal = FusedNetwork().normal(nodes, samples.u, samples.v);
-  const Nodes there = nodes + normal.jtj.ldlt().solve(normal.jtr);
+  const Nodes there = nodes + solve_symmetric(normal.jtj, normal.jtr);
   return difference_of(to_parameters(there), parameters);
 }
 

@@ -1,11 +1,11 @@
 #include "csfn/moments.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "csfn/kernels.h"
+#include "csfn/linear_algebra.h"
 
 namespace capsoc::csfn {
 namespace {
@@ -98,8 +98,8 @@ Result<Moments> moments_of(const Channel& u, const Channel& v) {
   }
   // An eigenvalue of zero is a conic through all points: clean samples have one, two mean that the
   // ellipse is not determined.
-  const Eigen::SelfAdjointEigenSolver<ConicMoments> eigen(moments.m, Eigen::EigenvaluesOnly);
-  if (eigen.eigenvalues()[1] < smallest_eigenvalue_ratio * eigen.eigenvalues()[5]) {
+  const SymmetricEigen eigen = eigen_of_symmetric(moments.m);
+  if (!eigen.found || eigen.values[1] < smallest_eigenvalue_ratio * eigen.values[5]) {
     return Error{
         "the samples do not determine an ellipse: at least five different points of it are needed"};
   }

@@ -1,7 +1,8 @@
 #include "csfn/noise_expectation.h"
 
-#include <Eigen/Eigenvalues>
 #include <array>
+
+#include "csfn/linear_algebra.h"
 
 namespace capsoc::csfn {
 namespace {
@@ -28,8 +29,8 @@ Rule gauss_hermite(int size) {
   for (int i = 1; i < size; ++i) {
     recurrence(i, i - 1) = recurrence(i - 1, i) = std::sqrt(static_cast<double>(i));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(recurrence);
-  return {eigen.eigenvalues(), eigen.eigenvectors().row(0).transpose().array().square()};
+  const SymmetricEigen eigen = eigen_of_symmetric(recurrence);
+  return {eigen.values, eigen.vectors.row(0).transpose().array().square()};
 }
 
 const Rule& rule_for(double relative_noise) {

@@ -1,12 +1,12 @@
 #include "csfn/training.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "csfn/fused_network.h"
+#include "csfn/linear_algebra.h"
 #include "csfn/random.h"
 
 namespace capsoc::csfn {
@@ -136,7 +136,7 @@ class Tracer {
 /// |t| = 1 for instance. In a minimum the undamped step vanishes too, but for what the rounding of
 /// the loss hides (1e-8).
 StopReason judged(const FusedNetwork::Normal& normal, const Nodes& nodes) {
-  const double undamped = movement(nodes, nodes + normal.jtj.ldlt().solve(normal.jtr));
+  const double undamped = movement(nodes, nodes + solve_symmetric(normal.jtj, normal.jtr));
   return undamped < 1e-6 ? StopReason::converged : StopReason::stalled;
 }
 
@@ -254,7 +254,7 @@ Result<Training> train_levenberg_marquardt(const Channel& u, const Channel& v,
     ++training.iterations;
     Matrix5 damped = normal.jtj;
     damped.diagonal() *= 1 + damping;
-    const Nodes candidate = nodes + damped.ldlt().solve(normal.jtr);
+    const Nodes candidate = nodes + solve_symmetric(damped, normal.jtr);
     const double moved = movement(nodes, candidate);
     bool accepted = false;
     if (within_range(candidate)) {
