@@ -12,9 +12,6 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int angles = 180;
-/// The error of the angle in units of the radius' harmonic amplitude: six for one drawn sensor in a
-/// hundred with harmonics of several orders (docs/fitting.md).
-constexpr double angle_by_amplitude = 6;
 
 using Square = Eigen::Matrix<double, 5, 5>;
 

@@ -14,7 +14,8 @@ struct Intervals {
 };
 
 /// Largest error of the calibrated angle over the whole turn against U = a1 sin(theta) + b1,
-/// radians. The noise of the single sample that is calibrated later is not in it.
+/// radians. The noise of the single sample that is calibrated later is not in it, nor is a single
+/// harmonic whose effect is along the curve: no test of the samples' distances sees that.
 struct AngleBound {
   double total = 0;       ///< the sum of what follows
   double noise = 0;       ///< exceeded in one record of a thousand
@@ -23,7 +24,12 @@ struct AngleBound {
   double resolution = 0;  ///< of the converter or of the arithmetic
 };
 
-constexpr double bound_confidence = 0.999;
+constexpr double bound_confidence = 0.999;  ///< of the bound's noise
+
+/// What the bound takes for the angle's error in units of the harmonics' amplitude in the radius:
+/// meant for harmonics of several orders at any phase (docs/fitting.md). A single one can exceed
+/// it.
+constexpr double angle_by_amplitude = 6;
 
 /// What the certainty follows from.
 struct Evidence {

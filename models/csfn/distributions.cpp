@@ -47,4 +47,9 @@ double f_quantile(double tail, double above, double below) {
   return high;
 }
 
+double binomial_tail(double least, double count, double part) {
+  if (least <= 0) return 1;
+  return least > count ? 0 : incomplete_beta(least, count - least + 1, part);
+}
+
 }  // namespace capsoc::csfn

@@ -17,4 +17,8 @@ double f_tail(double value, double above, double below);
 /// The value that F exceeds with the probability `tail`, in (0, 1).
 double f_quantile(double tail, double above, double below);
 
+/// Probability of at least `least` successes in `count` independent trials, each with the
+/// probability `part` in (0, 1).
+double binomial_tail(double least, double count, double part);
+
 }  // namespace capsoc::csfn

@@ -1,10 +1,13 @@
 #include "csfn/gates.h"
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
+#include "csfn/distributions.h"
 #include "csfn/fused_network.h"
 #include "csfn/robust_fit.h"
 
@@ -82,13 +85,56 @@ Pile pile_of(const Channel& channel, double sign) {
   return pile;
 }
 
-/// A sine whose peak lies anywhere within the converter's last step has at most 1/(sqrt 2 - 1) =
-/// 2.4 times as many samples in that step as in the one below; four times is a flat top.
-bool piled_up(const Pile& pile, Eigen::Index count) {
-  return pile.top >= 8 && 100 * pile.top >= count && pile.top > 4 * pile.next;
+/// A pile must be this many samples, and this many times as large as a sine's peak can be.
+constexpr Eigen::Index least_pile = 8;
+constexpr double by_sine = 1.66;
+/// Converters' records without clipping that have a pile, at each depth.
+constexpr double pile_false_alarms = 1e-5;
+
+bool large_enough(Eigen::Index top, Eigen::Index count) {
+  return top >= least_pile && 100 * top >= count;
 }
 
-Gate check_clipping(const Channel& u, const Channel& v, double full_scale) {
+/// A sine whose peak lies anywhere within its last step has at most 1/(sqrt 2 - 1) = 2.4 times as
+/// many samples in that step as in the one below; four times is a flat top. For samples that no
+/// converter rounded: equal values are rare among them.
+bool piled_up(const Pile& pile, Eigen::Index count) {
+  return large_enough(pile.top, count) &&
+         static_cast<double>(pile.top) >
+             by_sine * 2.4142135623730951 * static_cast<double>(pile.next);
+}
+
+/// The same with the converter's step known: of a sine's samples in the last 1 + depth steps at
+/// most 1/sqrt(1 + depth) are in the last one. Few samples can exceed that by chance, so it has to
+/// be exceeded by more than chance explains. Samples that repeat are one: they are not independent.
+bool piled_up(const Channel& channel, const Channel& other, double sign, double step) {
+  const double top = (sign * channel).maxCoeff();
+  constexpr std::array<int, 4> depths = {1, 4, 16, 64};
+  std::vector<std::pair<double, double>> near;  // depth below the top in steps, and the other value
+  Eigen::Index equal = 0;
+  for (Eigen::Index i = 0; i < channel.size(); ++i) {
+    const double depth = std::round((top - sign * channel[i]) / step);
+    if (depth > depths.back()) continue;
+    near.emplace_back(depth, other[i]);
+    equal += depth == 0 ? 1 : 0;
+  }
+  if (!large_enough(equal, channel.size())) return false;
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  const auto within = [&](double depth) {
+    const auto end = std::upper_bound(near.begin(), near.end(), std::make_pair(depth, HUGE_VAL));
+    return static_cast<double>(end - near.begin());
+  };
+  const double last = within(0);
+  if (last < static_cast<double>(least_pile)) return false;
+  return std::any_of(depths.begin(), depths.end(), [&](int depth) {
+    const double part = 1 / std::sqrt(1.0 + depth), all = within(depth);
+    return last > by_sine * part / (1 - part) * (all - last) &&
+           binomial_tail(last, all, part) < pile_false_alarms;
+  });
+}
+
+Gate check_clipping(const Channel& u, const Channel& v, double full_scale, double step) {
   Gate gate = {"clipping", true, 0, 0, ""};
   if (full_scale > 0) {
     const auto clipped =
@@ -102,9 +148,10 @@ Gate check_clipping(const Channel& u, const Channel& v, double full_scale) {
   }
   for (const bool is_u : {true, false}) {
     for (const double sign : {1.0, -1.0}) {
-      const Channel& channel = is_u ? u : v;
+      const Channel &channel = is_u ? u : v, &other = is_u ? v : u;
       const Pile pile = pile_of(channel, sign);
-      if (!piled_up(pile, channel.size())) continue;
+      if (step > 0 ? !piled_up(channel, other, sign, step) : !piled_up(pile, channel.size()))
+        continue;
       const auto share = static_cast<double>(pile.top) / static_cast<double>(channel.size());
       gate.passed = false;
       gate.value = std::max(gate.value, static_cast<double>(pile.top));
@@ -119,7 +166,8 @@ Gate check_clipping(const Channel& u, const Channel& v, double full_scale) {
 
 }  // namespace
 
-std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits) {
+std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits,
+                               double step) {
   std::vector<Gate> gates;
   const auto count = static_cast<double>(std::min(u.size(), v.size()));
   gates.push_back(at_least("samples", count, static_cast<double>(limits.samples),
@@ -132,7 +180,7 @@ std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLim
   if (!finite) return gates;
   gates.push_back({"ellipse", !error, 0, 0, error ? error->text : ""});
   if (error) return gates;
-  gates.push_back(check_clipping(u, v, limits.full_scale));
+  gates.push_back(check_clipping(u, v, limits.full_scale, step));
   return gates;
 }
 

@@ -34,7 +34,9 @@ struct GateLimits {
 
 /// Checks that need no parameters: "samples" (too few), "finite", "ellipse" (a point, a line, too
 /// few different points), "clipping". Ends at the first that makes the later ones meaningless.
-std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits);
+/// step: of the converter, unit of the samples; 0: not known.
+std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits,
+                               double step = 0);
 
 /// Samples that share the largest or the smallest value of a channel (to `resolution`, the
 /// converter's step) although their other channel differs, at least two of them: they may be

@@ -512,7 +512,7 @@ Result<Identification> identify(const Samples& all, const IdentifyOptions& optio
   if (auto error = check_options(options)) return *error;
   Identification found;
   found.method = options.method;
-  found.gates = check_record(all.u, all.v, options.gates);
+  found.gates = check_record(all.u, all.v, options.gates, options.step);
   if (found.rejected()) return found;
   const double resolution = resolution_of(all, options);
   found.gates.push_back(check_plateaus(all, resolution, options));

@@ -44,12 +44,15 @@ void choose_method(FitArguments& arguments) {
 }
 
 int print_tables(const FitArguments& arguments) {
-  constexpr int coverage_records = 200, drawn_records = 500;
+  constexpr int coverage_records = 200, drawn_records = 500, allowance_sensors = 300;
   const auto wanted = [&](const char* name) { return arguments.tables || arguments.table == name; };
   int missed = 0;
   if (wanted("methods")) missed += fit::print_tables(std::cout);
   if (wanted("coverage")) missed += fit::print_coverage(std::cout, coverage_records);
-  if (wanted("drawn")) missed += fit::print_drawn(std::cout, drawn_records);
+  if (wanted("drawn")) {
+    missed += fit::print_drawn(std::cout, drawn_records);
+    missed += fit::print_allowance(std::cout, allowance_sensors);
+  }
   return missed == 0 ? run::exit_code::pass : run::exit_code::failed;
 }
 
@@ -105,7 +108,8 @@ void add_fit(CLI::App& app, int& code) {
       ->type_name("TRACE");
   fit->add_flag("--tables", arguments->tables,
                 "Instead of a trace: print how exact every method is on generated records");
-  fit->add_option("--table", arguments->table, "One of them: by method, intervals, drawn records")
+  fit->add_option("--table", arguments->table,
+                  "One of them: by method, how often intervals hold, drawn records and harmonics")
       ->check(CLI::IsMember({"methods", "coverage", "drawn"}))
       ->type_name("methods|coverage|drawn");
   // Options that change the result are part of the command that gives it again.

@@ -14,4 +14,9 @@ int print_coverage(std::ostream& out, int records);
 /// harmonics said, or rejected for a reason that is true. Counts what is neither.
 int print_drawn(std::ostream& out, int records);
 
+/// How large the angle's error is in units of the harmonics' amplitude that the samples show, for
+/// several orders and for single ones, `sensors` of each. Counts the first row when the factor 6 of
+/// the bound holds for less than 95 % of it; for single harmonics it is not claimed.
+int print_allowance(std::ostream& out, int sensors);
+
 }  // namespace capsoc::fit

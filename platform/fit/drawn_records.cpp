@@ -125,6 +125,22 @@ DrawnRecord draw_good_record(csfn::Random& random, double noise, Eigen::Index co
   return record;
 }
 
+DrawnRecord draw_harmonic_record(csfn::Random& random, int least, int highest, bool both,
+                                 Eigen::Index count) {
+  DrawnRecord record;
+  record.kind = RecordKind::harmonics;
+  record.truth = draw_sensor(random);
+  for (auto* channel : {&record.u, &record.v}) {
+    for (int order = least; order <= highest && (both || channel == &record.u); ++order) {
+      const double amplitude = 1e-3 * random.uniform(), phase = 2 * pi * random.uniform();
+      channel->at(static_cast<std::size_t>(order) - 2) = {amplitude * std::cos(phase),
+                                                          amplitude * std::sin(phase)};
+    }
+  }
+  take_samples(random, record, count, 1);
+  return record;
+}
+
 DrawnRecord draw_record(csfn::Random& random, RecordKind kind) {
   DrawnRecord record;
   record.kind = kind;

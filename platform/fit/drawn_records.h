@@ -47,6 +47,11 @@ DrawnRecord draw_record(csfn::Random& random, RecordKind kind);
 /// The same with the noise (relative to the smaller amplitude) and the number of samples given.
 DrawnRecord draw_good_record(csfn::Random& random, double noise, Eigen::Index count);
 
+/// Without noise; harmonics of the orders least .. highest, within 2 .. 5, of amplitudes to 0.001
+/// at any phase, in both channels or in U alone.
+DrawnRecord draw_harmonic_record(csfn::Random& random, int least, int highest, bool both,
+                                 Eigen::Index count);
+
 /// Of the sensor without noise, at the angle (radians).
 csfn::Point point_of(const DrawnRecord& record, double theta);
 

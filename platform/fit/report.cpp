@@ -184,9 +184,10 @@ std::string bound_line(const csfn::Identification& answer) {
   if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
   const csfn::AngleBound& bound = *answer.bound;
   return fmt::format(
-      "angle bound  {:.2g} deg over the whole turn ({:g} %): noise {:.2g}, harmonics too small to "
-      "be found {:.2g}, method {:.2g}, resolution {:.2g}\n",
-      bound.total * degree, 100 * csfn::bound_confidence, bound.noise * degree,
+      "angle bound  {:.2g} deg over the whole turn: noise {:.2g} ({:g} %), harmonics of several "
+      "orders, too small to be found {:.2g}, method {:.2g}, resolution {:.2g}\n"
+      "             not in it: a single harmonic that moves samples along the ellipse\n",
+      bound.total * degree, bound.noise * degree, 100 * csfn::bound_confidence,
       bound.harmonics * degree, bound.method * degree, bound.resolution * degree);
 }
 

@@ -219,6 +219,36 @@ TEST(Gates, RefuseClippingWithAndWithoutAFullScale) {
   EXPECT_EQ(failed({turn.u.head(10).replicate(50, 1), turn.v.head(10).replicate(50, 1)}), "");
 }
 
+TEST(Gates, TellAFlatTopFromChanceWhenTheConverterIsKnown) {
+  constexpr int records = 1000;
+  int flat = 0, seen = 0, refused = 0;
+  for (int seed = 1; seed <= records; ++seed) {
+    IdentifyOptions options;
+    options.step = std::ldexp(1.0, -9 - seed % 7);
+    const auto rounded = [&](const Samples& samples) -> Samples {
+      return {(samples.u / options.step).round() * options.step,
+              (samples.v / options.step).round() * options.step};
+    };
+    const auto clipping = [&](const Samples& samples) {
+      return !check_record(samples.u, samples.v, options.gates, options.step).back().passed;
+    };
+    Parameters p = {0.9, 0.6, 0.05, 0.02, 0.3};
+    p.a1 -= 1e-3 * (seed % 7);
+    const Samples samples = samples_of(make_signal(p, 600, seed, 1e-4));
+    refused += clipping(rounded(samples)) ? 1 : 0;
+    // Without what is known of converters eight samples and none a step below are a flat top.
+    flat += check_record(rounded(samples).u, rounded(samples).v, {}).back().passed ? 0 : 1;
+    const double level = p.b1 + 0.97 * p.a1;
+    const Samples clipped = rounded({samples.u.min(level), samples.v});
+    seen += clipping(clipped) || identify(clipped, options).value().rejected() ? 1 : 0;
+  }
+  std::printf("%d records: %d refused (%d by piles alone), %d of the clipped ones seen\n", records,
+              refused, flat, seen);
+  EXPECT_EQ(refused, 0);
+  EXPECT_GT(flat, 0);
+  EXPECT_EQ(seen, records);
+}
+
 TEST(Gates, RefuseWhatCoversTooLittleOfTheTurn) {
   EXPECT_EQ(failed(samples_of(make_signal(table_1, 2000, 1, 0, 0.75))), "");
   EXPECT_EQ(
@@ -308,6 +338,11 @@ TEST(Distributions, AreTheTables) {
   EXPECT_NEAR(f_quantile(0.05, 5, 15), 2.90129453628, 1e-8);
   EXPECT_NEAR(f_tail(2.90129453628, 5, 15), 0.05, 1e-9);
   EXPECT_EQ(f_tail(0, 5, 15), 1);
+  EXPECT_NEAR(binomial_tail(2, 3, 0.5), 0.5, 1e-15);
+  EXPECT_NEAR(binomial_tail(8, 10, 0.5), 56.0 / 1024, 1e-15);
+  EXPECT_NEAR(binomial_tail(3, 3, 0.25), 1.0 / 64, 1e-15);
+  EXPECT_EQ(binomial_tail(0, 3, 0.25), 1);
+  EXPECT_EQ(binomial_tail(4, 3, 0.25), 0);
 }
 
 /// `disturbed` samples anywhere in the square of full scale.

@@ -33,5 +33,13 @@ TEST(Tables, DrawnRecordsAreWithinTheirBoundsOrRefusedForATrueReason) {
   EXPECT_EQ(missed, 0);
 }
 
+TEST(Tables, TheAllowanceForHarmonicsIsEnoughForSeveralOrders) {
+  std::ostringstream text;
+  const int missed = print_allowance(text, 100);
+  std::cout << text.str();
+  EXPECT_EQ(missed, 0);
+  EXPECT_NE(text.str().find("\norder 3, U alone"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace capsoc::fit

@@ -370,6 +370,20 @@ class Fit(unittest.TestCase):
         path.write_bytes(contents)
         self.refuse(code, f"{path}{expected}", path)
 
+    def test_one_table_at_a_time(self):
+        process = in_folder(self.folder, "fit", "--table", "drawn")
+        text = process.stdout.decode()
+        self.assertEqual((process.returncode, process.stderr), (0, b""), text)
+        self.assertNotIn("MISSED", text)
+        titles = [part.splitlines()[0].split(" (")[0] for part in text.split("\n\n")]
+        self.assertEqual(len(titles), 2, text)
+        self.assertTrue(titles[0].strip().startswith("500 drawn records"), titles)
+        self.assertTrue(titles[1].startswith("The angle's error in units of the harmonics' amplitude"), titles)
+        self.assertFalse(list(self.folder.iterdir()), "nothing is written")
+        process = in_folder(self.folder, "fit", "--table", "drwan")
+        self.assertEqual((process.returncode, process.stdout), (2, b""))
+        self.assertIn(b"--table", process.stderr)
+
     def test_every_trace_is_fitted_or_rejected_with_a_reason(self):
         for trace in sorted(TRACES.glob("*.[tc][os][mv]*")):
             process = in_folder(self.folder, "fit", trace, "--method", "lm")
