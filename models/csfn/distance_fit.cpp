@@ -42,12 +42,11 @@ Sums sums_of(const Channel& u, const Channel& v, const Parameters& p, double noi
     const double weight = 1 / plane.square_slope(at);
     const double excess = at.length - 1;
     const Change shape = shape_of<fit_orders>(at);
-    sums.information.selfadjointView<Eigen::Lower>().rankUpdate(shape, weight);
+    sums.information.noalias() += weight * (shape * shape.transpose());
     sums.terms.head<5>() += (weight * excess) * shape;
     sums.terms[5] += weight * excess * excess;
     sums.expected += expectation.at(std::atan2(at.sine, at.cosine));
   }
-  sums.information = sums.information.selfadjointView<Eigen::Lower>();
   return sums;
 }
 

@@ -38,16 +38,14 @@ Structure structure_of(const Channel& u, const Channel& v, const DistanceFit& fi
     const double weight = 1 / plane.square_slope(at);
     const Shape<harmonic_orders> shape = shape_of<harmonic_orders>(at);
     const Terms<harmonic_orders> expected = expectation.at(std::atan2(at.sine, at.cosine));
-    information.selfadjointView<Eigen::Lower>().rankUpdate(shape, weight);
+    information.noalias() += weight * (shape * shape.transpose());
     sum += weight * (at.length - 1) * shape - expected.head<size>();
     square += weight * (at.length - 1) * (at.length - 1);
   }
   // Least squares on all orders; with the factor L the squares that each order explains, after
   // those below it, are the squares of L^-1 sum.
   const int used = 2 * structure.last_order + 1;
-  Eigen::MatrixXd lower = information.topLeftCorner(used, used);
-  lower = lower.selfadjointView<Eigen::Lower>();
-  const Eigen::LLT<Eigen::MatrixXd> factor(lower);
+  const Eigen::LLT<Eigen::MatrixXd> factor(information.topLeftCorner(used, used));
   if (factor.info() != Eigen::Success) {
     structure.last_order = 0;
     return structure;
