@@ -26,6 +26,18 @@ void coprocessor_set_frequency(int64_t word) {
   COPROCESSOR->FREQ_HI = (int32_t)(word >> 16);
 }
 
+bool coprocessor_frequency_word(int64_t speed, uint32_t period, uint32_t clock_hz, int64_t* word) {
+  const uint64_t magnitude = speed < 0 ? 0 - (uint64_t)speed : (uint64_t)speed;
+  const uint64_t half_turn = (uint64_t)1 << 47;
+  // In two parts, since magnitude * period does not fit 64 bits.
+  const uint64_t whole = magnitude / clock_hz, rest = magnitude % clock_hz;
+  if (whole > half_turn / period) return false;
+  const uint64_t turns = whole * period + (rest * period + clock_hz / 2) / clock_hz;
+  if (turns >= half_turn) return false;
+  *word = speed < 0 ? -(int64_t)turns : (int64_t)turns;
+  return true;
+}
+
 uint64_t coprocessor_phase(void) {
   const uint32_t upper = COPROCESSOR->PHASE_HI;
   return (uint64_t)upper << 16 | (COPROCESSOR->PHASE_LO & 0xFFFFu);
@@ -65,6 +77,14 @@ bool coprocessor_set_steps(uint32_t step) {
   COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_CONFIG_Msk;
   for (unsigned i = 0; i < 6; ++i) steps[i] = step;
   return (COPROCESSOR->FLAGS & COPROCESSOR_FLAGS_CONFIG_Msk) == 0;
+}
+
+uint32_t coprocessor_fastest_step(int64_t frequency_word) {
+  const uint64_t magnitude = (uint64_t)(frequency_word < 0 ? -frequency_word : frequency_word);
+  const uint64_t pi = 843314857;  // Q3.28
+  const uint64_t step = ((magnitude >> 16) * pi) >> 29;
+  const uint32_t largest = 1u << 27;
+  return step < largest ? (uint32_t)step : largest;
 }
 
 void coprocessor_set_loop(uint32_t kp, uint32_t ki) {

@@ -30,6 +30,9 @@ void coprocessor_reset(void);
 
 int64_t coprocessor_frequency(void);
 void coprocessor_set_frequency(int64_t word);
+// The frequency word for `speed` (2^-48 Hz) at a sample every `period` cycles of a clock of
+// `clock_hz`. False, with `*word` untouched, unless that is less than half a turn a sample.
+bool coprocessor_frequency_word(int64_t speed, uint32_t period, uint32_t clock_hz, int64_t* word);
 uint64_t coprocessor_phase(void);
 void coprocessor_set_phase(uint64_t word);
 int64_t coprocessor_coefficient(enum coprocessor_coefficient which);
@@ -37,6 +40,8 @@ int64_t coprocessor_coefficient(enum coprocessor_coefficient which);
 void coprocessor_set_coefficient(enum coprocessor_coefficient which, int64_t value);
 // The same step for all six coefficients. False, with CONFIG raised, if it is 1.0 or more.
 bool coprocessor_set_steps(uint32_t step);
+// Half of omega (radians a sample), the fastest step that settles, but no more than 1/16.
+uint32_t coprocessor_fastest_step(int64_t frequency_word);
 // phase += e >> kp, frequency += e >> ki a sample, both 0 to 31; ki = 2 kp + 2 is well damped.
 void coprocessor_set_loop(uint32_t kp, uint32_t ki);
 

@@ -8,9 +8,11 @@
 #include "cli/refuse.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "run/program_values.h"
 #include "run/run_files.h"
 #include "run/run_settings.h"
 #include "run/session.h"
+#include "support/printable.h"
 
 namespace capsoc::cli {
 namespace {
@@ -28,13 +30,32 @@ struct RunArguments {
   std::vector<Given> options;
   std::vector<std::string> assignments;
   std::string config;
-  bool list = false;
+  std::vector<std::string> program_assignments;
+  bool list = false, list_program = false;
 };
 
 void list_settings(const Settings& settings) {
   for (const Setting& setting : settings.all())
     host::print("{:<26} {:<22} {:<13} {}\n", setting.path, setting.value, name_of(setting.source),
                 setting.help);
+  for (const SettingGroup& group : settings.groups())
+    host::print("{:<26} {:<22} {:<13} {}\n", group.prefix + "NAME", "", "", group.help);
+}
+
+std::optional<Error> set_program_setting(Settings& settings, const std::string& assignment) {
+  const std::string origin = "-P " + printable(assignment, 80);
+  const auto equals = assignment.find('=');
+  const std::string path = run::program_prefix + assignment.substr(0, equals);
+  if (equals == std::string::npos || equals == 0)
+    return Error{fmt::format("{}: write name=value, for instance -P step=0.001", origin)};
+  if (auto error =
+          settings.set(path, assignment.substr(equals + 1), SettingSource::command_line, origin);
+      error && settings.source(path) == SettingSource::built_in)
+    return Error{
+        fmt::format("{}: names are lower-case letters, digits and '_'; "
+                    "--list-program-settings lists them",
+                    origin)};
+  return std::nullopt;
 }
 
 /// The settings file, or "".
@@ -54,6 +75,8 @@ std::optional<Error> collect(const RunArguments& arguments, Settings& settings) 
       return error;
   for (const std::string& assignment : arguments.assignments)
     if (auto error = settings.set_assignment(assignment)) return error;
+  for (const std::string& assignment : arguments.program_assignments)
+    if (auto error = set_program_setting(settings, assignment)) return error;
   return std::nullopt;
 }
 
@@ -74,6 +97,12 @@ int run_command(const RunArguments& arguments) {
   if (auto error = collect(arguments, settings)) return refuse(error->text);
   if (arguments.list) {
     list_settings(settings);
+    return run::exit_code::pass;
+  }
+  if (arguments.list_program) {
+    const auto text = run::list_program_settings(settings);
+    if (!text) return refuse(text.error());
+    host::print("{}", text.value());
     return run::exit_code::pass;
   }
   spdlog::set_level(spdlog::level::from_str(settings.text("log.level")));
@@ -198,6 +227,12 @@ void add_run(CLI::App& app, int& code) {
   run->add_option("-C", arguments->assignments, "Set any setting")
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
+  run->add_option("-P", arguments->program_assignments,
+                  "Change a setting of the program in its image; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  run->add_flag("--list-program-settings", arguments->list_program,
+                "List the settings that the program has, with units and ranges");
   run->add_flag("--list-params", arguments->list,
                 "List all settings with their values and where these come from");
   run->callback([arguments, &code] { code = run_command(*arguments); });

@@ -106,6 +106,19 @@ std::optional<uint32_t> ElfImage::address_of(const std::string& name) const {
   return std::nullopt;
 }
 
+std::optional<std::vector<uint8_t>> ElfImage::contents(const std::string& name) const {
+  for (const Symbol& symbol : symbols) {
+    if (symbol.name != name || symbol.size == 0) continue;
+    for (const Segment& segment : segments) {
+      const uint64_t offset = uint64_t{symbol.address} - segment.address;
+      if (symbol.address < segment.address || offset + symbol.size > segment.bytes.size()) continue;
+      const auto begin = segment.bytes.begin() + static_cast<std::ptrdiff_t>(offset);
+      return std::vector<uint8_t>(begin, begin + symbol.size);
+    }
+  }
+  return std::nullopt;
+}
+
 bool ElfImage::overwrite(const std::string& name, const std::vector<uint8_t>& bytes) {
   for (const Symbol& symbol : symbols) {
     if (symbol.name != name || symbol.size != bytes.size()) continue;

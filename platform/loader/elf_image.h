@@ -36,6 +36,10 @@ struct ElfImage {
   std::string symbolise(uint32_t address) const;
   std::optional<uint32_t> address_of(const std::string& name) const;
 
+  /// The initial contents of an object. Nothing unless there is an object of that name whose bytes
+  /// are in the file (constant, not .bss).
+  std::optional<std::vector<uint8_t>> contents(const std::string& name) const;
+
   /// Replaces the initial contents of an object. False, with nothing changed, unless there is an
   /// object of that name and exactly that size whose bytes are in the file (constant, not .bss).
   bool overwrite(const std::string& name, const std::vector<uint8_t>& bytes);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <systemc>
 
+#include "run/program_values.h"
 #include "run/uart_lines.h"
 #include "support/json.h"
 #include "version/version.h"
@@ -147,6 +148,8 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   j["command"] = result.command;
   for (const Setting& setting : settings.all())
     if (!is_place(setting.path)) j["configuration"][setting.path] = setting.value;
+  for (const ProgramValue& setting : result.program_settings)
+    j["configuration"][program_prefix + setting.name] = setting.value;
   j["inputs"] = ordered_json::array();
   for (const Input& input : result.inputs)
     j["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});

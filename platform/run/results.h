@@ -34,6 +34,11 @@ struct Input {
   std::string role, path, sha256;
 };
 
+/// A setting of the program as the run had it.
+struct ProgramValue {
+  std::string name, value;
+};
+
 /// Everything that a run has to say when it is over.
 struct RunResult {
   int code = exit_code::pass;
@@ -52,6 +57,7 @@ struct RunResult {
   uint64_t uart0_bytes = 0;
   std::string uart0_sha256;
   std::vector<Input> inputs;
+  std::vector<ProgramValue> program_settings;
   std::string command;                ///< a command that reproduces the run
   std::vector<std::string> lost;      ///< a sentence for each output that is not whole
   std::string divergence;             ///< "" unless model and RTL of the coprocessor differ

@@ -13,6 +13,7 @@
 #include "loader/program_file.h"
 #include "loader/vector_table.h"
 #include "run/parameter_file.h"
+#include "run/program_values.h"
 #include "run/sensor_match.h"
 
 namespace capsoc::run {
@@ -51,13 +52,18 @@ std::vector<std::string> places_to_load(const Settings& settings) {
   return places;
 }
 
+Result<loader::ElfImage> read_program(const Settings& settings) {
+  const std::string file = program_of(settings);
+  if (auto error = missing_default(settings, file)) return *error;
+  return loader::load_program(file);
+}
+
 Result<RunInputs> read_inputs(const Settings& settings) {
   RunInputs inputs;
-  inputs.program_file = program_of(settings);
-  if (auto error = missing_default(settings, inputs.program_file)) return *error;
-  auto program = loader::load_program(inputs.program_file);
+  auto program = read_program(settings);
   if (!program) return Error{program.error()};
   inputs.program = std::move(program.value());
+  inputs.program_file = inputs.program.path;
 
   inputs.parameter_file = settings.text("firmware.parameters");
   if (!inputs.parameter_file.empty()) {
@@ -66,6 +72,9 @@ Result<RunInputs> read_inputs(const Settings& settings) {
     inputs.preset = words.value();
     if (auto error = write_in_program(inputs.program, *inputs.preset)) return *error;
   }
+  auto program_settings = change_program(settings, inputs.program);
+  if (!program_settings) return Error{program_settings.error()};
+  inputs.program_settings = std::move(program_settings.value());
 
   inputs.sensor_file = settings.text("sensor.file");
   auto source = sensor::load(inputs.sensor_file);

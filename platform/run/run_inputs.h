@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "loader/elf_image.h"
+#include "loader/program_settings.h"
 #include "run/metrics.h"
 #include "run/results.h"
 #include "sensor/load.h"
@@ -18,7 +19,8 @@ namespace capsoc::run {
 
 struct RunInputs {
   std::string program_file, sensor_file, parameter_file;  ///< the last "" without
-  loader::ElfImage program;                               ///< with the parameters in it
+  loader::ElfImage program;                               ///< with parameters and settings in it
+  loader::ProgramSettings program_settings;               ///< as they are in it
   std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
   std::unique_ptr<sensor::Source> source;
   unsigned adc_bits = 0;
@@ -42,6 +44,9 @@ std::string program_of(const Settings& settings);
 
 /// FILE or FILE@ADDRESS of each further image, in order; later ones overwrite.
 std::vector<std::string> places_to_load(const Settings& settings);
+
+/// The program of a run as its file has it.
+Result<loader::ElfImage> read_program(const Settings& settings);
 
 /// An Error is a file that is missing or wrong, or a setting that does not fit it.
 Result<RunInputs> read_inputs(const Settings& settings);

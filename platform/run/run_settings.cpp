@@ -7,6 +7,7 @@
 #include "host/places.h"
 #include "run/coprocessor_backend.h"
 #include "run/idle.h"
+#include "run/program_values.h"
 #include "run/results.h"
 #include "run/semihosting_port.h"
 #include "run/trace_settings.h"
@@ -60,6 +61,7 @@ Settings make_settings() {
       "address of the vector table; auto: 0, or where the program has it");
   add("firmware.parameters", SettingKind::input, "",
       "JSON with parameters to write in the program; empty: none");
+  s.add(SettingGroup{program_prefix, "a setting of the program (--list-program-settings)"});
   add("sensor.file", SettingKind::input, default_sensor(), "sensor description or recording");
   add("sensor.adc_bits", SettingKind::integer, "0",
       "width of the converter at reset; 0: as the sensor says", {}, 0, 32);

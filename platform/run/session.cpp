@@ -260,6 +260,8 @@ Result<RunResult> run(const Settings& settings) {
   result.wall_s = host_limit.elapsed_s();
   take_figures(soc, metrics, ports.value()->uarts(), result);
   result.inputs = inputs.files(settings);
+  for (const loader::ProgramSetting& setting : inputs.program_settings.all())
+    result.program_settings.push_back({setting.name, inputs.program_settings.value(setting)});
   if (golden) result.golden = fit::compare(observation.recorded(), result.words);
   if (result.code == exit_code::crashed)
     result.fault_report = describe_fault(soc.cpu.core(), inputs.program);

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 
@@ -124,14 +125,49 @@ std::optional<Error> Settings::set(const std::string& path, const std::string& v
       setting.source = source;
       const bool general = origin == "command line" || origin.rfind("-C ", 0) == 0;
       setting.option = source == SettingSource::command_line && !general ? origin : "";
+      setting.origin = origin;
     }
     return std::nullopt;
   }
+  if (add_of_group(path)) return set(path, value, source, origin);
   std::vector<std::string> known;
   for (const Setting& setting : settings_) known.push_back(setting.path);
   return Error{
       fmt::format("{}: there is no setting '{}'; did you mean {}? (--list-params lists all)",
                   origin, printable(path), nearest_names(path, known))};
+}
+
+std::optional<std::string> Settings::path_in_group(const std::string& environment) const {
+  for (const SettingGroup& group : groups_) {
+    const std::string prefix =
+        environment_name(group.prefix.substr(0, group.prefix.size() - 1)) + "_";
+    if (environment.rfind(prefix, 0) != 0 || environment.size() == prefix.size()) continue;
+    std::string path = group.prefix + environment.substr(prefix.size());
+    for (char& c : path) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return path;
+  }
+  return std::nullopt;
+}
+
+bool Settings::add_of_group(const std::string& path) {
+  const auto is_part_of_name = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  for (const SettingGroup& group : groups_) {
+    if (path.rfind(group.prefix, 0) != 0 || path.size() == group.prefix.size()) continue;
+    const auto name = path.begin() + static_cast<std::ptrdiff_t>(group.prefix.size());
+    if (!std::all_of(name, path.end(), is_part_of_name)) return false;
+    settings_.push_back({path, SettingKind::text, "", group.help, {}});
+    return true;
+  }
+  return false;
+}
+
+std::vector<Setting> Settings::of_group(const std::string& prefix) const {
+  std::vector<Setting> members;
+  for (const Setting& setting : settings_)
+    if (setting.path.rfind(prefix, 0) == 0) members.push_back(setting);
+  return members;
 }
 
 std::optional<Error> Settings::set_assignment(const std::string& assignment) {
@@ -154,6 +190,12 @@ std::optional<Error> Settings::read_environment(char** environment) {
       return environment_name(s.path) == name;
     });
     if (it == settings_.end()) {
+      if (const auto path = path_in_group(name)) {
+        if (auto error = set(*path, text.substr(equals + 1), SettingSource::environment,
+                             "environment " + name))
+          return error;
+        continue;
+      }
       std::vector<std::string> known;
       for (const Setting& setting : settings_) known.push_back(environment_name(setting.path));
       return Error{fmt::format("environment: there is no setting {}; did you mean {}?", name,

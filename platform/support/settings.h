@@ -26,6 +26,7 @@ struct Setting {
   double minimum = 0, maximum = 0;   ///< for numbers, both inclusive
   SettingSource source = SettingSource::built_in;
   std::string option = {};  ///< that gave the value, "--json"; "" unless an option of its own did
+  std::string origin = {};  ///< what set it, as error sentences begin: "-C a=b", a file and line
 
   bool is_path() const {
     return kind == SettingKind::input || kind == SettingKind::output ||
@@ -35,10 +36,18 @@ struct Setting {
   const std::string& name() const { return option.empty() ? path : option; }
 };
 
+/// Settings whose names are known only later: every `prefix` followed by a name (lower-case
+/// letters, digits, '_'). They are texts here and checked by whoever knows them.
+struct SettingGroup {
+  std::string prefix;  ///< with its last dot
+  std::string help;
+};
+
 /// The settings of a run. Every refused value is a sentence that names where it came from.
 class Settings {
  public:
   void add(Setting setting);
+  void add(SettingGroup group) { groups_.push_back(std::move(group)); }
 
   /// Sets a value if nothing of higher precedence has set it. `origin` begins the error sentence
   /// ("-C", a file and line).
@@ -59,12 +68,21 @@ class Settings {
   /// A setting that exists.
   const Setting& find(const std::string& path) const;
   const std::vector<Setting>& all() const { return settings_; }
+  const std::vector<SettingGroup>& groups() const { return groups_; }
+  /// Those of a group that were set, in the order in which they first were.
+  std::vector<Setting> of_group(const std::string& prefix) const;
 
  private:
   std::optional<Error> check(const Setting& setting, const std::string& value,
                              const std::string& origin) const;
 
+  /// The setting of a group that a variable names.
+  std::optional<std::string> path_in_group(const std::string& environment) const;
+  /// Makes a place for a setting of a group; false if the path is none.
+  bool add_of_group(const std::string& path);
+
   std::vector<Setting> settings_;
+  std::vector<SettingGroup> groups_;
 };
 
 /// The name of a source, as results and listings print it.

@@ -15,6 +15,7 @@
 #include "damage.h"
 #include "loader/elf_image.h"
 #include "loader/program_file.h"
+#include "loader/program_settings.h"
 #include "loader/vector_table.h"
 #include "run/parameter_file.h"
 #include "sensor/described_source.h"
@@ -88,6 +89,37 @@ TEST(FileFuzz, DamagedElf) {
       image.value().symbolise(address);
     image.value().overwrite("main", {1, 2, 3, 4});
     loader::find_vector_table({&image.value()}, "auto");
+  }
+}
+
+TEST(FileFuzz, DamagedProgramSettings) {
+  const auto whole = loader::load_elf(SELFCAL_ELF);
+  ASSERT_TRUE(whole) << whole.error();
+  const auto object = whole.value().contents("program_settings");
+  ASSERT_TRUE(object);
+  const std::string bytes(object->begin(), object->end());
+  const uint64_t count = file_count(4000);
+  Tally tally("program settings", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    const std::string damaged = Damage(number).binary(bytes, 200, 160);
+    loader::ElfImage image;
+    image.path = "f.elf";
+    image.segments.push_back({0, {damaged.begin(), damaged.end()}, 1U << 20U});
+    image.symbols.push_back({0, static_cast<uint32_t>(damaged.size()), "program_settings"});
+    auto settings = loader::ProgramSettings::read(image);
+    if (!settings) {
+      tally.refuse(settings.error(), image.path, number);
+      continue;
+    }
+    tally.accept();
+    for (const loader::ProgramSetting& setting : settings.value().all()) {
+      settings.value().value(setting);
+      settings.value().range(setting);
+      for (const char* value : {"0", "-1", "4e9", "0.3", "x"})
+        settings.value().set(setting, value, "-P");
+    }
+    settings.value().write(image);
+    EXPECT_EQ(image.segments.front().bytes.size(), damaged.size()) << number;
   }
 }
 

@@ -65,6 +65,24 @@ TEST(Settings, ALetterBeyondAsciiOutsideATextIsRefusedWithItsLine) {
   std::remove(path.c_str());
 }
 
+TEST(Settings, AGroupTakesNamesThatNobodyKnewBefore) {
+  Settings s = example();
+  s.add(SettingGroup{"program.", "of the program"});
+  EXPECT_FALSE(s.set("program.rate_hz", "500", SettingSource::command_line, "-P rate_hz=500"));
+  char name[] = "CAPSOC_PROGRAM_RATE_HZ=250", other[] = "CAPSOC_PROGRAM_STEP=0.5";
+  char* environment[] = {name, other, nullptr};
+  EXPECT_FALSE(s.read_environment(environment));
+  const std::vector<Setting> members = s.of_group("program.");
+  ASSERT_EQ(members.size(), 2U);
+  EXPECT_EQ(members[0].value, "500") << "the command line wins";
+  EXPECT_EQ(members[0].origin, "-P rate_hz=500");
+  EXPECT_EQ(members[1].path, "program.step");
+  EXPECT_EQ(members[1].origin, "environment CAPSOC_PROGRAM_STEP");
+  for (const char* path : {"program.", "program.A", "program.a b", "program.a.b", "programs.a"})
+    EXPECT_TRUE(s.set(path, "1", SettingSource::command_line, "x")) << path;
+  EXPECT_EQ(s.of_group("program.").size(), 2U);
+}
+
 TEST(Settings, TheEnvironmentIsRead) {
   Settings s = example();
   char name[] = "CAPSOC_CPU_EXECUTOR=stepping";

@@ -37,6 +37,33 @@ class Template(unittest.TestCase):
         self.assertEqual(self.do(BUILD / "capsoc", "run", "build/app.elf"), "angle: 300 tenths of a degree\n")
         self.assertIn("angle: 300 tenths of a degree\n", self.do("cmake", "--build", "build", "--target", "run"))
 
+    def test_settings_of_its_own(self):
+        main = self.app / "main.c"
+        text = main.read_text().replace('#include "capsoc_device.h"', """#include "capsoc_device.h"
+#include "program_settings.h"
+
+#define SETTINGS(NUMBER, TEXT)                                                   \\
+  NUMBER(int16_t, offset, -3, -300, 300, 1, "tenths", "added to the angle")      \\
+  NUMBER(uint8_t, share, 0.5, 0, 0.75, 256, "", "of nothing")                    \\
+  TEXT(label, 8, "angle", "what is printed before it")
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())""")
+        text = text.replace('print("angle: ");', 'print(settings.label);\n  print(": ");')
+        main.write_text(text.replace(">> 32));", ">> 32) + (uint32_t)settings.offset);"))
+        self.do("make", f"CAPSOC={BUILD}")
+        run = [BUILD / "capsoc", "run", "app.elf"]
+        self.assertEqual(self.do(*run), "angle: 297 tenths of a degree\n")
+        self.assertEqual(self.do(*run, "-P", "offset=-100", "-P", "label=phi"), "phi: 200 tenths of a degree\n")
+        listing = self.do(*run, "--list-program-settings", "-P", "share=0.25")
+        self.assertRegex(listing, r"offset +-3 +tenths +-300 \.\. 300 +built-in +added to the angle\n")
+        self.assertRegex(listing, r"share +0.25 +0 \.\. 0.75 +command line")
+        self.assertRegex(listing, r"label +angle +at most 7 bytes")
+        for arguments, expected in ((["-P", "label=longer than it"], "too long; give at most 7 bytes"),
+                                    (["-P", "offset=301"], "give -300 .. 300 tenths")):
+            done = subprocess.run([*run, *arguments], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(expected, done.stderr)
+
     def test_the_board_without_the_coprocessor(self):
         self.do("make", f"CAPSOC={BUILD}")
         done = subprocess.run(["qemu-system-arm", "-M", "mps2-an385", "-nographic", "-semihosting", "-kernel", "app.elf"],

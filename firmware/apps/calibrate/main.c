@@ -18,14 +18,16 @@
 #include "fixed_print.h"
 #include "parameter_block.h"
 #include "parameter_report.h"
+#include "program_settings.h"
 #include "sampling.h"
 
-static const struct {
-  uint32_t baud;
-  uint32_t rate_hz;
-  uint32_t samples;       // one revolution at 0.05 Hz
-  uint32_t angle_stride;  // samples from one printed angle to the next
-} settings = {.baud = 115200, .rate_hz = 250, .samples = 5000, .angle_stride = 250};
+#define SETTINGS(NUMBER, TEXT)                                                 \
+  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")           \
+  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")       \
+  NUMBER(uint32_t, samples, 5000, 1, 1e9, 1, "samples", "one turn at 0.05 Hz") \
+  NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())
 
 enum { status_fail = 1, status_refused = 2, status_no_coprocessor = 3, status_no_parameters = 4 };
 

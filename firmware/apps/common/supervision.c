@@ -56,7 +56,7 @@ bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_s
       print_progress(seconds, &parameters);
     }
   }
-  return true;
+  return sampling_wait(samples);  // what is less than a second
 }
 
 static void print_errors(uint32_t errors) {

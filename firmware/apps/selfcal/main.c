@@ -14,30 +14,26 @@
 #include "coprocessor.h"
 #include "fixed_print.h"
 #include "parameter_report.h"
+#include "program_settings.h"
 #include "sampling.h"
 #include "supervision.h"
 
-static const struct {
-  uint32_t baud;
-  uint32_t rate_hz;
-  int64_t frequency;  // 2^-48 turn a sample: 0.05 Hz / 250 Hz
-  uint32_t step;      // 2 mu in Q1.31: omega / 2, the fastest that settles
-  uint32_t demodulation_samples;
-  uint32_t calibration_samples;  // one revolution at 0.05 Hz
-  uint32_t progress_seconds;
-  uint32_t mirror_seconds;
-  uint32_t angle_stride;  // samples from one printed angle to the next
-} settings = {
-    .baud = 115200,
-    .rate_hz = 250,
-    .frequency = 56294995342,
-    .step = 1349307,
-    .demodulation_samples = 100000,
-    .calibration_samples = 5000,
-    .progress_seconds = 50,
-    .mirror_seconds = 5,
-    .angle_stride = 250,
-};
+// frequency_hz is kept in 2^-48 Hz, step as Q1.31.
+#define SETTINGS(NUMBER, TEXT)                                                                 \
+  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")                           \
+  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")                       \
+  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft")       \
+  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",                                 \
+         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it")                   \
+  NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")      \
+  NUMBER(uint32_t, calibration_samples, 5000, 0, 1e9, 1, "samples", "of calibration after it") \
+  NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                       \
+         "from one line of parameters to the next")                                            \
+  NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s",                                          \
+         "that the rotation may seem reversed before it is believed")                          \
+  NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
 
@@ -53,6 +49,18 @@ static void print_banner(uint32_t clock_hz) {
   const uint32_t status = COPROCESSOR->STATUS;
   const bool paper = (status & COPROCESSOR_STATUS_ARITH_Msk) != 0;
   print_text(paper ? "paper arithmetic\n" : "precise arithmetic\n");
+}
+
+// Reference and steps as the settings want them. False if the shaft turns too fast for the rate.
+static bool set_up_coprocessor(uint32_t clock_hz) {
+  int64_t frequency = 0;
+  const uint32_t period = clock_hz / settings.rate_hz;
+  if (!coprocessor_frequency_word(settings.frequency_hz, period, clock_hz, &frequency))
+    return false;
+  coprocessor_reset();
+  coprocessor_set_frequency(frequency);
+  coprocessor_set_steps(settings.step != 0 ? settings.step : coprocessor_fastest_step(frequency));
+  return true;
 }
 
 static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
@@ -71,9 +79,10 @@ int main(void) {
   print_banner(clock_hz);
   console_start_buffering();
 
-  coprocessor_reset();
-  coprocessor_set_frequency(settings.frequency);
-  coprocessor_set_steps(settings.step);
+  if (!set_up_coprocessor(clock_hz)) {
+    print_text("selfcal: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
+    return status_refused;
+  }
   const uint32_t gates =
       COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk;
   COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;

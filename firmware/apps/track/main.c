@@ -15,38 +15,33 @@
 #include "coprocessor.h"
 #include "fixed_print.h"
 #include "parameter_report.h"
+#include "program_settings.h"
 #include "sampling.h"
 #include "supervision.h"
 #include "turn_meter.h"
 
-static const struct {
-  uint32_t baud;
-  uint32_t rate_hz;
-  uint32_t measuring_seconds;  // that the first turns may take
-  uint32_t numeric_until;      // seconds from the start of the ADC, as the next two
-  uint32_t tracking_until;
-  uint32_t angle_until;
-  int32_t drift_divider;  // the share of phi's drift that corrects the frequency, a second
-  // Tracking loop. Wider loops (kp = 4) follow ripple better, but so fast a reference follows the
-  // angle's own error too, and the last part of the coefficients settles more slowly: at a constant
-  // speed the last turn shows 4.6e-7 deg as set here, and 2.4e-6 with kp = 4, ki = 10,
-  // numeric_until = 200 and drift_divider = 32.
-  uint32_t kp, ki;
-  uint32_t progress_seconds;
-  uint32_t mirror_seconds;
-} settings = {
-    .baud = 115200,
-    .rate_hz = 250,
-    .measuring_seconds = 100,
-    .numeric_until = 150,
-    .tracking_until = 400,
-    .angle_until = 420,
-    .drift_divider = 256,
-    .kp = 10,
-    .ki = 22,
-    .progress_seconds = 50,
-    .mirror_seconds = 5,
-};
+// Wider tracking loops (kp = 4) follow ripple better, but so fast a reference follows the angle's
+// own error too, and the last part of the coefficients settles more slowly: at a constant speed the
+// last turn shows 4.6e-7 deg as set here, and 2.4e-6 with kp = 4, ki = 10, numeric_until = 200 and
+// drift_divider = 32. No time is so long that its samples at the highest rate do not fit 32 bits.
+#define SETTINGS(NUMBER, TEXT)                                                                \
+  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")                          \
+  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")                      \
+  NUMBER(uint32_t, measuring_seconds, 100, 1, 40000, 1, "s", "that the first turns may take") \
+  NUMBER(uint32_t, numeric_until, 150, 1, 40000, 1, "s",                                      \
+         "end of the numeric reference, from the start of the ADC")                           \
+  NUMBER(uint32_t, tracking_until, 400, 1, 40000, 1, "s", "end of the tracking reference")    \
+  NUMBER(uint32_t, angle_until, 420, 1, 40000, 1, "s", "end of the angle reference")          \
+  NUMBER(uint32_t, drift_divider, 256, 1, 1000000, 1, "",                                     \
+         "1 / the share of phi's drift that corrects the frequency, a second")                \
+  NUMBER(uint32_t, kp, 10, 0, 31, 1, "", "tracking loop: phase += error >> kp")               \
+  NUMBER(uint32_t, ki, 22, 0, 31, 1, "", "tracking loop: frequency += error >> ki")           \
+  NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                      \
+         "from one line of parameters to the next")                                           \
+  NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s",                                         \
+         "that the rotation may seem reversed before it is believed")
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())
 
 enum { status_fail = 1, status_refused = 2, status_no_coprocessor = 3 };
 
@@ -135,10 +130,14 @@ static bool run(struct session* session, uint32_t from, uint32_t until, bool tri
   return true;
 }
 
-static bool show_angle_reference(struct session* session) {
+static uint32_t later(uint32_t one, uint32_t other) {
+  return one > other ? one : other;
+}
+
+static bool show_angle_reference(struct session* session, uint32_t from) {
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_ANGLE);
   print_text("angle reference\n");
-  for (uint32_t second = settings.tracking_until + 1; second <= settings.angle_until; ++second) {
+  for (uint32_t second = from; second <= settings.angle_until; ++second) {
     const uint32_t sample = second * settings.rate_hz;
     if (!sampling_wait(sample - session->first_sample)) return false;
     supervise(&session->supervision, sample);
@@ -153,14 +152,13 @@ static bool calibrate(struct session* session) {
   if (!run(session, begin, settings.numeric_until, true)) return false;
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_TRACKING);
   print_text("tracking reference\n");
-  const uint32_t tracking_begin =
-      begin > settings.numeric_until ? begin : settings.numeric_until + 1;
+  const uint32_t tracking_begin = later(begin, settings.numeric_until + 1);
   if (!run(session, tracking_begin, settings.tracking_until, false)) return false;
   const struct coprocessor_parameters parameters = coprocessor_read_parameters();
   const int64_t frequency = coprocessor_frequency();
   print_parameter_table(&parameters);
   print_frequency(frequency);
-  return show_angle_reference(session);
+  return show_angle_reference(session, later(begin, settings.tracking_until + 1));
 }
 
 static void report_end(uint32_t samples) {

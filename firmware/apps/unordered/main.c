@@ -17,26 +17,22 @@
 #include "coprocessor.h"
 #include "fixed_print.h"
 #include "parameter_report.h"
+#include "program_settings.h"
 #include "sampling.h"
 #include "supervision.h"
 
-static const struct {
-  uint32_t baud;
-  uint32_t rate_hz;
-  uint32_t step;  // 2 mu in Q1.31
-  uint32_t demodulation_samples;
-  uint32_t calibration_samples;
-  uint32_t progress_seconds;
-  uint32_t angle_stride;  // samples from one printed angle to the next
-} settings = {
-    .baud = 115200,
-    .rate_hz = 250,
-    .step = 21474836,  // 0.01
-    .demodulation_samples = 100000,
-    .calibration_samples = 5000,
-    .progress_seconds = 50,
-    .angle_stride = 250,
-};
+// step is kept as Q1.31.
+#define SETTINGS(NUMBER, TEXT)                                                                 \
+  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")                           \
+  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")                       \
+  NUMBER(uint32_t, step, 0.01, 0, 0.9999999, 0x1p31, "", "2 mu")                               \
+  NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")      \
+  NUMBER(uint32_t, calibration_samples, 5000, 0, 1e9, 1, "samples", "of calibration after it") \
+  NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                       \
+         "from one line of parameters to the next")                                            \
+  NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
 
