@@ -83,12 +83,11 @@ std::optional<Error> Overrides::apply(toml::table& root, const std::vector<KeyVa
       continue;
     }
     const auto& keys = description_keys();
-    const auto key = std::find_if(keys.begin(), keys.end(), [&](const DescriptionKey& k) {
-      return k.name() == value.name;
-    });
+    const auto key = std::find_if(keys.begin(), keys.end(),
+                                  [&](const DescriptionKey& k) { return k.name() == value.name; });
     if (key == keys.end())
-      return Error{fmt::format("{}: a description has no key '{}'; the nearest are {}", value.origin,
-                               printable(value.name),
+      return Error{fmt::format("{}: a description has no key '{}'; the nearest are {}",
+                               value.origin, printable(value.name),
                                nearest_names(value.name.substr(0, 64), known))};
     if (auto error = apply_key(root, *key, value)) return error;
   }
@@ -148,9 +147,10 @@ std::optional<Error> Overrides::apply_key(toml::table& root, const DescriptionKe
 std::optional<Error> Overrides::apply_harmonic(toml::table& root, const KeyValue& value) {
   const auto wanted = harmonic_key(value.name.substr(std::strlen(harmonics_prefix)));
   if (!wanted)
-    return Error{fmt::format("{}: a harmonic is named by channel and order, u3_amplitude or "
-                             "v12_phase_rad",
-                             value.origin)};
+    return Error{
+        fmt::format("{}: a harmonic is named by channel and order, u3_amplitude or "
+                    "v12_phase_rad",
+                    value.origin)};
   if (!root.contains("harmonics")) root.insert("harmonics", toml::array{});
   toml::array* all = root["harmonics"].as_array();
   if (all == nullptr) return std::nullopt;  // the reader refuses it
@@ -159,9 +159,10 @@ std::optional<Error> Overrides::apply_harmonic(toml::table& root, const KeyValue
     toml::table* table = (*all)[i].as_table();
     if (table == nullptr || !is_harmonic(*table, *wanted)) continue;
     if (found != nullptr)
-      return Error{fmt::format("{}: the description has more than one harmonic of this channel and "
-                               "order; edit it",
-                               value.origin)};
+      return Error{
+          fmt::format("{}: the description has more than one harmonic of this channel and "
+                      "order; edit it",
+                      value.origin)};
     found = table;
     if (value.value.empty() && wanted->key == "amplitude") {
       all->erase(all->begin() + static_cast<std::ptrdiff_t>(i));

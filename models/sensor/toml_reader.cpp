@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "sensor/overrides.h"
 #include "sensor/text.h"
 #include "support/nearest.h"
 #include "support/printable.h"
@@ -34,15 +36,28 @@ std::string nearest_key(std::string_view word, const std::vector<std::string>& k
   return nearest_names(word.substr(0, 64), known);
 }
 
+/// Where a node stands: a line of the file, or what set it from outside.
+struct Places {
+  const std::string& file;
+  const Overrides& overrides;
+
+  Error error(const toml::node* node, const std::string& message) const {
+    const std::string* origin = node != nullptr ? overrides.origin_of(*node) : nullptr;
+    if (origin != nullptr) return Error{fmt::format("{}: {}", *origin, message)};
+    const unsigned long line = node != nullptr ? node->source().begin.line : 1;
+    return error_at(file, std::max(line, 1UL), message);
+  }
+};
+
 /// One table of the file. Keeps the first error; after that it reads nothing more.
 class TableReader {
  public:
   TableReader(const toml::table* table, std::string name, std::vector<std::string> known,
-              const std::string& file, std::optional<Error>& error)
+              const Places& places, std::optional<Error>& error)
       : table_(table),
         name_(std::move(name)),
         known_(std::move(known)),
-        file_(file),
+        places_(places),
         error_(error) {
     if (table_) check_keys();
   }
@@ -116,15 +131,13 @@ class TableReader {
   void require(std::initializer_list<const char*> keys) {
     for (const char* key : keys) {
       if (has(key)) continue;
-      const unsigned long line = table_ ? table_->source().begin.line : 1;
-      set(error_at(file_, line, fmt::format("'{}' is missing in {}; add it", key, where())));
+      set(places_.error(table_, fmt::format("'{}' is missing in {}; add it", key, where())));
     }
   }
 
   void fail(const toml::node& node, std::string_view key, const std::string& wrong,
             const std::string& remedy) {
-    set(error_at(file_, node.source().begin.line,
-                 fmt::format("'{}' in {} {}; {}", key, where(), wrong, remedy)));
+    set(places_.error(&node, fmt::format("'{}' in {} {}; {}", key, where(), wrong, remedy)));
   }
   void fail(const char* key, const std::string& wrong, const std::string& remedy) {
     if (const toml::node* node = find(key)) fail(*node, key, wrong, remedy);
@@ -138,16 +151,26 @@ class TableReader {
   void check_keys() {
     // A table iterates in the order of its keys; the first wrong one in the file is reported.
     const toml::key* wrong = nullptr;
+    const toml::node* wrong_node = nullptr;
     for (const auto& [key, node] : *table_) {
       bool is_known = false;
       for (const std::string& name : known_) is_known = is_known || name == key.str();
       if (is_known) continue;
-      if (!wrong || key.source().begin.line < wrong->source().begin.line) wrong = &key;
+      if (wrong && key.source().begin.line >= wrong->source().begin.line) continue;
+      wrong = &key;
+      wrong_node = &node;
     }
     if (!wrong) return;
-    set(error_at(file_, wrong->source().begin.line,
-                 fmt::format("unknown key '{}' in {}; the nearest known are {}",
-                             printable(wrong->str()), where(), nearest_key(wrong->str(), known_))));
+    const Error error =
+        places_.overrides.origin_of(*wrong_node) != nullptr
+            ? places_.error(wrong_node, unknown_key(*wrong))
+            : error_at(places_.file, wrong->source().begin.line, unknown_key(*wrong));
+    set(error);
+  }
+
+  std::string unknown_key(const toml::key& wrong) const {
+    return fmt::format("unknown key '{}' in {}; the nearest known are {}", printable(wrong.str()),
+                       where(), nearest_key(wrong.str(), known_));
   }
 
   void set(Error error) {
@@ -157,13 +180,13 @@ class TableReader {
   const toml::table* table_;
   std::string name_;
   std::vector<std::string> known_;
-  const std::string& file_;
+  const Places& places_;
   std::optional<Error>& error_;
 };
 
 class SignalReader {
  public:
-  SignalReader(const toml::table& root, const std::string& file) : root_(root), file_(file) {}
+  SignalReader(const toml::table& root, const Places& places) : root_(root), places_(places) {}
 
   Result<SignalConfig> read() {
     TableReader top = reader(&root_, "",
@@ -184,7 +207,7 @@ class SignalReader {
 
  private:
   TableReader reader(const toml::table* table, const char* name, std::vector<std::string> known) {
-    return TableReader(table, name, std::move(known), file_, error_);
+    return TableReader(table, name, std::move(known), places_, error_);
   }
 
   void read_sampling(const toml::table* table) {
@@ -218,19 +241,18 @@ class SignalReader {
       case MotionKind::ripple:
         return read_rotation(table);
       case MotionKind::shuffled: {
-        TableReader in = reader(table, "motion", {"kind", "seed"});
+        TableReader in = reader(table, "motion", motion_keys(motion.kind));
         in.require({"seed"});
         return in.integer("seed", motion.seed, 0, std::numeric_limits<int64_t>::max());
       }
       case MotionKind::walk: {
-        TableReader in = reader(table, "motion", {"kind", "seed", "step_turns"});
+        TableReader in = reader(table, "motion", motion_keys(motion.kind));
         in.require({"seed", "step_turns"});
         in.integer("seed", motion.seed, 0, std::numeric_limits<int64_t>::max());
         return in.number("step_turns", motion.step_turns, {0.0, 1.0});
       }
       case MotionKind::swing: {
-        TableReader in =
-            reader(table, "motion", {"kind", "swing_hz", "centre_turns", "amplitude_turns"});
+        TableReader in = reader(table, "motion", motion_keys(motion.kind));
         in.require({"swing_hz", "amplitude_turns"});
         in.number("swing_hz", motion.swing_hz, positive_frequency_range);
         in.number("centre_turns", motion.centre_turns, {-1.0, 1.0});
@@ -243,19 +265,16 @@ class SignalReader {
 
   bool read_kind(const toml::table& table, MotionKind& kind) {
     // Only the kind is read here; each kind has its own list of keys.
-    std::vector<std::string> names;
     std::string word;
     TableReader in = reader(&table, "motion", keys_of(table));
     in.require({"kind"});
     in.text("kind", word);
     if (error_) return false;
-    for (const MotionKind known : {MotionKind::constant, MotionKind::ripple, MotionKind::shuffled,
-                                   MotionKind::walk, MotionKind::swing}) {
-      names.push_back(name_of(known));
-      if (word != names.back()) continue;
-      kind = known;
+    if (const auto known = motion_kind(word)) {
+      kind = *known;
       return true;
     }
+    const std::vector<std::string> names = {"constant", "ripple", "shuffled", "walk", "swing"};
     in.fail("kind", fmt::format("= '{}' is not known", printable(word)),
             fmt::format("the nearest known are {}", nearest_key(word, names)));
     return false;
@@ -269,10 +288,8 @@ class SignalReader {
 
   void read_rotation(const toml::table* table) {
     MotionConfig& motion = config_.motion;
-    std::vector<std::string> known = {"kind", "frequency_hz", "reference_hz", "reverse_at_s"};
     const bool ripple = motion.kind == MotionKind::ripple;
-    if (ripple) known.insert(known.end(), {"ripple_amplitude", "ripple_hz"});
-    TableReader in = reader(table, "motion", std::move(known));
+    TableReader in = reader(table, "motion", motion_keys(motion.kind));
     in.require({"frequency_hz"});
     in.number("frequency_hz", motion.frequency_hz, frequency_range);
     in.number("reference_hz", motion.reference_hz, frequency_range);
@@ -338,15 +355,16 @@ class SignalReader {
   }
 
   const toml::table& root_;
-  const std::string& file_;
+  const Places& places_;
   SignalConfig config_;
   std::optional<Error> error_;
 };
 
 }  // namespace
 
-Result<SignalConfig> read_signal_toml(std::string_view text, const std::string& file) {
-  const toml::parse_result parsed = toml::parse(text, file);
+Result<SignalConfig> read_signal_toml(std::string_view text, const std::string& file,
+                                      const std::vector<KeyValue>& keys) {
+  toml::parse_result parsed = toml::parse(text, file);
   if (!parsed) {
     std::string reason(parsed.error().description());
     for (char& c : reason) {
@@ -355,7 +373,9 @@ Result<SignalConfig> read_signal_toml(std::string_view text, const std::string& 
     return error_at(file, parsed.error().source().begin.line,
                     fmt::format("not valid TOML ({}); correct this line", reason));
   }
-  return SignalReader(parsed.table(), file).read();
+  Overrides overrides;
+  if (auto error = overrides.apply(parsed.table(), keys)) return *error;
+  return SignalReader(parsed.table(), {file, overrides}).read();
 }
 
 }  // namespace capsoc::sensor

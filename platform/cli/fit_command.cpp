@@ -104,7 +104,8 @@ void add_fit(CLI::App& app, int& code) {
   auto arguments = std::make_shared<FitArguments>();
   CLI::App* fit = app.add_subcommand(
       "fit", "Identify a sensor's parameters from a trace; writes calibration.json and .h");
-  fit->add_option("trace", arguments->trace, "Sensor description (TOML) or recording (CSV)")
+  fit->add_option("trace", arguments->trace,
+                  "Sensor description (TOML) or recording (CSV); -: standard input")
       ->type_name("TRACE");
   fit->add_flag("--tables", arguments->tables,
                 "Instead of a trace: print how exact every method is on generated records");

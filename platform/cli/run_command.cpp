@@ -148,7 +148,8 @@ void add_run(CLI::App& app, int& code) {
          "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated")
       ->type_name("FILE[@ADDR]")
       ->allow_extra_args(false);
-  option("--sensor", "sensor.file", "Sensor description (TOML) or recording (CSV)")
+  option("--sensor", "sensor.file",
+         "Sensor description (TOML) or recording (CSV); -: standard input")
       ->type_name("FILE");
   option("--arithmetic", "coprocessor.arithmetic", "Arithmetic of the coprocessor")
       ->type_name("paper|precise");
@@ -193,6 +194,9 @@ void add_run(CLI::App& app, int& code) {
   option("--json", "results.json", "Write the results as JSON")->type_name("FILE");
   option("--record", "results.record", "Write the samples that the coprocessor saw as a recording")
       ->type_name("FILE.csv");
+  option("--record-columns", "results.record_columns",
+         "What that recording has of each sample (a wrong name lists all)")
+      ->type_name("NAME,...");
   option("--parameters", "firmware.parameters",
          "Start in calibration mode with the parameters that capsoc fit or run --json wrote")
       ->type_name("FILE.json");

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "host/sha256.h"
+#include "fit/trace.h"
 #include "peripherals/quantiser.h"
-#include "sensor/load.h"
 
 namespace capsoc::fit {
 namespace {
@@ -52,18 +51,14 @@ Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
 
 }  // namespace
 
-std::string sha256_of_trace(const std::string& path) {
-  const auto text = sensor::built_in(path);
-  return text ? host::sha256_of(*text) : host::sha256_of_file(path);
-}
-
 Result<Record> read_record(const std::string& path, const RecordOptions& options) {
-  auto source = sensor::load(path);
-  if (!source) return Error{source.error()};
+  auto opened = open_trace(path);
+  if (!opened) return Error{opened.error()};
+  const Trace& trace = opened.value();
   Record record;
   record.path = path;
-  record.sha256 = sha256_of_trace(path);
-  record.description = source.value()->description();
+  record.sha256 = trace.sha256;
+  record.description = trace.source->description();
   record.adc_bits = options.adc_bits != 0
                         ? options.adc_bits
                         : static_cast<unsigned>(record.description.adc_bits.value_or(32));
@@ -71,10 +66,10 @@ Result<Record> read_record(const std::string& path, const RecordOptions& options
   const uint64_t length = record.description.samples.value_or(samples_of_endless);
   const uint64_t count = options.samples != 0 ? options.samples : length;
   if (std::min(count, length) > largest_record)
-    return Error{fmt::format("{}: {} samples are too many; give --samples with at most {}", path,
-                             length, largest_record)};
+    return Error{fmt::format("{}: {} samples are too many; give --samples with at most {}",
+                             trace.name, length, largest_record)};
 
-  const Columns columns = convert(*source.value(), count, record.adc_bits);
+  const Columns columns = convert(*trace.source, count, record.adc_bits);
   record.samples = {to_array(columns.u), to_array(columns.v)};
   if (columns.has_angle) record.angle = to_array(columns.angle);
   return record;

@@ -29,9 +29,6 @@ struct Record {
   double full_scale = 1;  ///< the converter's largest value: what reaches it may be clipped
 };
 
-/// SHA-256 of a trace's bytes, a file's or of what is built in; "" if it cannot be read.
-std::string sha256_of_trace(const std::string& path);
-
 /// Reads what `capsoc run --sensor` takes. Error: one sentence with file and line for what cannot
 /// be read. Whether the samples tell a sensor is not looked at.
 Result<Record> read_record(const std::string& path, const RecordOptions& options = {});

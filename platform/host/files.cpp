@@ -45,6 +45,22 @@ Error cannot_write(const std::string& path, int error) {
       fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
 }
 
+Result<std::string> read_standard_input(std::size_t largest) {
+  std::string text;
+  char buffer[65536];
+  for (;;) {
+    const ssize_t count = read(STDIN_FILENO, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0)
+      return Error{fmt::format("standard input: cannot be read ({}); name a file instead",
+                               std::strerror(errno))};
+    if (count == 0) return text;
+    text.append(buffer, static_cast<std::size_t>(count));
+    if (text.size() > largest)
+      return Error{fmt::format("standard input: more than {} bytes; shorten it", largest)};
+  }
+}
+
 std::string growing_name(const std::string& path) {
   const Place place = place_of(path);
   return place.in_place() ? path : fmt::format("{}.{}.tmp", place.path, getpid());

@@ -1,6 +1,7 @@
 // Files that are written whole or not at all.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -15,6 +16,10 @@ namespace capsoc::host {
 struct TextFile {
   std::string path, text;
 };
+
+/// What comes on standard input until its end. An Error: it cannot be read, or is longer than
+/// `largest`.
+Result<std::string> read_standard_input(std::size_t largest);
 
 /// Writes the whole file or nothing: a temporary file beside it, renamed at the end. A symbolic
 /// link stays one; the file that it leads to is written.

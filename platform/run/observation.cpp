@@ -1,5 +1,8 @@
 #include "run/observation.h"
 
+#include <algorithm>
+#include <cstddef>
+
 namespace capsoc::run {
 namespace {
 
@@ -42,6 +45,7 @@ std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
     source_.rewind();
     metrics_.dropped_all();
     match_.restarted();
+    finished_ = recorded_.size();  // what was on its way is gone
   }
   const auto value = source_.sample(k, t);
   if (!value) return std::nullopt;
@@ -82,7 +86,25 @@ void Observation::result(const coprocessor::Nodes& nodes) {
              static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
   metrics_.result(r);
   watch_sampling(control);
+  keep(r, nodes);
   progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
+}
+
+/// A soft reset loses samples that were on their way: a result belongs to the next sample with its
+/// words.
+void Observation::keep(const CoprocessorResult& result, const coprocessor::Nodes& nodes) {
+  const auto mine = std::find_if(
+      recorded_.begin() + static_cast<std::ptrdiff_t>(finished_), recorded_.end(),
+      [&](const RecordedSample& sample) { return sample.u == nodes.u && sample.v == nodes.v; });
+  if (mine == recorded_.end()) return;  // software fed it
+  mine->result = {result.angle,
+                  result.words,
+                  static_cast<int32_t>(nodes.error_u),
+                  static_cast<int32_t>(nodes.error_v),
+                  static_cast<uint32_t>(nodes.error_average),
+                  static_cast<uint32_t>(nodes.status),
+                  static_cast<uint32_t>(nodes.flags)};
+  finished_ = static_cast<std::size_t>(mine - recorded_.begin()) + 1;
 }
 
 }  // namespace capsoc::run

@@ -1,6 +1,7 @@
 // What a run sees of the sensor and of the coprocessor.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -31,6 +32,7 @@ class Observation {
   void result(const coprocessor::Nodes& nodes);
   void watch_sampling(uint32_t control);
   double sensor_time(uint64_t k, double t) const;
+  void keep(const CoprocessorResult& result, const coprocessor::Nodes& nodes);
 
   soc::Soc& soc_;
   sensor::Source& source_;
@@ -39,6 +41,7 @@ class Observation {
   Progress& progress_;
   SensorTruth truth_;
   bool recording_;
+  std::size_t finished_ = 0;  ///< of those recorded; the next result belongs to this one
   RecordedSample converted_;  ///< the newest of the front-end
   double recording_since_s_ = 0;
   std::vector<RecordedSample> recorded_;

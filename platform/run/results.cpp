@@ -135,11 +135,20 @@ std::string to_text(const ordered_json& json) {
 }
 
 bool is_place(const std::string& setting) {
-  return setting == "results.json" || setting == "results.record" || setting == "results.waves" ||
+  return setting == "results.json" || setting == "results.record" ||
+         setting == "results.record_columns" || setting == "results.waves" ||
          setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0 ||
          is_uart_place(setting) || setting == "semihosting.console" ||
          setting.rfind("itm.", 0) == 0;
 }
+
+namespace {
+
+bool is_set(const Setting& setting) {
+  return !setting.optional || setting.source != SettingSource::built_in;
+}
+
+}  // namespace
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
   ordered_json j;
@@ -147,7 +156,8 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   j["versions"] = versions();
   j["command"] = result.command;
   for (const Setting& setting : settings.all())
-    if (!is_place(setting.path)) j["configuration"][setting.path] = setting.value;
+    if (!is_place(setting.path) && is_set(setting))
+      j["configuration"][setting.path] = setting.value;
   for (const ProgramValue& setting : result.program_settings)
     j["configuration"][program_prefix + setting.name] = setting.value;
   j["inputs"] = ordered_json::array();

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "fit/record.h"
+#include "fit/trace.h"
 #include "host/places.h"
 #include "host/sha256.h"
 #include "loader/program_file.h"
@@ -34,6 +34,31 @@ std::optional<Error> missing_default(const Settings& settings, const std::string
       "{}: the default program is not there; name yours (capsoc run FILE.elf), or keep the folder "
       "firmware/ beside capsoc",
       program)};
+}
+
+/// The keys of the description that were set, with what set them.
+std::vector<sensor::KeyValue> sensor_keys(const Settings& settings) {
+  std::vector<sensor::KeyValue> keys;
+  for (const Setting& setting : settings.of_group("sensor."))
+    if (setting.source != SettingSource::built_in && setting.path != "sensor.file" &&
+        setting.path != "sensor.adc_bits")
+      keys.push_back({setting.path.substr(7), setting.value, setting.origin});
+  return keys;
+}
+
+/// Standard input has one reader.
+std::optional<Error> taken_standard_input(const Settings& settings) {
+  if (settings.text("sensor.file") != fit::standard_input) return std::nullopt;
+  std::vector<std::string> readers = {"semihosting.console"};
+  for (unsigned n = 0; n < soc::Soc::uart_count; ++n)
+    readers.push_back(fmt::format("uart{}.backend", n));
+  for (const std::string& reader : readers)
+    if (settings.text(reader) == "stdio")
+      return Error{
+          fmt::format("--sensor -: {} reads standard input already (stdio); give the "
+                      "sensor as a file, or the text to another backend",
+                      reader)};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -77,9 +102,11 @@ Result<RunInputs> read_inputs(const Settings& settings) {
   inputs.program_settings = std::move(program_settings.value());
 
   inputs.sensor_file = settings.text("sensor.file");
-  auto source = sensor::load(inputs.sensor_file);
-  if (!source) return Error{source.error()};
-  inputs.source = std::move(source.value());
+  if (auto error = taken_standard_input(settings)) return *error;
+  auto trace = fit::open_trace(inputs.sensor_file, sensor_keys(settings));
+  if (!trace) return Error{trace.error()};
+  inputs.source = std::move(trace.value().source);
+  inputs.sensor_sha256 = trace.value().sha256;
   inputs.recorded_speed = recorded_speed(*inputs.source);
   const long long adc_bits = settings.integer("sensor.adc_bits") != 0
                                  ? settings.integer("sensor.adc_bits")
@@ -119,7 +146,7 @@ Metrics RunInputs::make_metrics() const {
 
 std::vector<Input> RunInputs::files(const Settings& settings) const {
   std::vector<Input> files = {{"firmware", program_file, host::sha256_of_file(program_file)},
-                              {"sensor", sensor_file, fit::sha256_of_trace(sensor_file)}};
+                              {"sensor", sensor_file, sensor_sha256}};
   for (const std::string& place : places_to_load(settings))
     files.push_back({"image", place, host::sha256_of_file(place.substr(0, place.rfind('@')))});
   for (unsigned n = 0; n < soc::Soc::uart_count; ++n)

@@ -23,6 +23,7 @@ struct RunInputs {
   loader::ProgramSettings program_settings;               ///< as they are in it
   std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
   std::unique_ptr<sensor::Source> source;
+  std::string sensor_sha256;
   unsigned adc_bits = 0;
   std::optional<double> recorded_speed;  ///< of the sensor, turns a sample
   std::optional<ParameterWords> preset;

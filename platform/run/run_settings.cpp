@@ -12,6 +12,7 @@
 #include "run/semihosting_port.h"
 #include "run/trace_settings.h"
 #include "run/uart_lines.h"
+#include "sensor/description_keys.h"
 #include "sensor/load.h"
 
 namespace capsoc::run {
@@ -62,9 +63,22 @@ Settings make_settings() {
   add("firmware.parameters", SettingKind::input, "",
       "JSON with parameters to write in the program; empty: none");
   s.add(SettingGroup{program_prefix, "a setting of the program (--list-program-settings)"});
-  add("sensor.file", SettingKind::input, default_sensor(), "sensor description or recording");
+  add("sensor.file", SettingKind::input, default_sensor(),
+      "sensor description or recording; -: standard input");
   add("sensor.adc_bits", SettingKind::integer, "0",
       "width of the converter at reset; 0: as the sensor says", {}, 0, 32);
+  for (const sensor::DescriptionKey& key : sensor::description_keys())
+    s.add({"sensor." + key.name(),
+           SettingKind::text,
+           "",
+           key.help,
+           {},
+           0,
+           0,
+           SettingSource::built_in,
+           true});
+  s.add(SettingGroup{std::string("sensor.") + sensor::harmonics_prefix,
+                     "a harmonic of the description: u3_amplitude, v12_phase_rad"});
   add("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise",
       {"paper", "precise"});
   add_backend_settings(s);
@@ -94,6 +108,8 @@ Settings make_settings() {
   add("results.json", SettingKind::output, "", "where the results go; empty: nowhere");
   add("results.record", SettingKind::output, "",
       "where the coprocessor's samples go (CSV); empty: nowhere");
+  add("results.record_columns", SettingKind::text, "",
+      "columns of that file, separated by commas; empty: t,u,v,angle_deg");
   add("log.level", SettingKind::choice, "warn", "trace, debug, info, warn, error, off",
       {"trace", "debug", "info", "warn", "error", "off"});
   return s;

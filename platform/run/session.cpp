@@ -183,6 +183,11 @@ void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& 
 }  // namespace
 
 Result<RunResult> run(const Settings& settings) {
+  const std::string record_file = settings.text("results.record");
+  const auto columns = record_columns(settings.text("results.record_columns"), "--record-columns");
+  if (!columns) return Error{columns.error()};
+  if (record_file.empty() && !settings.text("results.record_columns").empty())
+    return Error{"--record-columns: there is no recording; give --record FILE.csv, too"};
   auto read = read_inputs(settings);
   if (!read) return Error{read.error()};
   const RunInputs& inputs = read.value();
@@ -208,7 +213,6 @@ Result<RunResult> run(const Settings& settings) {
   Metrics metrics = inputs.make_metrics();
   Progress progress(isatty(STDERR_FILENO) != 0);
   const bool golden = settings.text("run.golden") == "true";
-  const std::string record_file = settings.text("results.record");
   RunResult result;
   SensorMatch match(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
                     [&result](const std::string& sentence) {
@@ -252,7 +256,8 @@ Result<RunResult> run(const Settings& settings) {
   if (!record_file.empty())
     keep(host::write_whole(
         record_file,
-        to_recording(observation.recorded(), "The coprocessor's samples of " + result.command)));
+        to_recording(observation.recorded(), "The coprocessor's samples of " + result.command,
+                     columns.value())));
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
   priorities.finish(result.code == exit_code::pass);
   take_losses(std::move(lost), result);

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 
 #include "support/input_file.h"
 #include "support/nearest.h"
@@ -40,6 +41,19 @@ std::optional<std::string> text_of(const toml::node& node) {
   if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
   if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
   if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");
+  return std::nullopt;
+}
+
+/// Calls `take` with path and value of everything below a table until it finds an error.
+using Take = std::function<std::optional<Error>(const std::string&, const toml::node&)>;
+std::optional<Error> each_value(const toml::table& table, const std::string& path,
+                                const Take& take) {
+  for (auto&& [key, value] : table) {
+    const std::string inner = fmt::format("{}.{}", path, key.str());
+    const toml::table* deeper = value.as_table();
+    if (auto error = deeper != nullptr ? each_value(*deeper, inner, take) : take(inner, value))
+      return error;
+  }
   return std::nullopt;
 }
 
@@ -224,14 +238,13 @@ std::optional<Error> Settings::read_file(const std::string& file) {
     if (table == nullptr)
       return Error{fmt::format("{}: '{}' stands outside a table; write [{}] and keys below it",
                                line(node), printable(table_name.str()), "section")};
-    for (auto&& [key, value] : *table) {
-      const std::string path = fmt::format("{}.{}", table_name.str(), key.str());
+    const auto take = [&](const std::string& path, const toml::node& value) {
       const auto given = text_of(value);
-      if (!given)
-        return Error{fmt::format("{}: {} must be a text, a number or true/false", line(value),
-                                 printable(path))};
-      if (auto error = set(path, *given, SettingSource::file, line(value))) return error;
-    }
+      if (given) return set(path, *given, SettingSource::file, line(value));
+      return std::optional<Error>(Error{fmt::format("{}: {} must be a text, a number or true/false",
+                                                    line(value), printable(path))});
+    };
+    if (auto error = each_value(*table, std::string(table_name.str()), take)) return error;
   }
   return std::nullopt;
 }

@@ -25,6 +25,7 @@ struct Setting {
   std::vector<std::string> choices;  ///< for SettingKind::choice
   double minimum = 0, maximum = 0;   ///< for numbers, both inclusive
   SettingSource source = SettingSource::built_in;
+  bool optional = false;    ///< without a value unless it is set: then no part of results
   std::string option = {};  ///< that gave the value, "--json"; "" unless an option of its own did
   std::string origin = {};  ///< what set it, as error sentences begin: "-C a=b", a file and line
 

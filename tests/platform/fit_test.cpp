@@ -30,6 +30,10 @@ class Trace {
   std::string path_;
 };
 
+std::string to_recording(const std::vector<run::RecordedSample>& samples) {
+  return run::to_recording(samples, "test", run::record_columns("", "test").value());
+}
+
 std::vector<run::RecordedSample> one_turn(const csfn::Parameters& p, int count) {
   std::vector<run::RecordedSample> samples;
   for (int i = 0; i < count; ++i) {
@@ -45,7 +49,7 @@ const csfn::Parameters sensor{0.6, 0.5, 0.1, -0.1, 0.3};
 
 TEST(Record, ARecordingComesBackAsTheSameWords) {
   const auto samples = one_turn(sensor, 1000);
-  const Trace trace(run::to_recording(samples, "test"));
+  const Trace trace(to_recording(samples));
   const auto record = read_record(trace.path());
   ASSERT_TRUE(record) << record.error();
   ASSERT_EQ(record.value().samples.u.size(), 1000);
@@ -61,7 +65,7 @@ TEST(Record, ARecordingComesBackAsTheSameWords) {
 TEST(Record, WithoutATruthThereIsNoAngleColumn) {
   auto samples = one_turn(sensor, 100);
   samples[50].has_truth = false;
-  const Trace trace(run::to_recording(samples, "test"));
+  const Trace trace(to_recording(samples));
   const auto record = read_record(trace.path());
   ASSERT_TRUE(record) << record.error();
   EXPECT_EQ(record.value().angle.size(), 0);
@@ -116,7 +120,7 @@ TEST(Record, AnEndlessTraceGivesTheMainJobsLength) {
 }
 
 TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
-  const Trace trace(run::to_recording(one_turn(sensor, 2000), "test"));
+  const Trace trace(to_recording(one_turn(sensor, 2000)));
   const auto fitted = fit(trace.path(), {});
   ASSERT_TRUE(fitted) << fitted.error();
   ASSERT_EQ(fitted.value().rejection, "");
@@ -137,14 +141,14 @@ TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
 TEST(Fit, AGateRejectsAShortArcWithAReason) {
   std::vector<run::RecordedSample> arc = one_turn(sensor, 1000);
   arc.resize(150);
-  const Trace trace(run::to_recording(arc, "test"));
+  const Trace trace(to_recording(arc));
   const auto fitted = fit(trace.path(), {});
   ASSERT_TRUE(fitted) << fitted.error();
   EXPECT_NE(fitted.value().rejection, "");
 }
 
 TEST(Fit, AllMethodsAgreeOnCleanSamples) {
-  const Trace trace(run::to_recording(one_turn(sensor, 2000), "test"));
+  const Trace trace(to_recording(one_turn(sensor, 2000)));
   FitOptions options;
   options.all_methods = true;
   const auto fitted = fit(trace.path(), options);

@@ -53,6 +53,22 @@ TEST(Settings, AFileNamesItsLine) {
   EXPECT_NE(error->text.find(path + ":3"), std::string::npos) << error->text;
 }
 
+TEST(Settings, TablesInTablesArePathsToo) {
+  const std::string path = testing::TempDir() + std::to_string(getpid()) + "nested.toml";
+  std::ofstream(path) << "[cpu]\nlines = 4\n[cpu.cache]\nways = 2\n";
+  Settings s = example();
+  s.add({"cpu.cache.ways", SettingKind::integer, "1", "", {}, 1, 8});
+  EXPECT_FALSE(s.read_file(path));
+  EXPECT_EQ(s.integer("cpu.cache.ways"), 2);
+  std::ofstream(path) << "[cpu]\nlines = 4\n[cpu.lines]\nways = 2\n";
+  EXPECT_TRUE(s.read_file(path));
+  std::ofstream(path) << "[cpu.cache]\nways = [2]\n";
+  const auto error = s.read_file(path);
+  std::remove(path.c_str());
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->text, path + ":2: cpu.cache.ways must be a text, a number or true/false");
+}
+
 TEST(Settings, ALetterBeyondAsciiOutsideATextIsRefusedWithItsLine) {
   const std::string path = testing::TempDir() + std::to_string(getpid()) + "letters.toml";
   for (const char* letter : {"\u00e9", "\u0416", "\u00a0", "\u2003", "\u0301", "\U0001f600"}) {

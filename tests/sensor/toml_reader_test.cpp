@@ -189,5 +189,92 @@ TEST(TomlReader, ReportsTheLineOfInvalidToml) {
   EXPECT_EQ(error.find('\n'), std::string::npos);
 }
 
+/// What comes of the minimal description with keys laid over it.
+Result<SignalConfig> overlaid(const std::vector<KeyValue>& keys, const std::string& more = "") {
+  return read_signal_toml(minimal + more, "s.toml", keys);
+}
+
+std::string overlaid_error(const std::vector<KeyValue>& keys, const std::string& more = "") {
+  const auto result = overlaid(keys, more);
+  return result ? "no error" : result.error();
+}
+
+TEST(TomlReader, KeysFromOutsideLieOverTheFile) {
+  const auto result = overlaid({{"a1", "0.25", "-C a"},
+                                {"motion.frequency_hz", "-1e-1", "-C b"},
+                                {"samples", "1e3", "-C c"},
+                                {"name", "5", "-C d"},
+                                {"noise.sigma", "0.5", "-C e"},
+                                {"noise.seed", "9", "-C f"},
+                                {"harmonics.v12_amplitude", "0.125", "-C g"}});
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result.value().a1, 0.25);
+  EXPECT_EQ(result.value().a2, 0.6);
+  EXPECT_EQ(result.value().motion.frequency_hz, -0.1);
+  EXPECT_EQ(result.value().samples, 1000U);
+  EXPECT_EQ(result.value().name, "5");
+  EXPECT_EQ(result.value().noise.sigma, 0.5);
+  EXPECT_EQ(result.value().noise.seed, 9U);
+  ASSERT_EQ(result.value().harmonics.size(), 1U);
+  EXPECT_EQ(result.value().harmonics[0].channel, Channel::v);
+  EXPECT_EQ(result.value().harmonics[0].order, 12);
+  EXPECT_EQ(result.value().harmonics[0].amplitude, 0.125);
+}
+
+TEST(TomlReader, EveryKeyOfItsListIsOneOfADescription) {
+  for (const DescriptionKey& key : description_keys()) {
+    const bool text = key.kind == DescriptionKey::Kind::text;
+    const std::string error = overlaid_error({{key.name(), text ? "constant" : "1", "-C x"}});
+    // For another kind of motion it may be unknown, but it is none that no motion has.
+    const bool unknown = error.find("unknown key") != std::string::npos;
+    EXPECT_EQ(unknown && std::string(key.table) != "motion", false) << error;
+  }
+  for (const MotionKind kind : {MotionKind::constant, MotionKind::ripple, MotionKind::shuffled,
+                                MotionKind::walk, MotionKind::swing}) {
+    std::vector<KeyValue> keys = {{"motion.kind", name_of(kind), "-C kind"}};
+    for (const std::string& key : motion_keys(kind))
+      if (key != "kind") keys.push_back({"motion." + key, "1", "-C " + key});
+    EXPECT_EQ(overlaid_error(keys), "no error") << name_of(kind);
+  }
+}
+
+TEST(TomlReader, WhatIsWrongWithAKeyFromOutsideNamesItsOrigin) {
+  EXPECT_EQ(overlaid_error({{"a1", "0", "-C sensor.a1=0"}}),
+            "-C sensor.a1=0: 'a1' in [signal] = 0 is out of range; it must lie between 1e-06 and "
+            "10");
+  EXPECT_EQ(overlaid_error({{"b1", "nan", "-C x"}}),
+            "-C x: 'b1' in [signal] is not finite; write a finite number");
+  EXPECT_EQ(overlaid_error({{"noise.peak", "0.1", "-C x"}}),
+            "-C x: 'seed' is missing in [noise]; add it");
+  EXPECT_EQ(overlaid_error({{"motion.seed", "1", "-C x"}}).rfind("-C x: unknown key 'seed'", 0),
+            0U);
+  EXPECT_EQ(overlaid_error({{"a1", "", "-C x"}}), "s.toml:6: 'a1' is missing in [signal]; add it");
+  EXPECT_EQ(overlaid_error({{"signal", "1", "-C x"}}).rfind("-C x: a description has no key", 0),
+            0U);
+  const std::string twice =
+      "[[harmonics]]\nchannel = \"u\"\norder = 3\namplitude = 0.1\n"
+      "[[harmonics]]\nchannel = \"u\"\norder = 3\namplitude = 0.2\n";
+  EXPECT_EQ(overlaid_error({{"harmonics.u3_amplitude", "1", "-C x"}}, twice),
+            "-C x: the description has more than one harmonic of this channel and order; edit it");
+  // Not in the way of what is wrong in the file.
+  EXPECT_EQ(overlaid_error({{"a1", "0.5", "-C x"}}, "[noise]\nsigma = -1\nseed = 1\n"),
+            "s.toml:17: 'sigma' in [noise] = -1 is out of range; it must lie between 0 and 10");
+}
+
+TEST(TomlReader, AKeyThatBelongsToTheOtherKindGoesWithIt) {
+  const std::string peak = "[noise]\npeak = 0.1\nrecord_samples = 5\nseed = 1\n";
+  EXPECT_EQ(overlaid({{"noise.sigma", "0.2", "-C x"}}, peak).value().noise.peak, 0.0);
+  const std::string sigma = "[noise]\nsigma = 0.1\nseed = 1\n";
+  EXPECT_EQ(
+      overlaid_error({{"noise.peak", "0.2", "-C x"}, {"noise.record_samples", "7", "-C y"}}, sigma),
+      "no error");
+  EXPECT_EQ(overlaid_error({{"motion.kind", "shuffled", "-C x"}, {"motion.seed", "7", "-C y"}}),
+            "no error");
+  EXPECT_EQ(overlaid({{"noise.sigma", "", "-C x"}, {"noise.seed", "", "-C y"}}, sigma)
+                .value()
+                .noise.sigma,
+            0.0);
+}
+
 }  // namespace
 }  // namespace capsoc::sensor

@@ -124,5 +124,183 @@ class ProgramSettings(Case):
         self.assertEqual(again.stdout, first.stdout)
 
 
+class SensorSettings(Case):
+    """`-C sensor.KEY=value` over a description, and what comes on standard input."""
+
+    SHORT = ("--simlimit", 0.5, "--uart0", "null")
+
+    def short(self, *arguments, **keywords):
+        """A run that ends early: its results tell what was set."""
+        return self.run_soc(*self.SHORT, *arguments, code=124, **keywords)[1]
+
+    def test_keys_lie_over_the_file(self):
+        r = self.short("-C", "sensor.a1=0.5", "-C", "sensor.phi_rad=-1", "-C", "sensor.motion.frequency_hz=0.25")
+        self.assertEqual(r["parameters"]["a1"]["true"], 0.5)
+        self.assertEqual(r["parameters"]["a2"]["true"], 0.6228)
+        self.assertEqual(r["parameters"]["phi"]["true"], -1)
+        self.assertEqual(r["configuration"]["sensor.a1"], "0.5")
+        self.assertNotIn("sensor.a2", r["configuration"])
+        self.assertIn("-C sensor.a1=0.5 -C sensor.phi_rad=-1 -C sensor.motion.frequency_hz=0.25", r["command"])
+
+    def test_precedence(self):
+        config = self.folder / "c.toml"
+        config.write_text("[sensor]\na1 = 0.4\n[sensor.noise]\nsigma = 1e-3\nseed = 7\n")
+        chosen = {"CAPSOC_SENSOR_A1": "0.3", "CAPSOC_SENSOR_NOISE_SEED": "8"}
+        for a1, seed, arguments, keywords in (
+                (0.4, "7", [], {}), (0.3, "8", [], {"environment": chosen}),
+                (0.2, "9", ["-C", "sensor.a1=0.2", "-C", "sensor.noise.seed=9"], {"environment": chosen})):
+            r = self.short("--config", config, *arguments, **keywords)
+            self.assertEqual(r["parameters"]["a1"]["true"], a1)
+            self.assertEqual(r["configuration"]["sensor.noise.seed"], seed)
+
+    def samples(self, *arguments):
+        path = self.folder / "record.csv"
+        self.short("--record", path, *arguments)
+        return path.read_text().splitlines()[1:]
+
+    def test_the_samples_are_those_of_an_edited_file(self):
+        edited = self.folder / "edited.toml"
+        text = (TRACES / "soc_eq21.toml").read_text().replace('kind = "constant"', 'kind = "shuffled"\nseed = 3')
+        text = text.replace("frequency_hz = 0.05", "")
+        edited.write_text(text + '\n[[harmonics]]\nchannel = "u"\norder = 3\namplitude = 0.01\nphase_rad = 0.5\n'
+                          "[noise]\nsigma = 1e-3\nseed = 4\n")
+        overlaid = self.samples("-C", "sensor.motion.kind=shuffled", "-C", "sensor.motion.seed=3",
+                                "-C", "sensor.harmonics.u3_amplitude=0.01", "-C", "sensor.harmonics.u3_phase_rad=0.5",
+                                "-C", "sensor.noise.sigma=1e-3", "-C", "sensor.noise.seed=4")
+        self.assertEqual(overlaid, self.samples("--sensor", edited))
+        self.assertNotEqual(overlaid, self.samples())
+        self.assertEqual(self.samples("--sensor", edited, "-C", "sensor.harmonics.u3_amplitude=", "-C",
+                                      "sensor.noise.sigma=", "-C", "sensor.noise.seed=", "-C", "sensor.motion.kind=constant",
+                                      "-C", "sensor.motion.frequency_hz=0.05"), self.samples())
+
+    def test_noise_of_the_other_kind_goes(self):
+        self.short("--sensor", TRACES / "soc_noise_1e-2.toml", "-C", "sensor.noise.sigma=1e-4")
+
+    def test_wrong_ones_are_a_sentence(self):
+        for assignment, expected in (("a1=0", "'a1' in [signal] = 0 is out of range"), ("a1=big", "is not a number"),
+                                     ("samples=0.5", "is not an integer"), ("noise.sigma=1", "'seed' is missing in [noise]"),
+                                     ("motion.kind=walking", "nearest known are walk"),
+                                     ("motion.ripple_hz=1", "unknown key 'ripple_hz' in [motion]"),
+                                     ("harmonics.u1_amplitude=0.1", "'order' in [harmonics] = 1 is out of range"),
+                                     ("harmonics.w3_amplitude=0.1", "u3_amplitude"), ("harmonics.u3_phase_rad=1", "'amplitude' is missing"),
+                                     ("a3=1", "did you mean")):
+            self.refuse(f"-C sensor.{assignment}: ", "run", "-C", f"sensor.{assignment}")
+            self.refuse(expected, "run", "-C", f"sensor.{assignment}")
+        self.refuse("environment CAPSOC_SENSOR_A1: ", "run", environment={"CAPSOC_SENSOR_A1": "0"})
+        self.refuse("-C sensor.a1=1: ", "run", "--sensor", TRACES / "recorded_example.csv", "-C", "sensor.a1=1")
+
+    def test_standard_input_is_a_description_or_a_recording(self):
+        for name in ("soc_ripple.toml", "recorded_example.csv"):
+            contents = (TRACES / name).read_bytes()
+            direct = self.short("--sensor", TRACES / name)
+            piped = self.short("--sensor", "-", stdin=b"# a comment\n\n" + contents)
+            self.assertEqual(piped["parameters"], direct["parameters"])
+            self.assertEqual(piped["samples"], direct["samples"])
+            piped = self.short("--sensor", "-", stdin=contents)
+            self.assertEqual(piped["inputs"][1]["path"], "-")
+            self.assertEqual(piped["inputs"][1]["sha256"], direct["inputs"][1]["sha256"])
+        r = self.short("--sensor", "-", "-C", "sensor.a1=0.5", stdin=(TRACES / "soc_eq21.toml").read_bytes())
+        self.assertEqual(r["parameters"]["a1"]["true"], 0.5)
+
+    def test_standard_input_that_cannot_be_used(self):
+        self.refuse("standard input:1: ", "run", "--sensor", "-", stdin=b"")
+        self.refuse("standard input:2: ", "run", "--sensor", "-", stdin=b"u,v\n1,x\n")
+        self.refuse("standard input:2: ", "run", "--sensor", "-", stdin=b"[signal]\na1 = = 2\n")
+        self.refuse("standard input already", "run", "--sensor", "-", "--uart0", "stdio")
+        self.refuse("standard input already", "run", "--sensor", "-", "--uart0", "null", "--uart1", "stdio")
+        self.refuse("standard input:", "fit", "-", stdin=b"u,v\n0.1,0.2\n")
+
+    def test_fit_takes_it_too(self):
+        contents = (TRACES / "csfn_eq.toml").read_bytes()
+        results = []
+        for trace, stdin in ((TRACES / "csfn_eq.toml", b""), ("-", contents)):
+            process = capsoc("fit", trace, "--json", self.folder / "c.json", "--header", self.folder / "c.h", stdin=stdin)
+            self.assertEqual(process.returncode, 0, process.stderr.decode())
+            results.append(json.loads((self.folder / "c.json").read_text()))
+        self.assertEqual(results[0]["parameters"], results[1]["parameters"])
+        self.assertEqual(results[1]["inputs"][0]["path"], "-")
+        self.assertEqual(results[0]["inputs"][0]["sha256"], results[1]["inputs"][0]["sha256"])
+
+
+class Record(Case):
+    """`--record-columns`"""
+
+    ALL = ("sample,t,u,v,angle_deg,found_deg,found_word,error_deg,a1,a2,b1,b2,beta_rad,phi_rad,err_u,err_v,error_average,"
+           "error_average_word,status,flags")
+
+    def rows(self, path):
+        lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+        names = lines[0].split(",")
+        return [dict(zip(names, line.split(","))) for line in lines[1:]]
+
+    def test_every_column_of_the_main_job(self):
+        path = self.folder / "all.csv"
+        _, r = self.run_soc("--record", path, "--record-columns", self.ALL)
+        rows = self.rows(path)
+        self.assertEqual(len(rows), 105_000)
+        self.assertEqual(list(rows[0]), self.ALL.split(","))
+        last = rows[99_999]  # the last sample of demodulation
+        self.assertEqual((last["sample"], last["t"]), ("99999", "399.996"))
+        for name, key in (("a1", "a1"), ("b2", "b2"), ("beta", "beta_rad"), ("phi", "phi_rad")):
+            self.assertEqual(float(last[key]), r["parameters"][name]["value"], name)
+        self.assertAlmostEqual(int(last["found_word"]) / 2**32 * 360, float(last["found_deg"]), places=12)
+        largest = max(abs(float(row["error_deg"])) for row in rows[100_000:])
+        self.assertAlmostEqual(largest, r["angle_error_deg"]["calibration_mode_max"], places=12)
+        for row in (rows[0], last):
+            difference = (float(row["found_deg"]) - float(row["angle_deg"]) + 180) % 360 - 180
+            self.assertAlmostEqual(float(row["error_deg"]), difference, places=9)
+        # Before anything was learnt the whole sample is the error.
+        self.assertAlmostEqual(float(rows[0]["err_u"]), float(rows[0]["u"]), places=9)
+        self.assertLess(abs(float(last["err_u"])), 1e-8)
+        self.assertLess(float(last["error_average"]), float(rows[1000]["error_average"]))
+
+    def test_the_default_is_as_it_was(self):
+        path, chosen = self.folder / "r.csv", self.folder / "c.csv"
+        short = ("--simlimit", 2, "--uart0", "null")
+        self.run_soc(*short, "--record", path, code=124)
+        self.run_soc(*short, "--record", chosen, "--record-columns", "t,u,v,angle_deg", code=124)
+        self.assertEqual(path.read_bytes(), chosen.read_bytes())
+        self.assertEqual(path.read_text().splitlines()[1], "t,u,v,angle_deg")
+
+    def test_it_still_is_a_trace(self):
+        path = self.folder / "all.csv"
+        _, first = self.run_soc("--record", path, "--record-columns", self.ALL, "-P", "demodulation_samples=40000",
+                                "-P", "calibration_samples=0")
+        _, again = self.run_soc("--sensor", path, "-P", "demodulation_samples=40000", "-P", "calibration_samples=0")
+        self.assertEqual({n: p["word"] for n, p in first["parameters"].items()},
+                         {n: p["word"] for n, p in again["parameters"].items()})
+        process = capsoc("fit", path, "--json", self.folder / "c.json", "--header", self.folder / "c.h")
+        self.assertEqual(process.returncode, 0, process.stderr.decode())
+
+    def test_the_rtl_gives_the_same_bytes(self):
+        for arithmetic in ("precise", "paper"):
+            records = []
+            for backend in ("tlm", "rtl", "lockstep"):
+                path = self.folder / f"{backend}.csv"
+                self.run_soc("--coprocessor", backend, "--arithmetic", arithmetic, "--record", path, "--record-columns",
+                             self.ALL, "-P", "demodulation_samples=2000", "-P", "calibration_samples=500", code=1)
+                records.append(path.read_text().split("\n", 1)[1])  # the first line names the run
+            self.assertEqual(records[0].count("\n"), 2501)
+            self.assertEqual(records[0], records[1])
+            self.assertEqual(records[0], records[2])
+
+    def test_a_sensor_without_a_truth_leaves_its_columns_out(self):
+        trace = self.folder / "t.csv"
+        trace.write_text("u,v\n" + "0.1,0.2\n" * 10)
+        path = self.folder / "r.csv"
+        self.run_soc("--sensor", trace, "--record", path, "--record-columns", "u,v,angle_deg,error_deg,status", code=1)
+        rows = self.rows(path)
+        self.assertEqual(list(rows[0]), ["u", "v", "error_deg", "status"])
+        self.assertEqual({row["error_deg"] for row in rows}, {""})
+
+    def test_wrong_columns_are_a_sentence(self):
+        path = self.folder / "r.csv"
+        self.refuse("there is no column 'angel'; choose from sample, t, u, v,", "run", "--record", path, "--record-columns", "u,angel")
+        self.refuse("'u' is there twice", "run", "--record", path, "--record-columns", "u,v,u")
+        self.refuse("there is no column ''", "run", "--record", path, "--record-columns", "u,,v")
+        self.refuse("give --record", "run", "--record-columns", "u,v")
+        self.assertFalse(path.exists())
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -1,0 +1,27 @@
+// Where the samples of a run or a fit come from.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sensor/load.h"
+#include "support/result.h"
+
+namespace capsoc::fit {
+
+/// The name for what comes on standard input.
+constexpr const char* standard_input = "-";
+
+/// A sensor with the hash of what describes it.
+struct Trace {
+  std::unique_ptr<sensor::Source> source;
+  std::string sha256;  ///< of the bytes of a file, of standard input or of what is built in
+  std::string name;    ///< for sentences: the path, or "standard input"
+};
+
+/// Opens a description or a recording; "-" reads it from standard input. `keys` are laid over a
+/// description. Error: one sentence with file and line.
+Result<Trace> open_trace(const std::string& path, const std::vector<sensor::KeyValue>& keys = {});
+
+}  // namespace capsoc::fit
