@@ -49,47 +49,102 @@ std::vector<SignalConfig> sensors() {
   return all;
 }
 
+/// A figure of one arithmetic as it is printed; no number for "not".
+struct Figure {
+  std::string text;
+  std::optional<double> value;
+};
+
+/// One line of a table.
+struct Row {
+  std::string label, unit;
+  Figure precise, paper;
+  std::optional<double> bound;  ///< of precise
+  enum class Verdict { none, holds, misses, clips } verdict = Verdict::none;
+};
+
+const char* verdict_name(Row::Verdict verdict) {
+  static constexpr const char* names[] = {"", "holds", "misses", "clips"};
+  return names[static_cast<int>(verdict)];
+}
+
+const char* verdict_text(Row::Verdict verdict) {
+  static constexpr const char* texts[] = {"", "  holds", "  MISSES ITS BOUND",
+                                          "  MISSES ITS BOUND: the signal clips"};
+  return texts[static_cast<int>(verdict)];
+}
+
 class Report {
  public:
-  explicit Report(std::ostream& out) : out_(out) {}
+  Report(std::ostream& out, std::vector<std::string> chosen)
+      : out_(out), chosen_(std::move(chosen)) {}
+
+  bool wants(const std::string& id) const {
+    return chosen_.empty() || std::count(chosen_.begin(), chosen_.end(), id) != 0;
+  }
 
   template <typename... Values>
   void line(fmt::format_string<Values...> format, Values&&... values) {
     out_ << fmt::format(format, std::forward<Values>(values)...) << "\n";
   }
 
-  /// The last columns of a row: both errors and, when there is a bound, whether `precise` holds it.
-  void row(const std::string& label, const Comparison& c,
-           std::optional<double> bound_deg = std::nullopt) {
-    std::string verdict;
-    if (c.precise.clipped) {
-      verdict = "  " + check(false) + ": the signal clips";
-    } else if (bound_deg) {
-      verdict = "  " + check(c.precise.error_deg <= *bound_deg);
-    }
-    line("  {:<54} {:>12.2e} {:>12.2e}{}", label, c.precise.error_deg, c.paper.error_deg, verdict);
-  }
-
-  void heading(const std::string& title, const std::string& label,
+  void heading(const std::string& id, const std::string& title, const std::string& label,
                const std::string& unit = ", deg") {
+    tables_.push_back({id, title, {}});
     line("\n{}", title);
     line("  {:<54} {:>12} {:>12}", label, "precise" + unit, "paper" + unit);
   }
 
-  std::string check(bool holds) {
-    if (!holds) ++missed_;
-    return holds ? "holds" : "MISSES ITS BOUND";
+  /// Text and data of a line.
+  void add(const Row& row) {
+    if (row.verdict == Row::Verdict::misses || row.verdict == Row::Verdict::clips) ++missed_;
+    line("  {:<54} {:>12} {:>12}{}", row.label, row.precise.text, row.paper.text,
+         verdict_text(row.verdict));
+    const auto number = [](const std::optional<double>& value) {
+      return value ? Field(*value) : Field();
+    };
+    // The columns of a label stand under those of the heading; a name has single spaces.
+    std::string quantity;
+    for (const char c : row.label)
+      if (c != ' ' || (!quantity.empty() && quantity.back() != ' ')) quantity += c;
+    tables_.back().rows.push_back({{"quantity", quantity},
+                                   {"unit", row.unit},
+                                   {"precise", number(row.precise.value)},
+                                   {"paper", number(row.paper.value)},
+                                   {"bound", number(row.bound)},
+                                   {"verdict", std::string(verdict_name(row.verdict))}});
+  }
+
+  /// Both angle errors and, when there is a bound, whether `precise` holds it.
+  void row(const std::string& label, const Comparison& c,
+           std::optional<double> bound_deg = std::nullopt) {
+    Row row{label, "deg", error_of(c.precise), error_of(c.paper), bound_deg};
+    if (bound_deg) row.verdict = verdict(c.precise.error_deg <= *bound_deg);
+    if (c.precise.clipped) row.verdict = Row::Verdict::clips;
+    add(row);
+  }
+
+  static Row::Verdict verdict(bool holds) {
+    return holds ? Row::Verdict::holds : Row::Verdict::misses;
   }
 
   int missed() const { return missed_; }
+  const std::vector<DataTable>& tables() const { return tables_; }
 
  private:
+  static Figure error_of(const Outcome& outcome) {
+    return {fmt::format("{:.2e}", outcome.error_deg), outcome.error_deg};
+  }
+
   std::ostream& out_;
+  std::vector<std::string> chosen_;
+  std::vector<DataTable> tables_;
   int missed_ = 0;
 };
 
 void print_sensors(Report& report) {
   report.heading(
+      "sensors",
       fmt::format("Sensors beyond the paper: largest angle error in the last revolution of 600 s, "
                   "bound for precise {:g} deg",
                   sensor_bound_deg),
@@ -122,7 +177,8 @@ void print_sensors(Report& report) {
 }
 
 void print_widths(Report& report) {
-  report.heading("Converter width: sensor of Eq (21), last revolution of 400 s", "ADC bit");
+  report.heading("widths", "Converter width: sensor of Eq (21), last revolution of 400 s",
+                 "ADC bit");
   for (int bits : {12, 16, 20, 24, 32}) {
     Experiment e;
     e.signal.adc_bits = bits;
@@ -133,12 +189,13 @@ void print_widths(Report& report) {
       "bits; paper reaches the limit of its own arithmetic between 16 and 20 bits.");
 }
 
-std::string seconds(const Outcome& o) {
-  return o.settled_s ? fmt::format("{:.2f}", *o.settled_s) : "not";
+Figure seconds(const Outcome& o) {
+  return {o.settled_s ? fmt::format("{:.2f}", *o.settled_s) : "not", o.settled_s};
 }
 
 void print_ripple(Report& report) {
   report.heading(
+      "ripple",
       fmt::format("Moving speed: 1 % ripple at 0.01 Hz, tracking source, last ripple period "
                   "(100 s) of 1000 s, bound for precise {:g} deg",
                   tracking_bound_deg),
@@ -158,6 +215,7 @@ void print_ripple(Report& report) {
 
 void print_shuffled(Report& report) {
   report.heading(
+      "shuffled",
       fmt::format("Random angles: angle source, 2mu = 0.01, last 20 s of 400 s, bounds for precise "
                   "{:g} deg and {:g} s",
                   angle_bound_deg, angle_bound_s),
@@ -170,16 +228,17 @@ void print_shuffled(Report& report) {
   e.step = 0.01;
   const Comparison c = compare(e);
   report.row("angle error, deg", c, angle_bound_deg);
-  report.line("  {:<54} {:>12} {:>12}  {}", "a1, a2, b1, b2, beta within 1 % for good after, s",
-              seconds(c.precise), seconds(c.paper),
-              report.check(c.precise.settled_s && *c.precise.settled_s <= angle_bound_s));
+  report.add({"a1, a2, b1, b2, beta within 1 % for good after, s", "s", seconds(c.precise),
+              seconds(c.paper), angle_bound_s,
+              Report::verdict(c.precise.settled_s && *c.precise.settled_s <= angle_bound_s)});
   report.line(
       "  Calibration needs no rotation: angles in random order identify the sensor without a "
       "frequency, phi apart, which is not observable there.");
 }
 
 void print_wrong_reference(Report& report) {
-  report.heading("Wrong reference: last revolution of 400 s, no correction", "shaft, reference");
+  report.heading("reference", "Wrong reference: last revolution of 400 s, no correction",
+                 "shaft, reference");
   Experiment e;
   e.signal.motion.frequency_hz = 0.051;
   e.reference_hz = 0.05;
@@ -191,17 +250,30 @@ void print_wrong_reference(Report& report) {
 
 }  // namespace
 
-int print_accuracy(std::ostream& out) {
-  Report report(out);
+const std::vector<std::pair<std::string, std::string>>& table_names() {
+  static const std::vector<std::pair<std::string, std::string>> names = {
+      {"sensors", "Sensors beyond the paper"},
+      {"widths", "Converter width"},
+      {"ripple", "Moving speed"},
+      {"shuffled", "Random angles"},
+      {"reference", "Wrong reference"},
+  };
+  return names;
+}
+
+int print_accuracy(std::ostream& out, const std::vector<std::string>& chosen,
+                   std::vector<DataTable>* tables) {
+  Report report(out, chosen);
   report.line(
       "Angle errors of the coprocessor model against the sensor's true angle, 250 Hz, shaft 0.05 "
       "Hz and sensor of Eq (21) unless stated; amplitudes and offsets in units of full scale.");
-  print_sensors(report);
-  print_widths(report);
-  print_ripple(report);
-  print_shuffled(report);
-  print_wrong_reference(report);
+  if (report.wants("sensors")) print_sensors(report);
+  if (report.wants("widths")) print_widths(report);
+  if (report.wants("ripple")) print_ripple(report);
+  if (report.wants("shuffled")) print_shuffled(report);
+  if (report.wants("reference")) print_wrong_reference(report);
   report.line("\nRows that miss their bound: {}.", report.missed());
+  if (tables != nullptr) *tables = report.tables();
   return report.missed();
 }
 

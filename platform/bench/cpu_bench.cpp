@@ -13,6 +13,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "host/console.h"
@@ -123,76 +124,144 @@ class Scratch {
   std::vector<host::RemovedAtSignal> removed_;
 };
 
-struct Line {
-  double mips = 0, cpi = 0, against_plain = 0, against_icount = 0;
+/// What QEMU needs for the same program.
+struct Peer {
+  double mips = 0, ratio = 0;  ///< the ratio is ours to QEMU's
 };
+
+/// One program, or the means.
+struct Line {
+  std::string name;
+  std::optional<double> instructions;
+  double cpi = 0, mips = 0;
+  std::optional<Peer> plain, icount;
+  bool is_mean = false;
+  std::string verdict = "good";
+};
+
+void print(std::ostream& out, const Line& line) {
+  if (line.verdict == "failed") {
+    fmt::print(out, "{:<16} failed\n", line.name);
+    return;
+  }
+  fmt::print(out, "{:<16} {:>10} {:>6.3f} {:>8.0f}", line.name,
+             line.instructions ? fmt::format("{:.1f}", *line.instructions / 1e6) : "", line.cpi,
+             line.mips);
+  for (const std::optional<Peer>& peer : {line.plain, line.icount}) {
+    if (!peer)
+      fmt::print(out, " {:>8} {:>8}", "none", "");
+    else if (line.is_mean)
+      fmt::print(out, " {:>8} {:>8.2f}", "", peer->ratio);
+    else
+      fmt::print(out, " {:>8.0f} {:>8.2f}", peer->mips, peer->ratio);
+  }
+  fmt::print(out, "{}\n", line.verdict == "differs" ? " (prints another result than QEMU)" : "");
+  out.flush();
+}
+
+Fields fields(const Line& line) {
+  const bool failed = line.verdict == "failed";
+  const auto number = [&](double value) { return failed ? Field() : Field(value); };
+  const auto mips = [&](const std::optional<Peer>& peer) {
+    return peer && !line.is_mean ? Field(peer->mips) : Field();
+  };
+  const auto ratio = [](const std::optional<Peer>& peer) {
+    return peer ? Field(peer->ratio) : Field();
+  };
+  return {{"program", line.name},
+          {"instructions", line.instructions ? Field(*line.instructions) : Field()},
+          {"cpi", number(line.cpi)},
+          {"mips", number(line.mips)},
+          {"qemu_mips", mips(line.plain)},
+          {"qemu_ratio", ratio(line.plain)},
+          {"icount_mips", mips(line.icount)},
+          {"icount_ratio", ratio(line.icount)},
+          {"verdict", line.verdict}};
+}
+
+/// Runs one program here and on QEMU; `json` and `text` are files for what they write.
+Line measure(const CpuBench& bench, const std::string& elf, const fs::path& json,
+             const fs::path& text) {
+  Line line;
+  line.name = fs::path(elf).stem().string();
+  const Run ours = best_of(
+      bench.repeat,
+      {bench.program, "run", elf, "--quantum", bench.quantum_ns, "--json", json.string()}, text);
+  const nlohmann::json result =
+      nlohmann::json::parse(contents(json), nullptr, /*allow_exceptions=*/false);
+  if (!ours.good || result.is_discarded()) {
+    line.verdict = "failed";
+    return line;
+  }
+  const auto instructions = result["cpu"]["instructions"].get<double>();
+  line.instructions = instructions;
+  line.mips = instructions / ours.seconds / 1e6;
+  line.cpi = result["cpu"]["cycles"].get<double>() / instructions;
+  for (const bool icount : {false, true}) {
+    const Run theirs = best_of(bench.repeat, qemu(elf, icount), text);
+    if (!theirs.good) {
+      if (line.verdict == "good") line.verdict = "no QEMU";
+      continue;
+    }
+    if (theirs.text != ours.text) line.verdict = "differs";
+    (icount ? line.icount : line.plain) =
+        Peer{instructions / theirs.seconds / 1e6, theirs.seconds / ours.seconds};
+  }
+  return line;
+}
+
+/// Geometric means of those that ran.
+Line means(const std::vector<Line>& lines) {
+  const auto mean = [&](auto value) {
+    double sum = 0;
+    for (const Line& line : lines) sum += std::log(std::max(value(line), 1e-9));
+    return lines.empty() ? 0 : std::exp(sum / static_cast<double>(lines.size()));
+  };
+  const auto ratio = [](const std::optional<Peer>& peer) { return peer ? peer->ratio : 0; };
+  Line line;
+  line.name = "geometric mean";
+  line.is_mean = true;
+  line.cpi = mean([](const Line& l) { return l.cpi; });
+  line.mips = mean([](const Line& l) { return l.mips; });
+  line.plain = Peer{0, mean([&](const Line& l) { return ratio(l.plain); })};
+  line.icount = Peer{0, mean([&](const Line& l) { return ratio(l.icount); })};
+  return line;
+}
 
 }  // namespace
 
-int run_cpu_bench(const CpuBench& bench, std::ostream& out) {
+int run_cpu_bench(const CpuBench& bench, std::ostream& out, DataTable* table) {
   Scratch scratch;
   if (scratch.path.empty()) {
     host::say("capsoc: no temporary folder can be made; let TMPDIR name one that can be written\n");
     return 1;
   }
   const fs::path json = scratch.file("result.json"), text = scratch.file("stdout");
+  DataTable rows{"cpu", "Million instructions a second beside QEMU", {}};
   bool good = true;
-  std::vector<Line> lines;
+  std::vector<Line> ran;
   fmt::print(out, "{:<16} {:>10} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "million", "", "",
              "QEMU", "ratio", "-icount", "ratio");
   fmt::print(out, "{:<16} {:>10} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "program", "instr.", "CPI",
              "MIPS", "MIPS", "", "MIPS", "");
   for (const std::string& elf : bench.firmware) {
-    const std::string name = fs::path(elf).stem().string();
-    const Run ours = best_of(
-        bench.repeat,
-        {bench.program, "run", elf, "--quantum", bench.quantum_ns, "--json", json.string()}, text);
-    const nlohmann::json result =
-        nlohmann::json::parse(contents(json), nullptr, /*allow_exceptions=*/false);
-    if (!ours.good || result.is_discarded()) {
-      fmt::print(out, "{:<16} failed; try: {} run {}\n", name, bench.program, elf);
-      good = false;
-      continue;
-    }
-    const auto instructions = result["cpu"]["instructions"].get<double>();
-    Line line;
-    line.mips = instructions / ours.seconds / 1e6;
-    line.cpi = result["cpu"]["cycles"].get<double>() / instructions;
-    fmt::print(out, "{:<16} {:>10.1f} {:>6.3f} {:>8.0f}", name, instructions / 1e6, line.cpi,
-               line.mips);
-    for (const bool icount : {false, true}) {
-      const Run theirs = best_of(bench.repeat, qemu(elf, icount), text);
-      if (!theirs.good) {
-        fmt::print(out, " {:>8} {:>8}", "none", "");
-        good = false;
-        continue;
-      }
-      if (theirs.text != ours.text) {
-        fmt::print(out, " (prints another result than QEMU)");
-        good = false;
-      }
-      (icount ? line.against_icount : line.against_plain) = theirs.seconds / ours.seconds;
-      fmt::print(out, " {:>8.0f} {:>8.2f}", instructions / theirs.seconds / 1e6,
-                 theirs.seconds / ours.seconds);
-    }
-    fmt::print(out, "\n");
-    out.flush();
-    lines.push_back(line);
+    const Line line = measure(bench, elf, json, text);
+    print(out, line);
+    if (line.verdict == "failed") fmt::print(out, "try: {} run {}\n", bench.program, elf);
+    rows.rows.push_back(fields(line));
+    good = good && line.verdict == "good";
+    if (line.verdict != "failed") ran.push_back(line);
   }
-  const auto mean = [&](double Line::*value) {
-    double sum = 0;
-    for (const Line& line : lines) sum += std::log(std::max(line.*value, 1e-9));
-    return lines.empty() ? 0 : std::exp(sum / static_cast<double>(lines.size()));
-  };
-  const double ratio = mean(&Line::against_icount);
-  fmt::print(out, "{:<16} {:>10} {:>6.3f} {:>8.0f} {:>8} {:>8.2f} {:>8} {:>8.2f}\n",
-             "geometric mean", "", mean(&Line::cpi), mean(&Line::mips), "",
-             mean(&Line::against_plain), "", ratio);
-  if (ratio < bench.least_ratio) {
-    fmt::print(out, "{:.2f} of QEMU with -icount is below {:.2f}\n", ratio, bench.least_ratio);
-    good = false;
-  }
-  return good ? 0 : 1;
+  Line mean = means(ran);
+  const bool too_slow = mean.icount->ratio < bench.least_ratio;
+  if (too_slow) mean.verdict = "too slow";
+  print(out, mean);
+  rows.rows.push_back(fields(mean));
+  if (too_slow)
+    fmt::print(out, "{:.2f} of QEMU with -icount is below {:.2f}\n", mean.icount->ratio,
+               bench.least_ratio);
+  if (table != nullptr) *table = std::move(rows);
+  return good && !too_slow ? 0 : 1;
 }
 
 }  // namespace capsoc::bench

@@ -1,11 +1,11 @@
 // capsoc bench cpu: the processor's speed beside QEMU's.
 #include <filesystem>
-#include <iostream>
 #include <memory>
 
 #include "bench/cpu_bench.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
+#include "cli/table_output.h"
 #include "cli/whole_number.h"
 #include "host/places.h"
 #include "loader/program_file.h"
@@ -43,7 +43,13 @@ void add_bench(CLI::App& app, int& code) {
                   "Exit 1 if the mean ratio to QEMU with -icount is less")
       ->check(real_number(0, 1e6))
       ->type_name("RATIO");
-  cpu->callback([settings, &code] {
+  auto output = std::make_shared<TableOutput>();
+  output->add_to(*cpu, {{"cpu", "Million instructions a second beside QEMU"}});
+  cpu->callback([settings, output, &code] {
+    if (output->listed()) {
+      code = run::exit_code::pass;
+      return;
+    }
     settings->program = host::program_path();
     if (settings->firmware.empty()) settings->firmware = kernels();
     for (const std::string& program : settings->firmware) {
@@ -59,8 +65,17 @@ void add_bench(CLI::App& app, int& code) {
         return;
       }
     }
-    const bool good = bench::run_cpu_bench(*settings, std::cout) == 0;
-    code = good ? run::exit_code::pass : run::exit_code::failed;
+    std::vector<host::FileUse> programs;
+    for (const std::string& program : settings->firmware)
+      programs.push_back({host::FileUse::Kind::input, "the program", program});
+    if (auto error = output->check(programs)) {
+      code = refuse(error->text);
+      return;
+    }
+    DataTable table;
+    const bool good = bench::run_cpu_bench(*settings, output->text(), &table) == 0;
+    code = output->finish({table}, "capsoc bench cpu",
+                          good ? run::exit_code::pass : run::exit_code::failed);
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <ostream>
 
 namespace capsoc::reproduce {
@@ -15,9 +16,9 @@ double Spread::greatest() const {
   return *std::max_element(values_.begin(), values_.end());
 }
 
-bool Spread::admits(double printed, int decimals) const {
+Agreement Spread::admits(double printed, int decimals) const {
   const double margin = 0.5 * (greatest() - least()) + 0.5 * std::pow(10.0, -decimals);
-  return printed >= least() - margin && printed <= greatest() + margin;
+  return {printed >= least() - margin && printed <= greatest() + margin, margin};
 }
 
 std::string Spread::text(int decimals) const {
@@ -26,24 +27,49 @@ std::string Spread::text(int decimals) const {
   return low == high ? low : low + " .. " + high;
 }
 
-void Report::heading(const std::string& title) {
+bool Report::wants(const std::vector<std::string>& ids) const {
+  return chosen_.empty() || std::any_of(ids.begin(), ids.end(), [&](const std::string& id) {
+           return std::count(chosen_.begin(), chosen_.end(), id) != 0;
+         });
+}
+
+void Report::heading(const std::string& id) {
+  shown_ = wants({id});
+  if (!shown_) return;
+  std::string title = id;
+  for (const auto& [name, text] : table_names())
+    if (name == id) title = text;
+  tables_.push_back({id, title, {}});
   out_ << "\n" << title << "\n";
   line("", "paper", "here", "");
 }
 
 void Report::sentence(const std::string& text) {
-  out_ << "  " << text << "\n";
+  if (shown_) out_ << "  " << text << "\n";
 }
 
-void Report::row(const std::string& label, const std::string& paper, const std::string& here,
-                 bool agrees) {
-  if (!agrees) ++unexpected_;
-  line(label, paper, here, agrees ? "agrees" : "DIFFERS, and should not");
+void Report::row(const std::string& label, const Figure& paper, const Figure& here,
+                 const Agreement& agreement) {
+  add({label, paper, here, agreement.tolerance,
+       agreement.holds ? Row::Verdict::agrees : Row::Verdict::unexpected, ""});
 }
 
-void Report::known(const std::string& label, const std::string& paper, const std::string& here,
+void Report::known(const std::string& label, const Figure& paper, const Figure& here,
                    const std::string& why) {
-  line(label, paper, here, "differs: " + why);
+  add({label, paper, here, std::nullopt, Row::Verdict::known, why});
+}
+
+void Report::failure(const std::string& what, const std::string& reason) {
+  shown_ = true;
+  row(what, "", reason, false);
+}
+
+void Report::add(Row row) {
+  if (!shown_) return;
+  if (row.verdict == Row::Verdict::unexpected) ++unexpected_;
+  line(row.label, row.paper.text, row.here.text, verdict_text(row));
+  if (tables_.empty()) tables_.push_back({"", "", {}});
+  tables_.back().rows.push_back(fields(row));
 }
 
 void Report::line(const std::string& label, const std::string& paper, const std::string& here,
@@ -53,10 +79,89 @@ void Report::line(const std::string& label, const std::string& paper, const std:
   out_ << text << "\n";
 }
 
-bool agrees(double here, double printed, int decimals, double relative) {
+std::string verdict_text(const Row& row) {
+  switch (row.verdict) {
+    case Row::Verdict::agrees:
+      return "agrees";
+    case Row::Verdict::known:
+      return "differs: " + row.why;
+    case Row::Verdict::unexpected:
+      break;
+  }
+  return "DIFFERS, and should not";
+}
+
+Fields fields(const Row& row) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? Field(*value) : Field();
+  };
+  std::string quantity = row.label, unit;
+  for (const char* known : {"deg", "arc seconds", "rad", "%"}) {
+    const std::string end = std::string(", ") + known;
+    if (quantity.size() <= end.size() ||
+        quantity.compare(quantity.size() - end.size(), end.size(), end) != 0)
+      continue;
+    quantity.erase(quantity.size() - end.size());
+    unit = known;
+    break;
+  }
+  const std::string& printed = row.paper.text;
+  if (printed.size() > 2 && printed.compare(printed.size() - 2, 2, " s") == 0) unit = "s";
+  const char* verdicts[] = {"agrees", "known", "unexpected"};
+  return {{"quantity", quantity},
+          {"unit", unit},
+          {"paper", row.paper.text},
+          {"paper_value", number(row.paper.least)},
+          {"here", row.here.text},
+          {"here_least", number(row.here.least)},
+          {"here_greatest", number(row.here.greatest)},
+          {"tolerance", number(row.tolerance)},
+          {"verdict", std::string(verdicts[static_cast<int>(row.verdict)])},
+          {"note", row.why}};
+}
+
+Figure::Figure(std::string printed) : text(std::move(printed)) {
+  const char* begin = text.c_str();
+  char* end = nullptr;
+  const double value = std::strtod(begin, &end);
+  if (end == begin || !std::isfinite(value)) return;
+  least = greatest = value;
+}
+
+Figure fixed(double value, int decimals) {
+  return {fmt::format("{:.{}f}", value, decimals), value};
+}
+
+Figure scientific(double value, int decimals) {
+  return {fmt::format("{:.{}e}", value, decimals), value};
+}
+
+const std::vector<std::pair<std::string, std::string>>& table_names() {
+  static const std::vector<std::pair<std::string, std::string>> names = {
+      {"1", "Table 1, Figures 7 and 8: Eq (21), 250 Hz, 0.05 Hz, 400 s"},
+      {"2", "Table 2, Figure 9: convergence time with other frequencies and steps"},
+      {"3", "Table 3: noise with a peak of 10^n of each amplitude, parameters at 400 s"},
+      {"4", "Table 4: the same, largest angle errors"},
+      {"5", "Table 5: speed disturbance of Eq (22), peak 10^m of the frequency, 400 s"},
+      {"6", "Table 6: the same, largest angle errors"},
+      {"8", "Table 8: the paper's arithmetic in the coprocessor model, machine values at 400 s"},
+      {"figure-13", "Figures 13 and 14: the same, errors"},
+      {"figure-17", "Figure 17: the experiment, rebuilt, without calibration"},
+      {"9", "Table 9: parameters of the experiment, machine values"},
+      {"figure-18", "Figure 18: errors of the experiment"},
+      {"10", "Table 10: the CSFN on the same samples"},
+      {"csfn-1", "CSFN paper, Table 1 and Figure 12: relative errors of the simulation"},
+      {"csfn-figure-14", "CSFN paper, Figure 14: a third harmonic of 1 %"},
+      {"csfn-2", "CSFN paper, Table 2 and Figure 22: the experiment, rebuilt"},
+  };
+  return names;
+}
+
+Agreement agrees(double here, double printed, int decimals, double relative) {
   // The tiny addend lets a figure that lies exactly on half a unit round either way.
   const double unit = 0.5 * std::pow(10.0, -decimals) * (1.0 + 1e-9);
-  return std::abs(here - printed) <= std::max(unit, relative * std::abs(printed));
+  const double tolerance = std::max(unit, relative * std::abs(printed));
+  return {std::abs(here - printed) <= tolerance, tolerance};
 }
 
 }  // namespace capsoc::reproduce

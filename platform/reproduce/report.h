@@ -1,10 +1,43 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "support/data_table.h"
+
 namespace capsoc::reproduce {
+
+/// A figure as it is printed, with its number or, of several seeds, the least and the greatest.
+struct Figure {
+  std::string text;
+  std::optional<double> least, greatest;
+
+  /// The numbers are those of the text; none in "never".
+  Figure(std::string printed);
+  Figure(const char* printed) : Figure(std::string(printed)) {}
+  Figure(std::string printed, double value)
+      : text(std::move(printed)), least(value), greatest(value) {}
+  Figure(std::string printed, double low, double high)
+      : text(std::move(printed)), least(low), greatest(high) {}
+};
+
+/// A value with so many decimals, as 0.60 or 6.0e-1.
+Figure fixed(double value, int decimals);
+Figure scientific(double value, int decimals);
+
+/// Whether two figures agree, and how far apart they may be where that is one number.
+struct Agreement {
+  bool holds;
+  std::optional<double> tolerance;
+
+  Agreement(bool agreed) : holds(agreed) {}
+  Agreement(bool agreed, double largest_difference)
+      : holds(agreed), tolerance(largest_difference) {}
+  explicit operator bool() const { return holds; }
+};
 
 /// What several seeds of one experiment gave.
 class Spread {
@@ -14,43 +47,78 @@ class Spread {
   double greatest() const;
 
   /// Whether a figure printed with `decimals` places can be another seed of the same experiment:
-  /// it lies in the spread widened by half its width at both ends and by half a printed unit.
-  bool admits(double printed, int decimals) const;
+  /// it lies in the spread widened by half its width at both ends and by half a printed unit. The
+  /// tolerance is that margin.
+  Agreement admits(double printed, int decimals) const;
 
   /// "least .. greatest", one figure when both print alike.
   std::string text(int decimals) const;
+  Figure figure(int decimals) const { return {text(decimals), least(), greatest()}; }
 
  private:
   std::vector<double> values_;
 };
 
-/// The printed comparison: a paper's figures beside ours.
+/// One comparison. The label's last part names the unit ("ratio, %"), or the figures do ("2 s").
+struct Row {
+  std::string label;
+  Figure paper, here;
+  std::optional<double> tolerance;
+  enum class Verdict { agrees, known, unexpected } verdict;
+  std::string why;  ///< of a known difference
+};
+
+/// "agrees", "differs: why", or what stands beside a row that should agree.
+std::string verdict_text(const Row& row);
+
+/// The row for programs: quantity, unit, paper, paper_value, here, here_least, here_greatest,
+/// tolerance, verdict ("agrees", "known", "unexpected") and note.
+Fields fields(const Row& row);
+
+/// Id and title of every table in the order in which they are printed.
+const std::vector<std::pair<std::string, std::string>>& table_names();
+
+/// The printed comparison: a paper's figures beside ours. Text and data are made of the same rows.
 class Report {
  public:
-  explicit Report(std::ostream& out) : out_(out) {}
+  /// `chosen`: only the tables with these ids; empty: all.
+  explicit Report(std::ostream& out, std::vector<std::string> chosen = {})
+      : out_(out), chosen_(std::move(chosen)) {}
 
-  void heading(const std::string& title);
+  /// Whether one of them is to be printed at all.
+  bool wants(const std::vector<std::string>& ids) const;
+
+  /// What follows belongs to this table of table_names().
+  void heading(const std::string& id);
   void sentence(const std::string& text);
 
   /// A row that must agree; when it does not, it says so and is counted.
-  void row(const std::string& label, const std::string& paper, const std::string& here,
-           bool agrees);
+  void row(const std::string& label, const Figure& paper, const Figure& here,
+           const Agreement& agreement);
 
   /// A row that is known to differ, with the sentence that says why.
-  void known(const std::string& label, const std::string& paper, const std::string& here,
+  void known(const std::string& label, const Figure& paper, const Figure& here,
              const std::string& why);
 
+  /// An experiment that could not be made, whatever was chosen.
+  void failure(const std::string& what, const std::string& reason);
+
   int unexpected() const { return unexpected_; }
+  const std::vector<DataTable>& tables() const { return tables_; }
 
  private:
   void line(const std::string& label, const std::string& paper, const std::string& here,
             const std::string& verdict);
+  void add(Row row);
 
   std::ostream& out_;
+  std::vector<std::string> chosen_;
+  bool shown_ = true;  ///< the present table was chosen
+  std::vector<DataTable> tables_;
   int unexpected_ = 0;
 };
 
 /// Within half a unit of the last printed place, or within `relative` of the printed figure.
-bool agrees(double here, double printed, int decimals, double relative = 0.0);
+Agreement agrees(double here, double printed, int decimals, double relative = 0.0);
 
 }  // namespace capsoc::reproduce

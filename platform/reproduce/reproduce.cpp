@@ -36,24 +36,24 @@ std::string seconds(const std::optional<double>& time) {
   return time ? fmt::format("{:.2f} s", *time) : "never";
 }
 
-bool near(const std::optional<double>& time, double printed, double relative) {
-  return time && agrees(*time, printed, 2, relative);
+Agreement near(const std::optional<double>& time, double printed, double relative) {
+  return time ? agrees(*time, printed, 2, relative) : Agreement(false);
 }
 
 void table_1(Report& report) {
   const Outcome outcome = run(section_4_1());
-  report.heading("Table 1, Figures 7 and 8: Eq (21), 250 Hz, 0.05 Hz, 400 s");
+  report.heading("1");
   const SixFigures found = figures(outcome.parameters);
   for (size_t i = 0; i < found.size(); ++i) {
-    report.row(parameter_names[i], fmt::format("{:.4f}", preset[i]),
-               fmt::format("{:.4f}", found[i]), agrees(found[i], preset[i], 4));
+    report.row(parameter_names[i], fixed(preset[i], 4), fixed(found[i], 4),
+               agrees(found[i], preset[i], 4));
   }
-  report.row("largest error uncalibrated, deg", "30.38",
-             fmt::format("{:.3f}", outcome.uncalibrated), agrees(outcome.uncalibrated, 30.38, 2));
+  report.row("largest error uncalibrated, deg", "30.38", fixed(outcome.uncalibrated, 3),
+             agrees(outcome.uncalibrated, 30.38, 2));
   report.sentence(fmt::format(
       "It is measured against omega k and so contains phi; against the true angle it is {:.3f}.",
       outcome.uncalibrated_to_truth));
-  report.row("largest error calibrated, deg", "9.52e-4", fmt::format("{:.3e}", outcome.calibrated),
+  report.row("largest error calibrated, deg", "9.52e-4", scientific(outcome.calibrated, 3),
              agrees(outcome.calibrated, 9.52e-4, 6));
   Experiment doubled = section_4_1();
   doubled.gain = reference::Gain::with_factor_two;
@@ -71,7 +71,7 @@ void table_1(Report& report) {
 }
 
 void table_2(Report& report) {
-  report.heading("Table 2, Figure 9: convergence time with other frequencies and steps");
+  report.heading("2");
   Experiment faster = section_4_1();
   faster.signal.sample_rate_hz = 325.0;
   const Outcome sampling = run(faster);
@@ -131,8 +131,8 @@ void parameter_rows(Report& report, const std::vector<Outcome>& outcomes, const 
   for (size_t i = 0; i < printed.size(); ++i) {
     const Spread spread =
         spread_of(outcomes, [i](const Outcome& o) { return figures(o.parameters)[i]; });
-    report.row(fmt::format("{}, {}", scale, parameter_names[i]), fmt::format("{:.4f}", printed[i]),
-               spread.text(4), spread.admits(printed[i], 4));
+    report.row(fmt::format("{}, {}", scale, parameter_names[i]), fixed(printed[i], 4),
+               spread.figure(4), spread.admits(printed[i], 4));
   }
 }
 
@@ -153,18 +153,18 @@ void table_4_rows(Report& report, const std::vector<Outcome>& outcomes, const Er
   const Spread raw = spread_of(outcomes, [](const Outcome& o) { return o.uncalibrated; });
   const Spread left = spread_of(outcomes, [](const Outcome& o) { return o.calibrated; });
   const Spread ratio = spread_of(outcomes, ratio_percent);
-  report.row(n + ", uncalibrated, deg", fmt::format("{:.2f}", row.uncalibrated), raw.text(2),
+  report.row(n + ", uncalibrated, deg", fixed(row.uncalibrated, 2), raw.figure(2),
              raw.admits(row.uncalibrated, 2));
-  const std::string printed = fmt::format("{:.{}f}", row.calibrated, row.decimals);
+  const Figure printed = fixed(row.calibrated, row.decimals);
   if (row.scale == -4) {
-    report.known(n + ", calibrated, deg", printed, left.text(5),
+    report.known(n + ", calibrated, deg", printed, left.figure(5),
                  "a misprint for 0.006, as the ratio in the same row shows.");
   } else {
-    report.row(n + ", calibrated, deg", printed, left.text(row.decimals),
+    report.row(n + ", calibrated, deg", printed, left.figure(row.decimals),
                left.admits(row.calibrated, row.decimals));
   }
-  report.row(n + ", ratio, %", fmt::format("{:.{}f}", row.ratio_percent, row.ratio_decimals),
-             ratio.text(row.ratio_decimals), ratio.admits(row.ratio_percent, row.ratio_decimals));
+  report.row(n + ", ratio, %", fixed(row.ratio_percent, row.ratio_decimals),
+             ratio.figure(row.ratio_decimals), ratio.admits(row.ratio_percent, row.ratio_decimals));
 }
 
 void tables_3_and_4(Report& report) {
@@ -176,12 +176,12 @@ void tables_3_and_4(Report& report) {
   std::vector<std::vector<Outcome>> runs;
   runs.reserve(rows.size());
   for (const ErrorRow& row : rows) runs.push_back(noise_runs(row.scale));
-  report.heading("Table 3: noise with a peak of 10^n of each amplitude, parameters at 400 s");
+  report.heading("3");
   report.sentence(fmt::format("Here: least .. greatest of the seeds 1 to {}.", seeds));
   for (size_t i = 0; i < rows.size(); ++i) {
     parameter_rows(report, runs[i], fmt::format("n = {}", rows[i].scale), preset);
   }
-  report.heading("Table 4: the same, largest angle errors");
+  report.heading("4");
   for (size_t i = 0; i < rows.size(); ++i) table_4_rows(report, runs[i], rows[i]);
 }
 
@@ -191,12 +191,12 @@ void table_6_rows(Report& report, const std::vector<Outcome>& outcomes, const Er
   const Spread left = spread_of(outcomes, [](const Outcome& o) { return o.calibrated; });
   const Spread start = spread_of(outcomes, [](const Outcome& o) { return o.calibrated_start; });
   const Spread ratio = spread_of(outcomes, ratio_percent);
-  report.known(m + ", uncalibrated, deg", fmt::format("{:.2f}", row.uncalibrated), raw.text(2),
+  report.known(m + ", uncalibrated, deg", fixed(row.uncalibrated, 2), raw.figure(2),
                row.scale == -4 ? "Eq (22) cannot push it below the 30.38 of the undisturbed signal."
                                : "the whole 400 s, in which the disturbance has grown.");
-  report.known(m + ", calibrated, deg", fmt::format("{:.2f}", row.calibrated), left.text(2),
+  report.known(m + ", calibrated, deg", fixed(row.calibrated, 2), left.figure(2),
                fmt::format("{} within the first 20 s, the nearest we found.", start.text(2)));
-  report.known(m + ", ratio, %", fmt::format("{:.2f}", row.ratio_percent), ratio.text(2),
+  report.known(m + ", ratio, %", fixed(row.ratio_percent, 2), ratio.figure(2),
                "follows from the two rows above.");
 }
 
@@ -210,14 +210,14 @@ void tables_5_and_6(Report& report) {
   std::vector<std::vector<Outcome>> runs;
   runs.reserve(rows.size());
   for (const ErrorRow& row : rows) runs.push_back(speed_runs(row.scale));
-  report.heading("Table 5: speed disturbance of Eq (22), peak 10^m of the frequency, 400 s");
+  report.heading("5");
   report.sentence("k of Eq (22) is the time in seconds; mu and nu are independent of each other.");
   for (size_t i = 0; i < rows.size(); ++i) {
     parameter_rows(report, runs[i], fmt::format("m = {}", rows[i].scale), printed[i]);
   }
   const Spread lost = spread_of(speed_runs(-1), [](const Outcome& o) { return o.parameters.a1; });
-  report.row("m = -1, a1 (preset 0.6079)", "diverges", lost.text(4), lost.greatest() < 0.3);
-  report.heading("Table 6: the same, largest angle errors");
+  report.row("m = -1, a1 (preset 0.6079)", "diverges", lost.figure(4), lost.greatest() < 0.3);
+  report.heading("6");
   report.sentence("Its figures do not follow from Eq (22) over 400 s with Table 5's parameters.");
   for (size_t i = 0; i < rows.size(); ++i) table_6_rows(report, runs[i], rows[i]);
 }
@@ -228,49 +228,50 @@ void table_8(Report& report) {
   // 1e-5 of full scale: what the 32-bit weights' truncation moves with the rounding of the steps.
   constexpr double tolerance = 20000.0;
   const RtlOutcome outcome = run_rtl();
-  report.heading(
-      "Table 8: the paper's arithmetic in the coprocessor model, machine values at 400 s");
+  report.heading("8");
   for (size_t i = 0; i < printed.size(); ++i) {
     const double difference = static_cast<double>(outcome.words[i]) - printed[i];
     report.row(parameter_names[i], std::to_string(printed[i]), std::to_string(outcome.words[i]),
-               std::abs(difference) <= tolerance);
+               {std::abs(difference) <= tolerance, tolerance});
   }
   report.sentence(
       "With four settings the paper does not state: the steps scaled by 2^-7, a frequency");
   report.sentence(
       "word of 858992, data two samples behind the reference, and 16-bit operands in the");
   report.sentence("arctangent. As printed, the steps do not converge at 0.05 Hz.");
-  report.heading("Figures 13 and 14: the same, errors");
+  report.heading("figure-13");
   report.known(
-      "largest angle error, deg", "9.50e-3", fmt::format("{:.2e}", outcome.frozen),
+      "largest angle error, deg", "9.50e-3", scientific(outcome.frozen, 2),
       fmt::format("{:.2e} on line in the last 20 s; the same order, and the paper does not "
                   "say where products are cut.",
                   outcome.online_end));
-  report.known("arctangent, magnitude 1, rad", "1e-4", fmt::format("{:.1e}", arctangent_error(1.0)),
+  report.known("arctangent, magnitude 1, rad", "1e-4", scientific(arctangent_error(1.0), 1),
                "I = 1.9 leaves 0.9^30 = 4 % of the start error at magnitude 1.");
   const double arctangent = arctangent_error(0.6);
   // "10^-4 orders of magnitude": within half a decade.
-  report.row("arctangent, magnitude 0.6, rad", "1e-4", fmt::format("{:.1e}", arctangent),
+  report.row("arctangent, magnitude 0.6, rad", "1e-4", scientific(arctangent, 1),
              arctangent > 0.32e-4 && arctangent < 3.2e-4);
 }
 
 }  // namespace
 
-int reproduce_tables(std::ostream& out, const std::string& traces) {
-  Report report(out);
+int reproduce_tables(std::ostream& out, const std::string& traces,
+                     const std::vector<std::string>& chosen, std::vector<DataTable>* tables) {
+  Report report(out, chosen);
   out << "The SoC paper: Tables 1 to 6 by the LMSED in double precision, Table 8, Figures 13 and "
          "14\n"
          "and the experiment (Tables 9 and 10) by the coprocessor model and the CSFN. The CSFN "
          "paper:\n"
          "its Tables 1 and 2 and Figure 14. The experiments are on traces rebuilt from them.\n";
-  table_1(report);
-  table_2(report);
-  tables_3_and_4(report);
-  tables_5_and_6(report);
-  table_8(report);
+  if (report.wants({"1"})) table_1(report);
+  if (report.wants({"2"})) table_2(report);
+  if (report.wants({"3", "4"})) tables_3_and_4(report);
+  if (report.wants({"5", "6"})) tables_5_and_6(report);
+  if (report.wants({"8", "figure-13"})) table_8(report);
   soc_experiment_tables(report, traces);
   csfn_tables(report, traces);
   out << fmt::format("\n{} rows differ that should agree.\n", report.unexpected());
+  if (tables != nullptr) *tables = report.tables();
   return report.unexpected();
 }
 

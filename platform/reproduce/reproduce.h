@@ -3,6 +3,9 @@
 #include <array>
 #include <iosfwd>
 #include <string>
+#include <vector>
+
+#include "reproduce/report.h"
 
 namespace capsoc::reproduce {
 
@@ -15,7 +18,10 @@ inline constexpr std::array needed_traces = {"soc_experiment.toml", "csfn_eq.tom
 /// experiments of both papers (SoC: Tables 9 and 10, CSFN: Table 2, and its simulations) on the
 /// traces of the folder `traces`, with a sentence wherever the two differ. Every random record has
 /// a fixed seed, so the text is the same on every run. Returns the number of rows that should agree
-/// with the paper, by what is known about it, and do not: 0 is the expected result.
-int reproduce_tables(std::ostream& out, const std::string& traces);
+/// with the paper, by what is known about it, and do not: 0 is the expected result. `chosen`: only
+/// the tables with these ids of table_names(), empty: all. `tables` takes the rows.
+int reproduce_tables(std::ostream& out, const std::string& traces,
+                     const std::vector<std::string>& chosen = {},
+                     std::vector<DataTable>* tables = nullptr);
 
 }  // namespace capsoc::reproduce

@@ -39,11 +39,11 @@ Errors errors_of(const std::vector<double>& turns) {
 
 void error_rows(Report& report, const std::string& what, const Errors& paper, const Errors& here,
                 double relative) {
-  report.row(what + ", peak to peak, deg", fmt::format("{:.4f}", paper.peak_to_peak),
-             fmt::format("{:.4f}", here.peak_to_peak),
+  report.row(what + ", peak to peak, deg", fixed(paper.peak_to_peak, 4),
+             fixed(here.peak_to_peak, 4),
              agrees(here.peak_to_peak, paper.peak_to_peak, 4, relative));
-  report.row(what + ", largest, deg", fmt::format("{:.4f}", paper.largest),
-             fmt::format("{:.4f}", here.largest), agrees(here.largest, paper.largest, 4, relative));
+  report.row(what + ", largest, deg", fixed(paper.largest, 4), fixed(here.largest, 4),
+             agrees(here.largest, paper.largest, 4, relative));
 }
 
 /// The turntable's forward angle in turns, against which the paper's sensor counts backwards.
@@ -104,18 +104,18 @@ void table_9(Report& report, const fit::Record& record) {
   constexpr std::array<const char*, 6> names = {"a1", "a2", "b1", "b2", "beta", "phi"};
   constexpr std::array<double, 6> printed = {1308364580, 1336685245, 274228330,
                                              388108700,  2105078019, 3700681650};
-  report.heading("Figure 17: the experiment, rebuilt, without calibration");
+  report.heading("figure-17");
   error_rows(report, "uncalibrated", {43.3964, 22.5154}, uncalibrated(record), 0.002);
 
   const Demodulation soc = demodulate(record);
-  report.heading("Table 9: parameters of the experiment, machine values");
+  report.heading("9");
   report.sentence(
       "Here: least .. greatest within the last turn before 400 s, since the reference is");
   report.sentence("2 % slow and the steps follow the harmonics within a turn.");
   for (std::size_t i = 0; i < names.size(); ++i) {
     Spread spread;
     for (const auto& words : soc.words) spread.add(words.at(i));
-    const std::string paper = fmt::format("{:.0f}", printed.at(i)), here = spread.text(0);
+    const Figure paper = fixed(printed.at(i), 0), here = spread.figure(0);
     if (i == 0) {
       report.known(names.at(i), paper, here,
                    "the trace has it, but this reference and these harmonics lower it.");
@@ -125,7 +125,7 @@ void table_9(Report& report, const fit::Record& record) {
       report.row(names.at(i), paper, here, spread.admits(printed.at(i), 0));
     }
   }
-  report.heading("Figure 18: errors of the experiment");
+  report.heading("figure-18");
   error_rows(report, "demodulation", {1.7189, 0.9814}, soc.on_line, 0.1);
   Spread peak_to_peak, largest;
   for (const auto& words : soc.words) {
@@ -135,27 +135,26 @@ void table_9(Report& report, const fit::Record& record) {
   }
   report.sentence("Calibration mode: with the parameters stored at any moment of the last turn.");
   const std::string why = "the paper's harmonics are not known, nor when it stored them.";
-  report.known("calibration, peak to peak, deg", "1.8683", peak_to_peak.text(4), why);
-  report.known("calibration, largest, deg", "1.1630", largest.text(4), why);
+  report.known("calibration, peak to peak, deg", "1.8683", peak_to_peak.figure(4), why);
+  report.known("calibration, largest, deg", "1.1630", largest.figure(4), why);
 }
 
 void table_10(Report& report, const std::string& trace) {
-  report.heading("Table 10: the CSFN on the same samples");
+  report.heading("10");
   fit::FitOptions options;
   options.record.samples = demodulated;
   const auto fitted = fit::fit(trace, options);
   if (!fitted || !fitted.value().rejection.empty()) {
-    report.row(trace, "", fitted ? fitted.value().rejection : fitted.error(), false);
+    report.failure(trace, fitted ? fitted.value().rejection : fitted.error());
     return;
   }
   const csfn::Parameters& p = fitted.value().answer.parameters;
   const auto row = [&](const char* name, double printed, double here) {
-    report.row(name, fmt::format("{:.4f}", printed), fmt::format("{:.4f}", here),
-               agrees(here, printed, 4, 0.02));
+    report.row(name, fixed(printed, 4), fixed(here, 4), agrees(here, printed, 4, 0.02));
   };
   row("a1", 0.6085, p.a1);
   row("a2", 0.6221, p.a2);
-  report.known("b1", "0.1323", fmt::format("{:.4f}", p.b1),
+  report.known("b1", "0.1323", fixed(p.b1, 4),
                "the trace was rebuilt from Table 9, and its harmonics pull the ellipse.");
   row("b2", 0.1834, p.b2);
   row("beta (pi - ours: reversed)", 3.0734, pi - p.beta);
@@ -171,16 +170,17 @@ void table_10(Report& report, const std::string& trace) {
 }  // namespace
 
 void soc_experiment_tables(Report& report, const std::string& traces) {
+  if (!report.wants({"figure-17", "9", "figure-18", "10"})) return;
   const std::string trace = traces + "/soc_experiment.toml";
   fit::RecordOptions options;
   options.samples = demodulated + turn;
   const auto record = fit::read_record(trace, options);
   if (!record) {
-    report.row(trace, "", record.error(), false);
+    report.failure(trace, record.error());
     return;
   }
-  table_9(report, record.value());
-  table_10(report, trace);
+  if (report.wants({"figure-17", "9", "figure-18"})) table_9(report, record.value());
+  if (report.wants({"10"})) table_10(report, trace);
 }
 
 }  // namespace capsoc::reproduce

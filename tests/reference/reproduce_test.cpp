@@ -43,6 +43,48 @@ TEST(Report, CountsRowsThatShouldAgreeAndDoNot) {
   EXPECT_NE(out.str().find("differs: a reason."), std::string::npos);
 }
 
+TEST(Report, TextAndDataAreTheSameRows) {
+  std::ostringstream out;
+  Report report(out, {"8"});
+  report.heading("1");
+  report.row("left out", "1.0", "2.0", false);
+  report.heading("8");
+  Spread spread;
+  spread.add(1.5);
+  spread.add(2.5);
+  report.row("ratio, %", fixed(2.0, 1), spread.figure(1), spread.admits(2.0, 1));
+  report.known("time", "3.50 s", "never", "a reason.");
+  EXPECT_EQ(report.unexpected(), 0);
+  EXPECT_EQ(out.str().find("left out"), std::string::npos);
+  EXPECT_NE(out.str().find("ratio, %"), std::string::npos);
+  EXPECT_NE(out.str().find("1.5 .. 2.5  agrees"), std::string::npos) << out.str();
+  ASSERT_EQ(report.tables().size(), 1U);
+  EXPECT_EQ(to_csv(report.tables()),
+            "table,quantity,unit,paper,paper_value,here,here_least,here_greatest,tolerance,verdict,"
+            "note\n"
+            "8,ratio,%,2.0,2,1.5 .. 2.5,1.5,2.5,0.55,agrees,\n"
+            "8,time,s,3.50 s,3.5,never,,,,known,a reason.\n");
+  const auto json = to_json(report.tables());
+  EXPECT_EQ(json["tables"][0]["id"], "8");
+  EXPECT_EQ(json["tables"][0]["rows"][1]["here_least"], nullptr);
+  EXPECT_EQ(json["tables"][0]["rows"][0]["tolerance"], 0.55);
+}
+
+TEST(Report, AnExperimentThatCannotBeMadeIsToldWhateverWasChosen) {
+  std::ostringstream out;
+  Report report(out, {"9"});
+  report.heading("1");
+  report.failure("trace.toml", "is gone");
+  EXPECT_EQ(report.unexpected(), 1);
+  EXPECT_NE(out.str().find("is gone"), std::string::npos);
+}
+
+TEST(DataTable, TextsThatWouldBreakALineAreQuoted) {
+  const std::vector<DataTable> tables = {
+      {"t", "T", {{{"a", std::string("x, \"y\"\nz")}, {"b", 0.1}, {"c", Field()}}}}};
+  EXPECT_EQ(to_csv(tables), "table,a,b,c\nt,\"x, \"\"y\"\"\nz\",0.1,\n");
+}
+
 TEST(Report, ASpreadAdmitsAnotherSeedButNotAnotherExperiment) {
   Spread spread;
   for (const double value : {0.590, 0.586, 0.594}) spread.add(value);

@@ -19,7 +19,7 @@ bool print_angles(uint32_t first, uint32_t count, uint32_t stride) {
     if (!sampling_wait(sample)) return false;
     print_angle(sample);
   }
-  return true;
+  return sampling_wait(first + count);  // what is less than a stride
 }
 
 void print_end(uint32_t samples) {
