@@ -109,11 +109,15 @@ TEST_F(RtlCoverageFiles, AreAddedPointByPoint) {
   const auto a = write("a.dat", point("x/rtl/a.sv", 3, "v_line/a", "block", 1) +
                                     point("x/rtl/a.sv", 4, "v_branch/a", "if", 0) +
                                     point("x/rtl/a.sv", 5, "v_toggle/a", "q[0]", 0) +
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[1]", 0) +
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[31]", 0) +
                                     point("x/rtl/verification/p.sv", 5, "v_toggle/p", "z", 0));
-  const auto b = write("b.dat", point("x/rtl/a.sv", 4, "v_branch/a", "if", 2) +
+  const auto b = write("b.dat", point("x/rtl/a.sv", 3, "v_line/a", "block", 0) +
+                                    point("x/rtl/a.sv", 4, "v_branch/a", "if", 2) +
                                     point("x/rtl/a.sv", 5, "v_toggle/a", "q[0]", 0) +
                                     point("x/rtl/a.sv", 5, "v_toggle/a", "q[1]", 3) +
-                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[31]", 0));
+                                    point("x/rtl/a.sv", 5, "v_toggle/a", "q[31]", 0) +
+                                    point("x/rtl/verification/p.sv", 5, "v_toggle/p", "z", 0));
   const auto list = write("list.txt", "# comment\ntoggle a.sv q[31:16] # upper half is constant\n");
   const auto exceptions = CoverageExceptions::read(list);
   ASSERT_TRUE(exceptions) << exceptions.error();
@@ -129,6 +133,19 @@ TEST_F(RtlCoverageFiles, AreAddedPointByPoint) {
   EXPECT_DOUBLE_EQ(toggle.percent_of_all(), 100.0 / 3);
   ASSERT_EQ(toggle.missing.size(), 1u);
   EXPECT_EQ(toggle.missing[0], "a.sv:5 q[0] (TOP.dut)");
+}
+
+TEST_F(RtlCoverageFiles, OneThatIsCutShortIsRefused) {
+  const std::string first = point("x/rtl/a.sv", 3, "v_line/a", "block", 1);
+  const auto whole = write("a.dat", first + point("x/rtl/a.sv", 4, "v_branch/a", "if", 0));
+  const auto cut = write("b.dat", first);
+  const auto exceptions = CoverageExceptions::read(write("list.txt", "# none\n"));
+  ASSERT_TRUE(exceptions) << exceptions.error();
+  for (const auto& files : {std::vector{whole, cut}, std::vector{cut, whole}}) {
+    const auto merged = merge_coverage("precise", files, write("sum.dat", ""), exceptions.value());
+    ASSERT_FALSE(merged);
+    EXPECT_NE(merged.error().find("cut short"), std::string::npos) << merged.error();
+  }
 }
 
 TEST_F(RtlCoverageFiles, AnExceptionWithoutAReasonIsRefused) {

@@ -29,7 +29,8 @@ TEST(RtlLibrary, AMissingFileIsNamed) {
 }
 
 TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
-  expect_refusal("/proc/self/status", "no shared library");
+  expect_refusal("README.md", "no shared library");
+  expect_refusal("/proc/self/status", "is empty");
 }
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
