@@ -230,12 +230,13 @@ Result<RunResult> run(const Settings& settings) {
   HostLimit host_limit(settings.number("run.timelimit_s"));
   const auto interrupted = [&host_limit] { return host_limit.reached(); };
   soc.cpu.set_interrupted(interrupted);
+  // Before anything is opened that a signal should close again.
+  host::note_end_signals();
   auto tracer = attach_tracer(settings, soc, inputs.program, inputs.further_images);
   if (!tracer) return Error{tracer.error()};
   auto ports = HostPorts::open(settings, soc, inputs.program, inputs.program_file, interrupted);
   if (!ports) return Error{ports.error()};
 
-  host::note_end_signals();
   sc_core::sc_start();
 
   std::vector<std::string> lost = ports.value()->finish();
