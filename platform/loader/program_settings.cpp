@@ -157,8 +157,9 @@ const ProgramSetting* ProgramSettings::find(const std::string& name) const {
 int64_t ProgramSettings::word(const ProgramSetting& setting) const {
   const uint64_t raw = load(bytes_, setting.offset, setting.size);
   if (setting.kind == ProgramSetting::Kind::unsigned_number) return static_cast<int64_t>(raw);
-  const unsigned unused = 64 - 8 * setting.size;
-  return static_cast<int64_t>(raw << unused) >> unused;
+  if (setting.size >= 8) return static_cast<int64_t>(raw);
+  const uint64_t sign = uint64_t{1} << (8 * setting.size - 1);
+  return static_cast<int64_t>(raw ^ sign) - static_cast<int64_t>(sign);
 }
 
 std::string ProgramSettings::number(const ProgramSetting& setting, int64_t word) const {
