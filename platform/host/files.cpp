@@ -105,6 +105,7 @@ std::optional<Error> write_together(const std::vector<TextFile>& files) {
   for (const TextFile& file : files)  // a rename onto a directory would fail half-way
     if (auto error = check_writable(file.path)) return error;
   std::vector<GrowingFile> growing;
+  growing.reserve(files.size());
   for (const TextFile& file : files) growing.emplace_back(file.path);
   for (const TextFile& file : files)
     if (auto error = write_growing(file)) return error;

@@ -50,7 +50,7 @@ Page bash_completion(const CommandLine& line) {
       if (option.names.empty()) values.emplace_back(name + " ", kind_of(option));
       if (option.takes_value)
         for (const std::string& each : option.names)
-          values.emplace_back(name + " " + each, kind_of(option));
+          values.emplace_back(joined({name, each}, " "), kind_of(option));
     }
     if (!inner.empty()) commands.emplace_back(name, joined(inner, " "));
     options.emplace_back(name, joined(names, " "));

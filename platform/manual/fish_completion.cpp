@@ -14,7 +14,7 @@ std::string quoted(const std::string& text) {
 std::string value_flags(const Option& option, const std::string& program) {
   if (!option.takes_value) return "";
   if (option.value.setting) return fmt::format(" -x -a '(__{}_settings)'", program);
-  const std::string choices =
+  std::string choices =
       option.value.choices.empty() ? "" : " -a " + quoted(joined(option.value.choices, " "));
   if (option.may_lack_value) return choices;
   return (option.value.file ? " -r -F" : " -x") + choices;

@@ -64,7 +64,7 @@ void Report::failure(const std::string& what, const std::string& reason) {
   row(what, "", reason, false);
 }
 
-void Report::add(Row row) {
+void Report::add(const Row& row) {
   if (!shown_) return;
   if (row.verdict == Row::Verdict::unexpected) ++unexpected_;
   line(row.label, row.paper.text, row.here.text, verdict_text(row));

@@ -109,7 +109,7 @@ class Report {
  private:
   void line(const std::string& label, const std::string& paper, const std::string& here,
             const std::string& verdict);
-  void add(Row row);
+  void add(const Row& row);
 
   std::ostream& out_;
   std::vector<std::string> chosen_;
