@@ -157,9 +157,16 @@ const ProgramSetting* ProgramSettings::find(const std::string& name) const {
 int64_t ProgramSettings::word(const ProgramSetting& setting) const {
   const uint64_t raw = load(bytes_, setting.offset, setting.size);
   if (setting.kind == ProgramSetting::Kind::unsigned_number) return static_cast<int64_t>(raw);
-  if (setting.size >= 8) return static_cast<int64_t>(raw);
-  const uint64_t sign = uint64_t{1} << (8 * setting.size - 1);
-  return static_cast<int64_t>(raw ^ sign) - static_cast<int64_t>(sign);
+  switch (setting.size) {
+    case 1:
+      return static_cast<int8_t>(raw);
+    case 2:
+      return static_cast<int16_t>(raw);
+    case 4:
+      return static_cast<int32_t>(raw);
+    default:
+      return static_cast<int64_t>(raw);
+  }
 }
 
 std::string ProgramSettings::number(const ProgramSetting& setting, int64_t word) const {
