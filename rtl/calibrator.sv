@@ -4,7 +4,8 @@
 //   weight_q31_i          s34, Q31: place 0 of the ring, >>r 15
 //   weight4_i             s34, Q2.32: place 4, the bits that >>r 15 needs
 //   difference_i          s34, Q31: du = u - c_u in cycle 2, dv = v - c_v in cycle 6
-//   calibrated_o          s32, Q1.31, sat(C >>r 31) in cycle 13, sat(S >>r 31) in cycle 14
+//   calibrated_o          s32, Q1.31, sat(C >>r 31) in cycle 13, sat(S >>r 31) in cycle 14;
+//                         sat(det >>r 31) in cycle 6
 //   s_o, c_o              bits 66..30 of S and C, s67 in Q62, shifted left by shift_o until the
 //                         larger one fills the word; valid in cycle 31
 //   mirror_o              det < 0; valid from cycle 7 on
@@ -25,6 +26,7 @@ module calibrator (
   output logic               calibrated_valid_o,
   output logic               calibrated_s_o,  // S, else C
   output logic        [31:0] calibrated_o,
+  output logic               det_valid_o,     // calibrated_o is det
   output logic               saturated_o,
   output logic               mirror_o,
   output logic        [36:0] s_o,
@@ -106,6 +108,7 @@ module calibrator (
   assign calibrated_o = fits ? rounded[31:0] : {rounded[35], {31{~rounded[35]}}};
   assign calibrated_s_o = !cycle_i[0];
   assign calibrated_valid_o = active_i && (cycle_i == 5'd13 || cycle_i == 5'd14);
+  assign det_valid_o = active_i && cycle_i == 5'd6;
   assign saturated_o = calibrated_valid_o && !fits;
 
   assign mirror_o = mirror_q;

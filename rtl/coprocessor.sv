@@ -8,7 +8,8 @@ module coprocessor #(
   parameter int Paper         = 0,   // 0: arithmetic `precise`, 1: `paper`
   parameter int OperandBits   = 32,  // paper: width of the arctangent's operands, 2..32
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads the data
-  parameter int StepShift     = 0    // paper: right shift of the steps, 0..31
+  parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
+  parameter int PlainArctangent = 0  // paper: the arctangent's input as it is
 ) (
   input  logic        pclk_i,
   input  logic        presetn_i,
@@ -43,11 +44,12 @@ module coprocessor #(
   logic [31:0] held_u, held_v;
 
   // Settings and state
-  logic        demod, calib;
+  logic        demod, calib, frozen;
   logic [1:0]  ref_source;
   logic [4:0]  kp, ki;
   logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
-  logic [31:0] lock_threshold, diverge_threshold;
+  logic [31:0] lock_threshold, diverge_threshold, turn_limit;
+  logic [18:0] judge;
   logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
   logic [31:0] a1, a2, b1, b2, beta, phi;
 
@@ -56,7 +58,10 @@ module coprocessor #(
   logic [47:0] phase_next, freq_next, au_next, bu_next, cu_next, av_next, bv_next, cv_next;
   logic [31:0] a1_next, a2_next, b1_next, b2_next, beta_next, phi_next;
   logic        flag_clip, flag_sat, flag_zero, flag_diverged, flag_lockchg, flag_mirrorchg;
-  logic        status_lock, status_diverged, status_mirror, status_valid;
+  logic        flag_turn, flag_alarm, flag_unsettled;
+  logic        status_lock, status_diverged, status_mirror, status_valid, status_alarm;
+  logic [1:0]  status_good_turns;
+  logic [31:0] turn_flags;
   logic [3:0]  result_select;
   logic [31:0] result;
 
@@ -126,6 +131,9 @@ module coprocessor #(
     .step_cv_o           (step_cv),
     .lock_threshold_o    (lock_threshold),
     .diverge_threshold_o (diverge_threshold),
+    .turn_limit_o        (turn_limit),
+    .judge_o             (judge),
+    .frozen_o            (frozen),
     .phase_o             (phase),
     .freq_o              (freq),
     .au_o                (au),
@@ -171,6 +179,12 @@ module coprocessor #(
     .status_diverged_i   (status_diverged),
     .status_mirror_i     (status_mirror),
     .status_valid_i      (status_valid),
+    .flag_turn_i         (flag_turn),
+    .flag_alarm_i        (flag_alarm),
+    .flag_unsettled_i    (flag_unsettled),
+    .status_alarm_i      (status_alarm),
+    .status_good_turns_i (status_good_turns),
+    .turn_flags_i        (turn_flags),
     .result_select_o     (result_select),
     .result_i            (result)
   );
@@ -179,7 +193,8 @@ module coprocessor #(
     .Paper         (Paper),
     .OperandBits   (OperandBits),
     .ReferenceLead (ReferenceLead),
-    .StepShift     (StepShift)
+    .StepShift     (StepShift),
+    .PlainArctangent (PlainArctangent)
   ) u_datapath (
     .clk_i               (pclk_i),
     .rst_ni              (presetn_i),
@@ -194,6 +209,7 @@ module coprocessor #(
     .held_v_i            (held_v),
     .held_clip_i         (held_clip),
     .demod_i             (demod),
+    .frozen_i            (frozen),
     .calib_i             (calib),
     .ref_i               (ref_source),
     .kp_i                (kp),
@@ -206,6 +222,8 @@ module coprocessor #(
     .step_cv_i           (step_cv),
     .lock_threshold_i    (lock_threshold),
     .diverge_threshold_i (diverge_threshold),
+    .turn_limit_i        (turn_limit),
+    .judge_i             (judge),
     .phase_i             (phase),
     .freq_i              (freq),
     .au_i                (au),
@@ -242,7 +260,13 @@ module coprocessor #(
     .status_lock_o       (status_lock),
     .status_diverged_o   (status_diverged),
     .status_mirror_o     (status_mirror),
-    .status_valid_o      (status_valid)
+    .status_valid_o      (status_valid),
+    .flag_turn_o         (flag_turn),
+    .flag_alarm_o        (flag_alarm),
+    .flag_unsettled_o    (flag_unsettled),
+    .status_alarm_o      (status_alarm),
+    .status_good_turns_o (status_good_turns),
+    .turn_flags_o        (turn_flags)
   );
 
 endmodule

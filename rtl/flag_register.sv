@@ -6,17 +6,19 @@ module flag_register (
   input  logic       clk_i,
   input  logic       rst_ni,
   input  logic       clear_i,      // soft reset
-  input  logic [8:0] set_i,        // events of this edge, in FLAGS' order
+  input  logic [11:0] set_i,        // events of this edge, in FLAGS' order
   input  logic       write_i,      // bus write: ones clear
-  input  logic [8:0] write_data_i,
+  input  logic [11:0] write_data_i,
   input  logic       ie_result_i,
   input  logic       ie_lock_i,
   input  logic       ie_error_i,
-  output logic [8:0] flags_o,
+  input  logic       ie_turn_i,
+  input  logic       ie_alarm_i,
+  output logic [11:0] flags_o,
   output logic       irq_o
 );
 
-  logic [8:0] flags_q, flags_d;
+  logic [11:0] flags_q, flags_d;
 
   always_comb begin
     flags_d = flags_q | set_i;
@@ -29,13 +31,16 @@ module flag_register (
     else flags_q <= flags_d;
   end
 
-  localparam logic [8:0] Result  = 9'd1 << capsoc_coprocessor_pkg::FLAGS_RESULT_LSB;
-  localparam logic [8:0] Lock    = 9'd1 << capsoc_coprocessor_pkg::FLAGS_LOCKCHG_LSB;
-  localparam logic [8:0] Mirror  = 9'd1 << capsoc_coprocessor_pkg::FLAGS_MIRRORCHG_LSB;
-  localparam logic [8:0] Trouble = ~(Result | Lock | Mirror);
+  localparam logic [11:0] Result  = 12'd1 << capsoc_coprocessor_pkg::FLAGS_RESULT_LSB;
+  localparam logic [11:0] Lock    = 12'd1 << capsoc_coprocessor_pkg::FLAGS_LOCKCHG_LSB;
+  localparam logic [11:0] Mirror  = 12'd1 << capsoc_coprocessor_pkg::FLAGS_MIRRORCHG_LSB;
+  localparam logic [11:0] Turn    = 12'd1 << capsoc_coprocessor_pkg::FLAGS_TURN_LSB;
+  localparam logic [11:0] Alarm   = 12'd1 << capsoc_coprocessor_pkg::FLAGS_ALARM_LSB;
+  localparam logic [11:0] Trouble = ~(Result | Lock | Mirror | Turn | Alarm);
 
   assign flags_o = flags_q;
   assign irq_o   = (ie_result_i & (|(flags_q & Result))) | (ie_lock_i & (|(flags_q & Lock))) |
-                   (ie_error_i & (|(flags_q & Trouble)));
+                   (ie_error_i & (|(flags_q & Trouble))) | (ie_turn_i & (|(flags_q & Turn))) |
+                   (ie_alarm_i & (|(flags_q & Alarm)));
 
 endmodule

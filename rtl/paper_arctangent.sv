@@ -1,17 +1,21 @@
 // Arctangent by the paper's PI loop, Eq (11), P = 0, I = 1.9 rad per unit error, from 0, 30 times:
-// error = y cos(angle) - x sin(angle), angle += I error. Needs amplitudes of about 0.3 .. 0.9; an
-// input at exactly half a turn stays at 0.
+// error = y cos(angle) - x sin(angle), angle += I error. The loop needs amplitudes of about 0.3 to
+// 0.9 and stays at 0 for an input at half a turn: the vector is shifted until the larger word is in
+// [0.25, 0.5), and negated if x < 0, unless Plain.
 //
-// Latency: one tick. cycle 0 clears the angle, cycles 1..30 iterate, the output is valid in cycle
-// 31. Inputs stable in cycles 1..30. State changes only if run_i.
+// Latency: one tick. cycle 0 clears the angle, cycles 1..30 iterate, the outputs are valid in cycle
+// 31. Inputs stable in cycles 1..31. State changes only if run_i.
 //
 // y_i, x_i      s32, Q1.31
 // angle_o       u32, 2^-32 turn, wraps
+// magnitude_o   s32, Q1.31, 0 .. 2^31 - 1: y sin(angle) + x cos(angle), shifted back
+// settled_o     |error| < 2^-10 (y sin + x cos) at the last angle, or the vector is zero
 // OperandBits   width of the operands of the error's products, 2..32: lower bits are cut off
 //
 // Rounding: every product truncated (floor).
 module paper_arctangent #(
-  parameter int OperandBits = 32
+  parameter int OperandBits = 32,
+  parameter int Plain = 0
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
@@ -19,11 +23,38 @@ module paper_arctangent #(
   input  logic         [4:0] cycle_i,
   input  logic signed [31:0] y_i,
   input  logic signed [31:0] x_i,
-  output logic        [31:0] angle_o
+  output logic        [31:0] angle_o,
+  output logic        [31:0] magnitude_o,
+  output logic               settled_o
 );
 
   localparam int Cut = 32 - OperandBits;
   localparam logic signed [33:0] IntegralGain = 34'sd1298774024;  // round(1.9 / 2pi * 2^32), Q31
+
+  // The larger bit length of the one's complements, without sign; 30 is left as it is.
+  logic [30:0] occupied;
+  logic signed [31:0] y_shifted, x_shifted, y_folded, x_folded;
+  logic [4:0] places;
+  logic halve, fold;
+  assign occupied = (y_i[30:0] ^ {31{y_i[31]}}) | (x_i[30:0] ^ {31{x_i[31]}});
+  if (Plain != 0) begin : gen_plain
+    assign halve = 1'b0;
+    assign places = '0;
+    assign fold = 1'b0;
+  end else begin : gen_prepared
+    assign halve = occupied[30];
+    always_comb begin
+      places = 5'd30;
+      for (int i = 0; i < 30; i++) begin
+        if (occupied[i]) places = 5'(29 - i);
+      end
+    end
+    assign fold = x_shifted[31];
+  end
+  assign y_shifted = halve ? y_i >>> 1 : y_i <<< places;
+  assign x_shifted = halve ? x_i >>> 1 : x_i <<< places;
+  assign y_folded = fold ? -y_shifted : y_shifted;
+  assign x_folded = fold ? -x_shifted : x_shifted;
 
   logic [31:0] angle_q, angle_d;
 
@@ -35,18 +66,22 @@ module paper_arctangent #(
   );
 
   logic signed [OperandBits-1:0] y_cut, x_cut, sine_cut, cosine_cut;
-  assign y_cut = y_i[31:Cut];
-  assign x_cut = x_i[31:Cut];
+  assign y_cut = y_folded[31:Cut];
+  assign x_cut = x_folded[31:Cut];
   assign sine_cut = sine[31:Cut];
   assign cosine_cut = cosine[31:Cut];
 
-  logic signed [67:0] y_cosine, x_sine;
+  logic signed [67:0] y_cosine, x_sine, y_sine, x_cosine;
   if (OperandBits <= 18) begin : gen_narrow
-    logic signed [2*OperandBits-1:0] y_product, x_product;
+    logic signed [2*OperandBits-1:0] y_product, x_product, y_along, x_along;
     assign y_product = y_cut * cosine_cut;
     assign x_product = x_cut * sine_cut;
     assign y_cosine = 68'(y_product);
     assign x_sine = 68'(x_product);
+    assign y_along = y_cut * sine_cut;
+    assign x_along = x_cut * cosine_cut;
+    assign y_sine = 68'(y_along);
+    assign x_cosine = 68'(x_along);
   end else begin : gen_wide
     paper_multiplier u_y_cosine (
       .a_i(34'(y_cut)),
@@ -57,6 +92,16 @@ module paper_arctangent #(
       .a_i(34'(x_cut)),
       .b_i(34'(sine_cut)),
       .product_o(x_sine)
+    );
+    paper_multiplier u_y_sine (
+      .a_i(34'(y_cut)),
+      .b_i(34'(sine_cut)),
+      .product_o(y_sine)
+    );
+    paper_multiplier u_x_cosine (
+      .a_i(34'(x_cut)),
+      .b_i(34'(cosine_cut)),
+      .product_o(x_cosine)
     );
   end
 
@@ -85,9 +130,21 @@ module paper_arctangent #(
     end
   end
 
-  assign angle_o = angle_q;
+  assign angle_o = {angle_q[31] ^ fold, angle_q[30:0]};
+
+  // Of the angle that the loop ends with.
+  logic signed [67:0] along_sum;
+  logic signed [34:0] along, limit, distance, unshifted;
+  assign along_sum = (y_sine + x_cosine) <<< (2 * Cut);
+  assign along = $signed({along_sum[64], along_sum[64:31]});
+  assign limit = along >>> 10;
+  assign distance = error[33] ? -$signed({error[33], error}) : $signed({error[33], error});
+  assign settled_o = distance < limit || (y_i == '0 && x_i == '0);
+  assign unshifted = halve ? along <<< 1 : along >>> places;
+  assign magnitude_o = unshifted[34] ? '0 : unshifted[33:31] != '0 ? 32'h7fff_ffff : unshifted[31:0];
 
   logic unused_bits;
-  assign unused_bits = ^{y_i, x_i, sine, cosine, difference[67:65], difference[30:0], step[67:63], step[30:0]};
+  assign unused_bits = ^{y_folded, x_folded, sine, cosine, difference[67:65], difference[30:0],
+                         along_sum[67:65], along_sum[30:0], step[67:63], step[30:0]};
 
 endmodule

@@ -1,13 +1,14 @@
 // Calibrator of the paper arithmetic, Eq (12), on the parameter registers:
 // du = u - b1, dv = v - b2; U1 = a2 du, V1 = a1 dv; U2 = U1 cos beta, V2 = V1 + U1 sin beta.
 //
-// Latency: one product in each of cycles 0..3; outputs valid from cycle 4 to cycle 31. Inputs stable
-// in cycles 0..3. State changes only if run_i.
+// Latency: one product in each of cycles 0..3; outputs valid from cycle 4 to cycle 31. In cycles 4 and 5
+// a1 a2 cos beta, valid from cycle 6. Inputs stable in cycles 0..5. State changes only if run_i.
 //
 // u_i .. b2_i   s32, Q1.31
 // beta_i        u32, 2^-32 turn
 // cal_s_o       s32, Q1.31: U2
 // cal_c_o       s32, Q1.31: V2
+// det_o         s32, Q1.31: a1 a2 cos beta
 // mirror_o      cos beta < 0: how the paper's parameters show rotation against the reference
 // saturated_o   one of the differences, products or the sum was clamped
 //
@@ -26,6 +27,7 @@ module paper_calibrator (
   input  logic        [31:0] beta_i,
   output logic signed [31:0] cal_s_o,
   output logic signed [31:0] cal_c_o,
+  output logic signed [31:0] det_o,
   output logic               mirror_o,
   output logic               saturated_o
 );
@@ -39,7 +41,7 @@ module paper_calibrator (
     clamp = exceeds(value[34:31]) ? {value[34], {31{~value[34]}}} : value[31:0];
   endfunction
 
-  logic signed [31:0] u1_q, v1_q, u2_q, v2_q;
+  logic signed [31:0] u1_q, v1_q, u2_q, v2_q, det_q;
   logic mirror_q, saturated_q;
 
   logic signed [31:0] sine, cosine;
@@ -53,8 +55,16 @@ module paper_calibrator (
   assign offset_free = cycle_i[0] ? 35'(v_i) - 35'(b2_i) : 35'(u_i) - 35'(b1_i);
 
   logic signed [31:0] factor_a, factor_b;
-  assign factor_a = cycle_i[1] ? u1_q : (cycle_i[0] ? a1_i : a2_i);
-  assign factor_b = cycle_i[1] ? (cycle_i[0] ? sine : cosine) : clamp(offset_free);
+  always_comb begin
+    case (cycle_i[2:0])
+      3'd0: {factor_a, factor_b} = {a2_i, clamp(offset_free)};
+      3'd1: {factor_a, factor_b} = {a1_i, clamp(offset_free)};
+      3'd2: {factor_a, factor_b} = {u1_q, cosine};
+      3'd3: {factor_a, factor_b} = {u1_q, sine};
+      3'd4: {factor_a, factor_b} = {a1_i, a2_i};
+      default: {factor_a, factor_b} = {det_q, cosine};
+    endcase
+  end
 
   logic signed [67:0] product;
   paper_multiplier u_multiplier (
@@ -65,7 +75,7 @@ module paper_calibrator (
 
   logic signed [34:0] result;
   logic clamped;
-  assign result = $signed(product[65:31]) + ((cycle_i[1:0] == 2'd3) ? 35'(v1_q) : 35'sd0);
+  assign result = $signed(product[65:31]) + ((cycle_i[2:0] == 3'd3) ? 35'(v1_q) : 35'sd0);
   assign clamped = exceeds(result[34:31]) || (!cycle_i[1] && exceeds(offset_free[34:31]));
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -74,6 +84,7 @@ module paper_calibrator (
       v1_q <= '0;
       u2_q <= '0;
       v2_q <= '0;
+      det_q <= '0;
       mirror_q <= 1'b0;
       saturated_q <= 1'b0;
     end else if (run_i && (cycle_i[4:2] == 3'd0)) begin
@@ -85,11 +96,14 @@ module paper_calibrator (
       endcase
       mirror_q <= cosine[31];
       saturated_q <= clamped || (saturated_q && (cycle_i[1:0] != 2'd0));
+    end else if (run_i && (cycle_i == 5'd4 || cycle_i == 5'd5)) begin
+      det_q <= clamp(result);
     end
   end
 
   assign cal_s_o = u2_q;
   assign cal_c_o = v2_q;
+  assign det_o = det_q;
   assign mirror_o = mirror_q;
   assign saturated_o = saturated_q;
 

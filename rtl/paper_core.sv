@@ -9,7 +9,8 @@
 // registers are copied at the tick's start as they are.
 module paper_core #(
   parameter int OperandBits = 32,
-  parameter int StepShift = 0
+  parameter int StepShift = 0,
+  parameter int PlainArctangent = 0
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
@@ -49,7 +50,10 @@ module paper_core #(
   output logic               calibrated_valid_o,
   output logic               calibrated_s_o,
   output logic        [31:0] calibrated_o,
+  output logic               det_valid_o,
+  output logic        [31:0] det_o,
   output logic               amplitude_valid_o,
+  output logic               amplitude_late_o,
   output logic        [31:0] amplitude_o,
   output logic               error_valid_o,
   output logic               error_v_o,
@@ -57,6 +61,8 @@ module paper_core #(
   output logic        [31:0] relative_o,
   output logic               zero_o,
   output logic               mirror_o,
+  output logic               unsettled1_o,  // T1's arctangent, T4's; valid in cycle 31
+  output logic               unsettled4_o,
   output logic        [ 4:0] saturated_o,
   output logic        [47:0] au_o,
   output logic        [47:0] bu_o,
@@ -103,12 +109,13 @@ module paper_core #(
 
   // What a sample keeps for later stages: its words for T3, its angle for T4.
   logic signed [31:0] u1_q, v1_q, u2_q, v2_q, u3_q, v3_q, cal_s1_q, cal_c1_q, cal_s, cal_c;
-  logic [31:0] phi1_q, arctangent, arctangent2_q, arctangent3_q, arctangent4_q;
+  logic [31:0] phi1_q, arctangent, arctangent2_q, arctangent3_q, arctangent4_q, magnitude, magnitude2_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
       {u1_q, v1_q, u2_q, v2_q, u3_q, v3_q} <= {u_i, v_i, u1_q, v1_q, u2_q, v2_q};
       {cal_s1_q, cal_c1_q, phi1_q} <= {cal_s, cal_c, phi_q};
       {arctangent2_q, arctangent3_q, arctangent4_q} <= {arctangent, arctangent2_q, arctangent3_q};
+      magnitude2_q <= magnitude;
     end
   end
 
@@ -124,6 +131,7 @@ module paper_core #(
     .beta_i     (beta_q),
     .cal_s_o    (cal_s),
     .cal_c_o    (cal_c),
+    .det_o,
     .mirror_o,
     .saturated_o(calibrator_saturated)
   );
@@ -131,21 +139,29 @@ module paper_core #(
   assign calibrated_s_o = !cycle_i[0];
   assign calibrated_o = calibrated_s_o ? cal_s : cal_c;
 
+  logic arctangent_settled, parameters_settled;
   paper_arctangent #(
-    .OperandBits(OperandBits)
+    .OperandBits(OperandBits),
+    .Plain(PlainArctangent)
   ) u_arctangent (
     .clk_i, .rst_ni, .cycle_i,
     .run_i  (stage_i[1]),
     .y_i    (cal_s1_q),
     .x_i    (cal_c1_q),
-    .angle_o(arctangent)
+    .angle_o(arctangent),
+    .magnitude_o(magnitude),
+    .settled_o(arctangent_settled)
   );
   assign relative_o = arctangent - phi1_q;
   assign zero_o = cal_s1_q == '0 && cal_c1_q == '0;
   assign angle_o = arctangent4_q;
-  // AMPLITUDE reads 0.
-  assign amplitude_valid_o = stage_i[1] && cycle_i == 5'd11;
-  assign amplitude_o = '0;
+  assign det_valid_o = stage_i[0] && cycle_i == 5'd6;
+  // T1's loop ends with its tick, so its amplitude is T2's to write.
+  assign amplitude_valid_o = stage_i[2] && cycle_i == 5'd11;
+  assign amplitude_late_o = 1'b1;
+  assign amplitude_o = magnitude2_q;
+  assign unsettled1_o = !arctangent_settled;
+  assign unsettled4_o = !parameters_settled;
 
   logic signed [31:0] error_u, error_v;
   logic signed [47:0] au_lms, bu_lms, cu_lms, av_lms, bv_lms, cv_lms;
@@ -186,7 +202,8 @@ module paper_core #(
   assign data_v_o = 1'b0;
 
   paper_parameters #(
-    .OperandBits(OperandBits)
+    .OperandBits(OperandBits),
+    .Plain(PlainArctangent)
   ) u_parameters (
     .clk_i, .rst_ni, .cycle_i,
     .run_i      (stage_i[4]),
@@ -195,6 +212,7 @@ module paper_core #(
     .av_i       (av_q),
     .bv_i       (bv_q),
     .a1_o, .a2_o, .beta_o, .phi_o,
+    .settled_o  (parameters_settled),
     .saturated_o(parameters_saturated)
   );
   assign b1_o = cu_q[46:15];
@@ -222,6 +240,6 @@ module paper_core #(
       stage_i[0] && calibrator_saturated};
 
   logic unused_bits;
-  assign unused_bits = ^data_i ^ load_i[0] ^ (^load_start_i) ^ stage_i[2];
+  assign unused_bits = ^data_i ^ load_i[0] ^ (^load_start_i);
 
 endmodule

@@ -7,11 +7,13 @@
 // au_i .. bv_i   s48, Q2.46, of which this arithmetic has bits 46:15 (Q1.31)
 // a1_o, a2_o     s32, Q1.31
 // beta_o, phi_o  u32, 2^-32 turn, wrap
+// settled_o      both arctangents have converged
 // saturated_o    a sum of squares was 1 or more, or -a_v was clamped
 //
 // Rounding: see paper_square_root and paper_arctangent.
 module paper_parameters #(
-  parameter int OperandBits = 32
+  parameter int OperandBits = 32,
+  parameter int Plain = 0
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
@@ -25,6 +27,7 @@ module paper_parameters #(
   output logic signed [31:0] a2_o,
   output logic        [31:0] beta_o,
   output logic        [31:0] phi_o,
+  output logic               settled_o,
   output logic               saturated_o
 );
 
@@ -56,8 +59,11 @@ module paper_parameters #(
     .saturated_o(saturated_a2)
   );
 
+  logic phi_settled, psi_settled;
+  logic [31:0] unused_phi_magnitude, unused_psi_magnitude;
   paper_arctangent #(
-    .OperandBits(OperandBits)
+    .OperandBits(OperandBits),
+    .Plain(Plain)
   ) u_phi (
     .clk_i,
     .rst_ni,
@@ -65,12 +71,15 @@ module paper_parameters #(
     .cycle_i,
     .y_i(bu_i[46:15]),
     .x_i(au_i[46:15]),
-    .angle_o(phi_o)
+    .angle_o(phi_o),
+    .magnitude_o(unused_phi_magnitude),
+    .settled_o(phi_settled)
   );
 
   logic [31:0] psi;
   paper_arctangent #(
-    .OperandBits(OperandBits)
+    .OperandBits(OperandBits),
+    .Plain(Plain)
   ) u_psi (
     .clk_i,
     .rst_ni,
@@ -78,10 +87,13 @@ module paper_parameters #(
     .cycle_i,
     .y_i(minus_av),
     .x_i(bv_i[46:15]),
-    .angle_o(psi)
+    .angle_o(psi),
+    .magnitude_o(unused_psi_magnitude),
+    .settled_o(psi_settled)
   );
 
   assign beta_o = psi - phi_o;
+  assign settled_o = phi_settled && psi_settled;
   assign saturated_o = saturated_a1 || saturated_a2 || saturated_av;
 
   logic unused_bits;

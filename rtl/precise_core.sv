@@ -4,7 +4,9 @@
 //   u_i, v_i             s32, Q1.31: T0's sample; data_i: T3's, u or v as data_v_o asks for
 //   sine_i, cosine_i     s32, Q1.31: T3's reference, or LOAD's rotation
 //   registers            as in the bank; copied here at the tick's start
-//   calibrated, amplitude, error   result words, s32, Q1.31, each valid in the cycle of its strobe
+//   calibrated, det, amplitude, error   words, s32, Q1.31, each valid in the cycle of its strobe; the
+//                        amplitude is T1's, or T2's if late
+//   unsettled1_o, unsettled4_o     the arctangents of T1, T4 have not converged; valid in cycle 31
 //   relative_o, zero_o, mirror_o   valid in cycle 31 of T1, T1, T0; angle 2^-32 turn
 //   weights, parameters, angle_o   valid in cycle 31 of T3 (or L1, L2), T4, T4
 //   saturated_o[s]       stage s loses high bits in this cycle
@@ -44,7 +46,10 @@ module precise_core (
   output logic               calibrated_valid_o,
   output logic               calibrated_s_o,
   output logic        [31:0] calibrated_o,
+  output logic               det_valid_o,
+  output logic        [31:0] det_o,
   output logic               amplitude_valid_o,
+  output logic               amplitude_late_o,
   output logic        [31:0] amplitude_o,
   output logic               error_valid_o,
   output logic               error_v_o,
@@ -52,6 +57,8 @@ module precise_core (
   output logic        [31:0] relative_o,
   output logic               zero_o,
   output logic               mirror_o,
+  output logic               unsettled1_o,
+  output logic               unsettled4_o,
   output logic        [ 4:0] saturated_o,
   output logic        [47:0] au_o,
   output logic        [47:0] bu_o,
@@ -127,6 +134,7 @@ module precise_core (
     .calibrated_valid_o,
     .calibrated_s_o,
     .calibrated_o,
+    .det_valid_o,
     .saturated_o (calibrator_saturated),
     .mirror_o,
     .s_o         (s),
@@ -194,6 +202,12 @@ module precise_core (
     .weight_saturated_o(weight_saturated)
   );
   assign error_v_o = cycle_i[3];
+
+  // The amplitude is written in T1; this arithmetic's angles always converge.
+  assign det_o = calibrated_o;
+  assign amplitude_late_o = 1'b0;
+  assign unsettled1_o = 1'b0;
+  assign unsettled4_o = 1'b0;
 
   // Offsets: c_u passes place 0 in cycle 3, c_v in cycle 7.
   logic [31:0] offset, b1_q, b2_q;

@@ -4,6 +4,7 @@
 //   relative_i          u32, 2^-32 turn: T1's angle, valid at the boundary that starts T2
 //   reference_phase_o   u32, 2^-32 turn, phase >>r 16; stable in T2's tick
 //   residue_o           s32, 2^-32 turn, relative - reference phase; valid in cycle 0
+//   turn_o              PHASE + FREQ leaves the turn, not with the tracking source; valid in cycle 31
 //   sine_o, cosine_o    s32, Q1.31; registered at T2's end (or L0's, L1's), stable in T3's tick
 //
 // PHASE' = PHASE + FREQ + (residue << 16) >>r KP and FREQ' = sat(FREQ + (residue << 16) >>r KI),
@@ -35,6 +36,7 @@ module reference_generator #(
   output logic        [47:0] freq_o,
   output logic               saturated_o,
   output logic               hold_weights_o,  // angle source without an angle; stable in the tick
+  output logic               turn_o,
   output logic        [31:0] reference_phase_o,
   output logic        [31:0] residue_o,
   output logic signed [31:0] sine_o,
@@ -71,15 +73,16 @@ module reference_generator #(
 
   logic hit_phase, hit_freq;
   logic add_freq;
-  logic [48:0] phase_sum;
+  logic [49:0] phase_sum;
+  logic turn_q;
   logic [49:0] freq_sum;
   logic freq_over;
   assign hit_phase = active_i && tracking_q && cycle_i == kp_q;
   assign hit_freq = active_i && tracking_q && cycle_i == ki_q;
   assign add_freq = cycle_i == {4'b0, kp_q == '0};
   // The rounding bit comes in as a carry: {a, 1} + {b, carry}.
-  assign phase_sum = {phase_q, 1'b1} + (add_freq ? {freq_q, 1'b0} :
-                                        hit_phase ? {steer_q, steer_round_q} : '0);
+  assign phase_sum = {1'b0, phase_q, 1'b1} + {1'b0, add_freq  ? {freq_q, 1'b0} :
+                                                    hit_phase ? {steer_q, steer_round_q} : '0};
   assign freq_sum = {freq_q[47], freq_q, 1'b1} +
       (hit_freq ? {steer_q[47], steer_q, steer_round_q} : '0);
   assign freq_over = freq_sum[49] != freq_sum[48];
@@ -100,6 +103,8 @@ module reference_generator #(
     end else if (active_i) begin
       phase_q <= phase_o;
       freq_q <= freq_o;
+      // A step forward leaves the turn with a carry, one backward without.
+      if (add_freq) turn_q <= (phase_sum[49] ^ freq_q[47]) && !tracking_q;
       if (!(wait_q && cycle_i == '0)) begin
         steer_q <= {steer_q[47], steer_q[47:1]};
         steer_round_q <= steer_q[0];
@@ -151,6 +156,7 @@ module reference_generator #(
 
   assign hold_weights_o = hold_q;
   assign reference_phase_o = reference_phase_q;
+  assign turn_o = turn_q;
   assign residue_o = steer_q[47:16];
   assign sine_o = sine_q;
   assign cosine_o = cosine_q;

@@ -4,7 +4,7 @@
 // All words are s32 or u32 and pass through unchanged. Eight slots: five samples in flight, the
 // committed one, and a power of two. Reads are combinational. Three memories, so that no two
 // writes meet: sample and calibrated words of T0; residue and reference phase of T2 (cycles 0, 1)
-// and errors of T3 (later cycles); amplitude of T1 and error average of T3 (different cycles).
+// and errors of T3 (later cycles); and the words of turn_judge.sv, which says where they stand.
 module results_memory (
   input  logic        clk_i,
   input  logic        sample_we_i,
@@ -16,13 +16,15 @@ module results_memory (
   input  logic [31:0] error_i,
   input  logic [ 2:0] error_slot_i,
   input  logic        quality_we_i,
-  input  logic        quality_word_i,  // 0 amplitude, 1 error average
+  input  logic [ 4:0] quality_address_i,
   input  logic [31:0] quality_i,
-  input  logic [ 2:0] quality_slot_i,
+  input  logic        bank_i,          // of the last window's record
   input  logic        data_v_i,        // T3's read of its sample
   input  logic [ 2:0] data_slot_i,
   output logic [31:0] data_o,
-  input  logic [ 3:0] select_i,        // 0..3 sample, 5..8 error (8: word 0), 9, 10 quality
+  // 0..3 sample, 5..8 error (8: word 0), 9 amplitude, 10 average, 11..14 radius, residue, winding,
+  // samples, 15 DET of the record
+  input  logic [ 3:0] select_i,
   input  logic [ 2:0] slot_i,
   output logic [31:0] result_o
 );
@@ -30,7 +32,7 @@ module results_memory (
   logic [31:0] sample[0:31];
   logic [31:0] data[0:15];  // u and v once more: a memory of this kind has one read port
   logic [31:0] error[0:31];
-  logic [31:0] quality[0:15];
+  logic [31:0] quality[0:31];
 
   // No reset: a word is read only after its sample has passed.
   always_ff @(posedge clk_i) begin
@@ -43,7 +45,7 @@ module results_memory (
     if (error_we_i) error[{error_slot_i, error_word_i}] <= error_i;
   end
   always_ff @(posedge clk_i) begin
-    if (quality_we_i) quality[{quality_slot_i, quality_word_i}] <= quality_i;
+    if (quality_we_i) quality[quality_address_i] <= quality_i;
   end
 
   assign data_o = data[{data_slot_i, data_v_i}];
@@ -51,8 +53,17 @@ module results_memory (
   logic [31:0] sample_read, error_read, quality_read;
   assign sample_read = sample[{slot_i, select_i[1:0]}];
   assign error_read = error[{slot_i, select_i[1:0]}];
-  assign quality_read = quality[{slot_i, select_i[1]}];
+  logic [4:0] quality_read_address;
+  always_comb begin
+    case (select_i[2:0])
+      3'd1: quality_read_address = {2'b00, slot_i};
+      3'd2: quality_read_address = {3'b010, slot_i[1:0]};
+      3'd7: quality_read_address = {4'b1011, bank_i};
+      default: quality_read_address = {2'b11, bank_i, select_i[1:0] + 2'd1};
+    endcase
+  end
+  assign quality_read = quality[quality_read_address];
   assign result_o = select_i[3:2] == 2'd0 ? sample_read :
-                    select_i[3] && select_i[1:0] != 2'd0 ? quality_read : error_read;
+                    select_i[3] && select_i[2:0] != 3'd0 ? quality_read : error_read;
 
 endmodule

@@ -1,4 +1,5 @@
-// What travels with a sample beside its words: slot, clip, saturation, zero and mirror bits; and the
+// What travels with a sample beside its words: slot, clip, saturation, zero, mirror, turn and unsettled
+// bits; and the
 // bits of STATUS, which change when a sample is committed at the end of T4.
 //
 // Each input belongs to the stage that makes it and is valid at that stage's last cycle, but for
@@ -14,13 +15,20 @@ module sample_tags (
   input  logic [4:0] saturated_i,
   input  logic       mirror_i,       // of T0
   input  logic       zero_i,         // of T1
+  input  logic       unsettled1_i,   // of T1
+  input  logic       turn_i,         // of T2
+  input  logic       unsettled4_i,   // of T4
   input  logic       lock_i,         // of the sample that enters T4
   input  logic       diverged_i,
+  input  logic       permits_i,      // LOCK of the sample in T4, as far as the turn judge is concerned
   input  logic       calib_i,        // register
   output logic [2:0] slot0_o,        // slot numbers of the samples in the stages
   output logic [2:0] slot1_o,
   output logic [2:0] slot2_o,
   output logic [2:0] slot3_o,
+  output logic [2:0] slot4_o,
+  output logic       mirror4_o,      // of the sample in T4
+  output logic       turn4_o,
   output logic       commit_o,
   output logic       valid_o,        // with commit_o: ANGLE is written
   output logic [2:0] result_slot_o,  // of the sample that was committed last
@@ -29,6 +37,7 @@ module sample_tags (
   output logic       flag_clip_o,
   output logic       flag_sat_o,
   output logic       flag_zero_o,
+  output logic       flag_unsettled_o,
   output logic       flag_diverged_o,
   output logic       flag_lockchg_o,
   output logic       flag_mirrorchg_o,
@@ -42,6 +51,8 @@ module sample_tags (
   logic [4:0] clip_q, saturated_q;
   logic [3:0] mirror_q;  // of T1 to T4
   logic [2:0] zero_q;    // of T2 to T4
+  logic [2:0] unsettled_q;  // of T2 to T4
+  logic [1:0] turn_q;    // of T3 and T4
   logic lock4_q, diverged4_q, calib4_q;
 
   // No reset: a tag means nothing unless the sequencer says that its stage holds a sample.
@@ -55,6 +66,8 @@ module sample_tags (
       saturated_q <= {saturated_q[3:0] | saturated_i[3:0], 1'b0};
       mirror_q <= {mirror_q[2:0], mirror_i};
       zero_q <= {zero_q[1:0], zero_i};
+      unsettled_q <= {unsettled_q[1:0], unsettled1_i};
+      turn_q <= {turn_q[0], turn_i};
       lock4_q <= lock_i;
       diverged4_q <= diverged_i;
       calib4_q <= calib_i;
@@ -70,6 +83,9 @@ module sample_tags (
     else if (boundary_i && enter_i) slot0_q <= slot0_q + 3'd1;
   end
 
+  logic lock, unsettled;
+  assign lock = lock4_q && permits_i;
+  assign unsettled = unsettled_q[2] || unsettled4_i;
   logic result_any_q, angle_any_q, lock_q, diverged_q, mirror_status_q, valid_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -79,7 +95,7 @@ module sample_tags (
     end else if (commit_o) begin
       result_any_q <= 1'b1;
       angle_any_q <= angle_any_q || valid_o;
-      lock_q <= lock4_q;
+      lock_q <= lock;
       diverged_q <= diverged4_q;
       mirror_status_q <= mirror_q[3];
       valid_q <= valid_o;
@@ -90,16 +106,20 @@ module sample_tags (
   assign slot1_o = slot1_q;
   assign slot2_o = slot2_q;
   assign slot3_o = slot3_q;
+  assign slot4_o = slot4_q;
+  assign mirror4_o = mirror_q[3];
+  assign turn4_o = turn_q[1];
   assign commit_o = boundary_i && stage_i[4];
-  assign valid_o = calib4_q && !zero_q[2];
+  assign valid_o = calib4_q && !zero_q[2] && !unsettled;
   assign result_slot_o = result_slot_q;
   assign result_any_o = result_any_q;
   assign angle_any_o = angle_any_q;
   assign flag_clip_o = clip_q[4];
   assign flag_sat_o = saturated_q[4] || saturated_i[4];
   assign flag_zero_o = zero_q[2];
+  assign flag_unsettled_o = unsettled;
   assign flag_diverged_o = diverged4_q;
-  assign flag_lockchg_o = lock4_q != lock_q;
+  assign flag_lockchg_o = lock != lock_q;
   assign flag_mirrorchg_o = mirror_q[3] != mirror_status_q;
   assign status_lock_o = lock_q;
   assign status_diverged_o = diverged_q;

@@ -1,4 +1,5 @@
-// Registers that only software writes and the pipeline reads: CTRL, steps, LOOP, thresholds
+// Registers that only software writes and the pipeline reads: CTRL, steps, LOOP, thresholds,
+// JUDGE, TURN_LIMIT
 // (docs/coprocessor.md, "Registers"). Reserved values are refused here.
 //
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
@@ -17,11 +18,16 @@ module setting_registers (
   output logic        ie_result_o,
   output logic        ie_lock_o,
   output logic        ie_error_o,
+  output logic        ie_turn_o,
+  output logic        ie_alarm_o,
+  output logic        freeze_o,
   output logic [30:0] step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o,
   output logic [4:0]  kp_o,
   output logic [4:0]  ki_o,
   output logic [31:0] lock_threshold_o,
-  output logic [31:0] diverge_threshold_o
+  output logic [31:0] diverge_threshold_o,
+  output logic [18:0] judge_o,        // JUDGE
+  output logic [31:0] turn_limit_o    // samples
 );
 
   localparam logic [31:0] CtrlReset = capsoc_coprocessor_pkg::CTRL_RESET;
@@ -29,6 +35,7 @@ module setting_registers (
   localparam int RefHigh = capsoc_coprocessor_pkg::CTRL_REF_MSB;
 
   logic       demod_q, calib_q, adc_q, ie_result_q, ie_lock_q, ie_error_q;
+  logic       ie_turn_q, ie_alarm_q, freeze_q;
   logic [1:0] ref_q;
 
   logic write_ctrl;
@@ -48,6 +55,9 @@ module setting_registers (
       ie_result_q <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_RESULT_LSB];
       ie_lock_q   <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_LOCK_LSB];
       ie_error_q  <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB];
+      ie_turn_q   <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
+      ie_alarm_q  <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
+      freeze_q    <= CtrlReset[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
     end else if (write_ctrl) begin
       demod_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_DEMOD_LSB];
       calib_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_CALIB_LSB];
@@ -56,6 +66,9 @@ module setting_registers (
       ie_result_q <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_RESULT_LSB];
       ie_lock_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_LOCK_LSB];
       ie_error_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB];
+      ie_turn_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
+      ie_alarm_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
+      freeze_q    <= ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
     end
   end
   assign demod_o      = demod_q;
@@ -65,6 +78,9 @@ module setting_registers (
   assign ie_result_o  = ie_result_q;
   assign ie_lock_o    = ie_lock_q;
   assign ie_error_o   = ie_error_q;
+  assign ie_turn_o    = ie_turn_q;
+  assign ie_alarm_o   = ie_alarm_q;
+  assign freeze_o     = freeze_q;
 
   // The six steps have one reset value.
   localparam logic [31:0] StepReset = capsoc_coprocessor_pkg::STEP_AU_RESET;
@@ -108,11 +124,17 @@ module setting_registers (
   localparam int KpHigh = capsoc_coprocessor_pkg::LOOP_KP_MSB;
   localparam int KiLow  = capsoc_coprocessor_pkg::LOOP_KI_LSB;
   localparam int KiHigh = capsoc_coprocessor_pkg::LOOP_KI_MSB;
-  logic        write_loop, write_lock, write_diverge;
+  localparam logic [31:0] JudgeReset   = capsoc_coprocessor_pkg::JUDGE_RESET;
+  localparam logic [31:0] LimitReset   = capsoc_coprocessor_pkg::TURN_LIMIT_RESET;
+  logic        write_loop, write_lock, write_diverge, write_judge, write_limit;
+  logic [18:0] judge_q;
+  logic [31:0] turn_limit_q;
   logic [4:0]  kp_q, ki_q;
   logic [31:0] lock_threshold_q, diverge_threshold_q;
   assign write_loop    = write_i & paddr_i == capsoc_coprocessor_pkg::LOOP_OFFSET;
   assign write_lock    = write_i & paddr_i == capsoc_coprocessor_pkg::LOCK_THRESHOLD_OFFSET;
+  assign write_judge   = write_i & paddr_i == capsoc_coprocessor_pkg::JUDGE_OFFSET;
+  assign write_limit   = write_i & paddr_i == capsoc_coprocessor_pkg::TURN_LIMIT_OFFSET;
   assign write_diverge = write_i & paddr_i == capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_OFFSET;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -120,6 +142,8 @@ module setting_registers (
       ki_q                <= LoopReset[KiHigh:KiLow];
       lock_threshold_q    <= LockReset;
       diverge_threshold_q <= DivergeReset;
+      judge_q             <= JudgeReset[18:0];
+      turn_limit_q        <= LimitReset;
     end else begin
       if (clear_i | write_loop) begin
         kp_q <= clear_i ? LoopReset[KpHigh:KpLow] : pwdata_i[KpHigh:KpLow];
@@ -127,11 +151,15 @@ module setting_registers (
       end
       if (clear_i | write_lock) lock_threshold_q <= clear_i ? LockReset : pwdata_i;
       if (clear_i | write_diverge) diverge_threshold_q <= clear_i ? DivergeReset : pwdata_i;
+      if (clear_i | write_judge) judge_q <= clear_i ? JudgeReset[18:0] : pwdata_i[18:0];
+      if (clear_i | write_limit) turn_limit_q <= clear_i ? LimitReset : pwdata_i;
     end
   end
   assign kp_o                = kp_q;
   assign ki_o                = ki_q;
   assign lock_threshold_o    = lock_threshold_q;
   assign diverge_threshold_o = diverge_threshold_q;
+  assign judge_o             = judge_q;
+  assign turn_limit_o        = turn_limit_q;
 
 endmodule

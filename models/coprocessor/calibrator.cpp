@@ -19,7 +19,10 @@ Calibrated calibrate(int32_t u, int32_t v, const Coefficients& coefficients) {
   Calibrated out;
   out.s = multiply(b_v, du) - multiply(b_u, dv);
   out.c = multiply(a_u, dv) - multiply(a_v, du);
-  out.mirror = multiply(a_u, b_v) < multiply(a_v, b_u);
+  const int128 det = multiply(a_u, b_v) - multiply(a_v, b_u);
+  bool clamped = false;
+  out.det = saturate32(fixed::round_shift(det, 31), clamped);
+  out.mirror = det < 0;
   if (out.mirror) {
     out.s = -out.s;
     out.c = -out.c;
@@ -37,6 +40,9 @@ Calibrated calibrate_paper(int32_t u, int32_t v, const Parameters& parameters) {
   const int64_t v1 = saturate32(product(parameters.a1, dv), out.saturated);
   out.s = saturate32(product(u1, beta.cosine), out.saturated);
   out.c = saturate32(v1 + product(u1, beta.sine), out.saturated);
+  bool clamped = false;
+  const int64_t area = saturate32(product(parameters.a1, parameters.a2), clamped);
+  out.det = saturate32(product(area, beta.cosine), clamped);
   // The paper has no such flag; cos(beta) < 0 is how its parameters show reverse rotation.
   out.mirror = beta.cosine < 0;
   return out;

@@ -9,6 +9,7 @@ namespace capsoc::coprocessor {
 struct Calibrated {
   fixed::int128 s = 0;  // `fraction_bits` fraction bits
   fixed::int128 c = 0;
+  int32_t det = 0;      // a_u b_v - a_v b_u, Q1.31 (paper: a1 a2 cos beta)
   bool mirror = false;  // the sensor turns against the reference
   bool saturated = false;
 };

@@ -44,10 +44,12 @@ const std::array<NamedNode, node_count>& node_names() {
       {"mirror", 0, &Nodes::mirror},
       {"cal_s", 0, &Nodes::cal_s},
       {"cal_c", 0, &Nodes::cal_c},
+      {"det", 0, &Nodes::det},
       {"saturated_t0", 0, &Nodes::saturated_t0},
       {"relative", 1, &Nodes::relative},
       {"amplitude", 1, &Nodes::amplitude},
       {"zero", 1, &Nodes::zero},
+      {"unsettled_t1", 1, &Nodes::unsettled_t1},
       {"saturated_t1", 1, &Nodes::saturated_t1},
       {"reference_phase", 2, &Nodes::reference_phase},
       {"residue", 2, &Nodes::residue},
@@ -55,6 +57,7 @@ const std::array<NamedNode, node_count>& node_names() {
       {"cosine", 2, &Nodes::cosine},
       {"next_phase", 2, &Nodes::next_phase},
       {"next_frequency", 2, &Nodes::next_frequency},
+      {"turn", 2, &Nodes::turn},
       {"saturated_t2", 2, &Nodes::saturated_t2},
       {"error_u", 3, &Nodes::error_u},
       {"error_v", 3, &Nodes::error_v},
@@ -74,6 +77,9 @@ const std::array<NamedNode, node_count>& node_names() {
       {"found_b2", 4, &Nodes::found_b2},
       {"found_angle", 4, &Nodes::found_angle},
       {"saturated", 4, &Nodes::saturated},
+      {"deviation", 4, &Nodes::deviation},
+      {"travel", 4, &Nodes::travel},
+      {"glitches", 4, &Nodes::glitches},
       {"phase", commit_stage, &Nodes::phase},
       {"frequency", commit_stage, &Nodes::frequency},
       {"a_u", commit_stage, &Nodes::a_u},
@@ -93,6 +99,7 @@ const std::array<NamedNode, node_count>& node_names() {
       {"status", commit_stage, &Nodes::status},
       {"flags", commit_stage, &Nodes::flags},
       {"samples", commit_stage, &Nodes::samples},
+      {"turn_flags", commit_stage, &Nodes::turn_flags},
   }};
   return names;
 }
@@ -116,6 +123,8 @@ void Coprocessor::soft_reset() {
   state_.coefficients.v.cosine = start_weight;
   state_.parameters.a1 = state_.parameters.a2 = start_amplitude;
   results_ = {};
+  judge_settings_ = {};
+  judge_ = {};
   lock_threshold_ = 1u << 21;
   diverge_threshold_ = 1u << 29;
   soft_u_ = 0;
@@ -176,7 +185,7 @@ void Coprocessor::start_tick() {
     pending_.steer_frequency = settings_.source == ReferenceSource::tracking;
   }
   if (sequencer_.occupied(3)) {
-    datapath_.demodulation(pipe_[3], settings_, state_, pending_.learning);
+    datapath_.demodulation(pipe_[3], settings_, state_, frozen(), pending_.learning);
     pipe_[3].next_coefficients =
         pending_.learning.update ? pending_.learning.coefficients : Coefficients{};
     pipe_[3].next_average =
@@ -222,12 +231,24 @@ void Coprocessor::commit_load(unsigned stage) {
 }
 
 void Coprocessor::start_results(Packet& packet) {
-  pending_.polar = datapath_.parameters(packet, state_);
+  pending_.polar = datapath_.parameters(packet, settings_, state_);
   pending_.keep_parameters = !settings_.demodulate;
   pending_.calibrate = (ctrl_ & ctrl_calib) != 0;
   pending_.error_average = error_average(std::max(state_.error_sum_u, state_.error_sum_v));
   const bool settled = settled_ + 1 >= settling_samples;
-  pending_.lock = settled && pending_.error_average < lock_threshold_;
+  const JudgedSample judged = {packet.amplitude,
+                               packet.det,
+                               packet.residue,
+                               pending_.polar.angle,
+                               packet.clip,
+                               packet.saturated,
+                               packet.zero || packet.unsettled,
+                               packet.mirror,
+                               packet.turn};
+  pending_.judge =
+      judge(judge_, judged, judge_settings_, settings_.source != ReferenceSource::numeric);
+  pending_.lock = settled && pending_.error_average < lock_threshold_ && !pending_.judge.alarm &&
+                  pending_.judge.good_turns >= judge_settings_.turns;
   pending_.diverged = settled && pending_.error_average > diverge_threshold_;
 }
 
@@ -237,9 +258,13 @@ void Coprocessor::commit_results(const Packet& packet) {
   if (packet.clip) flags_ |= flag_clip;
   if (packet.saturated) flags_ |= flag_sat;
   if (packet.zero) flags_ |= flag_zero;
+  if (packet.unsettled) flags_ |= flag_unsettled;
   if (pending_.diverged) flags_ |= flag_diverged;
   if (pending_.lock != r.lock) flags_ |= flag_lockchg;
   if (packet.mirror != r.mirror) flags_ |= flag_mirrorchg;
+  judge_ = pending_.judge;
+  if (judge_.ended) flags_ |= flag_turn;
+  if (judge_.alarm) flags_ |= flag_alarm;
   r.raw_u = static_cast<uint32_t>(packet.u);
   r.raw_v = static_cast<uint32_t>(packet.v);
   r.cal_s = static_cast<uint32_t>(packet.cal_s);
@@ -253,7 +278,7 @@ void Coprocessor::commit_results(const Packet& packet) {
   r.lock = pending_.lock;
   r.diverged = pending_.diverged;
   r.mirror = packet.mirror;
-  r.valid = pending_.calibrate && !packet.zero;
+  r.valid = pending_.calibrate && !packet.zero && !packet.unsettled;
   if (r.valid) r.angle = pending_.polar.angle;
   if (!pending_.keep_parameters) state_.parameters = pending_.polar.parameters;
   ++samples_;
@@ -277,12 +302,14 @@ void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) c
       n.mirror = packet.mirror;
       n.cal_s = packet.cal_s;
       n.cal_c = packet.cal_c;
+      n.det = packet.det;
       n.saturated_t0 = packet.saturated_after[0];
       break;
     case 1:
       n.relative = packet.relative;
       n.amplitude = packet.amplitude;
       n.zero = packet.zero;
+      n.unsettled_t1 = packet.unsettled_t1;
       n.saturated_t1 = packet.saturated_after[1];
       break;
     case 2:
@@ -292,6 +319,7 @@ void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) c
       n.cosine = packet.reference.cosine;
       n.next_phase = static_cast<int64_t>(packet.next_reference.phase);
       n.next_frequency = packet.next_reference.frequency;
+      n.turn = packet.turn;
       n.saturated_t2 = packet.saturated_after[2];
       break;
     case 3:
@@ -315,6 +343,9 @@ void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) c
       n.found_b2 = polar.parameters.b2;
       n.found_angle = polar.angle;
       n.saturated = packet.saturated;
+      n.deviation = pending_.judge.deviation;
+      n.travel = pending_.judge.travel;
+      n.glitches = pending_.judge.glitches;
       break;
   }
 }
@@ -351,12 +382,19 @@ void Coprocessor::record_nodes(const Packet& packet) {
   n.status = status();
   n.flags = flags_;
   n.samples = samples_;
+  n.turn_flags = judge_.last.flags | int64_t{judge_.turn_count} << turn_count_shift;
+}
+
+bool Coprocessor::frozen() const {
+  return (ctrl_ & ctrl_freeze) != 0 && (flags_ & flag_alarm) != 0;
 }
 
 bool Coprocessor::interrupt() const {
   return ((flags_ & flag_result) && (ctrl_ & ctrl_ie_result)) ||
          ((flags_ & flag_lockchg) && (ctrl_ & ctrl_ie_lock)) ||
-         ((flags_ & flags_error) && (ctrl_ & ctrl_ie_error));
+         ((flags_ & flags_error) && (ctrl_ & ctrl_ie_error)) ||
+         ((flags_ & flag_turn) && (ctrl_ & ctrl_ie_turn)) ||
+         ((flags_ & flag_alarm) && (ctrl_ & ctrl_ie_alarm));
 }
 
 }  // namespace capsoc::coprocessor

@@ -11,6 +11,7 @@
 #include "coprocessor/device.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
+#include "coprocessor/turn_judge.h"
 #include "coprocessor/types.h"
 
 namespace capsoc::coprocessor {
@@ -50,6 +51,7 @@ class Coprocessor final : public Device {
     Learning learning;
     PolarResult polar;
     bool keep_parameters = false, calibrate = false, lock = false, diverged = false;
+    TurnJudge judge;
     uint32_t error_average = 0;
     Rotation load_rotation;
     Weights load_weights;
@@ -75,6 +77,7 @@ class Coprocessor final : public Device {
   void write_ctrl(uint32_t value);
   void write_command(uint64_t cycle, uint32_t value);
   uint32_t status() const;
+  bool frozen() const;
   int64_t pair_value(unsigned pair) const;
   void set_pair(unsigned pair, int32_t high, uint32_t low);
 
@@ -89,6 +92,8 @@ class Coprocessor final : public Device {
   Settings settings_;
   State state_;
   Results results_;
+  JudgeSettings judge_settings_;
+  TurnJudge judge_;
   uint32_t lock_threshold_ = 0;
   uint32_t diverge_threshold_ = 0;
   uint32_t soft_u_ = 0;

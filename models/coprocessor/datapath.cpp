@@ -20,6 +20,7 @@ void Datapath::products(Packet& packet, const State& state) const {
   packet.s = calibrated.s;
   packet.c = calibrated.c;
   packet.mirror = calibrated.mirror;
+  packet.det = calibrated.det;
   packet.saturated |= calibrated.saturated;
   packet.phi = state.parameters.phi;
   const unsigned shift = paper() ? 0 : 31;
@@ -30,8 +31,11 @@ void Datapath::products(Packet& packet, const State& state) const {
 void Datapath::relative_angle(Packet& packet) const {
   if (paper()) {
     packet.zero = packet.cal_s == 0 && packet.cal_c == 0;
-    packet.relative =
-        paper::arctangent(packet.cal_s, packet.cal_c, options_.paper_operand_bits) - packet.phi;
+    const paper::Polar polar = paper::to_polar(
+        packet.cal_s, packet.cal_c, options_.paper_operand_bits, options_.paper_plain_arctangent);
+    packet.relative = polar.angle - packet.phi;
+    packet.amplitude = polar.magnitude;
+    packet.unsettled_t1 = packet.unsettled = !polar.settled;
     return;
   }
   const Polar polar = to_polar(packet.s, packet.c, 62);
@@ -48,6 +52,7 @@ void Datapath::reference(Packet& packet, const Settings& settings, const State& 
   packet.reference_phase = upper_phase(phase);
   packet.residue = packet.zero ? 0 : static_cast<int32_t>(packet.relative - packet.reference_phase);
   packet.hold_weights = angle_source && packet.zero;
+  packet.turn = settings.source != ReferenceSource::tracking && completes_turn(state.reference);
   if (paper() && !angle_source) {
     // Table 8's phi: data that reach the demodulator some samples after their reference.
     phase += static_cast<uint64_t>(options_.paper_reference_lead * state.reference.frequency);
@@ -58,7 +63,7 @@ void Datapath::reference(Packet& packet, const Settings& settings, const State& 
 }
 
 void Datapath::demodulation(Packet& packet, const Settings& settings, const State& state,
-                            Learning& next) const {
+                            bool frozen, Learning& next) const {
   const auto channel = [&](const Weights& weights, const Steps& steps, int32_t data) {
     return paper()
                ? demodulate_paper(weights, steps, data, packet.reference, options_.paper_step_shift)
@@ -71,13 +76,14 @@ void Datapath::demodulation(Packet& packet, const Settings& settings, const Stat
   packet.saturated |= u.error_saturated || v.error_saturated;
   next.error_sum_u = next_error_sum(state.error_sum_u, u.error);
   next.error_sum_v = next_error_sum(state.error_sum_v, v.error);
-  next.update = settings.demodulate && !packet.hold_weights;
+  next.update = settings.demodulate && !frozen && !packet.hold_weights;
   if (!next.update) return;
   next.coefficients = {u.weights, v.weights};
   packet.saturated |= u.weights_saturated || v.weights_saturated;
 }
 
-PolarResult Datapath::parameters(Packet& packet, const State& state) const {
+PolarResult Datapath::parameters(Packet& packet, const Settings& settings,
+                                 const State& state) const {
   const Coefficients& w = state.coefficients;
   PolarResult out;
   out.parameters.b1 = saturate32(weight_q31(w.u.constant), packet.saturated);
@@ -87,12 +93,16 @@ PolarResult Datapath::parameters(Packet& packet, const State& state) const {
     const auto negated = [&](int64_t weight) {
       return saturate32(-(weight >> 15), packet.saturated);
     };
-    const int bits = options_.paper_operand_bits;
+    const auto polar = [&](int32_t y, int32_t x) {
+      return paper::to_polar(y, x, options_.paper_operand_bits, options_.paper_plain_arctangent);
+    };
     out.parameters.a1 = paper::amplitude(word(w.u.sine), word(w.u.cosine), packet.saturated);
     out.parameters.a2 = paper::amplitude(word(w.v.sine), word(w.v.cosine), packet.saturated);
-    out.parameters.phi = paper::arctangent(word(w.u.cosine), word(w.u.sine), bits);
-    const uint32_t psi = paper::arctangent(negated(w.v.sine), word(w.v.cosine), bits);
-    out.parameters.beta = psi - out.parameters.phi;
+    const paper::Polar u = polar(word(w.u.cosine), word(w.u.sine));
+    const paper::Polar v = polar(negated(w.v.sine), word(w.v.cosine));
+    out.parameters.phi = u.angle;
+    out.parameters.beta = v.angle - u.angle;
+    packet.unsettled |= settings.demodulate && !(u.settled && v.settled);
     out.angle = packet.relative + packet.phi;
     return out;
   }

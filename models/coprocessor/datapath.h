@@ -22,18 +22,22 @@ struct Packet {
   fixed::int128 c = 0;
   int32_t cal_s = 0;  // Q1.31, saturated
   int32_t cal_c = 0;
+  int32_t det = 0;  // Q1.31
   bool mirror = false;
   uint32_t phi = 0;  // paper: PHI as it was in T0
   // T1
   uint32_t relative = 0;  // angle against the reference, 2^-32 turn
   int32_t amplitude = 0;  // Q1.31
   bool zero = false;
+  bool unsettled_t1 = false;  // paper: the arctangent has not converged
+  bool unsettled = false;     // and with T4's
   // T2
   uint32_t reference_phase = 0;  // 2^-32 turn
   int32_t residue = 0;           // 2^-32 turn
   Rotation reference;
   bool hold_weights = false;  // angle source without an angle: nothing to learn
   ReferenceState next_reference;
+  bool turn = false;  // PHASE + FREQ passes 0
   // T3
   int32_t error_u = 0;  // Q1.31
   int32_t error_v = 0;
@@ -84,9 +88,11 @@ class Datapath {
   void relative_angle(Packet& packet) const;                // T1
   void reference(Packet& packet, const Settings& settings, const State& state,
                  ReferenceState& next) const;  // T2
-  void demodulation(Packet& packet, const Settings& settings, const State& state,
-                    Learning& next) const;                           // T3
-  PolarResult parameters(Packet& packet, const State& state) const;  // T4
+  // frozen: the weights keep
+  void demodulation(Packet& packet, const Settings& settings, const State& state, bool frozen,
+                    Learning& next) const;  // T3
+  PolarResult parameters(Packet& packet, const Settings& settings,
+                         const State& state) const;  // T4
 
   // Rotation of either arithmetic.
   Rotation rotation(uint64_t phase) const;

@@ -1,7 +1,9 @@
 #include "coprocessor/paper_units.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 #include "fixed/fixed.h"
 
@@ -73,6 +75,41 @@ uint32_t arctangent(int32_t y, int32_t x, int operand_bits) {
     last_error = error;
   }
   return angle;
+}
+
+Polar to_polar(int32_t y, int32_t x, int operand_bits, bool plain) {
+  // s = 30 - m: the larger word gets 30 bits beside the sign, [0.25, 0.5).
+  const int shift =
+      plain ? 0
+            : 30 - static_cast<int>(std::max(fixed::magnitude_bits(y), fixed::magnitude_bits(x)));
+  const auto shifted = [&](int32_t word) {
+    return static_cast<int32_t>(shift < 0 ? word >> 1 : fixed::scale_up(int64_t{word}, shift));
+  };
+  const int32_t y_shifted = shifted(y);
+  const int32_t x_shifted = shifted(x);
+  const bool fold = !plain && x_shifted < 0;
+  const int32_t u = fold ? -y_shifted : y_shifted;
+  const int32_t v = fold ? -x_shifted : x_shifted;
+  const uint32_t angle = arctangent(u, v, operand_bits);
+
+  const auto cut = static_cast<unsigned>(32 - operand_bits);
+  const Table reference = look_up(angle);
+  const auto sum = [&](int64_t a, int64_t b) {
+    return static_cast<int64_t>(fixed::scale_up(fixed::int128{a} + b, 2 * cut) >> 31);
+  };
+  const int64_t y_cut = u >> cut;
+  const int64_t x_cut = v >> cut;
+  const int64_t sine = reference.sine >> cut;
+  const int64_t cosine = reference.cosine >> cut;
+  const int64_t error = sum(y_cut * cosine, -(x_cut * sine));
+  const int64_t along = sum(y_cut * sine, x_cut * cosine);
+  Polar result;
+  result.angle = angle + (fold ? uint32_t{1} << 31 : 0);
+  const int64_t magnitude = shift < 0 ? along * 2 : along >> shift;
+  result.magnitude = static_cast<int32_t>(std::clamp<int64_t>(magnitude, 0, INT32_MAX));
+  const bool zero = y == 0 && x == 0;
+  result.settled = zero || std::abs(error) < along >> 10;
+  return result;
 }
 
 }  // namespace capsoc::coprocessor::paper

@@ -27,4 +27,14 @@ int32_t amplitude(int32_t a, int32_t b, bool& saturated);
 // Needs amplitudes of about 0.3 .. 0.9; an input at exactly half a turn stays at 0.
 uint32_t arctangent(int32_t y, int32_t x, int operand_bits);
 
+struct Polar {
+  uint32_t angle = 0;     // 2^-32 turn
+  int32_t magnitude = 0;  // Q1.31, along that angle; 0 .. 2^31 - 1
+  bool settled = false;   // the angle is right to 2^-10 rad, or there is none
+};
+
+// Angle by arctangent() and the magnitude along it. Unless `plain`, the vector is shifted so that
+// the loop converges at any amplitude, and folded into the right half plane.
+Polar to_polar(int32_t y, int32_t x, int operand_bits, bool plain);
+
 }  // namespace capsoc::coprocessor::paper

@@ -81,6 +81,11 @@ uint32_t upper_phase(uint64_t phase) {
   return static_cast<uint32_t>(round_shift(phase & phase_mask, 16));
 }
 
+bool completes_turn(const ReferenceState& state) {
+  const int64_t next = static_cast<int64_t>(state.phase) + state.frequency;
+  return next < 0 || next > static_cast<int64_t>(phase_mask);
+}
+
 ReferenceState next_reference(const ReferenceState& state, ReferenceSource source, int32_t residue,
                               unsigned kp, unsigned ki, bool& saturated) {
   int64_t steer_phase = 0;

@@ -25,6 +25,9 @@ constexpr uint64_t to_phase48(uint32_t angle) {
   return uint64_t{angle} << 16;
 }
 
+// Whether PHASE + FREQ passes 0, in either direction: the sample is the last one of its turn.
+bool completes_turn(const ReferenceState& state);
+
 constexpr uint64_t phase_mask = (uint64_t{1} << 48) - 1;
 
 // The accumulator one sample on. residue: 2^-32 turn; steers only the tracking source:

@@ -72,6 +72,12 @@ bool is_read_only(uint32_t offset) {
     case reg_ref_phase:
     case reg_amplitude:
     case reg_latency:
+    case reg_turn_flags:
+    case reg_radius_max:
+    case reg_residue_max:
+    case reg_winding:
+    case reg_turn_samples:
+    case reg_turn_det:
       return true;
     default:
       return false;
@@ -89,6 +95,8 @@ bool is_setting(uint32_t offset) {
     case reg_loop:
     case reg_lock_threshold:
     case reg_diverge_threshold:
+    case reg_judge:
+    case reg_turn_limit:
     case reg_soft_u:
       return true;
     default:
@@ -122,6 +130,8 @@ std::string_view write_complaint(uint32_t offset, uint32_t value) {
       return value & ~(cmd_load | cmd_clear | cmd_phase0) ? "reserved bits of CMD are ignored" : "";
     case reg_loop:
       return value & ~0x1F1Fu ? "reserved bits of LOOP are ignored" : "";
+    case reg_judge:
+      return value & ~judge_writable ? "reserved bits of JUDGE are ignored" : "";
     case reg_a1:
     case reg_a2:
       return value >> 31 ? "a negative amplitude is ignored: write less than 2^31" : "";
@@ -145,7 +155,9 @@ PairWords pair_words(uint32_t offset, int64_t value) {
 uint32_t Coprocessor::status() const {
   return (sequencer_.busy() ? status_busy : 0) | (results_.lock ? status_lock : 0) |
          (results_.diverged ? status_diverged : 0) | (results_.mirror ? status_mirror : 0) |
-         (results_.valid ? status_valid : 0) | (datapath_.paper() ? status_arith : 0);
+         (results_.valid ? status_valid : 0) | (judge_.alarm ? status_alarm : 0) |
+         (frozen() ? status_frozen : 0) | (datapath_.paper() ? status_arith : 0) |
+         (judge_.good_turns << status_good_turns_shift);
 }
 
 int64_t Coprocessor::pair_value(unsigned pair) const {
@@ -237,6 +249,23 @@ std::optional<uint32_t> Coprocessor::peek(uint32_t offset) const {
       return results_.amplitude;
     case reg_latency:
       return latency_cycles;
+    case reg_judge:
+      return judge_settings_.radius_limit | judge_settings_.alarm_limit << judge_alarm_limit_shift |
+             judge_settings_.turns << judge_turns_shift | (judge_settings_.count ? judge_count : 0);
+    case reg_turn_limit:
+      return judge_settings_.turn_limit;
+    case reg_turn_flags:
+      return judge_.last.flags | uint32_t{judge_.turn_count} << turn_count_shift;
+    case reg_radius_max:
+      return judge_.last.radius_max;
+    case reg_residue_max:
+      return judge_.last.residue_max;
+    case reg_winding:
+      return static_cast<uint32_t>(judge_.last.winding);
+    case reg_turn_samples:
+      return judge_.last.samples;
+    case reg_turn_det:
+      return static_cast<uint32_t>(judge_.last.det);
     default:
       return std::nullopt;
   }
@@ -328,6 +357,15 @@ bool Coprocessor::write_setting(uint32_t offset, uint32_t value) {
       return true;
     case reg_diverge_threshold:
       diverge_threshold_ = value;
+      return true;
+    case reg_judge:
+      judge_settings_.radius_limit = value & 0xFF;
+      judge_settings_.alarm_limit = (value >> judge_alarm_limit_shift) & 0xFF;
+      judge_settings_.turns = (value >> judge_turns_shift) & 3;
+      judge_settings_.count = (value & judge_count) != 0;
+      return true;
+    case reg_turn_limit:
+      judge_settings_.turn_limit = value;
       return true;
     default:
       return false;

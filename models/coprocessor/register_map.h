@@ -31,6 +31,8 @@ enum Offset : uint32_t {
   reg_b2 = 0x08C,
   reg_beta = 0x090,
   reg_phi = 0x094,
+  reg_judge = 0x098,
+  reg_turn_limit = 0x09C,
   reg_soft_u = 0x0A0,
   reg_soft_v = 0x0A4,
   reg_raw_u = 0x0B0,
@@ -46,10 +48,17 @@ enum Offset : uint32_t {
   reg_ref_phase = 0x0D8,
   reg_amplitude = 0x0DC,
   reg_latency = 0x0E0,
+  reg_turn_flags = 0x0E4,
+  reg_radius_max = 0x0EC,
+  reg_residue_max = 0x0F0,
+  reg_winding = 0x0F4,
+  reg_turn_samples = 0x0F8,
+  reg_turn_det = 0x0FC,
+  reg_last = reg_turn_det,
 };
 
 inline constexpr uint32_t id_value = 0x43415053;
-inline constexpr uint32_t version_value = 0x00010000;
+inline constexpr uint32_t version_value = 0x00010001;
 
 // CTRL
 inline constexpr uint32_t ctrl_demod = 1u << 0;
@@ -57,12 +66,16 @@ inline constexpr uint32_t ctrl_calib = 1u << 1;
 inline constexpr unsigned ctrl_ref_shift = 2;
 inline constexpr uint32_t ctrl_ref_mask = 3u << ctrl_ref_shift;
 inline constexpr uint32_t ctrl_adc = 1u << 4;
+inline constexpr uint32_t ctrl_freeze = 1u << 5;
 inline constexpr uint32_t ctrl_ie_result = 1u << 8;
 inline constexpr uint32_t ctrl_ie_lock = 1u << 9;
 inline constexpr uint32_t ctrl_ie_error = 1u << 10;
+inline constexpr uint32_t ctrl_ie_turn = 1u << 11;
+inline constexpr uint32_t ctrl_ie_alarm = 1u << 12;
 inline constexpr uint32_t ctrl_srst = 1u << 31;
 inline constexpr uint32_t ctrl_writable = ctrl_demod | ctrl_calib | ctrl_ref_mask | ctrl_adc |
-                                          ctrl_ie_result | ctrl_ie_lock | ctrl_ie_error;
+                                          ctrl_freeze | ctrl_ie_result | ctrl_ie_lock |
+                                          ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm;
 
 // STATUS
 inline constexpr uint32_t status_busy = 1u << 0;
@@ -70,6 +83,9 @@ inline constexpr uint32_t status_lock = 1u << 1;
 inline constexpr uint32_t status_diverged = 1u << 2;
 inline constexpr uint32_t status_mirror = 1u << 3;
 inline constexpr uint32_t status_valid = 1u << 4;
+inline constexpr uint32_t status_alarm = 1u << 5;
+inline constexpr uint32_t status_frozen = 1u << 6;
+inline constexpr unsigned status_good_turns_shift = 12;
 inline constexpr uint32_t status_arith = 1u << 8;
 
 // FLAGS
@@ -82,9 +98,32 @@ inline constexpr uint32_t flag_lockchg = 1u << 5;
 inline constexpr uint32_t flag_diverged = 1u << 6;
 inline constexpr uint32_t flag_mirrorchg = 1u << 7;
 inline constexpr uint32_t flag_config = 1u << 8;
-inline constexpr uint32_t flags_all = (1u << 9) - 1;
+inline constexpr uint32_t flag_turn = 1u << 9;
+inline constexpr uint32_t flag_alarm = 1u << 10;
+inline constexpr uint32_t flag_unsettled = 1u << 11;
+inline constexpr unsigned flag_count = 12;
+inline constexpr uint32_t flags_all = (1u << flag_count) - 1;
 inline constexpr uint32_t flags_error =
-    flag_clip | flag_sat | flag_zero | flag_early | flag_diverged | flag_config;
+    flag_clip | flag_sat | flag_zero | flag_early | flag_diverged | flag_config | flag_unsettled;
+
+// TURN_FLAGS
+inline constexpr uint32_t turn_octants_mask = 0xFF;
+inline constexpr unsigned turn_clipped_shift = 8;
+inline constexpr uint32_t turn_clipped_mask = 0xFFu << turn_clipped_shift;
+inline constexpr uint32_t turn_timeout = 1u << 16;
+inline constexpr uint32_t turn_radius = 1u << 17;
+inline constexpr uint32_t turn_winding = 1u << 18;
+inline constexpr uint32_t turn_mirror = 1u << 19;
+inline constexpr uint32_t turn_noangle = 1u << 20;
+inline constexpr uint32_t turn_sat = 1u << 21;
+inline constexpr uint32_t turn_good = 1u << 22;
+inline constexpr unsigned turn_count_shift = 24;
+
+// JUDGE
+inline constexpr unsigned judge_alarm_limit_shift = 8;
+inline constexpr unsigned judge_turns_shift = 16;
+inline constexpr uint32_t judge_count = 1u << 18;
+inline constexpr uint32_t judge_writable = (1u << 19) - 1;
 
 // CMD
 inline constexpr uint32_t cmd_load = 1u << 0;

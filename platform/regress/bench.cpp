@@ -70,6 +70,9 @@ void Bench::shadow_reset() {
   settled_at_ = edge_;
   staged_ = latched_ = {};
   since_reset_ = 0;
+  turn_flags_ = 0;
+  glitches_ = 0;
+  judge_ = 0x13333;
 }
 
 std::optional<uint64_t> Bench::boundary() const {

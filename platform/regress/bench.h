@@ -73,6 +73,7 @@ class Bench {
   void cover_saturation(const coprocessor::Nodes& n);
   void cover_ties(const coprocessor::Nodes& n);
   void cover_flags(uint32_t flags);
+  void cover_judge(const coprocessor::Nodes& n);
   void cover_interrupt(bool level);
   void cover_spacing();
   void cover_write(uint32_t offset, uint32_t value);
@@ -115,6 +116,9 @@ class Bench {
   uint32_t flags_ = 0;
   uint32_t status_ = 0;
   unsigned since_reset_ = 0;
+  uint32_t turn_flags_ = 0;
+  int64_t glitches_ = 0;
+  uint32_t judge_ = 0x13333;
 };
 
 }  // namespace capsoc::regress

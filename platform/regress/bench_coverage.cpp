@@ -1,4 +1,7 @@
 // What the bench has seen, told to the coverage.
+#include <algorithm>
+#include <array>
+
 #include "capsoc_registers.h"
 #include "coprocessor/register_map.h"
 #include "regress/bench.h"
@@ -72,6 +75,7 @@ void Bench::cover_commit() {
   cover_saturation(n);
   cover_ties(n);
   cover_flags(static_cast<uint32_t>(n.flags));
+  cover_judge(n);
 
   const auto status = static_cast<uint32_t>(n.status);
   const unsigned source = (ctrl_ & ctrl_ref_mask) >> ctrl_ref_shift;
@@ -151,15 +155,69 @@ void Bench::cover_ties(const Nodes& n) {
 }
 
 void Bench::cover_flags(uint32_t flags) {
-  for (unsigned i = 0; i < 9; ++i)
+  for (unsigned i = 0; i < flag_count; ++i)
     coverage_.hit_if((flags & ~flags_ & (1u << i)) != 0, Group::flag_set, i);
   flags_ |= flags;
+}
+
+void Bench::cover_judge(const Nodes& n) {
+  const auto hit = [&](bool condition, size_t bin) {
+    coverage_.hit_if(condition, Group::turn, bin);
+  };
+  const auto alarm = [&](bool condition, size_t bin) {
+    coverage_.hit_if(condition, Group::alarm, bin);
+  };
+  const auto flags = static_cast<uint32_t>(n.turn_flags);
+  const auto status = static_cast<uint32_t>(n.status);
+  const uint32_t changed = status ^ status_;
+  alarm(glitches_ == 1 && n.glitches == 0 && (status_ & status_alarm) == 0, 0);
+  alarm((changed & status & status_alarm) != 0, 1);
+  alarm((changed & status_ & status_alarm) != 0, 2);
+  alarm((status & status_frozen) != 0, 3);
+  alarm((changed & status & status_alarm) != 0 && (changed & status_ & status_lock) != 0, 4);
+  glitches_ = n.glitches;
+
+  const int32_t half_turns = static_cast<int32_t>(n.travel) >> 29;
+  hit(half_turns == 3 || half_turns == -4, 25);
+  const bool ended = (flags ^ turn_flags_) >> turn_count_shift != 0;
+  const bool was_good = (turn_flags_ & turn_good) != 0;
+  const bool some = turn_flags_ >> turn_count_shift != 0;
+  hit(ended && flags >> turn_count_shift == 0, 27);
+  turn_flags_ = flags;
+  if (!ended) return;
+  const bool good = (flags & turn_good) != 0;
+  const bool count = (judge_ & judge_count) != 0;
+  const bool timeout = (flags & turn_timeout) != 0;
+  hit(good, 0);
+  hit((flags & turn_octants_mask) != turn_octants_mask, 1);
+  hit((flags & turn_clipped_mask) != 0, 2);
+  hit((flags & turn_clipped_mask) == turn_clipped_mask, 3);
+  const std::array<uint32_t, 6> bits = {turn_timeout, turn_radius,  turn_winding,
+                                        turn_mirror,  turn_noangle, turn_sat};
+  for (size_t i = 0; i < bits.size(); ++i) hit((flags & bits[i]) != 0, 4 + i);
+  const std::array<int32_t, 8> edges = {60, 61, 66, 67, -62, -61, -67, -68};
+  for (size_t i = 0; i < edges.size(); ++i)
+    hit(static_cast<int32_t>(n.travel) >> 24 == edges[i], 10 + i);
+  hit((status >> status_good_turns_shift & 3) == 3, 18);
+  hit(good && some && !was_good, 19);
+  hit(!good && was_good, 20);
+  const bool by_angle = (ctrl_ & ctrl_ref_mask) != 0;
+  hit(!count && !timeout && !by_angle, 21);
+  hit(!count && !timeout && by_angle && n.travel > 0, 22);
+  hit(!count && !timeout && by_angle && n.travel < 0, 23);
+  hit(count && good, 24);
+  hit(n.travel == 1 << 30 || n.travel == -(1 << 30), 26);
 }
 
 void Bench::cover_interrupt(bool level) {
   const bool result = (flags_ & flag_result) != 0 && (ctrl_ & ctrl_ie_result) != 0;
   const bool lock = (flags_ & flag_lockchg) != 0 && (ctrl_ & ctrl_ie_lock) != 0;
   const bool error = (flags_ & flags_error) != 0 && (ctrl_ & ctrl_ie_error) != 0;
+  const bool turn = (flags_ & flag_turn) != 0 && (ctrl_ & ctrl_ie_turn) != 0;
+  const bool alarm = (flags_ & flag_alarm) != 0 && (ctrl_ & ctrl_ie_alarm) != 0;
+  const bool others = result || lock || error;
+  coverage_.hit_if(level && turn && !others && !alarm, Group::interrupt, 5);
+  coverage_.hit_if(level && alarm && !others && !turn, Group::interrupt, 6);
   coverage_.hit_if(level && result && !lock && !error, Group::interrupt, 0);
   coverage_.hit_if(level && lock && !result && !error, Group::interrupt, 1);
   coverage_.hit_if(level && error && !result && !lock, Group::interrupt, 2);
@@ -200,8 +258,10 @@ void Bench::cover_write(uint32_t offset, uint32_t value) {
   if (rejected) flags_ |= flag_config;
   cover_collision(offset, value);
   if (offset == reg_flags) {
-    for (unsigned i = 0; i < 9; ++i)
+    for (unsigned i = 0; i < flag_count; ++i)
       coverage_.hit_if((value & flags_ & (1u << i)) != 0, Group::flag_cleared, i);
+    coverage_.hit_if((value & flags_ & flag_alarm) != 0 && (status_ & status_alarm) != 0,
+                     Group::alarm, 5);
     flags_ &= ~value;
   }
   if (is_pair(offset)) cover_pair_write(offset);
@@ -209,7 +269,7 @@ void Bench::cover_write(uint32_t offset, uint32_t value) {
 }
 
 void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
-  const size_t base = busy() ? 14 : 0;
+  const size_t base = busy() ? 17 : 0;
   if (offset == reg_ctrl && (value & ctrl_srst) == 0) {
     const uint32_t from = (ctrl_ >> ctrl_ref_shift) & 3;
     uint32_t to = (value >> ctrl_ref_shift) & 3;
@@ -221,6 +281,7 @@ void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
     if ((changed & ctrl_calib) != 0)
       coverage_.hit(Group::mode_change, base + ((value & ctrl_calib) != 0 ? 8 : 9));
     if ((changed & ctrl_ & ctrl_adc) != 0) coverage_.hit(Group::mode_change, base + 10);
+    if ((changed & ctrl_freeze) != 0) coverage_.hit(Group::mode_change, base + 16);
     ctrl_ = (value & ctrl_writable & ~ctrl_ref_mask) | (to << ctrl_ref_shift);
     settled_at_ = edge_;
   }
@@ -236,6 +297,11 @@ void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
   }
   if (offset == reg_lock_threshold || offset == reg_diverge_threshold)
     coverage_.hit(Group::mode_change, base + 13);
+  if (offset == reg_judge) {
+    coverage_.hit(Group::mode_change, base + 14);
+    judge_ = value & judge_writable;
+  }
+  if (offset == reg_turn_limit) coverage_.hit(Group::mode_change, base + 15);
 }
 
 void Bench::cover_collision(uint32_t offset, uint32_t value) {

@@ -35,7 +35,8 @@ std::vector<std::string> quadrants() {
 }
 
 std::vector<std::string> flags() {
-  return {"RESULT", "CLIP", "SAT", "ZERO", "EARLY", "LOCKCHG", "DIVERGED", "MIRRORCHG", "CONFIG"};
+  return {"RESULT",   "CLIP",      "SAT",    "ZERO", "EARLY", "LOCKCHG",
+          "DIVERGED", "MIRRORCHG", "CONFIG", "TURN", "ALARM", "UNSETTLED"};
 }
 
 std::vector<std::string> modes() {
@@ -52,7 +53,7 @@ std::vector<std::string> mode_changes() {
     for (const char* what :
          {"numeric to tracking", "numeric to angle", "tracking to numeric", "tracking to angle",
           "angle to numeric", "angle to tracking", "DEMOD on", "DEMOD off", "CALIB on", "CALIB off",
-          "ADC off", "steps", "LOOP", "thresholds"})
+          "ADC off", "steps", "LOOP", "thresholds", "JUDGE", "TURN_LIMIT", "FREEZE"})
       names.push_back(std::string(what) + when);
   return names;
 }
@@ -90,7 +91,7 @@ const std::vector<GroupNames>& groups() {
       {"flag cleared", flags()},
       {"interrupt",
        {"high by result", "high by lock", "high by error", "low with a flag masked",
-        "low without a flag"}},
+        "low without a flag", "high by turn", "high by alarm"}},
       {"mode", modes()},
       {"mode change", mode_changes()},
       {"LOAD at", moments()},
@@ -125,6 +126,38 @@ const std::vector<GroupNames>& groups() {
       {"event",
        {"zero, numeric", "zero, tracking", "zero, angle", "mirrored", "upright", "lock gained",
         "lock lost", "diverged", "sample 63", "sample 64", "not valid after valid", "clipped"}},
+      {"turn",
+       {"good",
+        "octants missing",
+        "clipped",
+        "clipped 255",
+        "TIMEOUT",
+        "RADIUS",
+        "WINDING",
+        "MIRROR",
+        "NOANGLE",
+        "SAT",
+        "winding 60",
+        "winding 61",
+        "winding 66",
+        "winding 67",
+        "winding -62",
+        "winding -61",
+        "winding -67",
+        "winding -68",
+        "GOOD_TURNS 3",
+        "good after another",
+        "other after a good one",
+        "ended by the reference",
+        "ended by the angle, forward",
+        "ended by the angle, backward",
+        "good by count",
+        "more than 1.5 turns",
+        "exactly one turn",
+        "TURN_COUNT wraps"}},
+      {"alarm",
+       {"glitches and back", "raised", "fallen", "frozen", "lock lost with it",
+        "flag cleared while it stands"}},
       {"magnitude",
        {"a1 0", "a1 below 2^-20", "a1 below 0.01", "a1 0.01..0.5", "a1 0.5..0.99", "a1 above"}},
   };
@@ -136,6 +169,9 @@ const std::vector<GroupNames>& groups() {
 /// steps truncate, and U2 is a product of two words that are never the most negative one.
 bool reachable(Arithmetic arithmetic, Group group, const std::string& bin) {
   if (group == Group::pin_reset_moment && bin == moments()[1]) return false;
+  // The arctangents of both always converge.
+  if ((group == Group::flag_set || group == Group::flag_cleared) && bin == "UNSETTLED")
+    return false;
   if (arithmetic == Arithmetic::precise) return true;
   switch (group) {
     case Group::tie:

@@ -38,6 +38,8 @@ enum class Group : uint8_t {
   loop,
   step,
   event,
+  turn,  // windows of the turn judge
+  alarm,
   magnitude,  // of a1
   count
 };

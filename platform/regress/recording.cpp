@@ -6,7 +6,7 @@ namespace capsoc::regress {
 
 using namespace coprocessor;
 
-const std::array<uint32_t, 38> look_offsets = {reg_ctrl,
+const std::array<uint32_t, 46> look_offsets = {reg_ctrl,
                                                reg_status,
                                                reg_flags,
                                                reg_freq_hi,
@@ -43,7 +43,15 @@ const std::array<uint32_t, 38> look_offsets = {reg_ctrl,
                                                reg_residue,
                                                reg_samples,
                                                reg_ref_phase,
-                                               reg_amplitude};
+                                               reg_amplitude,
+                                               reg_judge,
+                                               reg_turn_limit,
+                                               reg_turn_flags,
+                                               reg_radius_max,
+                                               reg_residue_max,
+                                               reg_winding,
+                                               reg_turn_samples,
+                                               reg_turn_det};
 
 Recorder::Recorder(const Options& options, Recording& recording)
     : model_(options), recording_(recording) {}

@@ -27,7 +27,7 @@ struct Event {
 };
 
 /// Registers whose reading has no side effect and whose value a commit may change.
-extern const std::array<uint32_t, 38> look_offsets;
+extern const std::array<uint32_t, 46> look_offsets;
 
 struct Recording {
   std::vector<Event> events;    ///< by edge

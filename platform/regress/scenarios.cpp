@@ -45,6 +45,9 @@ const std::vector<Scenario>& scenarios() {
        run_largest_error},
       {"stages", "each write stage and read latch alone, and each among all", 0, 0, run_stages},
       {"flag_bits", "many flags at once, cleared one by one", 0, 0, run_flag_bits},
+      {"turns", "windows of the turn judge: ends, records, limits, good and bad ones", 0, 0,
+       run_turns},
+      {"alarm", "glitches, alarm and freeze, and their settings at every edge", 0, 0, run_alarm},
       {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},
   };
   return all;

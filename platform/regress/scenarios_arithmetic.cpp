@@ -448,6 +448,7 @@ void run_loop_gains(Bench& bench, Random& random, const Budget&) {
 
 void run_thresholds(Bench& bench, Random& random, const Budget&) {
   start(bench, both | ctrl_ie_lock);
+  bench.write(reg_judge, 0);  // LOCK by the average alone
   set_steps(bench, 0);
   set_weights(bench, {});
   const uint32_t u = 123456789;  // a constant error: the average creeps up to it

@@ -25,6 +25,7 @@ void fresh(Bench& bench, uint32_t ctrl) {
 // No coefficients and no steps: the error is the data.
 void pass_through(Bench& bench) {
   fresh(bench, both | ctrl_ie_lock);
+  bench.write(reg_judge, 0);  // LOCK by the average alone
   for (uint32_t offset = reg_step_au; offset <= reg_step_cv; offset += 4) bench.write(offset, 0);
   for (uint32_t pair = reg_au_lo; pair < reg_cv_hi; pair += 8) bench.write_pair(pair, 0);
 }
@@ -146,8 +147,9 @@ void run_stages(Bench& bench, Random& random, const Budget&) {
 }
 
 void run_flag_bits(Bench& bench, Random& random, const Budget&) {
-  for (uint32_t bit = 0; bit < 9; ++bit)
-    for (uint32_t enabled : {ctrl_ie_result, ctrl_ie_lock, ctrl_ie_error}) {
+  for (uint32_t bit = 0; bit < flag_count; ++bit)
+    for (uint32_t enabled :
+         {ctrl_ie_result, ctrl_ie_lock, ctrl_ie_error, ctrl_ie_turn, ctrl_ie_alarm}) {
       if (bench.failed()) return;
       fresh(bench, both | enabled);
       // All flags: an orientation, a saturated and clipped sample, a lost one, an empty one, a

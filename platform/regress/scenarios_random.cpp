@@ -40,8 +40,8 @@ uint64_t draw_spacing(Random& random, unsigned kind) {
 uint32_t draw_offset(Random& random) {
   const uint64_t kind = random.below(64);
   if (kind == 0) return static_cast<uint32_t>(random.below(0x1000));
-  if (kind == 1) return static_cast<uint32_t>(0xE4 + 4 * random.below(0x3C7));
-  return static_cast<uint32_t>(random.below(reg_latency / 4 + 1) * 4);
+  if (kind == 1) return static_cast<uint32_t>(0x100 + 4 * random.below(0x3C0));
+  return static_cast<uint32_t>(random.below(reg_last / 4 + 1) * 4);
 }
 
 // A control word; REF 3 is among them.
@@ -76,6 +76,13 @@ int64_t draw_weight(Random& random) {
   return word * (int64_t{1} << 15) + static_cast<int64_t>(random.below(65536)) - 32768;
 }
 
+// Limits, windows and turns of every kind; half of them as LOCK was without turns.
+void configure_judge(Bench& bench, Random& random) {
+  if (random.chance(0.5)) return bench.write(reg_judge, random.chance(0.5) ? 0 : 0x3333);
+  bench.write(reg_judge, random.word32() & (random.chance(0.8) ? judge_writable : ~0u));
+  bench.write(reg_turn_limit, random.word32() >> random.below(32));
+}
+
 // What software would set up before a measurement: a source, steps, gains, a frequency.
 void configure(Bench& bench, Random& random, const Signal& signal) {
   bench.write(reg_ctrl, draw_ctrl(random) | (random.chance(0.9) ? ctrl_adc : 0));
@@ -87,6 +94,7 @@ void configure(Bench& bench, Random& random, const Signal& signal) {
     bench.write(reg_loop, static_cast<uint32_t>(random.below(32) | random.below(32) << 8));
   if (random.chance(0.5)) bench.write(reg_lock_threshold, draw_threshold(random));
   if (random.chance(0.5)) bench.write(reg_diverge_threshold, draw_threshold(random));
+  if (random.chance(0.5)) configure_judge(bench, random);
   const uint64_t frequency = random.below(4);
   if (frequency < 2) bench.write_pair(reg_freq_lo, signal.frequency());
   if (frequency == 2)
@@ -136,7 +144,7 @@ void access(Bench& bench, Random& random, const Habits& habits) {
     return;
   }
   uint32_t value = random.chance(0.5) ? random.corner32() : random.word32();
-  if (offset == reg_ctrl) value = draw_ctrl(random) | (random.word32() & 0x7FFFF8E0u);
+  if (offset == reg_ctrl) value = draw_ctrl(random) | (random.word32() & 0x7FFFE0C0u);
   if (offset == reg_cmd && random.chance(0.7)) value &= ~cmd_load;
   if (offset >= reg_step_au && offset <= reg_step_cv && random.chance(0.8))
     value = draw_step(random);
@@ -177,7 +185,7 @@ void run(Bench& bench, Random& random, const Budget& budget, const Habits& habit
     next = std::max(next, bench.edge());
   }
   bench.drain();
-  for (uint32_t offset = 0; offset <= reg_latency; offset += 4) bench.read(offset);
+  for (uint32_t offset = 0; offset <= reg_last; offset += 4) bench.read(offset);
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ void run_registers(Bench& bench, Random& random, const Budget&) {
     bench.read(offset);
     bench.write(offset, random.word32());
   }
-  for (uint32_t offset = 0; offset <= reg_latency + 4; ++offset) {
+  for (uint32_t offset = 0; offset <= reg_last + 4; ++offset) {
     if (offset % 4 == 0 || bench.failed()) continue;
     bench.write(offset, random.word32());
     bench.read(offset);
@@ -139,6 +139,7 @@ void run_flags(Bench& bench, Random& random, const Budget&) {
     if (bench.failed()) return;
     clean(bench);
     bench.write(reg_ctrl, ctrl_adc | ctrl_calib | ctrl_demod | enabled);
+    bench.write(reg_judge, 0);  // LOCK by the average alone
     bench.interrupt();
     for (unsigned i = 0; i < 130 && !bench.failed(); ++i) {
       // Zero, clipped, saturated, mirrored and small ones in turn; lock is lost and regained.
@@ -161,7 +162,7 @@ void run_flags(Bench& bench, Random& random, const Budget&) {
       bench.interrupt();
       bench.wait_until(latched + latency_cycles + (i % 3 == 0 ? 0 : i % 3 - 1));
       if (i % 3 == 2) bench.interrupt();
-      bench.write(reg_flags, i % 2 == 0 ? flags_all : 1u << random.below(9));
+      bench.write(reg_flags, i % 2 == 0 ? flags_all : 1u << random.below(flag_count));
       bench.interrupt();
       bench.read(reg_flags);
       bench.wait(1);

@@ -54,6 +54,7 @@ class CoprocessorRun {
     options.paper_operand_bits = operand_bits;
     options.paper_reference_lead = 2;
     options.paper_step_shift = 7;
+    options.paper_plain_arctangent = true;
     return options;
   }
 

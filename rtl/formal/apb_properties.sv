@@ -13,7 +13,10 @@ module apb_properties (
   input logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
   input logic        commit_i, flag_clip_i, flag_sat_i, flag_zero_i,
   input logic        flag_diverged_i, flag_lockchg_i, flag_mirrorchg_i,
-  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i,
+  input logic        flag_turn_i, flag_alarm_i, flag_unsettled_i,
+  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i, status_alarm_i,
+  input logic [1:0]  status_good_turns_i,
+  input logic [31:0] turn_flags_i,
   input logic [31:0] result_i
 );
 
@@ -27,6 +30,9 @@ module apb_properties (
   logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
   logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
   logic [3:0]  result_select;
+  logic [31:0] turn_limit;
+  logic [18:0] judge;
+  logic        frozen;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
@@ -45,6 +51,8 @@ module apb_properties (
     .a1_i, .a2_i, .b1_i, .b2_i, .beta_i, .phi_i,
     .commit_i, .flag_clip_i, .flag_sat_i, .flag_zero_i, .flag_diverged_i, .flag_lockchg_i,
     .flag_mirrorchg_i, .status_lock_i, .status_diverged_i, .status_mirror_i, .status_valid_i,
+    .flag_turn_i, .flag_alarm_i, .flag_unsettled_i, .status_alarm_i, .status_good_turns_i, .turn_flags_i,
+    .turn_limit_o (turn_limit), .judge_o (judge), .frozen_o (frozen),
     .result_select_o (result_select), .result_i
   );
 
@@ -52,8 +60,8 @@ module apb_properties (
   logic [9:0] word;
   logic       listed, access, error, pair_high;
   assign word      = paddr_i[11:2];
-  assign listed    = paddr_i[1:0] == 2'd0 & (word <= 10'h025 | word == 10'h028 | word == 10'h029 |
-                                             (word >= 10'h02C & word <= 10'h038));
+  assign listed    = paddr_i[1:0] == 2'd0 & (word <= 10'h029 | (word >= 10'h02C & word <= 10'h03F &
+                                                                word != 10'h03A));
   assign access    = psel_i & penable_i;
   assign error     = ~listed | (pwrite_i & pstrb_i != 4'hF);
   assign pair_high = word == 10'h007 | word == 10'h009 |
@@ -64,7 +72,7 @@ module apb_properties (
   logic read_only;
   (* keep *) logic quiet;
   assign read_only = word == 10'h000 | word == 10'h001 | word == 10'h003 | word == 10'h013 |
-                     (word >= 10'h02C & word <= 10'h038);
+                     (word >= 10'h02C & word <= 10'h03F);
   assign quiet     = ~in_reset & ~boundary_i & ~stream_early_i & ~soft_early_i &
                      (~access | error | (pwrite_i ? read_only : ~pair_high));
 

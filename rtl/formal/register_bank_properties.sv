@@ -13,7 +13,10 @@ module register_bank_properties (
   input logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
   input logic        commit_i, flag_clip_i, flag_sat_i, flag_zero_i,
   input logic        flag_diverged_i, flag_lockchg_i, flag_mirrorchg_i,
-  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i,
+  input logic        flag_turn_i, flag_alarm_i, flag_unsettled_i,
+  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i, status_alarm_i,
+  input logic [1:0]  status_good_turns_i,
+  input logic [31:0] turn_flags_i,
   input logic [31:0] result_i
 );
 
@@ -27,6 +30,9 @@ module register_bank_properties (
   logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
   logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
   logic [3:0]  result_select;
+  logic [31:0] turn_limit;
+  logic [18:0] judge;
+  logic        frozen;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
@@ -45,20 +51,25 @@ module register_bank_properties (
     .a1_i, .a2_i, .b1_i, .b2_i, .beta_i, .phi_i,
     .commit_i, .flag_clip_i, .flag_sat_i, .flag_zero_i, .flag_diverged_i, .flag_lockchg_i,
     .flag_mirrorchg_i, .status_lock_i, .status_diverged_i, .status_mirror_i, .status_valid_i,
+    .flag_turn_i, .flag_alarm_i, .flag_unsettled_i, .status_alarm_i, .status_good_turns_i, .turn_flags_i,
+    .turn_limit_o (turn_limit), .judge_o (judge), .frozen_o (frozen),
     .result_select_o (result_select), .result_i
   );
 
   (* hierconn *) logic [31:0] \dut.u_words.valid_q ;
   (* hierconn *) logic [4:0]  \dut.u_words.probe ;
   (* hierconn *) logic [31:0] \dut.u_words.probed ;
-  (* hierconn *) logic [8:0]  \dut.flags ;
+  (* hierconn *) logic [11:0] \dut.flags ;
   (* hierconn *) logic [31:0] \dut.samples ;
   (* hierconn *) logic [31:0] \dut.early_count ;
   (* hierconn *) logic \dut.ie_result ;
   (* hierconn *) logic \dut.ie_lock ;
   (* hierconn *) logic \dut.ie_error ;
+  (* hierconn *) logic \dut.ie_turn ;
+  (* hierconn *) logic \dut.ie_alarm ;
+  (* hierconn *) logic \dut.freeze ;
   logic [31:0] valids, probed;
-  logic [8:0]  flags;
+  logic [11:0] flags;
   assign valids = \dut.u_words.valid_q ;
   assign probed = \dut.u_words.probed ;
   assign flags  = \dut.flags ;
@@ -72,11 +83,12 @@ module register_bank_properties (
 
   // The watched word and its kind.
   (* anyconst *) logic [5:0] watched;
-  logic is_pair, is_step, is_threshold, is_amplitude, is_parameter;
+  logic is_pair, is_step, is_threshold, is_judge, is_amplitude, is_parameter;
   assign is_pair      = watched[5:1] == 5'h03 | watched[5:1] == 5'h04 |
                         (watched >= 6'h14 & watched <= 6'h1F);
   assign is_step      = watched >= 6'h0A & watched <= 6'h0F;
   assign is_threshold = watched == 6'h11 | watched == 6'h12;
+  assign is_judge     = watched == 6'h26 | watched == 6'h27;
   assign is_amplitude = watched == 6'h20 | watched == 6'h21;
   assign is_parameter = watched >= 6'h20 & watched <= 6'h25;
 
@@ -89,9 +101,9 @@ module register_bank_properties (
     start = 48'd0;
     gives = 1'b0;
     case (watched)
-      6'h02: now = {37'd0, \dut.ie_error , \dut.ie_lock , \dut.ie_result , 3'd0, adc_enable, source,
-                    calib, demod};
-      6'h04: now = {39'd0, flags};
+      6'h02: now = {35'd0, \dut.ie_alarm , \dut.ie_turn , \dut.ie_error , \dut.ie_lock , \dut.ie_result ,
+                    2'd0, \dut.freeze , adc_enable, source, calib, demod};
+      6'h04: now = {36'd0, flags};
       6'h06, 6'h07: begin now = freq; given = freq_i; gives = freq_we_i; end
       6'h08, 6'h09: begin now = phase; given = phase_i; gives = phase_we_i; end
       6'h0A: begin now = {17'd0, step_au}; start = 48'd1349307; end
@@ -115,6 +127,8 @@ module register_bank_properties (
       6'h23: begin now = {16'd0, b2}; given = {16'd0, b2_i}; end
       6'h24: begin now = {16'd0, beta}; given = {16'd0, beta_i}; end
       6'h25: begin now = {16'd0, phi}; given = {16'd0, phi_i}; end
+      6'h26: begin now = {29'd0, judge}; start = 48'h13333; end
+      6'h27: now = {16'd0, turn_limit};
       default: now = 48'd0;
     endcase
     if (is_parameter) gives = parameters_we_i;
@@ -133,18 +147,21 @@ module register_bank_properties (
   );
   assign stage = held ? kept : 32'd0;
 
-  // Set at this edge: RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG.
+  // Set at this edge: RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG, TURN, ALARM,
+  // UNSETTLED.
   logic       refused;
-  logic [8:0] set;
+  logic [11:0] set;
   assign refused = write & ((pwdata_i[31] & (word >= 6'h0A & word <= 6'h0F | word[5:1] == 5'h10)) |
                             (word == 6'h02 & ~pwdata_i[31] & pwdata_i[3:2] == 2'd3));
-  assign set = {refused,
+  assign set = {{flag_unsettled_i, flag_alarm_i, flag_turn_i} & {3{commit_i & boundary_i}},
+                refused,
                 {flag_mirrorchg_i, flag_diverged_i, flag_lockchg_i} & {3{commit_i & boundary_i}},
                 stream_early_i | soft_early_i,
                 {flag_zero_i, flag_sat_i, flag_clip_i, 1'b1} & {4{commit_i & boundary_i}}};
 
   logic now_exists;
-  assign now_exists = watched == 6'h02 | watched == 6'h10 | is_step | is_threshold | is_parameter;
+  assign now_exists = watched == 6'h02 | watched == 6'h10 | is_step | is_threshold | is_judge |
+                      is_parameter;
 
   // The value that the register has to have after the edge.
   logic [47:0] due, plain;
@@ -154,12 +171,13 @@ module register_bank_properties (
   always @* begin
     plain = {16'd0, pwdata_i};
     if (watched == 6'h02) begin
-      plain = {37'd0, pwdata_i[10:8], 3'd0, pwdata_i[4:0]};
+      plain = {35'd0, pwdata_i[12:8], 2'd0, pwdata_i[5:0]};
       if (pwdata_i[3:2] == 2'd3) plain[3:2] = now[3:2];
     end
+    if (watched == 6'h26) plain = {29'd0, pwdata_i[18:0]};
     if (watched == 6'h10) plain = {35'd0, pwdata_i[12:8], 3'd0, pwdata_i[4:0]};
     due = boundary_i & gives ? given : now;
-    if (watched == 6'h04) due = {39'd0, (now[8:0] | set) & ~(pwdata_i[8:0] & {9{hit}})};
+    if (watched == 6'h04) due = {36'd0, (now[11:0] | set) & ~(pwdata_i[11:0] & {12{hit}})};
     else if (is_pair) begin
       // Only a watched LO knows the stage; a watched HI is followed without its writes.
       if (~watched[0] & write & word == {watched[5:1], 1'b1}) begin
@@ -174,9 +192,9 @@ module register_bank_properties (
 
   // The memory's word.
   logic memory_word, fills, drops;
-  assign memory_word = is_pair | is_step | is_threshold | watched == 6'h28;
+  assign memory_word = is_pair | is_step | is_threshold | is_judge | watched == 6'h28;
   assign fills       = (is_pair & watched[0] & read & word == watched) |
-                       (((is_pair & ~watched[0]) | is_threshold | watched == 6'h28) & hit) |
+                       (((is_pair & ~watched[0]) | is_threshold | is_judge | watched == 6'h28) & hit) |
                        (is_step & hit & ~pwdata_i[31]);
   assign drops       = is_pair & ~watched[0] & write & word == {watched[5:1], 1'b1};
 
@@ -198,8 +216,10 @@ module register_bank_properties (
     if (is_pair & watched[0]) seen = high;
     if (watched == 6'h28) seen = stage;
     if (watched == 6'h00) seen = 32'h4341_5053;
-    if (watched == 6'h01) seen = 32'h0001_0000;
-    if (watched == 6'h03) seen = {23'd0, 1'b0, 3'd0, status_valid_i, status_mirror_i,
+    if (watched == 6'h01) seen = 32'h0001_0001;
+    if (watched == 6'h39) seen = turn_flags_i;
+    if (watched == 6'h03) seen = {18'd0, status_good_turns_i, 5'd0, \dut.freeze & flags[10],
+                                  status_alarm_i, status_valid_i, status_mirror_i,
                                   status_diverged_i, status_lock_i, busy_i};
     if (watched == 6'h34) seen = \dut.samples ;
     if (watched == 6'h35) seen = \dut.early_count ;
@@ -208,23 +228,27 @@ module register_bank_properties (
   end
   logic is_result;
   assign is_result = watched == 6'h13 | (watched >= 6'h2C & watched <= 6'h33) |
-                     watched == 6'h36 | watched == 6'h37;
+                     watched == 6'h36 | watched == 6'h37 | watched >= 6'h3B;
 
   always @* begin
-    assume (\dut.u_words.probe == (watched == 6'h28 ? 5'd0 : watched[4:0]));
+    assume (\dut.u_words.probe == (watched == 6'h28 ? 5'd0 : is_judge ? {4'd1, watched[0]}
+                                                                        : watched[4:0]));
     if (~in_reset) begin
       if (~blind) assert (now == expected);
       if (memory_word) assert (valids[\dut.u_words.probe ] == held);
       if (memory_word & held) assert (probed == kept);
       // The settings' copy in the memory is the setting.
-      if (is_step | is_threshold) assert (now == (held ? {16'd0, kept} : start));
+      if (is_judge & ~watched[0]) assert (now == (held ? {29'd0, kept[18:0]} : start));
+      if (is_step | is_threshold | (is_judge & watched[0])) assert (now == (held ? {16'd0, kept} : start));
       if (read & word == watched & ~is_result & ~(is_pair & ~watched[0])) assert (prdata == seen);
       if (read & word == watched & is_result) assert (prdata == result_i);
       // A read of LO shows the latch, that is the memory's word of the HI.
       if (read & is_pair & watched[0] & word == {watched[5:1], 1'b0}) assert (prdata == stage);
       if (soft_valid & watched == 6'h28) assert (soft_u == stage);
       assert (irq == ((flags[0] & \dut.ie_result ) | (flags[5] & \dut.ie_lock ) |
-                      (|(flags & 9'h15E) & \dut.ie_error )));
+                      (|(flags & 12'h95E) & \dut.ie_error ) | (flags[9] & \dut.ie_turn ) |
+                      (flags[10] & \dut.ie_alarm )));
+      assert (frozen == (\dut.freeze & (flags[10] | set[10])));
     end
   end
 

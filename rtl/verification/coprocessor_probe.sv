@@ -57,10 +57,12 @@ module coprocessor_probe #(
     node_mirror_o,
     node_cal_s_o,
     node_cal_c_o,
+    node_det_o,
     node_saturated_t0_o,
     node_relative_o,
     node_amplitude_o,
     node_zero_o,
+    node_unsettled_t1_o,
     node_saturated_t1_o,
     node_reference_phase_o,
     node_residue_o,
@@ -68,6 +70,7 @@ module coprocessor_probe #(
     node_cosine_o,
     node_next_phase_o,
     node_next_frequency_o,
+    node_turn_o,
     node_saturated_t2_o,
     node_error_u_o,
     node_error_v_o,
@@ -87,6 +90,9 @@ module coprocessor_probe #(
     node_found_b2_o,
     node_found_angle_o,
     node_saturated_o,
+    node_deviation_o,
+    node_travel_o,
+    node_glitches_o,
     node_phase_o,
     node_frequency_o,
     node_a_u_o,
@@ -106,6 +112,7 @@ module coprocessor_probe #(
     node_status_o,
     node_flags_o,
     node_samples_o,
+    node_turn_flags_o,
   input  logic [63:0]
     model_u_i,
     model_v_i,
@@ -117,10 +124,12 @@ module coprocessor_probe #(
     model_mirror_i,
     model_cal_s_i,
     model_cal_c_i,
+    model_det_i,
     model_saturated_t0_i,
     model_relative_i,
     model_amplitude_i,
     model_zero_i,
+    model_unsettled_t1_i,
     model_saturated_t1_i,
     model_reference_phase_i,
     model_residue_i,
@@ -128,6 +137,7 @@ module coprocessor_probe #(
     model_cosine_i,
     model_next_phase_i,
     model_next_frequency_i,
+    model_turn_i,
     model_saturated_t2_i,
     model_error_u_i,
     model_error_v_i,
@@ -147,6 +157,9 @@ module coprocessor_probe #(
     model_found_b2_i,
     model_found_angle_i,
     model_saturated_i,
+    model_deviation_i,
+    model_travel_i,
+    model_glitches_i,
     model_phase_i,
     model_frequency_i,
     model_a_u_i,
@@ -165,7 +178,8 @@ module coprocessor_probe #(
     model_error_average_i,
     model_status_i,
     model_flags_i,
-    model_samples_i
+    model_samples_i,
+    model_turn_flags_i
 );
 
   logic        presetn, psel, penable, pwrite, sample_valid, sample_clip;
@@ -253,10 +267,13 @@ module coprocessor_probe #(
   assign ends = dut.stage & {5{dut.boundary}};
 
   logic [66:0] s, c;
+  logic [31:0] late_amplitude;
   if (Paper != 0) begin : g_paper
+    assign late_amplitude = dut.u_datapath.g_paper.u_core.magnitude;
     assign s = {{35{node_cal_s_o[31]}}, node_cal_s_o[31:0]};
     assign c = {{35{node_cal_c_o[31]}}, node_cal_c_o[31:0]};
   end else begin : g_precise
+    assign late_amplitude = '0;
     always_ff @(negedge pclk_i) begin
       if (dut.stage[0] && dut.cycle == 5'd14) begin
         s <= dut.u_datapath.g_precise.u_core.u_calibrator.x_q;
@@ -283,10 +300,13 @@ module coprocessor_probe #(
                                     dut.u_datapath.u_sample_tags.saturated_i[0]);
     end
 
-    if (dut.u_datapath.amplitude_valid) node_amplitude_o <= s32(dut.u_datapath.amplitude);
+    if (dut.u_datapath.det_valid) node_det_o <= s32(dut.u_datapath.det);
+    if (Paper == 0 && dut.u_datapath.amplitude_valid) node_amplitude_o <= s32(dut.u_datapath.amplitude);
     if (ends[1]) begin
       node_relative_o     <= u32(dut.u_datapath.relative);
       node_zero_o         <= bit_of(dut.u_datapath.zero);
+      node_unsettled_t1_o <= bit_of(dut.u_datapath.unsettled1);
+      if (Paper != 0) node_amplitude_o <= s32(late_amplitude);
       node_saturated_t1_o <= bit_of(dut.u_datapath.u_sample_tags.saturated_q[1] |
                                     dut.u_datapath.u_sample_tags.saturated_i[1]);
     end
@@ -294,6 +314,7 @@ module coprocessor_probe #(
     if (dut.stage[2] && dut.cycle == 5'd0) node_residue_o <= s32(dut.u_datapath.residue);
     if (ends[2]) begin
       node_reference_phase_o <= u32(dut.u_datapath.reference_phase);
+      node_turn_o            <= bit_of(dut.u_datapath.turn);
       node_sine_o            <= s32(dut.u_datapath.u_reference_generator.sine);
       node_cosine_o          <= s32(dut.u_datapath.u_reference_generator.cosine);
       node_next_phase_o      <= u48(dut.phase_next);
@@ -318,6 +339,7 @@ module coprocessor_probe #(
                                     dut.u_datapath.u_sample_tags.saturated_i[3]);
     end
 
+    if (dut.stage[4] && dut.cycle == 5'd13) node_deviation_o <= u32(dut.u_datapath.u_turn_judge.sum[31:0]);
     if (ends[4]) begin
       node_found_phi_o   <= u32(dut.phi_next);
       node_found_a1_o    <= s32(dut.a1_next);
@@ -327,6 +349,8 @@ module coprocessor_probe #(
       node_found_b2_o    <= s32(dut.b2_next);
       node_found_angle_o <= u32(dut.u_datapath.angle);
       node_saturated_o   <= bit_of(dut.flag_sat);
+      node_travel_o      <= s32(dut.u_datapath.u_turn_judge.sum[31:0]);
+      node_glitches_o    <= {59'd0, dut.u_datapath.u_turn_judge.glitches};
       // Registers as this edge leaves them, if software does not write them at it.
       node_phase_o         <= u48(dut.phase_we ? dut.phase_next : dut.phase);
       node_frequency_o     <= s48(dut.freq_we ? dut.freq_next : dut.freq);
@@ -345,14 +369,17 @@ module coprocessor_probe #(
       node_angle_o         <= dut.u_datapath.valid     ? u32(dut.u_datapath.angle) :
                               dut.u_datapath.angle_any ? u32(dut.u_datapath.angle_q) : '0;
       node_error_average_o <= node_next_average_o;  // still of the sample in T4
-      node_status_o        <= {55'd0, Paper != 0, 3'd0, dut.u_datapath.valid,
+      node_status_o        <= {50'd0, dut.u_datapath.u_turn_judge.good_turns, 3'd0, Paper != 0, 1'b0,
+                               dut.frozen, dut.flag_alarm, dut.u_datapath.valid,
                                dut.u_datapath.u_sample_tags.mirror_q[3],
                                dut.u_datapath.u_sample_tags.diverged4_q,
-                               dut.u_datapath.u_sample_tags.lock4_q, 1'b1};
-      node_flags_o         <= {55'd0, dut.u_register_bank.flags |
-                               {1'b0, dut.flag_mirrorchg, dut.flag_diverged, dut.flag_lockchg, 1'b0,
+                               dut.u_datapath.u_sample_tags.lock, 1'b1};
+      node_flags_o         <= {52'd0, dut.u_register_bank.flags |
+                               {dut.flag_unsettled, dut.flag_alarm, dut.flag_turn, 1'b0, dut.flag_mirrorchg, dut.flag_diverged, dut.flag_lockchg, 1'b0,
                                 dut.flag_zero, dut.flag_sat, dut.flag_clip, 1'b1}};
       node_samples_o       <= u32(dut.u_register_bank.samples + 32'd1);
+      node_turn_flags_o    <= u32(dut.flag_turn ?
+          {dut.turn_flags[31:24] + 8'd1, 1'b0, dut.u_datapath.u_turn_judge.flags} : dut.turn_flags);
     end
   end
 

@@ -96,6 +96,7 @@ TEST(PaperArithmetic, ReproducesTheErrorLevelOfTable8) {
   options.paper_operand_bits = 16;
   options.paper_reference_lead = 2;
   options.paper_step_shift = 7;
+  options.paper_plain_arctangent = true;
   const Sensor sensor;
   Bench bench(options);
   bench.start(running, 858992.0 / 4294967296.0, 0);

@@ -249,5 +249,52 @@ TEST(PaperUnits, ArctangentReachesThePapersFigure) {
   EXPECT_GT(arctangent_error(0.1, 32), 0.1) << "the loop is too slow for small amplitudes";
 }
 
+// Shifted and folded, the loop converges for every vector; the magnitude is the one along the angle.
+TEST(PaperPolar, ConvergesAtEveryAmplitude) {
+  std::mt19937_64 random(5);
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  double worst = 0, worst_magnitude = 0;
+  const auto check = [&](int32_t y, int32_t x) {
+    const paper::Polar p = paper::to_polar(y, x, 32, false);
+    EXPECT_TRUE(p.settled) << y << " " << x;
+    const double error = std::remainder(p.angle * 0x1p-32 * tau - std::atan2(y, x), tau);
+    worst = std::max(worst, std::fabs(error) / tau * 360);
+    const double length = std::hypot(y, x);
+    if (length < INT32_MAX && length > 1e6)
+      worst_magnitude = std::max(worst_magnitude, std::fabs(p.magnitude / length - 1));
+    EXPECT_GE(p.magnitude, 0);
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const double angle = tau * uniform(), length = std::exp2(31 * uniform());
+    check(static_cast<int32_t>(length * std::sin(angle)),
+          static_cast<int32_t>(length * std::cos(angle)));
+  }
+  for (int32_t y : {INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX})
+    for (int32_t x : {INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX}) check(y, x);
+  std::printf("PI arctangent, prepared: %.3g degrees, magnitude %.3g\n", worst, worst_magnitude);
+  EXPECT_LT(worst, 1.2e-3) << "half of the table's own error";
+  EXPECT_LT(worst_magnitude, 4e-5);
+}
+
+// As printed it fails for most amplitudes, and says so.
+TEST(PaperPolar, PlainVectorsAreSettledOrSaid) {
+  std::mt19937_64 random(6);
+  int unsettled = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto y = static_cast<int32_t>(random()), x = static_cast<int32_t>(random() >> 32);
+    const int shift = static_cast<int>(random() % 16);
+    const paper::Polar p = paper::to_polar(y >> shift, x >> shift, 32, true);
+    const double error =
+        std::remainder(p.angle * 0x1p-32 * tau - std::atan2(y >> shift, x >> shift), tau);
+    if (p.settled) {
+      EXPECT_LT(std::fabs(error) / tau * 360, 0.06) << y << " " << x;
+    }
+    unsettled += !p.settled;
+  }
+  EXPECT_GT(unsettled, 5000);
+  EXPECT_FALSE(paper::to_polar(0, -(1 << 30), 32, true).settled) << "stuck at half a turn";
+  EXPECT_TRUE(paper::to_polar(0, 0, 32, true).settled) << "there is no angle";
+}
+
 }  // namespace
 }  // namespace capsoc::coprocessor::test

@@ -35,12 +35,17 @@ module register_bench #(
   input  logic        write_all_i,
   input  logic [47:0] phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
   input  logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
-  input  logic [5:0]  flags_i,   // CLIP, SAT, ZERO, DIVERGED, LOCKCHG, MIRRORCHG from bit 0
-  input  logic [3:0]  status_i,  // LOCK, DIVERGED, MIRROR, VALID from bit 0
+  // CLIP, SAT, ZERO, DIVERGED, LOCKCHG, MIRRORCHG, TURN, ALARM, UNSETTLED from bit 0
+  input  logic [8:0]  flags_i,
+  input  logic [6:0]  status_i,  // LOCK, DIVERGED, MIRROR, VALID, ALARM, GOOD_TURNS from bit 0
+  input  logic [31:0] turn_flags_i,
   output logic [3:0]  result_select_o,
   input  logic [31:0] result_i,
   // Settings
   output logic [4:0]  control_o,  // DEMOD, CALIB, REF, ADC from bit 0
+  output logic        frozen_o,
+  output logic [18:0] judge_o,
+  output logic [31:0] turn_limit_o,
   output logic [9:0]  loop_o,     // KP from bit 0, KI from bit 5
   output logic [30:0] step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o,
   output logic [31:0] lock_threshold_o, diverge_threshold_o
@@ -99,7 +104,7 @@ module register_bench #(
     .kp_o             (loop_o[4:0]),
     .ki_o             (loop_o[9:5]),
     .step_au_o, .step_bu_o, .step_cu_o, .step_av_o, .step_bv_o, .step_cv_o,
-    .lock_threshold_o, .diverge_threshold_o,
+    .lock_threshold_o, .diverge_threshold_o, .frozen_o, .judge_o, .turn_limit_o,
     .phase_o (phase), .freq_o (freq), .au_o (au), .bu_o (bu), .cu_o (cu),
     .av_o (av), .bv_o (bv), .cv_o (cv),
     .a1_o (a1), .a2_o (a2), .b1_o (b1), .b2_o (b2), .beta_o (beta), .phi_o (phi),
@@ -118,10 +123,16 @@ module register_bench #(
     .flag_diverged_i  (flags_i[3]),
     .flag_lockchg_i   (flags_i[4]),
     .flag_mirrorchg_i (flags_i[5]),
+    .flag_turn_i      (flags_i[6]),
+    .flag_alarm_i     (flags_i[7]),
+    .flag_unsettled_i (flags_i[8]),
     .status_lock_i    (status_i[0]),
     .status_diverged_i(status_i[1]),
     .status_mirror_i  (status_i[2]),
     .status_valid_i   (status_i[3]),
+    .status_alarm_i   (status_i[4]),
+    .status_good_turns_i (status_i[6:5]),
+    .turn_flags_i,
     .result_select_o, .result_i
   );
 

@@ -26,11 +26,13 @@ using capsoc::coprocessor::Options;
 namespace table = capsoc::registers::coprocessor;
 
 // Results by result_select_o.
-constexpr std::array<uint32_t, 11> result_offsets = {
-    table::RAW_U_offset,     table::RAW_V_offset,        table::CAL_S_offset,
-    table::CAL_C_offset,     table::ANGLE_offset,        table::ERR_U_offset,
-    table::ERR_V_offset,     table::RESIDUE_offset,      table::REF_PHASE_offset,
-    table::AMPLITUDE_offset, table::ERROR_AVERAGE_offset};
+constexpr std::array<uint32_t, 16> result_offsets = {
+    table::RAW_U_offset,       table::RAW_V_offset,         table::CAL_S_offset,
+    table::CAL_C_offset,       table::ANGLE_offset,         table::ERR_U_offset,
+    table::ERR_V_offset,       table::RESIDUE_offset,       table::REF_PHASE_offset,
+    table::AMPLITUDE_offset,   table::ERROR_AVERAGE_offset, table::RADIUS_MAX_offset,
+    table::RESIDUE_MAX_offset, table::WINDING_offset,       table::TURN_SAMPLES_offset,
+    table::TURN_DET_offset};
 
 constexpr uint64_t mask48 = (uint64_t{1} << 48) - 1;
 
@@ -141,10 +143,12 @@ class Bench {
   // The datapath's outputs: at a boundary what the model has after it, otherwise noise.
   void give_updates() {
     rtl_->eval();
-    rtl_->status_i = static_cast<uint8_t>(peek(model_, cycle_, table::STATUS_offset) >> 1 & 0xF);
+    const uint32_t status = peek(model_, cycle_, table::STATUS_offset);
+    rtl_->status_i = static_cast<uint8_t>((status >> 1 & 0x1F) | (status >> 12 & 3) << 5);
+    rtl_->turn_flags_i = peek(model_, cycle_, table::TURN_FLAGS_offset);
     if (!rtl_->boundary_o) {
       rtl_->write_all_i = noise_() & 1;
-      rtl_->flags_i = noise_() & 0x3F;
+      rtl_->flags_i = noise_() & 0x1FF;
       rtl_->phase_i = rtl_->freq_i = rtl_->au_i = rtl_->cv_i = noise_() & mask48;
       rtl_->a1_i = rtl_->phi_i = static_cast<uint32_t>(noise_());
       return;
@@ -171,10 +175,12 @@ class Bench {
     const auto bit = [&](uint32_t mask, unsigned position) {
       return (flags & mask) != 0 ? 1u << position : 0u;
     };
-    rtl_->flags_i = static_cast<uint8_t>(
+    rtl_->flags_i = static_cast<uint16_t>(
         bit(table::FLAGS_CLIP_mask, 0) | bit(table::FLAGS_SAT_mask, 1) |
         bit(table::FLAGS_ZERO_mask, 2) | bit(table::FLAGS_DIVERGED_mask, 3) |
-        bit(table::FLAGS_LOCKCHG_mask, 4) | bit(table::FLAGS_MIRRORCHG_mask, 5));
+        bit(table::FLAGS_LOCKCHG_mask, 4) | bit(table::FLAGS_MIRRORCHG_mask, 5) |
+        bit(table::FLAGS_TURN_mask, 6) | bit(table::FLAGS_ALARM_mask, 7) |
+        bit(table::FLAGS_UNSETTLED_mask, 8));
   }
 
   void give_result() {
@@ -191,6 +197,11 @@ class Bench {
     expect("irq", rtl_->irq_o, model_.interrupt());
     expect("busy", rtl_->busy_o, !model_.idle());
     expect("control", rtl_->control_o, model_ctrl_ & 0x1F);
+    expect("judge", rtl_->judge_o, peek(model_, cycle_, table::JUDGE_offset));
+    expect("turn limit", rtl_->turn_limit_o, peek(model_, cycle_, table::TURN_LIMIT_offset));
+    if (!rtl_->boundary_o)
+      expect("frozen", rtl_->frozen_o,
+             (peek(model_, cycle_, table::STATUS_offset) & table::STATUS_FROZEN_mask) != 0);
     const uint32_t loop = peek(model_, cycle_, table::LOOP_offset);
     expect("loop", rtl_->loop_o, (loop & 31) | (loop >> 8 & 31) << 5);
     expect("step_au", rtl_->step_au_o, peek(model_, cycle_, table::STEP_AU_offset));

@@ -67,6 +67,8 @@ int main(void) {
   const struct coprocessor_parameters* const parameters = &calibration_parameters.parameters;
   coprocessor_reset();
   coprocessor_load_parameters(parameters);
+  // A revolution of samples is no whole turn from angle to angle: LOCK without turns.
+  COPROCESSOR->JUDGE &= ~COPROCESSOR_JUDGE_TURNS_Msk;
   COPROCESSOR->CTRL = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                       COPROCESSOR_CTRL_IE_RESULT_Msk |
                       COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;

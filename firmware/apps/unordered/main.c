@@ -47,6 +47,8 @@ int main(void) {
 
   coprocessor_reset();
   coprocessor_set_steps(settings.step);
+  // Samples in any order make no turns: LOCK without them.
+  COPROCESSOR->JUDGE &= ~COPROCESSOR_JUDGE_TURNS_Msk;
   const uint32_t gates = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                          COPROCESSOR_CTRL_IE_RESULT_Msk |
                          COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;

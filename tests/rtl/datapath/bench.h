@@ -8,11 +8,14 @@
 
 #include "Vdatapath.h"
 #include "coprocessor/datapath.h"
+#include "coprocessor/register_map.h"
+#include "coprocessor/turn_judge.h"
 #include "coprocessor/types.h"
 
 namespace capsoc::rtl_test {
 
 using coprocessor::Coefficients;
+using coprocessor::JudgeSettings;
 using coprocessor::Parameters;
 using coprocessor::ReferenceState;
 using coprocessor::Settings;
@@ -30,6 +33,8 @@ struct Registers {
   bool calibrate = false;
   uint32_t lock_threshold = 1u << 21;
   uint32_t diverge_threshold = 1u << 29;
+  JudgeSettings judge;
+  bool frozen = false;
   ReferenceState reference;
   Coefficients coefficients;
   Parameters parameters;
@@ -72,6 +77,12 @@ class Bench {
     top_.step_cv_i = r.settings.steps_v.constant;
     top_.lock_threshold_i = r.lock_threshold;
     top_.diverge_threshold_i = r.diverge_threshold;
+    top_.judge_i = r.judge.radius_limit |
+                   r.judge.alarm_limit << coprocessor::judge_alarm_limit_shift |
+                   r.judge.turns << coprocessor::judge_turns_shift |
+                   (r.judge.count ? coprocessor::judge_count : 0);
+    top_.turn_limit_i = r.judge.turn_limit;
+    top_.frozen_i = r.frozen;
     top_.phase_i = r.reference.phase & mask48;
     top_.freq_i = static_cast<uint64_t>(r.reference.frequency) & mask48;
     const auto word = [](int64_t weight) { return static_cast<uint64_t>(weight) & mask48; };

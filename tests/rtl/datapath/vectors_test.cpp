@@ -31,6 +31,7 @@ using coprocessor::Weights;
 #define CAPSOC_OPERAND_BITS 32
 #define CAPSOC_REFERENCE_LEAD 0
 #define CAPSOC_STEP_SHIFT 0
+#define CAPSOC_PLAIN_ARCTANGENT 0
 #endif
 
 Options options() {
@@ -39,6 +40,7 @@ Options options() {
   out.paper_operand_bits = CAPSOC_OPERAND_BITS;
   out.paper_reference_lead = CAPSOC_REFERENCE_LEAD;
   out.paper_step_shift = CAPSOC_STEP_SHIFT;
+  out.paper_plain_arctangent = CAPSOC_PLAIN_ARCTANGENT != 0;
   return out;
 }
 
@@ -120,6 +122,13 @@ Registers random_registers(Words& w) {
   r.calibrate = !w.one_in(4);
   r.lock_threshold = static_cast<uint32_t>(w.bits() >> 32);
   r.diverge_threshold = static_cast<uint32_t>(w.bits() >> 32);
+  // Judges from none to all that pass; windows from one sample to none that ends.
+  r.judge.radius_limit = w.one_in(4) ? 0 : w.one_in(3) ? 255 : w.below(256);
+  r.judge.alarm_limit = w.one_in(3) ? 255 : w.below(256);
+  r.judge.turns = w.below(4);
+  r.judge.count = w.one_in(2);
+  r.judge.turn_limit = w.one_in(4) ? static_cast<uint32_t>(w.bits()) : w.below(24);
+  r.frozen = w.one_in(4);
   r.reference.phase = w.angle48();
   r.reference.frequency = w.word48();
   if (w.one_in(32)) {
@@ -198,6 +207,7 @@ class Pipeline {
     }
     bench_.top().clear_i = 0;
     stage_ = load_ = 0;
+    judge_ = next_judge_ = {};
     any_ = status_valid_ = status_lock_ = status_diverged_ = status_mirror_ = false;
     angle_ = result_average_ = 0;
     sum_u_ = sum_v_ = settled_ = 0;
@@ -251,6 +261,9 @@ class Pipeline {
     EXPECT_EQ(top.flag_sat_o, p.saturated);
     EXPECT_EQ(top.flag_zero_o, p.zero);
     EXPECT_EQ(top.flag_diverged_o, diverged_);
+    EXPECT_EQ(top.flag_unsettled_o, p.unsettled);
+    EXPECT_EQ(top.flag_turn_o, next_judge_.ended);
+    EXPECT_EQ(top.flag_alarm_o, next_judge_.alarm);
     EXPECT_EQ(top.flag_lockchg_o, lock_ != status_lock_);
     EXPECT_EQ(top.flag_mirrorchg_o, p.mirror != status_mirror_);
     const Parameters a = bench_.parameters();
@@ -281,7 +294,8 @@ class Pipeline {
     if (keep_parameters_) r.parameters = polar_.parameters;
     committed_ = pipe_[4];
     any_ = true;
-    status_valid_ = calibrate_ && !committed_.zero;
+    status_valid_ = calibrate_ && !committed_.zero && !committed_.unsettled;
+    judge_ = next_judge_;
     if (status_valid_) angle_ = polar_.angle;
     status_lock_ = lock_;
     status_diverged_ = diverged_;
@@ -315,14 +329,21 @@ class Pipeline {
       tracking_ = r.settings.source == ReferenceSource::tracking;
       ++vectors_;
     }
-    if (occupied(3)) datapath_.demodulation(pipe_[3], r.settings, state, learning_), ++vectors_;
+    if (occupied(3))
+      datapath_.demodulation(pipe_[3], r.settings, state, r.frozen, learning_), ++vectors_;
     if (occupied(4)) {
-      polar_ = datapath_.parameters(pipe_[4], state);
+      polar_ = datapath_.parameters(pipe_[4], r.settings, state);
       weights_ = state.coefficients;
       keep_parameters_ = r.settings.demodulate;
       calibrate_ = r.calibrate;
       average_ = coprocessor::error_average(std::max(sum_u_, sum_v_));
-      lock_ = settled_ >= 63 && average_ < r.lock_threshold;
+      const Packet& p = pipe_[4];
+      next_judge_ = coprocessor::judge(judge_,
+                                       {p.amplitude, p.det, p.residue, polar_.angle, p.clip,
+                                        p.saturated, p.zero || p.unsettled, p.mirror, p.turn},
+                                       r.judge, r.settings.source != ReferenceSource::numeric);
+      lock_ = settled_ >= 63 && average_ < r.lock_threshold && !next_judge_.alarm &&
+              next_judge_.good_turns >= r.judge.turns;
       diverged_ = settled_ >= 63 && average_ > r.diverge_threshold;
       ++vectors_;
     }
@@ -352,7 +373,8 @@ class Pipeline {
 
   void check_results() {
     const Packet p = any_ ? committed_ : Packet{};
-    const std::array<uint32_t, 11> expected = {static_cast<uint32_t>(p.u),
+    const coprocessor::TurnRecord& last = judge_.last;
+    const std::array<uint32_t, 16> expected = {static_cast<uint32_t>(p.u),
                                                static_cast<uint32_t>(p.v),
                                                static_cast<uint32_t>(p.cal_s),
                                                static_cast<uint32_t>(p.cal_c),
@@ -362,7 +384,12 @@ class Pipeline {
                                                static_cast<uint32_t>(p.residue),
                                                p.reference_phase,
                                                static_cast<uint32_t>(p.amplitude),
-                                               result_average_};
+                                               result_average_,
+                                               last.radius_max,
+                                               last.residue_max,
+                                               static_cast<uint32_t>(last.winding),
+                                               last.samples,
+                                               static_cast<uint32_t>(last.det)};
     for (unsigned i = 0; i < expected.size(); ++i)
       EXPECT_EQ(bench_.result(i), expected[i]) << "result " << i;
     Vdatapath& top = bench_.top();
@@ -370,6 +397,9 @@ class Pipeline {
     EXPECT_EQ(top.status_diverged_o, status_diverged_);
     EXPECT_EQ(top.status_mirror_o, status_mirror_);
     EXPECT_EQ(top.status_valid_o, status_valid_);
+    EXPECT_EQ(top.status_alarm_o, judge_.alarm);
+    EXPECT_EQ(top.status_good_turns_o, judge_.good_turns);
+    EXPECT_EQ(top.turn_flags_o, last.flags | uint32_t{judge_.turn_count} << 24);
   }
 
   Words words_;
@@ -388,6 +418,7 @@ class Pipeline {
   uint64_t sum_u_ = 0, sum_v_ = 0;
   Rotation load_rotation_, pending_rotation_;
   uint64_t settled_ = 0;
+  coprocessor::TurnJudge judge_, next_judge_;
   Packet committed_;
   bool any_ = false, status_valid_ = false, status_lock_ = false, status_diverged_ = false,
        status_mirror_ = false;

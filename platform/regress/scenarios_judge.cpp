@@ -1,0 +1,275 @@
+// Windows, records, alarm and freeze of the turn judge.
+#include <array>
+#include <cmath>
+
+#include "coprocessor/register_map.h"
+#include "fixed/fixed.h"
+#include "regress/scenario.h"
+
+namespace capsoc::regress {
+
+using namespace coprocessor;
+
+namespace {
+
+constexpr double tau = 6.283185307179586476925;
+constexpr int64_t turn_48 = int64_t{1} << 48;
+constexpr uint32_t limits = 51 << judge_alarm_limit_shift | 51;
+constexpr int turn_samples = 32;
+
+struct Sensor {
+  double a1 = 0.6, a2 = 0.55, b1 = 0.1, b2 = -0.05, beta = 0.2;
+};
+
+uint32_t q31(double value) {
+  return static_cast<uint32_t>(fixed::to_q31(value));
+}
+
+uint32_t judge_word(unsigned turns, bool count = false) {
+  return limits | turns << judge_turns_shift | (count ? judge_count : 0);
+}
+
+// A shaft in front of a coprocessor whose weights fit its sensor.
+class Shaft {
+ public:
+  Shaft(Bench& bench, uint32_t ctrl, double turns_a_sample, const Sensor& sensor = {})
+      : bench_(bench), sensor_(sensor) {
+    bench.drain();
+    bench.wait(2);
+    bench.write(reg_ctrl, ctrl_srst);
+    bench.write(reg_a1, q31(sensor.a1));
+    bench.write(reg_a2, q31(sensor.a2));
+    bench.write(reg_b1, q31(sensor.b1));
+    bench.write(reg_b2, q31(sensor.b2));
+    bench.write(reg_beta, static_cast<uint32_t>(
+                              static_cast<int64_t>(std::llround(sensor.beta / tau * 0x1p32))));
+    bench.write(reg_cmd, cmd_load);
+    bench.drain();
+    bench.write_pair(reg_freq_lo, std::llround(std::ldexp(turns_a_sample, 48)));
+    bench.write(reg_lock_threshold, ~0u);
+    bench.write(reg_ctrl, ctrl | ctrl_adc);
+  }
+
+  // `n` samples, `turns` further each; the vector `scale` times as long as the weights say.
+  void move(int n, double turns, double scale = 1, bool clip = false) {
+    for (int i = 0; i < n && !bench_.failed(); ++i) {
+      const double u = scale * sensor_.a1 * std::sin(angle_) + sensor_.b1;
+      const double v = scale * sensor_.a2 * std::cos(angle_ + sensor_.beta) + sensor_.b2;
+      bench_.sample(q31(u), q31(v), clip);
+      bench_.wait(32);
+      angle_ += turns * tau;
+    }
+  }
+
+  void read() {
+    bench_.drain();
+    for (uint32_t offset : {reg_turn_flags, reg_radius_max, reg_residue_max, reg_winding,
+                            reg_turn_samples, reg_turn_det, reg_status, reg_flags})
+      bench_.read(offset);
+    bench_.interrupt();
+    bench_.write(reg_flags, flags_all);
+  }
+
+ private:
+  Bench& bench_;
+  Sensor sensor_;
+  double angle_ = 0.01;
+};
+
+constexpr uint32_t source(unsigned number) {
+  return number << ctrl_ref_shift;
+}
+
+void good_and_bad_turns(Bench& bench, unsigned from, double direction) {
+  const double step = direction / turn_samples;
+  for (unsigned turns = 0; turns < 4; ++turns) {
+    Shaft shaft(bench, ctrl_calib | source(from) | ctrl_ie_turn | ctrl_ie_lock, step);
+    bench.write(reg_judge, judge_word(turns));
+    shaft.move(70, step);
+    shaft.read();
+    shaft.move(4 * turn_samples, step);
+    shaft.read();
+    shaft.move(1, step, 1, true);  // clipped: its turn is not good
+    shaft.move(2 * turn_samples, step);
+    shaft.read();
+    shaft.move(1, step, 0);  // no angle, and the radius is 0
+    shaft.move(turn_samples, step);
+    shaft.read();
+    shaft.move(1, step, 1.5);
+    shaft.move(turn_samples, step);
+    shaft.read();
+    shaft.move(5 * turn_samples, step);
+    shaft.read();
+  }
+}
+
+// Travel of a window at the borders of what is one turn, and far beyond.
+void windings(Bench& bench) {
+  for (double units : {59.5, 60.5, 61.5, 66.5, 67.5, 68.5, 95.5, 96.5, 127.0, 128.0, 190.0, 0.0})
+    for (double direction : {1.0, -1.0}) {
+      if (bench.failed()) return;
+      Shaft shaft(bench, ctrl_calib, 1.0 / turn_samples);
+      shaft.move(turn_samples + 1, direction / turn_samples);
+      shaft.move(3 * turn_samples, direction * units / 64 / turn_samples);
+      shaft.read();
+    }
+}
+
+// The vector comes back to where it was: exactly one turn of the angle.
+void exact_turns(Bench& bench) {
+  for (bool forward : {true, false}) {
+    Shaft shaft(bench, ctrl_calib | source(2), 0, {0.5, 0.5, 0, 0, 0});
+    const std::array<std::array<uint32_t, 2>, 4> corners = {
+        {{0, q31(0.5)}, {q31(0.5), 0}, {0, q31(-0.5)}, {q31(-0.5), 0}}};
+    for (unsigned i = 0; i < 30; ++i) {
+      const auto& corner = corners[(forward ? i : 4000 - i) % 4];
+      bench.sample(corner[0], corner[1]);
+      bench.wait(32);
+    }
+    shaft.read();
+  }
+}
+
+void windows_by_count(Bench& bench) {
+  const double step = 1.0 / turn_samples;
+  // Before, with and after the turn's own end.
+  for (uint32_t limit : {1u, 2u, 8u, 31u, 32u, 33u, 34u, 100u})
+    for (unsigned from : {0u, 1u, 2u})
+      for (bool count : {false, true}) {
+        if (bench.failed()) return;
+        Shaft shaft(bench, ctrl_calib | source(from) | ctrl_ie_turn, step);
+        bench.write(reg_judge, judge_word(1, count));
+        bench.write(reg_turn_limit, limit);
+        shaft.move(105, step);
+        shaft.read();
+        shaft.move(40, 0);
+        shaft.read();
+      }
+  // The clipped ones are counted to 255; then a limit that is below the count already.
+  Shaft shaft(bench, ctrl_calib, step);
+  bench.write(reg_judge, judge_word(0, true));
+  shaft.move(260, step, 1, true);
+  bench.write(reg_turn_limit, 20);
+  shaft.move(2, step);
+  shaft.read();
+}
+
+void mirrored_and_saturated(Bench& bench) {
+  const double step = 1.0 / turn_samples;
+  Shaft mirrored(bench, ctrl_calib, step, {0.5, 0.5, 0, 0, 3});
+  mirrored.move(70, step);
+  mirrored.read();
+  Shaft saturated(bench, ctrl_calib, step);
+  saturated.move(30, step);
+  bench.write_pair(reg_au_lo + 16, int64_t{3} << 45);  // c_u 1.5: the error saturates
+  saturated.move(2, step);
+  bench.write_pair(reg_au_lo + 16, 0);
+  saturated.move(70, step);
+  saturated.read();
+}
+
+// Each bit of a limit decides; the other sources' words are in the pipeline beside it.
+void limit_bits(Bench& bench, Random& random) {
+  for (unsigned bit = 0; bit < 8; ++bit)
+    for (int beside : {-3, -2, -1, 0, 1, 2, 3}) {
+      if (bench.failed()) return;
+      const uint32_t n = 1u << bit;
+      Shaft shaft(bench, ctrl_calib, 0, {0.5, 0.5, 0, 0, 0});
+      bench.write(reg_judge, n << judge_alarm_limit_shift | n | judge_count);
+      bench.write(reg_turn_limit, 3);
+      // DET is 2^29: the limit n 2^21, AMPLITUDE half the sample.
+      for (int sign : {1, -1}) {
+        const int64_t deviation = (int64_t{n} << 21) + beside;
+        const int64_t u = 2 * ((int64_t{1} << 29) + sign * deviation);
+        if (u > INT32_MAX) continue;
+        for (unsigned i = 0; i < 3; ++i) {
+          bench.sample(static_cast<uint32_t>(u), random.word32() & 1);
+          bench.wait(32);
+        }
+        shaft.read();
+      }
+    }
+  for (uint32_t n : {0u, 255u}) {
+    Shaft shaft(bench, ctrl_calib, 1.0 / turn_samples);
+    bench.write(reg_judge, n << judge_alarm_limit_shift | n);
+    for (double scale : {0.001, 1.9, 1.0}) {
+      shaft.move(40, 1.0 / turn_samples, scale);
+      shaft.read();
+    }
+  }
+}
+
+}  // namespace
+
+void run_turns(Bench& bench, Random& random, const Budget&) {
+  for (unsigned from : {0u, 1u, 2u})
+    for (double direction : {1.0, -1.0}) good_and_bad_turns(bench, from, direction);
+  windings(bench);
+  exact_turns(bench);
+  windows_by_count(bench);
+  mirrored_and_saturated(bench);
+  limit_bits(bench, random);
+  // The reference passes 0 by a hair, either way; and it stands.
+  for (int64_t frequency : {turn_48 / 8, -turn_48 / 8, int64_t{1}, int64_t{-1}, int64_t{0}})
+    for (int64_t phase : {int64_t{0}, int64_t{1}, turn_48 - 1, turn_48 / 8, turn_48 * 7 / 8,
+                          turn_48 * 7 / 8 - 1, turn_48 / 8 - 1})
+      for (unsigned from : {0u, 1u, 2u}) {
+        Shaft shaft(bench, ctrl_calib | source(from), 0);
+        bench.write_pair(reg_freq_lo, frequency);
+        bench.write_pair(reg_phase_lo, phase);
+        bench.write(reg_loop, from == 1 && phase % 2 == 0 ? 0 : 0x0A04);
+        shaft.move(9, 0.125);
+        shaft.read();
+      }
+}
+
+void run_alarm(Bench& bench, Random& random, const Budget&) {
+  const double step = 1.0 / turn_samples;
+  const uint32_t learning = ctrl_calib | ctrl_demod | ctrl_ie_alarm;
+  for (int glitches : {1, 15, 16, 17, 40})
+    for (uint32_t freeze : {0u, ctrl_freeze}) {
+      if (bench.failed()) return;
+      Shaft shaft(bench, learning | freeze, step);
+      shaft.move(70, step);
+      shaft.read();
+      shaft.move(glitches, step, 0.5);
+      bench.drain();
+      bench.interrupt();
+      bench.read(reg_status);
+      shaft.move(3, step);
+      shaft.read();  // and the flag is cleared: it comes back while there is an alarm
+      for (unsigned i = 0; i < 20; ++i) {
+        shaft.move(1, step);
+        shaft.read();
+      }
+    }
+  // By CLIP alone, in turn with good ones, and with the flag cleared at every edge of a sample's
+  // way.
+  Shaft shaft(bench, learning | ctrl_freeze, step);
+  for (unsigned i = 0; i < 30; ++i) shaft.move(1, step, 1, i % 3 != 0);
+  shaft.read();
+  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+    shaft.move(20, step, 0.3);
+    bench.drain();
+    const uint64_t begin = bench.edge();
+    shaft.move(3, step, 0.3);
+    bench.wait_until(begin + edge);
+    bench.write(reg_flags, flag_alarm);
+    if (edge % 2 == 0) bench.write(reg_ctrl, learning | ctrl_adc | (edge % 4 ? ctrl_freeze : 0));
+    bench.drain();
+    bench.read(reg_status);
+    if (edge % 2 == 0) bench.write(reg_ctrl, learning | ctrl_adc | ctrl_freeze);
+  }
+  // Settings at every edge of a sample's way.
+  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+    const uint64_t begin = bench.edge();
+    shaft.move(1, step, edge % 3 == 0 ? 1.3 : 1);
+    bench.wait_until(begin + edge);
+    bench.write(
+        edge % 2 == 0 ? reg_judge : reg_turn_limit,
+        edge % 2 == 0 ? random.word32() & judge_writable : static_cast<uint32_t>(random.below(4)));
+    shaft.read();
+  }
+}
+
+}  // namespace capsoc::regress

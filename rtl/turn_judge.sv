@@ -1,0 +1,310 @@
+// Turn judge: whether the results of the last turns can be right (docs/coprocessor.md, "Turn judge"),
+// in T4, on one adder and one memory of words. It also writes the results AMPLITUDE and
+// ERROR_AVERAGE, whose memory for the bus holds the same words as the one here.
+//
+// Words s32 or u32: DET, amplitude, deviation Q1.31; residue, angle 2^-32 turn; travel 2^-30 turn.
+// Memory, words by sample slot: 0..7 amplitude, 8..11 average, 12..15 DET, 16..19 residue; 21 deviation;
+// record of bank b: 22 + b DET, 24 + 4 b radius, residue, winding, samples.
+// Two banks take turns: one is the window under way, the other the window that ended last.
+// Writes of other stages: T2 residue in cycle 0, T0 DET in 6, T1 (precise) or T2 (paper) amplitude
+// in 11, T3 average in 26. Cycles of T4 (P product, T word, M the word that is read):
+//   0       T = DET                    12 deviation: T                25 far: deviation >= P
+//   1       record: DET = T            13 deviation: T = |M|          26 T = |residue|
+//   2 .. 9  P = |M| RADIUS_LIMIT >> 8  14 beyond: T >= P              27 greater: T > M
+//   10      T = amplitude              15 greater: T > M       28 record: residue = T
+//   11      T = T - |M|                16 record: radius = T          29 record: samples = T = M + 1
+//           (M: the record's DET)      17 .. 24 P = |M| ALARM_LIMIT   30 step; full: T >= TURN_LIMIT
+//                                                                     31 record: winding = M + step
+module turn_judge (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic        clear_i,
+  input  logic        boundary_i,
+  input  logic [ 4:0] cycle_i,
+  input  logic [ 4:0] stage_i,
+  // Words of other stages
+  input  logic [ 1:0] slot0_i,
+  input  logic [ 2:0] slot1_i,
+  input  logic [ 2:0] slot2_i,
+  input  logic [ 1:0] slot3_i,
+  input  logic [ 2:0] slot4_i,
+  input  logic        det_valid_i,
+  input  logic [31:0] det_i,
+  input  logic        amplitude_valid_i,
+  input  logic        amplitude_late_i,   // it is T2's sample's
+  input  logic [31:0] amplitude_i,
+  input  logic [31:0] residue_i,
+  input  logic [31:0] average_i,
+  // The sample in T4
+  input  logic [31:2] angle_i,            // valid in cycles 30 and 31
+  input  logic        commit_i,
+  input  logic        clip_i,
+  input  logic        saturated_i,
+  input  logic        no_angle_i,
+  input  logic        mirror_i,
+  input  logic        turn_i,
+  input  logic [ 2:0] octant_i,
+  // Registers
+  input  logic [ 1:0] ref_i,
+  input  logic [18:0] judge_i,
+  input  logic [31:0] turn_limit_i,
+  // For the bus's copy of the memory
+  output logic        write_o,
+  output logic [ 4:0] write_address_o,
+  output logic [31:0] write_data_o,
+  output logic        bank_o,             // of the window that ended last
+  output logic        any_o,              // there was one
+  output logic [31:0] turn_flags_o,
+  output logic [ 1:0] good_turns_o,
+  output logic        alarm_o,
+  // With commit_i: what this sample's commit makes of them
+  output logic        ended_o,
+  output logic        alarm_next_o,
+  output logic        permits_o           // LOCK, as far as the judge is concerned
+);
+
+  localparam logic [4:0] Deviation = 5'd21;
+
+  logic active;
+  assign active = stage_i[4];
+
+  // Registers as they were at the tick's start.
+  logic [7:0] radius_limit_q, alarm_limit_q;
+  logic [1:0] turns_q;
+  logic count_q, by_angle_q;
+  logic [31:0] turn_limit_q;
+  always_ff @(posedge clk_i) begin
+    if (boundary_i) begin
+      {count_q, turns_q, alarm_limit_q, radius_limit_q} <= judge_i;
+      turn_limit_q <= turn_limit_i;
+      by_angle_q <= ref_i != '0;
+    end
+  end
+
+  // The schedule.
+  logic multiply, alarm_product, absolute, minus_one, first;
+  logic any_sample_q;
+  // Of the adder's first word; 0: P, 1: T, 2: the step, 3: 0. One bit for each would cost a larger LUT.
+  (* fsm_encoding = "none" *) logic [1:0] a_select_q;
+  assign first = cycle_i == 5'd1;
+  assign alarm_product = cycle_i[4];
+  assign multiply = (cycle_i >= 5'd2 && cycle_i <= 5'd9) || (cycle_i >= 5'd17 && cycle_i <= 5'd24);
+  assign absolute = multiply || cycle_i == 5'd13 || cycle_i == 5'd26;
+  // T - M - 1 is negative unless T > M; P - M - 1 is negative if M >= P.
+  assign minus_one = cycle_i == 5'd14 || cycle_i == 5'd15 || cycle_i == 5'd25 || cycle_i == 5'd27;
+  // A register of its own, set a cycle ahead: the choice of three words is then one LUT a bit. A product
+  // begins with 0, in cycles 2 and 17.
+  always_ff @(posedge clk_i) begin
+    if (boundary_i) begin
+      a_select_q <= 2'd3;
+    end else if (active) begin
+      case (cycle_i)
+        5'd0, 5'd10, 5'd11, 5'd14, 5'd15, 5'd26, 5'd27: a_select_q <= 2'd1;
+        5'd30: a_select_q <= any_sample_q ? 2'd2 : 2'd3;
+        5'd1, 5'd9, 5'd12, 5'd16, 5'd25, 5'd28: a_select_q <= 2'd3;
+        default: a_select_q <= 2'd0;
+      endcase
+    end
+  end
+
+  // The word that is read, and the one that T4 writes. A record's words count from the window's second
+  // sample on.
+  logic fresh_q, bank_q;
+  logic [4:0] own_address;
+  logic of_record;
+  always_comb begin
+    of_record = 1'b0;
+    case (cycle_i)
+      5'd0: own_address = {3'b011, slot4_i[1:0]};
+      5'd10: own_address = {2'b00, slot4_i};
+      5'd12, 5'd13, 5'd14, 5'd25: own_address = Deviation;
+      5'd15, 5'd16: begin own_address = {2'b11, bank_q, 2'd0}; of_record = 1'b1; end
+      5'd26: own_address = {3'b100, slot4_i[1:0]};
+      5'd27, 5'd28: begin own_address = {2'b11, bank_q, 2'd1}; of_record = 1'b1; end
+      5'd29: begin own_address = {2'b11, bank_q, 2'd3}; of_record = 1'b1; end
+      5'd31: begin own_address = {2'b11, bank_q, 2'd2}; of_record = 1'b1; end
+      default: own_address = {4'b1011, bank_q};
+    endcase
+  end
+
+  logic [31:0] words[0:31];
+  logic [31:0] word;
+  assign word = words[own_address];
+
+  // Adder: A is P, T, the step or 0; B is M or 0, added or subtracted. A sum of 34 bits.
+  logic [32:0] product_q;
+  logic [32:0] word_q;
+  logic [29:0] step_q;
+  logic [33:0] a, b;
+  logic use_b, minus, carry, is_signed, limit_bit;
+  logic [2:0] bit_number;
+  assign bit_number = cycle_i[2:0] - (alarm_product ? 3'd1 : 3'd2);
+  assign limit_bit = alarm_product ? alarm_limit_q[bit_number] : radius_limit_q[bit_number];
+  always_comb begin
+    if (multiply) use_b = limit_bit;
+    else if (first || cycle_i == 5'd12 || cycle_i == 5'd16 || cycle_i == 5'd28) use_b = 1'b0;
+    else use_b = !(of_record && fresh_q);
+  end
+  assign is_signed = absolute || cycle_i == 5'd11 || cycle_i == 5'd31;
+  assign minus = absolute ? word[31] && use_b : cycle_i == 5'd11 ? !word[31] : minus_one;
+  assign carry = cycle_i == 5'd29 || (minus && !minus_one);
+  always_comb begin
+    case (a_select_q)
+      2'd0: a = {1'b0, product_q};
+      2'd1: a = {word_q[32], word_q};
+      2'd2: a = {{4{step_q[29]}}, step_q};
+      default: a = '0;
+    endcase
+  end
+  assign b = {{2{is_signed && word[31]}}, word} & {34{use_b}};
+  logic [33:0] sum;
+  add_subtract #(.Width(34)) u_sum (
+    .a_i(a), .b_i(b), .minus_i(minus), .carry_i(carry), .sum_o(sum)
+  );
+
+  // What the cycles find; beyond, far and full wait for the commit.
+  logic beyond_q, far_q, greater_q, full_q;
+  always_ff @(posedge clk_i) begin
+    if (active) begin
+      if (multiply) product_q <= sum[33:1];
+      if (cycle_i == 5'd0 || cycle_i == 5'd10 || cycle_i == 5'd11 || cycle_i == 5'd13 || cycle_i == 5'd26 ||
+          cycle_i == 5'd29) word_q <= sum[32:0];
+      if (cycle_i == 5'd14) beyond_q <= sum[33];
+      if (cycle_i == 5'd25) far_q <= sum[33];
+      if (cycle_i == 5'd15 || cycle_i == 5'd27) greater_q <= !sum[33] || fresh_q;
+      if (cycle_i == 5'd30) full_q <= word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
+    end
+  end
+
+  // Writing: one port for everybody.
+  logic residue_valid, average_valid, own;
+  assign residue_valid = stage_i[2] && cycle_i == 5'd0;
+  assign average_valid = stage_i[3] && cycle_i == 5'd26;
+  always_comb begin
+    case (cycle_i)
+      5'd1, 5'd12, 5'd13, 5'd29, 5'd31: own = 1'b1;
+      5'd16, 5'd28: own = greater_q;
+      default: own = 1'b0;
+    endcase
+  end
+  logic [31:0] stage_word;
+  assign stage_word = det_valid_i ? det_i : average_valid ? average_i : amplitude_i;
+  assign write_o = residue_valid || det_valid_i || amplitude_valid_i || average_valid ||
+      (active && own);
+  always_comb begin
+    if (residue_valid) write_data_o = residue_i;
+    else if (det_valid_i || amplitude_valid_i || average_valid) write_data_o = stage_word;
+    else write_data_o = sum[31:0];
+  end
+  always_comb begin
+    if (residue_valid) write_address_o = {3'b100, slot2_i[1:0]};
+    else if (det_valid_i) write_address_o = {3'b011, slot0_i};
+    else if (amplitude_valid_i) write_address_o = {2'b00, amplitude_late_i ? slot2_i : slot1_i};
+    else if (average_valid) write_address_o = {3'b010, slot3_i};
+    else write_address_o = own_address;
+  end
+  always_ff @(posedge clk_i) begin
+    if (write_o) words[write_address_o] <= write_data_o;
+  end
+
+  // The angle's way. The step is taken in cycle 30, before the angle is the last one.
+  logic [29:0] last_angle_q, step_d;
+  add_subtract #(.Width(30)) u_step (
+    .a_i(angle_i), .b_i(last_angle_q), .minus_i(1'b1), .carry_i(1'b1), .sum_o(step_d)
+  );
+  always_ff @(posedge clk_i) begin
+    if (active && cycle_i == 5'd30) step_q <= step_d;
+    if (commit_i) last_angle_q <= angle_i;
+  end
+
+  // The window's flags with this sample.
+  logic [7:0] octants_q, octants, clipped_q, clipped;
+  logic radius_q, wild_q, mirror_q, no_angle_q, saturated_q;
+  logic radius, wild, mirror, no_angle, saturated;
+  assign octants = (octants_q & {8{!fresh_q}}) | (8'd1 << octant_i);
+  assign clipped = (clipped_q & {8{!fresh_q}}) +
+      8'(clip_i && !(&clipped_q && !fresh_q));
+  assign radius = (radius_q && !fresh_q) || (beyond_q && radius_limit_q != '0);
+  assign wild = (wild_q && !fresh_q) || sum[31:29] == 3'b100 || sum[31:29] == 3'b011;
+  assign mirror = (mirror_q && !fresh_q) || mirror_i;
+  assign no_angle = (no_angle_q && !fresh_q) || no_angle_i;
+  assign saturated = (saturated_q && !fresh_q) || saturated_i;
+  always_ff @(posedge clk_i) begin
+    if (commit_i) begin
+      octants_q <= octants;
+      clipped_q <= clipped;
+      {radius_q, wild_q, mirror_q, no_angle_q, saturated_q} <=
+          {radius, wild, mirror, no_angle, saturated};
+    end
+  end
+
+  // Its end.
+  logic complete, timeout, one_turn, winding, good;
+  logic [6:0] upper;  // 1/64 turn: 61 .. 66 and -67 .. -62 differ in the sign alone
+  assign upper = sum[30:24];
+  assign complete = !count_q && (by_angle_q ? sum[31] != sum[30] : turn_i);
+  assign ended_o = complete || full_q;
+  assign timeout = full_q && !complete && !count_q;
+  always_comb begin
+    case (upper)
+      7'd61, 7'd62, 7'd63, 7'd64, 7'd65, 7'd66: one_turn = 1'b1;
+      default: one_turn = 1'b0;
+    endcase
+  end
+  assign winding = wild || !one_turn;
+  assign good = &octants && clipped == '0 && !(timeout || radius || mirror || no_angle || saturated) &&
+      (count_q || !winding);
+
+  // The alarm.
+  logic [4:0] glitches_q, glitches;
+  logic glitch, alarm_q;
+  assign glitch = (far_q && alarm_limit_q != '0) || clip_i;
+  always_comb begin
+    glitches = glitches_q + {{4{!glitch}}, 1'b1};
+    if (glitch ? glitches_q[4] : glitches_q == '0) glitches = glitches_q;
+  end
+  assign alarm_next_o = glitches[4] || (alarm_q && glitches != '0);
+
+  logic [1:0] good_turns_q, good_turns;
+  always_comb begin
+    good_turns = good_turns_q;
+    if (ended_o) good_turns = good ? good_turns_q + 2'(good_turns_q != 2'd3) : '0;
+    if (alarm_next_o) good_turns = '0;
+  end
+  assign permits_o = !alarm_next_o && good_turns >= turns_q;
+
+  logic any_q;
+  logic [7:0] turn_count_q;
+  logic [22:0] flags, flags_q;
+  assign flags = {good, saturated, no_angle, mirror, winding, radius, timeout, clipped, octants};
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      {fresh_q, bank_q, any_q, any_sample_q, alarm_q} <= 5'b10000;
+      {glitches_q, good_turns_q, turn_count_q, flags_q} <= '0;
+    end else if (clear_i) begin
+      {fresh_q, bank_q, any_q, any_sample_q, alarm_q} <= 5'b10000;
+      {glitches_q, good_turns_q, turn_count_q, flags_q} <= '0;
+    end else if (commit_i) begin
+      fresh_q <= ended_o;
+      any_sample_q <= 1'b1;
+      alarm_q <= alarm_next_o;
+      glitches_q <= glitches;
+      good_turns_q <= good_turns;
+      if (ended_o) begin
+        bank_q <= !bank_q;
+        any_q <= 1'b1;
+        turn_count_q <= turn_count_q + 8'd1;
+        flags_q <= flags;
+      end
+    end
+  end
+  assign bank_o = !bank_q;
+  assign any_o = any_q;
+  assign turn_flags_o = {turn_count_q, 1'b0, flags_q};
+  assign good_turns_o = good_turns_q;
+  assign alarm_o = alarm_q;
+
+  logic unused_bits;
+  assign unused_bits = ^stage_i[1:0];
+
+endmodule
