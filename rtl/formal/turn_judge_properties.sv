@@ -123,7 +123,7 @@ module turn_judge_properties (
   logic follows = 1'b0;
   logic [1:0] choice_was;
   always @(posedge clk_i) begin
-    follows    <= boundary_i || active;
+    follows    <= boundary_i || (active && cycle_i != 5'd31);  // cycle 0 comes after a boundary alone
     choice_was <= boundary_i ? 2'd3 : choice(cycle_i + 5'd1, \dut.any_sample_q );
   end
 

@@ -249,7 +249,8 @@ TEST(PaperUnits, ArctangentReachesThePapersFigure) {
   EXPECT_GT(arctangent_error(0.1, 32), 0.1) << "the loop is too slow for small amplitudes";
 }
 
-// Shifted and folded, the loop converges for every vector; the magnitude is the one along the angle.
+// Shifted and folded, the loop converges for every vector; the magnitude is the one along the
+// angle.
 TEST(PaperPolar, ConvergesAtEveryAmplitude) {
   std::mt19937_64 random(5);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
