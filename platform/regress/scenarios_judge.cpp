@@ -152,6 +152,10 @@ void windows_by_count(Bench& bench) {
   bench.write(reg_turn_limit, 20);
   shaft.move(2, step);
   shaft.read();
+  // Every sample a window: TURN_COUNT passes 255.
+  bench.write(reg_turn_limit, 1);
+  shaft.move(256, step);
+  shaft.read();
 }
 
 void mirrored_and_saturated(Bench& bench) {

@@ -31,6 +31,7 @@ module paper_bench (
   output logic signed [31:0] lookup_cosine_o,
   output logic signed [31:0] cal_s_o,
   output logic signed [31:0] cal_c_o,
+  output logic signed [31:0] det_o,
   output logic               mirror_o,
   output logic               calibrator_saturated_o,
   output logic signed [31:0] error_u_o,
@@ -50,12 +51,21 @@ module paper_bench (
   output logic signed [31:0] a2_o,
   output logic        [31:0] beta_o,
   output logic        [31:0] phi_o,
+  output logic               parameters_settled_o,
   output logic               parameters_saturated_o,
-  // Arctangents of (u, v) with narrower operands
+  // Arctangents of (u, v) with narrower operands; of 2 and 16 bits, as the paper has them
   output logic        [31:0] angle_2_o,
+  output logic        [31:0] magnitude_2_o,
+  output logic               settled_2_o,
   output logic        [31:0] angle_16_o,
+  output logic        [31:0] magnitude_16_o,
+  output logic               settled_16_o,
   output logic        [31:0] angle_18_o,
-  output logic        [31:0] angle_19_o
+  output logic        [31:0] magnitude_18_o,
+  output logic               settled_18_o,
+  output logic        [31:0] angle_19_o,
+  output logic        [31:0] magnitude_19_o,
+  output logic               settled_19_o
 );
 
   paper_lookup u_lookup (
@@ -67,7 +77,7 @@ module paper_bench (
   paper_calibrator u_calibrator (
     .clk_i, .rst_ni, .run_i, .cycle_i,
     .u_i, .v_i, .a1_i, .a2_i, .b1_i, .b2_i, .beta_i,
-    .cal_s_o, .cal_c_o, .mirror_o, .saturated_o(calibrator_saturated_o)
+    .cal_s_o, .cal_c_o, .det_o, .mirror_o, .saturated_o(calibrator_saturated_o)
   );
 
   paper_lms u_lms (
@@ -93,20 +103,25 @@ module paper_bench (
   paper_parameters u_parameters (
     .clk_i, .rst_ni, .run_i, .cycle_i,
     .au_i, .bu_i, .av_i, .bv_i,
-    .a1_o, .a2_o, .beta_o, .phi_o, .saturated_o(parameters_saturated_o)
+    .a1_o, .a2_o, .beta_o, .phi_o, .settled_o(parameters_settled_o),
+    .saturated_o(parameters_saturated_o)
   );
 
-  paper_arctangent #(.OperandBits(2)) u_arctangent_2 (
-    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_2_o)
+  paper_arctangent #(.OperandBits(2), .Plain(1)) u_arctangent_2 (
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i),
+    .angle_o(angle_2_o), .magnitude_o(magnitude_2_o), .settled_o(settled_2_o)
   );
-  paper_arctangent #(.OperandBits(16)) u_arctangent_16 (
-    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_16_o)
+  paper_arctangent #(.OperandBits(16), .Plain(1)) u_arctangent_16 (
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i),
+    .angle_o(angle_16_o), .magnitude_o(magnitude_16_o), .settled_o(settled_16_o)
   );
   paper_arctangent #(.OperandBits(18)) u_arctangent_18 (
-    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_18_o)
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i),
+    .angle_o(angle_18_o), .magnitude_o(magnitude_18_o), .settled_o(settled_18_o)
   );
   paper_arctangent #(.OperandBits(19)) u_arctangent_19 (
-    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i), .angle_o(angle_19_o)
+    .clk_i, .rst_ni, .run_i, .cycle_i, .y_i(u_i), .x_i(v_i),
+    .angle_o(angle_19_o), .magnitude_o(magnitude_19_o), .settled_o(settled_19_o)
   );
 
 endmodule

@@ -99,6 +99,7 @@ TEST_F(PaperUnits, CalibratorAgrees) {
     const Calibrated expected = calibrate_paper(u, v, p);
     ASSERT_EQ(as_signed(top.cal_s_o), static_cast<int32_t>(expected.s)) << i;
     ASSERT_EQ(as_signed(top.cal_c_o), static_cast<int32_t>(expected.c)) << i;
+    ASSERT_EQ(as_signed(top.det_o), expected.det) << i;
     ASSERT_EQ(top.mirror_o, expected.mirror) << i;
     ASSERT_EQ(top.calibrator_saturated_o, expected.saturated) << i;
   }
@@ -170,12 +171,15 @@ TEST_F(PaperUnits, ParametersAgree) {
     top.bv_i = static_cast<uint64_t>(state.coefficients.v.cosine) & mask;
     tick();
     Packet packet;
-    const Parameters expected = datapath.parameters(packet, state).parameters;
+    Settings settings;
+    settings.demodulate = true;
+    const Parameters expected = datapath.parameters(packet, settings, state).parameters;
     SCOPED_TRACE(::testing::Message() << au << " " << bu << " " << av << " " << bv);
     ASSERT_EQ(as_signed(top.a1_o), expected.a1);
     ASSERT_EQ(as_signed(top.a2_o), expected.a2);
     ASSERT_EQ(top.phi_o, expected.phi);
     ASSERT_EQ(top.beta_o, expected.beta);
+    ASSERT_EQ(top.parameters_settled_o, !packet.unsettled);
     ASSERT_EQ(top.parameters_saturated_o, packet.saturated);
   };
   constexpr std::array<int32_t, 6> corners = {0, INT32_MIN, INT32_MAX, 1, -1, 1 << 30};
@@ -187,7 +191,15 @@ TEST_F(PaperUnits, ParametersAgree) {
   for (int i = 0; i < 5000; ++i) check(moderate(), moderate(), moderate(), moderate());
 }
 
+// Plain, the loop settles for some vectors alone.
 TEST_F(PaperUnits, NarrowArctangentsAgree) {
+  unsigned settled = 0;
+  const auto agree = [](uint32_t angle, uint32_t magnitude, bool is_settled,
+                        const paper::Polar& expected) {
+    ASSERT_EQ(angle, expected.angle);
+    ASSERT_EQ(as_signed(magnitude), expected.magnitude);
+    ASSERT_EQ(is_settled, expected.settled);
+  };
   for (int i = 0; i < 10000; ++i) {
     const int32_t y = word();
     const int32_t x = word();
@@ -195,11 +207,15 @@ TEST_F(PaperUnits, NarrowArctangentsAgree) {
     top.v_i = static_cast<uint32_t>(x);
     tick();
     SCOPED_TRACE(::testing::Message() << y << " " << x);
-    ASSERT_EQ(top.angle_2_o, paper::arctangent(y, x, 2));
-    ASSERT_EQ(top.angle_16_o, paper::arctangent(y, x, 16));
-    ASSERT_EQ(top.angle_18_o, paper::arctangent(y, x, 18));
-    ASSERT_EQ(top.angle_19_o, paper::arctangent(y, x, 19));
+    agree(top.angle_2_o, top.magnitude_2_o, top.settled_2_o, paper::to_polar(y, x, 2, true));
+    agree(top.angle_16_o, top.magnitude_16_o, top.settled_16_o, paper::to_polar(y, x, 16, true));
+    agree(top.angle_18_o, top.magnitude_18_o, top.settled_18_o, paper::to_polar(y, x, 18, false));
+    agree(top.angle_19_o, top.magnitude_19_o, top.settled_19_o, paper::to_polar(y, x, 19, false));
+    if (HasFatalFailure()) return;
+    settled += top.settled_16_o;
   }
+  EXPECT_GT(settled, 100u);
+  EXPECT_LT(settled, 9900u);
 }
 
 // What the skipping of idle clock cycles relies on.
