@@ -11,7 +11,8 @@ constexpr NodeFormat flag{1, false, 0, Meaning::word}, upper{4, true, 0, Meaning
     q1_31{32, true, 31, Meaning::number}, average{32, false, 31, Meaning::number},
     q2_46{48, true, 46, Meaning::number}, angle{32, false, 32, Meaning::turns},
     residue{32, true, 32, Meaning::turns}, phase{48, false, 48, Meaning::turns},
-    frequency{48, true, 48, Meaning::turns};
+    frequency{48, true, 48, Meaning::turns}, travel{32, true, 30, Meaning::turns},
+    deviation{32, false, 31, Meaning::number}, count{5, false, 0, Meaning::word};
 
 struct Named {
   std::string_view name;
@@ -30,10 +31,12 @@ constexpr Named formats[] = {
     {"mirror", flag},
     {"cal_s", q1_31},
     {"cal_c", q1_31},
+    {"det", q1_31},
     {"saturated_t0", flag},
     {"relative", angle},
     {"amplitude", q1_31},
     {"zero", flag},
+    {"unsettled_t1", flag},
     {"saturated_t1", flag},
     {"reference_phase", angle},
     {"residue", residue},
@@ -41,6 +44,7 @@ constexpr Named formats[] = {
     {"cosine", q1_31},
     {"next_phase", phase},
     {"next_frequency", frequency},
+    {"turn", flag},
     {"saturated_t2", flag},
     {"error_u", q1_31},
     {"error_v", q1_31},
@@ -60,6 +64,9 @@ constexpr Named formats[] = {
     {"found_b2", q1_31},
     {"found_angle", angle},
     {"saturated", flag},
+    {"deviation", deviation},
+    {"travel", travel},
+    {"glitches", count},
     {"phase", phase},
     {"frequency", frequency},
     {"a_u", q2_46},
@@ -79,6 +86,7 @@ constexpr Named formats[] = {
     {"status", word},
     {"flags", word},
     {"samples", word},
+    {"turn_flags", word},
 };
 
 }  // namespace

@@ -49,6 +49,8 @@ TEST(NodeFormat, Values) {
   EXPECT_DOUBLE_EQ(node_format("angle").value(0xC0000000), 270);
   EXPECT_DOUBLE_EQ(node_format("residue").value(-0x40000000), -90);
   EXPECT_DOUBLE_EQ(node_format("frequency").value(int64_t{1} << 46), 90);
+  EXPECT_DOUBLE_EQ(node_format("travel").value(-(int64_t{1} << 28)), -90);
+  EXPECT_DOUBLE_EQ(node_format("deviation").value(0xC0000000), 1.5);
   EXPECT_DOUBLE_EQ(node_format("samples").value(7), 7);
 }
 
