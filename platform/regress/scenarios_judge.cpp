@@ -172,6 +172,35 @@ void mirrored_and_saturated(Bench& bench) {
   saturated.read();
 }
 
+// Windows in which a single thing is wrong: a sample without an angle, or one octant that is
+// missing.
+void one_reason(Bench& bench) {
+  const Sensor centred = {0.5, 0.5, 0, 0, 0};
+  for (unsigned from : {0u, 1u, 2u}) {
+    if (bench.failed()) return;
+    Shaft zero(bench, ctrl_calib | source(from), 1.0 / turn_samples, centred);
+    bench.write(reg_judge, 1u << judge_turns_shift | judge_count);  // no limit: 0 is no radius
+    bench.write(reg_turn_limit, turn_samples);
+    zero.move(3 * turn_samples + 5, 1.0 / turn_samples);
+    zero.read();
+    zero.move(1, 1.0 / turn_samples, 0);
+    zero.move(turn_samples - 1, 1.0 / turn_samples);
+    zero.read();
+    zero.move(turn_samples, 1.0 / turn_samples);
+    zero.read();
+    Shaft missing(bench, ctrl_calib | source(from), 0.125, centred);
+    bench.write(reg_judge, judge_word(1, true));
+    bench.write(reg_turn_limit, 7);
+    for (unsigned i = 0; i < 8; ++i) {  // each window misses another octant
+      missing.move(7, 0.125);
+      missing.read();
+    }
+    bench.write(reg_turn_limit, 8);
+    missing.move(16, 0.125);
+    missing.read();
+  }
+}
+
 // Each bit of a limit decides; the other sources' words are in the pipeline beside it.
 void limit_bits(Bench& bench, Random& random) {
   for (unsigned bit = 0; bit < 8; ++bit)
@@ -212,6 +241,7 @@ void run_turns(Bench& bench, Random& random, const Budget&) {
   exact_turns(bench);
   windows_by_count(bench);
   mirrored_and_saturated(bench);
+  one_reason(bench);
   limit_bits(bench, random);
   // The reference passes 0 by a hair, either way; and it stands.
   for (int64_t frequency : {turn_48 / 8, -turn_48 / 8, int64_t{1}, int64_t{-1}, int64_t{0}})
