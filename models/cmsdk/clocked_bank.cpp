@@ -1,14 +1,11 @@
 #include "cmsdk/clocked_bank.h"
 
 namespace capsoc::peripherals {
-namespace {
-
-constexpr uint64_t device_size = 4096;
-
-}  // namespace
+namespace {}  // namespace
 
 ClockedBank::ClockedBank(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
-    : RegisterBank(name, device_size, tlm_util::AccessRule::any_width, tlm_util::Holes::reads_zero),
+    : RegisterBank(name, tlm_util::device_size, tlm_util::AccessRule::any_width,
+                   tlm_util::Holes::reads_zero),
       clock_(clock) {
   sc_core::sc_spawn_options options;
   options.spawn_method();

@@ -8,8 +8,7 @@ namespace {
 using registers::Access;
 using registers::RegisterDescription;
 
-constexpr uint8_t part_number = 0x23;
-constexpr uint32_t all_bits = 0xffffffff;
+using tlm_util::all_bits;
 constexpr uint32_t unit_size = 0x20;
 constexpr uint32_t control_bits = DualTimer::control_one_shot | DualTimer::control_32_bit |
                                   DualTimer::control_prescale | DualTimer::control_interrupt |
@@ -108,7 +107,7 @@ DualTimer::DualTimer(const sc_core::sc_module_name& name, tlm_util::ClockDomain&
       timer2(*this, 1),
       ITCR(*this, describe_register("TIMERITCR", 0xf00, Access::read_write, 1)),
       ITOP(*this, describe_register("TIMERITOP", 0xf04, Access::write_only, 3)),
-      id(*this, part_number) {
+      id(*this, PartNumber::dual_timer) {
   for (tlm_util::Register* test : {&ITCR, &ITOP})
     test->on_write([this, test](uint32_t value) {
       test->store(value);

@@ -6,7 +6,6 @@ namespace {
 using registers::Access;
 using registers::RegisterDescription;
 
-constexpr uint8_t part_number = 0x20;
 constexpr uint32_t pin_bits = 0xffff;
 
 // MASKLOWBYTE and MASKHIGHBYTE: address bits 9 to 2 are the mask of one byte of the port.
@@ -14,8 +13,8 @@ constexpr uint32_t low_mask_base = 0x400;
 constexpr uint32_t high_mask_base = 0x800;
 constexpr uint32_t mask_end = 0xc00;
 
-constexpr RegisterDescription interrupt_description = {
-    "INTSTATUS", 0x038, Access::read_write, 0, 0, pin_bits, pin_bits};
+constexpr RegisterDescription gpio_interrupts = {"INTSTATUS", 0x038,   Access::read_write, 0, 0,
+                                                 pin_bits,    pin_bits};
 
 RegisterDescription pin_register(const char* name, uint32_t offset) {
   return describe_register(name, offset, Access::read_write, pin_bits);
@@ -50,8 +49,8 @@ Gpio::Gpio(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
       INTTYPECLR(*this, pin_register("INTTYPECLR", 0x02c)),
       INTPOLSET(*this, pin_register("INTPOLSET", 0x030)),
       INTPOLCLR(*this, pin_register("INTPOLCLR", 0x034)),
-      INTSTATUS(*this, interrupt_description),
-      id(*this, part_number) {
+      INTSTATUS(*this, gpio_interrupts),
+      id(*this, PartNumber::gpio) {
   DATA.on_peek([this] { return uint32_t{sampled_}; });
   DATA.on_write([this](uint32_t value) { write_output(static_cast<uint16_t>(value)); });
   DATAOUT.on_write([this](uint32_t value) { write_output(static_cast<uint16_t>(value)); });

@@ -12,17 +12,25 @@ RegisterDescription describe_register(const char* name, uint32_t offset, Access 
   return {name, offset, access, 0, writable, 0, readable};
 }
 
-IdRegisters::IdRegisters(tlm_util::RegisterBank& bank, uint8_t part_number) {
+IdRegisters::IdRegisters(tlm_util::RegisterBank& bank, PartNumber part) {
   struct Id {
     const char* name;
     uint32_t offset;
     uint8_t value;
   };
   const Id ids[] = {
-      {"PID4", 0xfd0, 0x04}, {"PID5", 0xfd4, 0x00},        {"PID6", 0xfd8, 0x00},
-      {"PID7", 0xfdc, 0x00}, {"PID0", 0xfe0, part_number}, {"PID1", 0xfe4, 0xb8},
-      {"PID2", 0xfe8, 0x1b}, {"PID3", 0xfec, 0x00},        {"CID0", 0xff0, 0x0d},
-      {"CID1", 0xff4, 0xf0}, {"CID2", 0xff8, 0x05},        {"CID3", 0xffc, 0xb1},
+      {"PID4", 0xfd0, 0x04},
+      {"PID5", 0xfd4, 0x00},
+      {"PID6", 0xfd8, 0x00},
+      {"PID7", 0xfdc, 0x00},
+      {"PID0", 0xfe0, static_cast<uint8_t>(part)},
+      {"PID1", 0xfe4, 0xb8},
+      {"PID2", 0xfe8, 0x1b},
+      {"PID3", 0xfec, 0x00},
+      {"CID0", 0xff0, 0x0d},
+      {"CID1", 0xff4, 0xf0},
+      {"CID2", 0xff8, 0x05},
+      {"CID3", 0xffc, 0xb1},
   };
   for (const Id& id : ids) {
     RegisterDescription description =

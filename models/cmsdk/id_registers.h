@@ -9,11 +9,20 @@
 
 namespace capsoc::peripherals {
 
+/// PID0 of the peripherals (DDI 0479).
+enum class PartNumber : uint8_t {
+  gpio = 0x20,
+  uart = 0x21,
+  timer = 0x22,
+  dual_timer = 0x23,
+  watchdog = 0x24
+};
+
 /// PID4 to PID7 at 0xFD0, PID0 to PID3 at 0xFE0, CID0 to CID3 at 0xFF0, eight bits each, read-only
 /// (CMSDK technical reference manual, DDI 0479). Only PID0, the part number, differs.
 class IdRegisters {
  public:
-  IdRegisters(tlm_util::RegisterBank& bank, uint8_t part_number);
+  IdRegisters(tlm_util::RegisterBank& bank, PartNumber part);
 
  private:
   std::vector<std::unique_ptr<tlm_util::Register>> registers_;

@@ -5,10 +5,9 @@ namespace {
 
 using registers::Access;
 
-constexpr uint8_t part_number = 0x22;
-constexpr uint32_t all_bits = 0xffffffff;
+using tlm_util::all_bits;
 
-constexpr registers::RegisterDescription interrupt_description = {
+constexpr registers::RegisterDescription timer_interrupts = {
     "INTSTATUS", 0x00c, Access::read_write, 0, 0, 1, 1};
 
 }  // namespace
@@ -18,8 +17,8 @@ Timer::Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
       CTRL(*this, describe_register("CTRL", 0x000, Access::read_write, 0xf)),
       VALUE(*this, describe_register("VALUE", 0x004, Access::read_write, all_bits)),
       RELOAD(*this, describe_register("RELOAD", 0x008, Access::read_write, all_bits)),
-      INTSTATUS(*this, interrupt_description),
-      id(*this, part_number) {
+      INTSTATUS(*this, timer_interrupts),
+      id(*this, PartNumber::timer) {
   CTRL.on_write([this](uint32_t value) {
     CTRL.store(value);
     const bool external = CTRL.any(ctrl_external_enable | ctrl_external_clock);

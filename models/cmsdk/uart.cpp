@@ -11,11 +11,9 @@ namespace {
 
 using registers::Access;
 
-constexpr uint8_t part_number = 0x21;
-
 constexpr registers::RegisterDescription state_description = {
     "STATE", 0x004, Access::read_write, 0, 0, Uart::state_tx_overrun | Uart::state_rx_overrun, 0xf};
-constexpr registers::RegisterDescription interrupt_description = {
+constexpr registers::RegisterDescription uart_interrupts = {
     "INTSTATUS", 0x00c, Access::read_write, 0, 0, 0xf, 0xf};
 
 }  // namespace
@@ -25,9 +23,9 @@ Uart::Uart(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
       DATA(*this, describe_register("DATA", 0x000, Access::read_write, 0xff)),
       STATE(*this, state_description),
       CTRL(*this, describe_register("CTRL", 0x008, Access::read_write, 0x7f)),
-      INTSTATUS(*this, interrupt_description),
+      INTSTATUS(*this, uart_interrupts),
       BAUDDIV(*this, describe_register("BAUDDIV", 0x010, Access::read_write, 0xfffff)),
-      id(*this, part_number) {
+      id(*this, PartNumber::uart) {
   connect_registers();
 }
 

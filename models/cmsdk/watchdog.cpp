@@ -8,8 +8,7 @@ namespace {
 using registers::Access;
 using registers::RegisterDescription;
 
-constexpr uint8_t part_number = 0x24;
-constexpr uint32_t all_bits = 0xffffffff;
+using tlm_util::all_bits;
 constexpr uint32_t lock_offset = 0xc00;
 constexpr uint32_t test_reset = 1u << 0;
 constexpr uint32_t test_interrupt = 1u << 1;
@@ -33,7 +32,7 @@ Watchdog::Watchdog(const sc_core::sc_module_name& name, tlm_util::ClockDomain& c
       LOCK(*this, describe_register("WDOGLOCK", lock_offset, Access::read_write, all_bits)),
       ITCR(*this, describe_register("WDOGITCR", 0xf00, Access::read_write, 1)),
       ITOP(*this, describe_register("WDOGITOP", 0xf04, Access::write_only, 3)),
-      id(*this, part_number) {
+      id(*this, PartNumber::watchdog) {
   LOAD.on_write([this](uint32_t value) {
     LOAD.store(value);
     restart();

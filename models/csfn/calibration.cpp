@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::csfn {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// Sines and cosines of the angle and its multiples, from one call of each.
 struct Phase {

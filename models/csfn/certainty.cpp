@@ -6,11 +6,11 @@
 #include "csfn/calibration.h"
 #include "csfn/circle_plane.h"
 #include "csfn/distributions.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr int angles = 180;
 
 using Square = Eigen::Matrix<double, 5, 5>;

@@ -4,12 +4,12 @@
 #include <complex>
 
 #include "csfn/linear_algebra.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr int iteration_limit = 40;
+constexpr int curve_iterations = 40;
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -78,7 +78,7 @@ class Unknowns {
 constexpr int spread_orders = 3;
 
 /// What a step needs, summed over the samples.
-struct Sums {
+struct CurveSums {
   Eigen::Matrix<double, curve_terms, curve_terms> jtj;
   CurveVector jtr = CurveVector::Zero();
   double square = 0;     ///< of the distances
@@ -86,7 +86,7 @@ struct Sums {
   std::array<std::complex<double>, 13> order{};
 };
 
-/// Sums of e^(i m theta), m = 1 .. 3, and their derivatives by the terms.
+/// CurveSums of e^(i m theta), m = 1 .. 3, and their derivatives by the terms.
 struct Spread {
   std::array<std::complex<double>, spread_orders> sum{};
   Eigen::Matrix<std::complex<double>, curve_terms, spread_orders> by_terms;
@@ -94,7 +94,7 @@ struct Spread {
 
 /// Means of N random directions have a variance of 1/(2N) in the real and the imaginary part each;
 /// in units of the distances' variance they count as two more samples an order.
-void add_spread(const Spread& spread, double count, double noise, Sums& sums) {
+void add_spread(const Spread& spread, double count, double noise, CurveSums& sums) {
   const double weight = noise * std::sqrt(2 * count) / count;
   for (int m = 0; m < spread_orders; ++m) {
     for (const bool real : {true, false}) {
@@ -111,8 +111,9 @@ void add_spread(const Spread& spread, double count, double noise, Sums& sums) {
   }
 }
 
-Sums sums_of(const Channel& u, const Channel& v, const SignalModel& model, double angle_noise) {
-  Sums sums;
+CurveSums sums_of(const Channel& u, const Channel& v, const SignalModel& model,
+                  double angle_noise) {
+  CurveSums sums;
   sums.jtj.setZero();
   Spread spread;
   spread.by_terms.setZero();
@@ -195,10 +196,10 @@ CurveFit fit_curve(const Channel& u, const Channel& v, const SignalModel& start,
                    CurveShape shape, double angle_noise) {
   const Unknowns unknowns(highest, shape);
   Vector x = unknowns.of(start);
-  Sums sums = sums_of(u, v, to_model(unknowns.terms(x)), angle_noise);
+  CurveSums sums = sums_of(u, v, to_model(unknowns.terms(x)), angle_noise);
   double damping = 1e-6;
   CurveFit fit;
-  for (int iteration = 0; iteration < iteration_limit; ++iteration) {
+  for (int iteration = 0; iteration < curve_iterations; ++iteration) {
     const Matrix map = unknowns.map(x);
     Matrix normal = map.transpose() * sums.jtj * map;
     normal.diagonal() *= 1 + damping;
@@ -207,7 +208,7 @@ CurveFit fit_curve(const Channel& u, const Channel& v, const SignalModel& start,
     const CurveVector terms = unknowns.terms(candidate);
     bool accepted = false;
     if (usable(terms)) {
-      const Sums there = sums_of(u, v, to_model(terms), angle_noise);
+      const CurveSums there = sums_of(u, v, to_model(terms), angle_noise);
       accepted = there.objective <= sums.objective;
       if (accepted) {
         x = candidate;

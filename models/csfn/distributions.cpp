@@ -5,10 +5,10 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "support/constants.h"
+
 namespace capsoc::csfn {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// The regularised incomplete beta function I_x(a, b).
 double incomplete_beta(double a, double b, double x) {

@@ -10,11 +10,11 @@
 #include "csfn/distributions.h"
 #include "csfn/fused_network.h"
 #include "csfn/robust_fit.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// The circle is divided into sectors to find the gaps without sorting and without an arctangent a
 /// sample: equal parts of a square around it, 0.07 to 0.14 degrees wide.
 constexpr int sectors = 3200;

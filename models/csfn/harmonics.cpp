@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <numeric>
 #include <vector>
 
 #include "csfn/curve_fit.h"
 #include "csfn/linear_algebra.h"
 #include "csfn/random.h"
+#include "csfn/sentence.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
-constexpr double degree = pi / 180;
 
 /// Differences of successive angles point one way this much in a record in order of time.
 constexpr double smallest_order = 0.8;
@@ -42,13 +40,6 @@ constexpr double largest_shape_noise = 1e-5;
 constexpr double largest_structure = 14;
 /// Where a residual is rounding.
 constexpr double rounding = 1e-12;
-
-std::string text(const char* format, double one, double other = 0) {
-  char buffer[320];
-  // NOLINTNEXTLINE(clang-diagnostic-format-nonliteral): both formats of a call stand in this file
-  std::snprintf(buffer, sizeof buffer, format, one, other);
-  return buffer;
-}
 
 /// One route's outcome; holds with a false `held` why it does not.
 struct Attempt {
@@ -234,7 +225,7 @@ Attempt at_constant_speed(const Channel& u, const Channel& v, const Parameters& 
   Attempt attempt;
   attempt.assumption = Assumption::constant_speed;
   attempt.check = "slow departure of the angle from constant speed, rms degrees";
-  attempt.limit = largest_departure / degree;
+  attempt.limit = largest_departure / radians_per_degree;
   const Eigen::Index count = u.size();
   SignalModel model;
   model.fundamental = start;
@@ -263,10 +254,10 @@ Attempt at_constant_speed(const Channel& u, const Channel& v, const Parameters& 
   }
   const double wander = std::sqrt((path - middle - half_sweep * place).square().mean());
   if (wander > 0.5) {
-    attempt.value = wander / degree;
+    attempt.value = wander / radians_per_degree;
     attempt.reason =
         text("the speed is not constant: the angle departs from it by %.2g degrees rms",
-             wander / degree);
+             wander / radians_per_degree);
     return attempt;
   }
   double origin = middle;
@@ -292,8 +283,8 @@ Attempt at_constant_speed(const Channel& u, const Channel& v, const Parameters& 
     departure[i] = wrapped(theta[i] - half_sweep * place[i] - constant);
   }
   const Drift drift = drift_of(departure);
-  attempt.value = drift.slow / degree;
-  attempt.limit = std::max(largest_departure, 3 * drift.expected) / degree;
+  attempt.value = drift.slow / radians_per_degree;
+  attempt.limit = std::max(largest_departure, 3 * drift.expected) / radians_per_degree;
   if (attempt.value > attempt.limit) {
     attempt.reason = text(
         "the speed is not constant: the angle departs slowly from it by %.2g degrees rms, at most "
@@ -407,7 +398,7 @@ Attempt at_even_coverage(const Channel& u, const Channel& v, const Parameters& s
     attempt.reason = text(
         "the angles are spread like %.0f random ones, which limits the answer to "
         "%.2g degrees peak to peak",
-        count, attempt.expected_error / degree);
+        count, attempt.expected_error / radians_per_degree);
   } else {
     attempt.reason = text(
         "the samples cover the turn evenly (unevenness %.2g, random angles give "

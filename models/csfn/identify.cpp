@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "csfn/calibration.h"
@@ -12,7 +11,9 @@
 #include "csfn/fused_network.h"
 #include "csfn/linear_algebra.h"
 #include "csfn/robust_fit.h"
+#include "csfn/sentence.h"
 #include "csfn/uncertainty.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
@@ -31,15 +32,6 @@ constexpr double rounding_loss = 1e-24;
 /// Harmonics stand out when the residual's third or fourth order has this much of the power that
 /// noise would spread over all orders.
 constexpr double standing_out = 30;
-
-constexpr double pi = 3.14159265358979323846;
-
-std::string text(const char* format, double one, double other = 0) {
-  char buffer[320];
-  // NOLINTNEXTLINE(clang-diagnostic-format-nonliteral): both formats of a call stand in this file
-  std::snprintf(buffer, sizeof buffer, format, one, other);
-  return buffer;
-}
 
 std::optional<Error> check_options(const IdentifyOptions& options) {
   if (!(options.confidence > 0 && options.confidence < 1)) {
@@ -139,8 +131,8 @@ Trained second_order(const Samples& samples, const std::vector<Companion>& compa
   return answer;
 }
 
-Trained first_order(const Samples& samples, const std::vector<Companion>& companions,
-                    const IdentifyOptions& options) {
+Trained by_first_order(const Samples& samples, const std::vector<Companion>& companions,
+                       const IdentifyOptions& options) {
   AdamOptions adam = options.adam;
   if (options.trace && adam.trace_points == 0) adam.trace_points = trace_points;
   const Companion* best = best_of(companions);
@@ -447,7 +439,7 @@ std::optional<Gate> train(const Samples& samples, const DistanceFit& fit,
   LevenbergMarquardtOptions second = options.levenberg_marquardt;
   second.trace = options.trace;
   Trained trained = options.method == Method::adam
-                        ? first_order(samples, found.companions, options)
+                        ? by_first_order(samples, found.companions, options)
                         : second_order(samples, found.companions, second);
   found.start = trained.start;
   found.seed = options.method == Method::adam ? options.adam.seed : 0;

@@ -3,11 +3,11 @@
 #include <array>
 
 #include "csfn/linear_algebra.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// Angles at which the means are taken, 3.75 degrees apart. Means of an ellipse five times as long
 /// as wide vary over some 11 degrees.
 constexpr int angles = 96;

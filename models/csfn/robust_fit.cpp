@@ -8,11 +8,11 @@
 #include "csfn/distributions.h"
 #include "csfn/ellipse_fit.h"
 #include "csfn/random.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// With 30 % outliers one draw of eight in 17 has none of them.
 constexpr int draws = 120;
 constexpr Eigen::Index drawn = 8;

@@ -5,8 +5,7 @@ namespace {
 
 using registers::Access;
 
-constexpr uint64_t device_size = 4096;
-constexpr uint32_t all_bits = 0xffffffff;
+using tlm_util::all_bits;
 constexpr uint32_t misc_bits = 0x3fb;  // chip selects and display lines; bit 2 is reserved
 
 registers::RegisterDescription describe(const char* name, uint32_t offset, uint32_t bits,
@@ -17,7 +16,8 @@ registers::RegisterDescription describe(const char* name, uint32_t offset, uint3
 }  // namespace
 
 FpgaIo::FpgaIo(const sc_core::sc_module_name& name)
-    : RegisterBank(name, device_size, tlm_util::AccessRule::any_width, tlm_util::Holes::reads_zero),
+    : RegisterBank(name, tlm_util::device_size, tlm_util::AccessRule::any_width,
+                   tlm_util::Holes::reads_zero),
       LED0(*this, describe("LED0", 0x00, 3)),
       BUTTON(*this, describe("BUTTON", 0x08, 3, Access::read_only)),
       CLK1HZ(*this, describe("CLK1HZ", 0x10, all_bits)),

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::reference {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 // Returns err(k), the error before the update.
 double adapt(std::array<double, 3>& weights, const std::array<double, 3>& gains,

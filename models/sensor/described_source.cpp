@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::sensor {
 namespace {
-
-constexpr double two_pi = 6.283185307179586476925;
 
 // One stream for each use of a seed, so that noise and disturbance with equal seeds differ.
 constexpr uint64_t noise_u_stream = 1;

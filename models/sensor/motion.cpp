@@ -2,10 +2,11 @@
 
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::sensor {
 namespace {
 
-constexpr double two_pi = 6.283185307179586476925;
 constexpr uint64_t motion_stream = 0;
 
 }  // namespace

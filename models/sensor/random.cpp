@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/constants.h"
 #include "support/splitmix64.h"
 
 namespace capsoc::sensor {
-namespace {
-
-constexpr double two_pi = 6.283185307179586476925;
-
-}  // namespace
+namespace {}  // namespace
 
 // The stream number passes through the mixer before it meets the seed: neighbouring seeds and
 // streams must not land on overlapping stretches of the one SplitMix64 sequence.

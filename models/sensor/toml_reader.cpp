@@ -8,14 +8,13 @@
 
 #include "sensor/overrides.h"
 #include "sensor/text.h"
+#include "support/constants.h"
 #include "support/nearest.h"
 #include "support/printable.h"
 #include "support/toml.h"
 
 namespace capsoc::sensor {
 namespace {
-
-constexpr double two_pi = 6.283185307179586476925;
 
 /// Legal values, both ends included.
 struct Range {

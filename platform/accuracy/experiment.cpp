@@ -8,13 +8,13 @@
 #include "coprocessor/register_map.h"
 #include "peripherals/quantiser.h"
 #include "sensor/described_source.h"
+#include "support/constants.h"
 
 namespace capsoc::accuracy {
 namespace {
 
 using namespace coprocessor;
 
-constexpr double two_pi = 6.283185307179586476925;
 constexpr uint64_t cycles_a_sample = 200;  // more than the latency: one sample in flight
 
 Options options_of(Arithmetic arithmetic) {

@@ -12,12 +12,10 @@
 #include "csfn/circle_plane.h"
 #include "csfn/identify.h"
 #include "fit/drawn_records.h"
+#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
-
-constexpr double degree = 3.14159265358979323846 / 180;
-constexpr uint64_t seed = 2018;
 
 csfn::IdentifyOptions options_for(const DrawnRecord& record) {
   csfn::IdentifyOptions options;
@@ -68,7 +66,7 @@ bool is_true(const csfn::Gate& gate, const DrawnRecord& record) {
   const bool arc = record.kind == RecordKind::arc || record.clipped > 0 || record.outside > 0.3;
   if (gate.name == "bound" || gate.name == "distances" || gate.name == "ellipse" ||
       gate.name == "magnification" || gate.name == "phase")
-    return arc || noise > 0.15 || 40 * noise / std::sqrt(count) > 20 * degree;
+    return arc || noise > 0.15 || 40 * noise / std::sqrt(count) > 20 * radians_per_degree;
   return false;
 }
 
@@ -102,8 +100,8 @@ std::string judge(const DrawnRecord& record, Verdicts& verdicts) {
   }
   ++verdicts.wrong;
   return fmt::format("{} samples, noise {:.1e}: {:.3g} deg wrong, {:.3g} stated",
-                     record.samples.u.size(), record.noise, error / degree,
-                     found.bound->total / degree);
+                     record.samples.u.size(), record.noise, error / radians_per_degree,
+                     found.bound->total / radians_per_degree);
 }
 
 double median(std::vector<double> values) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::fit {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 double between(csfn::Random& random, double least, double largest) {
   return least + (largest - least) * random.uniform();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 
 #include "csfn/calibration.h"
@@ -9,6 +10,9 @@
 #include "csfn/samples.h"
 
 namespace capsoc::fit {
+
+/// Of every table.
+inline constexpr uint64_t seed = 2018;
 
 enum class RecordKind {
   good,

@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "csfn/calibration.h"
+#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 double degrees(double radians) {
   return radians * 180 / pi;

@@ -7,12 +7,11 @@
 
 #include "csfn/calibration.h"
 #include "csfn/identify.h"
+#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double q31 = 0x1p31;
 constexpr double turn = 0x1p32 / (2 * pi);  ///< 2^-32 turn in a radian
 
 csfn::Samples to_samples(const std::vector<run::RecordedSample>& record) {

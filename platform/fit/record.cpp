@@ -8,11 +8,11 @@
 
 #include "fit/trace.h"
 #include "peripherals/quantiser.h"
+#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr uint64_t samples_of_endless = 100'000;  // the main job's
 constexpr uint64_t largest_record = 100'000'000;  // 2.4 GB
 

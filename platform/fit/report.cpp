@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iterator>
 
+#include "support/constants.h"
 #include "support/json.h"
 
 namespace capsoc::fit {
@@ -15,10 +16,9 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr int schema_version = 1;
-constexpr double degree = 57.295779513082320877;
 
 /// One parameter in every form that the file and the table show.
-struct Row {
+struct ParameterRow {
   const char* name;
   int64_t word;
   double value;
@@ -27,11 +27,12 @@ struct Row {
   std::optional<double> relative_error;
 };
 
-std::vector<Row> rows_of(const Fit& fit) {
+std::vector<ParameterRow> rows_of(const Fit& fit) {
   using P = csfn::Parameters;
   using I = csfn::Intervals;
   const auto row = [&](const char* name, int64_t word, double P::*value, double I::*interval) {
-    Row r{name, word, fit.answer.parameters.*value, fit.answer.intervals.*interval, {}, {}};
+    ParameterRow r{name, word, fit.answer.parameters.*value, fit.answer.intervals.*interval,
+                   {},   {}};
     if (!fit.truth) return r;
     r.truth = (*fit.truth).*value;
     if (*r.truth != 0) r.relative_error = (r.value - *r.truth) / *r.truth;
@@ -41,7 +42,7 @@ std::vector<Row> rows_of(const Fit& fit) {
           row("b1", fit.words.b1, &P::b1, &I::b1), row("b2", fit.words.b2, &P::b2, &I::b2),
           row("beta", fit.words.beta, &P::beta, &I::beta),
           // Samples without their angles do not tell phi; the coprocessor takes 0.
-          Row{"phi", fit.words.phi, 0, {}, {}, {}}};
+          ParameterRow{"phi", fit.words.phi, 0, {}, {}, {}}};
 }
 
 ordered_json values_json(const csfn::Parameters& p) {
@@ -113,8 +114,8 @@ ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
     j["order_" + std::to_string(order)] = {{"u", term_json(harmonics.model.u.at(index))},
                                            {"v", term_json(harmonics.model.v.at(index))}};
   }
-  j["expected_error_deg"] = harmonics.expected_error * degree;
-  j["coverage_error_deg"] = harmonics.coverage_error * degree;
+  j["expected_error_deg"] = harmonics.expected_error * degrees_per_radian;
+  j["coverage_error_deg"] = harmonics.coverage_error * degrees_per_radian;
   return j;
 }
 
@@ -187,16 +188,20 @@ std::string bound_line(const csfn::Identification& answer) {
       "angle bound  {:.2g} deg over the whole turn: noise {:.2g} ({:g} %), harmonics of several "
       "orders, too small to be found {:.2g}, method {:.2g}, resolution {:.2g}\n"
       "             not in it: a single harmonic that moves samples along the ellipse\n",
-      bound.total * degree, bound.noise * degree, 100 * csfn::bound_confidence,
-      bound.harmonics * degree, bound.method * degree, bound.resolution * degree);
+      bound.total * degrees_per_radian, bound.noise * degrees_per_radian,
+      100 * csfn::bound_confidence, bound.harmonics * degrees_per_radian,
+      bound.method * degrees_per_radian, bound.resolution * degrees_per_radian);
 }
 
 ordered_json bound_json(const csfn::Identification& answer) {
   if (!answer.bound) return nullptr;
   const csfn::AngleBound& bound = *answer.bound;
-  return {{"total", bound.total * degree},   {"confidence", csfn::bound_confidence},
-          {"noise", bound.noise * degree},   {"harmonics", bound.harmonics * degree},
-          {"method", bound.method * degree}, {"resolution", bound.resolution * degree}};
+  return {{"total", bound.total * degrees_per_radian},
+          {"confidence", csfn::bound_confidence},
+          {"noise", bound.noise * degrees_per_radian},
+          {"harmonics", bound.harmonics * degrees_per_radian},
+          {"method", bound.method * degrees_per_radian},
+          {"resolution", bound.resolution * degrees_per_radian}};
 }
 
 std::string gates_line(const csfn::Identification& answer) {
@@ -222,7 +227,7 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
   j["iterations"] = answer.iterations;
   j["seed"] = answer.seed;
   j["loss"] = answer.loss;
-  for (const Row& row : rows_of(fit))
+  for (const ParameterRow& row : rows_of(fit))
     j["parameters"][row.name] = {{"word", row.word},
                                  {"value", row.value},
                                  {"true", number_or_null(row.truth)},
@@ -265,7 +270,7 @@ std::string to_header(const Fit& fit) {
       "#ifndef CALIBRATION_H\n#define CALIBRATION_H\n\n"
       "// Q1.31\n",
       std::filesystem::path(fit.record.path).filename().string(), fit.record.sha256, how(fit));
-  for (const Row& row : rows_of(fit)) {
+  for (const ParameterRow& row : rows_of(fit)) {
     const std::string name = row.name;
     const bool angle = name == "beta" || name == "phi";
     if (name == "beta") text += "\n// 2^-32 turn\n";
@@ -298,7 +303,7 @@ std::string to_table(const Fit& fit) {
   text += fmt::format("{:<10}{:>14}{:>16}{:>14}{:>16}{:>16}\n", "parameter", "word", "identified",
                       fmt::format("+- ({:g} %)", 100 * answer.intervals.confidence), "true",
                       "relative error");
-  for (const Row& row : rows_of(fit))
+  for (const ParameterRow& row : rows_of(fit))
     text += fmt::format("{:<10}{:>14}{:>16.9f}{:>14}{:>16}{:>16}\n", row.name, row.word, row.value,
                         row.interval ? fmt::format("{:.1e}", *row.interval) : "-",
                         row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",

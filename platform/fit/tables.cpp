@@ -11,6 +11,8 @@
 #include "csfn/calibration.h"
 #include "csfn/identify.h"
 #include "csfn/random.h"
+#include "fit/drawn_records.h"
+#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
@@ -20,10 +22,7 @@ using csfn::Method;
 using csfn::Parameters;
 using csfn::SignalModel;
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double degree = pi / 180;
 constexpr Eigen::Index record_length = 10000;
-constexpr uint64_t seed = 2018;
 /// Table 1 of the CSFN paper.
 constexpr Parameters papers = {0.3428, 0.2537, 0.0485, -0.0224, 0.9032};
 
@@ -92,7 +91,7 @@ double error_of(const Recording& recording, const Calibration& calibration) {
     u[i] = at.u;
     v[i] = at.v;
   }
-  return csfn::peak_to_peak_error(calibration, u, v, theta) / degree;
+  return csfn::peak_to_peak_error(calibration, u, v, theta) / radians_per_degree;
 }
 
 double uncalibrated_error(const Recording& recording) {
@@ -239,7 +238,7 @@ void print_harmonics(std::ostream& out, Judge& judge) {
     if (!found) continue;
     const csfn::Harmonics& harmonics = found.value().harmonics;
     const double error = error_of(recording, harmonics.model);
-    const double expected = harmonics.expected_error / degree;
+    const double expected = harmonics.expected_error / radians_per_degree;
     const double bound = row.bound > 0 ? row.bound : 4 * expected + 1e-9;
     out << fmt::format(
         "{:26} {:8.0e} {:8.2f} {:8.3f} {:10.2e} {:10.2e}  {}{}\n", row.name, row.noise,

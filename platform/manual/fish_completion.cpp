@@ -44,7 +44,7 @@ std::string completions(const Command& command, const std::string& program) {
 }
 
 /// Candidates for the word path=value under the cursor.
-std::string settings(const CommandLine& line, const std::string& program) {
+std::string settings_for_fish(const CommandLine& line, const std::string& program) {
   std::string text = fmt::format(
       "\nfunction __{}_settings\n  set -l word (commandline -ct)\n  switch $word\n", program);
   std::string paths;
@@ -82,7 +82,7 @@ Page fish_completion(const CommandLine& line) {
   const std::string& program = line.program.path.front();
   std::string text =
       fmt::format("# Completion of fish, made by {} from its command line.\n", program) +
-      settings(line, program) + command_finder(line, program) +
+      settings_for_fish(line, program) + command_finder(line, program) +
       fmt::format("complete -c {} -f\n", program);
   for (const Command* command : all_commands(line.program)) text += completions(*command, program);
   return {fmt::format("fish/vendor_completions.d/{}.fish", program), text};

@@ -73,7 +73,7 @@ std::string function(const Command& command, const std::string& program) {
   return text + "      esac\n      ;;\n  esac\n}\n";
 }
 
-std::string settings(const CommandLine& line, const std::string& program) {
+std::string settings_for_zsh(const CommandLine& line, const std::string& program) {
   std::string text = fmt::format("\n_{}_settings() {{\n  _values setting \\\n", program);
   for (const Setting& setting : line.settings) {
     const Value value = value_of(setting);
@@ -92,7 +92,7 @@ Page zsh_completion(const CommandLine& line) {
   std::string text = fmt::format(
       "#compdef {0}\n# Completion of zsh, made by {0} from its command line.\n", program);
   for (const Command* command : all_commands(line.program)) text += function(*command, program);
-  text += settings(line, program);
+  text += settings_for_zsh(line, program);
   text += fmt::format("\n_{} \"$@\"\n", program);
   return {"zsh/site-functions/_" + program, text};
 }

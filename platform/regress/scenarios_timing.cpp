@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t running = ctrl_adc | ctrl_demod | ctrl_calib | ctrl_ie_result;
 constexpr uint64_t way = latency_cycles + 3;
 
-void fresh(Bench& bench, uint32_t ctrl = running) {
+void start_again(Bench& bench, uint32_t ctrl = running) {
   bench.drain();
   bench.wait(3);
   bench.write(reg_ctrl, ctrl_srst);
@@ -45,7 +45,7 @@ void read_weights(Bench& bench) {
 }  // namespace
 
 void run_spacing(Bench& bench, Random& random, const Budget&) {
-  fresh(bench);
+  start_again(bench);
   bench.write_pair(reg_freq_lo, int64_t{1} << 42);
   for (uint64_t space = 1; space <= 200 && !bench.failed(); ++space) {
     for (unsigned i = 0; i < 7; ++i) {
@@ -68,7 +68,7 @@ void run_spacing(Bench& bench, Random& random, const Budget&) {
 void run_load_moments(Bench& bench, Random& random, const Budget&) {
   // LOAD at every edge after a lone sample; behind it a sample that has to wait.
   for (uint64_t at = 0; at <= way && !bench.failed(); ++at) {
-    fresh(bench, at % 2 == 0 ? running : running & ~ctrl_demod);
+    start_again(bench, at % 2 == 0 ? running : running & ~ctrl_demod);
     parameters(bench, random);
     bench.wait(2);
     noise(bench, random);
@@ -82,7 +82,7 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
   }
   // With a stream around it, a LOAD in a LOAD, writes in the midst of it.
   for (unsigned i = 0; i < 40 && !bench.failed(); ++i) {
-    fresh(bench);
+    start_again(bench);
     parameters(bench, random);
     for (unsigned j = 0; j < 6; ++j) {
       noise(bench, random);
@@ -103,7 +103,7 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
   }
   // From idle, the angles of Eq (8) all round, at the ends of the other parameters.
   for (unsigned i = 0; i < 128 && !bench.failed(); ++i) {
-    fresh(bench);
+    start_again(bench);
     const uint32_t end = i % 2 == 0 ? INT32_MAX : 0;
     bench.write(reg_a1, i % 4 < 2 ? end : random.word32() & INT32_MAX);
     bench.write(reg_a2, i % 4 < 2 ? end : random.word32() & INT32_MAX);
@@ -126,7 +126,7 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
 void run_reset_moments(Bench& bench, Random& random, const Budget&) {
   for (int kind = 0; kind < 4; ++kind)
     for (uint64_t at = 0; at <= way && !bench.failed(); ++at) {
-      fresh(bench);
+      start_again(bench);
       if (kind >= 2) {
         // The pipeline full, a sample held.
         for (unsigned i = 0; i < 6; ++i) {
@@ -155,7 +155,7 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
     }
   // In the course of a LOAD.
   for (uint64_t at = 0; at <= 100 && !bench.failed(); ++at) {
-    fresh(bench);
+    start_again(bench);
     bench.write(reg_cmd, cmd_load);
     bench.wait(at);
     if (at % 3 == 0) noise(bench, random);
@@ -173,7 +173,7 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
   // A LOAD that waits.
   for (bool soft : {true, false})
     for (unsigned i = 0; i < 8; ++i) {
-      fresh(bench);
+      start_again(bench);
       noise(bench, random);
       bench.wait(random.between(3, 100));
       bench.write(reg_cmd, cmd_load);
@@ -208,7 +208,7 @@ void run_collisions(Bench& bench, Random& random, const Budget&) {
             random.below(3);  // mostly: the edge itself, in every scenario's run
         for (uint64_t at : {uint64_t{1}, beside}) {
           const uint32_t ctrl = running | source << ctrl_ref_shift;
-          fresh(bench, ctrl);
+          start_again(bench, ctrl);
           bench.wait(2);
           noise(bench, random);
           const uint64_t latched = bench.edge();
@@ -233,7 +233,7 @@ void run_collisions(Bench& bench, Random& random, const Budget&) {
       }
   // Soft reset together with a commit, an early sample together with CLEAR and with W1C.
   for (unsigned i = 0; i < 12 && !bench.failed(); ++i) {
-    fresh(bench);
+    start_again(bench);
     noise(bench, random);
     bench.wait(i < 4 ? 161 : 4);
     if (i >= 4) noise(bench, random);
@@ -254,7 +254,7 @@ void run_modes(Bench& bench, Random& random, const Budget&) {
   const auto ctrl = [](unsigned mode) {
     return ctrl_adc | (mode % 4) | (mode / 4) << ctrl_ref_shift;
   };
-  fresh(bench);
+  start_again(bench);
   bench.write_pair(reg_freq_lo, int64_t{1} << 43);
   for (unsigned from = 0; from < 12; ++from)
     for (unsigned to = 0; to < 12 && !bench.failed(); ++to)
@@ -279,7 +279,7 @@ void run_modes(Bench& bench, Random& random, const Budget&) {
 }
 
 void run_overruns(Bench& bench, Random& random, const Budget&) {
-  fresh(bench);
+  start_again(bench);
   for (uint64_t burst = 2; burst < 40 && !bench.failed(); ++burst) {
     for (uint64_t i = 0; i < burst; ++i) noise(bench, random);
     look(bench);

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "sensor/described_source.h"
+#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
 
 using reference::Parameters;
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double window_s = 20.0;
 
 double degrees(double radians) {

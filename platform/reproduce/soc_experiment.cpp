@@ -11,11 +11,11 @@
 #include "fit/fit.h"
 #include "reproduce/coprocessor_run.h"
 #include "run/metrics.h"
+#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr Eigen::Index demodulated = 100000;  // 400 s
 constexpr Eigen::Index turn = 4902;           // samples of a turn at 0.051 Hz
 
@@ -101,7 +101,7 @@ Errors uncalibrated(const fit::Record& record) {
 }
 
 void table_9(Report& report, const fit::Record& record) {
-  constexpr std::array<const char*, 6> names = {"a1", "a2", "b1", "b2", "beta", "phi"};
+  constexpr std::array<const char*, 6> six = {"a1", "a2", "b1", "b2", "beta", "phi"};
   constexpr std::array<double, 6> printed = {1308364580, 1336685245, 274228330,
                                              388108700,  2105078019, 3700681650};
   report.heading("figure-17");
@@ -112,17 +112,17 @@ void table_9(Report& report, const fit::Record& record) {
   report.sentence(
       "Here: least .. greatest within the last turn before 400 s, since the reference is");
   report.sentence("2 % slow and the steps follow the harmonics within a turn.");
-  for (std::size_t i = 0; i < names.size(); ++i) {
+  for (std::size_t i = 0; i < six.size(); ++i) {
     Spread spread;
     for (const auto& words : soc.words) spread.add(words.at(i));
     const Figure paper = fixed(printed.at(i), 0), here = spread.figure(0);
     if (i == 0) {
-      report.known(names.at(i), paper, here,
+      report.known(six.at(i), paper, here,
                    "the trace has it, but this reference and these harmonics lower it.");
     } else if (i == 5) {
-      report.known(names.at(i), paper, here, "the reference drifts by 0.4 turns in 400 s.");
+      report.known(six.at(i), paper, here, "the reference drifts by 0.4 turns in 400 s.");
     } else {
-      report.row(names.at(i), paper, here, spread.admits(printed.at(i), 0));
+      report.row(six.at(i), paper, here, spread.admits(printed.at(i), 0));
     }
   }
   report.heading("figure-18");

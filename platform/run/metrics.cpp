@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::run {
 namespace {
 
-const double two_pi = 2 * std::acos(-1.0);
 const double degrees_per_turn = 360.0;
-constexpr double q31 = 2147483648.0;
-constexpr double q32 = 4294967296.0;
 
 double radians(uint32_t turn_word) {
   return static_cast<int32_t>(turn_word) / q32 * two_pi;

@@ -9,13 +9,11 @@
 #include <iterator>
 #include <sstream>
 
+#include "support/constants.h"
 #include "support/printable.h"
 
 namespace capsoc::run {
 namespace {
-
-constexpr double q31 = 2147483648.0;
-constexpr double q32 = 4294967296.0;
 
 using Out = std::back_insert_iterator<std::string>;
 

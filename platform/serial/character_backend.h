@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,9 @@ namespace capsoc::serial {
 
 /// What a wait for the host asks now and then; true ends the wait (a signal, a limit).
 using GiveUp = std::function<bool()>;
+
+inline constexpr int patience_ms = 50;      ///< between two questions to give_up
+inline constexpr std::size_t piece = 4096;  ///< bytes handed to or taken from the host at once
 
 /// Where the bytes of a UART go to and come from.
 class CharacterBackend {

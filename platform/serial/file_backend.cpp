@@ -19,9 +19,6 @@
 namespace capsoc::serial {
 namespace {
 
-constexpr int patience_ms = 50;      // how often give_up is asked
-constexpr std::size_t piece = 4096;  // of a read
-
 bool readable(int descriptor) {
   pollfd polled{descriptor, POLLIN, 0};
   return poll(&polled, 1, 0) > 0;

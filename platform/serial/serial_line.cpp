@@ -12,8 +12,7 @@
 namespace capsoc::serial {
 namespace {
 
-constexpr std::size_t piece = 4096;  // handed to the host, or read from a file, at once
-constexpr std::chrono::milliseconds look_again{10};
+constexpr std::chrono::milliseconds look_for_listener{10};
 
 }  // namespace
 
@@ -48,7 +47,7 @@ std::optional<Error> SerialLine::open_files() {
 
 void SerialLine::wait_for_listener() {
   config_.wait = false;
-  while (!backend_->has_listener() && !give_up_()) std::this_thread::sleep_for(look_again);
+  while (!backend_->has_listener() && !give_up_()) std::this_thread::sleep_for(look_for_listener);
 }
 
 void SerialLine::transmitted(uint8_t byte, bool dry) {

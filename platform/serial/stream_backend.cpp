@@ -8,8 +8,6 @@
 namespace capsoc::serial {
 namespace {
 
-constexpr int patience_ms = 50;      // how often give_up is asked
-constexpr std::size_t piece = 4096;  // of a read
 // A client may send this much before it reads its first answer. Then both sides wait for each
 // other, which is the client's doing.
 constexpr std::size_t most_ahead = std::size_t{64} << 20U;

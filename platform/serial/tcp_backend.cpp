@@ -13,7 +13,6 @@
 namespace capsoc::serial {
 namespace {
 
-constexpr int patience_ms = 50;
 constexpr int longest_farewell_ms = 1000;
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double longest_s = 1e6;
 
-std::optional<uint32_t> hexadecimal(const std::string& text) {
+std::optional<uint32_t> hexadecimal_number(const std::string& text) {
   if (text.size() < 3 || text[0] != '0' || (text[1] != 'x' && text[1] != 'X')) return std::nullopt;
   uint32_t value = 0;
   const char* end = text.data() + text.size();
@@ -38,7 +38,7 @@ Result<Bound> Bound::parse(const std::string& text, const std::string& what,
   if (text.empty()) return bound;
   if (const auto address = functions.address_of(text)) {
     bound.address = address;
-  } else if (const auto number = hexadecimal(text)) {
+  } else if (const auto number = hexadecimal_number(text)) {
     bound.address = *number & ~1U;
   } else if (const auto seconds = decimal(text)) {
     if (!(*seconds >= 0) || *seconds > longest_s)

@@ -18,7 +18,7 @@
 namespace capsoc::cortex_m3::test {
 namespace {
 
-constexpr uint32_t code_base = 0x100000, ram_size = 0x4000, length = 48;  // halfwords
+constexpr uint32_t code_base = 0x100000, sequence_ram_size = 0x4000, length = 48;  // halfwords
 
 using Registers = std::array<uint32_t, 17>;  // r0 to r15, xPSR
 
@@ -32,7 +32,7 @@ class Sequence {
   Sequence() {
     open_oracle();
     bench_.core.unmap_memory(Bench::ram_base, 65536);
-    bench_.core.map_memory(Bench::ram_base, ram_size, bench_.ram.data(), true, 0);
+    bench_.core.map_memory(Bench::ram_base, sequence_ram_size, bench_.ram.data(), true, 0);
     bench_.core.map_memory(code_base, static_cast<uint32_t>(code.size()), code.data(), false, 0);
     bench_.core.set_executor(Executor::stepping);
     for (uint8_t& byte : initial_) byte = static_cast<uint8_t>(random_());
@@ -54,8 +54,8 @@ class Sequence {
     }
     uc_ctl_remove_cache(uc_, at, at + 128);
     write_program(at);
-    std::memcpy(uc_ram_.data(), initial_.data(), ram_size);
-    std::memcpy(bench_.ram.data(), initial_.data(), ram_size);
+    std::memcpy(uc_ram_.data(), initial_.data(), sequence_ram_size);
+    std::memcpy(bench_.ram.data(), initial_.data(), sequence_ram_size);
     exclusive_address_ = ~0u;
     bench_.core.reset();
     Registers start{};
@@ -85,7 +85,7 @@ class Sequence {
     uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M3);
     // Not writable: the oracle sees a change of its own block late.
     uc_mem_map_ptr(uc_, code_base, code.size(), UC_PROT_READ | UC_PROT_EXEC, code.data());
-    uc_mem_map_ptr(uc_, Bench::ram_base, ram_size, UC_PROT_ALL, uc_ram_.data());
+    uc_mem_map_ptr(uc_, Bench::ram_base, sequence_ram_size, UC_PROT_ALL, uc_ram_.data());
     uc_hook hook = 0;
     uc_hook_add(uc_, &hook, UC_HOOK_CODE, reinterpret_cast<void*>(&Sequence::record), this, 1, 0);
   }
@@ -236,8 +236,8 @@ class Sequence {
   }
 
   uc_engine* uc_ = nullptr;
-  std::vector<uint8_t> uc_ram_ = std::vector<uint8_t>(ram_size),
-                       initial_ = std::vector<uint8_t>(ram_size);
+  std::vector<uint8_t> uc_ram_ = std::vector<uint8_t>(sequence_ram_size),
+                       initial_ = std::vector<uint8_t>(sequence_ram_size);
   uint32_t exclusive_address_ = ~0u;
   unsigned exclusive_kind_ = 0;
   Bench bench_;

@@ -9,7 +9,7 @@ namespace {
 constexpr uint64_t far = 2000;
 constexpr uint16_t branch_to_self = 0xE7FE, undefined = 0xDE00;
 constexpr unsigned hard_fault = 3, usage_fault = 6;
-constexpr uint32_t shcsr = 0xE000ED24, shpr1 = 0xE000ED18, systick_csr = 0xE000E010,
+constexpr uint32_t shcsr = 0xE000ED24, system_handlers = 0xE000ED18, systick_csr = 0xE000E010,
                    systick_rvr = 0xE000E014, nvic_iser = 0xE000E100;
 
 uint32_t handler(unsigned number) {
@@ -77,7 +77,7 @@ TEST(Stuck, WhatMayBePreemptedIsNotStuck) {
     Bench b;
     prepare(b, Executor::blocks, usage_fault);
     poke(b, shcsr, 1U << 18);
-    poke(b, shpr1, 0x20U << 16);  // UsageFault below the others
+    poke(b, system_handlers, 0x20U << 16);  // UsageFault below the others
     if (by_systick) {
       poke(b, systick_rvr, 0xFFFFFF);
       poke(b, systick_csr, 7);
@@ -86,7 +86,7 @@ TEST(Stuck, WhatMayBePreemptedIsNotStuck) {
     }
     EXPECT_EQ(b.core.run(far), StopReason::budget);
     EXPECT_EQ(b.core.reg(15), handler(usage_fault));
-    poke(b, shpr1, 0);
+    poke(b, system_handlers, 0);
     EXPECT_EQ(b.core.run(2 * far), StopReason::stuck) << "now nothing is above it";
   }
 }

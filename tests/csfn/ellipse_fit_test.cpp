@@ -7,11 +7,11 @@
 namespace capsoc::csfn {
 namespace {
 
-constexpr uint64_t seed = 21;
+constexpr uint64_t ellipse_seed = 21;
 
 TEST(EllipseFit, IsExactOnCleanSamplesByAllThreeMethods) {
-  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
-  const TestSignal signal = make_signal(table_1, 10000, seed);
+  std::printf("seed %llu\n", static_cast<unsigned long long>(ellipse_seed));
+  const TestSignal signal = make_signal(table_1, 10000, ellipse_seed);
   const Result<Parameters> fits[] = {fit_heydemann(signal.u, signal.v),
                                      fit_taubin(signal.u, signal.v),
                                      fit_direct(signal.u, signal.v)};
@@ -27,7 +27,7 @@ TEST(EllipseFit, IsExactOnCleanSamplesByAllThreeMethods) {
 TEST(EllipseFit, OfTaubinIsTheLeastBiasedUnderNoise) {
   double heydemann = 0, taubin = 0, direct = 0;
   for (uint64_t run = 0; run < 10; ++run) {  // the mean of runs shows the bias, one run may not
-    const TestSignal signal = make_signal(table_1, 10000, seed + run, 0.01);
+    const TestSignal signal = make_signal(table_1, 10000, ellipse_seed + run, 0.01);
     heydemann += difference(fit_heydemann(signal.u, signal.v).value(), table_1) / 10;
     taubin += difference(fit_taubin(signal.u, signal.v).value(), table_1) / 10;
     direct += difference(fit_direct(signal.u, signal.v).value(), table_1) / 10;
@@ -38,7 +38,7 @@ TEST(EllipseFit, OfTaubinIsTheLeastBiasedUnderNoise) {
 }
 
 TEST(EllipseFit, IsExactOnThreeQuartersOfATurn) {
-  const TestSignal signal = make_signal(table_1, 1000, seed, 0, 0.75);
+  const TestSignal signal = make_signal(table_1, 1000, ellipse_seed, 0, 0.75);
   EXPECT_LT(difference(fit_heydemann(signal.u, signal.v).value(), table_1), 1e-11);
   EXPECT_LT(difference(fit_taubin(signal.u, signal.v).value(), table_1), 1e-11);
   EXPECT_LT(difference(fit_direct(signal.u, signal.v).value(), table_1), 1e-11);

@@ -4,12 +4,12 @@
 
 #include "csfn/ellipse_fit.h"
 #include "signals.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
 
-constexpr double degree = pi / 180;
-constexpr uint64_t seed = 5;
+constexpr uint64_t harmonics_seed = 5;
 
 /// The paper's: U + 0.01 a1 sin(3 theta), V + 0.01 a2 cos(3 theta).
 SignalModel papers() {
@@ -46,17 +46,19 @@ Outcome outcome_of(const HarmonicSignal& signal, Assumption assumption = Assumpt
   }
   Outcome outcome;
   outcome.harmonics = harmonics.value();
-  outcome.before = peak_to_peak_error(raw, signal.theta) / degree;
+  outcome.before = peak_to_peak_error(raw, signal.theta) / radians_per_degree;
   outcome.ellipse =
-      peak_to_peak_error(start.value(), signal.clean_u, signal.clean_v, signal.theta) / degree;
+      peak_to_peak_error(start.value(), signal.clean_u, signal.clean_v, signal.theta) /
+      radians_per_degree;
   outcome.after =
       peak_to_peak_error(outcome.harmonics.model, signal.clean_u, signal.clean_v, signal.theta) /
-      degree;
+      radians_per_degree;
   std::printf(
       "before %.2f, ellipse %.3f, with harmonics %.2e (expected %.1e) deg peak to peak, %s\n"
       "  %s\n",
-      outcome.before, outcome.ellipse, outcome.after, outcome.harmonics.expected_error / degree,
-      to_string(outcome.harmonics.used), outcome.harmonics.reason.c_str());
+      outcome.before, outcome.ellipse, outcome.after,
+      outcome.harmonics.expected_error / radians_per_degree, to_string(outcome.harmonics.used),
+      outcome.harmonics.reason.c_str());
   return outcome;
 }
 
@@ -64,18 +66,18 @@ TEST(Harmonics, OfAnEvenlyCoveredTurnAreIdentifiedWithinTheBounds) {
   const std::pair<double, double> bounds[] = {{0, 0.01}, {1e-4, 0.01}, {1e-3, 0.1}};
   for (const SignalModel& model : {papers(), general()}) {
     for (const auto& [noise, bound] : bounds) {
-      const auto outcome =
-          outcome_of(make_harmonic_signal(model, 10000, Angles::even_shuffled, noise, seed));
+      const auto outcome = outcome_of(
+          make_harmonic_signal(model, 10000, Angles::even_shuffled, noise, harmonics_seed));
       EXPECT_EQ(outcome.harmonics.used, Assumption::even_coverage);
       EXPECT_LT(outcome.after, bound) << noise;
-      EXPECT_LT(outcome.after, 4 * outcome.harmonics.expected_error / degree + 1e-11);
+      EXPECT_LT(outcome.after, 4 * outcome.harmonics.expected_error / radians_per_degree + 1e-11);
     }
   }
 }
 
 TEST(Harmonics, OfThePaperAreItsSineAndCosineOfThreeTheta) {
   const auto outcome =
-      outcome_of(make_harmonic_signal(papers(), 10000, Angles::even_shuffled, 0, seed));
+      outcome_of(make_harmonic_signal(papers(), 10000, Angles::even_shuffled, 0, harmonics_seed));
   EXPECT_NEAR(outcome.before, 74.17, 0.01);  // the paper's figure
   EXPECT_NEAR(outcome.ellipse, 3.64, 0.1);   // the paper: 3.77
   EXPECT_LT(outcome.after, 1e-9);
@@ -90,8 +92,8 @@ TEST(Harmonics, OfThePaperAreItsSineAndCosineOfThreeTheta) {
 TEST(Harmonics, AtConstantSpeedAreIdentifiedOverPartsOfTurnsToo) {
   const std::pair<double, double> bounds[] = {{0, 1e-9}, {1e-4, 0.01}, {1e-3, 0.1}};
   for (const auto& [noise, bound] : bounds) {
-    const auto outcome =
-        outcome_of(make_harmonic_signal(general(), 10000, Angles::constant_speed, noise, seed));
+    const auto outcome = outcome_of(
+        make_harmonic_signal(general(), 10000, Angles::constant_speed, noise, harmonics_seed));
     EXPECT_EQ(outcome.harmonics.used, Assumption::constant_speed);
     EXPECT_LT(outcome.after, bound) << noise;
   }
@@ -100,9 +102,10 @@ TEST(Harmonics, AtConstantSpeedAreIdentifiedOverPartsOfTurnsToo) {
 TEST(Harmonics, OfRandomAnglesComeWithTheirStatisticalBound) {
   for (const double noise : {0.0, 1e-5, 1e-4, 1e-3}) {
     const auto outcome =
-        outcome_of(make_harmonic_signal(papers(), 4000, Angles::random, noise, seed));
+        outcome_of(make_harmonic_signal(papers(), 4000, Angles::random, noise, harmonics_seed));
     EXPECT_TRUE(outcome.harmonics.identified);
-    EXPECT_LT(outcome.after, 4 * outcome.harmonics.expected_error / degree + 1e-11) << noise;
+    EXPECT_LT(outcome.after, 4 * outcome.harmonics.expected_error / radians_per_degree + 1e-11)
+        << noise;
     EXPECT_GE(outcome.harmonics.expected_error, outcome.harmonics.coverage_error);
   }
 }
@@ -110,7 +113,7 @@ TEST(Harmonics, OfRandomAnglesComeWithTheirStatisticalBound) {
 TEST(Harmonics, OfThreeQuartersOfATurnFallBackOnTheEllipseUnlessTheyAreClean) {
   for (const double noise : {0.0, 1e-4}) {
     HarmonicSignal signal =
-        make_harmonic_signal(papers(), 4000, Angles::even_shuffled, noise, seed);
+        make_harmonic_signal(papers(), 4000, Angles::even_shuffled, noise, harmonics_seed);
     Eigen::Index kept = 0;
     for (Eigen::Index i = 0; i < 4000; ++i) {
       if (signal.theta[i] > 1.5 * pi) continue;
@@ -136,7 +139,8 @@ TEST(Harmonics, AreRefusedWhenTheMotionItselfIsUneven) {
   // theta -> theta + 0.01 sin(theta) once a turn passes for a second harmonic in everything but the
   // curve, whose 50 urad give it away at a noise of 1e-4.
   for (const double noise : {0.0, 1e-4}) {
-    HarmonicSignal even = make_harmonic_signal(papers(), 10000, Angles::even_shuffled, 0, seed);
+    HarmonicSignal even =
+        make_harmonic_signal(papers(), 10000, Angles::even_shuffled, 0, harmonics_seed);
     Random random(8);
     for (Eigen::Index i = 0; i < 10000; ++i) {
       const double theta = even.theta[i] + 0.01 * std::sin(even.theta[i]);
@@ -157,7 +161,8 @@ TEST(Harmonics, AreRefusedWhenTheMotionItselfIsUneven) {
 }
 
 TEST(Harmonics, AtASpeedThatWandersAreNotTakenForConstantSpeed) {
-  HarmonicSignal signal = make_harmonic_signal(papers(), 4000, Angles::constant_speed, 0, seed);
+  HarmonicSignal signal =
+      make_harmonic_signal(papers(), 4000, Angles::constant_speed, 0, harmonics_seed);
   Random random(8);
   for (Eigen::Index i = 0; i < 4000; ++i) {
     const double theta = signal.theta[i] + 0.05 * std::sin(0.31 * signal.theta[i]);
@@ -185,14 +190,16 @@ TEST(Harmonics, OfSymmetricChannelsNeedNoMotionAtAll) {
   }
   const std::pair<double, double> bounds[] = {{0, 1e-9}, {1e-4, 0.02}, {1e-3, 0.2}};
   for (const auto& [noise, bound] : bounds) {
-    const auto outcome = outcome_of(make_harmonic_signal(model, 4000, Angles::random, noise, seed),
-                                    Assumption::symmetric);
+    const auto outcome =
+        outcome_of(make_harmonic_signal(model, 4000, Angles::random, noise, harmonics_seed),
+                   Assumption::symmetric);
     EXPECT_TRUE(outcome.harmonics.identified);
     EXPECT_LT(outcome.after, bound);
   }
   // Channels that are not alike are refused.
-  const auto refused = outcome_of(make_harmonic_signal(papers(), 4000, Angles::random, 1e-4, seed),
-                                  Assumption::symmetric);
+  const auto refused =
+      outcome_of(make_harmonic_signal(papers(), 4000, Angles::random, 1e-4, harmonics_seed),
+                 Assumption::symmetric);
   EXPECT_FALSE(refused.harmonics.identified);
 }
 
@@ -201,8 +208,9 @@ TEST(Harmonics, OfTheSecondOrderAloneLeaveTheThirdOut) {
   model.fundamental = table_1;
   model.u[0] = {0.01, 0.002};
   model.v[0] = {-0.003, 0.008};
-  const auto outcome = outcome_of(make_harmonic_signal(model, 4000, Angles::even_shuffled, 0, seed),
-                                  Assumption::automatic, 2);
+  const auto outcome =
+      outcome_of(make_harmonic_signal(model, 4000, Angles::even_shuffled, 0, harmonics_seed),
+                 Assumption::automatic, 2);
   EXPECT_LT(outcome.after, 1e-9);
   EXPECT_EQ(outcome.harmonics.model.u[1].sine, 0);
 }

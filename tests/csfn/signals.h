@@ -8,10 +8,9 @@
 #include "csfn/calibration.h"
 #include "csfn/random.h"
 #include "csfn/samples.h"
+#include "support/constants.h"
 
 namespace capsoc::csfn {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// Table 1 of the CSFN paper.
 constexpr Parameters table_1 = {0.3428, 0.2537, 0.0485, -0.0224, 0.9032};

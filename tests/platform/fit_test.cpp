@@ -10,11 +10,10 @@
 #include "fit/golden.h"
 #include "fit/report.h"
 #include "run/sample_record.h"
+#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// A file that lives as long as a test.
 class Trace {

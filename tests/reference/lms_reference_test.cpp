@@ -4,10 +4,11 @@
 
 #include <cmath>
 
+#include "support/constants.h"
+
 namespace capsoc::reference {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 const Steps unequal_steps = {{0.1, 0.2, 0.3}, {0.4, 0.05, 0.06}};
 
 TEST(LmsReference, MakesTheUpdateOfEquation20ByHand) {

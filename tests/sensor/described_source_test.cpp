@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "sensor/motion.h"
+#include "support/constants.h"
 
 namespace capsoc::sensor {
 namespace {
 
 __extension__ typedef unsigned __int128 Wide;
-constexpr double two_pi = 6.283185307179586476925;
 
 SensorValue at(const SignalConfig& config, uint64_t k) {
   DescribedSource source(config);

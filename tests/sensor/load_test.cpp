@@ -7,34 +7,34 @@
 namespace capsoc::sensor {
 namespace {
 
-std::string error_of(const std::string& path) {
+std::string error_of_file(const std::string& path) {
   const Result<std::unique_ptr<Source>> result = load(path);
   return result ? "no error" : result.error();
 }
 
 TEST(Load, SaysThatAFileIsMissing) {
   EXPECT_EQ(
-      error_of("traces/none.toml"),
+      error_of_file("traces/none.toml"),
       "traces/none.toml: cannot be read (No such file or directory); name a sensor description "
       "(.toml) or a recording (.csv)");
   EXPECT_EQ(
-      error_of("traces/none.csv"),
+      error_of_file("traces/none.csv"),
       "traces/none.csv: cannot be read (No such file or directory); name a sensor description "
       "(.toml) or a recording (.csv)");
 }
 
 TEST(Load, SaysWhichKindsOfFileItKnows) {
-  EXPECT_EQ(error_of("traces/README.md"),
+  EXPECT_EQ(error_of_file("traces/README.md"),
             "traces/README.md: the kind of file is not known; name it .toml (description) or .csv "
             "(recording)");
-  EXPECT_NE(error_of(""), "no error");
+  EXPECT_NE(error_of_file(""), "no error");
 }
 
 TEST(Load, DoesNotTakeADirectoryForAFile) {
   const std::string directory = ::testing::TempDir() + "folder.csv";
   std::filesystem::create_directories(directory);
   EXPECT_EQ(
-      error_of(directory),
+      error_of_file(directory),
       directory + ": is a directory; name a sensor description (.toml) or a recording (.csv)");
 }
 

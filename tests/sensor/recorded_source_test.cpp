@@ -5,7 +5,7 @@
 namespace capsoc::sensor {
 namespace {
 
-std::string error_of(const std::string& text) {
+std::string error_of_record(const std::string& text) {
   const Result<RecordedSource> result = read_recording(text, "r.csv");
   return result ? "no error" : result.error();
 }
@@ -45,40 +45,42 @@ TEST(RecordedSource, AcceptsWindowsLineEndsAMarkAndNoLastLineEnd) {
 }
 
 TEST(RecordedSource, SaysWhatIsWrongWithTheHeader) {
-  EXPECT_EQ(error_of(""), "r.csv:1: the file is empty; it needs a header row with u and v");
-  EXPECT_EQ(error_of("\n# x\n"), "r.csv:2: the file is empty; it needs a header row with u and v");
+  EXPECT_EQ(error_of_record(""), "r.csv:1: the file is empty; it needs a header row with u and v");
+  EXPECT_EQ(error_of_record("\n# x\n"),
+            "r.csv:2: the file is empty; it needs a header row with u and v");
   EXPECT_EQ(
-      error_of("u,w\n1,2\n"),
+      error_of_record("u,w\n1,2\n"),
       "r.csv:1: there is no column 'v'; name the columns in the header row, separated by commas");
   EXPECT_EQ(
-      error_of("u;v\n1;2\n"),
+      error_of_record("u;v\n1;2\n"),
       "r.csv:1: there is no column 'u'; name the columns in the header row, separated by commas");
-  EXPECT_EQ(error_of("u,v,u\n1,2,3\n"), "r.csv:1: column 'u' appears twice; keep one");
-  EXPECT_EQ(error_of("u,v,angle_dg\n1,2,3\n"),
+  EXPECT_EQ(error_of_record("u,v,u\n1,2,3\n"), "r.csv:1: column 'u' appears twice; keep one");
+  EXPECT_EQ(error_of_record("u,v,angle_dg\n1,2,3\n"),
             "r.csv:1: column 'angle_dg' is not known; did you mean 'angle_deg'?");
-  EXPECT_EQ(error_of("u,v\n"),
+  EXPECT_EQ(error_of_record("u,v\n"),
             "r.csv:1: there is no row after the header; a recording needs samples");
 }
 
 TEST(RecordedSource, SaysWhatIsWrongWithARow) {
-  EXPECT_EQ(error_of("u,v\n1,2\n1\n"),
+  EXPECT_EQ(error_of_record("u,v\n1,2\n1\n"),
             "r.csv:3: the row has 1 columns and the header 2; complete or remove it");
-  EXPECT_EQ(error_of("u,v\n1,2,3\n"),
+  EXPECT_EQ(error_of_record("u,v\n1,2,3\n"),
             "r.csv:2: the row has 3 columns and the header 2; complete or remove it");
-  EXPECT_EQ(error_of("u,v\n\n1,abc\n"),
+  EXPECT_EQ(error_of_record("u,v\n\n1,abc\n"),
             "r.csv:3: 'abc' in column 'v' is not a number; correct or remove the row");
-  EXPECT_EQ(error_of("u,v\n1,\n"),
+  EXPECT_EQ(error_of_record("u,v\n1,\n"),
             "r.csv:2: '' in column 'v' is not a number; correct or remove the row");
-  EXPECT_EQ(error_of("u,v\n1,1e999\n"),
+  EXPECT_EQ(error_of_record("u,v\n1,1e999\n"),
             "r.csv:2: '1e999' in column 'v' is not a number; correct or remove the row");
-  EXPECT_EQ(error_of("u,v\n1,+-2\n"),
+  EXPECT_EQ(error_of_record("u,v\n1,+-2\n"),
             "r.csv:2: '+-2' in column 'v' is not a number; correct or remove the row");
-  EXPECT_EQ(error_of("u,v\nnan,2\n"), "r.csv:2: 'nan' in column 'u' is not finite; remove the row");
-  EXPECT_EQ(error_of("u,v\n1,-inf\n"),
+  EXPECT_EQ(error_of_record("u,v\nnan,2\n"),
+            "r.csv:2: 'nan' in column 'u' is not finite; remove the row");
+  EXPECT_EQ(error_of_record("u,v\n1,-inf\n"),
             "r.csv:2: '-inf' in column 'v' is not finite; remove the row");
-  EXPECT_EQ(error_of("u,v,t\n1,2,0.5\n1,2,0.5\n"),
+  EXPECT_EQ(error_of_record("u,v,t\n1,2,0.5\n1,2,0.5\n"),
             "r.csv:3: t = 0.5 does not lie after the row before; sort the rows by time");
-  EXPECT_EQ(error_of(std::string("u,v\n1,\x1b[2J\n")),
+  EXPECT_EQ(error_of_record(std::string("u,v\n1,\x1b[2J\n")),
             "r.csv:2: '?[2J' in column 'v' is not a number; correct or remove the row");
 }
 

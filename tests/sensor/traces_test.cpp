@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "sensor/load.h"
+#include "support/constants.h"
 
 namespace capsoc::sensor {
 namespace {
-
-constexpr double two_pi = 6.283185307179586476925;
 
 std::unique_ptr<Source> trace(const std::string& name) {
   Result<std::unique_ptr<Source>> result = load("traces/" + name);

@@ -5,7 +5,7 @@
 namespace capsoc::trace {
 namespace {
 
-Functions program() {
+Functions two_functions() {
   loader::ElfImage image;
   image.symbols = {{0x100, 0x10, "main"}, {0x110, 0x10, "work"}};
   Functions functions;
@@ -14,7 +14,7 @@ Functions program() {
 }
 
 Bound bound(const std::string& text) {
-  const auto parsed = Bound::parse(text, "trace.start", program());
+  const auto parsed = Bound::parse(text, "trace.start", two_functions());
   EXPECT_TRUE(parsed) << text;
   return parsed ? parsed.value() : Bound{};
 }
@@ -38,11 +38,11 @@ TEST(Window, AnEndIsASymbolAnAddressOrATime) {
   EXPECT_EQ(bound("0").picoseconds, 0U);
   EXPECT_FALSE(bound("").address || bound("").picoseconds);
   for (const char* text : {"worc", "-1", "nan", "inf", "1e7", "0x", "0x100000000", "1s", "0x1g"}) {
-    const auto parsed = Bound::parse(text, "trace.start", program());
+    const auto parsed = Bound::parse(text, "trace.start", two_functions());
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().find(std::string("trace.start = ") + text), 0U) << parsed.error();
   }
-  EXPECT_NE(Bound::parse("worc", "x", program()).error().find("did you mean work"),
+  EXPECT_NE(Bound::parse("worc", "x", two_functions()).error().find("did you mean work"),
             std::string::npos);
 }
 
