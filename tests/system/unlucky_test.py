@@ -243,6 +243,19 @@ class Signals(Case):
             self.assertLess(time.monotonic(), until)
             time.sleep(0.02)
 
+    def wait_until_caught(self, process, number):
+        """Before the program has asked for it, a signal ends it as any other."""
+        def caught():
+            status = Path(f"/proc/{process.pid}/status").read_text()
+            return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1
+        self.wait_for(caught)
+
+    def is_gone(self, child):
+        try:
+            return "Z" in Path(f"/proc/{child}/stat").read_text().rsplit(")", 1)[1].split()[0]
+        except (FileNotFoundError, ProcessLookupError):
+            return True
+
     def test_a_run_writes_what_it_has(self):
         for number in self.ENDING:
             process = self.start("run", FOREVER, "--uart0", "file:u", "--json", "r.json", "--trace-instructions", "i",
@@ -285,8 +298,7 @@ class Signals(Case):
             child = children.read_text().split()[0]
             process.send_signal(number)
             self.assertEqual(process.wait(PATIENCE), 128 + number)
-            self.wait_for(lambda: not Path(f"/proc/{child}").exists() or
-                          "Z" in Path(f"/proc/{child}/stat").read_text().rsplit(")", 1)[1].split()[0])
+            self.wait_for(lambda: self.is_gone(child))
             self.assertEqual(self.names(), [])
 
     def test_other_commands_leave_nothing(self):
@@ -295,6 +307,7 @@ class Signals(Case):
                         ("regress", "--samples", 100_000_000, "--json", "r.json", "--junit", "j.xml"), ("reproduce",),
                         ("accuracy",), ("fit", "--tables")):
             process = self.start(*command)
+            self.wait_until_caught(process, signal.SIGHUP)
             time.sleep(0.7)
             process.send_signal(signal.SIGHUP)
             self.assertEqual(process.wait(PATIENCE), 128 + signal.SIGHUP, command)
