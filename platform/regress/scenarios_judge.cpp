@@ -5,6 +5,7 @@
 #include "coprocessor/register_map.h"
 #include "fixed/fixed.h"
 #include "regress/scenario.h"
+#include "support/constants.h"
 
 namespace capsoc::regress {
 
@@ -12,7 +13,6 @@ using namespace coprocessor;
 
 namespace {
 
-constexpr double tau = 6.283185307179586476925;
 constexpr int64_t turn_48 = int64_t{1} << 48;
 constexpr uint32_t limits = 51 << judge_alarm_limit_shift | 51;
 constexpr int turn_samples = 32;
@@ -42,7 +42,7 @@ class Shaft {
     bench.write(reg_b1, q31(sensor.b1));
     bench.write(reg_b2, q31(sensor.b2));
     bench.write(reg_beta, static_cast<uint32_t>(
-                              static_cast<int64_t>(std::llround(sensor.beta / tau * 0x1p32))));
+                              static_cast<int64_t>(std::llround(sensor.beta / two_pi * 0x1p32))));
     bench.write(reg_cmd, cmd_load);
     bench.drain();
     bench.write_pair(reg_freq_lo, std::llround(std::ldexp(turns_a_sample, 48)));
@@ -57,7 +57,7 @@ class Shaft {
       const double v = scale * sensor_.a2 * std::cos(angle_ + sensor_.beta) + sensor_.b2;
       bench_.sample(q31(u), q31(v), clip);
       bench_.wait(32);
-      angle_ += turns * tau;
+      angle_ += turns * two_pi;
     }
   }
 

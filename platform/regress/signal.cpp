@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "fixed/fixed.h"
+#include "support/constants.h"
 
 namespace capsoc::regress {
 namespace {
-
-constexpr double tau = 6.283185307179586476925;
 
 double magnitude(Random& random, double least, double most) {
   return std::exp(std::log(least) + random.uniform() * std::log(most / least));
@@ -43,8 +42,8 @@ Signal::Signal(Random& random) {
   a2_ = magnitude(random, least, most);
   b1_ = (random.uniform() - 0.5) * 0.6;
   b2_ = (random.uniform() - 0.5) * 0.6;
-  phi_ = random.uniform() * tau;
-  beta_ = (random.uniform() - 0.5) * (random.chance(0.5) ? 0.5 : tau);
+  phi_ = random.uniform() * two_pi;
+  beta_ = (random.uniform() - 0.5) * (random.chance(0.5) ? 0.5 : two_pi);
   const double speed = magnitude(random, 1e-6, 0.3);
   frequency_ = std::llround(std::ldexp(random.chance(0.5) ? speed : -speed, 48));
   ripple_ = random.chance(0.3) ? random.uniform() * 0.2 : 0;
@@ -52,8 +51,8 @@ Signal::Signal(Random& random) {
 }
 
 Sample Signal::sensor(double turns) const {
-  const double u = a1_ * std::sin(turns * tau + phi_) + b1_;
-  const double v = a2_ * std::cos(turns * tau + phi_ + beta_) + b2_;
+  const double u = a1_ * std::sin(turns * two_pi + phi_) + b1_;
+  const double v = a2_ * std::cos(turns * two_pi + phi_ + beta_) + b2_;
   return {static_cast<uint32_t>(fixed::to_q31(u)), static_cast<uint32_t>(fixed::to_q31(v)),
           std::fabs(u) >= 1 || std::fabs(v) >= 1};
 }
