@@ -277,6 +277,17 @@ void run_alarm(Bench& bench, Random& random, const Budget&) {
         shaft.read();
       }
     }
+  // Without turns to wait for, LOCK falls with the alarm itself and comes back with its end.
+  {
+    Shaft shaft(bench, learning | ctrl_ie_lock, step);
+    bench.write(reg_judge, judge_word(0));
+    shaft.move(70, step);
+    shaft.read();
+    shaft.move(20, step, 0.5);
+    shaft.read();
+    shaft.move(40, step);
+    shaft.read();
+  }
   // By CLIP alone, in turn with good ones, and with the flag cleared at every edge of a sample's
   // way.
   Shaft shaft(bench, learning | ctrl_freeze, step);
