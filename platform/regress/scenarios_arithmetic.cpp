@@ -202,6 +202,17 @@ void run_quadrants(Bench& bench, Random& random, const Budget&) {
         settle(bench, random.word32(), random.word32());
       }
     }
+  // Vectors whose angle in the paper's loop depends on the last bit of its gain: 1 in some 20,000.
+  start(bench, both);
+  set_steps(bench, 0);
+  constexpr std::array<std::array<int64_t, 2>, 4> vectors = {{{760358338, 784704886},
+                                                              {-258731101, 1007257417},
+                                                              {594343079, -975269566},
+                                                              {-683631922, 911651596}}};
+  for (const auto& [y, x] : vectors) {
+    set_weights(bench, {x * 32768, y * 32768, 0, -y * 32768, x * 32768, 0});
+    settle(bench, random.word32(), random.word32());
+  }
 }
 
 void run_amplitudes(Bench& bench, Random& random, const Budget&) {
