@@ -175,7 +175,8 @@ int regress_command(RegressArguments& a) {
       refuse(error->text);
       whole = false;
     }
-  if (outcome.value().first_difference() != nullptr) return run::exit_code::diverged;
+  if (const regress::Run* run = outcome.value().first_difference())
+    return run->finding->of_devices ? run::exit_code::diverged : run::exit_code::failed;
   if (!covered(rtl.value())) return run::exit_code::failed;
   return whole ? run::exit_code::pass : run::exit_code::lost;
 }

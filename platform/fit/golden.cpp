@@ -54,15 +54,25 @@ GoldenRow angle_row(const char* name, double soc, double csfn, double interval) 
 
 }  // namespace
 
-Golden compare(const std::vector<run::RecordedSample>& record, const run::ParameterWords& words) {
+Golden compare(const std::vector<run::RecordedSample>& record, const run::ParameterWords& words,
+               const GoldenSettings& settings) {
   csfn::IdentifyOptions options;
   options.method = csfn::Method::levenberg_marquardt;
   options.gates.full_scale = 1;
+  options.step = settings.converter_step;
   Golden golden;
   golden.samples = record.size();
-  const auto identified = csfn::identify(to_samples(record), options);
+  const csfn::Samples samples = to_samples(record);
+  auto identified = csfn::identify(samples, options);
+  if (identified && identified.value().rejected()) {
+    options.method = csfn::Method::distances;
+    identified = csfn::identify(samples, options);
+  }
   golden.rejection = identified ? identified.value().rejection() : identified.error();
-  if (!golden.rejection.empty()) return golden;
+  if (!golden.rejection.empty()) {
+    golden.angle.reason = "the CSFN refuses the samples: " + golden.rejection;
+    return golden;
+  }
 
   const csfn::Identification& answer = identified.value();
   const csfn::Parameters soc = canonical_of(words);
@@ -73,9 +83,11 @@ Golden compare(const std::vector<run::RecordedSample>& record, const run::Parame
       fraction_row("b1", soc.b1, csfn.b1, half.b1), fraction_row("b2", soc.b2, csfn.b2, half.b2),
       angle_row("beta", soc.beta, csfn.beta, half.beta)};
   golden.angle_difference = angle_difference(soc, csfn);
+  golden.method = answer.method;
   golden.stop_reason = csfn::to_string(answer.stopped);
   golden.iterations = answer.iterations;
   golden.confidence = half.confidence;
+  golden.angle = compare_angles(record, answer, settings);
   return golden;
 }
 
@@ -84,9 +96,10 @@ nlohmann::ordered_json to_json(const Golden& golden) {
   j["samples"] = golden.samples;
   if (!golden.rejection.empty()) {
     j["rejection"] = golden.rejection;
+    j["angle"] = to_json(golden.angle);
     return j;
   }
-  j["method"] = csfn::to_string(csfn::Method::levenberg_marquardt);
+  j["method"] = csfn::to_string(golden.method);
   j["stop_reason"] = golden.stop_reason;
   j["iterations"] = golden.iterations;
   j["confidence"] = golden.confidence;
@@ -97,13 +110,14 @@ nlohmann::ordered_json to_json(const Golden& golden) {
                                  {"interval", row.interval}};
   j["angle_difference"] =
       golden.angle_difference ? nlohmann::ordered_json(*golden.angle_difference) : nullptr;
+  j["angle"] = to_json(golden.angle);
   return j;
 }
 
 std::string to_table(const Golden& golden) {
   if (!golden.rejection.empty())
-    return fmt::format("\ngolden check: the CSFN refuses the {} samples: {}\n", golden.samples,
-                       golden.rejection);
+    return fmt::format("\ngolden check: the CSFN refuses the {} samples: {}\n{}", golden.samples,
+                       golden.rejection, to_table(golden.angle));
   std::string text =
       fmt::format("\n{:<10}{:>14}{:>14}{:>16}{:>16}\n", "golden", "SoC", "CSFN", "difference",
                   fmt::format("{:g} % interval", 100 * golden.confidence));
@@ -114,9 +128,9 @@ std::string to_table(const Golden& golden) {
       fmt::format("differences in units of the last place, {} samples, CSFN: {} after {} steps\n",
                   golden.samples, golden.stop_reason, golden.iterations);
   if (golden.angle_difference)
-    text += fmt::format("largest difference of the angles {:.3g} of 2^-32 turn ({:.3g} deg)\n",
+    text += fmt::format("what the parameters alone make of it: {:.3g} of 2^-32 turn ({:.3g} deg)\n",
                         *golden.angle_difference, *golden.angle_difference / 0x1p32 * 360);
-  return text;
+  return text + to_table(golden.angle);
 }
 
 }  // namespace capsoc::fit

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fit/golden_angle.h"
 #include "run/metrics.h"
 #include "run/sample_record.h"
 
@@ -30,14 +31,18 @@ struct Golden {
   /// Largest difference of the two calibrated angles over a turn of the CSFN's curve, 2^-32 turn;
   /// nothing when they run opposite ways or an answer is no ellipse.
   std::optional<double> angle_difference;
+  csfn::Method method = csfn::Method::levenberg_marquardt;
   std::string stop_reason;  ///< why the CSFN's training ended
   int iterations = 0;
   double confidence = 0;
+  AngleCheck angle;  ///< with a rejection: its reason, nothing compared
 };
 
-/// Fits the samples by Levenberg-Marquardt on the network's residual. phi is no part of it: samples
+/// Fits the samples by Levenberg-Marquardt on the network's residual or, where that is refused, by
+/// their distances. phi is no part of it: samples
 /// without their angles do not tell it.
-Golden compare(const std::vector<run::RecordedSample>& samples, const run::ParameterWords& soc);
+Golden compare(const std::vector<run::RecordedSample>& samples, const run::ParameterWords& soc,
+               const GoldenSettings& settings);
 
 nlohmann::ordered_json to_json(const Golden& golden);
 std::string to_table(const Golden& golden);

@@ -180,6 +180,10 @@ void Bench::soft_sample(uint32_t u, uint32_t v) {
   ++counts_.samples;
 }
 
+void Bench::complain(std::string what, std::string report) {
+  complaint_ = Complaint{edge_, std::move(what), std::move(report)};
+}
+
 const Nodes& Bench::nodes() {
   closed_ = true;
   return device_.nodes();

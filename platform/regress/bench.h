@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "coprocessor/device.h"
 #include "coprocessor/sequencer.h"
@@ -20,6 +21,13 @@ class Bench {
     uint64_t accesses = 0;
     uint64_t commits = 0;
     uint64_t edges = 0;
+  };
+
+  /// What is wrong with the results themselves, though both devices have them.
+  struct Complaint {
+    uint64_t edge = 0;
+    std::string what;    ///< a sentence
+    std::string report;  ///< several lines
   };
 
   /// `failed` says whether the device under test has already differed.
@@ -54,6 +62,8 @@ class Bench {
   std::optional<uint64_t> boundary() const;
   bool busy() const { return shadow_.busy(); }
   bool failed() const { return failed_(); }
+  void complain(std::string what, std::string report);
+  const std::optional<Complaint>& complaint() const { return complaint_; }
 
   const coprocessor::Nodes& nodes();
   const Counts& counts() const { return counts_; }
@@ -89,6 +99,7 @@ class Bench {
   Coverage& coverage_;
   std::function<bool()> failed_;
   Counts counts_;
+  std::optional<Complaint> complaint_;
 
   uint64_t edge_ = 1;
   bool sampled_ = false;   // the present edge has had its sample

@@ -59,6 +59,8 @@ std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
   bench.drain();
   run.counts = bench.counts();
   run.finding = pair.finding();
+  if (const auto& complaint = bench.complaint(); complaint && !run.finding)
+    run.finding = Finding{complaint->edge, complaint->what, "", complaint->report, false};
   if (run.coverage_file.empty()) return std::nullopt;
   return pair.write_coverage(run.coverage_file);
 }
@@ -70,9 +72,13 @@ const char* name_of(Arithmetic arithmetic) {
 }
 
 const Run* Outcome::first_difference() const {
-  for (const Run& run : runs)
-    if (run.finding) return &run;
-  return nullptr;
+  const Run* first = nullptr;
+  for (const Run& run : runs) {
+    if (!run.finding) continue;
+    if (run.finding->of_devices) return &run;
+    if (first == nullptr) first = &run;
+  }
+  return first;
 }
 
 Result<std::vector<Run>> runs_of(const Plan& plan) {

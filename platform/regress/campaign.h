@@ -19,10 +19,11 @@ namespace capsoc::regress {
 
 /// A difference, as a report shows it.
 struct Finding {
-  uint64_t cycle = 0;  ///< PCLK edge
-  std::string what;    ///< "read of 0x0c0 (ANGLE): model 0x1, RTL 0x2"
-  std::string node;    ///< that went wrong first; "" if no node did
-  std::string report;  ///< several lines
+  uint64_t cycle = 0;      ///< PCLK edge
+  std::string what;        ///< "read of 0x0c0 (ANGLE): model 0x1, RTL 0x2"
+  std::string node;        ///< that went wrong first; "" if no node did
+  std::string report;      ///< several lines
+  bool of_devices = true;  ///< false: both do the same, but it is wrong
 };
 
 /// Two devices that are compared while one interface drives both.
@@ -69,6 +70,7 @@ struct Outcome {
   std::vector<Run> runs;  ///< by arithmetic, scenario and seed
   std::vector<std::pair<coprocessor::Arithmetic, Coverage>> coverage;
 
+  /// One of the devices before one of their common result.
   const Run* first_difference() const;
 };
 

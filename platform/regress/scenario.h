@@ -68,6 +68,9 @@ void run_stages(Bench& bench, Random& random, const Budget&);
 void run_flag_bits(Bench& bench, Random& random, const Budget&);
 void run_magnitudes(Bench& bench, Random& random, const Budget&);
 
+// scenarios_golden.cpp
+void run_golden(Bench& bench, Random& random, const Budget&);
+
 // scenarios_judge.cpp
 void run_turns(Bench& bench, Random& random, const Budget&);
 void run_alarm(Bench& bench, Random& random, const Budget&);

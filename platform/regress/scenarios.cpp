@@ -49,6 +49,8 @@ const std::vector<Scenario>& scenarios() {
        run_turns},
       {"alarm", "glitches, alarm and freeze, and their settings at every edge", 0, 0, run_alarm},
       {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},
+      {"golden", "a drawn sensor: ANGLE against what the CSFN makes of the same samples", 0, 0,
+       run_golden},
   };
   return all;
 }

@@ -103,7 +103,9 @@ void Observation::keep(const CoprocessorResult& result, const coprocessor::Nodes
                   static_cast<int32_t>(nodes.error_v),
                   static_cast<uint32_t>(nodes.error_average),
                   static_cast<uint32_t>(nodes.status),
-                  static_cast<uint32_t>(nodes.flags)};
+                  static_cast<uint32_t>(nodes.flags),
+                  result.angle_valid,
+                  result.demodulating};
   finished_ = static_cast<std::size_t>(mine - recorded_.begin()) + 1;
 }
 

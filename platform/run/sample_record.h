@@ -18,6 +18,7 @@ struct RecordedResult {
   int32_t error_u = 0, error_v = 0;  ///< Q1.31, of the demodulator
   uint32_t error_average = 0;        ///< Q1.31
   uint32_t status = 0, flags = 0;
+  bool angle_valid = false, demodulating = false;
 };
 
 /// One sample after quantisation.

@@ -7,11 +7,11 @@
 #include <chrono>
 #include <csignal>
 
-#include "fit/golden.h"
 #include "host/end_signals.h"
 #include "host/files.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
+#include "run/golden_check.h"
 #include "run/host_ports.h"
 #include "run/idle.h"
 #include "run/observation.h"
@@ -261,14 +261,14 @@ Result<RunResult> run(const Settings& settings) {
                      columns.value())));
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
   priorities.finish(result.code == exit_code::pass);
+  result.wall_s = host_limit.elapsed_s();
+  if (golden) take_golden(soc, observation.recorded(), metrics.words(), result);
   take_losses(std::move(lost), result);
   ports.value()->tell_debugger(result.code);
-  result.wall_s = host_limit.elapsed_s();
   take_figures(soc, metrics, ports.value()->uarts(), result);
   result.inputs = inputs.files(settings);
   for (const loader::ProgramSetting& setting : inputs.program_settings.all())
     result.program_settings.push_back({setting.name, inputs.program_settings.value(setting)});
-  if (golden) result.golden = fit::compare(observation.recorded(), result.words);
   if (result.code == exit_code::crashed)
     result.fault_report = describe_fault(soc.cpu.core(), inputs.program);
   return result;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "csfn/calibration.h"
 #include "fit/golden.h"
 #include "fit/report.h"
 #include "run/sample_record.h"
@@ -162,7 +163,7 @@ TEST(Fit, AllMethodsAgreeOnCleanSamples) {
 
 TEST(Golden, EqualAnswersDifferByNothing) {
   const auto words = run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 1.0});
-  const Golden golden = compare(one_turn(sensor, 5000), *words);
+  const Golden golden = compare(one_turn(sensor, 5000), *words, {});
   ASSERT_EQ(golden.rejection, "");
   ASSERT_EQ(golden.rows.size(), 5u);
   for (const GoldenRow& row : golden.rows) EXPECT_LE(std::abs(row.difference), 1) << row.name;
@@ -173,7 +174,7 @@ TEST(Golden, ADifferenceIsCountedInUnitsOfTheLastPlace) {
   auto words = run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 0});
   words->a2 += 1000;
   words->beta -= 500;
-  const Golden golden = compare(one_turn(sensor, 5000), *words);
+  const Golden golden = compare(one_turn(sensor, 5000), *words, {});
   EXPECT_NEAR(static_cast<double>(golden.rows[1].difference), 1000, 1);
   EXPECT_NEAR(static_cast<double>(golden.rows[4].difference), -500, 1);
 }
@@ -181,14 +182,116 @@ TEST(Golden, ADifferenceIsCountedInUnitsOfTheLastPlace) {
 TEST(Golden, AReversedAnswerIsTheSameSensor) {
   const auto words =
       run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, pi - sensor.beta, 0});
-  const Golden golden = compare(one_turn(sensor, 5000), *words);
+  const Golden golden = compare(one_turn(sensor, 5000), *words, {});
   for (const GoldenRow& row : golden.rows) EXPECT_LE(std::abs(row.difference), 1) << row.name;
 }
 
 TEST(Golden, TooFewSamplesHaveAReason) {
-  const Golden golden = compare(one_turn(sensor, 4), {});
+  const Golden golden = compare(one_turn(sensor, 4), {}, {});
   EXPECT_NE(golden.rejection, "");
   EXPECT_TRUE(to_json(golden).contains("rejection"));
+  EXPECT_EQ(to_json(golden)["angle"]["verdict"], "not compared");
+}
+
+/// A turn in calibration mode by a coprocessor that knows the sensor; its angle is `wrong` radians
+/// off.
+std::vector<run::RecordedSample> calibrated_turn(const csfn::Parameters& p, double wrong = 0) {
+  const auto words = run::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
+  auto samples = one_turn(p, 5000);
+  for (run::RecordedSample& sample : samples) {
+    sample.result.emplace();
+    sample.result->angle =
+        static_cast<uint32_t>(std::llround((sample.angle_turns + wrong / two_pi) * q32));
+    sample.result->words = *words;
+    sample.result->angle_valid = true;
+  }
+  return samples;
+}
+
+AngleCheck check_of(const std::vector<run::RecordedSample>& samples) {
+  return compare(samples, samples.back().result->words, {}).angle;
+}
+
+using Verdict = AngleCheck::Verdict;
+
+TEST(GoldenAngle, ARightAngleAgrees) {
+  const AngleCheck check = check_of(calibrated_turn(sensor));
+  EXPECT_EQ(check.verdict, Verdict::agrees) << check.reason;
+  EXPECT_EQ(check.samples, 5000u);
+  EXPECT_FALSE(check.demodulating);
+  EXPECT_LT(check.bound->total(), 1e-6);
+  EXPECT_EQ(check.bound->wander, 0);
+}
+
+TEST(GoldenAngle, OneDegreeIsADisagreementThoughTheParametersAreRight) {
+  const AngleCheck check = check_of(calibrated_turn(sensor, pi / 180));
+  EXPECT_EQ(check.verdict, Verdict::disagrees);
+  EXPECT_NEAR(*check.difference, 1, 1e-5);
+  EXPECT_NE(check.reason.find("1 deg"), std::string::npos) << check.reason;
+}
+
+TEST(GoldenAngle, HalfATurnIsNotForgiven) {
+  EXPECT_EQ(check_of(calibrated_turn(sensor, pi)).verdict, Verdict::disagrees);
+}
+
+TEST(GoldenAngle, TheDirectionIsTheOneOfTheCoprocessorsBeta) {
+  csfn::Parameters reversed = sensor;
+  reversed.beta = pi - sensor.beta;
+  EXPECT_EQ(check_of(calibrated_turn(reversed)).verdict, Verdict::agrees);
+  // Its angle is pi minus that of the direct one.
+  auto samples = calibrated_turn(reversed);
+  for (run::RecordedSample& sample : samples)
+    sample.result->angle = 0x80000000u - sample.result->angle;
+  EXPECT_EQ(check_of(samples).verdict, Verdict::disagrees);
+}
+
+TEST(GoldenAngle, WrongParametersHaveTheirOwnWrongAngle) {
+  auto samples = calibrated_turn(sensor);
+  csfn::Parameters wrong = sensor;
+  wrong.beta += 0.01;
+  for (run::RecordedSample& sample : samples)
+    sample.result->angle = static_cast<uint32_t>(
+        std::llround(csfn::angle_of(wrong, sample.u / q31, sample.v / q31) / two_pi * q32));
+  const AngleCheck check = check_of(samples);
+  EXPECT_EQ(check.verdict, Verdict::disagrees);
+  EXPECT_NEAR(*check.difference, 0.01 * 180 / pi, 0.02);
+}
+
+TEST(GoldenAngle, OnlyTheWordsOfTheEndAreJudged) {
+  auto samples = calibrated_turn(sensor);
+  for (std::size_t k = 0; k < 3000; ++k) {
+    samples[k].result->angle += 0x10000000u;
+    samples[k].result->words.phi = 7;
+  }
+  const AngleCheck check = check_of(samples);
+  EXPECT_EQ(check.verdict, Verdict::agrees) << check.reason;
+  EXPECT_EQ(check.samples, 2000u);
+}
+
+TEST(GoldenAngle, WithoutAValidAngleThereIsNothingToCompare) {
+  auto samples = calibrated_turn(sensor);
+  for (run::RecordedSample& sample : samples) sample.result->angle_valid = false;
+  const AngleCheck check = check_of(samples);
+  EXPECT_EQ(check.verdict, Verdict::not_compared);
+  EXPECT_NE(check.reason.find("no angle"), std::string::npos) << check.reason;
+}
+
+TEST(GoldenAngle, ParametersThatWanderWidenTheBoundOfDemodulation) {
+  auto samples = calibrated_turn(sensor);
+  for (run::RecordedSample& sample : samples) sample.result->demodulating = true;
+  for (std::size_t k = 0; k < samples.size(); k += 2)
+    samples[k].result->words.beta += static_cast<uint32_t>(q32 / 3600);  // 0.1 deg
+  AngleCheck check = check_of(samples);
+  EXPECT_EQ(check.verdict, Verdict::agrees) << check.reason;
+  EXPECT_EQ(check.bound->wander, 0) << "nothing is learnt with steps of 0";
+  const GoldenSettings settings{false, 1e-3, 1e-3, 0};
+  check = compare(samples, samples.back().result->words, settings).angle;
+  EXPECT_TRUE(check.demodulating);
+  EXPECT_NEAR(check.bound->wander, 0.2, 0.02);
+  for (std::size_t k = 0; k < samples.size(); k += 2)
+    samples[k].result->words.beta += static_cast<uint32_t>(q32 / 36);  // and 10 deg
+  check = compare(samples, samples.back().result->words, settings).angle;
+  EXPECT_EQ(check.verdict, Verdict::not_compared) << "a bound that vouches for nothing";
 }
 
 }  // namespace

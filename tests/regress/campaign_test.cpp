@@ -38,6 +38,32 @@ Plan model_against(const Fault& fault) {
   return plan;
 }
 
+// Both devices alike with the paper's arctangent as printed, which does not converge for these
+// sensors: only the golden scenario sees it.
+TEST(GoldenScenario, FindsAWrongAngleThatBothDevicesHave) {
+  Plan plan = model_against_model();
+  plan.scenarios = {"golden"};
+  plan.arithmetics = {Arithmetic::paper};
+  const auto right = run_campaign(plan);
+  ASSERT_TRUE(right);
+  ASSERT_EQ(right.value().first_difference(), nullptr)
+      << right.value().first_difference()->finding->report;
+  plan.compare = [](Arithmetic arithmetic) -> Result<std::unique_ptr<Comparison>> {
+    coprocessor::Options options;
+    options.arithmetic = arithmetic;
+    options.paper_plain_arctangent = true;
+    return compare_with(options, std::make_unique<coprocessor::Coprocessor>(options));
+  };
+  const auto outcome = run_campaign(plan);
+  ASSERT_TRUE(outcome);
+  const regress::Run* run = outcome.value().first_difference();
+  ASSERT_NE(run, nullptr);
+  EXPECT_FALSE(run->finding->of_devices);
+  EXPECT_NE(run->finding->what.find("the coprocessor's angle differs"), std::string::npos)
+      << run->finding->what;
+  EXPECT_NE(to_text(outcome.value(), {}).find("ANGLE and the CSFN's angle"), std::string::npos);
+}
+
 class EveryFault : public testing::TestWithParam<size_t> {};
 
 TEST_P(EveryFault, IsFoundAndNamed) {

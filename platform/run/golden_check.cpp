@@ -1,0 +1,45 @@
+#include "run/golden_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capsoc_registers.h"
+#include "support/constants.h"
+
+namespace capsoc::run {
+namespace {
+
+namespace golden_registers = registers::coprocessor;
+
+fit::GoldenSettings golden_settings(soc::Soc& soc) {
+  constexpr uint32_t base = golden_registers::base_address;
+  fit::GoldenSettings settings;
+  settings.paper =
+      (soc.peek(base + golden_registers::STATUS_offset) & golden_registers::STATUS_ARITH_mask) != 0;
+  for (uint32_t offset = golden_registers::STEP_AU_offset;
+       offset <= golden_registers::STEP_CV_offset; offset += 4) {
+    const double step = soc.peek(base + offset) / q31;
+    if (step == 0) continue;
+    settings.largest_step = std::max(settings.largest_step, step);
+    settings.smallest_step =
+        settings.smallest_step == 0 ? step : std::min(settings.smallest_step, step);
+  }
+  const auto bits = static_cast<int>(soc.adc.bits.get());
+  // 32 bits stand for a converter without steps (fit/record.h).
+  if (bits < 32) settings.converter_step = std::ldexp(1.0, 1 - bits);
+  return settings;
+}
+
+}  // namespace
+
+void take_golden(soc::Soc& soc, const std::vector<RecordedSample>& record,
+                 const ParameterWords& words, RunResult& result) {
+  result.golden = fit::compare(record, words, golden_settings(soc));
+  const fit::AngleCheck& angle = result.golden->angle;
+  if (angle.verdict != fit::AngleCheck::Verdict::disagrees || result.code != exit_code::pass)
+    return;
+  result.code = exit_code::failed;
+  result.reason = angle.reason;
+}
+
+}  // namespace capsoc::run
