@@ -121,6 +121,13 @@ void coprocessor_reverse_reference(void) {
   coprocessor_set_coefficient(coefficient_a_v, -coprocessor_coefficient(coefficient_a_v));
 }
 
+void coprocessor_lock_by_turns(void) {
+  COPROCESSOR->LOCK_THRESHOLD = UINT32_MAX;
+  const uint32_t limit = (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_RADIUS_LIMIT_Msk) >>
+                         COPROCESSOR_JUDGE_RADIUS_LIMIT_Pos;
+  COPROCESSOR->JUDGE |= limit << COPROCESSOR_JUDGE_ALARM_LIMIT_Pos;
+}
+
 void coprocessor_submit(int32_t u, int32_t v) {
   COPROCESSOR->SOFT_U = u;
   COPROCESSOR->SOFT_V = v;

@@ -56,6 +56,11 @@ void coprocessor_load_parameters(const struct coprocessor_parameters* parameters
 // reference.
 void coprocessor_reverse_reference(void);
 
+// LOCK by the turns alone: an error that is small in volts says nothing of a signal that is small,
+// too, and refuses a large one with a little noise. The alarm is set at the turns' own limit, for
+// what breaks after the last whole turn.
+void coprocessor_lock_by_turns(void);
+
 // Feeds one sample without the ADC.
 void coprocessor_submit(int32_t u, int32_t v);
 

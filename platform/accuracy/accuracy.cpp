@@ -69,10 +69,13 @@ const char* verdict_name(Row::Verdict verdict) {
 }
 
 const char* verdict_text(Row::Verdict verdict) {
-  static constexpr const char* texts[] = {"", "  holds", "  MISSES ITS BOUND",
-                                          "  MISSES ITS BOUND: the signal clips"};
+  static constexpr const char* texts[] = {"", "  precise holds", "  precise MISSES ITS BOUND",
+                                          "  precise MISSES ITS BOUND: the signal clips"};
   return texts[static_cast<int>(verdict)];
 }
+
+/// Beyond this an angle of `paper`, which has no bound of its own, is called wrong.
+constexpr double wrong_angle_deg = 1;
 
 class Report {
  public:
@@ -98,8 +101,12 @@ class Report {
   /// Text and data of a line.
   void add(const Row& row) {
     if (row.verdict == Row::Verdict::misses || row.verdict == Row::Verdict::clips) ++missed_;
-    line("  {:<54} {:>12} {:>12}{}", row.label, row.precise.text, row.paper.text,
-         verdict_text(row.verdict));
+    const bool wrong = row.unit == "deg" && row.paper.value.value_or(0) > wrong_angle_deg;
+    const char* const word = verdict_text(row.verdict);
+    line("  {:<54} {:>12} {:>12}{}{}", row.label, row.precise.text, row.paper.text, word,
+         !wrong       ? ""
+         : *word != 0 ? ", paper is WRONG"
+                      : "  paper is WRONG");
     const auto number = [](const std::optional<double>& value) {
       return value ? Field(*value) : Field();
     };

@@ -84,6 +84,30 @@ void add_sensor_results(const RunResult& result, ordered_json& j) {
       {"calibration_mode_max", number_or_null(result.errors.calibration_mode_max)}};
 }
 
+ordered_json verdict_json(const ProgramVerdict& verdict) {
+  ordered_json j;
+  j["pass"] = verdict.pass;
+  j["bound_deg"] = nullptr;
+  j["reason"] = nullptr;
+  if (verdict.pass) {
+    j["bound_deg"] = verdict.bound_deg;
+  } else {
+    j["reason"] = verdict.reason;
+  }
+  j["largest_error_deg"] = number_or_null(verdict.largest_error_deg);
+  j["bound_holds"] = nullptr;
+  if (const auto holds = verdict.bound_holds()) j["bound_holds"] = *holds;
+  return j;
+}
+
+std::string bound_line(const ProgramVerdict& verdict) {
+  const auto holds = verdict.bound_holds();
+  return fmt::format("the program's own bound       {:.3g} deg{}", verdict.bound_deg,
+                     !holds   ? ": not known whether it holds"
+                     : *holds ? ": holds"
+                              : ": DOES NOT HOLD");
+}
+
 std::string sensor_table(const RunResult& result) {
   std::string text;
   const auto line = [&](const std::string& l) { text += l + "\n"; };
@@ -107,6 +131,7 @@ std::string sensor_table(const RunResult& result) {
                    convergence.state == Convergence::State::reached
                        ? fmt::format("{:.1f} s", convergence.since_s)
                        : name_of(convergence.state)));
+  if (result.verdict && result.verdict->pass) line(bound_line(*result.verdict));
   return text;
 }
 
@@ -176,6 +201,8 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
     for (const char* key : {"convergence", "convergence_s", "parameters", "angle_error_deg"})
       j[key] = nullptr;
   }
+  j["verdict"] = nullptr;
+  if (result.verdict) j["verdict"] = verdict_json(*result.verdict);
   if (!result.sensor_warnings.empty()) j["sensor_warnings"] = result.sensor_warnings;
   j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
   if (result.golden) j["golden"] = fit::to_json(*result.golden);

@@ -10,6 +10,7 @@
 
 #include "fit/golden.h"
 #include "run/metrics.h"
+#include "run/program_verdict.h"
 #include "support/result.h"
 #include "support/settings.h"
 
@@ -18,7 +19,7 @@ namespace capsoc::run {
 /// Exit codes of the program.
 namespace exit_code {
 constexpr int pass = 0;
-constexpr int failed = 1;    ///< the firmware said so
+constexpr int failed = 1;    ///< the firmware said so, or an angle left the bound of its pass
 constexpr int usage = 2;     ///< a wrong option or input
 constexpr int rejected = 3;  ///< a gate of the identifier refuses the samples
 constexpr int diverged = 4;  ///< the coprocessor's model and RTL differ
@@ -54,6 +55,7 @@ struct RunResult {
   std::optional<Parameters> truth;
   bool phi_comparable = true;  ///< Metrics::phi_comparable()
   AngleErrors errors;
+  std::optional<ProgramVerdict> verdict;  ///< of a program that states one
   uint64_t uart0_bytes = 0;
   std::string uart0_sha256;
   std::vector<Input> inputs;

@@ -165,6 +165,24 @@ std::string divergence_of(const Settings& settings, const rtl::Lockstep* lockste
          (error ? error->text + "\n" : fmt::format("waves of both sides: {}\n", waves));
 }
 
+/// A pass whose bound the truth does not keep is none.
+void take_verdict(const loader::ElfImage& program, soc::Soc& soc, const AngleErrors& errors,
+                  RunResult& result) {
+  result.verdict = read_verdict(
+      program,
+      [&soc](uint32_t address, void* bytes, uint32_t size) {
+        return soc.read_memory(address, bytes, size);
+      },
+      errors);
+  if (!result.verdict || result.verdict->bound_holds().value_or(true) ||
+      result.code != exit_code::pass)
+    return;
+  result.code = exit_code::failed;
+  result.reason =
+      fmt::format("the program vouches for {:.3g} deg, but an angle is {:.3g} deg wrong",
+                  result.verdict->bound_deg, *result.verdict->largest_error_deg);
+}
+
 void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& uarts,
                   RunResult& result) {
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
@@ -260,6 +278,7 @@ Result<RunResult> run(const Settings& settings) {
         to_recording(observation.recorded(), "The coprocessor's samples of " + result.command,
                      columns.value())));
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
+  take_verdict(inputs.program, soc, metrics.angle_errors(), result);
   priorities.finish(result.code == exit_code::pass);
   result.wall_s = host_limit.elapsed_s();
   if (golden) take_golden(soc, observation.recorded(), metrics.words(), result);

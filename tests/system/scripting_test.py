@@ -238,7 +238,7 @@ class Record(Case):
         path = self.folder / "all.csv"
         _, r = self.run_soc("--record", path, "--record-columns", self.ALL)
         rows = self.rows(path)
-        self.assertEqual(len(rows), 105_000)
+        self.assertEqual(len(rows), 105_001)  # the turn ends one sample after the 5000 of calibration
         self.assertEqual(list(rows[0]), self.ALL.split(","))
         last = rows[99_999]  # the last sample of demodulation
         self.assertEqual(last["sample"], "99999")

@@ -4,9 +4,13 @@
 // The reference is the calibrated angle itself, so the error that is shown at the end says how well
 // the parameters fit this sensor, whatever its motion.
 //
-// Status: 0 pass, 1 a flag that must not be raised or no valid angle, 2 the ADC refuses the
+// Judged by whole turns of the shaft; samples in any order by windows of window_samples, which must
+// hold every part of the turn.
+//
+// Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the
 // settings, 3 no coprocessor on this board, 4 nobody wrote parameters in the program.
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "adc.h"
@@ -16,20 +20,29 @@
 #include "console.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
+#include "judgement.h"
 #include "parameter_block.h"
 #include "parameter_report.h"
 #include "program_settings.h"
+#include "program_verdict.h"
 #include "sampling.h"
+#include "supervision.h"
 
-#define SETTINGS(NUMBER, TEXT)                                                 \
-  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")           \
-  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")       \
-  NUMBER(uint32_t, samples, 5000, 1, 1e9, 1, "samples", "one turn at 0.05 Hz") \
+#define SETTINGS(NUMBER, TEXT)                                                  \
+  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")            \
+  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")        \
+  NUMBER(uint32_t, samples, 5000, 1, 1e9, 1, "samples", "one turn at 0.05 Hz")  \
+  NUMBER(uint32_t, window_samples, 0, 0, 1e9, 1, "samples",                     \
+         "that are judged together; 0: those of a turn")                        \
+  NUMBER(uint32_t, harmonics_deg, 2.5, 0, 180, 11930465, "deg",                 \
+         "error by harmonics along the circle, which samples alone never show") \
+  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                      \
+         "largest bound of the angle error that passes")                        \
   NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
-enum { status_fail = 1, status_refused = 2, status_no_coprocessor = 3, status_no_parameters = 4 };
+enum { status_refused = 2, status_no_coprocessor = 3, status_no_parameters = 4 };
 
 static void print_banner(void) {
   print_text("calibrate: calibration mode with the parameters in the program\n");
@@ -37,18 +50,25 @@ static void print_banner(void) {
   print_text(paper ? "paper arithmetic\n" : "precise arithmetic\n");
 }
 
-static int verdict(void) {
+static int judge(struct judgement* judgement) {
+  judgement_look(judgement);
   print_text("error average ");
   print_q31((int32_t)COPROCESSOR->ERROR_AVERAGE, 0);
-  const uint32_t status = COPROCESSOR->STATUS;
-  const bool locked = (status & COPROCESSOR_STATUS_LOCK_Msk) != 0;
-  print_text(locked ? ": the parameters fit the sensor\n" : ": above the lock threshold\n");
+  print_text("\n");
   const uint32_t errors =
       COPROCESSOR->FLAGS & (COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_EARLY_Msk |
                             COPROCESSOR_FLAGS_DIVERGED_Msk | COPROCESSOR_FLAGS_CONFIG_Msk);
-  const bool good = errors == 0 && (status & COPROCESSOR_STATUS_VALID_Msk) != 0;
-  print_text(good ? "calibrate: pass\n" : "calibrate: fail\n");
-  return good ? 0 : status_fail;
+  const char* reason = judgement_objection(judgement);
+  if (reason == NULL) reason = error_sentence(errors);
+  if (reason != NULL) return fail_because("calibrate", reason);
+  return pass_within("calibrate", judgement_bound(judgement));
+}
+
+// False if the signal ended before.
+static bool calibrate(struct judgement* judgement) {
+  if (!print_angles(0, settings.samples, settings.angle_stride)) return false;
+  judgement_look(judgement);
+  return judgement->judged != 0 || judgement_wait(judgement, COPROCESSOR->TURN_LIMIT);
 }
 
 int main(void) {
@@ -67,8 +87,13 @@ int main(void) {
   const struct coprocessor_parameters* const parameters = &calibration_parameters.parameters;
   coprocessor_reset();
   coprocessor_load_parameters(parameters);
-  // A revolution of samples is no whole turn from angle to angle: LOCK without turns.
-  COPROCESSOR->JUDGE &= ~COPROCESSOR_JUDGE_TURNS_Msk;
+  coprocessor_lock_by_turns();
+  // Twice the time that is asked for: a turn in it may have begun anywhere.
+  COPROCESSOR->TURN_LIMIT = settings.samples << 1;
+  if (settings.window_samples != 0) {
+    COPROCESSOR->TURN_LIMIT = settings.window_samples;
+    COPROCESSOR->JUDGE |= COPROCESSOR_JUDGE_COUNT_Msk;
+  }
   COPROCESSOR->CTRL = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                       COPROCESSOR_CTRL_IE_RESULT_Msk |
                       COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
@@ -76,8 +101,13 @@ int main(void) {
     print_text("calibrate: the ADC refuses the sampling rate\n");
     return status_refused;
   }
+  struct judgement judgement = {.limit = settings.limit_deg,
+                                .unseen = settings.harmonics_deg,
+                                .fewest = 1,
+                                .has_parameters = true,
+                                .parameters = *parameters};
   print_parameter_table(parameters);
-  if (!print_angles(0, settings.samples, settings.angle_stride)) print_end(sampling_count());
+  if (!calibrate(&judgement)) print_end(sampling_count());
   sampling_stop();
-  return verdict();
+  return judge(&judgement);
 }

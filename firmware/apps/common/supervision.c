@@ -1,9 +1,12 @@
 #include "supervision.h"
 
+#include <stddef.h>
+
 #include "capsoc_device.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
 #include "parameter_report.h"
+#include "program_verdict.h"
 #include "sampling.h"
 
 // SAT and DIVERGED belong to a cold start: coefficients of 0 leave the whole signal as error. They
@@ -36,10 +39,12 @@ static void follow_lock(struct supervision* state, uint32_t samples, bool locked
 bool supervise(struct supervision* state, uint32_t samples) {
   const uint32_t status = COPROCESSOR->STATUS;
   collect_errors(state);
+  judgement_look(&state->judgement);
   follow_lock(state, samples, (status & COPROCESSOR_STATUS_LOCK_Msk) != 0);
   state->mirror_since = (status & COPROCESSOR_STATUS_MIRROR_Msk) != 0 ? state->mirror_since + 1 : 0;
   if (state->mirror_since <= state->mirror_seconds) return false;
   coprocessor_reverse_reference();
+  judgement_disturbed(&state->judgement);
   COPROCESSOR->FLAGS = TRANSIENT_FLAGS;
   report(state, samples, " s: rotation is reversed: reference turned round\n");
   state->mirror_since = 0;
@@ -59,30 +64,29 @@ bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_s
   return sampling_wait(samples);  // what is less than a second
 }
 
-static void print_errors(uint32_t errors) {
-  if ((errors & COPROCESSOR_FLAGS_SAT_Msk) != 0) print_text(" SAT");
-  if ((errors & COPROCESSOR_FLAGS_EARLY_Msk) != 0) print_text(" EARLY");
-  if ((errors & COPROCESSOR_FLAGS_DIVERGED_Msk) != 0) print_text(" DIVERGED");
-  if ((errors & COPROCESSOR_FLAGS_CONFIG_Msk) != 0) print_text(" CONFIG");
+const char* error_sentence(uint32_t errors) {
+  if ((errors & COPROCESSOR_FLAGS_EARLY_Msk) != 0)
+    return "samples came too early and were lost (EARLY)";
+  if ((errors & COPROCESSOR_FLAGS_CONFIG_Msk) != 0)
+    return "the coprocessor refused a setting (CONFIG)";
+  if ((errors & COPROCESSOR_FLAGS_DIVERGED_Msk) != 0)
+    return "the error was a quarter of full scale or more (DIVERGED)";
+  if ((errors & COPROCESSOR_FLAGS_SAT_Msk) != 0) return "a value saturated after the lock (SAT)";
+  return NULL;
 }
 
 int verdict(struct supervision* state) {
   collect_errors(state);
-  print_text(state->name);
-  if (state->locked_at == 0) {
-    print_text(": fail: no lock\n");
-    return 1;
+  const bool locked = state->locked_at != 0;
+  if (locked) {
+    print_text(state->name);
+    print_text(": lock at ");
+    print_unsigned(state->locked_at / state->rate_hz, 0);
+    print_text(" s\n");
   }
-  print_text(": lock at ");
-  print_unsigned(state->locked_at / state->rate_hz, 0);
-  print_text(" s\n");
-  print_text(state->name);
-  if (state->errors != 0) {
-    print_text(": fail:");
-    print_errors(state->errors);
-    print_text("\n");
-    return 1;
-  }
-  print_text(": pass\n");
-  return 0;
+  const char* reason = judgement_objection(&state->judgement);
+  if (reason == NULL) reason = error_sentence(state->errors);
+  if (reason == NULL && !locked) reason = "no lock";
+  if (reason != NULL) return fail_because(state->name, reason);
+  return pass_within(state->name, judgement_bound(&state->judgement));
 }

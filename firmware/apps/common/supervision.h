@@ -5,10 +5,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "judgement.h"
+
 struct supervision {
   const char* name;         // of the program, for the verdict
   uint32_t rate_hz;         // samples a second
   uint32_t mirror_seconds;  // that the mirror flag may stand before the reference is turned round
+  struct judgement judgement;  // with `fewest`, `numeric` and `motion` set
   // The rest starts at 0.
   uint32_t mirror_since;  // seconds
   uint32_t locked_at;     // sample count at which the present lock was first seen; 0: not locked
@@ -16,15 +19,20 @@ struct supervision {
 };
 
 // To be called every rate_hz samples just after a result, with the count of samples. Reports what
-// changed. True if the reference was turned round (coprocessor_reverse_reference) by this call.
+// changed and takes the record of a turn that ended. True if the reference was turned round
+// (coprocessor_reverse_reference) by this call.
 bool supervise(struct supervision* state, uint32_t samples);
 
 // Supervises the first `samples` samples and prints the parameters every `progress_seconds`. False
 // if the signal ended early.
 bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_seconds);
 
-// The last look at the flags, before the ADC stops. Reports the time of the lock and the verdict.
-// Returns 0, or 1 if there is no lock or a flag that must not be raised.
+// One sentence for FLAGS that must not be raised; null without one.
+const char* error_sentence(uint32_t errors);
+
+// The last look at the flags, before the ADC stops. Reports the time of the lock and the verdict:
+// a pass with the bound of the angle error that the last turns vouch for, or the reason why there
+// is none. Returns 0 or 1.
 int verdict(struct supervision* state);
 
 #endif

@@ -1,7 +1,10 @@
 // Self-calibration at a known speed, as in the paper: demodulate for 400 s against the numeric
 // reference, store the six parameters, then calibrate with the stored ones for one revolution.
 //
-// Status: 0 pass, 1 no lock or a flag that must not be raised, 2 the ADC refuses the settings,
+// A pass needs good turns of demodulation and of calibration, and says how far the angle can be
+// off.
+//
+// Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board.
 #include <stdbool.h>
 #include <stdint.h>
@@ -31,6 +34,8 @@
          "from one line of parameters to the next")                                            \
   NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s",                                          \
          "that the rotation may seem reversed before it is believed")                          \
+  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                     \
+         "largest bound of the angle error that passes")                                       \
   NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
@@ -59,8 +64,19 @@ static bool set_up_coprocessor(uint32_t clock_hz) {
     return false;
   coprocessor_reset();
   coprocessor_set_frequency(frequency);
+  coprocessor_lock_by_turns();
   coprocessor_set_steps(settings.step != 0 ? settings.step : coprocessor_fastest_step(frequency));
   return true;
+}
+
+// Samples until the reference's turn ends if it does so at once: a turn that is no whole number of
+// samples ends one sample after those that were asked for.
+static uint32_t rest_of_turn(void) {
+  const int64_t frequency = coprocessor_frequency();
+  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
+  const uint64_t phase = coprocessor_phase();
+  const uint64_t way = frequency < 0 ? phase : (UINT64_C(1) << 48) - phase;
+  return way <= 2 * speed ? 2 : 0;
 }
 
 static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
@@ -92,7 +108,10 @@ int main(void) {
   }
 
   struct supervision state = {
-      .name = "selfcal", .rate_hz = settings.rate_hz, .mirror_seconds = settings.mirror_seconds};
+      .name = "selfcal",
+      .rate_hz = settings.rate_hz,
+      .mirror_seconds = settings.mirror_seconds,
+      .judgement = {.limit = settings.limit_deg, .fewest = 2, .numeric = true}};
   const bool complete =
       demodulate(&state, settings.demodulation_samples, settings.progress_seconds);
   // Before anything is printed: the next sample is already one of the calibration.
@@ -100,10 +119,12 @@ int main(void) {
   const uint32_t demodulated = sampling_count();
   COPROCESSOR->CTRL = gates;
   coprocessor_load_parameters(&stored);
+  judgement_disturbed(&state.judgement);
   if (!complete) {
     print_end(demodulated);
     print_parameter_table(&stored);
-  } else if (!calibrate(&stored, demodulated)) {
+  } else if (!calibrate(&stored, demodulated) ||
+             !judgement_wait(&state.judgement, rest_of_turn())) {
     print_end(sampling_count());
   }
   sampling_stop();

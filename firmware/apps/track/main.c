@@ -2,7 +2,7 @@
 // reference at that speed and trims it by the drift of phi, then hands over to the tracking
 // reference, and in the end shows the angle reference, which needs no constant speed at all.
 //
-// Status: 0 pass, 1 no turn, no lock or a flag that must not be raised, 2 the ADC refuses the
+// Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the
 // settings, 3 no coprocessor on this board.
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,6 +16,7 @@
 #include "fixed_print.h"
 #include "parameter_report.h"
 #include "program_settings.h"
+#include "program_verdict.h"
 #include "sampling.h"
 #include "supervision.h"
 #include "turn_meter.h"
@@ -36,6 +37,8 @@
          "1 / the share of phi's drift that corrects the frequency, a second")                \
   NUMBER(uint32_t, kp, 10, 0, 31, 1, "", "tracking loop: phase += error >> kp")               \
   NUMBER(uint32_t, ki, 22, 0, 31, 1, "", "tracking loop: frequency += error >> ki")           \
+  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                    \
+         "largest bound of the angle error that passes")                                      \
   NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                      \
          "from one line of parameters to the next")                                           \
   NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s",                                         \
@@ -43,7 +46,7 @@
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
-enum { status_fail = 1, status_refused = 2, status_no_coprocessor = 3 };
+enum { status_refused = 2, status_no_coprocessor = 3 };
 
 // One demodulation. Seconds count from the start of the ADC; the coprocessor sees the samples from
 // `first_sample` on.
@@ -83,6 +86,11 @@ static uint32_t control(uint32_t reference) {
          COPROCESSOR_CTRL_IE_RESULT_Msk | reference << COPROCESSOR_CTRL_REF_Pos;
 }
 
+// One and a half turns.
+static uint32_t turn_limit(uint64_t turn) {
+  return (uint32_t)((turn + (turn >> 1)) >> 8) + 1;
+}
+
 static void start_demodulation(uint64_t turn) {
   const int64_t frequency = (int64_t)((((uint64_t)1 << 56) + turn / 2) / turn);
   // omega / 2 = pi / turn in Q1.31, the fastest step that settles: pi 2^31 256 / turn.
@@ -91,6 +99,9 @@ static void start_demodulation(uint64_t turn) {
   coprocessor_set_frequency(frequency);
   coprocessor_set_steps((uint32_t)(step < largest_step ? step : largest_step));
   coprocessor_set_loop(settings.kp, settings.ki);
+  coprocessor_lock_by_turns();
+  // A shaft that rests has no turns: the watchdog ends the window then.
+  COPROCESSOR->TURN_LIMIT = turn_limit(turn);
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_NUMERIC);
   print_text("turn ");
   print_fixed((int64_t)turn, 8, 3, 0);
@@ -135,6 +146,9 @@ static uint32_t later(uint32_t one, uint32_t other) {
 }
 
 static bool show_angle_reference(struct session* session, uint32_t from) {
+  struct judgement* const judgement = &session->supervision.judgement;
+  judgement_look(judgement);
+  const uint32_t turns = judgement->judged;
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_ANGLE);
   print_text("angle reference\n");
   for (uint32_t second = from; second <= settings.angle_until; ++second) {
@@ -143,7 +157,8 @@ static bool show_angle_reference(struct session* session, uint32_t from) {
     supervise(&session->supervision, sample);
     print_angle(sample);
   }
-  return true;
+  // At least one turn with this reference, or the watchdog's word.
+  return judgement->judged > turns || judgement_wait(judgement, COPROCESSOR->TURN_LIMIT);
 }
 
 // Through the three references. False if the signal ended before.
@@ -151,6 +166,7 @@ static bool calibrate(struct session* session) {
   const uint32_t begin = session->first_sample / settings.rate_hz + 1;
   if (!run(session, begin, settings.numeric_until, true)) return false;
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_TRACKING);
+  judgement_disturbed(&session->supervision.judgement);
   print_text("tracking reference\n");
   const uint32_t tracking_begin = later(begin, settings.numeric_until + 1);
   if (!run(session, tracking_begin, settings.tracking_until, false)) return false;
@@ -181,13 +197,14 @@ int main(void) {
     print_text("track: the ADC refuses the sampling rate\n");
     return status_refused;
   }
-  struct session session = {.supervision = {.name = "track",
-                                            .rate_hz = settings.rate_hz,
-                                            .mirror_seconds = settings.mirror_seconds}};
+  struct session session = {
+      .supervision = {.name = "track",
+                      .rate_hz = settings.rate_hz,
+                      .mirror_seconds = settings.mirror_seconds,
+                      .judgement = {.limit = settings.limit_deg, .fewest = 2, .discard = 1}}};
   uint64_t turn = 0;
   if (!measure_turn(&turn, &session.first_sample)) {
-    print_text("track: fail: no turn seen\n");
-    return status_fail;
+    return fail_because("track", "no turn seen");
   }
   start_demodulation(turn);
   // Phi means something after a turn.

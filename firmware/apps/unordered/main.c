@@ -4,7 +4,10 @@
 //
 // Not for slow motion in order: the step is far above 1.5 omega of 0.05 Hz (docs/coprocessor.md).
 //
-// Status: 0 pass, 1 no lock or a flag that must not be raised, 2 the ADC refuses the settings,
+// Samples in any order make no turns: they are judged by the window, which must hold every part of
+// the turn. A pass says nothing of samples that come twice or late.
+//
+// Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board.
 #include <stdbool.h>
 #include <stdint.h>
@@ -28,6 +31,11 @@
   NUMBER(uint32_t, step, 0.01, 0, 0.9999999, 0x1p31, "", "2 mu")                               \
   NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")      \
   NUMBER(uint32_t, calibration_samples, 5000, 0, 1e9, 1, "samples", "of calibration after it") \
+  NUMBER(uint32_t, window_samples, 5000, 64, 1e9, 1, "samples", "that are judged together")    \
+  NUMBER(uint32_t, harmonics_deg, 2.5, 0, 180, 11930465, "deg",                                \
+         "error by harmonics along the circle, which samples alone never show")                \
+  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                     \
+         "largest bound of the angle error that passes")                                       \
   NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                       \
          "from one line of parameters to the next")                                            \
   NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
@@ -47,8 +55,9 @@ int main(void) {
 
   coprocessor_reset();
   coprocessor_set_steps(settings.step);
-  // Samples in any order make no turns: LOCK without them.
-  COPROCESSOR->JUDGE &= ~COPROCESSOR_JUDGE_TURNS_Msk;
+  coprocessor_lock_by_turns();
+  COPROCESSOR->TURN_LIMIT = settings.window_samples;
+  COPROCESSOR->JUDGE |= COPROCESSOR_JUDGE_COUNT_Msk;
   const uint32_t gates = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                          COPROCESSOR_CTRL_IE_RESULT_Msk |
                          COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
@@ -60,7 +69,10 @@ int main(void) {
 
   // The angle has no direction that could be turned round.
   struct supervision state = {
-      .name = "unordered", .rate_hz = settings.rate_hz, .mirror_seconds = UINT32_MAX};
+      .name = "unordered",
+      .rate_hz = settings.rate_hz,
+      .mirror_seconds = UINT32_MAX,
+      .judgement = {.limit = settings.limit_deg, .unseen = settings.harmonics_deg, .fewest = 1}};
   const bool complete =
       demodulate(&state, settings.demodulation_samples, settings.progress_seconds);
   // Before anything is printed: the next sample is already one of the calibration.
@@ -68,10 +80,12 @@ int main(void) {
   const uint32_t demodulated = sampling_count();
   COPROCESSOR->CTRL = gates;
   coprocessor_load_parameters(&stored);
+  judgement_disturbed(&state.judgement);
   print_parameter_table(&stored);
   if (!complete) {
     print_end(demodulated);
-  } else if (!print_angles(demodulated, settings.calibration_samples, settings.angle_stride)) {
+  } else if (!print_angles(demodulated, settings.calibration_samples, settings.angle_stride) ||
+             !judgement_wait(&state.judgement, settings.window_samples)) {
     print_end(sampling_count());
   }
   sampling_stop();
