@@ -109,8 +109,10 @@ static const char* objection_to(const struct turn_evidence* turn) {
       {COPROCESSOR_TURN_FLAGS_MIRROR_Msk, "the rotation is the other way round"},
   };
   if ((turn->flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) == 0) {
+    const bool counts = (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_COUNT_Msk) != 0;
+    const uint32_t flags = counts ? turn->flags & ~COPROCESSOR_TURN_FLAGS_WINDING_Msk : turn->flags;
     for (size_t i = 0; i < sizeof causes / sizeof causes[0]; ++i)
-      if ((turn->flags & causes[i].flag) != 0) return causes[i].sentence;
+      if ((flags & causes[i].flag) != 0) return causes[i].sentence;
     return "parts of the turn had no samples: the shaft rests or swings";
   }
   if (turn->drift >= DRIFT_LIMIT) return "the parameters still drift by 5 % a turn or more";

@@ -9,7 +9,7 @@
 static volatile uint32_t results;
 static volatile uint32_t samples;  // while listening
 static volatile uint32_t events;   // moves with each of them and at the end of the signal
-static volatile int32_t sample_u;
+static volatile int32_t sample_u, sample_v;
 static volatile bool ended;
 
 // Runs once a sample, 100,000 times in a calibration: one access to the bus.
@@ -25,6 +25,7 @@ void ADC_Handler(void) {
   ADC->FLAGS = flags;
   if ((flags & ADC_FLAGS_SAMPLE_Msk) != 0) {
     sample_u = ADC->DATA_U;
+    sample_v = ADC->DATA_V;
     ++samples;
   }
   if ((flags & ADC_FLAGS_END_Msk) != 0) ended = true;
@@ -68,7 +69,7 @@ void sampling_listen(bool on) {
   ADC->CTRL = on ? others | ADC_CTRL_IE_SAMPLE_Msk : others;
 }
 
-bool sampling_next(int32_t* u) {
+bool sampling_next(int32_t* u, int32_t* v) {
   const uint32_t before = samples;
   while (samples == before) {
     const uint32_t seen = events;
@@ -77,5 +78,6 @@ bool sampling_next(int32_t* u) {
     sleep_while_equal(&events, seen);
   }
   *u = sample_u;
+  *v = sample_v;
   return true;
 }

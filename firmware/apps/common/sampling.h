@@ -16,7 +16,7 @@ bool sampling_wait(uint32_t count);
 
 // The ADC's own samples, for software that looks at them before the coprocessor does.
 void sampling_listen(bool on);
-// Sleeps until the next sample of channel U, Q1.31. False if the signal ended.
-bool sampling_next(int32_t* u);
+// Sleeps until the next sample, Q1.31. False if the signal ended.
+bool sampling_next(int32_t* u, int32_t* v);
 
 #endif

@@ -64,8 +64,8 @@ static bool measure_turn(uint64_t* turn, uint32_t* samples) {
   *turn = 0;
   sampling_listen(true);
   while (*turn == 0 && meter.samples < settings.measuring_seconds * settings.rate_hz) {
-    int32_t u = 0;
-    if (!sampling_next(&u)) break;
+    int32_t u = 0, v = 0;
+    if (!sampling_next(&u, &v)) break;
     *turn = turn_meter_feed(&meter, u);
   }
   sampling_listen(false);

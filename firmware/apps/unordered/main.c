@@ -21,6 +21,7 @@
 #include "fixed_print.h"
 #include "parameter_report.h"
 #include "program_settings.h"
+#include "program_verdict.h"
 #include "sampling.h"
 #include "supervision.h"
 
@@ -31,7 +32,9 @@
   NUMBER(uint32_t, step, 0.01, 0, 0.9999999, 0x1p31, "", "2 mu")                               \
   NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")      \
   NUMBER(uint32_t, calibration_samples, 5000, 0, 1e9, 1, "samples", "of calibration after it") \
-  NUMBER(uint32_t, window_samples, 5000, 64, 1e9, 1, "samples", "that are judged together")    \
+  NUMBER(uint32_t, range_samples, 500, 2, 1e6, 1, "samples",                                   \
+         "whose range gives the parameters to start with")                                     \
+  NUMBER(uint32_t, window_samples, 4750, 64, 1e9, 1, "samples", "that are judged together")    \
   NUMBER(uint32_t, harmonics_deg, 2.5, 0, 180, 11930465, "deg",                                \
          "error by harmonics along the circle, which samples alone never show")                \
   NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                     \
@@ -43,6 +46,42 @@ PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
+
+struct range {
+  int32_t least, greatest;
+};
+
+static void extend(struct range* range, int32_t value) {
+  if (value < range->least) range->least = value;
+  if (value > range->greatest) range->greatest = value;
+}
+
+static int32_t half_width(const struct range* range) {
+  return (int32_t)(((int64_t)range->greatest - range->least) / 2);
+}
+
+static int32_t middle(const struct range* range) {
+  return (int32_t)(((int64_t)range->greatest + range->least) / 2);
+}
+
+// Amplitudes and offsets from the range of the first samples. From the reset's parameters the angle
+// of a signal whose offset is above its amplitude does not go round, and is learnt as it is. False
+// if the signal ended before.
+static bool load_start(void) {
+  struct range u = {INT32_MAX, INT32_MIN}, v = u;
+  sampling_listen(true);
+  for (uint32_t i = 0; i < settings.range_samples; ++i) {
+    int32_t sample_u = 0, sample_v = 0;
+    if (!sampling_next(&sample_u, &sample_v)) return false;
+    extend(&u, sample_u);
+    extend(&v, sample_v);
+  }
+  sampling_listen(false);
+  const struct coprocessor_parameters start = {
+      .a1 = half_width(&u), .a2 = half_width(&v), .b1 = middle(&u), .b2 = middle(&v)};
+  coprocessor_load_parameters(&start);
+  return true;
+}
 
 int main(void) {
   console_open(clock_frequency_hz(), settings.baud);
@@ -61,11 +100,12 @@ int main(void) {
   const uint32_t gates = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                          COPROCESSOR_CTRL_IE_RESULT_Msk |
                          COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
-  COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
   if (!sampling_start(settings.rate_hz)) {
     print_text("unordered: the ADC refuses the sampling rate\n");
     return status_refused;
   }
+  if (!load_start()) return fail_because("unordered", "the signal ended before its range was seen");
+  COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
 
   // The angle has no direction that could be turned round.
   struct supervision state = {
