@@ -33,7 +33,8 @@ struct DrawnSensor {
     beta = (random.uniform() - 0.5) * 2.4;
     if (!paper && random.chance(0.5)) beta = pi - beta;
     angle = random.uniform() * two_pi;
-    turns = (0.8 + 0.4 * random.uniform()) / 32;
+    // Samples of one turn are never those of the turn before: they cover the whole of it.
+    turns = 1 / (static_cast<double>(random.between(26, 39)) + 0.382);
     if (random.chance(0.5)) turns = -turns;
     if (random.chance(0.5)) noise = 1e-4;
   }
