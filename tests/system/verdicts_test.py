@@ -120,6 +120,19 @@ class Broken(Case):
             (("a1", 0.6), ("a2", 0.2), ("b1", 0.1), ("b2", -0.05), ("beta", 0), ("phi", 0))}}))
         self.check(self.sensor(good_u, good_v, length=5100), self.CIRCLE, "calibrate", "--parameters", "p.json")
 
+    def test_an_offset_that_drifts(self):
+        # A tenth of the amplitude a turn: the demodulation follows, so nothing but the drift shows it.
+        self.check(self.record((0.2 * math.sin(2 * math.pi * turning(k)) + 0.02 * (turning(k) - 10),
+                                good_v(2 * math.pi * turning(k)), turning(k)) for k in range(105_100)), "still drift")
+
+    def test_a_channel_that_fails_after_the_last_whole_turn(self):
+        (self.folder / "p.json").write_text(json.dumps({"parameters": {
+            name: {"word": round(value * (2**32 / (2 * math.pi) if name == "beta" else 2**31)), "value": value} for name, value in
+            (("a1", 0.6), ("a2", 0.5), ("b1", 0.1), ("b2", -0.05), ("beta", 0.1), ("phi", 0))}}))
+        sensor = self.record((good_u(2 * math.pi * turning(k)) if k < 6150 else 0.0, good_v(2 * math.pi * turning(k)), turning(k))
+                             for k in range(6400))
+        self.check(sensor, "have left their circle", "calibrate", "--parameters", "p.json", "-P", "samples=6250")
+
     def test_a_bound_that_is_too_wide(self):
         sensor = self.sensor(good_u, good_v, noise=0.02)
         code, verdict = self.run_program("selfcal", "--sensor", sensor)
