@@ -30,7 +30,7 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${data}/firmware C
         FILES_MATCHING PATTERN "*.elf" PATTERN objects EXCLUDE PATTERN CMakeFiles EXCLUDE)
 install(DIRECTORY traces/ DESTINATION ${data}/traces COMPONENT data)
 install(DIRECTORY firmware/template DESTINATION ${data} COMPONENT data)
-install(FILES ${generated}/capsoc_device.h ${generated}/program_settings.h DESTINATION ${data}/include COMPONENT data)
+install(FILES ${generated}/capsoc_device.h ${generated}/program_settings.h ${generated}/program_verdict.h DESTINATION ${data}/include COMPONENT data)
 install(DIRECTORY firmware/apps firmware/common firmware/drivers DESTINATION ${data}/sources COMPONENT data)
 install(FILES models/registers/capsoc.svd DESTINATION ${data}/svd COMPONENT data)
 install(FILES scripts/gdb/svd.py DESTINATION ${data}/gdb COMPONENT data)

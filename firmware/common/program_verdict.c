@@ -6,21 +6,13 @@
 
 struct program_verdict program_verdict = {.magic = PROGRAM_VERDICT_MAGIC};
 
-static void print_verdict(const char* name, const char* word) {
-  print_text(name);
-  print_text(word);
-}
-
 int pass_within(const char* name, uint32_t bound) {
   program_verdict.bound = bound;
   program_verdict.state = program_verdict_pass;
-  print_verdict(name, ": pass: every angle within ");
-  // Rounded up: what is printed holds as well.
-  const uint64_t millionths = ((uint64_t)bound * 360000000 + UINT32_MAX) >> 32;
-  print_unsigned(millionths / 1000000, 0);
-  print_text(".");
-  for (uint32_t unit = 100000, rest = (uint32_t)(millionths % 1000000); unit != 0; unit /= 10)
-    print_unsigned(rest / unit % 10, 0);
+  print_text(name);
+  print_text(": pass: every angle within ");
+  // Half a millionth more, so that what is printed holds as well.
+  print_fixed((int64_t)bound * 360 + 2148, 32, 6, 0);
   print_text(" deg\n");
   return 0;
 }
@@ -31,7 +23,8 @@ int fail_because(const char* name, const char* reason) {
     program_verdict.reason[i] = reason[i];
   program_verdict.reason[i] = '\0';
   program_verdict.state = program_verdict_fail;
-  print_verdict(name, ": fail: ");
+  print_text(name);
+  print_text(": fail: ");
   print_text(reason);
   print_text("\n");
   return 1;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "fixed/fixed.h"
+#include "support/constants.h"
 
 namespace capsoc::coprocessor::paper {
 namespace {
@@ -21,10 +22,9 @@ constexpr int64_t integral_gain = 1298774024;  // 1.9 rad
 
 std::array<int32_t, 513> make_table() {
   std::array<int32_t, 513> table{};
-  constexpr double turn = 6.283185307179586476925;
   for (int i = 0; i <= 512; ++i)
     table[static_cast<size_t>(i)] =
-        static_cast<int32_t>(std::floor(std::sin(turn * i / 512) * 2147483647.0 + 0.5));
+        static_cast<int32_t>(std::floor(std::sin(two_pi * i / 512) * 2147483647.0 + 0.5));
   return table;
 }
 

@@ -10,6 +10,7 @@
 #include "csfn/distributions.h"
 #include "csfn/fused_network.h"
 #include "csfn/robust_fit.h"
+#include "csfn/sentence.h"
 #include "support/constants.h"
 
 namespace capsoc::csfn {
@@ -35,13 +36,6 @@ double degrees_at(double place) {
   const double x = folded <= 2 ? 1 - folded : folded - 3;
   const double angle = std::atan2(y, x) * 180 / pi;
   return (angle < 0 ? angle + 360 : angle) + 360 * std::floor(place / 4);
-}
-
-std::string text(const char* format, double one, double other = 0) {
-  char buffer[320];
-  // NOLINTNEXTLINE(clang-diagnostic-format-nonliteral): both formats of a call stand in this file
-  std::snprintf(buffer, sizeof buffer, format, one, other);
-  return buffer;
 }
 
 Gate at_least(const char* name, double value, double limit, std::string reason) {

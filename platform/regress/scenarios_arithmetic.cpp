@@ -6,6 +6,7 @@
 #include "coprocessor/register_map.h"
 #include "fixed/fixed.h"
 #include "regress/scenario.h"
+#include "support/constants.h"
 
 namespace capsoc::regress {
 
@@ -13,7 +14,6 @@ using namespace coprocessor;
 
 namespace {
 
-constexpr double tau = 6.283185307179586476925;
 constexpr int64_t one = int64_t{1} << 46;  // Q2.46
 constexpr uint32_t top = INT32_MAX, bottom = 0x80000000u;
 constexpr uint32_t both = ctrl_adc | ctrl_demod | ctrl_calib;
@@ -63,7 +63,7 @@ void settle(Bench& bench, uint32_t u, uint32_t v, bool clip = false) {
 
 void rotating(Bench& bench, unsigned count, double a, double speed, double beta, uint64_t space) {
   for (unsigned i = 0; i < count && !bench.failed(); ++i) {
-    const double angle = speed * tau * i;
+    const double angle = speed * two_pi * i;
     bench.sample(q31(a * std::sin(angle)), q31(a * std::cos(angle + beta)));
     bench.wait(space);
   }
@@ -179,7 +179,7 @@ void run_quadrants(Bench& bench, Random& random, const Budget&) {
       for (unsigned i = 0; i < 16; ++i)
         for (int offset : {-1, 0, 1}) {
           if (bench.failed()) return;
-          const double angle = i * tau / 16;
+          const double angle = i * two_pi / 16;
           const double size =
               std::ldexp(0.99, -static_cast<int>(random.below(i % 2 == 0 ? 4 : 24)));
           const uint32_t u = q31(size * std::sin(angle)) + static_cast<uint32_t>(offset);
@@ -194,7 +194,7 @@ void run_quadrants(Bench& bench, Random& random, const Budget&) {
       for (unsigned i = 0; i < 16; ++i) {
         bench.write(reg_ctrl, both | ctrl_source(source));
         set_steps(bench, 0);
-        const double phi = i * tau / 16, psi = phi + orientation * 0.3 * (1 + i % 5);
+        const double phi = i * two_pi / 16, psi = phi + orientation * 0.3 * (1 + i % 5);
         const auto weight = [](double value) { return std::llround(std::ldexp(value, 46)); };
         set_weights(bench,
                     {weight(0.6 * std::cos(phi)), weight(0.6 * std::sin(phi)), weight(0.1),
@@ -298,7 +298,7 @@ void run_full_scale(Bench& bench, Random& random, const Budget&) {
 }
 
 void run_beta(Bench& bench, Random& random, const Budget&) {
-  const double quarter = tau / 4, half = tau / 2;
+  const double quarter = two_pi / 4, half = two_pi / 2;
   for (unsigned source = 0; source < 3; ++source)
     for (double centre : {quarter, -quarter, half, 0.0})
       for (double beside : {-0.2, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 0.2}) {
@@ -310,7 +310,7 @@ void run_beta(Bench& bench, Random& random, const Budget&) {
         // The parameters are loaded, then learned further.
         bench.write(reg_a1, q31(0.6));
         bench.write(reg_a2, q31(0.7));
-        bench.write(reg_beta, static_cast<uint32_t>(std::llround(beta / tau * 4294967296.0)));
+        bench.write(reg_beta, static_cast<uint32_t>(std::llround(beta / two_pi * 4294967296.0)));
         bench.write(reg_phi, random.word32());
         bench.write(reg_cmd, cmd_load);
         rotating(bench, 24, 0.6, 1.0 / 16, beta, 32);
@@ -374,7 +374,7 @@ void run_weight_clamp(Bench& bench, Random& random, const Budget&) {
       for (unsigned octant = 1; octant < 8; octant += 2) {
         if (bench.failed()) return;
         start(bench, both);
-        const double phase = octant * tau / 8;
+        const double phase = octant * two_pi / 8;
         const std::array<double, 3> r = {std::sin(phase), std::cos(phase), 1};
         std::array<int64_t, 6> weights{};
         for (unsigned i = 0; i < 3; ++i) {
@@ -452,7 +452,7 @@ void run_loop_gains(Bench& bench, Random& random, const Budget&) {
       const uint64_t ahead = static_cast<uint64_t>(bench.nodes().phase) +
                              static_cast<uint64_t>(sign * (int64_t{3} << 45));
       const double angle = std::ldexp(static_cast<double>(ahead & ((uint64_t{1} << 48) - 1)), -48);
-      settle(bench, q31(0.7 * std::sin(angle * tau)), q31(0.7 * std::cos(angle * tau)));
+      settle(bench, q31(0.7 * std::sin(angle * two_pi)), q31(0.7 * std::cos(angle * two_pi)));
     }
   }
 }

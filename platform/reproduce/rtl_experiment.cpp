@@ -6,6 +6,7 @@
 #include "coprocessor/paper_units.h"
 #include "reproduce/coprocessor_run.h"
 #include "sensor/described_source.h"
+#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -46,7 +47,6 @@ RtlOutcome run_rtl() {
 }
 
 double arctangent_error(double magnitude) {
-  constexpr double two_pi = 6.283185307179586476925;
   constexpr int points = 3600;
   double largest = 0.0;
   for (int i = 0; i < points; ++i) {

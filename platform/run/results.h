@@ -19,7 +19,7 @@ namespace capsoc::run {
 /// Exit codes of the program.
 namespace exit_code {
 constexpr int pass = 0;
-constexpr int failed = 1;    ///< the firmware said so, or an angle left the bound of its pass
+constexpr int failed = 1;    ///< the firmware said so, or an angle left its bound or --golden's
 constexpr int usage = 2;     ///< a wrong option or input
 constexpr int rejected = 3;  ///< a gate of the identifier refuses the samples
 constexpr int diverged = 4;  ///< the coprocessor's model and RTL differ

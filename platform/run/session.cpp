@@ -166,14 +166,13 @@ std::string divergence_of(const Settings& settings, const rtl::Lockstep* lockste
 }
 
 /// A pass whose bound the truth does not keep is none.
-void take_verdict(const loader::ElfImage& program, soc::Soc& soc, const AngleErrors& errors,
-                  RunResult& result) {
+void take_verdict(const loader::ElfImage& program, soc::Soc& soc, RunResult& result) {
   result.verdict = read_verdict(
       program,
       [&soc](uint32_t address, void* bytes, uint32_t size) {
         return soc.read_memory(address, bytes, size);
       },
-      errors);
+      result.errors);
   if (!result.verdict || result.verdict->bound_holds().value_or(true) ||
       result.code != exit_code::pass)
     return;
@@ -193,7 +192,6 @@ void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& 
   result.words = metrics.words();
   result.truth = metrics.truth();
   result.phi_comparable = metrics.phi_comparable();
-  result.errors = metrics.angle_errors();
   result.uart0_bytes = uarts.line(0).bytes();
   result.uart0_sha256 = uarts.line(0).sha256();
 }
@@ -278,7 +276,8 @@ Result<RunResult> run(const Settings& settings) {
         to_recording(observation.recorded(), "The coprocessor's samples of " + result.command,
                      columns.value())));
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
-  take_verdict(inputs.program, soc, metrics.angle_errors(), result);
+  result.errors = metrics.angle_errors();
+  take_verdict(inputs.program, soc, result);
   priorities.finish(result.code == exit_code::pass);
   result.wall_s = host_limit.elapsed_s();
   if (golden) take_golden(soc, observation.recorded(), metrics.words(), result);

@@ -17,6 +17,7 @@
 #include "angle_report.h"
 #include "capsoc_device.h"
 #include "clock.h"
+#include "common_settings.h"
 #include "console.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
@@ -28,17 +29,15 @@
 #include "sampling.h"
 #include "supervision.h"
 
-#define SETTINGS(NUMBER, TEXT)                                                  \
-  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")            \
-  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")        \
-  NUMBER(uint32_t, samples, 5000, 1, 1e9, 1, "samples", "one turn at 0.05 Hz")  \
-  NUMBER(uint32_t, window_samples, 0, 0, 1e9, 1, "samples",                     \
-         "that are judged together; 0: those of a turn")                        \
-  NUMBER(uint32_t, harmonics_deg, 2.5, 0, 180, 11930465, "deg",                 \
-         "error by harmonics along the circle, which samples alone never show") \
-  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                      \
-         "largest bound of the angle error that passes")                        \
-  NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
+#define SETTINGS(NUMBER, TEXT)                                                 \
+  BAUD_SETTING(NUMBER)                                                         \
+  RATE_SETTING(NUMBER)                                                         \
+  NUMBER(uint32_t, samples, 5000, 1, 1e9, 1, "samples", "one turn at 0.05 Hz") \
+  NUMBER(uint32_t, window_samples, 0, 0, 1e9, 1, "samples",                    \
+         "that are judged together; 0: those of a turn")                       \
+  HARMONICS_SETTING(NUMBER)                                                    \
+  LIMIT_SETTING(NUMBER)                                                        \
+  ANGLE_STRIDE_SETTING(NUMBER)
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
@@ -55,11 +54,8 @@ static int judge(struct judgement* judgement) {
   print_text("error average ");
   print_q31((int32_t)COPROCESSOR->ERROR_AVERAGE, 0);
   print_text("\n");
-  const uint32_t errors =
-      COPROCESSOR->FLAGS & (COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_EARLY_Msk |
-                            COPROCESSOR_FLAGS_DIVERGED_Msk | COPROCESSOR_FLAGS_CONFIG_Msk);
   const char* reason = judgement_objection(judgement);
-  if (reason == NULL) reason = error_sentence(errors);
+  if (reason == NULL) reason = error_sentence(COPROCESSOR->FLAGS);
   if (reason != NULL) return fail_because("calibrate", reason);
   return pass_within("calibrate", judgement_bound(judgement));
 }

@@ -68,7 +68,6 @@ void judgement_look(struct judgement* judgement) {
   const uint32_t fresh = (ended - judgement->ended) & 0xFF;
   if (fresh == 0) return;
   judgement->ended = ended;
-  judgement->seen += fresh;
   const struct coprocessor_parameters parameters = coprocessor_read_parameters();
   const struct turn_evidence turn = {
       .flags = flags,

@@ -14,23 +14,19 @@ enum { judgement_turns = 3 };
 
 // What one window says. Angles in 2^-32 turn.
 struct turn_evidence {
-  uint32_t flags;  // TURN_FLAGS
-  uint32_t
-      radius;  // rho, the largest deviation of the calibrated ellipse from its circle, in radians
+  uint32_t flags;    // TURN_FLAGS
+  uint32_t radius;   // rho, radians: the calibrated ellipse's largest deviation from its circle
   uint32_t residue;  // largest |RESIDUE|
-  uint32_t
-      drift;  // largest change of amplitudes, offsets (relative) and beta (radians) in the turn
-  uint32_t motion;  // of the shaft within one sample; 0 for samples in any order
+  uint32_t drift;    // largest change in the turn: amplitudes, offsets (relative), beta (radians)
+  uint32_t motion;   // of the shaft within one sample; 0 for samples in any order
 };
 
 struct judgement {
   uint32_t fewest;  // good turns in a row that a pass needs, 1 to 3
   uint32_t limit;   // largest bound that may pass, 2^-32 turn
   bool numeric;     // the reference is numeric: RESIDUE is the angle's error, at constant speed
-  uint32_t
-      unseen;  // angle error that no evidence can show, from the sensor's data sheet, 2^-32 turn
+  uint32_t unseen;  // error that no evidence can show, from the data sheet, 2^-32 turn
   // The rest starts at 0.
-  uint32_t seen;     // windows that have ended, as judgement_look saw them
   uint32_t ended;    // TURN_COUNT at the last look
   uint32_t discard;  // windows still to be left out
   uint32_t judged;   // windows kept since the beginning

@@ -13,6 +13,7 @@
 #include "angle_report.h"
 #include "capsoc_device.h"
 #include "clock.h"
+#include "common_settings.h"
 #include "console.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
@@ -22,21 +23,18 @@
 #include "supervision.h"
 
 // frequency_hz is kept in 2^-48 Hz, step as Q1.31.
-#define SETTINGS(NUMBER, TEXT)                                                                 \
-  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")                           \
-  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")                       \
-  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft")       \
-  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",                                 \
-         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it")                   \
-  NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")      \
-  NUMBER(uint32_t, calibration_samples, 5000, 0, 1e9, 1, "samples", "of calibration after it") \
-  NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                       \
-         "from one line of parameters to the next")                                            \
-  NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s",                                          \
-         "that the rotation may seem reversed before it is believed")                          \
-  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                     \
-         "largest bound of the angle error that passes")                                       \
-  NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
+#define SETTINGS(NUMBER, TEXT)                                                           \
+  BAUD_SETTING(NUMBER)                                                                   \
+  RATE_SETTING(NUMBER)                                                                   \
+  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft") \
+  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",                           \
+         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it")             \
+  DEMODULATION_SETTING(NUMBER)                                                           \
+  CALIBRATION_SETTING(NUMBER)                                                            \
+  PROGRESS_SETTING(NUMBER)                                                               \
+  MIRROR_SETTING(NUMBER)                                                                 \
+  LIMIT_SETTING(NUMBER)                                                                  \
+  ANGLE_STRIDE_SETTING(NUMBER)
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 

@@ -11,6 +11,7 @@
 #include "angle_report.h"
 #include "capsoc_device.h"
 #include "clock.h"
+#include "common_settings.h"
 #include "console.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
@@ -26,8 +27,8 @@
 // last turn shows 4.6e-7 deg as set here, and 2.4e-6 with kp = 4, ki = 10, numeric_until = 200 and
 // drift_divider = 32. No time is so long that its samples at the highest rate do not fit 32 bits.
 #define SETTINGS(NUMBER, TEXT)                                                                \
-  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")                          \
-  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")                      \
+  BAUD_SETTING(NUMBER)                                                                        \
+  RATE_SETTING(NUMBER)                                                                        \
   NUMBER(uint32_t, measuring_seconds, 100, 1, 40000, 1, "s", "that the first turns may take") \
   NUMBER(uint32_t, numeric_until, 150, 1, 40000, 1, "s",                                      \
          "end of the numeric reference, from the start of the ADC")                           \
@@ -37,12 +38,9 @@
          "1 / the share of phi's drift that corrects the frequency, a second")                \
   NUMBER(uint32_t, kp, 10, 0, 31, 1, "", "tracking loop: phase += error >> kp")               \
   NUMBER(uint32_t, ki, 22, 0, 31, 1, "", "tracking loop: frequency += error >> ki")           \
-  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                    \
-         "largest bound of the angle error that passes")                                      \
-  NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                      \
-         "from one line of parameters to the next")                                           \
-  NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s",                                         \
-         "that the rotation may seem reversed before it is believed")
+  LIMIT_SETTING(NUMBER)                                                                       \
+  PROGRESS_SETTING(NUMBER)                                                                    \
+  MIRROR_SETTING(NUMBER)
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 

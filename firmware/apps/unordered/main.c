@@ -16,6 +16,7 @@
 #include "angle_report.h"
 #include "capsoc_device.h"
 #include "clock.h"
+#include "common_settings.h"
 #include "console.h"
 #include "coprocessor.h"
 #include "fixed_print.h"
@@ -26,22 +27,19 @@
 #include "supervision.h"
 
 // step is kept as Q1.31.
-#define SETTINGS(NUMBER, TEXT)                                                                 \
-  NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")                           \
-  NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")                       \
-  NUMBER(uint32_t, step, 0.01, 0, 0.9999999, 0x1p31, "", "2 mu")                               \
-  NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")      \
-  NUMBER(uint32_t, calibration_samples, 5000, 0, 1e9, 1, "samples", "of calibration after it") \
-  NUMBER(uint32_t, range_samples, 500, 2, 1e6, 1, "samples",                                   \
-         "whose range gives the parameters to start with")                                     \
-  NUMBER(uint32_t, window_samples, 4750, 64, 1e9, 1, "samples", "that are judged together")    \
-  NUMBER(uint32_t, harmonics_deg, 2.5, 0, 180, 11930465, "deg",                                \
-         "error by harmonics along the circle, which samples alone never show")                \
-  NUMBER(uint32_t, limit_deg, 30, 0, 180, 11930465, "deg",                                     \
-         "largest bound of the angle error that passes")                                       \
-  NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s",                                       \
-         "from one line of parameters to the next")                                            \
-  NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
+#define SETTINGS(NUMBER, TEXT)                                                              \
+  BAUD_SETTING(NUMBER)                                                                      \
+  RATE_SETTING(NUMBER)                                                                      \
+  NUMBER(uint32_t, step, 0.01, 0, 0.9999999, 0x1p31, "", "2 mu")                            \
+  DEMODULATION_SETTING(NUMBER)                                                              \
+  CALIBRATION_SETTING(NUMBER)                                                               \
+  NUMBER(uint32_t, range_samples, 500, 2, 1e6, 1, "samples",                                \
+         "whose range gives the parameters to start with")                                  \
+  NUMBER(uint32_t, window_samples, 4750, 64, 1e9, 1, "samples", "that are judged together") \
+  HARMONICS_SETTING(NUMBER)                                                                 \
+  LIMIT_SETTING(NUMBER)                                                                     \
+  PROGRESS_SETTING(NUMBER)                                                                  \
+  ANGLE_STRIDE_SETTING(NUMBER)
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 

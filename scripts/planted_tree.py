@@ -1,0 +1,47 @@
+"""A copy of the tracked files in which scripts plant faults."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class PlantError(Exception):
+    """One sentence for the user."""
+
+
+def copy_tree(tree):
+    """The tracked files of the working tree; unchanged ones keep their times, so that little is built again."""
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, text=True, check=True)
+    for name in filter(None, listed.stdout.split("\0")):
+        source, copy = ROOT / name, tree / name
+        if source.is_file() and not (copy.exists() and copy.read_bytes() == source.read_bytes()):
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, copy)
+
+
+def exchange(file, old, new):
+    text = file.read_text(encoding="utf-8")
+    if text.count(old) != 1:
+        raise PlantError(f"{file} holds {old!r} {text.count(old)} times, not once")
+    file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def run(command, log):
+    """Exit code, and what the command printed."""
+    with open(log, "w", encoding="utf-8") as out:
+        done = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, check=False)
+    return done.returncode, Path(log).read_text(encoding="utf-8", errors="replace")
+
+
+def configure(tree, log):
+    code, _ = run(["cmake", "-S", tree, "-B", tree / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCAPSOC_TESTS=OFF"], log)
+    if code:
+        raise PlantError(f"CMake failed; see {log}")
+
+
+def build(tree, targets, log, jobs=2):
+    code, _ = run(["cmake", "--build", tree / "build", "-j", str(jobs), "--target", *targets], log)
+    if code:
+        raise PlantError(f"the build failed; see {log}")
