@@ -160,6 +160,10 @@ Gate check_clipping(const Channel& u, const Channel& v, double full_scale, doubl
 
 }  // namespace
 
+Gate failed_gate(const char* name, std::string reason) {
+  return {name, false, 0, 0, std::move(reason)};
+}
+
 std::vector<Gate> check_record(const Channel& u, const Channel& v, const GateLimits& limits,
                                double step) {
   std::vector<Gate> gates;

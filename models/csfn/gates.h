@@ -17,6 +17,9 @@ struct Gate {
   std::string reason;  ///< empty when passed, else one sentence: what is wrong, what to do
 };
 
+/// A gate that failed for want of anything to measure.
+Gate failed_gate(const char* name, std::string reason);
+
 struct GateLimits {
   int64_t samples = 16;        ///< at least
   double coverage = 0.5;       ///< at least this part of the circle, 0..1

@@ -18,7 +18,7 @@ constexpr int draws = 120;
 constexpr Eigen::Index drawn = 8;
 /// Samples that a draw is judged by.
 constexpr Eigen::Index judges = 400;
-constexpr uint64_t seed = 1984;
+constexpr uint64_t draws_seed = 1984;
 /// The standard deviation of normal noise in units of its median size.
 constexpr double normal_by_median = 1.4826;
 /// Rounds and reach (in units of the noise) of the refinement.
@@ -73,7 +73,7 @@ Result<Parameters> closed_form(const Channel& u, const Channel& v) {
 
 /// The best of everything and of the draws.
 std::optional<Parameters> best_draw(const Channel& u, const Channel& v) {
-  Random random(seed);
+  Random random(draws_seed);
   const Eigen::Index looked_at = std::min(u.size(), judges);
   Samples judge{u, v};
   if (looked_at < u.size()) judge = taken(u, v, draw(random, u.size(), looked_at));

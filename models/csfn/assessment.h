@@ -1,0 +1,19 @@
+// What an answer vouches for: intervals, the bound of the angle, or the sentence that takes it
+// back.
+#pragma once
+
+#include "csfn/distance_fit.h"
+#include "csfn/identify.h"
+
+namespace capsoc::csfn {
+/// "noise": that of the samples against the ellipse's smaller half axis.
+Gate check_noise(const DistanceFit& fit, double limit);
+
+/// Fills in intervals, bound (with its gate) or warning. Returns what noise alone explains.
+Intervals assess(const Samples& samples, const DistanceFit& fit, const IdentifyOptions& options,
+                 Identification& found);
+
+/// The same when harmonics were identified.
+void assess_harmonics(Identification& found);
+
+}  // namespace capsoc::csfn

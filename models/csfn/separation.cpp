@@ -1,0 +1,88 @@
+#include "csfn/separation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "csfn/sentence.h"
+
+namespace capsoc::csfn {
+namespace {
+
+/// Rounding of the samples' last digits, in units of the record's largest value.
+constexpr double arithmetic = 1e-14;
+
+Samples without(const Samples& samples, const std::vector<Eigen::Index>& places) {
+  const Eigen::Index count = samples.u.size() - static_cast<Eigen::Index>(places.size());
+  Samples rest{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  Eigen::Index to = 0;
+  auto next = places.begin();
+  for (Eigen::Index i = 0; i < samples.u.size(); ++i) {
+    if (next != places.end() && *next == i) {
+      ++next;
+      continue;
+    }
+    rest.u[to] = samples.u[i];
+    rest.v[to++] = samples.v[i];
+  }
+  return rest;
+}
+
+}  // namespace
+
+double resolution_of(const Samples& samples, const IdentifyOptions& options) {
+  const double largest = std::max(samples.u.abs().maxCoeff(), samples.v.abs().maxCoeff());
+  return std::max(options.step, arithmetic * largest);
+}
+
+Gate check_plateaus(const Samples& samples, double resolution, const IdentifyOptions& options) {
+  Gate gate = {"plateau", true, 0, 0, ""};
+  for (const Plateau& plateau : plateaus_of(samples.u, samples.v, options.step)) {
+    const Samples others = without(samples, plateau.places);
+    if (others.u.size() < 12 || check_samples(others.u, others.v)) continue;
+    const auto start = robust_start(others.u, others.v);
+    if (!start) continue;
+    const RobustFit robust = fit_robustly(others.u, others.v, *start, resolution);
+    if (!robust.fit.converged) continue;
+    gate = check_plateau(samples.u, samples.v, plateau, robust.fit.parameters, robust.fit.noise,
+                         resolution);
+    if (!gate.passed) break;
+  }
+  return gate;
+}
+
+RobustFit separate(const Samples& samples, double resolution, const IdentifyOptions& options,
+                   Identification& found) {
+  const auto start = robust_start(samples.u, samples.v);
+  if (!start) {
+    found.gates.push_back(
+        failed_gate("distances",
+                    "no ellipse lies near half of the samples: record more of the turn, or with "
+                    "less noise"));
+    return {};
+  }
+  RobustFit robust = fit_robustly(samples.u, samples.v, *start, resolution);
+  found.outliers = robust.outliers;
+  found.nearest_outlier = robust.outliers.empty() ? 0 : robust.nearest;
+  found.farthest_outlier = robust.farthest;
+  const auto count = static_cast<double>(robust.outliers.size());
+  const double share = count / static_cast<double>(samples.u.size());
+  Gate outliers = {"outliers", share <= options.gates.outliers, share, options.gates.outliers, ""};
+  if (!outliers.passed) {
+    outliers.reason = text(
+        "%.0f samples (%.0f %% of them) lie off the ellipse of the others: find what disturbs them",
+        count, 100 * share);
+  }
+  found.gates.push_back(std::move(outliers));
+  if (found.rejected()) return robust;
+  Gate distances = {"distances", robust.fit.converged, robust.fit.noise, HUGE_VAL, ""};
+  if (!robust.fit.converged) {
+    distances.reason =
+        "no ellipse fits the samples by their distances: record more samples, more of the turn, or "
+        "with less noise";
+  }
+  found.gates.push_back(std::move(distances));
+  return robust;
+}
+
+}  // namespace capsoc::csfn

@@ -1,0 +1,19 @@
+// Which samples belong to the ellipse: outliers and clipped samples are told from the others.
+#pragma once
+
+#include "csfn/identify.h"
+#include "csfn/robust_fit.h"
+
+namespace capsoc::csfn {
+/// Distances that say nothing: the converter's step, or the arithmetic; unit of the samples.
+double resolution_of(const Samples& samples, const IdentifyOptions& options);
+
+/// The failed gate of a plateau that lies inside the ellipse of the other samples; otherwise the
+/// last one passed.
+Gate check_plateaus(const Samples& samples, double resolution, const IdentifyOptions& options);
+
+/// Gates of what belongs to the ellipse; fills in the outliers. `kept`: the others.
+RobustFit separate(const Samples& samples, double resolution, const IdentifyOptions& options,
+                   Identification& found);
+
+}  // namespace capsoc::csfn
