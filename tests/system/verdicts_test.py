@@ -133,6 +133,22 @@ class Broken(Case):
                              for k in range(6400))
         self.check(sensor, "have left their circle", "calibrate", "--parameters", "p.json", "-P", "samples=6250")
 
+    def test_dropouts_that_lie_on_the_circle(self):
+        # The offsets are as long as the amplitude: 0 in both channels is a place on the circle, and only 0 itself shows it.
+        words = {name: {"word": round(value * 2**31), "value": value} for name, value in
+                 (("a1", 0.5), ("a2", 0.5), ("b1", 0.3), ("b2", 0.4), ("beta", 0), ("phi", 0))}
+        (self.folder / "p.json").write_text(json.dumps({"parameters": words}))
+
+        def samples(every):
+            for k in range(7000):
+                x = 2 * math.pi * turning(k)
+                lost = k % every == every - 1
+                yield (0.0, 0.0, turning(k)) if lost else (0.5 * math.sin(x) + 0.3, 0.5 * math.cos(x) + 0.4, turning(k))
+
+        self.check(self.record(samples(200)), "the converter drops out", "calibrate", "--parameters", "p.json")
+        code, verdict = self.run_program("calibrate", "--parameters", "p.json", "--sensor", self.record(samples(10_000)))
+        self.assertEqual((code, verdict["pass"]), (0, True))
+
     def test_a_bound_that_is_too_wide(self):
         sensor = self.sensor(good_u, good_v, noise=0.02)
         code, verdict = self.run_program("selfcal", "--sensor", sensor)

@@ -93,6 +93,7 @@ int main(void) {
   COPROCESSOR->CTRL = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                       COPROCESSOR_CTRL_IE_RESULT_Msk |
                       COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
+  sampling_count_zeros();
   if (!sampling_start(settings.rate_hz)) {
     print_text("calibrate: the ADC refuses the sampling rate\n");
     return status_refused;

@@ -10,6 +10,8 @@
 // Limits of the drift in a turn (0.05, as relative change or radians) and of nothing else: those of
 // the radius, the winding and the rest are the coprocessor's.
 #define DRIFT_LIMIT (RADIAN / 20)
+// Fewer samples of 0 in both channels may be the place where the circle crosses 0.
+#define ZEROS_LIMIT 3
 #define HALF_TURN (UINT32_C(1) << 31)
 
 static uint32_t field(uint32_t word, uint32_t mask, uint32_t position) {
@@ -75,8 +77,10 @@ void judgement_look(struct judgement* judgement) {
       .residue = COPROCESSOR->RESIDUE_MAX,
       .drift = judgement->has_parameters ? drift_between(&judgement->parameters, &parameters)
                                          : HALF_TURN,
+      .zeros = sampling_zeros() - judgement->zeros,
       .motion = motion_in_window(),
   };
+  judgement->zeros += turn.zeros;
   judgement->parameters = parameters;
   judgement->has_parameters = true;
   const uint32_t discard = judgement->discard;
@@ -114,6 +118,8 @@ static const char* objection_to(const struct turn_evidence* turn) {
       if ((flags & causes[i].flag) != 0) return causes[i].sentence;
     return "parts of the turn had no samples: the shaft rests or swings";
   }
+  if (turn->zeros >= ZEROS_LIMIT)
+    return "samples are 0 in both channels again and again: the converter drops out";
   if (turn->drift >= DRIFT_LIMIT) return "the parameters still drift by 5 % a turn or more";
   return NULL;
 }

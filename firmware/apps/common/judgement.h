@@ -18,6 +18,7 @@ struct turn_evidence {
   uint32_t radius;   // rho, radians: the calibrated ellipse's largest deviation from its circle
   uint32_t residue;  // largest |RESIDUE|
   uint32_t drift;    // largest change in the turn: amplitudes, offsets (relative), beta (radians)
+  uint32_t zeros;    // samples of 0 in both channels, if they are counted
   uint32_t motion;   // of the shaft within one sample; 0 for samples in any order
 };
 
@@ -27,6 +28,7 @@ struct judgement {
   bool numeric;     // the reference is numeric: RESIDUE is the angle's error, at constant speed
   uint32_t unseen;  // error that no evidence can show, from the data sheet, 2^-32 turn
   // The rest starts at 0.
+  uint32_t zeros;    // sampling_zeros() at the end of the window before
   uint32_t ended;    // TURN_COUNT at the last look
   uint32_t discard;  // windows still to be left out
   uint32_t judged;   // windows kept since the beginning

@@ -11,10 +11,14 @@ static volatile uint32_t samples;  // while listening
 static volatile uint32_t events;   // moves with each of them and at the end of the signal
 static volatile int32_t sample_u, sample_v;
 static volatile bool ended;
+static volatile uint32_t zeros;
+static bool counts_zeros;
 
-// Runs once a sample, 100,000 times in a calibration: one access to the bus.
+// Runs once a sample, 100,000 times in a calibration: one access to the bus where nobody wants
+// more.
 void COPROCESSOR_Handler(void) {
   COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_RESULT_Msk;
+  if (counts_zeros && COPROCESSOR->RAW_U == 0 && COPROCESSOR->RAW_V == 0) ++zeros;
   ++results;
   ++events;
   __DSB();  // the line is down before the return looks at it
@@ -47,6 +51,14 @@ void sampling_stop(void) {
   adc_stop();
   NVIC_DisableIRQ(ADC_IRQn);
   NVIC_DisableIRQ(COPROCESSOR_IRQn);
+}
+
+void sampling_count_zeros(void) {
+  counts_zeros = true;
+}
+
+uint32_t sampling_zeros(void) {
+  return zeros;
 }
 
 uint32_t sampling_count(void) {

@@ -8,6 +8,13 @@
 // Enables both interrupts, starts the ADC at `rate_hz` and counts results from 0. False if the ADC
 // refuses the rate.
 bool sampling_start(uint32_t rate_hz);
+
+// From here on samples that are 0 in both channels are counted, at two more accesses to the bus
+// for each sample. A converter that drops out gives such samples, and where the offsets are as
+// large as the amplitudes they lie on the sensor's circle, so that nothing else shows them.
+void sampling_count_zeros(void);
+// Those counted so far.
+uint32_t sampling_zeros(void);
 void sampling_stop(void);
 // Results of the coprocessor since sampling_start.
 uint32_t sampling_count(void);
