@@ -64,11 +64,11 @@ function(capsoc_save_compile_time)
               capsoc_host capsoc_loader capsoc_serial capsoc_semihosting capsoc_rsp capsoc_gdb capsoc_bench)
   capsoc_use_precompiled(capsoc_pch_cli capsoc)
   capsoc_use_precompiled(capsoc_pch_run capsoc_run capsoc_gdb)
-  capsoc_use_precompiled(capsoc_pch_shells capsoc_tlm capsoc_bus capsoc_cmsdk capsoc_mps2 capsoc_peripherals capsoc_coprocessor_tlm
+  capsoc_use_precompiled(capsoc_pch_shells capsoc_kit capsoc_bus capsoc_cmsdk capsoc_mps2 capsoc_peripherals capsoc_coprocessor_tlm
                          capsoc_cortex_m3_tlm capsoc_soc)
   # Not the processor and the coprocessor: what is hot is compiled alone.
   capsoc_together(capsoc capsoc_run capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting
-                  capsoc_rsp capsoc_gdb capsoc_bench capsoc_tlm capsoc_bus capsoc_cmsdk capsoc_mps2
+                  capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_mps2
                   capsoc_coprocessor_tlm capsoc_cortex_m3_tlm capsoc_soc capsoc_csfn capsoc_sensor capsoc_fit capsoc_regress
                   capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_input)
 endfunction()

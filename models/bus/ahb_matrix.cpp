@@ -9,7 +9,7 @@
 namespace capsoc::bus {
 
 AhbMatrix::AhbMatrix(const sc_core::sc_module_name& name, AddressMap map,
-                     const tlm_util::ClockDomain& clock)
+                     const kit::ClockDomain& clock)
     : sc_module(name),
       i_code("i_code"),
       d_code("d_code"),

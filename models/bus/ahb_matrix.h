@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "bus/address_decoder.h"
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
 
 namespace capsoc::bus {
 
@@ -33,8 +33,7 @@ class AhbMatrix : public sc_core::sc_module {
   TargetSocket d_code;
   TargetSocket system;
 
-  AhbMatrix(const sc_core::sc_module_name& name, AddressMap map,
-            const tlm_util::ClockDomain& clock);
+  AhbMatrix(const sc_core::sc_module_name& name, AddressMap map, const kit::ClockDomain& clock);
 
   /// The socket to bind to a target: a target name of the map's AHB entries, or
   /// apb_bridge_target, through which every APB entry goes with its bus address unchanged.
@@ -72,7 +71,7 @@ class AhbMatrix : public sc_core::sc_module {
   void invalidate_window(const MapEntry& entry, uint64_t base, uint64_t start, uint64_t end);
 
   AddressDecoder decoder_;
-  const tlm_util::ClockDomain& clock_;
+  const kit::ClockDomain& clock_;
   Monitor monitor_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;

@@ -45,7 +45,7 @@ tlm::tlm_response_status check_transfer(const tlm::tlm_generic_payload& payload)
 }  // namespace
 
 ApbBridge::ApbBridge(const sc_core::sc_module_name& name, const AddressMap& map,
-                     const tlm_util::ClockDomain& clock)
+                     const kit::ClockDomain& clock)
     : sc_module(name), socket("socket"), decoder_(apb_entries(map)), clock_(clock) {
   socket.register_b_transport(this, &ApbBridge::b_transport);
   socket.register_transport_dbg(this, &ApbBridge::transport_dbg);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bus/address_decoder.h"
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
 
 namespace capsoc::bus {
 
@@ -39,7 +39,7 @@ class ApbBridge : public sc_core::sc_module {
 
   /// Takes the APB entries of the map, leaves the others.
   ApbBridge(const sc_core::sc_module_name& name, const AddressMap& map,
-            const tlm_util::ClockDomain& clock);
+            const kit::ClockDomain& clock);
 
   /// The socket to bind to a target of the map's APB entries; nullptr if there is none of that
   /// name. Every existing port must be bound.
@@ -64,7 +64,7 @@ class ApbBridge : public sc_core::sc_module {
                   unsigned char* bytes);
 
   AddressDecoder decoder_;
-  const tlm_util::ClockDomain& clock_;
+  const kit::ClockDomain& clock_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;
 };

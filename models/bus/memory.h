@@ -9,12 +9,14 @@
 #include <systemc>
 #include <tlm>
 
+#include "kit/component.h"
+
 namespace capsoc::bus {
 
 /// Random-access memory of any transfer length and alignment, with byte enables, streaming width,
 /// direct memory pointers and debug access. Wait states and aliases belong to the address map.
 /// Zero when made, so that a run never depends on what the host left in its memory.
-class Memory : public sc_core::sc_module {
+class Memory : public sc_core::sc_module, public kit::Component {
  public:
   tlm_utils::simple_target_socket<Memory> socket;
 
@@ -26,7 +28,9 @@ class Memory : public sc_core::sc_module {
   uint64_t size() const { return size_; }
 
   /// A system reset: RAM keeps its contents.
-  void reset() {}
+  void reset() override {}
+  const char* component_name() const override { return basename(); }
+  void visit(kit::Archive& archive) override { archive.memory("bytes", data(), size_); }
   /// A power cycle: all bytes 0.
   void clear();
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "bus/payload.h"
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::bus {
 
@@ -37,7 +37,7 @@ void Unimplemented::report_first(const tlm::tlm_generic_payload& payload) {
       fmt::format("{} of 0x{:08x}: '{}' is not modelled, it reads 0 and drops writes",
                   payload.is_read() ? "read" : "write", base_ + payload.get_address(), device_);
   if (current_pc_) report_ += fmt::format(" (pc 0x{:08x})", current_pc_());
-  tlm_util::guest_error(device_, report_);
+  kit::guest_error(device_, report_);
 }
 
 unsigned Unimplemented::transport_dbg(tlm::tlm_generic_payload& payload) {

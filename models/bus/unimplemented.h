@@ -9,12 +9,14 @@
 #include <systemc>
 #include <tlm>
 
+#include "kit/component.h"
+
 namespace capsoc::bus {
 
 /// Reads 0 and drops writes, of any length and at any address. The first access is reported as a
 /// guest error with the program counter, so that "the firmware hangs" becomes "the firmware polls
 /// the watchdog, which is not modelled". Debug accesses read 0 and are neither logged nor counted.
-class Unimplemented : public sc_core::sc_module {
+class Unimplemented : public sc_core::sc_module, public kit::Component {
  public:
   using CurrentPc = std::function<uint32_t()>;
 
@@ -30,7 +32,12 @@ class Unimplemented : public sc_core::sc_module {
   const std::string& report() const { return report_; }
 
   /// A system reset changes nothing here; what was logged once stays logged.
-  void reset() {}
+  void reset() override {}
+  const char* component_name() const override { return basename(); }
+  void visit(kit::Archive& archive) override {
+    archive("accesses", accesses_);
+    archive("report", report_);
+  }
 
  private:
   void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);

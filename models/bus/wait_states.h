@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <systemc>
 
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
 
 namespace capsoc::bus {
 
@@ -13,8 +13,7 @@ constexpr unsigned error_response_cycles = 1;
 
 /// Moves `delay` on by that many clock cycles. Measured between edges, not as a multiple of a
 /// rounded period, so that a sum of wait states never drifts off the edges.
-inline void add_cycles(const tlm_util::ClockDomain& clock, uint64_t cycles,
-                       sc_core::sc_time& delay) {
+inline void add_cycles(const kit::ClockDomain& clock, uint64_t cycles, sc_core::sc_time& delay) {
   if (cycles == 0) return;
   const uint64_t now = clock.cycles_at(sc_core::sc_time_stamp() + delay);
   delay += clock.time_of(now + cycles) - clock.time_of(now);

@@ -3,9 +3,8 @@
 namespace capsoc::peripherals {
 namespace {}  // namespace
 
-ClockedBank::ClockedBank(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
-    : RegisterBank(name, tlm_util::device_size, tlm_util::AccessRule::any_width,
-                   tlm_util::Holes::reads_zero),
+ClockedBank::ClockedBank(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
+    : RegisterBank(name, kit::device_size, kit::AccessRule::any_width, kit::Holes::reads_zero),
       clock_(clock) {
   sc_core::sc_spawn_options options;
   options.spawn_method();
@@ -52,6 +51,10 @@ bool ClockedBank::write_word(uint32_t offset, uint32_t value, uint32_t lanes) {
   const bool answered = RegisterBank::write_word(offset, value, lanes);
   plan();
   return answered;
+}
+
+void ClockedBank::restored() {
+  on_clock_change();
 }
 
 }  // namespace capsoc::peripherals

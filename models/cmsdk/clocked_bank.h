@@ -5,8 +5,8 @@
 #include <limits>
 #include <systemc>
 
-#include "tlm/clock_domain.h"
-#include "tlm/register_bank.h"
+#include "kit/clock_domain.h"
+#include "kit/register_bank.h"
 
 namespace capsoc::peripherals {
 
@@ -16,14 +16,19 @@ namespace capsoc::peripherals {
 ///
 /// Every access first advances, so the order of an event and an access in one instant is fixed:
 /// the event's effect comes first.
-class ClockedBank : public tlm_util::RegisterBank {
+class ClockedBank : public kit::RegisterBank {
  protected:
   static constexpr uint64_t never = std::numeric_limits<uint64_t>::max();
 
-  ClockedBank(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  ClockedBank(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   /// The edge at which the access in progress happens, or the last one so far.
   uint64_t now() const { return clock_.cycles_at(access_time()); }
+
+  /// The last edge at the time of saved state.
+  uint64_t edge_of(const kit::Archive& archive) const {
+    return clock_.cycles_at(sc_core::sc_time::from_value(archive.time()));
+  }
 
   /// Does all that is due at or before `cycle`.
   virtual void advance(uint64_t cycle) = 0;
@@ -35,11 +40,14 @@ class ClockedBank : public tlm_util::RegisterBank {
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
 
+ public:
+  void restored() override;
+
  private:
   void on_event();
   void on_clock_change();
 
-  tlm_util::ClockDomain& clock_;
+  kit::ClockDomain& clock_;
   sc_core::sc_event event_;
   uint64_t planned_ = never;
 };

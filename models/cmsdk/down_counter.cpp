@@ -48,4 +48,16 @@ void DownCounter::start() {
   running_ = true;
 }
 
+void DownCounter::visit(kit::Archive& archive, uint64_t now) {
+  archive("reload", reload);
+  archive("one_shot", one_shot);
+  archive("present", present_);
+  archive("anchor", anchor_);
+  archive("value", value_);
+  archive("divisor", divisor_);
+  archive("running", running_);
+  if (divisor_ == 0) archive.refuse("has a counter that divides by 0");
+  if (present_ > now || anchor_ > present_) archive.refuse("has a counter ahead of time");
+}
+
 }  // namespace capsoc::peripherals

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "kit/archive.h"
+
 namespace capsoc::peripherals {
 
 /// Counts from its value to 0, stays there for one step and then takes `reload`; a one-shot counter
@@ -32,6 +34,9 @@ class DownCounter {
   void set_divisor(uint32_t divisor);
   void start();
   void stop() { running_ = false; }
+
+  /// `now`: the edge at the archive's time; the last advance() cannot lie behind it.
+  void visit(kit::Archive& archive, uint64_t now);
 
  private:
   uint64_t steps_until(uint64_t cycle) const;

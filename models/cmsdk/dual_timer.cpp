@@ -8,7 +8,7 @@ namespace {
 using registers::Access;
 using registers::RegisterDescription;
 
-using tlm_util::all_bits;
+using kit::all_bits;
 constexpr uint32_t unit_size = 0x20;
 constexpr uint32_t control_bits = DualTimer::control_one_shot | DualTimer::control_32_bit |
                                   DualTimer::control_prescale | DualTimer::control_interrupt |
@@ -101,14 +101,14 @@ void DualTimer::Unit::configure() {
   }
 }
 
-DualTimer::DualTimer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+DualTimer::DualTimer(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
     : ClockedBank(name, clock),
       timer1(*this, 0),
       timer2(*this, 1),
       ITCR(*this, describe_register("TIMERITCR", 0xf00, Access::read_write, 1)),
       ITOP(*this, describe_register("TIMERITOP", 0xf04, Access::write_only, 3)),
       id(*this, PartNumber::dual_timer) {
-  for (tlm_util::Register* test : {&ITCR, &ITOP})
+  for (kit::Register* test : {&ITCR, &ITOP})
     test->on_write([this, test](uint32_t value) {
       test->store(value);
       follow();
@@ -142,6 +142,18 @@ uint64_t DualTimer::next_change() const {
 void DualTimer::follow() {
   // Integration test mode drives the outputs from TIMERITOP.
   interrupt.set(ITCR.any(1) ? ITOP.any(3) : timer1.masked_interrupt() || timer2.masked_interrupt());
+}
+
+void DualTimer::visit(kit::Archive& archive) {
+  ClockedBank::visit(archive);
+  for (Unit* unit : {&timer1, &timer2}) {
+    unit->counter_.visit(archive, edge_of(archive));
+    archive("upper", unit->upper_);
+  }
+}
+
+void DualTimer::each_interrupt(const EachOutput& call) {
+  call(interrupt, "interrupt");
 }
 
 }  // namespace capsoc::peripherals

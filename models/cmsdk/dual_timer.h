@@ -8,7 +8,7 @@
 #include "cmsdk/clocked_bank.h"
 #include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
-#include "tlm/interrupt_line.h"
+#include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
 
@@ -26,24 +26,26 @@ class DualTimer : public ClockedBank {
   static constexpr uint32_t control_periodic = 1u << 6;
   static constexpr uint32_t control_enable = 1u << 7;
 
-  DualTimer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  DualTimer(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void each_interrupt(const EachOutput& call) override;
 
   /// TIMINTC: either timer's masked interrupt.
-  tlm_util::InterruptLine interrupt;
+  kit::InterruptLine interrupt;
 
   /// The registers of one of the two; names carry its number, as in the manual.
   struct Unit {
     Unit(DualTimer& owner, unsigned number);
 
-    tlm_util::Register LOAD;
-    tlm_util::Register VALUE;
-    tlm_util::Register CONTROL;
-    tlm_util::Register INTCLR;
-    tlm_util::Register RIS;
-    tlm_util::Register MIS;
-    tlm_util::Register BGLOAD;
+    kit::Register LOAD;
+    kit::Register VALUE;
+    kit::Register CONTROL;
+    kit::Register INTCLR;
+    kit::Register RIS;
+    kit::Register MIS;
+    kit::Register BGLOAD;
 
    private:
     friend class DualTimer;
@@ -64,8 +66,8 @@ class DualTimer : public ClockedBank {
 
   Unit timer1;
   Unit timer2;
-  tlm_util::Register ITCR;
-  tlm_util::Register ITOP;
+  kit::Register ITCR;
+  kit::Register ITOP;
   IdRegisters id;
 
  private:

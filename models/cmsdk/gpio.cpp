@@ -35,7 +35,7 @@ constexpr uint16_t inverted(uint16_t bits) {
 
 }  // namespace
 
-Gpio::Gpio(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+Gpio::Gpio(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
     : ClockedBank(name, clock),
       DATA(*this, pin_register("DATA", 0x000)),
       DATAOUT(*this, pin_register("DATAOUT", 0x004)),
@@ -67,7 +67,7 @@ Gpio::Gpio(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
 
 // Both registers of a pair read the same bits. They store nothing themselves: bytes that a narrow
 // write leaves out then set and clear nothing.
-void Gpio::connect_pair(tlm_util::Register& set, tlm_util::Register& clear, uint16_t& bits) {
+void Gpio::connect_pair(kit::Register& set, kit::Register& clear, uint16_t& bits) {
   const auto peek = [&bits] { return uint32_t{bits}; };
   set.on_peek(peek);
   clear.on_peek(peek);
@@ -180,6 +180,26 @@ void Gpio::advance(uint64_t cycle) {
 
 uint64_t Gpio::next_change() const {
   return synchroniser_.empty() ? never : synchroniser_.front().visible_at;
+}
+
+void Gpio::visit(kit::Archive& archive) {
+  ClockedBank::visit(archive);
+  archive("output_enable", output_enable_);
+  archive("alternate_function", alternate_function_);
+  archive("interrupt_enable", interrupt_enable_);
+  archive("interrupt_type", interrupt_type_);
+  archive("interrupt_polarity", interrupt_polarity_);
+  archive("outside", outside_);
+  archive("sampled", sampled_);
+  archive("last_pins", last_pins_);
+  archive("last_driven", last_driven_);
+  archive("last_levels", last_levels_);
+  archive("synchroniser", synchroniser_);
+  archive("pin_interrupt", pin_interrupt);
+}
+
+void Gpio::each_interrupt(const EachOutput& call) {
+  call(combined_interrupt, "combined");
 }
 
 }  // namespace capsoc::peripherals

@@ -9,7 +9,7 @@
 
 #include "cmsdk/clocked_bank.h"
 #include "cmsdk/id_registers.h"
-#include "tlm/interrupt_line.h"
+#include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
 
@@ -21,7 +21,7 @@ class Gpio : public ClockedBank {
   static constexpr unsigned pin_count = 16;
   static constexpr uint64_t synchroniser_cycles = 2;
 
-  Gpio(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  Gpio(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   /// The outside drives the pins in `mask` to the levels in `levels`.
   void drive(uint16_t mask, uint16_t levels);
@@ -38,30 +38,36 @@ class Gpio : public ClockedBank {
   }
 
   /// System reset: all pins are inputs; the levels that the outside drives stay.
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void each_interrupt(const EachOutput& call) override;
 
-  std::array<tlm_util::InterruptLine, pin_count> pin_interrupt;
-  tlm_util::InterruptLine combined_interrupt;
+  std::array<kit::InterruptLine, pin_count> pin_interrupt;
+  kit::InterruptLine combined_interrupt;
 
-  tlm_util::Register DATA;
-  tlm_util::Register DATAOUT;
-  tlm_util::Register OUTENSET;
-  tlm_util::Register OUTENCLR;
-  tlm_util::Register ALTFUNCSET;
-  tlm_util::Register ALTFUNCCLR;
-  tlm_util::Register INTENSET;
-  tlm_util::Register INTENCLR;
-  tlm_util::Register INTTYPESET;  ///< 1: edge, 0: level
-  tlm_util::Register INTTYPECLR;
-  tlm_util::Register INTPOLSET;  ///< 1: rising or high, 0: falling or low
-  tlm_util::Register INTPOLCLR;
-  tlm_util::Register INTSTATUS;  ///< written: INTCLEAR
+  kit::Register DATA;
+  kit::Register DATAOUT;
+  kit::Register OUTENSET;
+  kit::Register OUTENCLR;
+  kit::Register ALTFUNCSET;
+  kit::Register ALTFUNCCLR;
+  kit::Register INTENSET;
+  kit::Register INTENCLR;
+  kit::Register INTTYPESET;  ///< 1: edge, 0: level
+  kit::Register INTTYPECLR;
+  kit::Register INTPOLSET;  ///< 1: rising or high, 0: falling or low
+  kit::Register INTPOLCLR;
+  kit::Register INTSTATUS;  ///< written: INTCLEAR
   IdRegisters id;
 
  private:
   struct Sample {
     uint64_t visible_at;  // edge
     uint16_t levels;
+    void visit(kit::Archive& archive) {
+      archive("visible_at", visible_at);
+      archive("levels", levels);
+    }
   };
 
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
@@ -69,7 +75,7 @@ class Gpio : public ClockedBank {
   void advance(uint64_t cycle) override;
   uint64_t next_change() const override;
 
-  void connect_pair(tlm_util::Register& set, tlm_util::Register& clear, uint16_t& bits);
+  void connect_pair(kit::Register& set, kit::Register& clear, uint16_t& bits);
   void write_output(uint16_t value);
   void refresh();
   void sample_pins();

@@ -12,7 +12,7 @@ RegisterDescription describe_register(const char* name, uint32_t offset, Access 
   return {name, offset, access, 0, writable, 0, readable};
 }
 
-IdRegisters::IdRegisters(tlm_util::RegisterBank& bank, PartNumber part) {
+IdRegisters::IdRegisters(kit::RegisterBank& bank, PartNumber part) {
   struct Id {
     const char* name;
     uint32_t offset;
@@ -36,7 +36,7 @@ IdRegisters::IdRegisters(tlm_util::RegisterBank& bank, PartNumber part) {
     RegisterDescription description =
         describe_register(id.name, id.offset, Access::read_only, 0xff);
     description.reset = id.value;
-    registers_.push_back(std::make_unique<tlm_util::Register>(bank, description));
+    registers_.push_back(std::make_unique<kit::Register>(bank, description));
   }
 }
 

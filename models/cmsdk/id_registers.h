@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "tlm/register_bank.h"
+#include "kit/register_bank.h"
 
 namespace capsoc::peripherals {
 
@@ -22,10 +22,10 @@ enum class PartNumber : uint8_t {
 /// (CMSDK technical reference manual, DDI 0479). Only PID0, the part number, differs.
 class IdRegisters {
  public:
-  IdRegisters(tlm_util::RegisterBank& bank, PartNumber part);
+  IdRegisters(kit::RegisterBank& bank, PartNumber part);
 
  private:
-  std::vector<std::unique_ptr<tlm_util::Register>> registers_;
+  std::vector<std::unique_ptr<kit::Register>> registers_;
 };
 
 /// The description of a register whose access is nothing special.

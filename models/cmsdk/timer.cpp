@@ -5,14 +5,14 @@ namespace {
 
 using registers::Access;
 
-using tlm_util::all_bits;
+using kit::all_bits;
 
 constexpr registers::RegisterDescription timer_interrupts = {
     "INTSTATUS", 0x00c, Access::read_write, 0, 0, 1, 1};
 
 }  // namespace
 
-Timer::Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+Timer::Timer(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
     : ClockedBank(name, clock),
       CTRL(*this, describe_register("CTRL", 0x000, Access::read_write, 0xf)),
       VALUE(*this, describe_register("VALUE", 0x004, Access::read_write, all_bits)),
@@ -61,6 +61,15 @@ void Timer::advance(uint64_t cycle) {
 uint64_t Timer::next_change() const {
   // A zero that finds the interrupt pending, or not enabled, changes nothing outside.
   return CTRL.any(ctrl_interrupt) && !INTSTATUS.any(1) ? counter_.next_zero() : never;
+}
+
+void Timer::visit(kit::Archive& archive) {
+  ClockedBank::visit(archive);
+  counter_.visit(archive, edge_of(archive));
+}
+
+void Timer::each_interrupt(const EachOutput& call) {
+  call(interrupt, "interrupt");
 }
 
 }  // namespace capsoc::peripherals

@@ -7,7 +7,7 @@
 #include "cmsdk/clocked_bank.h"
 #include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
-#include "tlm/interrupt_line.h"
+#include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
 
@@ -24,16 +24,18 @@ class Timer : public ClockedBank {
   static constexpr uint32_t ctrl_external_clock = 1u << 2;
   static constexpr uint32_t ctrl_interrupt = 1u << 3;
 
-  Timer(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  Timer(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void each_interrupt(const EachOutput& call) override;
 
-  tlm_util::InterruptLine interrupt;
+  kit::InterruptLine interrupt;
 
-  tlm_util::Register CTRL;
-  tlm_util::Register VALUE;
-  tlm_util::Register RELOAD;
-  tlm_util::Register INTSTATUS;  ///< written: INTCLEAR
+  kit::Register CTRL;
+  kit::Register VALUE;
+  kit::Register RELOAD;
+  kit::Register INTSTATUS;  ///< written: INTCLEAR
   IdRegisters id;
 
  private:

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::peripherals {
 namespace {
@@ -18,7 +18,7 @@ constexpr registers::RegisterDescription uart_interrupts = {
 
 }  // namespace
 
-Uart::Uart(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+Uart::Uart(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
     : ClockedBank(name, clock),
       DATA(*this, describe_register("DATA", 0x000, Access::read_write, 0xff)),
       STATE(*this, state_description),
@@ -70,7 +70,7 @@ void Uart::write_data(uint8_t byte) {
   // The buffer takes the newer byte; the older one is what an overrun loses.
   if (STATE.any(state_tx_full)) {
     STATE.raise(state_tx_overrun);
-    tlm_util::guest_error_once(
+    kit::guest_error_once(
         fmt::format("{} (transmit overrun)", name()),
         fmt::format("byte {:#04x} is written while STATE.TXFULL is 1, so {:#04x} before it is lost",
                     byte, tx_buffer_));
@@ -203,6 +203,26 @@ void Uart::advance(uint64_t cycle) {
 
 uint64_t Uart::next_change() const {
   return std::min(shifting_ ? shifted_at_ : never, receiving_ ? received_at_ : never);
+}
+
+void Uart::visit(kit::Archive& archive) {
+  ClockedBank::visit(archive);
+  archive("tx_buffer", tx_buffer_);
+  archive("shifter", shifter_);
+  archive("shifting", shifting_);
+  archive("shifted_at", shifted_at_);
+  archive("rx_buffer", rx_buffer_);
+  archive("far_end", far_end_);
+  archive("receiving", receiving_);
+  archive("received_at", received_at_);
+  if (receiving_ && far_end_.empty()) archive.refuse("receives a byte that nobody sends");
+}
+
+void Uart::each_interrupt(const EachOutput& call) {
+  call(rx_interrupt, "rx");
+  call(tx_interrupt, "tx");
+  call(overrun_interrupt, "overrun");
+  call(combined_interrupt, "combined");
 }
 
 }  // namespace capsoc::peripherals

@@ -9,7 +9,7 @@
 
 #include "cmsdk/clocked_bank.h"
 #include "cmsdk/id_registers.h"
-#include "tlm/interrupt_line.h"
+#include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
 
@@ -37,7 +37,7 @@ class Uart : public ClockedBank {
   static constexpr uint32_t minimum_baud_divider = 16;
   static constexpr unsigned bits_per_byte = 10;  ///< start bit, 8 data bits, stop bit
 
-  Uart(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  Uart(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   /// `sink` gets each byte in the cycle in which its stop bit ends.
   void on_transmit(std::function<void(uint8_t)> sink) { sink_ = std::move(sink); }
@@ -62,18 +62,20 @@ class Uart : public ClockedBank {
   bool transmitter_idle() const { return !shifting_ && !STATE.any(state_tx_full); }
 
   /// System reset: what is on the line is lost, what waits at the far end is not.
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void each_interrupt(const EachOutput& call) override;
 
-  tlm_util::InterruptLine tx_interrupt;
-  tlm_util::InterruptLine rx_interrupt;
-  tlm_util::InterruptLine overrun_interrupt;  ///< transmit or receive overrun
-  tlm_util::InterruptLine combined_interrupt;
+  kit::InterruptLine tx_interrupt;
+  kit::InterruptLine rx_interrupt;
+  kit::InterruptLine overrun_interrupt;  ///< transmit or receive overrun
+  kit::InterruptLine combined_interrupt;
 
-  tlm_util::Register DATA;
-  tlm_util::Register STATE;
-  tlm_util::Register CTRL;
-  tlm_util::Register INTSTATUS;  ///< written: INTCLEAR
-  tlm_util::Register BAUDDIV;
+  kit::Register DATA;
+  kit::Register STATE;
+  kit::Register CTRL;
+  kit::Register INTSTATUS;  ///< written: INTCLEAR
+  kit::Register BAUDDIV;
   IdRegisters id;
 
  private:

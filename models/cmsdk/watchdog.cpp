@@ -8,7 +8,7 @@ namespace {
 using registers::Access;
 using registers::RegisterDescription;
 
-using tlm_util::all_bits;
+using kit::all_bits;
 constexpr uint32_t lock_offset = 0xc00;
 constexpr uint32_t test_reset = 1u << 0;
 constexpr uint32_t test_interrupt = 1u << 1;
@@ -21,7 +21,7 @@ RegisterDescription starting_full(const char* name, uint32_t offset, Access acce
 
 }  // namespace
 
-Watchdog::Watchdog(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+Watchdog::Watchdog(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
     : ClockedBank(name, clock),
       LOAD(*this, starting_full("WDOGLOAD", 0x000, Access::read_write)),
       VALUE(*this, starting_full("WDOGVALUE", 0x004, Access::read_only)),
@@ -47,7 +47,7 @@ Watchdog::Watchdog(const sc_core::sc_module_name& name, tlm_util::ClockDomain& c
   MIS.on_peek([this] { return masked_interrupt() ? 1u : 0u; });
   // Reads 1 while locked.
   LOCK.on_write([this](uint32_t value) { LOCK.set(value == unlock_word ? 0 : 1); });
-  for (tlm_util::Register* test : {&ITCR, &ITOP})
+  for (kit::Register* test : {&ITCR, &ITOP})
     test->on_write([this, test](uint32_t value) {
       test->store(value);
       follow();
@@ -118,6 +118,17 @@ void Watchdog::follow() {
   }
   interrupt.set(masked_interrupt());
   reset_request.set(expired_ && CONTROL.any(control_reset));
+}
+
+void Watchdog::visit(kit::Archive& archive) {
+  ClockedBank::visit(archive);
+  counter_.visit(archive, edge_of(archive));
+  archive("expired", expired_);
+}
+
+void Watchdog::each_interrupt(const EachOutput& call) {
+  call(interrupt, "interrupt");
+  call(reset_request, "reset_request");
 }
 
 }  // namespace capsoc::peripherals

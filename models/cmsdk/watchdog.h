@@ -7,7 +7,7 @@
 #include "cmsdk/clocked_bank.h"
 #include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
-#include "tlm/interrupt_line.h"
+#include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
 
@@ -21,22 +21,24 @@ class Watchdog : public ClockedBank {
   static constexpr uint32_t control_reset = 1u << 1;
   static constexpr uint32_t unlock_word = 0x1acce551;
 
-  Watchdog(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  Watchdog(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void each_interrupt(const EachOutput& call) override;
 
-  tlm_util::InterruptLine interrupt;      ///< WDOGINT, the processor's NMI
-  tlm_util::InterruptLine reset_request;  ///< WDOGRES
+  kit::InterruptLine interrupt;      ///< WDOGINT, the processor's NMI
+  kit::InterruptLine reset_request;  ///< WDOGRES
 
-  tlm_util::Register LOAD;
-  tlm_util::Register VALUE;
-  tlm_util::Register CONTROL;
-  tlm_util::Register INTCLR;
-  tlm_util::Register RIS;
-  tlm_util::Register MIS;
-  tlm_util::Register LOCK;
-  tlm_util::Register ITCR;
-  tlm_util::Register ITOP;
+  kit::Register LOAD;
+  kit::Register VALUE;
+  kit::Register CONTROL;
+  kit::Register INTCLR;
+  kit::Register RIS;
+  kit::Register MIS;
+  kit::Register LOCK;
+  kit::Register ITCR;
+  kit::Register ITOP;
   IdRegisters id;
 
  private:

@@ -34,6 +34,7 @@ class Coprocessor final : public Device {
   bool idle() const override { return !sequencer_.busy(); }
   const Nodes& nodes() const override { return nodes_; }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override;
+  void visit(kit::Archive& archive) override;
   std::unique_ptr<Device> clone() const override { return std::make_unique<Coprocessor>(*this); }
 
  private:
@@ -42,6 +43,8 @@ class Coprocessor final : public Device {
     uint32_t raw_u = 0, raw_v = 0, cal_s = 0, cal_c = 0, angle = 0, error_u = 0, error_v = 0,
              residue = 0, reference_phase = 0, amplitude = 0, error_average = 0;
     bool lock = false, diverged = false, mirror = false, valid = false;
+
+    void visit(kit::Archive& archive);
   };
 
   // Written at the end of the tick under way.
@@ -55,6 +58,8 @@ class Coprocessor final : public Device {
     uint32_t error_average = 0;
     Rotation load_rotation;
     Weights load_weights;
+
+    void visit(kit::Archive& archive);
   };
 
   // coprocessor.cpp

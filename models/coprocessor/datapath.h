@@ -45,6 +45,8 @@ struct Packet {
   uint32_t next_average = 0;       // Q1.31
   // `saturated` as the stages left it
   std::array<bool, 4> saturated_after{};
+
+  void visit(kit::Archive& archive);
 };
 
 // Registers that the pipeline reads.
@@ -55,6 +57,8 @@ struct Settings {
   unsigned ki = 10;
   Steps steps_u;
   Steps steps_v;
+
+  void visit(kit::Archive& archive);
 };
 
 // Registers that the pipeline writes.
@@ -64,6 +68,8 @@ struct State {
   ReferenceState reference;
   uint64_t error_sum_u = 0;  // Q1.37
   uint64_t error_sum_v = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 // What T3 writes.
@@ -72,12 +78,16 @@ struct Learning {
   Coefficients coefficients;
   uint64_t error_sum_u = 0;
   uint64_t error_sum_v = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 // What T4 finds.
 struct PolarResult {
   Parameters parameters;
   uint32_t angle = 0;  // 2^-32 turn
+
+  void visit(kit::Archive& archive);
 };
 
 class Datapath {

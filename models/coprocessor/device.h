@@ -18,6 +18,8 @@
 #include <optional>
 #include <string_view>
 
+#include "kit/archive.h"
+
 namespace capsoc::coprocessor {
 
 // The nodes of one sample, for lockstep comparison. Raw words: signed formats sign-extended,
@@ -49,6 +51,8 @@ struct Nodes {
 
   // Results committed since the last reset of either kind. No node, never compared.
   uint64_t commits = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 // Where a node comes into being: 0 to 4 for T0 to T4, `commit_stage` for the registers.
@@ -105,6 +109,13 @@ class Device {
   // Sets those nodes of `nodes` that stage `stage` makes, if a sample is in it and this is the last
   // interval of its tick; else returns false. A device that cannot look inside always does.
   virtual bool stage_nodes(unsigned /*stage*/, Nodes& /*nodes*/) const { return false; }
+
+  // What it is, in the words of --coprocessor.
+  virtual const char* kind() const { return "tlm"; }
+
+  // The state, between two edges: everything that was asked for at the last one is done. A device
+  // that cannot be saved refuses.
+  virtual void visit(kit::Archive& archive) { archive.refuse("cannot be saved"); }
 
   // The same device in the same state; null if it cannot be copied.
   virtual std::unique_ptr<Device> clone() const { return nullptr; }

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "kit/archive.h"
+
 namespace capsoc::coprocessor {
 
 inline constexpr unsigned tick_cycles = 32;
@@ -41,6 +43,8 @@ class Sequencer {
 
   // The next cycle at which a result is committed, a load ends or busy changes.
   std::optional<uint64_t> next_event() const;
+
+  void visit(kit::Archive& archive);
 
  private:
   bool pipeline_empty() const;

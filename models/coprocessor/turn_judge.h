@@ -15,6 +15,8 @@ struct JudgeSettings {
   unsigned turns = 1;          // good windows that LOCK needs, 0..3
   bool count = false;          // windows of turn_limit samples
   uint32_t turn_limit = 0;     // samples; 0: no time-out
+
+  void visit(kit::Archive& archive);
 };
 
 // What a window leaves: registers RADIUS_MAX to TURN_DET and TURN_FLAGS.
@@ -25,6 +27,8 @@ struct TurnRecord {
   uint32_t samples = 0;      // wraps
   int32_t det = 0;           // Q1.31, of the last sample
   uint32_t flags = 0;        // without TURN_COUNT
+
+  void visit(kit::Archive& archive);
 };
 
 // What T4 knows of its sample.
@@ -54,6 +58,8 @@ struct TurnJudge {
   uint32_t deviation = 0;  // Q1.31
   int32_t travel = 0;      // 2^-30 turn
   bool ended = false;      // it ended its window
+
+  void visit(kit::Archive& archive);
 };
 
 // Whether a deviation is at |DET| n / 256 (rounded down) or beyond; never with n = 0.

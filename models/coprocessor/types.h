@@ -3,6 +3,10 @@
 
 #include <cstdint>
 
+namespace capsoc::kit {
+class Archive;
+}
+
 namespace capsoc::coprocessor {
 
 enum class Arithmetic { precise, paper };
@@ -23,11 +27,15 @@ struct Weights {
   int64_t sine = 0;
   int64_t cosine = 0;
   int64_t constant = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 struct Coefficients {
   Weights u;
   Weights v;
+
+  void visit(kit::Archive& archive);
 };
 
 // Effective steps 2mu of one channel, unsigned Q1.31, below 2^31.
@@ -35,6 +43,8 @@ struct Steps {
   uint32_t sine = 0;
   uint32_t cosine = 0;
   uint32_t constant = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 // The six parameters of Eq (5): amplitudes and offsets Q1.31, angles in 2^-32 turn.
@@ -45,12 +55,16 @@ struct Parameters {
   int32_t b2 = 0;
   uint32_t beta = 0;
   uint32_t phi = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 // The phase accumulator and its frequency word, 2^-48 turn (a sample).
 struct ReferenceState {
   uint64_t phase = 0;     // u48, wraps: it is an angle
   int64_t frequency = 0;  // s48, the sign is the direction
+
+  void visit(kit::Archive& archive);
 };
 
 }  // namespace capsoc::coprocessor

@@ -8,9 +8,9 @@
 
 namespace capsoc::coprocessor {
 
-CoprocessorTlm::CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
+CoprocessorTlm::CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
                                std::unique_ptr<Device> device)
-    : RegisterTarget(name, registers::coprocessor::block_size, tlm_util::AccessRule::word_only),
+    : RegisterTarget(name, registers::coprocessor::block_size, kit::AccessRule::word_only),
       clock_(clock),
       device_(std::move(device)) {
   clock_.on_change([this] { follow(); });
@@ -119,6 +119,31 @@ bool CoprocessorTlm::write_word(uint32_t offset, uint32_t value, uint32_t /*lane
     report(fmt::format("write of 0x{:08x} at 0x{:03x}: {}", value, offset, complaint));
   }
   return mapped;
+}
+
+std::optional<sc_core::sc_time> CoprocessorTlm::quiet_at() const {
+  if (waiting()) return clock_.time_of(interval_ + 1);
+  if (device_->idle()) return std::nullopt;
+  return clock_.time_of(device_->next_event().value_or(interval_ + 1));
+}
+
+void CoprocessorTlm::visit(kit::Archive& archive) {
+  std::string kind = device_->kind();
+  archive("device", kind);
+  if (kind != device_->kind())
+    return archive.refuse(fmt::format("was saved with --coprocessor {}; give that", kind));
+  archive("interval", interval_);
+  archive("sample", sample_);
+  archive("write", write_);
+  archive("accessed", accessed_);
+  archive("commits", commits_);
+  if (interval_ > clock_.cycles_at(sc_core::sc_time::from_value(archive.time())) + 2)
+    archive.refuse("is ahead of time");
+  device_->visit(archive);
+}
+
+void CoprocessorTlm::each_interrupt(const EachOutput& call) {
+  call(interrupt, "interrupt");
 }
 
 }  // namespace capsoc::coprocessor

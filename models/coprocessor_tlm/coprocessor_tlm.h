@@ -9,10 +9,10 @@
 
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/device.h"
+#include "kit/clock_domain.h"
+#include "kit/interrupt_line.h"
+#include "kit/register_target.h"
 #include "peripherals/sensor_sample.h"
-#include "tlm/clock_domain.h"
-#include "tlm/interrupt_line.h"
-#include "tlm/register_target.h"
 
 namespace capsoc::coprocessor {
 
@@ -23,7 +23,7 @@ namespace capsoc::coprocessor {
 /// A sample or a write that arrives in the interval after edge n waits in a latch and acts at edge
 /// n + 1, the sample first; a read shows the state that edge n left. So the order in which SystemC
 /// runs its processes at an instant does not matter.
-class CoprocessorTlm : public tlm_util::RegisterTarget {
+class CoprocessorTlm : public kit::RegisterTarget {
  public:
   /// Runs once for every sample, in the cycle in which its results become visible and before the
   /// interrupt line follows. The first argument is that cycle.
@@ -32,20 +32,22 @@ class CoprocessorTlm : public tlm_util::RegisterTarget {
   using SampleObserver = std::function<void(uint64_t cycle, bool latched)>;
 
   /// `clock` is PCLK and must outlive the coprocessor.
-  CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
+  CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
                  std::unique_ptr<Device> device);
   /// With the model behind it.
-  CoprocessorTlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
-                 Options options = {})
+  CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock, Options options = {})
       : CoprocessorTlm(name, clock, std::make_unique<Coprocessor>(options)) {}
 
-  tlm_util::InterruptLine interrupt;
+  kit::InterruptLine interrupt;
 
   /// The sink of the ADC stream, at the present instant. The device ignores it while CTRL.ADC is 0.
   void sample(const peripherals::SensorSample& sample);
 
   /// System reset: power-on state; time goes on.
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void restored() override { follow(); }
+  void each_interrupt(const EachOutput& call) override;
 
   void set_result_observer(ResultObserver observer) { result_observer_ = std::move(observer); }
   /// A second one, for traces.
@@ -54,13 +56,21 @@ class CoprocessorTlm : public tlm_util::RegisterTarget {
 
   Device& device() { return *device_; }
 
+  /// When the pipeline may be empty and nothing waits at the pins: to be asked again then. Nothing:
+  /// it is so now.
+  std::optional<sc_core::sc_time> quiet_at() const;
+
  protected:
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
 
  private:
   struct Write {
-    uint32_t offset, value;
+    uint32_t offset = 0, value = 0;
+    void visit(kit::Archive& archive) {
+      archive("offset", offset);
+      archive("value", value);
+    }
   };
 
   void catch_up();
@@ -70,7 +80,7 @@ class CoprocessorTlm : public tlm_util::RegisterTarget {
   void follow();
   bool waiting() const { return sample_ || write_; }
 
-  tlm_util::ClockDomain& clock_;
+  kit::ClockDomain& clock_;
   std::unique_ptr<Device> device_;
   ResultObserver result_observer_, result_trace_;
   SampleObserver sample_observer_;

@@ -41,14 +41,14 @@ Core::Result Core::read_physical(uint32_t address, unsigned size, uint32_t& valu
     value = 0;
     std::memcpy(&value, r->host + (address - r->base), size);
     if (sees_accesses_) observe({address, value, size, false, true}, Result::ok);
-    cycles_ += r->wait_states;
+    state_.cycles += r->wait_states;
     return Result::ok;
   }
   unsigned wait = 0;
   value = 0;
-  stalled_ = true;
+  state_.stalled = true;
   bool good = bus_.read(address, size, value, wait, AccessKind::load);
-  cycles_ += wait;
+  state_.cycles += wait;
   if (size < 4) value &= (1u << (8 * size)) - 1;
   return good ? Result::device : Result::bus_error;
 }
@@ -58,16 +58,16 @@ Core::Result Core::write_physical(uint32_t address, unsigned size, uint32_t valu
       r != nullptr && r->writable && r->size - (address - r->base) >= size) {
     std::memcpy(r->host + (address - r->base), &value, size);
     if (sees_accesses_) observe({address, value, size, true, true}, Result::ok);
-    cycles_ += r->wait_states;
+    state_.cycles += r->wait_states;
     if (!memory_.invalidate(address, size)) return Result::ok;
     invalidated_ = true;  // the block that runs may be among them: leave it
     check_ = true;
     return Result::device;
   }
   unsigned wait = 0;
-  stalled_ = true;
+  state_.stalled = true;
   bool good = bus_.write(address, size, value, wait);
-  cycles_ += wait;
+  state_.cycles += wait;
   return good ? Result::device : Result::bus_error;
 }
 
@@ -114,7 +114,7 @@ uint8_t* Core::shared_page(uint32_t address, bool write, bool user) {
   const Memory::Page& page = memory_.page(address);
   uint8_t* bytes = write ? page.write : page.read;
   if (bytes == nullptr || !mpu_allows(address, write, false, privileged())) return nullptr;
-  cycles_ += page.wait_states;
+  state_.cycles += page.wait_states;
   return bytes + (address & (Memory::page_size - 1));
 }
 
@@ -122,11 +122,11 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
                              bool user) {
   const bool priv = privileged() && !user;
   const bool unaligned = (address & (size - 1)) != 0;
-  if (unaligned && ((ccr_ & ccr_unalign_trp) || in_ppb(address))) {
+  if (unaligned && ((state_.scb.ccr & ccr_unalign_trp) || in_ppb(address))) {
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
-  pc_ = op.address;  // what a device reports, it reports of this instruction
+  state_.pc = op.address;  // what a device reports, it reports of this instruction
   value = 0;
   if (const uint8_t* bytes = unaligned ? nullptr : shared_page(address, false, user)) {
     std::memcpy(&value, bytes, size);
@@ -146,7 +146,7 @@ Core::Access Core::load_slow(const Step& op, uint32_t address, unsigned size, ui
       break;
     }
     value |= bits << (8 * done);
-    if (done != 0) ++cycles_;
+    if (done != 0) ++state_.cycles;
     done += part;
   }
   access_offset_ = 0;
@@ -165,11 +165,11 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
                               bool user) {
   const bool priv = privileged() && !user;
   const bool unaligned = (address & (size - 1)) != 0;
-  if (unaligned && ((ccr_ & ccr_unalign_trp) || in_ppb(address))) {
+  if (unaligned && ((state_.scb.ccr & ccr_unalign_trp) || in_ppb(address))) {
     fault(op, Cause::unaligned, address);
     return Access::fault;
   }
-  pc_ = op.address;
+  state_.pc = op.address;
   if (uint8_t* bytes = unaligned ? nullptr : shared_page(address, true, user)) {
     std::memcpy(bytes, &value, size);
     return Access::ok;
@@ -192,7 +192,7 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
       if (result == Result::violation) failed += done;
       break;
     }
-    if (done != 0) ++cycles_;
+    if (done != 0) ++state_.cycles;
     done += part;
   }
   access_offset_ = 0;
@@ -214,7 +214,8 @@ Core::Access Core::store_slow(const Step& op, uint32_t address, unsigned size, u
 /// recorded, a load gives 0, and the handler goes on.
 Core::Access Core::failed_access(const Step& op, Result result, uint32_t address) {
   const Cause cause = result == Result::bus_error ? Cause::data_bus : Cause::data_access;
-  if (cause == Cause::data_bus && (ccr_ & ccr_bfhfnmign) != 0 && execution_priority() < 0) {
+  if (cause == Cause::data_bus && (state_.scb.ccr & ccr_bfhfnmign) != 0 &&
+      execution_priority() < 0) {
     record_cause(cause, address);
     return Access::leave;
   }
@@ -233,15 +234,15 @@ bool Core::buffered(const Step& op, uint32_t address) const {
   const bool exclusive = op.operation >= Operation::strex && op.operation <= Operation::strexh;
   if (exclusive || in_ppb(address) || in_bit_band_alias(address)) return false;
   const int region = mpu_applies() ? mpu_region(address) : -1;
-  if (region < 0) return (actlr_ & disdefwbuf) == 0;
-  return (mpu_rasr_[static_cast<unsigned>(region)] & tex_c_b) != 0;
+  if (region < 0) return (state_.scb.actlr & disdefwbuf) == 0;
+  return (state_.mpu.rasr[static_cast<unsigned>(region)] & tex_c_b) != 0;
 }
 
 /// UNPREDICTABLE cases of an unaligned access that was made.
 void Core::check_unaligned(const Step& op, uint32_t address, unsigned size) {
   if (op.operation == Operation::ldr && op.rd == 15)
     unpredictable(Unpredictable::load_to_pc_unaligned, op.address);
-  if (stalled_ || in_bit_band_alias(address))
+  if (state_.stalled || in_bit_band_alias(address))
     unpredictable(Unpredictable::device_unaligned, op.address);
   if (address + size < address) unpredictable(Unpredictable::address_wraps, op.address);
 }

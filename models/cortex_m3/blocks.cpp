@@ -147,21 +147,22 @@ CodePage* Core::executable_page(uint32_t address) {
 }
 
 const Step* Core::find_block() {
-  CodePage* code = fast_pages_[pc_ >> Memory::page_bits].code;
-  if (__builtin_expect(code == nullptr, 0)) code = executable_page(pc_);
+  CodePage* code = fast_pages_[state_.pc >> Memory::page_bits].code;
+  if (__builtin_expect(code == nullptr, 0)) code = executable_page(state_.pc);
   if (code == nullptr) return nullptr;
-  std::unique_ptr<Step[]>& slot = code->blocks[(pc_ & (Memory::page_size - 1)) >> 1];
+  std::unique_ptr<Step[]>& slot = code->blocks[(state_.pc & (Memory::page_size - 1)) >> 1];
   // There is none at a breakpoint, so that every way to it leads past the run loop.
-  if (__builtin_expect(slot == nullptr, 0)) slot = build_block(pc_, *code);
+  if (__builtin_expect(slot == nullptr, 0)) slot = build_block(state_.pc, *code);
   return slot.get();
 }
 
-/// Where execution goes on at pc_, if a block is there already and surely ends before the limit.
+/// Where execution goes on at state_.pc, if a block is there already and surely ends before the
+/// limit.
 inline const Step* Core::next_block() {
-  const CodePage* code = fast_pages_[pc_ >> Memory::page_bits].code;
-  if (it_state_ != 0 || trail_ != timing::no_trail || code == nullptr) return nullptr;
-  const Step* first = code->blocks[(pc_ & (Memory::page_size - 1)) >> 1].get();
-  return first != nullptr && cycles_ + first->block_cycles < limit_ ? first : nullptr;
+  const CodePage* code = fast_pages_[state_.pc >> Memory::page_bits].code;
+  if (state_.it_state != 0 || state_.trail != timing::no_trail || code == nullptr) return nullptr;
+  const Step* first = code->blocks[(state_.pc & (Memory::page_size - 1)) >> 1].get();
+  return first != nullptr && state_.cycles + first->block_cycles < limit_ ? first : nullptr;
 }
 
 const Step* Core::leave_block(const Step& op) {
@@ -179,18 +180,18 @@ void Core::execute_block(uint64_t limit) {
   const Step* op = find_block();
   if (op == nullptr) return step();
   limit_ = limit;
-  if (__builtin_expect(cycles_ + op->block_cycles < limit, 1)) {
+  if (__builtin_expect(state_.cycles + op->block_cycles < limit, 1)) {
     while (op != nullptr) op = op->chain(*this, op);
     return;
   }
   // The budget may end inside: look at the clock before every operation.
   for (const Step* first = op;; ++op) {
-    if (cycles_ + op->cycles_before >= limit && op != first) {
-      cycles_ += op->cycles_before;
-      instructions_ += op[-1].instructions_to;
-      it_state_ = op->it_before;
-      trail_ = op[-1].trail;
-      pc_ = op->address;
+    if (state_.cycles + op->cycles_before >= limit && op != first) {
+      state_.cycles += op->cycles_before;
+      state_.instructions += op[-1].instructions_to;
+      state_.it_state = op->it_before;
+      state_.trail = op[-1].trail;
+      state_.pc = op->address;
       return;
     }
     if (!Execute::one(*this, *op)) break;

@@ -5,20 +5,21 @@
 
 #include "cortex_m3/decoder.h"
 #include "cortex_m3/execute.h"
+#include "kit/archive.h"
 
 namespace capsoc::cortex_m3 {
 
-/// Tells the listener about each case once. Inside a block pc_ is behind what is executed, so it is
-/// the instruction's address for that long.
+/// Tells the listener about each case once. Inside a block state_.pc is behind what is executed, so
+/// it is the instruction's address for that long.
 void Core::unpredictable(Unpredictable which, uint32_t address) {
   static_assert(static_cast<unsigned>(Unpredictable::count) <= 64);
   const uint64_t bit = uint64_t{1} << static_cast<unsigned>(which);
-  if ((unpredictable_seen_ & bit) != 0) return;
-  unpredictable_seen_ |= bit;
+  if ((state_.unpredictable_seen & bit) != 0) return;
+  state_.unpredictable_seen |= bit;
   if (!unpredictable_listener_) return;
-  const uint32_t pc = std::exchange(pc_, address);
+  const uint32_t pc = std::exchange(state_.pc, address);
   unpredictable_listener_(which, address);
-  pc_ = pc;
+  state_.pc = pc;
 }
 
 Core::Core(Bus& bus) : bus_(bus) {
@@ -27,34 +28,57 @@ Core::Core(Bus& bus) : bus_(bus) {
 
 void Core::reset() {
   reset_system_control();
-  r_.fill(0);
-  n_ = 0;
-  z_ = 1;
-  c_ = v_ = q_ = false;
-  control_ = primask_ = faultmask_ = basepri_ = ipsr_ = other_sp_ = 0;
-  it_state_ = 0;
-  trail_ = timing::no_trail;
-  entered_at_ = never;
-  sleeping_ = locked_up_ = attention_ = reset_request_ = semihosting_exit_ = false;
-  event_register_ = exclusive_ = false;
+  state_.r.fill(0);
+  state_.n = 0;
+  state_.z = 1;
+  state_.c = state_.v = state_.q = false;
+  state_.control = state_.primask = state_.faultmask = state_.basepri = state_.ipsr =
+      state_.other_sp = 0;
+  state_.it_state = 0;
+  state_.trail = timing::no_trail;
+  state_.entered_at = never;
+  state_.sleeping = state_.locked_up = attention_ = state_.reset_request = state_.semihosting_exit =
+      false;
+  state_.event_register = state_.exclusive = false;
   watch_stop_ = bkpt_stop_ = stuck_ = false;
   breakpoint_passed_ = never;
   event_ = Event::none;
-  fault_report_ = {};
-  first_fault_ = {};
+  state_.last_fault = {};
+  state_.first_fault = {};
   memory_.invalidate_all();
   uint32_t sp = 0, pc = 0;
-  vtor_ = vector_table_;
-  bool good = read_physical(vtor_, 4, sp) <= Result::device &&
-              read_physical(vtor_ + 4, 4, pc) <= Result::device;
-  stalled_ = false;  // by these reads
-  r_[13] = sp & ~3u;
-  r_[14] = 0xFFFFFFFF;
-  pc_ = pc & ~1u;
-  thumb_ = (pc & 1) != 0;
+  state_.scb.vtor = vector_table_;
+  bool good = read_physical(state_.scb.vtor, 4, sp) <= Result::device &&
+              read_physical(state_.scb.vtor + 4, 4, pc) <= Result::device;
+  state_.stalled = false;  // by these reads
+  state_.r[13] = sp & ~3u;
+  state_.r[14] = 0xFFFFFFFF;
+  state_.pc = pc & ~1u;
+  state_.thumb = (pc & 1) != 0;
   check_ = true;
   if (!good) lock_up();
   if (observer_ != nullptr) observer_->started(*this);
+}
+
+void Core::visit(kit::Archive& archive) {
+  state_.visit(archive);
+  if (!archive.loading() || !archive.ok()) return;
+  event_ = Event::none;
+  attention_ = stuck_ = watch_stop_ = bkpt_stop_ = false;
+  breakpoint_passed_ = never;
+  access_offset_ = 0;
+  mpu_changed();
+  const uint32_t count_seen = state_.dwt.count_seen;
+  select_dwt();
+  state_.dwt.count_seen = count_seen;
+  select_view();
+  check_ = true;
+}
+
+void Core::memory_changed() {
+  memory_.invalidate_all();
+  invalidated_ = true;
+  check_ = true;
 }
 
 void Core::set_executor(Executor executor) {
@@ -91,15 +115,15 @@ void Core::attention() {
 }
 
 bool Core::bx_write_pc(uint32_t target) {
-  if (ipsr_ != 0 && (target >> 28) == 0xF) {
+  if (state_.ipsr != 0 && (target >> 28) == 0xF) {
     event_ = Event::exception_return;
     event_value_ = target;
-    pc_ = target & ~1u;
+    state_.pc = target & ~1u;
     return false;
   }
-  thumb_ = (target & 1) != 0;
-  if (!thumb_) check_ = true;
-  pc_ = target & ~1u;
+  state_.thumb = (target & 1) != 0;
+  if (!state_.thumb) check_ = true;
+  state_.pc = target & ~1u;
   return false;
 }
 
@@ -107,7 +131,7 @@ bool Core::fault(const Step& op, Cause cause, uint32_t address) {
   event_ = Event::fault;
   event_cause_ = cause;
   event_value_ = address;
-  pc_ = op.address;
+  state_.pc = op.address;
   return false;
 }
 
@@ -116,21 +140,21 @@ void Core::handle_event() {
   event_ = Event::none;
   switch (event) {
     case Event::fault:
-      raise(record_cause(event_cause_, event_value_), pc_);
+      raise(record_cause(event_cause_, event_value_), state_.pc);
       break;
     case Event::svc:
-      raise(11, pc_);
+      raise(11, state_.pc);
       break;
     case Event::bkpt:
       if (event_value_ == 0xAB && semihosting_) {
         if (!semihosting_(*this)) {
-          semihosting_exit_ = true;
+          state_.semihosting_exit = true;
           check_ = true;
         }
         break;
       }
       if (halting_debug_) {
-        pc_ = event_return_;
+        state_.pc = event_return_;
         bkpt_stop_ = check_ = true;
         break;
       }
@@ -145,18 +169,18 @@ void Core::handle_event() {
 }
 
 inline void Core::account(const Step& op) {
-  cycles_ += op.cycles_before + op.cycles;
-  instructions_ += op.instructions_to;
-  it_state_ = op.it_after;
-  trail_ = stalled_ ? timing::no_trail : op.trail;
-  stalled_ = false;
+  state_.cycles += op.cycles_before + op.cycles;
+  state_.instructions += op.instructions_to;
+  state_.it_state = op.it_after;
+  state_.trail = state_.stalled ? timing::no_trail : op.trail;
+  state_.stalled = false;
 }
 
 inline void Core::conclude(const Step& op) {
   if (__builtin_expect(event_ != Event::none, 0)) {
-    if (event_ == Event::fault) it_state_ = op.it_before;
+    if (event_ == Event::fault) state_.it_state = op.it_before;
     if (event_ == Event::exception_return) event_return_ = op.address;
-    trail_ = timing::no_trail;
+    state_.trail = timing::no_trail;
     handle_event();
   }
 }
@@ -173,7 +197,7 @@ bool Core::fetch(uint32_t address, uint16_t& halfword) {
   bool never_execute = region == 2 || region >= 5;
   uint32_t value = 0;
   Step at;
-  at.address = pc_;
+  at.address = state_.pc;
   if (never_execute || !mpu_allows(address, false, true, privileged())) {
     fault(at, Cause::fetch_access, address);
     return false;
@@ -188,33 +212,33 @@ bool Core::fetch(uint32_t address, uint16_t& halfword) {
     fault(at, Cause::fetch_bus, address);
     return false;
   }
-  cycles_ += wait;
+  state_.cycles += wait;
   halfword = static_cast<uint16_t>(value);
   return true;
 }
 
 void Core::step() {
   uint16_t first = 0, second = 0;
-  uint32_t address = pc_;
+  uint32_t address = state_.pc;
   if (!fetch(address, first) || (is_wide(first) && !fetch(address + 2, second))) {
-    cycles_ += 1;
+    state_.cycles += 1;
     handle_event();
     return;
   }
   Step step;
-  static_cast<DecodedOp&>(step) = decode(address, first, second, it_state_);
+  static_cast<DecodedOp&>(step) = decode(address, first, second, state_.it_state);
   if (Execute::cannot_continue(step)) {
     fault(step, Cause::invalid_state);
-    cycles_ += 1;
+    state_.cycles += 1;
     handle_event();
     return;
   }
   const Memory::Region* region = memory_.find(address);
-  add_cycles(step, trail_, region != nullptr ? region->wait_states : 0);
+  add_cycles(step, state_.trail, region != nullptr ? region->wait_states : 0);
   step.instructions_to = 1;
   Execute::bind(step);
   if (sees_instructions_) observer_->issued(*this, step);
-  if (Execute::one(*this, step)) pc_ = next_address(step);
+  if (Execute::one(*this, step)) state_.pc = next_address(step);
   account(step);
   if (sees_instructions_) observer_->retired(*this, step);
   conclude(step);
@@ -232,40 +256,40 @@ std::optional<StopReason> Core::service() {
     check_ = true;
     return reason;
   };
-  if (semihosting_exit_) return stop(semihosting_exit_, StopReason::semihosting_exit);
-  if (reset_request_) return stop(reset_request_, StopReason::reset_request);
+  if (state_.semihosting_exit) return stop(state_.semihosting_exit, StopReason::semihosting_exit);
+  if (state_.reset_request) return stop(state_.reset_request, StopReason::reset_request);
   if (watch_stop_) return stop(watch_stop_, StopReason::watchpoint);
   if (bkpt_stop_) return stop(bkpt_stop_, StopReason::breakpoint);
   if (stuck_) return stop(stuck_, StopReason::stuck);
   if (attention_) return stop(attention_, StopReason::attention);
   if (unsigned number = highest_pending(execution_priority()); number != 0) {
-    bool wakes = sleeping_ || locked_up_;
-    if (wakes && locked_up_ && number != 2) number = 0;
+    bool wakes = state_.sleeping || state_.locked_up;
+    if (wakes && state_.locked_up && number != 2) number = 0;
     if (number != 0) {
-      sleeping_ = locked_up_ = false;
-      if (entered_at_ == instructions_) {
+      state_.sleeping = state_.locked_up = false;
+      if (state_.entered_at == state_.instructions) {
         late_arrival(number);
       } else {
-        exception_entry(number, pc_);
+        exception_entry(number, state_.pc);
       }
       check_ = true;
       return std::nullopt;
     }
   }
-  if (locked_up_) {
+  if (state_.locked_up) {
     check_ = true;
     return StopReason::lockup;
   }
-  if (sleeping_) {
+  if (state_.sleeping) {
     if (wake_pending()) {
-      sleeping_ = false;
-      if (sleeping_for_event_) event_register_ = false;
+      state_.sleeping = false;
+      if (state_.sleeping_for_event) state_.event_register = false;
       return std::nullopt;
     }
     check_ = true;
     return StopReason::sleeping;
   }
-  if (!thumb_) {
+  if (!state_.thumb) {
     execute_without_thumb();
     check_ = true;
   }
@@ -278,89 +302,91 @@ std::optional<StopReason> Core::service() {
 void Core::execute_without_thumb() {
   uint16_t unused = 0;
   Step at;
-  at.address = pc_;
-  if (fetch(pc_, unused)) fault(at, Cause::invalid_state);
-  cycles_ += 1;
+  at.address = state_.pc;
+  if (fetch(state_.pc, unused)) fault(at, Cause::invalid_state);
+  state_.cycles += 1;
   handle_event();
 }
 
 StopReason Core::run(uint64_t until_cycle) {
   while (true) {
-    if (cycles_ >= systick_event_) systick_expire();
+    if (state_.cycles >= state_.systick.event) systick_expire();
     if (__builtin_expect(check_, 0)) {
-      bool may_go = cycles_ < until_cycle || sleeping_ || locked_up_ || attention_ ||
-                    semihosting_exit_ || reset_request_ || watch_stop_ || bkpt_stop_ || stuck_;
+      bool may_go = state_.cycles < until_cycle || state_.sleeping || state_.locked_up ||
+                    attention_ || state_.semihosting_exit || state_.reset_request || watch_stop_ ||
+                    bkpt_stop_ || stuck_;
       if (!may_go) return StopReason::budget;
       if (std::optional<StopReason> reason = service()) return *reason;
       continue;
     }
-    if (cycles_ >= until_cycle) return StopReason::budget;
+    if (state_.cycles >= until_cycle) return StopReason::budget;
     if (!breakpoints_.empty() && at_breakpoint()) return StopReason::breakpoint;
-    bool blocks = in_blocks_ && it_state_ == 0 && trail_ == timing::no_trail && !dwt_.observes_step;
+    bool blocks = in_blocks_ && state_.it_state == 0 && state_.trail == timing::no_trail &&
+                  !state_.dwt.observes_step;
     if (blocks) {
-      execute_block(std::min(until_cycle, systick_event_));
+      execute_block(std::min(until_cycle, state_.systick.event));
     } else {
-      dwt_.observes_step ? step_observed() : step();
+      state_.dwt.observes_step ? step_observed() : step();
     }
   }
 }
 
 StopReason Core::step_instruction() {
-  return run(cycles_ + 1);
+  return run(state_.cycles + 1);
 }
 
 void Core::skip_to(uint64_t cycle) {
-  while (cycles_ < cycle) {
-    cycles_ = std::min(cycle, std::max(cycles_, systick_event_));
-    if (cycles_ >= systick_event_) systick_expire();
+  while (state_.cycles < cycle) {
+    state_.cycles = std::min(cycle, std::max(state_.cycles, state_.systick.event));
+    if (state_.cycles >= state_.systick.event) systick_expire();
   }
 }
 
 void Core::sleep_until_wake(bool for_event) {
-  sleeping_ = true;
-  sleeping_for_event_ = for_event;
+  state_.sleeping = true;
+  state_.sleeping_for_event = for_event;
   check_ = true;
 }
 
 // WFI wakes on an exception that would preempt were PRIMASK clear; WFE besides on an event
 // (B1.5.17).
 bool Core::wake_pending() const {
-  if (sleeping_for_event_ && event_register_) return true;
-  return highest_pending(execution_priority(!sleeping_for_event_)) != 0;
+  if (state_.sleeping_for_event && state_.event_register) return true;
+  return highest_pending(execution_priority(!state_.sleeping_for_event)) != 0;
 }
 
 void Core::send_event() {
-  event_register_ = true;
+  state_.event_register = true;
   check_ = true;
 }
 
-// The stack pointer in use sits in r_[13], the other one aside; switching exchanges them.
+// The stack pointer in use sits in state_.r[13], the other one aside; switching exchanges them.
 void Core::select_stack(bool psp) {
   bool now = uses_psp();
-  if (psp != now) std::swap(r_[13], other_sp_);
+  if (psp != now) std::swap(state_.r[13], state_.other_sp);
 }
 
 void Core::set_msp(uint32_t value) {
-  (uses_psp() ? other_sp_ : r_[13]) = value & ~3u;
+  (uses_psp() ? state_.other_sp : state_.r[13]) = value & ~3u;
 }
 void Core::set_psp(uint32_t value) {
-  (uses_psp() ? r_[13] : other_sp_) = value & ~3u;
+  (uses_psp() ? state_.r[13] : state_.other_sp) = value & ~3u;
 }
 
 // SPSEL can be written in Thread mode only (B1.4.4).
 void Core::set_control(uint32_t value) {
-  bool psp = ipsr_ == 0 && (value & 2) != 0;
-  if (ipsr_ == 0) {
+  bool psp = state_.ipsr == 0 && (value & 2) != 0;
+  if (state_.ipsr == 0) {
     select_stack(psp);
-    control_ = value & 3;
+    state_.control = value & 3;
   } else {
-    control_ = (control_ & 2) | (value & 1);
+    state_.control = (state_.control & 2) | (value & 1);
   }
   check_ = true;  // the view of the memory follows the privilege
 }
 
 void Core::set_primask(bool masked) {
-  primask_ = masked ? 1 : 0;
+  state_.primask = masked ? 1 : 0;
   check_ = true;
 }
 
@@ -369,43 +395,44 @@ void Core::set_priority_bits(unsigned bits) {
 }
 
 void Core::set_basepri(uint32_t value) {
-  basepri_ = value & priority_mask_;
+  state_.basepri = value & priority_mask_;
   check_ = true;
 }
 
 void Core::set_faultmask(bool masked) {
-  faultmask_ = masked ? 1 : 0;
+  state_.faultmask = masked ? 1 : 0;
   check_ = true;
 }
 
 void Core::set_reg(unsigned n, uint32_t value) {
   if (n == 13) {
-    r_[13] = value & ~3u;
+    state_.r[13] = value & ~3u;
   } else if (n == 15) {
-    pc_ = value & ~1u;
-    it_state_ = 0;
-    trail_ = timing::no_trail;
-    sleeping_ = locked_up_ = false;  // it goes on there
+    state_.pc = value & ~1u;
+    state_.it_state = 0;
+    state_.trail = timing::no_trail;
+    state_.sleeping = state_.locked_up = false;  // it goes on there
   } else if (n < 15) {
-    r_[n] = value;
+    state_.r[n] = value;
   }
 }
 
 uint32_t Core::xpsr() const {
-  uint32_t it = it_state_;
-  return (n_ & 0x80000000u) | (z_ == 0 ? 1u << 30 : 0) | (c_ ? 1u << 29 : 0) | (v_ ? 1u << 28 : 0) |
-         (q_ ? 1u << 27 : 0) | (it & 3) << 25 | (thumb_ ? 1u << 24 : 0) | (it >> 2) << 10 | ipsr_;
+  uint32_t it = state_.it_state;
+  return (state_.n & 0x80000000u) | (state_.z == 0 ? 1u << 30 : 0) | (state_.c ? 1u << 29 : 0) |
+         (state_.v ? 1u << 28 : 0) | (state_.q ? 1u << 27 : 0) | (it & 3) << 25 |
+         (state_.thumb ? 1u << 24 : 0) | (it >> 2) << 10 | state_.ipsr;
 }
 
 void Core::set_xpsr(uint32_t value) {
-  n_ = value;
-  z_ = (value >> 30 & 1) ? 0 : 1;
-  c_ = (value >> 29 & 1) != 0;
-  v_ = (value >> 28 & 1) != 0;
-  q_ = (value >> 27 & 1) != 0;
-  thumb_ = (value >> 24 & 1) != 0;
-  it_state_ = static_cast<uint8_t>((value >> 25 & 3) | (value >> 10 & 0x3F) << 2);
-  if (!thumb_) check_ = true;
+  state_.n = value;
+  state_.z = (value >> 30 & 1) ? 0 : 1;
+  state_.c = (value >> 29 & 1) != 0;
+  state_.v = (value >> 28 & 1) != 0;
+  state_.q = (value >> 27 & 1) != 0;
+  state_.thumb = (value >> 24 & 1) != 0;
+  state_.it_state = static_cast<uint8_t>((value >> 25 & 3) | (value >> 10 & 0x3F) << 2);
+  if (!state_.thumb) check_ = true;
 }
 
 }  // namespace capsoc::cortex_m3

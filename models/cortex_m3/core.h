@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "cortex_m3/bus.h"
-#include "cortex_m3/fault_report.h"
 #include "cortex_m3/memory.h"
 #include "cortex_m3/observer.h"
+#include "cortex_m3/state.h"
 #include "cortex_m3/unpredictable.h"
 
 namespace capsoc::cortex_m3 {
@@ -56,7 +56,7 @@ struct DroppedPriority {
 class Core {
  public:
   static constexpr unsigned interrupt_count = 32;
-  static constexpr uint64_t never = ~uint64_t{0};
+  static constexpr uint64_t never = State::never;
 
   explicit Core(Bus& bus);
   /// Power-on reset: reads the vector table; cycles go on, so that time does not jump.
@@ -75,20 +75,20 @@ class Core {
   /// One instruction (or the entry of one exception).
   StopReason step_instruction();
   /// Cycles since construction; inside a bus access the cycle at which it happens.
-  uint64_t cycles() const { return cycles_ + access_offset_; }
-  uint64_t instructions() const { return instructions_; }
+  uint64_t cycles() const { return state_.cycles + access_offset_; }
+  uint64_t instructions() const { return state_.instructions; }
   /// While sleeping: time passes, SysTick counts.
   void skip_to(uint64_t cycle);
   /// Cycle of SysTick's next wrap that pends its exception, else `never`.
-  uint64_t next_internal_event() const { return systick_event_; }
+  uint64_t next_internal_event() const { return state_.systick.event; }
 
   void set_interrupt(unsigned line, bool level);
   void pulse_nmi();
   void send_event();  // the RXEV input
   /// Leaves run() after the present instruction.
   void attention();
-  bool sleeping() const { return sleeping_; }
-  bool locked_up() const { return locked_up_; }
+  bool sleeping() const { return state_.sleeping; }
+  bool locked_up() const { return state_.locked_up; }
   bool wake_pending() const;
   void set_executor(Executor executor);
   /// Who looks on; null: nobody. It stays the caller's. `instructions`: at each one, the executor
@@ -97,18 +97,18 @@ class Core {
   void set_observer(Observer* observer, bool instructions, bool accesses);
 
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
-  uint32_t reg(unsigned n) const { return n == 15 ? pc_ : r_[n & 15]; }
+  uint32_t reg(unsigned n) const { return n == 15 ? state_.pc : state_.r[n & 15]; }
   void set_reg(unsigned n, uint32_t value);
   uint32_t xpsr() const;
   void set_xpsr(uint32_t value);
-  uint32_t msp() const { return uses_psp() ? other_sp_ : r_[13]; }
-  uint32_t psp() const { return uses_psp() ? r_[13] : other_sp_; }
+  uint32_t msp() const { return uses_psp() ? state_.other_sp : state_.r[13]; }
+  uint32_t psp() const { return uses_psp() ? state_.r[13] : state_.other_sp; }
   void set_msp(uint32_t value);
   void set_psp(uint32_t value);
-  uint32_t control() const { return control_; }
-  uint32_t primask() const { return primask_; }
-  uint32_t faultmask() const { return faultmask_; }
-  uint32_t basepri() const { return basepri_; }
+  uint32_t control() const { return state_.control; }
+  uint32_t primask() const { return state_.primask; }
+  uint32_t faultmask() const { return state_.faultmask; }
+  uint32_t basepri() const { return state_.basepri; }
   void set_control(uint32_t value);
   void set_primask(bool masked);
   void set_basepri(uint32_t value);
@@ -156,10 +156,16 @@ class Core {
   /// HCLK cycles of SysTick's reference clock (25 at reset).
   void set_systick_reference(unsigned cycles_a_tick);
 
-  const FaultReport& last_fault() const { return fault_report_; }
+  /// The state, between two instructions. After loading, whatever was made from another state is
+  /// dropped; memory_changed() says that memory was loaded, too.
+  void visit(kit::Archive& archive);
+  /// Whoever else wrote into memory, anywhere: decoded code is dropped.
+  void memory_changed();
+
+  const FaultReport& last_fault() const { return state_.last_fault; }
   /// The fault that began the present chain: no other fault was being handled when it happened.
-  const FaultReport& first_fault() const { return first_fault_; }
-  uint64_t fault_count() const { return fault_count_; }
+  const FaultReport& first_fault() const { return state_.first_fault; }
+  uint64_t fault_count() const { return state_.fault_count; }
 
  private:
   friend struct Execute;
@@ -181,20 +187,17 @@ class Core {
     unstacking_bus,
     unstacking_access
   };
-  struct BankedPriority {
-    std::array<uint8_t, 48> value{};
-  };
 
   // core.cpp
-  bool uses_psp() const { return ipsr_ == 0 && (control_ & 2) != 0; }
-  bool privileged() const { return ipsr_ != 0 || (control_ & 1) == 0; }
+  bool uses_psp() const { return state_.ipsr == 0 && (state_.control & 2) != 0; }
+  bool privileged() const { return state_.ipsr != 0 || (state_.control & 1) == 0; }
   void select_stack(bool psp);
-  void branch_write_pc(uint32_t address) { pc_ = address & ~1u; }
+  void branch_write_pc(uint32_t address) { state_.pc = address & ~1u; }
   bool bx_write_pc(uint32_t target);
   bool condition_passed(unsigned condition) const;
   // blocks.cpp
   bool leave(const Step& op) {
-    pc_ = next_address(op);
+    state_.pc = next_address(op);
     return false;
   }
   bool fault(const Step& op, Cause cause, uint32_t address = 0);
@@ -260,7 +263,7 @@ class Core {
   bool monitor_can_preempt() const;
   bool monitor_enabled() const;
   void breakpoint_instruction(uint32_t address);
-  bool in_fault_handler() const { return ipsr_ >= 3 && ipsr_ <= 6; }
+  bool in_fault_handler() const { return state_.ipsr >= 3 && state_.ipsr <= 6; }
   bool can_be_preempted() const;
   void spin_in_fault();
   unsigned active_count() const;
@@ -328,117 +331,73 @@ class Core {
   Access failed_access(const Step& op, Result result, uint32_t address);
 
   // watchpoints.cpp
-  bool watches_data() const { return !watchpoints_.empty() || dwt_.watches_data; }
+  bool watches_data() const { return !watchpoints_.empty() || state_.dwt.watches_data; }
   bool watches_page(uint32_t address) const;
   bool watched(uint32_t address, unsigned size, bool write);
   bool at_breakpoint();
 
-  Bus& bus_;
-  // Hot state first.
-  std::array<uint32_t, 16> r_{};
-  uint32_t n_ = 0, z_ = 1;  // N is bit 31 of n_; Z is z_ == 0
-  bool c_ = false, v_ = false, q_ = false;
+  State state_;
+  // Between two instructions none of what follows is more than a cache, a wire or a debugger's.
   bool check_ = false;  // something besides the next instruction needs looking at
-  uint32_t pc_ = 0;
-  uint64_t cycles_ = 0, instructions_ = 0;
+  Event event_ = Event::none;
   uint64_t access_offset_ = 0;
   uint64_t limit_ = 0;  // blocks that may reach this cycle are not entered by a link
-  Event event_ = Event::none;
   Memory::Page* fast_pages_ = nullptr;
-
-  uint8_t it_state_ = 0;
-  bool stalled_ = false;  // a device was accessed: the next instruction overlaps with nothing
-  uint16_t trail_ = 0;    // timing::Trail of the instruction executed last
-  uint64_t entered_at_ =
-      never;  // instructions() at the last exception entry, while it can be displaced
-  bool thumb_ = true, sleeping_ = false, sleeping_for_event_ = false, locked_up_ = false;
-  bool attention_ = false, reset_request_ = false, semihosting_exit_ = false,
-       event_register_ = false;
-  bool invalidated_ = false;
-  uint32_t ipsr_ = 0, control_ = 0, primask_ = 0, faultmask_ = 0, basepri_ = 0, other_sp_ = 0;
-  bool exclusive_ = false;
-  uint32_t exclusive_address_ = 0;
+  bool attention_ = false, invalidated_ = false;
   Cause event_cause_{};
   uint32_t event_value_ = 0;
   uint32_t event_return_ = 0;
 
+  Bus& bus_;
   Memory memory_;
+  uint32_t priority_mask_ = 0xE0;  // the bits that are implemented
+  uint32_t vector_table_ = 0;
+  struct MpuLine {
+    uint32_t tag, rights;  // of 32 bytes; tag 0: none
+  };
+  std::array<MpuLine, 64> mpu_lines_{};
+
   Executor executor_ = Executor::blocks;
   bool in_blocks_ = true;  // executor_ is blocks and nobody looks on at instructions
   Observer* observer_ = nullptr;
   bool sees_instructions_ = false, sees_accesses_ = false;
   std::function<bool(Core&)> semihosting_;
+  Stimulus stimulus_;
+  PriorityListener priority_listener_;
+  UnpredictableListener unpredictable_listener_;
+  std::function<bool()> hopeless_;
+  bool stuck_ = false;
   std::set<uint32_t> breakpoints_;
   uint64_t breakpoint_passed_ = never;  // instructions() when the one at passed_pc_ was passed
   uint32_t passed_pc_ = 0;
   std::vector<Watchpoint> watchpoints_;
   WatchHit watch_hit_;
   bool watch_stop_ = false, bkpt_stop_ = false, halting_debug_ = false;
-  std::function<bool()> hopeless_;
-  bool stuck_ = false;
-  FaultReport fault_report_, first_fault_;
-  uint64_t fault_count_ = 0;
-
-  // Exceptions by number: bit n of the masks.
-  uint64_t pending_ = 0, active_ = 0, enabled_ = 0;
-  uint32_t lines_ = 0;
-  BankedPriority priority_;
-  uint32_t priority_mask_ = 0xE0;  // the bits that are implemented
-  PriorityListener priority_listener_;
-  bool priority_told_[2] = {};  // of bits that were dropped, of nothing but ones
-  uint32_t vector_table_ = 0;
-  uint32_t vtor_ = 0, prigroup_ = 0, scr_ = 0, ccr_ = 0, shcsr_ = 0, cfsr_ = 0, hfsr_ = 0,
-           mmfar_ = 0, bfar_ = 0, dfsr_ = 0, actlr_ = 0, demcr_ = 0, dwt_ctrl_ = 0;
-  uint64_t cyccnt_base_ = 0;
-  uint32_t cyccnt_stopped_ = 0;
-  /// The comparators of the DWT, and what of them is in use.
-  struct Dwt {
-    std::array<uint32_t, 4> comparator{}, mask{}, function{};
-    bool watches_data = false;   // accesses: their pages leave the direct tables
-    bool observes_step = false;  // instructions or cycles: they are executed one by one
-    uint32_t count_seen = 0;     // CYCCNT up to which cycle matches were looked for
-  } dwt_;
-  UnpredictableListener unpredictable_listener_;
-  uint64_t unpredictable_seen_ = 0;  // bit n: case n was reported
-  uint32_t itm_ter_ = 0, itm_tpr_ = 0, itm_tcr_ = 0;
-  bool itm_unlocked_ = false;
-  Stimulus stimulus_;
-  uint32_t mpu_ctrl_ = 0, mpu_rnr_ = 0;
-  std::array<uint32_t, 8> mpu_rbar_{}, mpu_rasr_{};
-  struct MpuLine {
-    uint32_t tag, rights;  // of 32 bytes; tag 0: none
-  };
-  std::array<MpuLine, 64> mpu_lines_{};
-
-  uint32_t systick_csr_ = 0, systick_rvr_ = 0, systick_start_ = 0;
-  bool systick_countflag_ = false;
-  uint64_t systick_start_cycle_ = 0, systick_event_ = never;
-  unsigned systick_reference_ = 25;
 };
 
 inline bool Core::condition_passed(unsigned condition) const {
-  bool n = (n_ >> 31) != 0, z = z_ == 0, result = false;
+  bool n = (state_.n >> 31) != 0, z = state_.z == 0, result = false;
   switch (condition >> 1) {
     case 0:
       result = z;
       break;
     case 1:
-      result = c_;
+      result = state_.c;
       break;
     case 2:
       result = n;
       break;
     case 3:
-      result = v_;
+      result = state_.v;
       break;
     case 4:
-      result = c_ && !z;
+      result = state_.c && !z;
       break;
     case 5:
-      result = n == v_;
+      result = n == state_.v;
       break;
     case 6:
-      result = n == v_ && !z;
+      result = n == state_.v && !z;
       break;
     default:
       return true;
@@ -453,7 +412,7 @@ inline Core::Access Core::load(const Step& op, uint32_t address, uint32_t& value
     T data;
     std::memcpy(&data, p.read + (address & (Memory::page_size - 1)), sizeof(T));
     value = data;
-    if (__builtin_expect(p.wait_states != 0, 0)) cycles_ += p.wait_states;
+    if (__builtin_expect(p.wait_states != 0, 0)) state_.cycles += p.wait_states;
     return Access::ok;
   }
   return load_slow(op, address, sizeof(T), value);
@@ -465,7 +424,7 @@ inline Core::Access Core::store(const Step& op, uint32_t address, uint32_t value
   if (__builtin_expect(p.write != nullptr && (address & (sizeof(T) - 1)) == 0, 1)) {
     T data = static_cast<T>(value);
     std::memcpy(p.write + (address & (Memory::page_size - 1)), &data, sizeof(T));
-    if (__builtin_expect(p.wait_states != 0, 0)) cycles_ += p.wait_states;
+    if (__builtin_expect(p.wait_states != 0, 0)) state_.cycles += p.wait_states;
     return Access::ok;
   }
   return store_slow(op, address, sizeof(T), value);

@@ -39,19 +39,20 @@ bool Core::in_dwt_comparators(uint32_t address) {
 }
 
 uint32_t Core::cycle_count() const {
-  const bool runs = (dwt_ctrl_ & 1) != 0 && (demcr_ & trcena) != 0;
-  return runs ? static_cast<uint32_t>(cycles() - cyccnt_base_) : cyccnt_stopped_;
+  const bool runs = (state_.dwt.ctrl & 1) != 0 && (state_.scb.demcr & trcena) != 0;
+  return runs ? static_cast<uint32_t>(cycles() - state_.dwt.cyccnt_base)
+              : state_.dwt.cyccnt_stopped;
 }
 
 uint32_t Core::dwt_read(uint32_t address) const {
   const uint32_t n = (address - first_comparator) / 16;
   switch (address & 0xC) {
     case 0:
-      return dwt_.comparator[n];
+      return state_.dwt.comparator[n];
     case 4:
-      return dwt_.mask[n];
+      return state_.dwt.mask[n];
     case 8:
-      return dwt_.function[n];
+      return state_.dwt.function[n];
     default:
       return 0;
   }
@@ -62,22 +63,22 @@ void Core::dwt_write(uint32_t address, uint32_t value, uint32_t mask) {
   const auto merge = [&](uint32_t old) { return (old & ~mask) | (value & mask); };
   if (!in_dwt_comparators(address)) {
     const uint32_t count = address == ctrl ? cycle_count() : merge(cycle_count());
-    if (address == ctrl) dwt_ctrl_ = merge(dwt_ctrl_) & 1;
-    cyccnt_stopped_ = count;
-    cyccnt_base_ = cycles() - count;
+    if (address == ctrl) state_.dwt.ctrl = merge(state_.dwt.ctrl) & 1;
+    state_.dwt.cyccnt_stopped = count;
+    state_.dwt.cyccnt_base = cycles() - count;
     return select_dwt();
   }
   const uint32_t n = (address - first_comparator) / 16;
   switch (address & 0xC) {
     case 0:
-      dwt_.comparator[n] = merge(dwt_.comparator[n]);
+      state_.dwt.comparator[n] = merge(state_.dwt.comparator[n]);
       break;
     case 4:
-      dwt_.mask[n] = merge(dwt_.mask[n]) & largest_mask;
+      state_.dwt.mask[n] = merge(state_.dwt.mask[n]) & largest_mask;
       break;
     case 8:  // the first one alone can compare cycles
-      dwt_.function[n] = (dwt_.function[n] & matched) |
-                         (merge(dwt_.function[n]) & (0xF | (n == 0 ? cycmatch : 0)));
+      state_.dwt.function[n] = (state_.dwt.function[n] & matched) |
+                               (merge(state_.dwt.function[n]) & (0xF | (n == 0 ? cycmatch : 0)));
       break;
     default:
       break;
@@ -89,27 +90,27 @@ void Core::dwt_write(uint32_t address, uint32_t value, uint32_t mask) {
 /// debugger's.
 void Core::write_demcr(uint32_t value) {
   const uint32_t count = cycle_count();
-  demcr_ = value & (trcena | mon_en | mon_step | mon_req | vector_catches);
-  cyccnt_stopped_ = count;
-  cyccnt_base_ = cycles() - count;
+  state_.scb.demcr = value & (trcena | mon_en | mon_step | mon_req | vector_catches);
+  state_.dwt.cyccnt_stopped = count;
+  state_.dwt.cyccnt_base = cycles() - count;
   if ((value & mon_pend) != 0) {
     pend(debug_monitor);
   } else {
-    pending_ &= ~(uint64_t{1} << debug_monitor);
+    state_.nvic.pending &= ~(uint64_t{1} << debug_monitor);
   }
   select_dwt();
 }
 
 /// What has to be looked at, from the registers.
 void Core::select_dwt() {
-  const bool on = (demcr_ & trcena) != 0;
-  dwt_.watches_data = false;
-  dwt_.observes_step = (demcr_ & (mon_en | mon_step)) == (mon_en | mon_step);
-  for (const uint32_t function : dwt_.function) {
-    dwt_.watches_data = dwt_.watches_data || (on && compares_data(function));
-    dwt_.observes_step = dwt_.observes_step || (on && compares_steps(function));
+  const bool on = (state_.scb.demcr & trcena) != 0;
+  state_.dwt.watches_data = false;
+  state_.dwt.observes_step = (state_.scb.demcr & (mon_en | mon_step)) == (mon_en | mon_step);
+  for (const uint32_t function : state_.dwt.function) {
+    state_.dwt.watches_data = state_.dwt.watches_data || (on && compares_data(function));
+    state_.dwt.observes_step = state_.dwt.observes_step || (on && compares_steps(function));
   }
-  dwt_.count_seen = cycle_count();
+  state_.dwt.count_seen = cycle_count();
   memory_.clear_views();
   check_ = true;
 }
@@ -117,36 +118,37 @@ void Core::select_dwt() {
 /// One instruction while a step, an instruction or a cycle is waited for.
 void Core::step_observed() {
   constexpr uint32_t stepping = mon_en | mon_step;
-  const bool steps = (demcr_ & stepping) == stepping && monitor_can_preempt();
-  const uint32_t executed = pc_;
+  const bool steps = (state_.scb.demcr & stepping) == stepping && monitor_can_preempt();
+  const uint32_t executed = state_.pc;
   step();
   match_step(executed);
   if (!steps) return;
-  dfsr_ |= dfsr_halted;
+  state_.scb.dfsr |= dfsr_halted;
   pend(debug_monitor);
 }
 
 void Core::match_step(uint32_t executed) {
-  const uint32_t count = cycle_count(), passed = count - dwt_.count_seen;
+  const uint32_t count = cycle_count(), passed = count - state_.dwt.count_seen;
   for (unsigned n = 0; n < 4; ++n) {
-    uint32_t& function = dwt_.function[n];
-    if (!compares_steps(function) || (demcr_ & trcena) == 0) continue;
-    const uint32_t ignored = (1u << dwt_.mask[n]) - 1;
+    uint32_t& function = state_.dwt.function[n];
+    if (!compares_steps(function) || (state_.scb.demcr & trcena) == 0) continue;
+    const uint32_t ignored = (1u << state_.dwt.mask[n]) - 1;
     const bool hit = (function & cycmatch) != 0
-                         ? count - dwt_.comparator[n] < passed
-                         : ((executed ^ dwt_.comparator[n]) & ~ignored & ~1u) == 0;
+                         ? count - state_.dwt.comparator[n] < passed
+                         : ((executed ^ state_.dwt.comparator[n]) & ~ignored & ~1u) == 0;
     if (!hit) continue;
     function |= matched;
     debug_event(dfsr_dwttrap);
   }
-  dwt_.count_seen = count;
+  state_.dwt.count_seen = count;
 }
 
 void Core::match_data(uint32_t address, unsigned size, bool write) {
   for (unsigned n = 0; n < 4; ++n) {
-    uint32_t& function = dwt_.function[n];
+    uint32_t& function = state_.dwt.function[n];
     if (!compares_data(function) || function_of(function) == (write ? on_read : on_write)) continue;
-    const uint32_t ignored = (1u << dwt_.mask[n]) - 1, first = dwt_.comparator[n] & ~ignored;
+    const uint32_t ignored = (1u << state_.dwt.mask[n]) - 1,
+                   first = state_.dwt.comparator[n] & ~ignored;
     if (first - address >= size && address - first > ignored) continue;
     function |= matched;
     debug_event(dfsr_dwttrap);
@@ -156,8 +158,9 @@ void Core::match_data(uint32_t address, unsigned size, bool write) {
 /// `page`: its first address. A mask reaches beyond one page at most by whole pages.
 bool Core::dwt_watches_page(uint32_t page) const {
   for (unsigned n = 0; n < 4; ++n) {
-    if (!compares_data(dwt_.function[n])) continue;
-    const uint32_t ignored = (1u << dwt_.mask[n]) - 1, first = dwt_.comparator[n] & ~ignored;
+    if (!compares_data(state_.dwt.function[n])) continue;
+    const uint32_t ignored = (1u << state_.dwt.mask[n]) - 1,
+                   first = state_.dwt.comparator[n] & ~ignored;
     if (first - page < Memory::page_size || page - first <= ignored) return true;
   }
   return false;

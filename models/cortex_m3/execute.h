@@ -40,9 +40,9 @@ struct Execute {
   /// Most cycles the step can take beyond DecodedOp::cycles, without device accesses.
   static uint32_t most_extra_cycles(const DecodedOp& op, uint32_t largest_wait);
 
-  static void set_nz(Core& c, uint32_t value) { c.n_ = c.z_ = value; }
+  static void set_nz(Core& c, uint32_t value) { c.state_.n = c.state_.z = value; }
   static uint32_t read(const Core& c, const Step& op, unsigned n) {
-    return n == 15 ? pc_of(op) : c.r_[n];
+    return n == 15 ? pc_of(op) : c.state_.r[n];
   }
 
   // Members of the operation families; see the sources for what each does.
@@ -100,12 +100,12 @@ const Step* Execute::chain(Core& c, const Step* op) {
 
 /// Takes a branch within its page.
 inline const Step* Execute::follow(Core& c, const Step* branch) {
-  c.cycles_ += branch->cycles_before + branch->cycles + timing::pipeline_refill;
-  c.instructions_ += branch->instructions_to;
+  c.state_.cycles += branch->cycles_before + branch->cycles + timing::pipeline_refill;
+  c.state_.instructions += branch->instructions_to;
   const Step* target = branch->link;
-  if (__builtin_expect(target != nullptr && c.cycles_ + target->block_cycles < c.limit_, 1))
+  if (__builtin_expect(target != nullptr && c.state_.cycles + target->block_cycles < c.limit_, 1))
     return target;
-  c.pc_ = pc_of(*branch) + branch->imm;
+  c.state_.pc = pc_of(*branch) + branch->imm;
   return c.resolve_link(*branch);
 }
 

@@ -11,7 +11,7 @@ bool goes_to_itself(const DecodedOp& op) {
 
 bool Execute::take_branch(Core& c, uint32_t target) {
   c.branch_write_pc(target);
-  c.cycles_ += timing::pipeline_refill;
+  c.state_.cycles += timing::pipeline_refill;
   return false;
 }
 
@@ -78,7 +78,7 @@ const Step* Execute::linked_branch(Core& c, const Step* op) {
 
 template <bool zero>
 const Step* Execute::linked_compare_zero(Core& c, const Step* op) {
-  return (c.r_[op->rn] == 0) == zero ? follow(c, op) : go_on(c, op + 1);
+  return (c.state_.r[op->rn] == 0) == zero ? follow(c, op) : go_on(c, op + 1);
 }
 
 const Step* Execute::linked_branch_to_self(Core& c, const Step* op) {
@@ -86,7 +86,7 @@ const Step* Execute::linked_branch_to_self(Core& c, const Step* op) {
 }
 
 const Step* Execute::linked_call(Core& c, const Step* op) {
-  c.r_[14] = next_address(*op) | 1;
+  c.state_.r[14] = next_address(*op) | 1;
   return follow(c, op);
 }
 
@@ -115,41 +115,41 @@ Chain Execute::linked_branch_chain(const DecodedOp& op) {
 }
 
 bool Execute::bl(Core& c, const Step& op) {
-  c.r_[14] = next_address(op) | 1;
+  c.state_.r[14] = next_address(op) | 1;
   return take_branch(c, pc_of(op) + op.imm);
 }
 
 bool Execute::bx(Core& c, const Step& op) {
-  c.cycles_ += timing::pipeline_refill;
+  c.state_.cycles += timing::pipeline_refill;
   return c.bx_write_pc(read(c, op, op.rm));
 }
 
 // BLXWritePC: unlike BX it never returns from an exception (A2.3.1).
 bool Execute::blx(Core& c, const Step& op) {
   uint32_t target = read(c, op, op.rm);
-  c.r_[14] = next_address(op) | 1;
-  c.thumb_ = (target & 1) != 0;
-  if (!c.thumb_) c.reevaluate();
+  c.state_.r[14] = next_address(op) | 1;
+  c.state_.thumb = (target & 1) != 0;
+  if (!c.state_.thumb) c.reevaluate();
   return take_branch(c, target);
 }
 
 bool Execute::cbz(Core& c, const Step& op) {
-  return c.r_[op.rn] == 0 ? take_branch(c, pc_of(op) + op.imm) : true;
+  return c.state_.r[op.rn] == 0 ? take_branch(c, pc_of(op) + op.imm) : true;
 }
 
 bool Execute::cbnz(Core& c, const Step& op) {
-  return c.r_[op.rn] != 0 ? take_branch(c, pc_of(op) + op.imm) : true;
+  return c.state_.r[op.rn] != 0 ? take_branch(c, pc_of(op) + op.imm) : true;
 }
 
 bool Execute::tbb(Core& c, const Step& op) {
   uint32_t offset = 0;
-  Access a = c.load<uint8_t>(op, read(c, op, op.rn) + c.r_[op.rm], offset);
+  Access a = c.load<uint8_t>(op, read(c, op, op.rn) + c.state_.r[op.rm], offset);
   return table_branch(c, op, offset, a);
 }
 
 bool Execute::tbh(Core& c, const Step& op) {
   uint32_t offset = 0;
-  Access a = c.load<uint16_t>(op, read(c, op, op.rn) + (c.r_[op.rm] << 1), offset);
+  Access a = c.load<uint16_t>(op, read(c, op, op.rn) + (c.state_.r[op.rm] << 1), offset);
   return table_branch(c, op, offset, a);
 }
 

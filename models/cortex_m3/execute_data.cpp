@@ -48,29 +48,29 @@ uint32_t bit_mask(unsigned width) {
 
 template <typename F, bool immediate, bool shifted, bool flags>
 bool Execute::data(Core& c, const Step& op) {
-  uint32_t m = immediate ? op.imm : c.r_[op.rm];
-  [[maybe_unused]] bool carry = c.c_;
+  uint32_t m = immediate ? op.imm : c.state_.r[op.rm];
+  [[maybe_unused]] bool carry = c.state_.c;
   if constexpr (shifted && immediate) {
     carry = (op.imm >> 31) != 0;
   } else if constexpr (shifted) {
-    ShiftResult r = shift_c(m, op.shift_type, op.shift_n, c.c_);
+    ShiftResult r = shift_c(m, op.shift_type, op.shift_n, c.state_.c);
     m = r.value;
     carry = r.carry;
   }
   if constexpr (F::kind == Flags::logical) {
-    uint32_t value = F::compute(c.r_[op.rn], m);
-    if constexpr (F::writes) c.r_[op.rd] = value;
+    uint32_t value = F::compute(c.state_.r[op.rn], m);
+    if constexpr (F::writes) c.state_.r[op.rd] = value;
     if constexpr (flags) {
       set_nz(c, value);
-      if constexpr (shifted) c.c_ = carry;
+      if constexpr (shifted) c.state_.c = carry;
     }
   } else {
-    AddResult r = F::compute(c.r_[op.rn], m, c.c_);
-    if constexpr (F::writes) c.r_[op.rd] = r.value;
+    AddResult r = F::compute(c.state_.r[op.rn], m, c.state_.c);
+    if constexpr (F::writes) c.state_.r[op.rd] = r.value;
     if constexpr (flags) {
       set_nz(c, r.value);
-      c.c_ = r.carry;
-      c.v_ = r.overflow;
+      c.state_.c = r.carry;
+      c.state_.v = r.overflow;
     }
   }
   return true;
@@ -78,11 +78,11 @@ bool Execute::data(Core& c, const Step& op) {
 
 template <ShiftType type, bool flags>
 bool Execute::shift_register(Core& c, const Step& op) {
-  ShiftResult r = shift_c(c.r_[op.rn], type, c.r_[op.rm] & 0xFF, c.c_);
-  c.r_[op.rd] = r.value;
+  ShiftResult r = shift_c(c.state_.r[op.rn], type, c.state_.r[op.rm] & 0xFF, c.state_.c);
+  c.state_.r[op.rd] = r.value;
   if constexpr (flags) {
     set_nz(c, r.value);
-    c.c_ = r.carry;
+    c.state_.c = r.carry;
   }
   return true;
 }
@@ -217,88 +217,88 @@ Chain Execute::compare_and_branch_chain(const DecodedOp& op, const DecodedOp& br
 bool Execute::add_high(Core& c, const Step& op) {
   uint32_t value = read(c, op, op.rn) + read(c, op, op.rm);
   if (op.rd != 15) {
-    c.r_[op.rd] = value;
+    c.state_.r[op.rd] = value;
     return true;
   }
   c.branch_write_pc(value);
-  c.cycles_ += timing::pipeline_refill;
+  c.state_.cycles += timing::pipeline_refill;
   return false;
 }
 
 bool Execute::mov_high(Core& c, const Step& op) {
   uint32_t value = read(c, op, op.rm);
   if (op.rd != 15) {
-    c.r_[op.rd] = value;
+    c.state_.r[op.rd] = value;
     return true;
   }
   c.branch_write_pc(value);
-  c.cycles_ += timing::pipeline_refill;
+  c.state_.cycles += timing::pipeline_refill;
   return false;
 }
 
 bool Execute::cmp_high(Core& c, const Step& op) {
   AddResult r = add_with_carry(read(c, op, op.rn), ~read(c, op, op.rm), true);
   set_nz(c, r.value);
-  c.c_ = r.carry;
-  c.v_ = r.overflow;
+  c.state_.c = r.carry;
+  c.state_.v = r.overflow;
   return true;
 }
 
 bool Execute::adr(Core& c, const Step& op) {
-  c.r_[op.rd] = (pc_of(op) & ~3u) + op.imm;
+  c.state_.r[op.rd] = (pc_of(op) & ~3u) + op.imm;
   return true;
 }
 
 bool Execute::movt(Core& c, const Step& op) {
-  c.r_[op.rd] = (c.r_[op.rd] & 0xFFFF) | op.imm << 16;
+  c.state_.r[op.rd] = (c.state_.r[op.rd] & 0xFFFF) | op.imm << 16;
   return true;
 }
 
 bool Execute::sbfx(Core& c, const Step& op) {
   unsigned width = op.ra + 1u;
   if (op.imm + width > 32) width = 32 - op.imm;  // UNPREDICTABLE: the field ends at bit 31
-  c.r_[op.rd] = sign_extend(c.r_[op.rn] >> op.imm, width);
+  c.state_.r[op.rd] = sign_extend(c.state_.r[op.rn] >> op.imm, width);
   return true;
 }
 
 bool Execute::ubfx(Core& c, const Step& op) {
-  c.r_[op.rd] = (c.r_[op.rn] >> op.imm) & bit_mask(op.ra + 1u);
+  c.state_.r[op.rd] = (c.state_.r[op.rn] >> op.imm) & bit_mask(op.ra + 1u);
   return true;
 }
 
 bool Execute::bfi(Core& c, const Step& op) {
   if (op.ra < op.imm) return true;  // UNPREDICTABLE: nothing
   uint32_t mask = bit_mask(op.ra - op.imm + 1) << op.imm;
-  c.r_[op.rd] = (c.r_[op.rd] & ~mask) | ((c.r_[op.rn] << op.imm) & mask);
+  c.state_.r[op.rd] = (c.state_.r[op.rd] & ~mask) | ((c.state_.r[op.rn] << op.imm) & mask);
   return true;
 }
 
 bool Execute::bfc(Core& c, const Step& op) {
   if (op.ra < op.imm) return true;
-  c.r_[op.rd] &= ~(bit_mask(op.ra - op.imm + 1) << op.imm);
+  c.state_.r[op.rd] &= ~(bit_mask(op.ra - op.imm + 1) << op.imm);
   return true;
 }
 
 bool Execute::ssat(Core& c, const Step& op) {
-  uint32_t operand = shift_c(c.r_[op.rn], op.shift_type, op.shift_n, false).value;
+  uint32_t operand = shift_c(c.state_.r[op.rn], op.shift_type, op.shift_n, false).value;
   SaturationResult r = signed_sat_q(static_cast<int32_t>(operand), op.ra + 1u);
-  c.r_[op.rd] = r.value;
-  c.q_ = c.q_ || r.saturated;
+  c.state_.r[op.rd] = r.value;
+  c.state_.q = c.state_.q || r.saturated;
   return true;
 }
 
 bool Execute::usat(Core& c, const Step& op) {
-  uint32_t operand = shift_c(c.r_[op.rn], op.shift_type, op.shift_n, false).value;
+  uint32_t operand = shift_c(c.state_.r[op.rn], op.shift_type, op.shift_n, false).value;
   SaturationResult r = unsigned_sat_q(static_cast<int32_t>(operand), op.ra);
-  c.r_[op.rd] = r.value;
-  c.q_ = c.q_ || r.saturated;
+  c.state_.r[op.rd] = r.value;
+  c.state_.q = c.state_.q || r.saturated;
   return true;
 }
 
 #define UNARY(name, expression)                 \
   bool Execute::name(Core& c, const Step& op) { \
-    uint32_t m = c.r_[op.rm];                   \
-    c.r_[op.rd] = expression;                   \
+    uint32_t m = c.state_.r[op.rm];             \
+    c.state_.r[op.rd] = expression;             \
     return true;                                \
   }
 UNARY(sxtb, sign_extend(rotate_right(m, op.shift_n), 8))
@@ -312,40 +312,40 @@ UNARY(clz, m == 0 ? 32 : static_cast<uint32_t>(__builtin_clz(m)))
 #undef UNARY
 
 bool Execute::rbit(Core& c, const Step& op) {
-  uint32_t x = __builtin_bswap32(c.r_[op.rm]);
+  uint32_t x = __builtin_bswap32(c.state_.r[op.rm]);
   x = (x & 0x0F0F0F0F) << 4 | (x >> 4 & 0x0F0F0F0F);
   x = (x & 0x33333333) << 2 | (x >> 2 & 0x33333333);
-  c.r_[op.rd] = (x & 0x55555555) << 1 | (x >> 1 & 0x55555555);
+  c.state_.r[op.rd] = (x & 0x55555555) << 1 | (x >> 1 & 0x55555555);
   return true;
 }
 
 bool Execute::mul(Core& c, const Step& op) {
-  uint32_t value = c.r_[op.rn] * c.r_[op.rm];
-  c.r_[op.rd] = value;
+  uint32_t value = c.state_.r[op.rn] * c.state_.r[op.rm];
+  c.state_.r[op.rd] = value;
   if (op.set_flags) set_nz(c, value);
   return true;
 }
 
 bool Execute::mla(Core& c, const Step& op) {
-  c.r_[op.rd] = c.r_[op.ra] + c.r_[op.rn] * c.r_[op.rm];
+  c.state_.r[op.rd] = c.state_.r[op.ra] + c.state_.r[op.rn] * c.state_.r[op.rm];
   return true;
 }
 
 bool Execute::mls(Core& c, const Step& op) {
-  c.r_[op.rd] = c.r_[op.ra] - c.r_[op.rn] * c.r_[op.rm];
+  c.state_.r[op.rd] = c.state_.r[op.ra] - c.state_.r[op.rn] * c.state_.r[op.rm];
   return true;
 }
 
-#define LONG_MULTIPLY(name, product, accumulate, size)                                   \
-  bool Execute::name(Core& c, const Step& op) {                                          \
-    uint32_t n = c.r_[op.rn], m = c.r_[op.rm];                                           \
-    uint64_t sum = static_cast<uint64_t>(c.r_[op.ra]) << 32 | c.r_[op.rd];               \
-    uint64_t value = (product) + ((accumulate) ? sum : 0);                               \
-    c.cycles_ += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
-                              : timing::multiply_long_extra(size(n), size(m));           \
-    c.r_[op.rd] = static_cast<uint32_t>(value);                                          \
-    c.r_[op.ra] = static_cast<uint32_t>(value >> 32);                                    \
-    return true;                                                                         \
+#define LONG_MULTIPLY(name, product, accumulate, size)                                         \
+  bool Execute::name(Core& c, const Step& op) {                                                \
+    uint32_t n = c.state_.r[op.rn], m = c.state_.r[op.rm];                                     \
+    uint64_t sum = static_cast<uint64_t>(c.state_.r[op.ra]) << 32 | c.state_.r[op.rd];         \
+    uint64_t value = (product) + ((accumulate) ? sum : 0);                                     \
+    c.state_.cycles += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
+                                    : timing::multiply_long_extra(size(n), size(m));           \
+    c.state_.r[op.rd] = static_cast<uint32_t>(value);                                          \
+    c.state_.r[op.ra] = static_cast<uint32_t>(value >> 32);                                    \
+    return true;                                                                               \
   }
 #define SIGNED(x) static_cast<int64_t>(static_cast<int32_t>(x))
 LONG_MULTIPLY(smull, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), false, timing::magnitude)
@@ -360,20 +360,20 @@ constexpr uint32_t ccr_div_0_trp = 1u << 4;
 }  // namespace
 
 bool Execute::udiv(Core& c, const Step& op) {
-  uint32_t n = c.r_[op.rn], m = c.r_[op.rm];
-  if (m == 0 && (c.ccr_ & ccr_div_0_trp)) return c.fault(op, Core::Cause::divide_by_zero);
-  c.r_[op.rd] = m == 0 ? 0 : n / m;
-  c.cycles_ += timing::divide_extra(n, m);
+  uint32_t n = c.state_.r[op.rn], m = c.state_.r[op.rm];
+  if (m == 0 && (c.state_.scb.ccr & ccr_div_0_trp)) return c.fault(op, Core::Cause::divide_by_zero);
+  c.state_.r[op.rd] = m == 0 ? 0 : n / m;
+  c.state_.cycles += timing::divide_extra(n, m);
   return true;
 }
 
 bool Execute::sdiv(Core& c, const Step& op) {
-  uint32_t n = c.r_[op.rn], m = c.r_[op.rm];
-  if (m == 0 && (c.ccr_ & ccr_div_0_trp)) return c.fault(op, Core::Cause::divide_by_zero);
+  uint32_t n = c.state_.r[op.rn], m = c.state_.r[op.rm];
+  if (m == 0 && (c.state_.scb.ccr & ccr_div_0_trp)) return c.fault(op, Core::Cause::divide_by_zero);
   // In 64 bits the smallest number divided by -1 wraps to itself, as the architecture has it.
   int64_t quotient = m == 0 ? 0 : int64_t{static_cast<int32_t>(n)} / static_cast<int32_t>(m);
-  c.r_[op.rd] = static_cast<uint32_t>(quotient);
-  c.cycles_ += timing::divide_extra(timing::magnitude(n), timing::magnitude(m));
+  c.state_.r[op.rd] = static_cast<uint32_t>(quotient);
+  c.state_.cycles += timing::divide_extra(timing::magnitude(n), timing::magnitude(m));
   return true;
 }
 

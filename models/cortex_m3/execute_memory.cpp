@@ -18,12 +18,12 @@ bool Execute::load_one(Core& c, const Step& op) {
   if constexpr (mode == Addressing::literal) {
     address = (pc_of(op) & ~3u) + op.imm;
   } else if constexpr (mode == Addressing::reg) {
-    address = c.r_[op.rn] + (c.r_[op.rm] << op.shift_n);
+    address = c.state_.r[op.rn] + (c.state_.r[op.rm] << op.shift_n);
   } else if constexpr (mode == Addressing::post_indexed) {
-    address = c.r_[op.rn];
+    address = c.state_.r[op.rn];
     written_back = address + op.imm;
   } else {
-    address = written_back = c.r_[op.rn] + op.imm;
+    address = written_back = c.state_.r[op.rn] + op.imm;
   }
   uint32_t value = 0;
   Access access = mode == Addressing::unprivileged
@@ -31,15 +31,15 @@ bool Execute::load_one(Core& c, const Step& op) {
                       : c.load<T>(op, address, value);
   if (access == Access::fault) return false;
   if constexpr (mode == Addressing::pre_indexed || mode == Addressing::post_indexed) {
-    c.r_[op.rn] = written_back;
+    c.state_.r[op.rn] = written_back;
   }
   if constexpr (sizeof(T) == 4) {
     if (__builtin_expect(op.rd == 15, 0)) {
-      c.cycles_ += timing::pipeline_refill;
+      c.state_.cycles += timing::pipeline_refill;
       return c.bx_write_pc(value);
     }
   }
-  c.r_[op.rd] = extend<T, is_signed>(value);
+  c.state_.r[op.rd] = extend<T, is_signed>(value);
   return access == Access::ok || c.leave(op);
 }
 
@@ -47,20 +47,20 @@ template <typename T, Addressing mode>
 bool Execute::store_one(Core& c, const Step& op) {
   uint32_t address, written_back = 0;
   if constexpr (mode == Addressing::reg) {
-    address = c.r_[op.rn] + (c.r_[op.rm] << op.shift_n);
+    address = c.state_.r[op.rn] + (c.state_.r[op.rm] << op.shift_n);
   } else if constexpr (mode == Addressing::post_indexed) {
-    address = c.r_[op.rn];
+    address = c.state_.r[op.rn];
     written_back = address + op.imm;
   } else {
-    address = written_back = c.r_[op.rn] + op.imm;
+    address = written_back = c.state_.r[op.rn] + op.imm;
   }
-  uint32_t value = c.r_[op.rd];
+  uint32_t value = c.state_.r[op.rd];
   Access access = mode == Addressing::unprivileged
                       ? c.store_slow(op, address, sizeof(T), static_cast<T>(value), true)
                       : c.store<T>(op, address, value);
   if (access == Access::fault) return false;
   if constexpr (mode == Addressing::pre_indexed || mode == Addressing::post_indexed) {
-    c.r_[op.rn] = written_back;
+    c.state_.r[op.rn] = written_back;
   }
   return access == Access::ok || c.leave(op);
 }
@@ -162,27 +162,27 @@ static DualAddress dual_address(const Step& op, uint32_t base) {
 }
 
 bool Execute::ldrd(Core& c, const Step& op) {
-  DualAddress a = dual_address(op, c.r_[op.rn]);
+  DualAddress a = dual_address(op, c.state_.r[op.rn]);
   if (a.address & 3) return c.fault(op, Core::Cause::unaligned, a.address);
   uint32_t low = 0, high = 0;
   Access first = c.load<uint32_t>(op, a.address, low);
   if (first == Access::fault) return false;
   Access second = c.load<uint32_t>(op, a.address + 4, high);
   if (second == Access::fault) return false;
-  c.r_[op.rd] = low;
-  c.r_[op.ra] = high;
-  if (op.writeback) c.r_[op.rn] = a.written_back;
+  c.state_.r[op.rd] = low;
+  c.state_.r[op.ra] = high;
+  if (op.writeback) c.state_.r[op.rn] = a.written_back;
   return (first == Access::ok && second == Access::ok) || c.leave(op);
 }
 
 bool Execute::strd(Core& c, const Step& op) {
-  DualAddress a = dual_address(op, c.r_[op.rn]);
+  DualAddress a = dual_address(op, c.state_.r[op.rn]);
   if (a.address & 3) return c.fault(op, Core::Cause::unaligned, a.address);
-  Access first = c.store<uint32_t>(op, a.address, c.r_[op.rd]);
+  Access first = c.store<uint32_t>(op, a.address, c.state_.r[op.rd]);
   if (first == Access::fault) return false;
-  Access second = c.store<uint32_t>(op, a.address + 4, c.r_[op.ra]);
+  Access second = c.store<uint32_t>(op, a.address + 4, c.state_.r[op.ra]);
   if (second == Access::fault) return false;
-  if (op.writeback) c.r_[op.rn] = a.written_back;
+  if (op.writeback) c.state_.r[op.rn] = a.written_back;
   return (first == Access::ok && second == Access::ok) || c.leave(op);
 }
 
@@ -198,12 +198,12 @@ bool Execute::load_multiple(Core& c, const Step& op, uint32_t address, uint32_t 
   }
   for (uint32_t list = op.imm & 0x7FFF; list != 0; list &= list - 1) {
     unsigned n = static_cast<unsigned>(__builtin_ctz(list));
-    c.r_[n] = loaded[n];
+    c.state_.r[n] = loaded[n];
   }
-  c.r_[13] &= ~3u;
-  if (op.writeback && ((op.imm >> op.rn) & 1) == 0) c.r_[op.rn] = written_back;
+  c.state_.r[13] &= ~3u;
+  if (op.writeback && ((op.imm >> op.rn) & 1) == 0) c.state_.r[op.rn] = written_back;
   if (op.imm & 0x8000) {
-    c.cycles_ += timing::pipeline_refill;
+    c.state_.cycles += timing::pipeline_refill;
     return c.bx_write_pc(loaded[15]);
   }
   return stay || c.leave(op);
@@ -218,7 +218,7 @@ bool Execute::store_multiple(Core& c, const Step& op, uint32_t address, uint32_t
     if (a == Access::fault) return false;
     stay = stay && a == Access::ok;
   }
-  if (op.writeback) c.r_[op.rn] = written_back;
+  if (op.writeback) c.state_.r[op.rn] = written_back;
   return stay || c.leave(op);
 }
 
@@ -227,48 +227,49 @@ static uint32_t list_bytes(const Step& op) {
 }
 
 bool Execute::ldm(Core& c, const Step& op) {
-  uint32_t base = c.r_[op.rn];
+  uint32_t base = c.state_.r[op.rn];
   return load_multiple(c, op, base, base + list_bytes(op));
 }
 bool Execute::ldmdb(Core& c, const Step& op) {
-  uint32_t low = c.r_[op.rn] - list_bytes(op);
+  uint32_t low = c.state_.r[op.rn] - list_bytes(op);
   return load_multiple(c, op, low, low);
 }
 bool Execute::stm(Core& c, const Step& op) {
-  uint32_t base = c.r_[op.rn];
+  uint32_t base = c.state_.r[op.rn];
   return store_multiple(c, op, base, base + list_bytes(op));
 }
 bool Execute::stmdb(Core& c, const Step& op) {
-  uint32_t low = c.r_[op.rn] - list_bytes(op);
+  uint32_t low = c.state_.r[op.rn] - list_bytes(op);
   return store_multiple(c, op, low, low);
 }
 
 // One processor and no other master with exclusives: the local monitor alone decides (A3.4).
 template <typename T>
 bool Execute::load_exclusive(Core& c, const Step& op) {
-  uint32_t address = c.r_[op.rn] + op.imm, value = 0;
+  uint32_t address = c.state_.r[op.rn] + op.imm, value = 0;
   if (address & (sizeof(T) - 1)) return c.fault(op, Core::Cause::unaligned, address);
   Access a = c.load<T>(op, address, value);
   if (a == Access::fault) return false;
-  c.exclusive_ = true;
-  c.exclusive_address_ = address;
-  c.r_[op.rd] = value;
+  c.state_.exclusive = true;
+  c.state_.exclusive_address = address;
+  c.state_.r[op.rd] = value;
   return a == Access::ok || c.leave(op);
 }
 
 template <typename T>
 bool Execute::store_exclusive(Core& c, const Step& op) {
-  uint32_t address = c.r_[op.rn] + op.imm;
+  uint32_t address = c.state_.r[op.rn] + op.imm;
   if (address & (sizeof(T) - 1)) return c.fault(op, Core::Cause::unaligned, address);
-  if (!c.exclusive_) {
-    c.r_[op.ra] = 1;
+  if (!c.state_.exclusive) {
+    c.state_.r[op.ra] = 1;
     return true;
   }
-  if (c.exclusive_address_ != address) c.unpredictable(Unpredictable::exclusive_pair, op.address);
-  Access a = c.store<T>(op, address, c.r_[op.rd]);
+  if (c.state_.exclusive_address != address)
+    c.unpredictable(Unpredictable::exclusive_pair, op.address);
+  Access a = c.store<T>(op, address, c.state_.r[op.rd]);
   if (a == Access::fault) return false;
-  c.exclusive_ = false;
-  c.r_[op.ra] = 0;
+  c.state_.exclusive = false;
+  c.state_.r[op.ra] = 0;
   return a == Access::ok || c.leave(op);
 }
 
@@ -292,7 +293,7 @@ bool Execute::strexb(Core& c, const Step& op) {
 }
 
 bool Execute::clrex(Core& c, const Step&) {
-  c.exclusive_ = false;
+  c.state_.exclusive = false;
   return true;
 }
 

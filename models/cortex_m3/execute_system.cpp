@@ -41,8 +41,8 @@ const Executors* Execute::unconditional(const DecodedOp& op) {
 /// SP[1:0] read as zero (B1.4.7), so whatever writes R13 ends here.
 bool Execute::align_sp(Core& c, const Step& op) {
   bool go_on = unconditional(op)->one(c, op);
-  if ((c.r_[13] & 3) != 0) c.unpredictable(Unpredictable::stack_pointer_bits, op.address);
-  c.r_[13] &= ~3u;
+  if ((c.state_.r[13] & 3) != 0) c.unpredictable(Unpredictable::stack_pointer_bits, op.address);
+  c.state_.r[13] &= ~3u;
   return go_on;
 }
 
@@ -50,21 +50,21 @@ bool Execute::align_sp(Core& c, const Step& op) {
 /// PC reads.
 bool Execute::unpredictable(Core& c, const Step& op) {
   c.unpredictable(*unpredictable_encoding(op), op.address);
-  c.r_[15] = pc_of(op);
+  c.state_.r[15] = pc_of(op);
   bool go_on = unconditional(op)->one(c, op);
-  c.r_[13] &= ~3u;
+  c.state_.r[13] &= ~3u;
   return go_on;
 }
 
 bool Execute::conditional(Core& c, const Step& op) {
   if (c.condition_passed(op.condition)) return op.body->one(c, op);
-  c.cycles_ -= op.cycles - 1u;  // skipped in one cycle
+  c.state_.cycles -= op.cycles - 1u;  // skipped in one cycle
   return true;
 }
 
 const Step* Execute::conditional_chain(Core& c, const Step* op) {
   if (c.condition_passed(op->condition)) return op->body->chain(c, op);
-  c.cycles_ -= op->cycles - 1u;
+  c.state_.cycles -= op->cycles - 1u;
   return go_on(c, op + 1);
 }
 
@@ -141,7 +141,7 @@ bool Execute::isb(Core& c, const Step& op) {
 }
 
 bool Execute::fall_through(Core& c, const Step& op) {
-  c.pc_ = op.address;
+  c.state_.pc = op.address;
   return false;
 }
 
@@ -161,9 +161,9 @@ bool Execute::bkpt(Core& c, const Step& op) {
 bool Execute::cps(Core& c, const Step& op) {
   bool disable = (op.encoding & 0x10) != 0;
   if (c.privileged()) {
-    if (op.encoding & 2) c.primask_ = disable ? 1 : 0;
+    if (op.encoding & 2) c.state_.primask = disable ? 1 : 0;
     if ((op.encoding & 1) && (!disable || c.execution_priority() > -1))
-      c.faultmask_ = disable ? 1 : 0;
+      c.state_.faultmask = disable ? 1 : 0;
     c.reevaluate();
   }
   return c.leave(op);
@@ -182,9 +182,9 @@ bool Execute::mrs(Core& c, const Step& op) {
   bool priv = c.privileged();
   if (which <= 7) {
     if ((which & 4) == 0) value |= c.xpsr() & 0xF8000000u;
-    if ((which & 1) && priv) value |= c.ipsr_;
+    if ((which & 1) && priv) value |= c.state_.ipsr;
   } else if (which == 20) {
-    value = c.control_;
+    value = c.state_.control;
   } else if (priv) {
     switch (which) {
       case 8:
@@ -194,33 +194,33 @@ bool Execute::mrs(Core& c, const Step& op) {
         value = c.psp();
         break;
       case 16:
-        value = c.primask_;
+        value = c.state_.primask;
         break;
       case 17:
       case 18:
-        value = c.basepri_;
+        value = c.state_.basepri;
         break;
       case 19:
-        value = c.faultmask_;
+        value = c.state_.faultmask;
         break;
       default:
         break;
     }
   }
-  c.r_[op.rd] = value;
+  c.state_.r[op.rd] = value;
   return true;
 }
 
 // B5.2.3.
 bool Execute::msr(Core& c, const Step& op) {
-  uint32_t value = c.r_[op.rn];
+  uint32_t value = c.state_.r[op.rn];
   unsigned which = sysm(op);
   if (which <= 3 && (op.encoding & 0x800)) {
-    c.n_ = value;
-    c.z_ = (value >> 30 & 1) ? 0 : 1;
-    c.c_ = (value >> 29 & 1) != 0;
-    c.v_ = (value >> 28 & 1) != 0;
-    c.q_ = (value >> 27 & 1) != 0;
+    c.state_.n = value;
+    c.state_.z = (value >> 30 & 1) ? 0 : 1;
+    c.state_.c = (value >> 29 & 1) != 0;
+    c.state_.v = (value >> 28 & 1) != 0;
+    c.state_.q = (value >> 27 & 1) != 0;
   } else if (which > 7 && c.privileged()) {
     switch (which) {
       case 8:
@@ -230,19 +230,20 @@ bool Execute::msr(Core& c, const Step& op) {
         c.set_psp(value);
         break;
       case 16:
-        c.primask_ = value & 1;
+        c.state_.primask = value & 1;
         break;
       case 17:
         c.check_basepri(op, value);
-        c.basepri_ = value & c.priority_mask_;
+        c.state_.basepri = value & c.priority_mask_;
         break;
       case 18:
         c.check_basepri(op, value);
         value &= c.priority_mask_;
-        if (value != 0 && (value < c.basepri_ || c.basepri_ == 0)) c.basepri_ = value;
+        if (value != 0 && (value < c.state_.basepri || c.state_.basepri == 0))
+          c.state_.basepri = value;
         break;
       case 19:
-        if (c.execution_priority() > -1 || (value & 1) == 0) c.faultmask_ = value & 1;
+        if (c.execution_priority() > -1 || (value & 1) == 0) c.state_.faultmask = value & 1;
         break;
       case 20:
         c.set_control(value);
@@ -261,8 +262,8 @@ bool Execute::wfi(Core& c, const Step& op) {
 }
 
 bool Execute::wfe(Core& c, const Step& op) {
-  if (c.event_register_) {
-    c.event_register_ = false;
+  if (c.state_.event_register) {
+    c.state_.event_register = false;
   } else {
     c.sleep_until_wake(true);
   }
@@ -270,7 +271,7 @@ bool Execute::wfe(Core& c, const Step& op) {
 }
 
 bool Execute::sev(Core& c, const Step& op) {
-  c.event_register_ = true;
+  c.state_.event_register = true;
   return c.leave(op);
 }
 

@@ -4,6 +4,10 @@
 #include <cstdint>
 #include <string>
 
+namespace capsoc::kit {
+class Archive;
+}
+
 namespace capsoc::cortex_m3 {
 
 /// What was known when a fault handler was entered, or the core locked up.
@@ -16,6 +20,8 @@ struct FaultReport {
   uint32_t address = 0;             // the faulting data address if valid, else the pc
   unsigned nesting = 0;             // exceptions active before this one
   uint64_t cycle = 0;
+
+  void visit(kit::Archive& archive);
 };
 
 /// The fault status registers in words, one clause a bit; "no fault" when none is set.

@@ -16,13 +16,14 @@ bool Core::in_itm(uint32_t address) {
 }
 
 bool Core::stimulus_enabled(unsigned port) const {
-  return (demcr_ & trcena) != 0 && (itm_tcr_ & itmena) != 0 && ((itm_ter_ >> port) & 1) != 0;
+  return (state_.scb.demcr & trcena) != 0 && (state_.itm.tcr & itmena) != 0 &&
+         ((state_.itm.ter >> port) & 1) != 0;
 }
 
 /// Ports can be open to the unprivileged, eight of them for each bit of TPR; the rest never is.
 bool Core::itm_open_to_user(uint32_t address) const {
   const uint32_t port = (address - itm_base) / 4;
-  return port < 32 && ((itm_tpr_ >> (port / 8)) & 1) == 0;
+  return port < 32 && ((state_.itm.tpr >> (port / 8)) & 1) == 0;
 }
 
 uint32_t Core::itm_read(uint32_t address) const {
@@ -30,13 +31,13 @@ uint32_t Core::itm_read(uint32_t address) const {
   if (port < 32) return stimulus_enabled(port) ? 1 : 0;  // FIFOREADY
   switch (address) {
     case ter:
-      return itm_ter_;
+      return state_.itm.ter;
     case tpr:
-      return itm_tpr_;
+      return state_.itm.tpr;
     case tcr:
-      return itm_tcr_;
+      return state_.itm.tcr;
     case lsr:
-      return itm_unlocked_ ? 1 : 3;
+      return state_.itm.unlocked ? 1 : 3;
     default:
       return 0;
   }
@@ -49,17 +50,17 @@ void Core::itm_write(uint32_t address, unsigned size, uint32_t value) {
     if (stimulus_enabled(port) && stimulus_) stimulus_(port, value, size);
     return;
   }
-  if (address == lar) itm_unlocked_ = value == unlock_key;
-  if (!itm_unlocked_ || size != 4) return;
+  if (address == lar) state_.itm.unlocked = value == unlock_key;
+  if (!state_.itm.unlocked || size != 4) return;
   switch (address) {
     case ter:
-      itm_ter_ = value;
+      state_.itm.ter = value;
       break;
     case tpr:
-      itm_tpr_ = value & 0xF;
+      state_.itm.tpr = value & 0xF;
       break;
     case tcr:
-      itm_tcr_ = value & 0x007F0F1F;
+      state_.itm.tcr = value & 0x007F0F1F;
       break;
     default:
       break;

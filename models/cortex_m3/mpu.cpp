@@ -34,18 +34,19 @@ constexpr unsigned right(bool write, bool fetch, bool priv) {
 
 /// Whether accesses are held against the regions at all: HFNMIENA (B3.5.5).
 bool Core::mpu_applies() const {
-  if ((mpu_ctrl_ & 1) == 0) return false;
-  return (mpu_ctrl_ & 2) != 0 || (faultmask_ == 0 && ipsr_ != 2 && ipsr_ != 3);
+  if ((state_.mpu.ctrl & 1) == 0) return false;
+  return (state_.mpu.ctrl & 2) != 0 ||
+         (state_.faultmask == 0 && state_.ipsr != 2 && state_.ipsr != 3);
 }
 
 /// The highest region that matches an address, -1 for none (B3.5.3).
 int Core::mpu_region(uint32_t address) const {
   for (unsigned n = 8; n-- > 0;) {
-    uint32_t rasr = mpu_rasr_[n];
+    uint32_t rasr = state_.mpu.rasr[n];
     unsigned bits = ((rasr >> 1) & 31) + 1;
     if ((rasr & 1) == 0 || bits < 5) continue;
     uint64_t size = uint64_t{1} << bits;
-    uint32_t base = mpu_rbar_[n] & ~static_cast<uint32_t>(size - 1);
+    uint32_t base = state_.mpu.rbar[n] & ~static_cast<uint32_t>(size - 1);
     uint32_t offset = address - base;
     if (offset >= size) continue;
     if (bits >= 8 && ((rasr >> (8 + (offset >> (bits - 3)))) & 1)) continue;
@@ -68,8 +69,8 @@ bool Core::mpu_allows(uint32_t address, bool write, bool fetch, bool priv) {
 /// A bit for each kind of access, in the order of right().
 uint32_t Core::mpu_rights(uint32_t address) const {
   const int region = mpu_region(address);
-  const bool background = (mpu_ctrl_ & 4) != 0;
-  const uint32_t rasr = region < 0 ? 0 : mpu_rasr_[static_cast<unsigned>(region)];
+  const bool background = (state_.mpu.ctrl & 4) != 0;
+  const uint32_t rasr = region < 0 ? 0 : state_.mpu.rasr[static_cast<unsigned>(region)];
   const bool never_execute = (rasr & 1u << 28) != 0;
   uint32_t rights = 0;
   for (unsigned kind = 0; kind < 8; ++kind) {
@@ -91,13 +92,13 @@ void Core::mpu_changed() {
 /// True when no border of a region or of its eighths runs through the page of the address.
 bool Core::mpu_uniform_in_page(uint32_t address) const {
   for (unsigned n = 0; n < 8; ++n) {
-    uint32_t rasr = mpu_rasr_[n];
+    uint32_t rasr = state_.mpu.rasr[n];
     unsigned bits = ((rasr >> 1) & 31) + 1;
     if ((rasr & 1) == 0 || bits < 5) continue;
     const bool eighths = bits >= 8 && ((rasr >> 8) & 0xFF) != 0;
     if ((eighths ? bits - 3 : bits) >= Memory::page_bits) continue;
     uint32_t span = bits >= Memory::page_bits ? ~0u << (bits - 1) << 1 : ~(Memory::page_size - 1);
-    if (((address ^ mpu_rbar_[n]) & span) == 0) return false;
+    if (((address ^ state_.mpu.rbar[n]) & span) == 0) return false;
   }
   return true;
 }
@@ -132,23 +133,23 @@ void Core::write_mpu(uint32_t address, uint32_t value) {
   uint32_t offset = (address & 0xFF) - 0x90;
   switch (offset) {
     case 0x04:
-      mpu_ctrl_ = value & 7;
+      state_.mpu.ctrl = value & 7;
       break;
     case 0x08:
-      mpu_rnr_ = value & 7;
+      state_.mpu.rnr = value & 7;
       break;
     case 0x0C:
     case 0x14:
     case 0x1C:
     case 0x24:
-      if (value & 0x10) mpu_rnr_ = value & 7;
-      mpu_rbar_[mpu_rnr_] = value & ~0x1Fu;
+      if (value & 0x10) state_.mpu.rnr = value & 7;
+      state_.mpu.rbar[state_.mpu.rnr] = value & ~0x1Fu;
       break;
     case 0x10:
     case 0x18:
     case 0x20:
     case 0x28:
-      mpu_rasr_[mpu_rnr_] = value & 0x173FFF3F;
+      state_.mpu.rasr[state_.mpu.rnr] = value & 0x173FFF3F;
       break;
     default:
       break;

@@ -35,35 +35,36 @@ bool is_reserved_priority(uint32_t address) {
 }  // namespace
 
 void Core::reset_system_control() {
-  pending_ = active_ = enabled_ = 0;
-  lines_ = 0;
-  priority_.value.fill(0);
-  vtor_ = prigroup_ = scr_ = shcsr_ = cfsr_ = hfsr_ = mmfar_ = bfar_ = dfsr_ = actlr_ = demcr_ =
-      dwt_ctrl_ = 0;
-  dwt_ = {};
-  ccr_ = 0x200;  // STKALIGN, from r2p0 on
-  cyccnt_stopped_ = 0;
-  itm_ter_ = itm_tpr_ = itm_tcr_ = 0;
-  itm_unlocked_ = false;
-  mpu_ctrl_ = mpu_rnr_ = 0;
-  mpu_rbar_.fill(0);
-  mpu_rasr_.fill(0);
+  state_.nvic.pending = state_.nvic.active = state_.nvic.enabled = 0;
+  state_.nvic.lines = 0;
+  state_.nvic.priority.fill(0);
+  state_.scb.vtor = state_.scb.prigroup = state_.scb.scr = state_.scb.shcsr = state_.scb.cfsr =
+      state_.scb.hfsr = state_.scb.mmfar = state_.scb.bfar = state_.scb.dfsr = state_.scb.actlr =
+          state_.scb.demcr = state_.dwt.ctrl = 0;
+  state_.dwt = {};
+  state_.scb.ccr = 0x200;  // STKALIGN, from r2p0 on
+  state_.dwt.cyccnt_stopped = 0;
+  state_.itm.ter = state_.itm.tpr = state_.itm.tcr = 0;
+  state_.itm.unlocked = false;
+  state_.mpu.ctrl = state_.mpu.rnr = 0;
+  state_.mpu.rbar.fill(0);
+  state_.mpu.rasr.fill(0);
   mpu_changed();
   select_view();
-  systick_csr_ = systick_rvr_ = systick_start_ = 0;
-  systick_countflag_ = false;
-  systick_start_cycle_ = cycles_;
-  systick_event_ = never;
+  state_.systick.csr = state_.systick.rvr = state_.systick.start = 0;
+  state_.systick.countflag = false;
+  state_.systick.start_cycle = state_.cycles;
+  state_.systick.event = never;
 }
 
 uint32_t Core::icsr() const {
-  uint32_t value = ipsr_;
+  uint32_t value = state_.ipsr;
   if (active_count() <= 1) value |= 1u << 11;  // RETTOBASE
   value |= highest_pending(257) << 12;
-  if (pending_ >> 16) value |= 1u << 22;
-  if (pending_ & 1u << 15) value |= 1u << 26;
-  if (pending_ & 1u << 14) value |= 1u << 28;
-  if (pending_ & 1u << 2) value |= 1u << 31;
+  if (state_.nvic.pending >> 16) value |= 1u << 22;
+  if (state_.nvic.pending & 1u << 15) value |= 1u << 26;
+  if (state_.nvic.pending & 1u << 14) value |= 1u << 28;
+  if (state_.nvic.pending & 1u << 2) value |= 1u << 31;
   return value;
 }
 
@@ -71,12 +72,12 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
   auto irqs = [](uint64_t mask) { return static_cast<uint32_t>(mask >> 16); };
   if (address >= 0xE000E400 && address < 0xE000E420) {
     uint32_t value = 0;
-    std::memcpy(&value, &priority_.value[16 + (address - 0xE000E400)], 4);
+    std::memcpy(&value, &state_.nvic.priority[16 + (address - 0xE000E400)], 4);
     return value;
   }
   if (address >= 0xE000ED18 && address < 0xE000ED24) {
     uint32_t value = 0;
-    std::memcpy(&value, &priority_.value[4 + (address - 0xE000ED18)], 4);
+    std::memcpy(&value, &state_.nvic.priority[4 + (address - 0xE000ED18)], 4);
     return value;
   }
   if (in_itm(address)) return itm_read(address);
@@ -84,61 +85,62 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
   bool wrapped = false;
   switch (address) {
     case 0xE0001000:
-      return 0x40000000u | dwt_ctrl_;  // four comparators
+      return 0x40000000u | state_.dwt.ctrl;  // four comparators
     case 0xE0001004:
       return cycle_count();
     case 0xE000E004:
       return 0;  // ICTR: 32 lines
     case 0xE000E008:
-      return actlr_;
+      return state_.scb.actlr;
     case 0xE000E010: {
       systick_value(cycles(), wrapped);
-      return systick_csr_ | (systick_countflag_ || wrapped ? 1u << 16 : 0);
+      return state_.systick.csr | (state_.systick.countflag || wrapped ? 1u << 16 : 0);
     }
     case 0xE000E014:
-      return systick_rvr_;
+      return state_.systick.rvr;
     case 0xE000E018:
       return systick_value(cycles(), wrapped);
     case 0xE000E01C:
       return 9999;  // TENMS: 10 ms of the 1 MHz reference, less one
     case 0xE000E100:
     case 0xE000E180:
-      return irqs(enabled_);
+      return irqs(state_.nvic.enabled);
     case 0xE000E200:
     case 0xE000E280:
-      return irqs(pending_);
+      return irqs(state_.nvic.pending);
     case 0xE000E300:
-      return irqs(active_);
+      return irqs(state_.nvic.active);
     case 0xE000ED00:
       return 0x412FC231;  // CPUID: Cortex-M3 r2p1
     case 0xE000ED04:
       return icsr();
     case 0xE000ED08:
-      return vtor_;
+      return state_.scb.vtor;
     case 0xE000ED0C:
-      return 0xFA050000u | prigroup_ << 8;
+      return 0xFA050000u | state_.scb.prigroup << 8;
     case 0xE000ED10:
-      return scr_;
+      return state_.scb.scr;
     case 0xE000ED14:
-      return ccr_;
+      return state_.scb.ccr;
     case 0xE000ED24: {
-      uint32_t value = shcsr_;
+      uint32_t value = state_.scb.shcsr;
       for (const ShcsrBit& b : shcsr_bits) {
-        value |= static_cast<uint32_t>(((b.pending ? pending_ : active_) >> b.exception) & 1)
+        value |= static_cast<uint32_t>(
+                     ((b.pending ? state_.nvic.pending : state_.nvic.active) >> b.exception) & 1)
                  << b.position;
       }
       return value;
     }
     case 0xE000ED28:
-      return cfsr_;
+      return state_.scb.cfsr;
     case 0xE000ED2C:
-      return hfsr_;
+      return state_.scb.hfsr;
     case 0xE000ED30:
-      return dfsr_;
+      return state_.scb.dfsr;
     case 0xE000ED34:
-      return mmfar_;
+      return state_.scb.mmfar;
     case 0xE000ED38:
-      return bfar_;
+      return state_.scb.bfar;
     case 0xE000ED40:
       return 0x30;  // ID_PFR0
     case 0xE000ED44:
@@ -160,21 +162,21 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
     case 0xE000ED90:
       return 0x800;  // MPU_TYPE: eight regions
     case 0xE000ED94:
-      return mpu_ctrl_;
+      return state_.mpu.ctrl;
     case 0xE000ED98:
-      return mpu_rnr_;
+      return state_.mpu.rnr;
     case 0xE000ED9C:
     case 0xE000EDA4:
     case 0xE000EDAC:
     case 0xE000EDB4:
-      return mpu_rbar_[mpu_rnr_] | mpu_rnr_;
+      return state_.mpu.rbar[state_.mpu.rnr] | state_.mpu.rnr;
     case 0xE000EDA0:
     case 0xE000EDA8:
     case 0xE000EDB0:
     case 0xE000EDB8:
-      return mpu_rasr_[mpu_rnr_];
+      return state_.mpu.rasr[state_.mpu.rnr];
     case 0xE000EDFC:
-      return demcr_ | ((pending_ >> 12) & 1) << 17;  // MON_PEND
+      return state_.scb.demcr | ((state_.nvic.pending >> 12) & 1) << 17;  // MON_PEND
     default:
       return 0;  // the rest reads as zero
   }
@@ -183,33 +185,33 @@ uint32_t Core::ppb_read_word(uint32_t address, bool) const {
 /// Without privilege only STIR answers, and only if CCR.USERSETMPEND lets it.
 Core::Result Core::ppb_read(uint32_t address, unsigned size, uint32_t& value, bool priv) {
   value = 0;
-  stalled_ = true;
+  state_.stalled = true;
   if (!priv && !(in_itm(address) && itm_open_to_user(address))) return Result::bus_error;
   uint32_t word = ppb_read_word(address & ~3u, false) >> (8 * (address & 3));
   value = size == 4 ? word : word & ((1u << (8 * size)) - 1);
   if ((address & ~3u) == 0xE000E010) {
     // COUNTFLAG is in byte 2 of CSR, and reading it clears it.
     systick_sync();
-    if ((address & 3) + size > 2) systick_countflag_ = false;
+    if ((address & 3) + size > 2) state_.systick.countflag = false;
     systick_schedule();
   }
   // MATCHED is in byte 3 of FUNCTIONn, and reading it clears it.
   if (in_dwt_comparators(address) && (address & 0xC) == 8 && (address & 3) + size > 3)
-    dwt_.function[(address - 0xE0001020) / 16] &= ~(1u << 24);
+    state_.dwt.function[(address - 0xE0001020) / 16] &= ~(1u << 24);
   return Result::device;
 }
 
 Core::Result Core::ppb_write(uint32_t address, unsigned size, uint32_t value, bool priv) {
   bool stir = address == 0xE000EF00;
-  const bool open =
-      (stir && (ccr_ & ccr_usersetmpend)) || (in_itm(address) && itm_open_to_user(address));
+  const bool open = (stir && (state_.scb.ccr & ccr_usersetmpend)) ||
+                    (in_itm(address) && itm_open_to_user(address));
   if (!priv && !open) return Result::bus_error;
   if (in_itm(address)) {
-    stalled_ = true;
+    state_.stalled = true;
     itm_write(address & ~3u, size, value);
     return Result::device;
   }
-  stalled_ = true;
+  state_.stalled = true;
   unsigned shift = 8 * (address & 3);
   uint32_t mask = (size == 4 ? ~0u : (1u << (8 * size)) - 1) << shift;
   ppb_write_word(address & ~3u, value << shift, mask);
@@ -221,19 +223,20 @@ void Core::write_nvic(uint32_t address, uint32_t value, uint32_t) {
   uint64_t mask = static_cast<uint64_t>(value) << 16;
   switch (address) {
     case 0xE000E100:
-      enabled_ |= mask;
+      state_.nvic.enabled |= mask;
       break;
     case 0xE000E180:
-      enabled_ &= ~mask;
+      state_.nvic.enabled &= ~mask;
       break;
     case 0xE000E200:
-      if ((scr_ & 0x10) && (mask & ~pending_)) event_register_ = true;
-      pending_ |= mask;
+      if ((state_.scb.scr & 0x10) && (mask & ~state_.nvic.pending)) state_.event_register = true;
+      state_.nvic.pending |= mask;
       break;
     case 0xE000E280:
       // A line that is high and not active pends again at once.
-      pending_ &= ~mask;
-      pending_ |= (static_cast<uint64_t>(lines_) << 16) & mask & ~active_;
+      state_.nvic.pending &= ~mask;
+      state_.nvic.pending |=
+          (static_cast<uint64_t>(state_.nvic.lines) << 16) & mask & ~state_.nvic.active;
       break;
     default:
       break;
@@ -241,9 +244,9 @@ void Core::write_nvic(uint32_t address, uint32_t value, uint32_t) {
 }
 
 void Core::write_shcsr(uint32_t value) {
-  shcsr_ = value & 0x70000;
+  state_.scb.shcsr = value & 0x70000;
   for (const ShcsrBit& b : shcsr_bits) {
-    uint64_t& state = b.pending ? pending_ : active_;
+    uint64_t& state = b.pending ? state_.nvic.pending : state_.nvic.active;
     uint64_t bit = uint64_t{1} << b.exception;
     state = ((value >> b.position) & 1) ? state | bit : state & ~bit;
   }
@@ -254,14 +257,14 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
   auto priorities = [&](unsigned first) {
     for (unsigned i = 0; i < 4; ++i) {
       if ((mask >> (8 * i)) & 0xFF) {
-        priority_.value[first + i] = static_cast<uint8_t>((value >> (8 * i)) & priority_mask_);
+        state_.nvic.priority[first + i] = static_cast<uint8_t>((value >> (8 * i)) & priority_mask_);
       }
     }
   };
   if (address >= 0xE000E400 && address < 0xE000E420) return priorities(16 + (address - 0xE000E400));
   if (address >= 0xE000ED18 && address < 0xE000ED24) {
     priorities(4 + (address - 0xE000ED18));
-    for (unsigned reserved : reserved_exceptions) priority_.value[reserved] = 0;
+    for (unsigned reserved : reserved_exceptions) state_.nvic.priority[reserved] = 0;
     return;
   }
   if (in_dwt_comparators(address)) return dwt_write(address, value, mask);
@@ -276,64 +279,64 @@ void Core::ppb_write_word(uint32_t address, uint32_t value, uint32_t mask) {
       write_demcr(merge(ppb_peek(address)));
       break;
     case 0xE000E008:
-      actlr_ = merge(actlr_) & 7;
+      state_.scb.actlr = merge(state_.scb.actlr) & 7;
       break;
     case 0xE000E010:
       systick_sync();
-      systick_csr_ = merge(systick_csr_) & 7;
+      state_.systick.csr = merge(state_.systick.csr) & 7;
       systick_schedule();
       break;
     case 0xE000E014:
       systick_sync();
-      systick_rvr_ = merge(systick_rvr_) & 0xFFFFFF;
+      state_.systick.rvr = merge(state_.systick.rvr) & 0xFFFFFF;
       systick_schedule();
       break;
     case 0xE000E018:
       systick_sync();
-      systick_start_ = 0;
-      systick_countflag_ = false;
+      state_.systick.start = 0;
+      state_.systick.countflag = false;
       systick_schedule();
       break;
     case 0xE000ED04: {
       uint32_t v = value & mask;
       if (v & 1u << 31) pend(2);
       if (v & 1u << 28) pend(14);
-      if (v & 1u << 27) pending_ &= ~(uint64_t{1} << 14);
+      if (v & 1u << 27) state_.nvic.pending &= ~(uint64_t{1} << 14);
       if (v & 1u << 26) pend(15);
-      if (v & 1u << 25) pending_ &= ~(uint64_t{1} << 15);
+      if (v & 1u << 25) state_.nvic.pending &= ~(uint64_t{1} << 15);
       break;
     }
     case 0xE000ED08:
-      vtor_ = merge(vtor_) & 0x3FFFFF80;
+      state_.scb.vtor = merge(state_.scb.vtor) & 0x3FFFFF80;
       break;
     case 0xE000ED0C:
       if ((value & mask) >> 16 != 0x05FA) break;
-      prigroup_ = (value >> 8) & 7;
-      if (value & 4) reset_request_ = true;
+      state_.scb.prigroup = (value >> 8) & 7;
+      if (value & 4) state_.reset_request = true;
       break;
     case 0xE000ED10:
-      scr_ = merge(scr_) & 0x16;
+      state_.scb.scr = merge(state_.scb.scr) & 0x16;
       break;
     case 0xE000ED14:
-      ccr_ = merge(ccr_) & 0x31B;
+      state_.scb.ccr = merge(state_.scb.ccr) & 0x31B;
       break;
     case 0xE000ED24:
       write_shcsr(merge(ppb_peek(address)));
       break;
     case 0xE000ED28:
-      cfsr_ &= ~(value & mask);
+      state_.scb.cfsr &= ~(value & mask);
       break;
     case 0xE000ED2C:
-      hfsr_ &= ~(value & mask);
+      state_.scb.hfsr &= ~(value & mask);
       break;
     case 0xE000ED30:
-      dfsr_ &= ~(value & mask);
+      state_.scb.dfsr &= ~(value & mask);
       break;
     case 0xE000ED34:
-      mmfar_ = merge(mmfar_);
+      state_.scb.mmfar = merge(state_.scb.mmfar);
       break;
     case 0xE000ED38:
-      bfar_ = merge(bfar_);
+      state_.scb.bfar = merge(state_.scb.bfar);
       break;
     case 0xE000EF00:
       if ((value & 0x1FF) < interrupt_count) pend(16 + (value & 0x1FF));
@@ -351,9 +354,9 @@ void Core::check_system_access(const Step& op, uint32_t address, unsigned size) 
 }
 
 void Core::check_mpu_region(const Step& op, unsigned number) {
-  const uint32_t rasr = mpu_rasr_[number], bits = ((rasr >> 1) & 31) + 1;
+  const uint32_t rasr = state_.mpu.rasr[number], bits = ((rasr >> 1) & 31) + 1;
   if ((rasr & 1) == 0) return;
-  const bool misplaced = bits < 32 && (mpu_rbar_[number] & ((1u << bits) - 1)) != 0;
+  const bool misplaced = bits < 32 && (state_.mpu.rbar[number] & ((1u << bits) - 1)) != 0;
   if (bits < 5)
     unpredictable(Unpredictable::mpu_size, op.address);
   else if (misplaced)
@@ -368,23 +371,24 @@ void Core::check_system_write(const Step& op, uint32_t address, uint32_t value) 
   if (address == 0xE000ED0C && value >> 16 == key && (value & for_debuggers) != 0)
     unpredictable(Unpredictable::aircr_for_debuggers, op.address);
   if (address == 0xE000ED94 && (value & 1) != 0)
-    for (unsigned number = 0; number < mpu_rasr_.size(); ++number) check_mpu_region(op, number);
+    for (unsigned number = 0; number < state_.mpu.rasr.size(); ++number)
+      check_mpu_region(op, number);
   if (address < 0xE000ED98 || address >= 0xE000EDBC) return;
   const bool names =
       address == 0xE000ED98 ? value > 7 : (address & 4) != 0 && (value & 0x18) == 0x18;
   if (names) unpredictable(Unpredictable::mpu_number, op.address);
   // A new RBAR may meet the old RASR: the region is looked at when it is complete.
   const bool completes = address >= 0xE000EDA0 && (address & 4) == 0;
-  if (completes) check_mpu_region(op, mpu_rnr_);
+  if (completes) check_mpu_region(op, state_.mpu.rnr);
 }
 
 void Core::dropped_priority(const Step& op, const DroppedPriority& dropped) {
-  bool& told = priority_told_[dropped.all_ones ? 1 : 0];
+  bool& told = state_.priority_told[dropped.all_ones ? 1 : 0];
   if (told || !priority_listener_) return;
   told = true;
-  const uint32_t pc = std::exchange(pc_, op.address);
+  const uint32_t pc = std::exchange(state_.pc, op.address);
   priority_listener_(dropped);
-  pc_ = pc;
+  state_.pc = pc;
 }
 
 /// Priority bits that a program has written and that are not implemented.

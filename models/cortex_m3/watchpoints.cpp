@@ -13,14 +13,14 @@ void Core::set_breakpoint(uint32_t address) {
 }
 
 void Core::pass_breakpoint() {
-  breakpoint_passed_ = instructions_;
-  passed_pc_ = pc_;
+  breakpoint_passed_ = state_.instructions;
+  passed_pc_ = state_.pc;
 }
 
 /// True once for every arrival at a breakpoint.
 bool Core::at_breakpoint() {
-  if (breakpoints_.count(pc_) == 0) return false;
-  if (breakpoint_passed_ == instructions_ && passed_pc_ == pc_) return false;
+  if (breakpoints_.count(state_.pc) == 0) return false;
+  if (breakpoint_passed_ == state_.instructions && passed_pc_ == state_.pc) return false;
   pass_breakpoint();
   return true;
 }
@@ -45,7 +45,7 @@ void Core::clear_watchpoint(const Watchpoint& watchpoint) {
 
 bool Core::watches_page(uint32_t address) const {
   const uint32_t page = address & ~(Memory::page_size - 1);
-  if (dwt_.watches_data && dwt_watches_page(page)) return true;
+  if (state_.dwt.watches_data && dwt_watches_page(page)) return true;
   return std::any_of(watchpoints_.begin(), watchpoints_.end(), [page](const Watchpoint& w) {
     return w.address - page < Memory::page_size || page - w.address < w.size;
   });
@@ -53,7 +53,7 @@ bool Core::watches_page(uint32_t address) const {
 
 /// Notes an access to a watched byte; the present instruction is the last one of the run then.
 bool Core::watched(uint32_t address, unsigned size, bool write) {
-  if (dwt_.watches_data) match_data(address, size, write);
+  if (state_.dwt.watches_data) match_data(address, size, write);
   if (watch_stop_) return true;  // the first of an instruction counts
   for (const Watchpoint& w : watchpoints_) {
     if (!(write ? w.on_write : w.on_read)) continue;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -21,13 +21,13 @@ void log_unpredictable(Unpredictable which, uint32_t address) {
   const std::string text = fmt::format("UNPREDICTABLE (ARM DDI 0403, {}) at {:#010x}: {}; here: {}",
                                        c.section, address, c.what, c.choice);
   // Schedulers begin their tasks so: they stack a function's address as C has it.
-  if (which == Unpredictable::return_address) return tlm_util::guest_note(source, text);
-  tlm_util::guest_error(source, text);
+  if (which == Unpredictable::return_address) return kit::guest_note(source, text);
+  kit::guest_error(source, text);
 }
 
 }  // namespace
 
-CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
+CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
     : sc_module(name),
       icode("icode"),
       dcode("dcode"),
@@ -74,11 +74,56 @@ void CortexM3Tlm::reset_system() {
   core_.reset();
 }
 
+void CortexM3Tlm::set_pause(const sc_core::sc_time& first, Pause pause) {
+  pause_at_ = first;
+  pause_ = std::move(pause);
+}
+
+void CortexM3Tlm::resume_at(const sc_core::sc_time& time, std::function<bool()> load) {
+  resume_at_ = time;
+  load_ = std::move(load);
+}
+
+void CortexM3Tlm::visit(kit::Archive& archive) {
+  archive("core", core_);
+  archive("reset_requested", reset_requested_);
+  archive.sequence("granted", granted_, 4096);
+  bool watched = idle_.has_value();
+  archive("idle_watch", watched);
+  if (watched != idle_.has_value()) return archive.refuse("is of a run with another end_on_idle");
+  if (idle_) archive("idle", *idle_);
+}
+
+void CortexM3Tlm::restored() {
+  for (const Granted& granted : granted_) map_if_memory(granted.address, granted.kind);
+  core_.memory_changed();
+}
+
+/// Out of reset, or out of saved state.
+bool CortexM3Tlm::begin() {
+  if (!load_) {
+    core_.reset();
+    return true;
+  }
+  if (resume_at_ > sc_core::sc_time_stamp()) wait(resume_at_ - sc_core::sc_time_stamp());
+  const std::function<bool()> load = std::exchange(load_, nullptr);
+  return load();
+}
+
+void CortexM3Tlm::pause_if_due() {
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  while (pause_ && pause_at_ <= now) {
+    pause_at_ = sc_core::sc_max_time();
+    pause_at_ = std::max(pause_(now), now + sc_core::sc_time::from_value(1));
+  }
+}
+
 void CortexM3Tlm::thread() {
-  core_.reset();
+  if (!begin()) return end(EndReason::interrupted);
   for (;;) {
     settle();
     if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
+    pause_if_due();
     if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
     if (reset_requested_) reset_system();
     uint64_t until = horizon();
@@ -136,6 +181,8 @@ void CortexM3Tlm::sleep_until_woken() {
     const sc_core::sc_time now = sc_core::sc_time_stamp();
     if (idle_ && idle_->is_over(now)) return end(EndReason::idle);
     sc_core::sc_time nap = idle_ ? idle_->deadline() - now : sc_core::sc_max_time() - now;
+    if (pause_at_ > now && pause_at_ != sc_core::sc_max_time())
+      nap = std::min(nap, pause_at_ - now);
     const uint64_t internal = core_.next_internal_event();
     if (internal != never) {
       const sc_core::sc_time until = clock_.time_of(internal);
@@ -147,13 +194,17 @@ void CortexM3Tlm::sleep_until_woken() {
       // Nothing in the kernel and nothing in the core: this sleep has no end.
       if (debugger_ != nullptr && debugger_->asleep_for_good()) return;
       if (!idle_ && !sc_core::sc_pending_activity()) return end(EndReason::asleep);
-      if (idle_)
+      if (idle_ || pause_at_ != sc_core::sc_max_time())
         wait(nap, wake_);
       else
         wait(wake_);
     }
     settle();
     catch_up();
+    if (idle_ && pause_at_ <= sc_core::sc_time_stamp()) {
+      idle_->wake_up(sc_core::sc_time_stamp());  // what was slept so far counts
+    }
+    pause_if_due();
     if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
     if (debugger_ != nullptr && debugger_->wants_attention()) return;
   }
@@ -185,7 +236,8 @@ uint64_t CortexM3Tlm::horizon() const {
   sc_core::sc_time ahead = quantum_;
   if (sc_core::sc_pending_activity())
     ahead = std::min(ahead, sc_core::sc_time_to_pending_activity());
-  const uint64_t until = clock_.cycles_at(sc_core::sc_time_stamp() + ahead);
+  uint64_t until = clock_.cycles_at(sc_core::sc_time_stamp() + ahead);
+  if (pause_at_ != sc_core::sc_max_time()) until = std::min(until, clock_.next_edge(pause_at_));
   return std::max(until, core_.cycles() + 1);
 }
 
@@ -194,7 +246,8 @@ CortexM3Tlm::Socket& CortexM3Tlm::port(uint32_t address, AccessKind kind) {
   return kind == AccessKind::fetch ? icode : dcode;
 }
 
-bool CortexM3Tlm::map_if_memory(Socket& socket, uint32_t address) {
+bool CortexM3Tlm::map_if_memory(uint32_t address, AccessKind kind) {
+  Socket& socket = port(address, kind);
   tlm::tlm_generic_payload request;
   tlm::tlm_dmi memory;
   request.set_address(address);
@@ -211,6 +264,11 @@ bool CortexM3Tlm::map_if_memory(Socket& socket, uint32_t address) {
 
 void CortexM3Tlm::invalidate(int, sc_dt::uint64 first, sc_dt::uint64 last) {
   core_.unmap_memory(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1));
+  granted_.erase(std::remove_if(granted_.begin(), granted_.end(),
+                                [&](const Granted& granted) {
+                                  return granted.address >= first && granted.address <= last;
+                                }),
+                 granted_.end());
 }
 
 bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
@@ -236,7 +294,7 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   const bool ok = payload.is_response_ok();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   wait_cycles = static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now));
-  if (payload.is_dmi_allowed()) map_if_memory(socket, address);
+  if (payload.is_dmi_allowed() && map_if_memory(address, kind)) granted_.push_back({address, kind});
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);

@@ -14,11 +14,13 @@
 #include <optional>
 #include <string>
 #include <systemc>
+#include <vector>
 
 #include "cortex_m3/core.h"
 #include "cortex_m3_tlm/debugger.h"
 #include "cortex_m3_tlm/idle_watch.h"
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
+#include "kit/component.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -26,7 +28,7 @@ namespace capsoc::cortex_m3 {
 enum class EndReason { none, exit, lockup, stuck, asleep, idle, interrupted, debugger };
 
 /// The processor as a bus master.
-class CortexM3Tlm : public sc_core::sc_module, private Bus {
+class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bus {
  public:
   using Socket = tlm_utils::simple_initiator_socket_tagged<CortexM3Tlm, 32>;
 
@@ -34,7 +36,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   Socket dcode;   ///< data accesses below 0x20000000
   Socket system;  ///< everything else
 
-  CortexM3Tlm(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock);
+  CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
@@ -62,6 +64,24 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   /// The program did something at this instant that is seen outside: it is not idle.
   void note_work();
 
+  /// Called between two instructions, with the core and the kernel at one instant, the first at or
+  /// after the time that was asked for; asleep counts as between. Returns when it wants to be
+  /// called again, sc_max_time(): never. It changes nothing in the simulation.
+  using Pause = std::function<sc_core::sc_time(const sc_core::sc_time& now)>;
+  void set_pause(const sc_core::sc_time& first, Pause pause);
+  /// The pause is wanted now, from within a call that the processor makes.
+  void pause_now() { pause_at_ = sc_core::SC_ZERO_TIME; }
+  /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
+  /// state back. False ends the simulation.
+  void resume_at(const sc_core::sc_time& time, std::function<bool()> load);
+  bool waits_for_resume() const { return static_cast<bool>(load_); }
+
+  const char* component_name() const override { return basename(); }
+  /// The processor's part of a system reset is the caller of on_reset_request()'s.
+  void reset() override {}
+  void visit(kit::Archive& archive) override;
+  void restored() override;
+
   /// Asked before and told after every run of the core; null: nobody. It stays the caller's.
   void set_debugger(Debugger* debugger) { debugger_ = debugger; }
   /// A system reset at once; for the debugger, out of its calls.
@@ -76,10 +96,12 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   void settle();
   uint64_t horizon() const;
   void end(EndReason reason);
+  bool begin();
+  void pause_if_due();
   void reset_system();
   bool access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
               unsigned& wait_cycles, AccessKind kind);
-  bool map_if_memory(Socket& socket, uint32_t address);
+  bool map_if_memory(uint32_t address, AccessKind kind);
   void invalidate(int port, sc_dt::uint64 first, sc_dt::uint64 last);
   Socket& port(uint32_t address, AccessKind kind);
 
@@ -87,7 +109,7 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
             AccessKind kind) override;
   bool write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) override;
 
-  tlm_util::ClockDomain& clock_;
+  kit::ClockDomain& clock_;
   Core core_;
   sc_core::sc_time quantum_{1, sc_core::SC_MS};
   sc_core::sc_event wake_;
@@ -97,7 +119,21 @@ class CortexM3Tlm : public sc_core::sc_module, private Bus {
   Debugger* debugger_ = nullptr;
   bool reset_requested_ = false;
   std::optional<AccessKind> accessing_;
+  /// Direct memory that was granted: the first access to it went over the bus and took its time.
+  struct Granted {
+    uint32_t address = 0;
+    AccessKind kind = AccessKind::load;
+    void visit(kit::Archive& archive) {
+      archive("address", address);
+      archive.at_most("kind", kind, AccessKind::store);
+    }
+  };
+  std::vector<Granted> granted_;
   std::optional<IdleWatch> idle_;
+  sc_core::sc_time pause_at_ = sc_core::sc_max_time();
+  Pause pause_;
+  sc_core::sc_time resume_at_;
+  std::function<bool()> load_;  // empty: nothing to be loaded, or it is
 };
 
 }  // namespace capsoc::cortex_m3

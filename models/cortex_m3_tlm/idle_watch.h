@@ -5,6 +5,8 @@
 #include <systemc>
 #include <utility>
 
+#include "kit/archive.h"
+
 namespace capsoc::cortex_m3 {
 
 /// Looks out for a program that has nothing left to do: for a given time in a row neither it nor
@@ -35,6 +37,14 @@ class IdleWatch {
   void wake_up(const sc_core::sc_time& now) {
     slept_ += now - asleep_since_;
     asleep_since_ = now;
+  }
+  void visit(kit::Archive& archive) {
+    for (sc_core::sc_time* time : {&since_, &slept_, &asleep_since_}) {
+      uint64_t ticks = time->value();
+      archive("time", ticks);
+      *time = sc_core::sc_time::from_value(ticks);
+    }
+    archive("steps", steps_);
   }
   /// When to ask is_over() again, if nothing happens.
   sc_core::sc_time deadline() const { return since_ + limit_; }

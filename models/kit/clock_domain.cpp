@@ -1,8 +1,8 @@
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
 
 #include <limits>
 
-namespace capsoc::tlm_util {
+namespace capsoc::kit {
 namespace {
 
 // Edge number times resolution exceeds 64 bits after 12 minutes at 25 MHz and 1 ps.
@@ -45,4 +45,12 @@ void ClockDomain::set_frequency(uint64_t hz) {
   for (const auto& listener : listeners_) listener();
 }
 
-}  // namespace capsoc::tlm_util
+void ClockDomain::visit(Archive& archive) {
+  archive("frequency_hz", frequency_hz_);
+  archive("epoch_ticks", epoch_ticks_);
+  archive("epoch_cycle", epoch_cycle_);
+  if (frequency_hz_ == 0) archive.refuse("stands still");
+  if (epoch_ticks_ > archive.time()) archive.refuse("begins in the future");
+}
+
+}  // namespace capsoc::kit

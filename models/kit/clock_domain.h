@@ -5,7 +5,9 @@
 #include <systemc>
 #include <vector>
 
-namespace capsoc::tlm_util {
+#include "kit/archive.h"
+
+namespace capsoc::kit {
 
 /// A clock that is never toggled: it converts between simulated time and edge numbers, exactly.
 ///
@@ -37,6 +39,9 @@ class ClockDomain {
   /// registration.
   void set_frequency(uint64_t hz);
 
+  /// Nobody is told: whoever plans by edge numbers does so anew after a restore.
+  void visit(Archive& archive);
+
   /// `listener` runs after every change; it reschedules what it had planned by edge number.
   void on_change(std::function<void()> listener) { listeners_.push_back(std::move(listener)); }
 
@@ -48,4 +53,4 @@ class ClockDomain {
   std::vector<std::function<void()>> listeners_;
 };
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

@@ -1,11 +1,12 @@
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 #include <spdlog/spdlog.h>
 
 #include <map>
 #include <mutex>
+#include <vector>
 
-namespace capsoc::tlm_util {
+namespace capsoc::kit {
 namespace {
 
 // One log for the process, like spdlog's own; locked, because tests and a debugger's thread may
@@ -91,4 +92,25 @@ void set_guest_error_context(std::function<std::string()> context) {
   all.context = std::move(context);
 }
 
-}  // namespace capsoc::tlm_util
+void visit_guest_errors(Archive& archive) {
+  struct Entry {
+    std::string source;
+    uint64_t count = 0, logged = 0;
+    void visit(Archive& to) {
+      to("source", source);
+      to("count", count);
+      to("logged", logged);
+    }
+  };
+  Reports& all = reports();
+  const std::lock_guard lock(all.mutex);
+  std::vector<Entry> entries;
+  for (const auto& [name, source] : all.sources)
+    entries.push_back({name, source.count, source.logged});
+  archive("sources", entries);
+  if (!archive.loading() || !archive.ok()) return;
+  all.sources.clear();
+  for (const Entry& entry : entries) all.sources[entry.source] = {entry.count, entry.logged};
+}
+
+}  // namespace capsoc::kit

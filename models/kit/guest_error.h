@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-namespace capsoc::tlm_util {
+#include "kit/archive.h"
+
+namespace capsoc::kit {
 
 /// Messages of one source that reach the log; the others are counted.
 constexpr uint64_t guest_error_limit = 10;
@@ -35,8 +37,11 @@ void summarise_guest_errors();
 /// Forgets all counts (a new run in the same process).
 void clear_guest_errors();
 
+/// The counts, so that a run that goes on tells what it would have told.
+void visit_guest_errors(Archive& archive);
+
 /// `context` says where the guest is, such as "pc 0x00000124"; its text follows every message.
 /// Empty: none.
 void set_guest_error_context(std::function<std::string()> context);
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

@@ -4,7 +4,9 @@
 #include <utility>
 #include <vector>
 
-namespace capsoc::tlm_util {
+#include "kit/archive.h"
+
+namespace capsoc::kit {
 
 /// A level that a device drives and others follow. Low at the start.
 class InterruptLine {
@@ -27,10 +29,12 @@ class InterruptLine {
     if (level_) sink(true);
     sinks_.push_back(std::move(sink));
   }
+  /// The level alone: what the sinks made of it is their own state.
+  void visit(Archive& archive) { archive("level", level_); }
 
  private:
   bool level_ = false;
   std::vector<std::function<void(bool)>> sinks_;
 };
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

@@ -1,11 +1,11 @@
-#include "tlm/register_bank.h"
+#include "kit/register_bank.h"
 
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <utility>
 
-namespace capsoc::tlm_util {
+namespace capsoc::kit {
 
 using registers::Access;
 
@@ -120,4 +120,8 @@ bool RegisterBank::write_word(uint32_t offset, uint32_t value, uint32_t lanes) {
   return true;
 }
 
-}  // namespace capsoc::tlm_util
+void RegisterBank::visit(Archive& archive) {
+  for (Register* each : in_order_) archive(each->description_.name, each->value_);
+}
+
+}  // namespace capsoc::kit

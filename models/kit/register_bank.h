@@ -5,10 +5,10 @@
 #include <systemc>
 #include <vector>
 
-#include "capsoc_registers.h"
-#include "tlm/register_target.h"
+#include "kit/register_description.h"
+#include "kit/register_target.h"
 
-namespace capsoc::tlm_util {
+namespace capsoc::kit {
 
 class RegisterBank;
 
@@ -84,6 +84,10 @@ class RegisterBank : public RegisterTarget {
   /// All registers to their reset values; no callback runs.
   void reset_registers();
 
+  /// All registers; a device with more to do says so.
+  void reset() override { reset_registers(); }
+  /// The words of all registers by their names. A device adds what else it knows.
+  void visit(Archive& archive) override;
   const std::vector<Register*>& registers() const { return in_order_; }
 
  protected:
@@ -99,4 +103,4 @@ class RegisterBank : public RegisterTarget {
   std::vector<Register*> in_order_;
 };
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "capsoc_registers.h"
+#include "kit/register_description.h"
 
-namespace capsoc::tlm_util {
+namespace capsoc::kit {
 
 /// The entry of a generated table for `offset`. An offset without an entry does not compile when
 /// the call is constant and throws at elaboration otherwise.
@@ -18,4 +18,4 @@ constexpr const registers::RegisterDescription& describe(
   throw std::logic_error("no register at this offset in the description");
 }
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

@@ -1,10 +1,10 @@
-#include "tlm/register_target.h"
+#include "kit/register_target.h"
 
 #include <fmt/format.h>
 
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
-namespace capsoc::tlm_util {
+namespace capsoc::kit {
 namespace {
 
 bool byte_enables_are_legal(const tlm::tlm_generic_payload& payload) {
@@ -116,4 +116,4 @@ unsigned RegisterTarget::transport_dbg(tlm::tlm_generic_payload& payload) {
   return done;
 }
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

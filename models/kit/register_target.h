@@ -7,7 +7,9 @@
 #include <systemc>
 #include <tlm>
 
-namespace capsoc::tlm_util {
+#include "kit/component.h"
+
+namespace capsoc::kit {
 
 /// Which accesses a device takes.
 enum class AccessRule {
@@ -22,7 +24,7 @@ enum class AccessRule {
 /// 4 or streaming; TLM_BYTE_ENABLE_ERROR_RESPONSE enables that are empty or neither 0x00 nor 0xff;
 /// TLM_ADDRESS_ERROR_RESPONSE beyond the device, unaligned, against the AccessRule, or refused by
 /// the register (PSLVERR on an APB).
-class RegisterTarget : public sc_core::sc_module {
+class RegisterTarget : public sc_core::sc_module, public Component {
  public:
   tlm_utils::simple_target_socket<RegisterTarget> socket{"socket"};
 
@@ -31,8 +33,7 @@ class RegisterTarget : public sc_core::sc_module {
 
   uint64_t size() const { return size_; }
 
-  /// System reset, for a device that whoever resets knows by this class only (soc::OwnDevice).
-  virtual void system_reset() {}
+  const char* component_name() const override { return basename(); }
 
  protected:
   /// Reads the register at `offset` (a multiple of 4). With `debug` nothing in the device may
@@ -61,4 +62,4 @@ class RegisterTarget : public sc_core::sc_module {
   sc_core::sc_time delay_;
 };
 
-}  // namespace capsoc::tlm_util
+}  // namespace capsoc::kit

@@ -5,7 +5,7 @@ namespace {
 
 using registers::Access;
 
-using tlm_util::all_bits;
+using kit::all_bits;
 constexpr uint32_t misc_bits = 0x3fb;  // chip selects and display lines; bit 2 is reserved
 
 registers::RegisterDescription describe(const char* name, uint32_t offset, uint32_t bits,
@@ -16,8 +16,7 @@ registers::RegisterDescription describe(const char* name, uint32_t offset, uint3
 }  // namespace
 
 FpgaIo::FpgaIo(const sc_core::sc_module_name& name)
-    : RegisterBank(name, tlm_util::device_size, tlm_util::AccessRule::any_width,
-                   tlm_util::Holes::reads_zero),
+    : RegisterBank(name, kit::device_size, kit::AccessRule::any_width, kit::Holes::reads_zero),
       LED0(*this, describe("LED0", 0x00, 3)),
       BUTTON(*this, describe("BUTTON", 0x08, 3, Access::read_only)),
       CLK1HZ(*this, describe("CLK1HZ", 0x10, all_bits)),
@@ -35,7 +34,7 @@ FpgaIo::FpgaIo(const sc_core::sc_module_name& name)
   count_time(CLK100HZ, 100, start_100hz_);
   COUNTER.on_peek([this] { return prescaled().counter; });
   PSCNTR.on_peek([this] { return prescaled().prescale_counter; });
-  for (tlm_util::Register* counting : {&COUNTER, &PRESCALE, &PSCNTR})
+  for (kit::Register* counting : {&COUNTER, &PRESCALE, &PSCNTR})
     counting->on_write([this, counting](uint32_t value) {
       hold_prescaled();
       counting->store(value);
@@ -58,7 +57,7 @@ uint64_t FpgaIo::ticks(uint64_t hz) const {
   return access_time().value() / period.value();
 }
 
-void FpgaIo::count_time(tlm_util::Register& counter, uint64_t hz, uint64_t& start) {
+void FpgaIo::count_time(kit::Register& counter, uint64_t hz, uint64_t& start) {
   counter.on_peek([this, hz, &start] { return static_cast<uint32_t>(ticks(hz) - start); });
   counter.on_write([this, hz, &start](uint32_t value) { start = ticks(hz) - value; });
 }
@@ -80,6 +79,13 @@ void FpgaIo::hold_prescaled() {
   COUNTER.set(present.counter);
   PSCNTR.set(present.prescale_counter);
   anchor_cycle_ = board_clock_.cycles_at(access_time());
+}
+
+void FpgaIo::visit(kit::Archive& archive) {
+  RegisterBank::visit(archive);
+  archive("start_1hz", start_1hz_);
+  archive("start_100hz", start_100hz_);
+  archive("anchor_cycle", anchor_cycle_);
 }
 
 }  // namespace capsoc::mps2

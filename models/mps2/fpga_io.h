@@ -7,8 +7,8 @@
 #include <systemc>
 #include <utility>
 
-#include "tlm/clock_domain.h"
-#include "tlm/register_bank.h"
+#include "kit/clock_domain.h"
+#include "kit/register_bank.h"
 
 namespace capsoc::mps2 {
 
@@ -16,25 +16,26 @@ namespace capsoc::mps2 {
 /// is read. CLK1HZ and CLK100HZ count simulated time; COUNTER steps at the 25 MHz board clock
 /// whenever the prescale counter passes 0, which then takes PRESCALE (a prescaler of 0 stays at 0:
 /// COUNTER steps every cycle). The processor's clock does not matter.
-class FpgaIo : public tlm_util::RegisterBank {
+class FpgaIo : public kit::RegisterBank {
  public:
   explicit FpgaIo(const sc_core::sc_module_name& name);
 
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
 
   /// Buttons of the board, bit 0 and 1, 1 while pressed.
   void set_buttons(uint32_t pressed) { BUTTON.set(pressed & 3); }
   /// Called with the LEDs after each change, bit 0 and 1.
   void on_leds(std::function<void(uint32_t)> sink) { leds_ = std::move(sink); }
 
-  tlm_util::Register LED0;
-  tlm_util::Register BUTTON;
-  tlm_util::Register CLK1HZ;
-  tlm_util::Register CLK100HZ;
-  tlm_util::Register COUNTER;
-  tlm_util::Register PRESCALE;
-  tlm_util::Register PSCNTR;
-  tlm_util::Register MISC;
+  kit::Register LED0;
+  kit::Register BUTTON;
+  kit::Register CLK1HZ;
+  kit::Register CLK100HZ;
+  kit::Register COUNTER;
+  kit::Register PRESCALE;
+  kit::Register PSCNTR;
+  kit::Register MISC;
 
  private:
   struct Prescaled {
@@ -43,12 +44,12 @@ class FpgaIo : public tlm_util::RegisterBank {
   };
 
   /// A counter of simulated time: the tick number from which it counts.
-  void count_time(tlm_util::Register& counter, uint64_t hz, uint64_t& start);
+  void count_time(kit::Register& counter, uint64_t hz, uint64_t& start);
   uint64_t ticks(uint64_t hz) const;
   Prescaled prescaled() const;
   void hold_prescaled();
 
-  tlm_util::ClockDomain board_clock_{25'000'000};
+  kit::ClockDomain board_clock_{25'000'000};
   std::function<void(uint32_t)> leds_;
   uint64_t start_1hz_ = 0;
   uint64_t start_100hz_ = 0;

@@ -7,7 +7,7 @@ namespace {
 
 using registers::Access;
 
-using tlm_util::all_bits;
+using kit::all_bits;
 
 constexpr uint32_t control_start = 1u << 31;
 constexpr uint32_t control_write = 1u << 30;
@@ -28,8 +28,7 @@ registers::RegisterDescription describe(const char* name, uint32_t offset, Acces
 }  // namespace
 
 Scc::Scc(const sc_core::sc_module_name& name)
-    : RegisterBank(name, tlm_util::device_size, tlm_util::AccessRule::any_width,
-                   tlm_util::Holes::reads_zero),
+    : RegisterBank(name, kit::device_size, kit::AccessRule::any_width, kit::Holes::reads_zero),
       CFG_REG0(*this, describe("CFG_REG0", 0x000, Access::read_write, 1)),
       CFG_REG1(*this, describe("CFG_REG1", 0x004, Access::read_write, 0xff)),
       CFG_REG3(*this, describe("CFG_REG3", 0x00c, Access::read_only, 0xff)),
@@ -82,6 +81,11 @@ void Scc::transfer(uint32_t control) {
     SYS_CFGDATA_RTN.set(oscillators_[device]);
   }
   SYS_CFGSTAT.set(status_complete);
+}
+
+void Scc::visit(kit::Archive& archive) {
+  RegisterBank::visit(archive);
+  archive("oscillators", oscillators_);
 }
 
 }  // namespace capsoc::mps2

@@ -8,7 +8,7 @@
 #include <systemc>
 #include <utility>
 
-#include "tlm/register_bank.h"
+#include "kit/register_bank.h"
 
 namespace capsoc::mps2 {
 
@@ -16,27 +16,28 @@ namespace capsoc::mps2 {
 /// controller, behind which this model has the three oscillators and nothing else (function 1,
 /// devices 0 to 2, hertz). A transfer completes at once. CFG_REG0's remapping of block RAM to
 /// address 0 is not modelled and reported when asked for.
-class Scc : public tlm_util::RegisterBank {
+class Scc : public kit::RegisterBank {
  public:
   explicit Scc(const sc_core::sc_module_name& name);
 
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
 
   void set_switches(uint32_t switches) { CFG_REG3.set(switches & 0xff); }
   /// Called with the LEDs after each change, bits 0 to 7.
   void on_leds(std::function<void(uint32_t)> sink) { leds_ = std::move(sink); }
 
-  tlm_util::Register CFG_REG0;
-  tlm_util::Register CFG_REG1;
-  tlm_util::Register CFG_REG3;
-  tlm_util::Register CFG_REG4;
-  tlm_util::Register SYS_CFGDATA_RTN;
-  tlm_util::Register SYS_CFGDATA_OUT;
-  tlm_util::Register SYS_CFGCTRL;
-  tlm_util::Register SYS_CFGSTAT;
-  tlm_util::Register SCC_DLL;
-  tlm_util::Register SCC_AID;
-  tlm_util::Register SCC_ID;
+  kit::Register CFG_REG0;
+  kit::Register CFG_REG1;
+  kit::Register CFG_REG3;
+  kit::Register CFG_REG4;
+  kit::Register SYS_CFGDATA_RTN;
+  kit::Register SYS_CFGDATA_OUT;
+  kit::Register SYS_CFGCTRL;
+  kit::Register SYS_CFGSTAT;
+  kit::Register SCC_DLL;
+  kit::Register SCC_AID;
+  kit::Register SCC_ID;
 
  private:
   void transfer(uint32_t control);

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 
+#include "capsoc_registers.h"
+#include "kit/register_table.h"
 #include "peripherals/quantiser.h"
-#include "tlm/register_table.h"
 
 namespace capsoc::peripherals {
 
 using namespace registers::adc;
-using tlm_util::describe;
+using kit::describe;
 
 namespace {
 
@@ -20,9 +21,9 @@ constexpr uint32_t minimum_period = 32;
 
 }  // namespace
 
-AdcFrontEnd::AdcFrontEnd(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
+AdcFrontEnd::AdcFrontEnd(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
                          Source source)
-    : RegisterBank(name, block_size, tlm_util::AccessRule::word_only),
+    : RegisterBank(name, block_size, kit::AccessRule::word_only),
       id(*this, describe(table, ID_offset)),
       ctrl(*this, describe(table, CTRL_offset)),
       status(*this, describe(table, STATUS_offset)),
@@ -166,6 +167,36 @@ void AdcFrontEnd::update_interrupt() {
   const bool end = flags.any(FLAGS_END_mask) && ctrl.any(CTRL_IE_END_mask);
   const bool clip = flags.any(FLAGS_CLIP_U_mask | FLAGS_CLIP_V_mask) && ctrl.any(CTRL_IE_CLIP_mask);
   interrupt.set(sample || end || clip);
+}
+
+void AdcFrontEnd::Segment::visit(kit::Archive& archive) {
+  archive("index", index);
+  archive("seconds", seconds);
+  archive("period", period);
+  archive("hz", hz);
+}
+
+void AdcFrontEnd::visit(kit::Archive& archive) {
+  RegisterBank::visit(archive);
+  archive("index", index_);
+  archive("next_cycle", next_cycle_);
+  archive("segment", segment_);
+  archive("clock_changed", clock_changed_);
+  uint64_t first_sample = first_sample_.value();
+  archive("first_sample", first_sample);
+  first_sample_ = sc_core::sc_time::from_value(first_sample);
+  if (period.get() < minimum_period) archive.refuse("samples too fast");
+  if (bits.get() < minimum_bits || bits.get() > maximum_bits)
+    archive.refuse("has no such converter");
+}
+
+void AdcFrontEnd::restored() {
+  sample_event_.cancel();
+  if (status.any(STATUS_RUNNING_mask)) schedule();
+}
+
+void AdcFrontEnd::each_interrupt(const EachOutput& call) {
+  call(interrupt, "interrupt");
 }
 
 }  // namespace capsoc::peripherals

@@ -5,10 +5,10 @@
 #include <optional>
 #include <systemc>
 
+#include "kit/clock_domain.h"
+#include "kit/interrupt_line.h"
+#include "kit/register_bank.h"
 #include "peripherals/sensor_sample.h"
-#include "tlm/clock_domain.h"
-#include "tlm/interrupt_line.h"
-#include "tlm/register_bank.h"
 
 namespace capsoc::peripherals {
 
@@ -22,7 +22,7 @@ struct AdcInput {
 
 /// The ADC front-end: takes a sample of both channels every PERIOD cycles of PCLK, quantises it and
 /// hands it on. Registers: models/registers/capsoc.svd, peripheral ADC.
-class AdcFrontEnd : public tlm_util::RegisterBank {
+class AdcFrontEnd : public kit::RegisterBank {
  public:
   /// The signal: sample `k` (from 0 at every start, which is the moment to rewind) at `t` seconds
   /// after sample 0. Nothing: the signal has ended.
@@ -34,20 +34,19 @@ class AdcFrontEnd : public tlm_util::RegisterBank {
 
   /// `clock` is PCLK and must outlive the front-end. Without a source the signal ends with sample
   /// 0.
-  AdcFrontEnd(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock,
-              Source source = {});
+  AdcFrontEnd(const sc_core::sc_module_name& name, kit::ClockDomain& clock, Source source = {});
 
-  tlm_util::Register id;
-  tlm_util::Register ctrl;
-  tlm_util::Register status;
-  tlm_util::Register flags;
-  tlm_util::Register period;
-  tlm_util::Register bits;
-  tlm_util::Register data_u;
-  tlm_util::Register data_v;
-  tlm_util::Register count;
+  kit::Register id;
+  kit::Register ctrl;
+  kit::Register status;
+  kit::Register flags;
+  kit::Register period;
+  kit::Register bits;
+  kit::Register data_u;
+  kit::Register data_v;
+  kit::Register count;
 
-  tlm_util::InterruptLine interrupt;
+  kit::InterruptLine interrupt;
 
   void set_source(Source source) { source_ = std::move(source); }
 
@@ -56,7 +55,10 @@ class AdcFrontEnd : public tlm_util::RegisterBank {
   void set_observer(Observer observer) { observer_ = std::move(observer); }
 
   /// System reset: stops, all registers to their reset values.
-  void reset();
+  void reset() override;
+  void visit(kit::Archive& archive) override;
+  void restored() override;
+  void each_interrupt(const EachOutput& call) override;
 
   /// The width of the converter that is fitted, 12 to 32 bits: what BITS holds after a reset.
   void fit_converter(uint32_t width);
@@ -69,6 +71,7 @@ class AdcFrontEnd : public tlm_util::RegisterBank {
     double seconds = 0;
     uint64_t period = 1;
     uint64_t hz = 1;
+    void visit(kit::Archive& archive);
   };
 
   void write_ctrl(uint32_t value);
@@ -83,7 +86,7 @@ class AdcFrontEnd : public tlm_util::RegisterBank {
   void update_interrupt();
   double sample_seconds() const;
 
-  tlm_util::ClockDomain& clock_;
+  kit::ClockDomain& clock_;
   Source source_;
   Sink sink_;
   Observer observer_;

@@ -1,14 +1,15 @@
 #include "peripherals/clock_controller.h"
 
-#include "tlm/register_table.h"
+#include "capsoc_registers.h"
+#include "kit/register_table.h"
 
 namespace capsoc::peripherals {
 
 using namespace registers::clockctrl;
-using tlm_util::describe;
+using kit::describe;
 
-ClockController::ClockController(const sc_core::sc_module_name& name, tlm_util::ClockDomain& clock)
-    : RegisterBank(name, block_size, tlm_util::AccessRule::word_only),
+ClockController::ClockController(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
+    : RegisterBank(name, block_size, kit::AccessRule::word_only),
       id(*this, describe(table, ID_offset)),
       ctrl(*this, describe(table, CTRL_offset)),
       pll(*this, describe(table, PLL_offset)),
@@ -32,7 +33,7 @@ ClockController::ClockController(const sc_core::sc_module_name& name, tlm_util::
 }
 
 void ClockController::reset() {
-  lock_event_.cancel();
+  cancel_lock();
   reset_registers();
   core_ = Pll();
   update();
@@ -43,7 +44,7 @@ void ClockController::write_ctrl(uint32_t value) {
   const bool was_on = core_.enabled();
   core_.enable(ctrl.any(CTRL_PLL_EN_mask));
   core_.select(ctrl.any(CTRL_SELECT_mask));
-  if (!core_.enabled()) lock_event_.cancel();
+  if (!core_.enabled()) cancel_lock();
   if (core_.enabled() && !was_on) start_lock();
   update();
 }
@@ -65,23 +66,30 @@ void ClockController::write_pll(uint32_t value) {
 // The reference drives HCLK while the PLL locks, and a write comes on an edge of HCLK: so the lock
 // comes on one, too.
 void ClockController::start_lock() {
-  lock_event_.cancel();
+  cancel_lock();
   if (lock_time.get() == 0) {
     core_.lock();
     return;
   }
   const sc_core::sc_time reference_period =
       sc_core::sc_time(1, sc_core::SC_SEC) / double(Pll::reference_hz);
-  lock_event_.notify(access_time() - sc_core::sc_time_stamp() +
-                     reference_period * double(lock_time.get()));
+  lock_at_ = access_time() + reference_period * double(lock_time.get());
+  lock_event_.notify(lock_at_ - sc_core::sc_time_stamp());
+}
+
+void ClockController::cancel_lock() {
+  lock_event_.cancel();
+  lock_at_ = sc_core::sc_max_time();
 }
 
 void ClockController::reach_lock() {
+  lock_at_ = sc_core::sc_max_time();
   core_.lock();
   update();
 }
 
 void ClockController::switch_output() {
+  switch_at_ = sc_core::sc_max_time();
   if (clock_.frequency_hz() != core_.output_hz()) clock_.set_frequency(core_.output_hz());
 }
 
@@ -94,7 +102,28 @@ void ClockController::update() {
     switch_output();
   } else {
     switch_event_.notify(ahead);
+    switch_at_ = access_time();
   }
+}
+
+void ClockController::visit(kit::Archive& archive) {
+  RegisterBank::visit(archive);
+  archive("core", core_);
+  for (sc_core::sc_time* due : {&lock_at_, &switch_at_}) {
+    uint64_t ticks = due->value();
+    archive("due", ticks);
+    *due = sc_core::sc_time::from_value(ticks);
+  }
+}
+
+void ClockController::restored() {
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const auto plan = [&now](sc_core::sc_event& event, const sc_core::sc_time& due) {
+    event.cancel();
+    if (due != sc_core::sc_max_time()) event.notify(due > now ? due - now : sc_core::SC_ZERO_TIME);
+  };
+  plan(lock_event_, lock_at_);
+  plan(switch_event_, switch_at_);
 }
 
 }  // namespace capsoc::peripherals

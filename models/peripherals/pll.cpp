@@ -25,4 +25,13 @@ uint64_t Pll::output_hz() const {
   return drives_output() ? reference_hz * multiplier_ / divider_ : reference_hz;
 }
 
+void Pll::visit(kit::Archive& archive) {
+  archive("multiplier", multiplier_);
+  archive("divider", divider_);
+  archive("enabled", enabled_);
+  archive("select", select_);
+  archive("locked", locked_);
+  if (!legal(multiplier_, divider_)) archive.refuse("has an illegal ratio");
+}
+
 }  // namespace capsoc::peripherals

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "kit/archive.h"
+
 namespace capsoc::peripherals {
 
 /// The PLL and the clock switch as states, without time: the owner says when the lock is reached.
@@ -32,6 +34,8 @@ class Pll {
 
   /// Frequency behind the switch, in Hz; a fraction is cut off.
   uint64_t output_hz() const;
+
+  void visit(kit::Archive& archive);
 
  private:
   uint32_t multiplier_ = 1;

@@ -2,13 +2,21 @@
 
 #include <cstdint>
 
+#include "kit/archive.h"
+
 namespace capsoc::peripherals {
 
 /// What the ADC front-end hands to the coprocessor, in one PCLK cycle.
 struct SensorSample {
-  int32_t u;  ///< Q1.31, left-justified
-  int32_t v;  ///< Q1.31, left-justified
-  bool clip;  ///< at least one channel was outside the range of the converter
+  int32_t u = 0;      ///< Q1.31, left-justified
+  int32_t v = 0;      ///< Q1.31, left-justified
+  bool clip = false;  ///< at least one channel was outside the range of the converter
+
+  void visit(kit::Archive& archive) {
+    archive("u", u);
+    archive("v", v);
+    archive("clip", clip);
+  }
 };
 
 }  // namespace capsoc::peripherals

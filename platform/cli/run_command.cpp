@@ -227,6 +227,21 @@ void add_run(CLI::App& app, int& code) {
       ->type_name("FILE");
   option("--log-level", "log.level", "What the simulator says on stderr")
       ->type_name("trace|debug|info|warn|error|off");
+  run->add_option_function<std::vector<std::string>>(
+         "--save",
+         [arguments](const std::vector<std::string>& places) {
+           std::string list;
+           for (const std::string& place : places) list += (list.empty() ? "" : ",") + place;
+           arguments->options.emplace_back("checkpoint.save", list, "--save");
+         },
+         "Save the whole state at a simulated time in s; may be repeated")
+      ->type_name("FILE@S")
+      ->allow_extra_args(false);
+  option("--save-every", "checkpoint.every_s",
+         "Save it every so many simulated seconds, in checkpoint-<seconds>.capsoc")
+      ->type_name("S");
+  option("--restore", "checkpoint.restore", "Go on from a state that --save wrote")
+      ->type_name("FILE");
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")
       ->type_name("PATH=VALUE")

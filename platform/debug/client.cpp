@@ -273,6 +273,7 @@ Request Client::monitor(std::string_view hex) {
   }
   const MonitorAnswer answer = answer_monitor(*line);
   if (answer.reset) target_.reset();
+  if (!answer.save.empty()) print(target_.save(answer.save));
   if (!answer.text.empty()) print(answer.text);
   reply(ok);
   if (answer.halt) return {Request::Kind::halt};

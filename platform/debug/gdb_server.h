@@ -29,6 +29,9 @@ class GdbServer : public cortex_m3::Debugger {
   GdbServer(const GdbServer&) = delete;
   GdbServer& operator=(const GdbServer&) = delete;
 
+  /// Who saves the state for `monitor save`.
+  void on_save(SocTarget::Saver saver) { target_.on_save(std::move(saver)); }
+
   /// Tells the clients that the run is over.
   void finish(int exit_code);
 

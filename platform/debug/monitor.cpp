@@ -15,6 +15,7 @@ constexpr const char* help =
     "reset run        reset the SoC and start it\n"
     "halt, stop       halt the processor\n"
     "resume, go       start the processor without waiting for a stop\n"
+    "save FILE        save the whole state, for capsoc run --restore FILE\n"
     "help             this text\n"
     "Words of OpenOCD, pyOCD, J-Link and QEMU that need nothing here are taken silently.\n";
 
@@ -43,6 +44,10 @@ MonitorAnswer answer_monitor(const std::string& line) {
     answer.halt = true;
   } else if (first == "resume" || first == "go" || first == "cont") {
     answer.resume = true;
+  } else if (first == "save") {
+    answer.save = second;
+    if (words.size() != 2) answer.text = "save: give one file, without blanks in its name\n";
+    if (words.size() != 2) answer.save.clear();
   } else if (first == "help" || first == "?") {
     answer.text = help;
   } else {

@@ -5,9 +5,11 @@
 
 namespace capsoc::debug {
 
-/// What a monitor line asks for: a reset first, then a halt or a start, and a text for the console.
+/// What a monitor line asks for: a reset or a checkpoint first, then a halt or a start, and a text
+/// for the console.
 struct MonitorAnswer {
   bool reset = false, halt = false, resume = false;
+  std::string save;  ///< the file that the state goes to
   std::string text;
 };
 

@@ -205,4 +205,10 @@ std::string SocTarget::memory_map() {
   return debug::memory_map(ranges);
 }
 
+std::string SocTarget::save(const std::string& file) {
+  if (!saver_) return Target::save(file);
+  const auto error = saver_(file);
+  return error ? error->text + "\n" : file + ": saved\n";
+}
+
 }  // namespace capsoc::debug

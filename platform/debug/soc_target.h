@@ -1,6 +1,7 @@
 // The SoC as the debugger's protocol sees it.
 #pragma once
 
+#include <functional>
 #include <map>
 
 #include "debug/target.h"
@@ -20,6 +21,10 @@ class SocTarget : public Target {
   void clear(StopPoint kind, uint32_t address, uint32_t size) override;
   void reset() override;
   std::string state() override;
+  /// Writes the state; an Error says why it could not.
+  using Saver = std::function<std::optional<Error>(const std::string& file)>;
+  void on_save(Saver saver) { saver_ = std::move(saver); }
+  std::string save(const std::string& file) override;
   std::string memory_map() override;
 
   /// Whose breakpoint it is, of those at the address.
@@ -30,6 +35,7 @@ class SocTarget : public Target {
   bool write_to_device(uint32_t address, const std::string& bytes);
 
   soc::Soc& soc_;
+  Saver saver_;
   std::map<uint32_t, std::array<unsigned, 2>> breakpoints_;  ///< how often set: software, hardware
 };
 

@@ -67,6 +67,8 @@ class Target {
   virtual void clear(StopPoint kind, uint32_t address, uint32_t size) = 0;
   /// Everything back to its reset state.
   virtual void reset() = 0;
+  /// The whole state to a file; a line for the console says whether it is there.
+  virtual std::string save(const std::string& /*file*/) { return "nothing can be saved here\n"; }
   /// For the thread list: what the processor does, in words.
   virtual std::string state() = 0;
   /// The memory map of the protocol, an XML document.

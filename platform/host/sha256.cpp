@@ -1,28 +1,47 @@
 #include "host/sha256.h"
 
+#define OPENSSL_SUPPRESS_DEPRECATED
 #include <fmt/format.h>
+#include <openssl/sha.h>
 
 #include <fstream>
 
+#include "kit/archive.h"
+
 namespace capsoc::host {
 
-Sha256::Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-  EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+// The library's newer interface cannot save the state of a stream.
+struct Sha256::Context {
+  SHA256_CTX state{};
+};
+
+Sha256::Sha256() : context_(std::make_unique<Context>()) {
+  SHA256_Init(&context_->state);
 }
 
+Sha256::~Sha256() = default;
+Sha256::Sha256(Sha256&& other) noexcept = default;
+
 void Sha256::update(const void* data, std::size_t size) {
-  EVP_DigestUpdate(context_.get(), data, size);
+  SHA256_Update(&context_->state, data, size);
 }
 
 std::string Sha256::hex() const {
-  const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> copy(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  EVP_MD_CTX_copy_ex(copy.get(), context_.get());
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned size = 0;
-  EVP_DigestFinal_ex(copy.get(), digest, &size);
+  SHA256_CTX copy = context_->state;
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256_Final(digest, &copy);
   std::string text;
-  for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
+  for (const unsigned char byte : digest) text += fmt::format("{:02x}", byte);
   return text;
+}
+
+void Sha256::visit(kit::Archive& archive) {
+  SHA256_CTX& state = context_->state;
+  archive("h", state.h);
+  archive("bits_low", state.Nl);
+  archive("bits_high", state.Nh);
+  archive("data", state.data);
+  archive.at_most("filled", state.num, SHA_LBLOCK * 4u - 1);
 }
 
 std::string sha256_of(std::string_view bytes) {

@@ -1,12 +1,14 @@
 // SHA-256 of what a run reads and prints.
 #pragma once
 
-#include <openssl/evp.h>
-
 #include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
+
+namespace capsoc::kit {
+class Archive;
+}
 
 namespace capsoc::host {
 
@@ -14,12 +16,18 @@ namespace capsoc::host {
 class Sha256 {
  public:
   Sha256();
+  ~Sha256();
+  Sha256(Sha256&& other) noexcept;
   void update(const void* data, std::size_t size);
   /// Lower-case hexadecimal digest of everything so far; the stream may go on.
   std::string hex() const;
 
+  /// Where the stream is; a loaded one goes on there.
+  void visit(kit::Archive& archive);
+
  private:
-  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+  struct Context;
+  std::unique_ptr<Context> context_;
 };
 
 /// SHA-256 of some bytes.

@@ -69,6 +69,25 @@ class CoprocessorRtl::Pins {
     return other;
   }
 
+  void visit(kit::Archive& archive) {
+    settle();
+    std::string rtl = library_->api().source_hash;
+    archive("rtl", rtl);
+    if (rtl != library_->api().source_hash)
+      return archive.refuse("is of other RTL than this program has");
+    visit_verilated(archive);
+    auto* const pins = reinterpret_cast<std::array<uint8_t, sizeof(capsoc_rtl_pins)>*>(&pins_);
+    archive("pins", *pins);
+    archive("edge", edge_);
+    archive("acts", acts_);
+    archive("reading", reading_);
+    archive("changed", changed_);
+    archive("flight", flight_);
+    archive("nodes", nodes_);
+    archive("clocks", clocks_);
+    if (archive.loading()) named_ = edge_;
+  }
+
   void reset() {
     settle();
     release();
@@ -208,6 +227,17 @@ class CoprocessorRtl::Pins {
     int64_t Nodes::*node;
     std::size_t index;
   };
+
+  void visit_verilated(kit::Archive& archive) {
+    const std::size_t size = api_.save(instance_.get(), nullptr, 0);
+    if (size == 0) return archive.refuse("cannot be saved with coverage");
+    std::string bytes(size, 0);
+    api_.save(instance_.get(), reinterpret_cast<uint8_t*>(bytes.data()), size);
+    archive("verilated", bytes);
+    if (!archive.loading() || !archive.ok()) return;
+    if (bytes.size() != size) return archive.refuse("has another size than this RTL");
+    api_.restore(instance_.get(), bytes.data(), size);
+  }
 
   /// Ready for inputs of edge `cycle`.
   void open(uint64_t cycle) {
@@ -366,6 +396,10 @@ const Nodes& CoprocessorRtl::nodes() const {
 
 bool CoprocessorRtl::stage_nodes(unsigned stage, Nodes& nodes) const {
   return pins_->stage_nodes(stage, nodes);
+}
+
+void CoprocessorRtl::visit(kit::Archive& archive) {
+  pins_->visit(archive);
 }
 
 std::unique_ptr<coprocessor::Device> CoprocessorRtl::clone() const {

@@ -34,6 +34,8 @@ class CoprocessorRtl final : public coprocessor::Device {
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;
   bool stage_nodes(unsigned stage, coprocessor::Nodes& nodes) const override;
+  const char* kind() const override { return "rtl"; }
+  void visit(kit::Archive& archive) override;
   std::unique_ptr<Device> clone() const override;
 
   /// Rising edges that were really made, of all that have passed.

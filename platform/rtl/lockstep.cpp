@@ -230,6 +230,24 @@ class Lockstep::Pair {
     return error;
   }
 
+  void visit(kit::Archive& archive) {
+    close();
+    model_->visit(archive);
+    rtl_->visit(archive);
+    archive("counters", counters_);
+    archive("present", present_);
+    archive("last_read", last_read_);
+    archive("level", level_);
+    archive("commits", commits_);
+    archive("load_until", load_until_);
+    if (!archive.loading()) return;
+    closed_ = true;
+    accesses_.clear();
+    samples_.clear();
+    older_ = {};
+    newer_ = {};
+  }
+
   std::unique_ptr<Device> model_, rtl_;
   std::optional<Difference> difference_;
   std::function<void()> on_difference_;
@@ -387,6 +405,19 @@ Lockstep::Lockstep(std::unique_ptr<Device> model, std::unique_ptr<Device> rtl)
     : pair_(std::make_unique<Pair>(std::move(model), std::move(rtl))) {}
 
 Lockstep::~Lockstep() = default;
+
+void Lockstep::Counters::visit(kit::Archive& archive) {
+  archive("samples", samples);
+  archive("reads", reads);
+  archive("writes", writes);
+  archive("commits", commits);
+  archive("nodes", nodes);
+  archive("interrupt_edges", interrupt_edges);
+}
+
+void Lockstep::visit(kit::Archive& archive) {
+  pair_->visit(archive);
+}
 
 void Lockstep::reset() {
   pair_->reset();

@@ -51,6 +51,8 @@ class Lockstep final : public coprocessor::Device {
   bool interrupt() const override;
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;
+  const char* kind() const override { return "lockstep"; }
+  void visit(kit::Archive& archive) override;
 
   const std::optional<Difference>& difference() const;
   /// Runs once, at the first difference.
@@ -66,6 +68,8 @@ class Lockstep final : public coprocessor::Device {
   /// How much was compared.
   struct Counters {
     uint64_t samples = 0, reads = 0, writes = 0, commits = 0, nodes = 0, interrupt_edges = 0;
+
+    void visit(kit::Archive& archive);
   };
   const Counters& counters() const;
 

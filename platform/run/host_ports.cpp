@@ -69,4 +69,10 @@ void HostPorts::tell_debugger(int code) {
   if (gdb_ != nullptr) gdb_->finish(code);
 }
 
+void HostPorts::visit(kit::Archive& archive) {
+  archive("uarts", uarts_);
+  archive("itm", *itm_);
+  archive("semihosting", *semihosting_);
+}
+
 }  // namespace capsoc::run

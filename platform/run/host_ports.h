@@ -29,6 +29,14 @@ class HostPorts {
   /// What the program ended with goes to a debugger.
   void tell_debugger(int code);
 
+  void visit(kit::Archive& archive);
+  /// Who saves the state when a debugger asks for it.
+  void on_save(debug::SocTarget::Saver saver) {
+    if (gdb_ != nullptr) gdb_->on_save(std::move(saver));
+  }
+  /// A restored simulation begins.
+  void restored() { semihosting_->restored(); }
+
   const UartLines& uarts() const { return uarts_; }
   int exit_status() const { return semihosting_->exit_status(); }
 

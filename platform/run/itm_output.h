@@ -21,6 +21,10 @@ class ItmOutput {
 
   /// A write of `size` bytes, the lowest one first; those to other ports are dropped.
   void put(unsigned port, uint32_t value, unsigned size);
+  void visit(kit::Archive& archive) {
+    if (backend_) flush();
+    archive("line", line_);
+  }
   /// Hands on an unfinished line.
   void flush();
   /// At the end of the run.

@@ -111,11 +111,11 @@ void Metrics::result(const CoprocessorResult& result) {
 void Metrics::keep_last_revolution(TimedError newest) {
   // Less than half a sample's worth of rounding: a turn of n samples is n of them, not n + 1.
   const double age = revolution_s_ * (1 - 1e-9);
-  constexpr std::size_t most = 10'000'000;
   last_revolution_.push_back(newest);
   // A time that goes back is a sensor that began anew.
   while (newest.time_s - last_revolution_.front().time_s >= age ||
-         newest.time_s < last_revolution_.front().time_s || last_revolution_.size() > most)
+         newest.time_s < last_revolution_.front().time_s ||
+         last_revolution_.size() > longest_revolution)
     last_revolution_.pop_front();
 }
 
@@ -130,6 +130,47 @@ AngleErrors Metrics::angle_errors() const {
   for (const TimedError& error : last_revolution_)
     keep_larger(errors.calibrated_max_last_revolution, error.degrees);
   return errors;
+}
+
+void ParameterWords::visit(kit::Archive& archive) {
+  archive("a1", a1);
+  archive("a2", a2);
+  archive("b1", b1);
+  archive("b2", b2);
+  archive("beta", beta);
+  archive("phi", phi);
+}
+
+void SensorTruth::visit(kit::Archive& archive) {
+  archive("time_s", time_s);
+  archive("u", u);
+  archive("v", v);
+  archive("angle_turns", angle_turns);
+  archive("has_truth", has_truth);
+}
+
+void AngleErrors::visit(kit::Archive& archive) {
+  archive("angle_known", angle_known);
+  archive("uncalibrated_max", uncalibrated_max);
+  archive("uncalibrated_max_paper", uncalibrated_max_paper);
+  archive("calibrated_max_last_revolution", calibrated_max_last_revolution);
+  archive("calibration_mode_max", calibration_mode_max);
+}
+
+void Metrics::TimedError::visit(kit::Archive& archive) {
+  archive("time_s", time_s);
+  archive("degrees", degrees);
+}
+
+void Metrics::visit(kit::Archive& archive) {
+  archive("samples", samples_);
+  archive("in_flight", in_flight_);
+  archive("words", words_);
+  archive("has_demodulated", has_demodulated_);
+  archive("phi_shifted", phi_shifted_);
+  archive("converged_since_s", converged_since_s_);
+  archive.sequence("last_revolution", last_revolution_, longest_revolution + 1);
+  archive("errors", errors_);
 }
 
 }  // namespace capsoc::run

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "kit/archive.h"
+
 namespace capsoc::run {
 
 /// The six parameters of the SoC paper's Eq (5). Amplitudes and offsets in full scale, angles in
@@ -19,6 +21,8 @@ struct Parameters {
 struct ParameterWords {
   int32_t a1 = 0, a2 = 0, b1 = 0, b2 = 0;  ///< Q1.31
   uint32_t beta = 0, phi = 0;              ///< 2^-32 turn
+
+  void visit(kit::Archive& archive);
 };
 
 /// Words to numbers: Q1.31 to full scale, 2^-32 turn to radians in (-pi, pi].
@@ -34,6 +38,8 @@ struct SensorTruth {
   double u = 0, v = 0;     ///< before quantisation
   double angle_turns = 0;  ///< true mechanical angle theta, turns
   bool has_truth = false;
+
+  void visit(kit::Archive& archive);
 };
 
 /// What the coprocessor made of a sample.
@@ -66,6 +72,8 @@ struct AngleErrors {
       uncalibrated_max_paper;  ///< atan2(U, V) against omega k, as the paper counts
   std::optional<double> calibrated_max_last_revolution;  ///< last revolution of demodulation
   std::optional<double> calibration_mode_max;            ///< all of calibration mode
+
+  void visit(kit::Archive& archive);
 };
 
 /// Follows a run sample by sample. Never influences the simulation.
@@ -91,12 +99,18 @@ class Metrics {
   /// The parameters at the end of demodulation; without one, those that were preset.
   const ParameterWords& words() const { return words_; }
   void preset(const ParameterWords& words) { words_ = words; }
+
+  void visit(kit::Archive& archive);
   const std::optional<Parameters>& truth() const { return truth_; }
 
  private:
   struct TimedError {
     double time_s = 0, degrees = 0;
+
+    void visit(kit::Archive& archive);
   };
+
+  static constexpr std::size_t longest_revolution = 10'000'000;  ///< samples
 
   bool within_one_percent(const ParameterWords& words) const;
   void keep_last_revolution(TimedError newest);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "capsoc_registers.h"
+
 namespace capsoc::run {
 namespace {
 
@@ -107,6 +109,15 @@ void Observation::keep(const CoprocessorResult& result, const coprocessor::Nodes
                   result.angle_valid,
                   result.demodulating};
   finished_ = static_cast<std::size_t>(mine - recorded_.begin()) + 1;
+}
+
+void Observation::visit(kit::Archive& archive) {
+  archive("truth", truth_);
+  archive("converted_time_s", converted_.time_s);
+  archive("converted_u", converted_.u);
+  archive("converted_v", converted_.v);
+  archive("converted_turns", converted_.angle_turns);
+  archive("converted_truth", converted_.has_truth);
 }
 
 }  // namespace capsoc::run

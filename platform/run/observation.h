@@ -26,6 +26,9 @@ class Observation {
 
   const std::vector<RecordedSample>& recorded() const { return recorded_; }
 
+  /// What is on its way; what was recorded is the host's.
+  void visit(kit::Archive& archive);
+
  private:
   void record();
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::run {
 namespace {
@@ -36,11 +36,11 @@ void PriorityReport::dropped(const cortex_m3::DroppedPriority& dropped) {
       register_name(dropped.address), dropped.value, bits_ == 3 ? "AN385" : "processor", bits_);
   if (!dropped.all_ones) {
     warned_ = true;
-    return tlm_util::guest_error(source, text);
+    return kit::guest_error(source, text);
   }
   const uint32_t pc = soc_.cpu.core().reg(15);
   probe_ = fmt::format("{} (pc {:#010x} {})", text, pc, program_.symbolise(pc));
-  tlm_util::guest_note(source, text);
+  kit::guest_note(source, text);
 }
 
 void PriorityReport::finish(bool passed) {

@@ -21,6 +21,11 @@ class PriorityReport {
 
   void finish(bool passed);
 
+  void visit(kit::Archive& archive) {
+    archive("warned", warned_);
+    archive("probe", probe_);
+  }
+
  private:
   void dropped(const cortex_m3::DroppedPriority& dropped);
 

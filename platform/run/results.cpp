@@ -163,8 +163,9 @@ bool is_place(const std::string& setting) {
   return setting == "results.json" || setting == "results.record" ||
          setting == "results.record_columns" || setting == "results.waves" ||
          setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0 ||
-         is_uart_place(setting) || setting == "semihosting.console" ||
-         setting.rfind("itm.", 0) == 0;
+         setting == "checkpoint.save" || setting == "checkpoint.every_s" ||
+         setting == "checkpoint.prefix" || is_uart_place(setting) ||
+         setting == "semihosting.console" || setting.rfind("itm.", 0) == 0;
 }
 
 namespace {

@@ -1,5 +1,6 @@
 #include "run/run_files.h"
 
+#include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"
 #include "trace/waves.h"
@@ -41,6 +42,9 @@ std::vector<host::FileUse> files_of(const Settings& settings) {
     if (setting.kind == SettingKind::backend)
       uses.push_back({Kind::output, setting.name(), path_of_backend(setting.value)});
   }
+  if (const auto points = save_points(settings))
+    for (const SavePoint& point : points.value())
+      uses.push_back({Kind::output, settings.find("checkpoint.save").name(), point.file});
   // What the settings' values do not say as they are.
   uses.push_back({Kind::input, "the program", program_of(settings)});
   for (const std::string& place : places_to_load(settings))

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "host/places.h"
+#include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/idle.h"
 #include "run/program_values.h"
@@ -105,6 +106,7 @@ Settings make_settings() {
   add("gdb.port", SettingKind::integer, "-1", "port of the GDB server; 0: a free one, -1: none", {},
       -1, 65535);
   add("gdb.halt", SettingKind::flag, "false", "wait for a debugger before the first instruction");
+  add_checkpoint_settings(s);
   add("results.json", SettingKind::output, "", "where the results go; empty: nowhere");
   add("results.record", SettingKind::output, "",
       "where the coprocessor's samples go (CSV); empty: nowhere");

@@ -27,6 +27,8 @@ class SemihostingPort : private semihosting::GuestMemory {
   int exit_status() const { return semihosting_.exit_status(); }
   /// What the guest wrote is with the host.
   void flush() { console_.flush(); }
+  void visit(kit::Archive& archive) { semihosting_.visit(archive); }
+  void restored() { semihosting_.restored(); }
   /// At the end of the run: why text of the console was lost, or "". Standard error may lose it: it
   /// is the console's place when nobody asked for one.
   std::string finish();

@@ -149,4 +149,18 @@ void SensorMatch::say(const std::string& sentence) {
   warn_(file_ + ": " + sentence);
 }
 
+void SamplingState::visit(kit::Archive& archive) {
+  archive("demodulating", demodulating);
+  archive.at_most("reference", reference, Reference::angle);
+  archive("rate_hz", rate_hz);
+  archive("period_cycles", period_cycles);
+  archive("frequency", frequency);
+}
+
+void SensorMatch::visit(kit::Archive& archive) {
+  archive("state", state_);
+  archive("same", same_);
+  archive("judged", judged_);
+}
+
 }  // namespace capsoc::run

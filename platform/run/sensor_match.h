@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kit/archive.h"
 #include "sensor/source.h"
 
 namespace capsoc::run {
@@ -20,6 +21,8 @@ struct SamplingState {
   double rate_hz = 0;          ///< of the ADC's samples
   uint32_t period_cycles = 0;  ///< the same as the program can set it, in cycles of its clock
   int32_t frequency = 0;       ///< upper word of FREQ, 2^-32 turn a sample
+
+  void visit(kit::Archive& archive);
 };
 
 /// Mean speed of a recording with true angles, in turns a sample, negative: backwards. Nothing for
@@ -41,6 +44,8 @@ class SensorMatch {
   void result(const SamplingState& state);
   /// The sensor starts from its sample 0.
   void restarted() { same_ = 0; }
+  void visit(kit::Archive& archive);
+
   /// The run is over: a record shorter than two turns is judged now.
   void finish();
 

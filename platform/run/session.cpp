@@ -9,6 +9,8 @@
 
 #include "host/end_signals.h"
 #include "host/files.h"
+#include "kit/guest_error.h"
+#include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/fault_report.h"
 #include "run/golden_check.h"
@@ -21,7 +23,6 @@
 #include "run/run_settings.h"
 #include "run/trace_settings.h"
 #include "soc/soc.h"
-#include "tlm/guest_error.h"
 
 namespace capsoc::run {
 namespace {
@@ -208,6 +209,9 @@ Result<RunResult> run(const Settings& settings) {
   if (!read) return Error{read.error()};
   const RunInputs& inputs = read.value();
 
+  auto restore = checkpoint_to_restore(settings, inputs);
+  if (!restore) return Error{restore.error()};
+
   // SystemC prints notes of its own on stdout, which belongs to the firmware.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   soc::Config config = soc_config(settings);
@@ -237,14 +241,18 @@ Result<RunResult> run(const Settings& settings) {
                     });
   Observation observation(soc, *inputs.source, metrics, match, progress,
                           golden || !record_file.empty());
-  tlm_util::set_guest_error_context([&] {
+  kit::set_guest_error_context([&] {
     const uint32_t pc = soc.cpu.core().reg(15);
     return fmt::format("pc {:#010x} {}", pc, inputs.program.symbolise(pc));
   });
 
   Limit limit("limit", settings.number("run.simlimit_s"));
   HostLimit host_limit(settings.number("run.timelimit_s"));
-  const auto interrupted = [&host_limit] { return host_limit.reached(); };
+  Checkpoints* watch = nullptr;
+  const auto interrupted = [&host_limit, &watch] {
+    if (watch != nullptr) watch->look_for_signal();
+    return host_limit.reached();
+  };
   soc.cpu.set_interrupted(interrupted);
   // Before anything is opened that a signal should close again.
   host::note_end_signals();
@@ -253,16 +261,46 @@ Result<RunResult> run(const Settings& settings) {
   auto ports = HostPorts::open(settings, soc, inputs.program, inputs.program_file, interrupted);
   if (!ports) return Error{ports.error()};
 
+  std::vector<checkpoint::Part> parts = parts_of(soc);
+  parts.push_back({"observation", [&](kit::Archive& archive) {
+                     archive("metrics", metrics);
+                     archive("on_the_way", observation);
+                     archive("sensor_match", match);
+                     archive("sensor_warnings", result.sensor_warnings);
+                     archive("priorities", priorities);
+                   }});
+  parts.push_back({"host", [&](kit::Archive& archive) { ports.value()->visit(archive); }});
+  Checkpoints checkpoints(settings, inputs, soc, std::move(parts));
+  watch = &checkpoints;
+  if (auto error = checkpoints.plan()) return *error;
+  ports.value()->on_save(
+      [&](const std::string& file) { return checkpoints.save_for_debugger(file); });
+  std::optional<Error> not_restored;
+  if (restore.value()) {
+    // Tried before anything is begun; then once more, when its time has come.
+    const checkpoint::Checkpoint& from = *restore.value();
+    if (auto error = checkpoints.load(from)) return *error;
+    soc.cpu.resume_at(sc_core::sc_time::from_value(from.time), [&] {
+      not_restored = checkpoints.load(from);
+      if (not_restored) return false;
+      checkpoints.restored();
+      ports.value()->restored();
+      return true;
+    });
+  }
+
   sc_core::sc_start();
+  if (not_restored) return *not_restored;
 
   std::vector<std::string> lost = ports.value()->finish();
   const auto keep = [&lost](const std::optional<Error>& error) {
     if (error) lost.push_back(error->text);
   };
+  for (std::string& sentence : checkpoints.failures()) lost.push_back(std::move(sentence));
   progress.finish();
   match.finish();
-  tlm_util::summarise_guest_errors();
-  tlm_util::set_guest_error_context({});
+  kit::summarise_guest_errors();
+  kit::set_guest_error_context({});
   if (tracer.value() != nullptr)
     for (const Error& error : tracer.value()->finish()) keep(error);
 

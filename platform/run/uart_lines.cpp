@@ -94,7 +94,9 @@ void UartLines::look() {
   const auto now = std::chrono::steady_clock::now();
   if (now - looked_ >= shortest_look) {
     looked_ = now;
-    for (peripherals::Uart* uart : soc_.uarts()) uart->look_for_input();
+    // The receivers of a board that waits for its state are not themselves yet.
+    if (!soc_.cpu.waits_for_resume())
+      for (peripherals::Uart* uart : soc_.uarts()) uart->look_for_input();
     // With nothing else to do, simulated time need not race.
     if (!sc_core::sc_pending_activity()) std::this_thread::sleep_for(idle_nap);
     if (give_up_()) return sc_core::sc_stop();
@@ -126,6 +128,10 @@ std::vector<std::string> UartLines::failures() const {
   for (const auto& line : lines_)
     for (std::string& text : line->failures()) sentences.push_back(std::move(text));
   return sentences;
+}
+
+void UartLines::visit(kit::Archive& archive) {
+  for (const auto& line : lines_) archive(line->name().c_str(), *line);
 }
 
 }  // namespace capsoc::run

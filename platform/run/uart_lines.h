@@ -37,6 +37,8 @@ class UartLines : public sc_core::sc_module {
   /// The line that ended the run by --until-uart or --fail-uart; null: none did.
   const serial::SerialLine* matched() const;
   const serial::SerialLine& line(std::size_t number) const { return *lines_[number]; }
+  void visit(kit::Archive& archive);
+
   /// A sentence for each place that lost bytes which it should have kept.
   std::vector<std::string> failures() const;
 

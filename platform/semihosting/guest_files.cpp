@@ -65,12 +65,33 @@ int GuestFiles::find(const std::string& name, Place& place) const {
 
 int GuestFiles::open(const std::string& name, unsigned mode, host::Descriptor& file) const {
   if (mode / 2 >= open_flags.size()) return -EINVAL;
+  return open_with(name, open_flags[mode / 2], file);
+}
+
+int GuestFiles::reopen(const std::string& name, unsigned mode, uint64_t size, uint64_t position,
+                       host::Descriptor& file) const {
+  if (mode / 2 >= open_flags.size()) return -EINVAL;
+  const int flags = open_flags[mode / 2] & ~(O_CREAT | O_TRUNC);
+  if (const int error = open_with(name, flags, file); error < 0) return error;
+  struct stat status {};
+  if (fstat(file.get(), &status) != 0) return -errno;
+  if (static_cast<uint64_t>(status.st_size) < size) return -ESTALE;
+  return lseek(file.get(), static_cast<off_t>(position), SEEK_SET) < 0 ? -errno : 0;
+}
+
+void GuestFiles::cut(const host::Descriptor& file, uint64_t size) {
+  const int flags = fcntl(file.get(), F_GETFL);
+  if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) return;
+  // A file that cannot be cut keeps what it has: the guest overwrites it.
+  if (ftruncate(file.get(), static_cast<off_t>(size)) != 0) errno = 0;
+}
+
+int GuestFiles::open_with(const std::string& name, int flags, host::Descriptor& file) const {
   Place place;
   if (const int error = find(name, place); error < 0) return error;
   // O_NONBLOCK: a FIFO must not hold the run.
-  host::Descriptor opened(
-      openat(place.folder.get(), place.name.c_str(),
-             open_flags[mode / 2] | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666));
+  host::Descriptor opened(openat(place.folder.get(), place.name.c_str(),
+                                 flags | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666));
   if (!opened.valid()) return -errno;
   struct stat status {};
   if (fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode)) return -EACCES;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host/descriptor.h"
+#include "kit/archive.h"
 #include "support/result.h"
 
 namespace capsoc::semihosting {
@@ -26,10 +27,18 @@ class GuestFiles {
 
   /// `mode`: 0 to 11, as fopen's r, rb, r+, r+b, w, ... a+b.
   int open(const std::string& name, unsigned mode, host::Descriptor& file) const;
+  /// A file that was open when state was saved, with its size and position then. -ESTALE: it is
+  /// shorter than it was.
+  int reopen(const std::string& name, unsigned mode, uint64_t size, uint64_t position,
+             host::Descriptor& file) const;
+  /// What a file that is written has behind its first `size` bytes goes.
+  static void cut(const host::Descriptor& file, uint64_t size);
   int remove(const std::string& name) const;
   int rename(const std::string& from, const std::string& to) const;
   /// As write(2), within the bounds above.
   ssize_t write(const host::Descriptor& file, const void* data, std::size_t size);
+
+  void visit(kit::Archive& archive) { archive("written", written_); }
 
  private:
   struct Place {
@@ -37,6 +46,7 @@ class GuestFiles {
     std::string name;
   };
   int find(const std::string& name, Place& place) const;
+  int open_with(const std::string& name, int flags, host::Descriptor& file) const;
 
   host::Descriptor directory_;
   uint64_t written_ = 0;

@@ -7,8 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include "support/printable.h"
 
 namespace capsoc::semihosting {
 namespace {
@@ -172,6 +176,8 @@ int64_t Semihosting::open(uint32_t argument) {
   } else if (const int error = files_.open(*name, mode, opened.descriptor); error < 0) {
     return fail(-error);
   }
+  opened.name = *name;
+  opened.mode = mode;
   uint32_t handle = 1;
   while (open_.count(handle) != 0) ++handle;
   open_.emplace(handle, std::move(opened));
@@ -379,6 +385,48 @@ void Semihosting::end(uint32_t operation, uint32_t argument) {
   }
   exit_status_ = reason == application_exit ? static_cast<int>(status) : 1;
   console_.flush();
+}
+
+void Semihosting::File::visit(kit::Archive& archive, const GuestFiles& files) {
+  archive.at_most("kind", kind, Kind::host);
+  archive("position", position);
+  archive("name", name);
+  archive("mode", mode);
+  uint64_t offset = 0;
+  if (kind == Kind::host && !archive.loading()) {
+    struct stat status {};
+    if (fstat(descriptor.get(), &status) == 0) size = static_cast<uint64_t>(status.st_size);
+    offset = static_cast<uint64_t>(lseek(descriptor.get(), 0, SEEK_CUR));
+  }
+  archive("size", size);
+  archive("offset", offset);
+  if (kind != Kind::host || !archive.loading() || !archive.ok()) return;
+  if (const int error = files.reopen(name, mode, size, offset, descriptor); error < 0)
+    archive.refuse(fmt::format(
+        "'{}' cannot be opened as it was ({}); --semihosting-dir must have it", printable(name, 80),
+        error == -ESTALE ? "it is shorter than it was" : std::strerror(-error)));
+}
+
+void Semihosting::restored() {
+  for (const auto& entry : open_)
+    if (entry.second.kind == File::Kind::host)
+      GuestFiles::cut(entry.second.descriptor, entry.second.size);
+}
+
+void Semihosting::visit(kit::Archive& archive) {
+  console_.flush();
+  archive("files", files_);
+  std::vector<uint32_t> handles, unknown(unknown_.begin(), unknown_.end());
+  for (const auto& entry : open_) handles.push_back(entry.first);
+  archive.sequence("handles", handles, most_files);
+  archive.sequence("unknown", unknown, 256);
+  if (archive.loading()) {
+    open_.clear();
+    unknown_ = std::set<uint32_t>(unknown.begin(), unknown.end());
+  }
+  for (const uint32_t handle : handles) open_[handle].visit(archive, files_);
+  archive("errno", errno_);
+  archive("exit_status", exit_status_);
 }
 
 }  // namespace capsoc::semihosting

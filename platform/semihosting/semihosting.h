@@ -41,11 +41,21 @@ class Semihosting {
   /// The status that the guest ended with.
   int exit_status() const { return exit_status_; }
 
+  /// Open files by name, size and position: their contents stay with the host.
+  void visit(kit::Archive& archive);
+  /// What was written to open files since their state was saved is cut off.
+  void restored();
+
  private:
   struct File {
-    enum class Kind : uint8_t { console_in, console_out, features, host } kind;
+    enum class Kind : uint8_t { console_in, console_out, features, host } kind = Kind::features;
     host::Descriptor descriptor;
     uint32_t position = 0;  ///< in features
+    std::string name = {};  ///< of a host file, and how it was opened
+    uint32_t mode = 0;
+    uint64_t size = 0;  ///< of a host file when its state was loaded
+
+    void visit(kit::Archive& archive, const GuestFiles& files);
   };
 
   int64_t dispatch(uint32_t operation, uint32_t argument);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "kit/archive.h"
 #include "support/result.h"
 
 namespace re2 {
@@ -40,6 +41,9 @@ class LineWatch {
 
   /// `dry`: nothing follows at once. A match, if this byte made one; --fail-uart comes first.
   std::optional<Match> feed(uint8_t byte, bool dry);
+
+  /// The line so far.
+  void visit(kit::Archive& archive) { archive("line", line_); }
 
  private:
   std::optional<Match> look() const;

@@ -82,7 +82,21 @@ bool SerialLine::refill() {
 
 std::optional<uint8_t> SerialLine::next_input() {
   if (taken_ == incoming_.size() && !refill()) return std::nullopt;
+  ++received_;
   return static_cast<uint8_t>(incoming_[taken_++]);
+}
+
+void SerialLine::visit(kit::Archive& archive) {
+  flush();
+  archive("bytes", bytes_);
+  archive("digest", digest_);
+  archive("watch", watch_);
+  archive("received", received_);
+  if (!archive.loading() || config_.input.empty()) return;
+  incoming_.clear();
+  taken_ = 0;
+  input_.clear();
+  input_.seekg(static_cast<std::streamoff>(received_));
 }
 
 void SerialLine::finish() {

@@ -44,6 +44,10 @@ class SerialLine {
   /// At the end of the run: everything is delivered.
   void finish();
 
+  /// What was counted and taken. Bytes that the host delivered and the UART has not received yet
+  /// stay with the host: a run that goes on gets them from its own backend.
+  void visit(kit::Archive& archive);
+
   const std::string& name() const { return config_.name; }
   const CharacterBackend& backend() const { return *backend_; }
   bool live() const { return backend_->live(); }
@@ -70,6 +74,7 @@ class SerialLine {
   std::string pending_;                    ///< sent by the UART, not yet handed on
   std::string incoming_;                   ///< from the host, not yet received
   std::size_t taken_ = 0;
+  uint64_t received_ = 0;  ///< bytes handed to the UART
   uint64_t bytes_ = 0;
   host::Sha256 digest_;
 };

@@ -47,69 +47,68 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       clock_controller("clock_controller", clock) {
   cpu.set_quantum(config.quantum);
   cpu.core().set_executor(config.executor);
-  bind(config.devices);
+  list_components();
+  bind();
+  make_others(config.devices);
   connect_interrupts();
   adc.set_sink([this](const peripherals::SensorSample& sample) { coprocessor.sample(sample); });
   cpu.on_reset_request([this] { reset_peripherals(); });
 }
 
-/// The socket of the user's own device in a slot, or null.
-tlm_utils::simple_target_socket<tlm_util::RegisterTarget>* Soc::own_socket(
-    const std::vector<OwnDevice>& own, const std::string& slot) {
-  for (const OwnDevice& device : own) {
-    if (device.slot != slot) continue;
-    devices.push_back(device.make(*this));
-    return &devices.back()->socket;
-  }
-  return nullptr;
+/// The one list of what is on the board. What is not modelled and the user's own devices come
+/// behind it.
+void Soc::list_components() {
+  components_ = {&timer0,    &timer1,    &dual_timer, &watchdog,    &uart0, &uart1,
+                 &uart2,     &uart3,     &uart4,      &gpio0,       &gpio1, &gpio2,
+                 &gpio3,     &fpgaio,    &scc,        &coprocessor, &adc,   &clock_controller,
+                 &code_sram, &data_sram, &block_ram,  &psram};
 }
 
-void Soc::bind(const std::vector<OwnDevice>& own) {
-  cpu.icode.bind(ahb.i_code);
-  cpu.dcode.bind(ahb.d_code);
-  cpu.system.bind(ahb.system);
-  ahb.port(bus::apb_bridge_target)->bind(apb.socket);
-
-  ahb.port("code_sram")->bind(code_sram.socket);
-  ahb.port("data_sram")->bind(data_sram.socket);
-  ahb.port("block_ram")->bind(block_ram.socket);
-  ahb.port("psram")->bind(psram.socket);
-  for (peripherals::Gpio* gpio : gpios()) ahb.port(gpio->basename())->bind(gpio->socket);
-
-  apb.port("timer0")->bind(timer0.socket);
-  apb.port("timer1")->bind(timer1.socket);
-  apb.port("dual_timer")->bind(dual_timer.socket);
-  apb.port("watchdog")->bind(watchdog.socket);
-  apb.port("fpgaio")->bind(fpgaio.socket);
-  apb.port("scc")->bind(scc.socket);
-  for (peripherals::Uart* uart : uarts()) apb.port(uart->basename())->bind(uart->socket);
-  apb.port("coprocessor")->bind(coprocessor.socket);
-  apb.port("adc_front_end")->bind(adc.socket);
-  apb.port("clock_controller")->bind(clock_controller.socket);
-
+/// Every free slot gets the user's device, or a stand-in that says what is missing.
+void Soc::make_others(const std::vector<OwnDevice>& own) {
   for (const bus::MapEntry& entry : bus::soc_address_map()) {
     if (entry.kind != bus::TargetKind::unimplemented) continue;
-    if (auto* socket = own_socket(own, entry.name)) {
-      if (entry.bus == bus::BusKind::apb) {
-        apb.port(entry.target)->bind(*socket);
-      } else {
-        ahb.port(entry.target)->bind(*socket);
-      }
+    const auto mine = std::find_if(
+        own.begin(), own.end(), [&](const OwnDevice& device) { return device.slot == entry.name; });
+    if (mine != own.end()) {
+      devices.push_back(mine->make(*this));
+      components_.push_back(devices.back().get());
+      bind_target(entry, devices.back()->socket);
       continue;
     }
     const std::string module = entry.name + "_stub";
     unimplemented.push_back(
         std::make_unique<bus::Unimplemented>(module.c_str(), entry.name, entry.base));
-    auto& socket = unimplemented.back()->socket;
-    if (entry.bus == bus::BusKind::apb) {
-      apb.port(entry.target)->bind(socket);
-    } else {
-      ahb.port(entry.target)->bind(socket);
-    }
+    components_.push_back(unimplemented.back().get());
+    bind_target(entry, unimplemented.back()->socket);
   }
 }
 
-void Soc::connect(tlm_util::InterruptLine& source, const char* device, const char* output) {
+template <typename Socket>
+void Soc::bind_target(const bus::MapEntry& entry, Socket& socket) {
+  if (entry.bus == bus::BusKind::apb) {
+    apb.port(entry.target)->bind(socket);
+  } else {
+    ahb.port(entry.target)->bind(socket);
+  }
+}
+
+void Soc::bind() {
+  cpu.icode.bind(ahb.i_code);
+  cpu.dcode.bind(ahb.d_code);
+  cpu.system.bind(ahb.system);
+  ahb.port(bus::apb_bridge_target)->bind(apb.socket);
+  const bus::AddressMap map = bus::soc_address_map();
+  for (kit::Component* part : components_) {
+    const bus::MapEntry& entry = *bus::find_entry(map, part->component_name());
+    if (auto* device = dynamic_cast<kit::RegisterTarget*>(part))
+      bind_target(entry, device->socket);
+    else if (auto* memory = dynamic_cast<bus::Memory*>(part))
+      bind_target(entry, memory->socket);
+  }
+}
+
+void Soc::connect(kit::InterruptLine& source, const char* device, const char* output) {
   const bus::AddressMap map = bus::soc_address_map();
   for (const bus::InterruptWire& wire : bus::find_entry(map, device)->interrupts) {
     if (wire.output != output) continue;
@@ -127,23 +126,19 @@ void Soc::connect(tlm_util::InterruptLine& source, const char* device, const cha
 }
 
 void Soc::each_interrupt(const EachInterrupt& call) {
-  call(timer0.interrupt, "timer0", "interrupt");
-  call(timer1.interrupt, "timer1", "interrupt");
-  call(dual_timer.interrupt, "dual_timer", "interrupt");
-  call(watchdog.interrupt, "watchdog", "interrupt");
-  for (peripherals::Uart* uart : uarts()) {
-    call(uart->rx_interrupt, uart->basename(), "rx");
-    call(uart->tx_interrupt, uart->basename(), "tx");
-    call(uart->overrun_interrupt, uart->basename(), "overrun");
+  const bus::AddressMap map = bus::soc_address_map();
+  for (kit::Component* part : components_) {
+    const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());
+    if (entry == nullptr) continue;
+    part->each_interrupt([&](kit::InterruptLine& line, const std::string& output) {
+      for (const bus::InterruptWire& wire : entry->interrupts)
+        if (wire.output == output) call(line, part->component_name(), wire.output.c_str());
+    });
   }
-  for (peripherals::Gpio* gpio : gpios())
-    call(gpio->combined_interrupt, gpio->basename(), "combined");
-  call(coprocessor.interrupt, "coprocessor", "interrupt");
-  call(adc.interrupt, "adc_front_end", "interrupt");
 }
 
 void Soc::connect_interrupts() {
-  each_interrupt([this](tlm_util::InterruptLine& source, const char* device, const char* output) {
+  each_interrupt([this](kit::InterruptLine& source, const char* device, const char* output) {
     connect(source, device, output);
   });
   watchdog.reset_request.connect([this](bool level) {
@@ -152,18 +147,12 @@ void Soc::connect_interrupts() {
 }
 
 void Soc::reset_peripherals() {
-  timer0.reset();
-  timer1.reset();
-  dual_timer.reset();
-  watchdog.reset();
-  for (peripherals::Uart* uart : uarts()) uart->reset();
-  for (peripherals::Gpio* gpio : gpios()) gpio->reset();
-  fpgaio.reset();
-  scc.reset();
-  coprocessor.reset();
-  adc.reset();
-  clock_controller.reset();
-  for (auto& device : devices) device->system_reset();
+  for (kit::Component* part : components_) part->reset();
+}
+
+void Soc::visit(kit::Archive& archive) {
+  archive("clock", clock);
+  archive("high_sources", high_sources_);
 }
 
 uint32_t Soc::peek(uint32_t address) {

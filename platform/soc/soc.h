@@ -21,14 +21,14 @@
 #include "coprocessor/types.h"
 #include "coprocessor_tlm/coprocessor_tlm.h"
 #include "cortex_m3_tlm/cortex_m3_tlm.h"
+#include "kit/clock_domain.h"
+#include "kit/register_target.h"
 #include "loader/elf_image.h"
 #include "mps2/fpga_io.h"
 #include "mps2/scc.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
 #include "support/result.h"
-#include "tlm/clock_domain.h"
-#include "tlm/register_target.h"
 
 namespace capsoc::soc {
 
@@ -38,7 +38,7 @@ class Soc;
 struct OwnDevice {
   std::string slot;  ///< name of an unimplemented entry of the address map, "reserved_apb_3"
   /// Called while the SoC is built. Interrupts go to soc.cpu.set_interrupt().
-  std::function<std::unique_ptr<tlm_util::RegisterTarget>(Soc& soc)> make;
+  std::function<std::unique_ptr<kit::RegisterTarget>(Soc& soc)> make;
 };
 
 /// What can be chosen when the SoC is built.
@@ -60,12 +60,18 @@ class Soc : public sc_core::sc_module {
   /// Copies a program into memory. An Error names the segment that lies outside.
   std::optional<Error> load(const loader::ElfImage& image);
 
+  /// Every part of the board, in the order in which state is saved: the clock's users behind it.
+  const std::vector<kit::Component*>& components() const { return components_; }
+
   /// Everything back to its reset state, memories excepted; time goes on.
   void reset_peripherals();
 
+  /// What is between the parts: the clock, and interrupt lines that several drive.
+  void visit(kit::Archive& archive);
+
   /// Every interrupt output with the name of its device and its own, as the address map has them.
   using EachInterrupt =
-      std::function<void(tlm_util::InterruptLine&, const char* device, const char* output)>;
+      std::function<void(kit::InterruptLine&, const char* device, const char* output)>;
   void each_interrupt(const EachInterrupt& call);
 
   /// Bytes of one memory, without side effects or time; false, with nothing done, for any other
@@ -81,7 +87,7 @@ class Soc : public sc_core::sc_module {
   /// A word as a debugger reads it, without side effects; 0 where nothing answers.
   uint32_t peek(uint32_t address);
 
-  tlm_util::ClockDomain clock;
+  kit::ClockDomain clock;
   cortex_m3::CortexM3Tlm cpu;
   bus::AhbMatrix ahb;
   bus::ApbBridge apb;
@@ -97,7 +103,7 @@ class Soc : public sc_core::sc_module {
   peripherals::AdcFrontEnd adc;
   peripherals::ClockController clock_controller;
   std::vector<std::unique_ptr<bus::Unimplemented>> unimplemented;
-  std::vector<std::unique_ptr<tlm_util::RegisterTarget>> devices;  ///< Config::devices
+  std::vector<std::unique_ptr<kit::RegisterTarget>> devices;  ///< Config::devices
 
   static constexpr std::size_t uart_count = 5;
   /// Every UART and every GPIO, in the order of their numbers.
@@ -109,12 +115,15 @@ class Soc : public sc_core::sc_module {
  private:
   /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).
   std::array<int, cortex_m3::Core::interrupt_count> high_sources_{};
+  std::vector<kit::Component*> components_;
 
-  void bind(const std::vector<OwnDevice>& own);
-  tlm_utils::simple_target_socket<tlm_util::RegisterTarget>* own_socket(
-      const std::vector<OwnDevice>& own, const std::string& slot);
+  void list_components();
+  void bind();
+  void make_others(const std::vector<OwnDevice>& own);
+  template <typename Socket>
+  void bind_target(const bus::MapEntry& entry, Socket& socket);
   void connect_interrupts();
-  void connect(tlm_util::InterruptLine& source, const char* device, const char* output);
+  void connect(kit::InterruptLine& source, const char* device, const char* output);
   bool is_memory(uint32_t address, uint32_t size) const;
   uint32_t access_memory(tlm::tlm_command command, uint32_t address, void* bytes, uint32_t size);
 };

@@ -10,7 +10,7 @@
 #include "bus/memory.h"
 #include "bus/unimplemented.h"
 #include "initiator.h"
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
 
 namespace capsoc::test {
 
@@ -44,7 +44,7 @@ struct Bench {
   void forget();
   sc_core::sc_time cycles(uint64_t n) const { return clock.time_of(n) - clock.time_of(0); }
 
-  tlm_util::ClockDomain clock;  // 25 MHz: 40 ns a cycle
+  kit::ClockDomain clock;  // 25 MHz: 40 ns a cycle
   bus::AhbMatrix matrix;
   bus::ApbBridge bridge;
   bus::Memory ram, slow_ram, small_ram;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::test {
 namespace {
@@ -173,7 +173,7 @@ TEST_F(Matrix, UnimplementedDevicesReadZeroDropWritesAndAreReportedOnceWithThePc
   EXPECT_TRUE(b.system.write(at::absent + 0x28, 5, 1).ok());
   EXPECT_EQ(b.system.read(at::absent + 0x28).value, 0u);
   EXPECT_EQ(b.absent.accesses(), before + 3);
-  EXPECT_EQ(tlm_util::guest_error_count("absent"), 1u);
+  EXPECT_EQ(kit::guest_error_count("absent"), 1u);
   EXPECT_NE(b.absent.report().find("0x50000024"), std::string::npos) << b.absent.report();
   EXPECT_NE(b.absent.report().find("pc 0x00001234"), std::string::npos) << b.absent.report();
 }

@@ -10,8 +10,8 @@
 #include "cmsdk/timer.h"
 #include "cmsdk/uart.h"
 #include "cmsdk/watchdog.h"
-#include "tlm/clock_domain.h"
-#include "tlm/guest_error.h"
+#include "kit/clock_domain.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::test {
 
@@ -27,7 +27,7 @@ struct Bench {
       sc_core::sc_start(sc_core::SC_ZERO_TIME);
   }
 
-  tlm_util::ClockDomain clock;  // 25 MHz
+  kit::ClockDomain clock;  // 25 MHz
   peripherals::Uart uart;
   peripherals::Timer timer;
   peripherals::Gpio gpio;

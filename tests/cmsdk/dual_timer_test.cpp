@@ -153,10 +153,10 @@ TEST_F(DualTimerTest, KeepsTheUpperHalfWhileItCountsSixteenBits) {
 }
 
 TEST_F(DualTimerTest, ReportsTheUndefinedPrescaler) {
-  const uint64_t before = tlm_util::guest_error_count("dual_timer");
+  const uint64_t before = kit::guest_error_count("dual_timer");
   set(load, 10);
   set(control, periodic | 3u << 2);
-  EXPECT_EQ(tlm_util::guest_error_count("dual_timer"), before + 1);
+  EXPECT_EQ(kit::guest_error_count("dual_timer"), before + 1);
   EXPECT_TRUE(fires_at(2560));
 }
 

@@ -64,10 +64,10 @@ TEST_F(GpioTest, SetsAndClearsBitsInPairsOfRegisters) {
 }
 
 TEST_F(GpioTest, ReportsBitsAboveTheSixteenPins) {
-  const uint64_t before = tlm_util::guest_error_count("gpio");
+  const uint64_t before = kit::guest_error_count("gpio");
   set(dataout, 0x10000);
   EXPECT_EQ(get(dataout), 0u);
-  EXPECT_EQ(tlm_util::guest_error_count("gpio"), before + 1);
+  EXPECT_EQ(kit::guest_error_count("gpio"), before + 1);
 }
 
 TEST_F(GpioTest, ShowsAnInputAfterTwoCyclesOfSynchroniser) {

@@ -41,21 +41,21 @@ TEST_F(EveryPeripheral, IdentifiesItself) {
 
 TEST_F(EveryPeripheral, ReportsAndIgnoresAWriteToItsIdentification) {
   for (const Device& d : devices) {
-    const uint64_t before = tlm_util::guest_error_count(d.name);
+    const uint64_t before = kit::guest_error_count(d.name);
     EXPECT_TRUE(d.initiator.write(0xfe0, 0xff).ok()) << d.name;
     EXPECT_EQ(d.initiator.read(0xfe0).value, d.part_number) << d.name;
-    EXPECT_EQ(tlm_util::guest_error_count(d.name), before + 1) << d.name;
+    EXPECT_EQ(kit::guest_error_count(d.name), before + 1) << d.name;
   }
 }
 
 TEST_F(EveryPeripheral, ReportsAnOffsetWithoutARegisterAndReadsItAsZero) {
   for (const Device& d : devices) {
-    const uint64_t before = tlm_util::guest_error_count(d.name);
+    const uint64_t before = kit::guest_error_count(d.name);
     const Answer answer = d.initiator.read(0xe00);
     EXPECT_TRUE(answer.ok()) << d.name;
     EXPECT_EQ(answer.value, 0u) << d.name;
     EXPECT_TRUE(d.initiator.write(0xe00, 1).ok()) << d.name;
-    EXPECT_EQ(tlm_util::guest_error_count(d.name), before + 2) << d.name;
+    EXPECT_EQ(kit::guest_error_count(d.name), before + 2) << d.name;
   }
 }
 

@@ -154,14 +154,14 @@ TEST_F(TimerTest, CountsTheWholeThirtyTwoBits) {
 }
 
 TEST_F(TimerTest, DoesNotCountWithTheExternalInputAndTellsTheGuest) {
-  const uint64_t before = tlm_util::guest_error_count("timer");
+  const uint64_t before = kit::guest_error_count("timer");
   set(value, 10);
   set(ctrl, on | Timer::ctrl_external_enable);
   b.run(20);
   set(ctrl, on | Timer::ctrl_external_clock);
   b.run(20);
   EXPECT_EQ(get(value), 10u);
-  EXPECT_EQ(tlm_util::guest_error_count("timer"), before + 2);
+  EXPECT_EQ(kit::guest_error_count("timer"), before + 2);
 }
 
 TEST_F(TimerTest, KeepsItsCycleWhenTheClockChanges) {

@@ -41,7 +41,7 @@ class UartTest : public testing::Test {
     set(bauddiv, divider);
     set(ctrl, bits);
   }
-  uint64_t errors() const { return tlm_util::guest_error_count("uart"); }
+  uint64_t errors() const { return kit::guest_error_count("uart"); }
 
   Bench& b = bench();
   Uart& uart = b.uart;
@@ -100,7 +100,7 @@ TEST_F(UartTest, IsFullWhileTheShifterIsBusyAndTheBufferTaken) {
 }
 
 TEST_F(UartTest, EveryByteThatATransmitOverrunLosesIsReported) {
-  const auto lost = [] { return tlm_util::guest_error_count("uart (transmit overrun)"); };
+  const auto lost = [] { return kit::guest_error_count("uart (transmit overrun)"); };
   const uint64_t before = lost();
   enable(Uart::ctrl_tx_enable);
   set(data, 1);  // to the shifter

@@ -91,10 +91,10 @@ TEST_F(WatchdogTest, IgnoresAndReportsWritesWhileLocked) {
   set(load, 1000);
   set(lock, 0);
   EXPECT_EQ(get(lock), 1u);
-  const uint64_t before = tlm_util::guest_error_count("watchdog");
+  const uint64_t before = kit::guest_error_count("watchdog");
   set(load, 5);
   set(control, both);
-  EXPECT_EQ(tlm_util::guest_error_count("watchdog"), before + 2);
+  EXPECT_EQ(kit::guest_error_count("watchdog"), before + 2);
   EXPECT_EQ(get(load), 1000u);
   EXPECT_EQ(get(control), 0u);
   set(lock, Watchdog::unlock_word);

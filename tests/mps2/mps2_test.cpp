@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "../bus/initiator.h"
+#include "kit/guest_error.h"
 #include "mps2/fpga_io.h"
 #include "mps2/scc.h"
-#include "tlm/guest_error.h"
 
 namespace capsoc::test {
 namespace {
@@ -144,14 +144,14 @@ TEST_F(SccTest, ReadsAndWritesAnOscillator) {
 }
 
 TEST_F(SccTest, FailsATransferToWhatIsNotThere) {
-  const uint64_t before = tlm_util::guest_error_count("scc");
+  const uint64_t before = kit::guest_error_count("scc");
   set(cfgctrl, 0x80100003);
   EXPECT_EQ(get(cfgstat), 3u);
   set(cfgctrl, 0x80200000);
   EXPECT_EQ(get(cfgstat), 3u);
   set(cfgctrl, 0);
   EXPECT_EQ(get(cfgstat), 0u);
-  EXPECT_EQ(tlm_util::guest_error_count("scc"), before + 2);
+  EXPECT_EQ(kit::guest_error_count("scc"), before + 2);
 }
 
 TEST_F(SccTest, DrivesLedsAndReadsSwitches) {
@@ -166,10 +166,10 @@ TEST_F(SccTest, DrivesLedsAndReadsSwitches) {
 }
 
 TEST_F(SccTest, ReportsARemapThatIsNotModelled) {
-  const uint64_t before = tlm_util::guest_error_count("scc");
+  const uint64_t before = kit::guest_error_count("scc");
   set(cfg0, 1);
   EXPECT_EQ(get(cfg0), 1u);
-  EXPECT_EQ(tlm_util::guest_error_count("scc"), before + 1);
+  EXPECT_EQ(kit::guest_error_count("scc"), before + 1);
 }
 
 TEST_F(SccTest, WritesOnlyTheMaskOfTheLockedLoops) {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "kit/guest_error.h"
 #include "test_bench.h"
-#include "tlm/guest_error.h"
 
 namespace {
 
@@ -147,7 +147,7 @@ TEST_F(ClockController, BytesAndHolesAreBusErrors) {
   uint32_t value = 0;
   EXPECT_ADDRESS_ERROR(bus.write(CTRL_offset, 1, 1));
   EXPECT_ADDRESS_ERROR(bus.read(0x18, value));
-  EXPECT_GT(capsoc::tlm_util::guest_error_count("bench.clock_controller"), 0u);
+  EXPECT_GT(capsoc::kit::guest_error_count("bench.clock_controller"), 0u);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tlm/clock_domain.h"
+#include "kit/clock_domain.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 namespace {
 
-using capsoc::tlm_util::ClockDomain;
+using capsoc::kit::ClockDomain;
 using sc_core::sc_time;
 
 sc_time picoseconds(uint64_t count) {

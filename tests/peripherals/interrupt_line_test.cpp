@@ -1,11 +1,11 @@
-#include "tlm/interrupt_line.h"
+#include "kit/interrupt_line.h"
 
 #include <gtest/gtest.h>
 
 namespace {
 
 TEST(InterruptLine, TellsItsSinksOnlyOfChanges) {
-  capsoc::tlm_util::InterruptLine line;
+  capsoc::kit::InterruptLine line;
   std::vector<bool> first, second;
   line.connect([&](bool level) { first.push_back(level); });
   line.set(false);

@@ -1,4 +1,4 @@
-#include "tlm/register_bank.h"
+#include "kit/register_bank.h"
 
 #include <gtest/gtest.h>
 
@@ -7,18 +7,18 @@
 #include <stdexcept>
 
 #include "bus_access.h"
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace {
 
+using capsoc::kit::AccessRule;
+using capsoc::kit::guest_error_count;
+using capsoc::kit::Holes;
+using capsoc::kit::Register;
+using capsoc::kit::RegisterBank;
 using capsoc::registers::Access;
 using capsoc::registers::RegisterDescription;
 using capsoc::test::BusAccess;
-using capsoc::tlm_util::AccessRule;
-using capsoc::tlm_util::guest_error_count;
-using capsoc::tlm_util::Holes;
-using capsoc::tlm_util::Register;
-using capsoc::tlm_util::RegisterBank;
 
 constexpr RegisterDescription data_description{"DATA",     0x0, Access::read_write, 0x11223344,
                                                0xFFFFFFFF, 0,   0xFFFFFFFF};
@@ -55,7 +55,7 @@ struct WordRead : tlm::tlm_generic_payload {
 
 class RegisterBankTest : public testing::Test {
  protected:
-  void SetUp() override { capsoc::tlm_util::clear_guest_errors(); }
+  void SetUp() override { capsoc::kit::clear_guest_errors(); }
 
   uint64_t errors() { return guest_error_count("device"); }
   Device device;

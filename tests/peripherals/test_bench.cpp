@@ -1,6 +1,6 @@
 #include "test_bench.h"
 
-#include "tlm/guest_error.h"
+#include "kit/guest_error.h"
 
 namespace capsoc::test {
 namespace {
@@ -30,7 +30,7 @@ void TestBench::reset() {
   adc.set_sink([this](const peripherals::SensorSample& sample) { coprocessor.sample(sample); });
   coprocessor.set_result_observer({});
   coprocessor.set_sample_observer({});
-  tlm_util::clear_guest_errors();
+  kit::clear_guest_errors();
   run(8);  // an access or two may have carried the coprocessor ahead
 }
 

@@ -7,10 +7,11 @@
 #include <systemc>
 
 #include "bus_access.h"
+#include "capsoc_registers.h"
 #include "coprocessor_tlm/coprocessor_tlm.h"
+#include "kit/clock_domain.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
-#include "tlm/clock_domain.h"
 
 namespace capsoc::test {
 
@@ -19,7 +20,7 @@ namespace capsoc::test {
 struct TestBench : sc_core::sc_module {
   explicit TestBench(const sc_core::sc_module_name& name);
 
-  tlm_util::ClockDomain clock;
+  kit::ClockDomain clock;
   peripherals::ClockController clock_controller{"clock_controller", clock};
   peripherals::AdcFrontEnd adc{"adc", clock};
   coprocessor::CoprocessorTlm coprocessor{"coprocessor", clock};

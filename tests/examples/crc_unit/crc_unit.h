@@ -1,10 +1,10 @@
 // An APB peripheral: CRC-32 (IEEE 802.3) of the words written to DATA, an interrupt after COUNT.
 #pragma once
 
+#include "kit/register_bank.h"
 #include "soc/soc.h"
-#include "tlm/register_bank.h"
 
-class CrcUnit : public capsoc::tlm_util::RegisterBank {
+class CrcUnit : public capsoc::kit::RegisterBank {
  public:
   explicit CrcUnit(const sc_core::sc_module_name& name) : RegisterBank(name, 0x1000) {
     DATA.on_write([this](uint32_t word) { take(word); });
@@ -14,18 +14,25 @@ class CrcUnit : public capsoc::tlm_util::RegisterBank {
       interrupt.set(false);
     });
   }
-  void system_reset() override {
+  void reset() override {
     reset_registers();
     state_ = ~0U;
     interrupt.set(false);
   }
 
+  // What a checkpoint keeps beside the registers.
+  void visit(capsoc::kit::Archive& archive) override {
+    RegisterBank::visit(archive);
+    archive("state", state_);
+  }
+  void each_interrupt(const EachOutput& call) override { call(interrupt, "interrupt"); }
+
   using Access = capsoc::registers::Access;
   // name, offset, access, value at reset, bits that are writable, write-1-to-clear, readable
-  capsoc::tlm_util::Register DATA{*this, {"DATA", 0x0, Access::write_only, 0, ~0U, 0, 0}};
-  capsoc::tlm_util::Register CRC{*this, {"CRC", 0x4, Access::read_only, 0, 0, 0, ~0U}};
-  capsoc::tlm_util::Register COUNT{*this, {"COUNT", 0x8, Access::read_write, 0, ~0U, 0, ~0U}};
-  capsoc::tlm_util::InterruptLine interrupt;
+  capsoc::kit::Register DATA{*this, {"DATA", 0x0, Access::write_only, 0, ~0U, 0, 0}};
+  capsoc::kit::Register CRC{*this, {"CRC", 0x4, Access::read_only, 0, 0, 0, ~0U}};
+  capsoc::kit::Register COUNT{*this, {"COUNT", 0x8, Access::read_write, 0, ~0U, 0, ~0U}};
+  capsoc::kit::InterruptLine interrupt;
 
  private:
   void take(uint32_t word) {
@@ -39,7 +46,7 @@ class CrcUnit : public capsoc::tlm_util::RegisterBank {
 };
 
 /// For soc::Config::devices; interrupt 25 is free on the board.
-inline std::unique_ptr<capsoc::tlm_util::RegisterTarget> make_crc_unit(capsoc::soc::Soc& soc) {
+inline std::unique_ptr<capsoc::kit::RegisterTarget> make_crc_unit(capsoc::soc::Soc& soc) {
   auto unit = std::make_unique<CrcUnit>("crc_unit");
   unit->interrupt.connect([&soc](bool level) { soc.cpu.set_interrupt(25, level); });
   return unit;

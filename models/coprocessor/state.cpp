@@ -1,0 +1,209 @@
+// The state of the coprocessor's model, value by value (kit/archive.h).
+#include "coprocessor/coprocessor.h"
+
+namespace capsoc::coprocessor {
+
+using kit::Archive;
+
+void Weights::visit(Archive& archive) {
+  archive("sine", sine);
+  archive("cosine", cosine);
+  archive("constant", constant);
+}
+
+void Coefficients::visit(Archive& archive) {
+  archive("u", u);
+  archive("v", v);
+}
+
+void Steps::visit(Archive& archive) {
+  archive("sine", sine);
+  archive("cosine", cosine);
+  archive("constant", constant);
+}
+
+void Parameters::visit(Archive& archive) {
+  archive("a1", a1);
+  archive("a2", a2);
+  archive("b1", b1);
+  archive("b2", b2);
+  archive("beta", beta);
+  archive("phi", phi);
+}
+
+void ReferenceState::visit(Archive& archive) {
+  archive("phase", phase);
+  archive("frequency", frequency);
+}
+
+void Rotation::visit(Archive& archive) {
+  archive("sine", sine);
+  archive("cosine", cosine);
+}
+
+void JudgeSettings::visit(Archive& archive) {
+  archive("radius_limit", radius_limit);
+  archive("alarm_limit", alarm_limit);
+  archive.at_most("turns", turns, 3u);
+  archive("count", count);
+  archive("turn_limit", turn_limit);
+}
+
+void TurnRecord::visit(Archive& archive) {
+  archive("radius_max", radius_max);
+  archive("residue_max", residue_max);
+  archive("winding", winding);
+  archive("samples", samples);
+  archive("det", det);
+  archive("flags", flags);
+}
+
+void TurnJudge::visit(Archive& archive) {
+  archive("window", window);
+  archive("last", last);
+  archive("wild", wild);
+  archive("turn_count", turn_count);
+  archive.at_most("good_turns", good_turns, 3u);
+  archive.at_most("glitches", glitches, 16u);
+  archive("alarm", alarm);
+  archive("any", any);
+  archive("last_angle", last_angle);
+  archive("deviation", deviation);
+  archive("travel", travel);
+  archive("ended", ended);
+}
+
+void Packet::visit(Archive& archive) {
+  archive("u", u);
+  archive("v", v);
+  archive("clip", clip);
+  archive("saturated", saturated);
+  archive("s", s);
+  archive("c", c);
+  archive("cal_s", cal_s);
+  archive("cal_c", cal_c);
+  archive("det", det);
+  archive("mirror", mirror);
+  archive("phi", phi);
+  archive("relative", relative);
+  archive("amplitude", amplitude);
+  archive("zero", zero);
+  archive("unsettled_t1", unsettled_t1);
+  archive("unsettled", unsettled);
+  archive("reference_phase", reference_phase);
+  archive("residue", residue);
+  archive("reference", reference);
+  archive("hold_weights", hold_weights);
+  archive("next_reference", next_reference);
+  archive("turn", turn);
+  archive("error_u", error_u);
+  archive("error_v", error_v);
+  archive("next_coefficients", next_coefficients);
+  archive("next_average", next_average);
+  archive("saturated_after", saturated_after);
+}
+
+void Settings::visit(Archive& archive) {
+  archive("demodulate", demodulate);
+  archive.at_most("source", source, ReferenceSource::angle);
+  archive.at_most("kp", kp, 31u);
+  archive.at_most("ki", ki, 31u);
+  archive("steps_u", steps_u);
+  archive("steps_v", steps_v);
+}
+
+void State::visit(Archive& archive) {
+  archive("coefficients", coefficients);
+  archive("parameters", parameters);
+  archive("reference", reference);
+  archive("error_sum_u", error_sum_u);
+  archive("error_sum_v", error_sum_v);
+}
+
+void Learning::visit(Archive& archive) {
+  archive("update", update);
+  archive("coefficients", coefficients);
+  archive("error_sum_u", error_sum_u);
+  archive("error_sum_v", error_sum_v);
+}
+
+void PolarResult::visit(Archive& archive) {
+  archive("parameters", parameters);
+  archive("angle", angle);
+}
+
+void Nodes::visit(Archive& archive) {
+  for (const NamedNode& node : node_names()) archive(node.name, this->*node.value);
+  archive("commits", commits);
+}
+
+void Sequencer::visit(Archive& archive) {
+  archive("running", running_);
+  archive("boundary", boundary_);
+  archive("held", held_);
+  archive("load_pending", load_pending_);
+  archive("load_stage", load_stage_);
+  archive("occupied", occupied_);
+  if (load_stage_ && *load_stage_ >= load_stage_count) archive.refuse("has no such load stage");
+}
+
+void Coprocessor::Results::visit(Archive& archive) {
+  archive("raw_u", raw_u);
+  archive("raw_v", raw_v);
+  archive("cal_s", cal_s);
+  archive("cal_c", cal_c);
+  archive("angle", angle);
+  archive("error_u", error_u);
+  archive("error_v", error_v);
+  archive("residue", residue);
+  archive("reference_phase", reference_phase);
+  archive("amplitude", amplitude);
+  archive("error_average", error_average);
+  archive("lock", lock);
+  archive("diverged", diverged);
+  archive("mirror", mirror);
+  archive("valid", valid);
+}
+
+void Coprocessor::Pending::visit(Archive& archive) {
+  archive("reference", reference);
+  archive("steer_frequency", steer_frequency);
+  archive("learning", learning);
+  archive("polar", polar);
+  archive("keep_parameters", keep_parameters);
+  archive("calibrate", calibrate);
+  archive("lock", lock);
+  archive("diverged", diverged);
+  archive("judge", judge);
+  archive("error_average", error_average);
+  archive("load_rotation", load_rotation);
+  archive("load_weights", load_weights);
+}
+
+void Coprocessor::visit(Archive& archive) {
+  archive("cycle", cycle_);
+  archive("sequencer", sequencer_);
+  archive("ctrl", ctrl_);
+  archive("flags", flags_);
+  archive("settings", settings_);
+  archive("state", state_);
+  archive("results", results_);
+  archive("judge_settings", judge_settings_);
+  archive("judge", judge_);
+  archive("lock_threshold", lock_threshold_);
+  archive("diverge_threshold", diverge_threshold_);
+  archive("soft_u", soft_u_);
+  archive("samples", samples_);
+  archive("early_count", early_count_);
+  archive.at_most("settled", settled_, 64u);
+  archive("staged_low", staged_low_);
+  archive("latched_low", latched_low_);
+  archive("held", held_);
+  archive("pipe", pipe_);
+  archive("load_rotation", load_rotation_);
+  archive("pending", pending_);
+  archive("nodes", nodes_);
+  if (archive.loading()) guest_error_ = {};
+}
+
+}  // namespace capsoc::coprocessor

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+
+#include "kit/archive.h"
+#include "kit/interrupt_line.h"
+
+namespace capsoc::kit {
+
+/// A part of a system that has a name, a reset and a state.
+class Component {
+ public:
+  virtual ~Component() = default;
+
+  /// Of the part in its system; names a section of saved state.
+  virtual const char* component_name() const = 0;
+
+  /// System reset. What a reset does not reach (RAM, what waits outside the chip) stays.
+  virtual void reset() = 0;
+
+  /// Everything that the future of this part depends on and that is not wired or chosen when the
+  /// system is built. Called between two instants of simulated time only.
+  virtual void visit(Archive& archive) = 0;
+
+  /// After every part has its state again, at the simulated time at which it was saved: events are
+  /// planned anew. Nothing may be told to anybody outside.
+  virtual void restored() {}
+
+  /// Every interrupt output with its own name.
+  using EachOutput = std::function<void(InterruptLine& line, const char* output)>;
+  virtual void each_interrupt(const EachOutput& /*call*/) {}
+
+ protected:
+  Component() = default;
+  Component(const Component&) = default;
+  Component& operator=(const Component&) = default;
+};
+
+}  // namespace capsoc::kit

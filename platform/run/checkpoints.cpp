@@ -1,0 +1,310 @@
+#include "run/checkpoints.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "host/console.h"
+#include "host/file_uses.h"
+#include "host/files.h"
+#include "kit/guest_error.h"
+#include "run/results.h"
+#include "run/run_files.h"
+#include "support/input_file.h"
+
+namespace capsoc::run {
+namespace {
+
+const sc_core::sc_time longest_wait(1, sc_core::SC_MS);
+
+std::atomic<bool> save_wanted{false};
+
+void want_save(int) {
+  save_wanted = true;
+}
+
+std::string seconds_of(const sc_core::sc_time& time) {
+  return fmt::format("{:.12g}", time.to_seconds());
+}
+
+std::optional<double> to_number(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+/// Where something goes, how fast the host gets there, and when it ends.
+bool may_differ(const Setting& setting) {
+  static const std::vector<std::string> names = {"cpu.quantum_ns",
+                                                 "cpu.executor",
+                                                 "coprocessor.backend",
+                                                 "coprocessor.rtl_library",
+                                                 "coprocessor.rtl_clock",
+                                                 "run.simlimit_s",
+                                                 "run.timelimit_s",
+                                                 "run.until_uart",
+                                                 "run.fail_uart",
+                                                 "run.stop_in_fault",
+                                                 "run.golden",
+                                                 "semihosting.directory",
+                                                 "semihosting.status",
+                                                 "log.level"};
+  return is_place(setting.path) || setting.path.rfind("checkpoint.", 0) == 0 ||
+         std::find(names.begin(), names.end(), setting.path) != names.end();
+}
+
+}  // namespace
+
+void add_checkpoint_settings(Settings& s) {
+  s.add({"checkpoint.save",
+         SettingKind::text,
+         "",
+         "checkpoints on the way, FILE@SECONDS of simulated time, separated by commas",
+         {},
+         0,
+         0});
+  s.add({"checkpoint.every_s",
+         SettingKind::number,
+         "0",
+         "a checkpoint every so many simulated s; 0: none",
+         {},
+         0,
+         1e6});
+  s.add({"checkpoint.prefix",
+         SettingKind::text,
+         "checkpoint-",
+         "begins the names of these and of those on SIGUSR1: PREFIX<seconds>.capsoc",
+         {},
+         0,
+         0});
+  s.add({"checkpoint.restore",
+         SettingKind::input,
+         "",
+         "the run goes on from this checkpoint; empty: from reset",
+         {},
+         0,
+         0});
+}
+
+Result<std::vector<SavePoint>> save_points(const Settings& settings) {
+  const Setting& setting = settings.find("checkpoint.save");
+  std::vector<SavePoint> points;
+  std::istringstream list(setting.value);
+  for (std::string entry; std::getline(list, entry, ',');) {
+    const std::size_t at = entry.rfind('@');
+    const auto seconds = at == std::string::npos ? std::nullopt : to_number(entry.substr(at + 1));
+    constexpr double longest = 1e7;  // the kernel's time ends at 1.8e7 s
+    if (at == 0 || !seconds || *seconds < 0 || *seconds > longest)
+      return Error{fmt::format("{} {}: write FILE@SECONDS, for instance state.capsoc@1.5",
+                               setting.name(), entry)};
+    points.push_back({entry.substr(0, at), *seconds});
+  }
+  for (const SavePoint& point : points)
+    if (std::count_if(points.begin(), points.end(),
+                      [&](const SavePoint& other) { return other.file == point.file; }) > 1)
+      return Error{fmt::format("{} {}: is named twice; give each checkpoint a file of its own",
+                               setting.name(), point.file)};
+  std::stable_sort(points.begin(), points.end(),
+                   [](const SavePoint& a, const SavePoint& b) { return a.seconds < b.seconds; });
+  return points;
+}
+
+Result<checkpoint::Identity> identity_of(const Settings& settings, const RunInputs& inputs) {
+  checkpoint::Identity identity;
+  for (const Setting& setting : settings.all())
+    if (setting.kind == SettingKind::input && !setting.value.empty() &&
+        setting.path.rfind("uart", 0) == 0)
+      if (auto error = check_input(setting.value, {"name a file", UINT64_MAX, true})) return *error;
+  for (const Input& input : inputs.files(settings))
+    identity.emplace_back("the file of " + input.role, "SHA-256 " + input.sha256);
+  for (const Setting& setting : settings.all()) {
+    if (may_differ(setting) || setting.is_path() || setting.path == "firmware.load") continue;
+    if (setting.optional && setting.source == SettingSource::built_in) continue;
+    identity.emplace_back(setting.path, setting.value);
+  }
+  return identity;
+}
+
+Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settings& settings,
+                                                                    const RunInputs& inputs) {
+  const std::string& file = settings.text("checkpoint.restore");
+  if (file.empty()) return std::optional<checkpoint::Checkpoint>();
+  if (settings.text("run.golden") == "true")
+    return Error{
+        "--golden needs all samples, and a restored run has the later ones; "
+        "leave out one of --golden and --restore"};
+  auto read = checkpoint::read(file);
+  if (!read) return Error{read.error()};
+  const auto here = identity_of(settings, inputs);
+  if (!here) return Error{here.error()};
+  const checkpoint::Identity& identity = here.value();
+  const checkpoint::Identity& saved = read.value().identity;
+  const auto value_in = [](const checkpoint::Identity& where, const std::string& name) {
+    for (const auto& [key, value] : where)
+      if (key == name) return value.empty() ? std::string("nothing") : value;
+    return std::string("nothing");
+  };
+  for (const checkpoint::Identity* side : {&identity, &saved})
+    for (const auto& [name, value] : *side)
+      if (const std::string was = value_in(saved, name), is = value_in(identity, name); was != is)
+        return Error{
+            fmt::format("{}: was saved with another {} ({}, here {}); give the same as then", file,
+                        name, was, is)};
+  const double limit = settings.number("run.simlimit_s");
+  const double begins = sc_core::sc_time::from_value(read.value().time).to_seconds();
+  if (limit > 0 && limit <= begins)
+    return Error{
+        fmt::format("{}: begins at {:g} s, where --simlimit {:g} has ended the run; "
+                    "give a later limit",
+                    file, begins, limit)};
+  return std::optional<checkpoint::Checkpoint>(std::move(read.value()));
+}
+
+std::vector<checkpoint::Part> parts_of(soc::Soc& soc) {
+  std::vector<checkpoint::Part> parts;
+  parts.push_back({"board", [&soc](kit::Archive& archive) { soc.visit(archive); }});
+  parts.push_back({"cpu", [&soc](kit::Archive& archive) {
+                     soc.cpu.visit(archive);
+                     if (archive.loading()) soc.cpu.core().memory_changed();
+                   }});
+  for (kit::Component* part : soc.components())
+    parts.push_back({part->component_name(), [part](kit::Archive& archive) {
+                       part->visit(archive);
+                       part->each_interrupt([&](kit::InterruptLine& line, const char* output) {
+                         archive(output, line);
+                       });
+                     }});
+  parts.push_back({"guest_errors", kit::visit_guest_errors});
+  return parts;
+}
+
+Checkpoints::Checkpoints(const Settings& settings, const RunInputs& inputs, soc::Soc& soc,
+                         std::vector<checkpoint::Part> parts)
+    : settings_(settings), inputs_(inputs), soc_(soc), parts_(std::move(parts)) {}
+
+std::optional<Error> Checkpoints::plan() {
+  auto points = save_points(settings_);
+  if (!points) return Error{points.error()};
+  points_ = std::move(points.value());
+  if (const double every = settings_.number("checkpoint.every_s"); every > 0) {
+    every_ = sc_core::sc_time(every, sc_core::SC_SEC);
+    if (every_ < longest_wait)
+      return Error{"--save-every: give at least 0.001 s from one checkpoint to the next"};
+    next_regular_ = every_;
+  }
+  struct sigaction action {};
+  action.sa_handler = want_save;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGUSR1, &action, nullptr);
+  soc_.cpu.set_pause(next_save(), [this](const sc_core::sc_time& now) { return pause(now); });
+  return std::nullopt;
+}
+
+void Checkpoints::look_for_signal() {
+  if (!save_wanted.exchange(false)) return;
+  signalled_ = true;
+  soc_.cpu.pause_now();
+}
+
+sc_core::sc_time Checkpoints::next_save() const {
+  if (signalled_) return sc_core::SC_ZERO_TIME;
+  sc_core::sc_time next = next_regular_;
+  if (next_point_ < points_.size())
+    next = std::min(next, sc_core::sc_time(points_[next_point_].seconds, sc_core::SC_SEC));
+  return next;
+}
+
+std::string Checkpoints::automatic_name(const sc_core::sc_time& now) const {
+  return settings_.text("checkpoint.prefix") + seconds_of(now) + ".capsoc";
+}
+
+sc_core::sc_time Checkpoints::pause(const sc_core::sc_time& now) {
+  if (const auto quiet = soc_.coprocessor.quiet_at(); quiet && next_save() <= now) {
+    if (waits_since_ == sc_core::sc_max_time()) waits_since_ = now;
+    if (now - waits_since_ < longest_wait) return *quiet;
+  }
+  waits_since_ = sc_core::sc_max_time();
+  while (next_point_ < points_.size()) {
+    const sc_core::sc_time wanted(points_[next_point_].seconds, sc_core::SC_SEC);
+    if (wanted > now) break;
+    save(points_[next_point_++].file, wanted);
+  }
+  if (next_regular_ <= now) {
+    save(automatic_name(next_regular_), next_regular_);
+    while (next_regular_ <= now) next_regular_ += every_;
+  }
+  if (std::exchange(signalled_, false)) {
+    const std::string file = automatic_name(now);
+    save(file, now);
+    host::say("capsoc: {}: saved\n", file);
+  }
+  return next_save();
+}
+
+void Checkpoints::save(const std::string& file, const sc_core::sc_time& wanted) {
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  if (now - wanted > sc_core::sc_time(1, sc_core::SC_US))
+    host::say(
+        "capsoc: {}: saved at {} s, when the processor and the coprocessor had come to an "
+        "end\n",
+        file, seconds_of(now));
+  if (auto error = save_now(file)) failures_.push_back(error->text);
+}
+
+std::optional<Error> Checkpoints::save_for_debugger(const std::string& file) {
+  std::vector<host::FileUse> uses = files_of(settings_);
+  uses.push_back({host::FileUse::Kind::output, "monitor save", file});
+  if (auto error = host::check_uses(uses)) return error;
+  return save_now(file);
+}
+
+std::optional<Error> Checkpoints::save_now(const std::string& file) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto saved = checkpoint::save(sc_core::sc_time_stamp().value(), parts_);
+  if (!saved) return Error{fmt::format("{}: not saved: {}", file, saved.error())};
+  auto identity = identity_of(settings_, inputs_);
+  if (!identity) return Error{identity.error()};
+  saved.value().identity = std::move(identity.value());
+  const std::string bytes = checkpoint::pack(saved.value());
+  const auto error = host::write_whole(file, bytes);
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+  if (!error) spdlog::info("{}: {} bytes in {:.1f} ms", file, bytes.size(), taken.count());
+  return error;
+}
+
+std::optional<Error> Checkpoints::load(const checkpoint::Checkpoint& from) {
+  if (auto error = checkpoint::load(from, parts_))
+    return Error{fmt::format("{}: {}", settings_.text("checkpoint.restore"), error->text)};
+  return std::nullopt;
+}
+
+void Checkpoints::restored() {
+  soc_.cpu.restored();
+  for (kit::Component* part : soc_.components()) part->restored();
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  while (next_point_ < points_.size() && points_[next_point_].seconds < now.to_seconds())
+    failures_.push_back(fmt::format("{}: not saved: the run goes on from a later time",
+                                    points_[next_point_++].file));
+  if (next_regular_ != sc_core::sc_max_time())
+    while (next_regular_ <= now) next_regular_ += every_;
+  soc_.cpu.set_pause(next_save(), [this](const sc_core::sc_time& at) { return pause(at); });
+}
+
+std::vector<std::string> Checkpoints::failures() const {
+  std::vector<std::string> sentences = failures_;
+  for (std::size_t i = next_point_; i < points_.size(); ++i)
+    sentences.push_back(fmt::format("{}: not saved: the run ended at {} s, before {:g} s",
+                                    points_[i].file, seconds_of(sc_core::sc_time_stamp()),
+                                    points_[i].seconds));
+  return sentences;
+}
+
+}  // namespace capsoc::run
