@@ -102,7 +102,7 @@ void DualTimer::Unit::configure() {
 }
 
 DualTimer::DualTimer(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
-    : ClockedBank(name, clock),
+    : kit::ClockedBank(name, clock),
       timer1(*this, 0),
       timer2(*this, 1),
       ITCR(*this, describe_register("TIMERITCR", 0xf00, Access::read_write, 1)),

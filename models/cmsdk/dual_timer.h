@@ -5,9 +5,9 @@
 #include <string>
 #include <systemc>
 
-#include "cmsdk/clocked_bank.h"
 #include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
+#include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
@@ -17,7 +17,7 @@ namespace capsoc::peripherals {
 /// and then takes LOAD (periodic) or all ones of its width (free-running). Writing LOAD also sets
 /// the counter, writing BGLOAD does not. A periodic counter whose LOAD is 0, which the manual does
 /// not permit, stands at 0.
-class DualTimer : public ClockedBank {
+class DualTimer : public kit::ClockedBank {
  public:
   static constexpr uint32_t control_one_shot = 1u << 0;
   static constexpr uint32_t control_32_bit = 1u << 1;

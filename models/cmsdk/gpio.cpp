@@ -36,7 +36,7 @@ constexpr uint16_t inverted(uint16_t bits) {
 }  // namespace
 
 Gpio::Gpio(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
-    : ClockedBank(name, clock),
+    : kit::ClockedBank(name, clock),
       DATA(*this, pin_register("DATA", 0x000)),
       DATAOUT(*this, pin_register("DATAOUT", 0x004)),
       OUTENSET(*this, pin_register("OUTENSET", 0x010)),

@@ -7,8 +7,8 @@
 #include <functional>
 #include <systemc>
 
-#include "cmsdk/clocked_bank.h"
 #include "cmsdk/id_registers.h"
+#include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
@@ -16,7 +16,7 @@ namespace capsoc::peripherals {
 /// 16 pins. DATA reads the pins through a synchroniser of two flip-flops, so a change is visible,
 /// and interrupts, two PCLK cycles later. A pin carries DATAOUT where OUTENABLE is set and the
 /// alternate function is not selected, else the level that the outside drives (low if nobody does).
-class Gpio : public ClockedBank {
+class Gpio : public kit::ClockedBank {
  public:
   static constexpr unsigned pin_count = 16;
   static constexpr uint64_t synchroniser_cycles = 2;

@@ -13,7 +13,7 @@ constexpr registers::RegisterDescription timer_interrupts = {
 }  // namespace
 
 Timer::Timer(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
-    : ClockedBank(name, clock),
+    : kit::ClockedBank(name, clock),
       CTRL(*this, describe_register("CTRL", 0x000, Access::read_write, 0xf)),
       VALUE(*this, describe_register("VALUE", 0x004, Access::read_write, all_bits)),
       RELOAD(*this, describe_register("RELOAD", 0x008, Access::read_write, all_bits)),

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <systemc>
 
-#include "cmsdk/clocked_bank.h"
 #include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
+#include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
@@ -17,7 +17,7 @@ namespace capsoc::peripherals {
 /// the access that enables.
 ///
 /// EXTIN is not connected: with SELEXTEN or SELEXTCLK the timer stands still and the guest is told.
-class Timer : public ClockedBank {
+class Timer : public kit::ClockedBank {
  public:
   static constexpr uint32_t ctrl_enable = 1u << 0;
   static constexpr uint32_t ctrl_external_enable = 1u << 1;

@@ -19,7 +19,7 @@ constexpr registers::RegisterDescription uart_interrupts = {
 }  // namespace
 
 Uart::Uart(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
-    : ClockedBank(name, clock),
+    : kit::ClockedBank(name, clock),
       DATA(*this, describe_register("DATA", 0x000, Access::read_write, 0xff)),
       STATE(*this, state_description),
       CTRL(*this, describe_register("CTRL", 0x008, Access::read_write, 0x7f)),

@@ -7,8 +7,8 @@
 #include <optional>
 #include <systemc>
 
-#include "cmsdk/clocked_bank.h"
 #include "cmsdk/id_registers.h"
+#include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
@@ -17,7 +17,7 @@ namespace capsoc::peripherals {
 /// line for ten bits of BAUDDIV PCLK cycles (one cycle a bit when transmitting with HSTEST), and
 /// back-to-back bytes follow one another without a gap. A byte under way keeps the rate it began
 /// with. BAUDDIV below 16 is no baud rate: nothing moves and the guest is told.
-class Uart : public ClockedBank {
+class Uart : public kit::ClockedBank {
  public:
   static constexpr uint32_t state_tx_full = 1u << 0;
   static constexpr uint32_t state_rx_full = 1u << 1;

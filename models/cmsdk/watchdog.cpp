@@ -22,7 +22,7 @@ RegisterDescription starting_full(const char* name, uint32_t offset, Access acce
 }  // namespace
 
 Watchdog::Watchdog(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
-    : ClockedBank(name, clock),
+    : kit::ClockedBank(name, clock),
       LOAD(*this, starting_full("WDOGLOAD", 0x000, Access::read_write)),
       VALUE(*this, starting_full("WDOGVALUE", 0x004, Access::read_only)),
       CONTROL(*this, describe_register("WDOGCONTROL", 0x008, Access::read_write, 3)),

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <systemc>
 
-#include "cmsdk/clocked_bank.h"
 #include "cmsdk/down_counter.h"
 #include "cmsdk/id_registers.h"
+#include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
 namespace capsoc::peripherals {
@@ -15,7 +15,7 @@ namespace capsoc::peripherals {
 /// step to 0; if that has not been cleared when it gets there again, it raises its reset output (if
 /// RESEN is set) and stops. INTCLR and the step that sets INTEN restart it from WDOGLOAD. While
 /// locked, every register but WDOGLOCK ignores writes, which are reported.
-class Watchdog : public ClockedBank {
+class Watchdog : public kit::ClockedBank {
  public:
   static constexpr uint32_t control_interrupt = 1u << 0;
   static constexpr uint32_t control_reset = 1u << 1;

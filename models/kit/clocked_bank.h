@@ -8,7 +8,7 @@
 #include "kit/clock_domain.h"
 #include "kit/register_bank.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::kit {
 
 /// State is a function of the edge number: advance() brings it to an edge, next_change() names the
 /// edge at which something becomes visible outside (an interrupt, a byte on the line), and exactly
@@ -16,17 +16,20 @@ namespace capsoc::peripherals {
 ///
 /// Every access first advances, so the order of an event and an access in one instant is fixed:
 /// the event's effect comes first.
-class ClockedBank : public kit::RegisterBank {
+class ClockedBank : public RegisterBank {
+ public:
+  void restored() override;
+
  protected:
   static constexpr uint64_t never = std::numeric_limits<uint64_t>::max();
 
-  ClockedBank(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
+  ClockedBank(const sc_core::sc_module_name& name, ClockDomain& clock);
 
   /// The edge at which the access in progress happens, or the last one so far.
   uint64_t now() const { return clock_.cycles_at(access_time()); }
 
   /// The last edge at the time of saved state.
-  uint64_t edge_of(const kit::Archive& archive) const {
+  uint64_t edge_of(const Archive& archive) const {
     return clock_.cycles_at(sc_core::sc_time::from_value(archive.time()));
   }
 
@@ -40,16 +43,13 @@ class ClockedBank : public kit::RegisterBank {
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
 
- public:
-  void restored() override;
-
  private:
   void on_event();
   void on_clock_change();
 
-  kit::ClockDomain& clock_;
+  ClockDomain& clock_;
   sc_core::sc_event event_;
   uint64_t planned_ = never;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::kit

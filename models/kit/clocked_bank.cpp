@@ -1,11 +1,8 @@
-#include "cmsdk/clocked_bank.h"
+#include "kit/clocked_bank.h"
 
-namespace capsoc::peripherals {
-namespace {}  // namespace
-
-ClockedBank::ClockedBank(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
-    : RegisterBank(name, kit::device_size, kit::AccessRule::any_width, kit::Holes::reads_zero),
-      clock_(clock) {
+namespace capsoc::kit {
+ClockedBank::ClockedBank(const sc_core::sc_module_name& name, ClockDomain& clock)
+    : RegisterBank(name, device_size, AccessRule::any_width, Holes::reads_zero), clock_(clock) {
   sc_core::sc_spawn_options options;
   options.spawn_method();
   options.dont_initialize();
@@ -57,4 +54,4 @@ void ClockedBank::restored() {
   on_clock_change();
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::kit
