@@ -139,7 +139,7 @@ class Archive {
     if (!ok()) return;
     if (there != value.has_value()) {
       if (there)
-        value.emplace();
+        value.emplace(T{});
       else
         value.reset();
     }

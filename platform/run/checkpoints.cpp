@@ -274,7 +274,7 @@ std::optional<Error> Checkpoints::save_now(const std::string& file) {
   if (!identity) return Error{identity.error()};
   saved.value().identity = std::move(identity.value());
   const std::string bytes = checkpoint::pack(saved.value());
-  const auto error = host::write_whole(file, bytes);
+  auto error = host::write_whole(file, bytes);
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
   if (!error) spdlog::info("{}: {} bytes in {:.1f} ms", file, bytes.size(), taken.count());
   return error;
