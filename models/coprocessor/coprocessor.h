@@ -9,6 +9,7 @@
 
 #include "coprocessor/datapath.h"
 #include "coprocessor/device.h"
+#include "coprocessor/idle_state.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
 #include "coprocessor/turn_judge.h"
@@ -35,18 +36,11 @@ class Coprocessor final : public Device {
   const Nodes& nodes() const override { return nodes_; }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override;
   void visit(kit::Archive& archive) override;
+  bool save_idle(IdleState& state) const override;
+  bool load_idle(const IdleState& state) override;
   std::unique_ptr<Device> clone() const override { return std::make_unique<Coprocessor>(*this); }
 
  private:
-  // Results that software sees; committed together at the end of T4.
-  struct Results {
-    uint32_t raw_u = 0, raw_v = 0, cal_s = 0, cal_c = 0, angle = 0, error_u = 0, error_v = 0,
-             residue = 0, reference_phase = 0, amplitude = 0, error_average = 0;
-    bool lock = false, diverged = false, mirror = false, valid = false;
-
-    void visit(kit::Archive& archive);
-  };
-
   // Written at the end of the tick under way.
   struct Pending {
     ReferenceState reference;
@@ -61,6 +55,10 @@ class Coprocessor final : public Device {
 
     void visit(kit::Archive& archive);
   };
+
+  // state.cpp
+  template <typename Self>
+  static auto members_of(Self& c);
 
   // coprocessor.cpp
   void commit_tick();

@@ -67,6 +67,8 @@ struct NamedNode {
 // Every node of Nodes by name, in pipeline order.
 const std::array<NamedNode, node_count>& node_names();
 
+struct IdleState;
+
 struct RegisterAccess {
   bool ok = false;  // false: no register there (PSLVERR)
   uint32_t value = 0;
@@ -116,6 +118,12 @@ class Device {
   // The state, between two edges: everything that was asked for at the last one is done. A device
   // that cannot be saved refuses.
   virtual void visit(kit::Archive& archive) { archive.refuse("cannot be saved"); }
+
+  // The same while it is idle, in the form of all devices (coprocessor/idle_state.h): what one has
+  // saved another goes on from. save_idle: false while it computes. load_idle: reset comes first.
+  // Both are false for a device that cannot do it.
+  virtual bool save_idle(IdleState& /*state*/) const { return false; }
+  virtual bool load_idle(const IdleState& /*state*/) { return false; }
 
   // The same device in the same state; null if it cannot be copied.
   virtual std::unique_ptr<Device> clone() const { return nullptr; }

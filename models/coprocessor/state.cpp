@@ -1,4 +1,6 @@
 // The state of the coprocessor's model, value by value (kit/archive.h).
+#include <tuple>
+
 #include "coprocessor/coprocessor.h"
 
 namespace capsoc::coprocessor {
@@ -147,7 +149,7 @@ void Sequencer::visit(Archive& archive) {
   if (load_stage_ && *load_stage_ >= load_stage_count) archive.refuse("has no such load stage");
 }
 
-void Coprocessor::Results::visit(Archive& archive) {
+void Results::visit(Archive& archive) {
   archive("raw_u", raw_u);
   archive("raw_v", raw_v);
   archive("cal_s", cal_s);
@@ -204,6 +206,61 @@ void Coprocessor::visit(Archive& archive) {
   archive("pending", pending_);
   archive("nodes", nodes_);
   if (archive.loading()) guest_error_ = {};
+}
+
+void IdleState::visit(Archive& archive) {
+  archive("cycle", cycle);
+  archive("ctrl", ctrl);
+  archive("flags", flags);
+  archive("settings", settings);
+  archive("state", state);
+  archive("results", results);
+  archive("judge_settings", judge_settings);
+  archive("judge", judge);
+  archive("lock_threshold", lock_threshold);
+  archive("diverge_threshold", diverge_threshold);
+  archive("soft_u", soft_u);
+  archive("samples", samples);
+  archive("early_count", early_count);
+  archive.at_most("settled", settled, 64u);
+  archive("staged_low", staged_low);
+  archive("latched_low", latched_low);
+  archive("nodes", nodes);
+}
+
+namespace {
+
+auto members_of(IdleState& s) {
+  return std::tie(s.cycle, s.ctrl, s.flags, s.settings, s.state, s.results, s.judge_settings,
+                  s.judge, s.lock_threshold, s.diverge_threshold, s.soft_u, s.samples,
+                  s.early_count, s.settled, s.staged_low, s.latched_low, s.nodes);
+}
+
+}  // namespace
+
+template <typename Self>
+auto Coprocessor::members_of(Self& c) {
+  return std::tie(c.cycle_, c.ctrl_, c.flags_, c.settings_, c.state_, c.results_, c.judge_settings_,
+                  c.judge_, c.lock_threshold_, c.diverge_threshold_, c.soft_u_, c.samples_,
+                  c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.nodes_);
+}
+
+bool Coprocessor::save_idle(IdleState& state) const {
+  if (!idle()) return false;
+  coprocessor::members_of(state) = members_of(*this);
+  return true;
+}
+
+bool Coprocessor::load_idle(const IdleState& state) {
+  IdleState copy = state;
+  soft_reset();
+  members_of(*this) = coprocessor::members_of(copy);
+  held_ = {};
+  pipe_ = {};
+  load_rotation_ = {};
+  pending_ = {};
+  guest_error_ = {};
+  return true;
 }
 
 }  // namespace capsoc::coprocessor

@@ -128,10 +128,18 @@ std::optional<sc_core::sc_time> CoprocessorTlm::quiet_at() const {
 }
 
 void CoprocessorTlm::visit(kit::Archive& archive) {
-  std::string kind = device_->kind();
+  // Idle, it is the same whatever device is here; in between every device has its own.
+  IdleState state;
+  bool idle = device_->save_idle(state);
+  archive("idle", idle);
+  std::string kind = idle ? "any" : device_->kind();
   archive("device", kind);
-  if (kind != device_->kind())
-    return archive.refuse(fmt::format("was saved with --coprocessor {}; give that", kind));
+  if (!archive.ok()) return;
+  if (!idle && kind != device_->kind())
+    return archive.refuse(
+        fmt::format("was saved while the coprocessor computed; only --coprocessor {} can go on "
+                    "from there",
+                    kind));
   archive("interval", interval_);
   archive("sample", sample_);
   archive("write", write_);
@@ -139,7 +147,11 @@ void CoprocessorTlm::visit(kit::Archive& archive) {
   archive("commits", commits_);
   if (interval_ > clock_.cycles_at(sc_core::sc_time::from_value(archive.time())) + 2)
     archive.refuse("is ahead of time");
-  device_->visit(archive);
+  if (!idle) return device_->visit(archive);
+  archive("state", state);
+  if (!archive.loading() || !archive.ok()) return;
+  if (state.cycle != interval_) return archive.refuse("has the state of another time");
+  if (!device_->load_idle(state)) archive.refuse("cannot be loaded");
 }
 
 void CoprocessorTlm::each_interrupt(const EachOutput& call) {

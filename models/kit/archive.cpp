@@ -49,7 +49,7 @@ std::string Archive::path() const {
 }
 
 void Archive::refuse(const std::string& sentence) {
-  if (problem_.empty()) problem_ = path() + " " + sentence;
+  if (problem_.empty()) problem_ = path_.empty() ? sentence : path() + " " + sentence;
 }
 
 void Archive::visit_text(std::string& text) {

@@ -11,10 +11,12 @@
 
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
+#include "rtl/rtl_state.h"
 
 namespace capsoc::rtl {
 
 using coprocessor::commit_stage;
+using coprocessor::IdleState;
 using coprocessor::latency_cycles;
 using coprocessor::load_stage_count;
 using coprocessor::NamedNode;
@@ -86,6 +88,27 @@ class CoprocessorRtl::Pins {
     archive("nodes", nodes_);
     archive("clocks", clocks_);
     if (archive.loading()) named_ = edge_;
+  }
+
+  bool save_idle(IdleState& state) {
+    settle();
+    if (!pins_.idle || (acts_ && !reading_)) return false;
+    capsoc_rtl_state registers{};
+    api_.get_state(instance_.get(), &registers);
+    state = to_model(registers, nodes_);
+    state.cycle = edge_;
+    // A read of HI fills its latch at the coming edge; in the model it has done so.
+    if (reading_) state.latched_low.at(pair_index(pins_.paddr)) = present_low(pins_.paddr - 4u);
+    return true;
+  }
+
+  void load_idle(const IdleState& state) {
+    reset();
+    const capsoc_rtl_state registers = to_rtl(state);
+    api_.set_state(instance_.get(), &registers);
+    edge_ = named_ = state.cycle;
+    changed_ = false;
+    nodes_ = state.nodes;
   }
 
   void reset() {
@@ -319,10 +342,13 @@ class CoprocessorRtl::Pins {
   uint32_t present_low(uint32_t offset) {
     std::array<int64_t, 8> pairs{};
     api_.pairs(instance_.get(), pairs.data());
-    const unsigned index = offset < coprocessor::reg_au_lo
-                               ? (offset - coprocessor::reg_freq_lo) / 8
-                               : 2 + (offset - coprocessor::reg_au_lo) / 8;
-    return coprocessor::pair_words(offset, pairs.at(index)).low;
+    return coprocessor::pair_words(offset, pairs.at(pair_index(offset))).low;
+  }
+
+  /// Of a 48-bit register: FREQ, PHASE, AU, BU, CU, AV, BV, CV.
+  static unsigned pair_index(uint32_t offset) {
+    return offset < coprocessor::reg_au_lo ? (offset - coprocessor::reg_freq_lo) / 8
+                                           : 2 + (offset - coprocessor::reg_au_lo) / 8;
   }
 
   RtlLibrary::Handle library_;
@@ -400,6 +426,15 @@ bool CoprocessorRtl::stage_nodes(unsigned stage, Nodes& nodes) const {
 
 void CoprocessorRtl::visit(kit::Archive& archive) {
   pins_->visit(archive);
+}
+
+bool CoprocessorRtl::save_idle(IdleState& state) const {
+  return pins_->save_idle(state);
+}
+
+bool CoprocessorRtl::load_idle(const IdleState& state) {
+  pins_->load_idle(state);
+  return true;
 }
 
 std::unique_ptr<coprocessor::Device> CoprocessorRtl::clone() const {

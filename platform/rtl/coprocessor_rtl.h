@@ -36,6 +36,8 @@ class CoprocessorRtl final : public coprocessor::Device {
   bool stage_nodes(unsigned stage, coprocessor::Nodes& nodes) const override;
   const char* kind() const override { return "rtl"; }
   void visit(kit::Archive& archive) override;
+  bool save_idle(coprocessor::IdleState& state) const override;
+  bool load_idle(const coprocessor::IdleState& state) override;
   std::unique_ptr<Device> clone() const override;
 
   /// Rising edges that were really made, of all that have passed.

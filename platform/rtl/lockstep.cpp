@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capsoc_registers.h"
+#include "coprocessor/idle_state.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
 #include "rtl/coprocessor_rtl.h"
@@ -17,6 +18,7 @@ namespace capsoc::rtl {
 
 using coprocessor::commit_stage;
 using coprocessor::Device;
+using coprocessor::IdleState;
 using coprocessor::NamedNode;
 using coprocessor::node_names;
 using coprocessor::Nodes;
@@ -240,12 +242,24 @@ class Lockstep::Pair {
     archive("level", level_);
     archive("commits", commits_);
     archive("load_until", load_until_);
-    if (!archive.loading()) return;
-    closed_ = true;
-    accesses_.clear();
-    samples_.clear();
-    older_ = {};
-    newer_ = {};
+    if (archive.loading()) forget();
+  }
+
+  bool save_idle(IdleState& state) {
+    close();
+    return model_->save_idle(state);
+  }
+
+  bool load_idle(const IdleState& state) {
+    if (!model_->load_idle(state) || !rtl_->load_idle(state)) return false;
+    counters_ = {};
+    present_ = state.cycle;
+    last_read_.reset();
+    level_ = model_->interrupt();
+    commits_ = state.nodes.commits;
+    load_until_ = 0;
+    forget();
+    return true;
   }
 
   std::unique_ptr<Device> model_, rtl_;
@@ -262,6 +276,15 @@ class Lockstep::Pair {
   };
 
   bool same() const { return !difference_; }
+
+  /// What was before the present edge.
+  void forget() {
+    closed_ = true;
+    accesses_.clear();
+    samples_.clear();
+    older_ = {};
+    newer_ = {};
+  }
 
   void open(uint64_t cycle) { run_to(closed_ ? std::max(cycle, present_ + 1) : cycle); }
 
@@ -417,6 +440,14 @@ void Lockstep::Counters::visit(kit::Archive& archive) {
 
 void Lockstep::visit(kit::Archive& archive) {
   pair_->visit(archive);
+}
+
+bool Lockstep::save_idle(IdleState& state) const {
+  return pair_->save_idle(state);
+}
+
+bool Lockstep::load_idle(const IdleState& state) {
+  return pair_->load_idle(state);
 }
 
 void Lockstep::reset() {

@@ -53,6 +53,8 @@ class Lockstep final : public coprocessor::Device {
   const coprocessor::Nodes& nodes() const override;
   const char* kind() const override { return "lockstep"; }
   void visit(kit::Archive& archive) override;
+  bool save_idle(coprocessor::IdleState& state) const override;
+  bool load_idle(const coprocessor::IdleState& state) override;
 
   const std::optional<Difference>& difference() const;
   /// Runs once, at the first difference.

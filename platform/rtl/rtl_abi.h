@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 1
+#define CAPSOC_RTL_ABI_VERSION 2
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
 
 /* Pins of one instance. The caller writes the inputs and calls eval(), which puts them on the
@@ -42,9 +42,19 @@ typedef struct capsoc_rtl_pins {
 
 typedef struct capsoc_rtl capsoc_rtl;
 
+/* What the registers of one instance hold while its pipeline is empty; raw bits, zero-extended. */
+typedef struct capsoc_rtl_state {
+#define WORD(name, bits, instance, variable) uint64_t name;
+#define WORDS(name, count, instance, variable) uint64_t name[count];
+#include "rtl/rtl_state.def"
+#undef WORD
+#undef WORDS
+} capsoc_rtl_state;
+
 typedef struct capsoc_rtl_api {
   uint32_t abi_version;
   uint32_t pins_size;                                      /* sizeof(capsoc_rtl_pins) */
+  uint32_t state_size;                                     /* sizeof(capsoc_rtl_state) */
   const char* source_hash;                                 /* SHA-256 of the RTL, in hexadecimal */
   int32_t paper, operand_bits, reference_lead, step_shift; /* the parameters of the top */
   int32_t coverage;                                        /* built with line and toggle coverage */
@@ -71,6 +81,11 @@ typedef struct capsoc_rtl_api {
    * writes it if it fits. restore: takes what save() of the same library wrote. */
   size_t (*save)(capsoc_rtl*, void* bytes, size_t size);
   void (*restore)(capsoc_rtl*, const void* bytes, size_t size);
+
+  /* The registers between two instances, or between this one and the model. set_state: behind a
+   * reset; drops what a register has no bits for. */
+  void (*get_state)(capsoc_rtl*, capsoc_rtl_state*);
+  void (*set_state)(capsoc_rtl*, const capsoc_rtl_state*);
 
   /* An FST file of everything, one time unit a nanosecond. 0: cannot be written. `model` are
    * node_count values that stand beside the RTL's nodes in the file. */

@@ -18,7 +18,8 @@ constexpr const char* rebuild = "build it with `cmake --build BUILD --target cap
 
 std::string refuse(const std::string& file, const capsoc_rtl_api& api,
                    const coprocessor::Options& options) {
-  if (api.abi_version != CAPSOC_RTL_ABI_VERSION || api.pins_size != sizeof(capsoc_rtl_pins))
+  if (api.abi_version != CAPSOC_RTL_ABI_VERSION || api.pins_size != sizeof(capsoc_rtl_pins) ||
+      api.state_size != sizeof(capsoc_rtl_state))
     return fmt::format("{}: its interface has version {} and this program wants {}; {}", file,
                        api.abi_version, CAPSOC_RTL_ABI_VERSION, rebuild);
   if (std::strcmp(api.source_hash, source_hash()) != 0)

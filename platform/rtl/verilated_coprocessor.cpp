@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "Vcoprocessor_probe.h"
+#include "Vcoprocessor_probe___024root.h"
 #include "rtl/rtl_abi.h"
 #include "rtl_hash.h"
 #include "verilated.h"
@@ -15,6 +16,10 @@
 #if CAPSOC_RTL_COVERAGE
 #include "verilated_cov.h"
 #endif
+
+// Verilator's: all combinational logic anew, as at its first evaluation. eval() would not do it,
+// for nothing that it looks at has changed.
+void Vcoprocessor_probe___024root___eval_settle(Vcoprocessor_probe___024root* top);
 
 namespace {
 
@@ -221,6 +226,38 @@ void restore(capsoc_rtl* r, const void* bytes, size_t size) {
 }
 #endif
 
+#define REGISTER(instance, variable) \
+  top.coprocessor_probe__DOT__dut__DOT__##instance##__DOT__##variable
+
+void get_state(capsoc_rtl* r, capsoc_rtl_state* state) {
+  const Vcoprocessor_probe___024root& top = *r->top->rootp;
+#define WORD(name, bits, instance, variable) state->name = REGISTER(instance, variable);
+#define WORDS(name, count, instance, variable) \
+  for (size_t i = 0; i < (count); ++i) state->name[i] = REGISTER(instance, variable)[i];
+#include "rtl/rtl_state.def"
+#undef WORD
+#undef WORDS
+}
+
+template <typename Register>
+void assign(Register& place, uint64_t value, unsigned bits) {
+  static_assert(sizeof(Register) <= sizeof value);
+  place = static_cast<Register>(value & (~uint64_t{0} >> (64 - bits)));
+}
+
+void set_state(capsoc_rtl* r, const capsoc_rtl_state* state) {
+  Vcoprocessor_probe___024root& top = *r->top->rootp;
+#define WORD(name, bits, instance, variable) \
+  assign(REGISTER(instance, variable), state->name, bits);
+#define WORDS(name, count, instance, variable) \
+  for (size_t i = 0; i < (count); ++i) assign(REGISTER(instance, variable)[i], state->name[i], 32);
+#include "rtl/rtl_state.def"
+#undef WORD
+#undef WORDS
+  Vcoprocessor_probe___024root___eval_settle(&top);
+  sample(*r);
+}
+
 int open_waves(capsoc_rtl* r, const char* file) {
   close_waves(r);
   r->waves = std::make_unique<VerilatedFstC>();
@@ -255,6 +292,7 @@ int write_coverage(capsoc_rtl* r, const char* file) {
 
 constexpr capsoc_rtl_api api = {CAPSOC_RTL_ABI_VERSION,
                                 sizeof(capsoc_rtl_pins),
+                                sizeof(capsoc_rtl_state),
                                 CAPSOC_RTL_SOURCE_HASH,
                                 CAPSOC_RTL_PAPER,
                                 32,
@@ -273,6 +311,8 @@ constexpr capsoc_rtl_api api = {CAPSOC_RTL_ABI_VERSION,
                                 pairs,
                                 save,
                                 restore,
+                                get_state,
+                                set_state,
                                 open_waves,
                                 model_nodes,
                                 wave_time,

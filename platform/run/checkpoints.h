@@ -40,8 +40,8 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settin
 std::vector<checkpoint::Part> parts_of(soc::Soc& soc);
 
 /// Saves a run while it runs, between two instructions, when the coprocessor's pipeline is empty:
-/// such a state any backend of it can go on from. A pipeline that is still busy a millisecond later
-/// is saved as it is.
+/// such a state any backend of it can go on from, whichever saved it. A pipeline that is still busy
+/// a millisecond later is saved as it is, for the same backend only.
 class Checkpoints {
  public:
   Checkpoints(const Settings& settings, const RunInputs& inputs, soc::Soc& soc,

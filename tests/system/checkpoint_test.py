@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -51,6 +52,10 @@ class Cuts(Case):
     def test_with_the_rtl_and_in_lockstep(self):
         self.cuts(6, "--pairs", "rtl-rtl,lockstep-lockstep", "--programs", "selfcal,track,drivers", "--seed", "6")
 
+    def test_from_one_coprocessor_to_another(self):
+        self.cuts(36, "--pairs", "tlm-rtl,tlm-lockstep,rtl-tlm,rtl-lockstep,lockstep-tlm,lockstep-rtl", "--programs",
+                  "selfcal,track,unordered", "--seed", "7")
+
 
 class Places(Case):
     def test_several_checkpoints_and_a_chain_of_them(self):
@@ -72,6 +77,20 @@ class Places(Case):
         self.capsoc(FIRMWARE / "drivers.elf", "--uart0", "null", "--save", "a@0.03")
         self.capsoc(FIRMWARE / "drivers.elf", "--uart0", "file:x", "--quantum", "100", "-C", "cpu.executor=stepping", "--save", "b@0.03")
         self.assertEqual(self.bytes_of("a"), self.bytes_of("b"))
+
+    def test_the_state_has_the_same_bytes_whatever_the_coprocessor_is(self):
+        for arithmetic in ("precise", "paper"):
+            for kind in ("tlm", "rtl", "lockstep"):
+                self.capsoc("--coprocessor", kind, "--arithmetic", arithmetic, "--uart0", "null", "--simlimit", "1.2", "--save", f"{kind}@1",
+                            code=124)
+            self.assertEqual(self.bytes_of("rtl"), self.bytes_of("tlm"))
+            self.assertEqual(self.bytes_of("lockstep"), self.bytes_of("tlm"))
+
+    def test_the_last_second_of_the_models_run_in_lockstep(self):
+        self.capsoc("--uart0", "null", "--simlimit", "400", "--save", "s@399", "--json", "whole.json", code=124)
+        self.capsoc("--uart0", "null", "--simlimit", "400", "--restore", "s", "--coprocessor", "lockstep", "--json", "r.json", code=124)
+        for key in ("samples", "parameters", "angle_error_deg", "convergence_s"):
+            self.assertEqual(self.result()[key], self.result("whole.json")[key], key)
 
     def test_every_so_many_seconds(self):
         self.capsoc("--simlimit", "9.5", "--uart0", "null", "--save-every", "4", code=124)
@@ -163,6 +182,31 @@ class Refusals(Case):
         self.refused("is no checkpoint; give a file that capsoc run --save wrote", "--restore", FIRMWARE / "hello.elf")
         self.refused("absent", "--restore", "absent")
         self.refused("capsoc", "--restore", ".")
+
+    def save_while_it_computes(self, kind):
+        run = subprocess.Popen([BUILD / "capsoc", "run", FIRMWARE / "forever.elf", "--uart0", "null", "--gdb", "0", "--halt", "--coprocessor",
+                                kind], cwd=self.folder, env=CLEAN, stderr=subprocess.PIPE, text=True)
+        try:
+            port = re.search(r"127\.0\.0\.1:(\d+)", run.stderr.readline()).group(1)
+            load = "set *(unsigned *)0x4000c014 = 1"  # CMD.LOAD: 97 cycles
+            commands = [f"target remote :{port}", load, "stepi", "stepi", "stepi", f"monitor save busy-{kind}", "kill"]
+            done = subprocess.run(["gdb-multiarch", "-nx", "-batch", *(f"-ex={command}" for command in commands)], capture_output=True,
+                                  text=True, timeout=60, check=False)
+            self.assertIn(f"busy-{kind}: saved", done.stdout + done.stderr)
+        finally:
+            run.kill()
+            run.communicate()
+
+    def test_another_coprocessor_than_the_one_that_computed(self):
+        for saved in ("tlm", "rtl", "lockstep"):
+            self.save_while_it_computes(saved)
+            for kind in ("tlm", "rtl", "lockstep"):
+                again = (FIRMWARE / "forever.elf", "--uart0", "null", "--restore", f"busy-{saved}", "--coprocessor", kind)
+                if kind == saved:
+                    self.capsoc(*again, "--timelimit", "0.5", code=124)
+                else:
+                    self.refused(f"busy-{saved}: coprocessor: was saved while the coprocessor computed; only --coprocessor {saved} can go on "
+                                 "from there", *again)
 
     def test_a_refused_run_leaves_its_places_alone(self):
         (self.folder / "out").write_text("old")

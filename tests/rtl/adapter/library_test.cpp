@@ -34,7 +34,8 @@ TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
 }
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
-  expect_refusal(LIBRARIES "/rtl_library_wrong_version.so", "its interface has version 2");
+  expect_refusal(LIBRARIES "/rtl_library_wrong_version.so",
+                 "its interface has version 3 and this program wants 2");
 }
 
 TEST(RtlLibrary, OtherRtlThanTheProgramsIsRefused) {

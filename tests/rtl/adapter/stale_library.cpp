@@ -6,6 +6,7 @@ extern "C" const capsoc_rtl_api* capsoc_rtl_entry() {
     capsoc_rtl_api stale{};
     stale.abi_version = CAPSOC_RTL_ABI_VERSION;
     stale.pins_size = sizeof(capsoc_rtl_pins);
+    stale.state_size = sizeof(capsoc_rtl_state);
     stale.source_hash = "0123456789abcdef";
     return stale;
   }();
