@@ -49,7 +49,7 @@ module coprocessor #(
   logic [4:0]  kp, ki;
   logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
   logic [31:0] lock_threshold, diverge_threshold, turn_limit;
-  logic [18:0] judge;
+  logic [21:0] judge;
   logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
   logic [31:0] a1, a2, b1, b2, beta, phi;
 

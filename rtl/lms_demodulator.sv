@@ -5,12 +5,14 @@
 //   sine_i, cosine_i        s32, Q1.31
 //   difference_i            s34, Q31: D = data - c >>r 15, u's in cycle 3, v's in cycle 7
 //   step_*_i                u31, Q1.31, registers; copied at the tick's start (a1, a2 for LOAD)
+//   slew_i                  JUDGE.SLEW, copied likewise
 //   error_o                 s32, Q1.31, valid with error_valid_o: u in cycle 4, v in cycle 8
 //   weight_o                s48, Q2.46, valid with weight_valid_o, when weight_i leaves place 0
 //
 //   err = sat(D - (a sine + b cosine) >>r 31), exactly sat of
 //         floor((D 2^31 + 2^30 - 1 - a sine - b cosine) / 2^31), one rounding of the exact sum
-//   g = (err step) >>r 16, dW = (g r) >>r 31 or g, W' = sat(W + dW)
+//   err_s = err as slew_limit.sv leaves it; error_o is err
+//   g = (err_s step) >>r 16, dW = (g r) >>r 31 or g, W' = sat(W + dW)
 // Operands are chosen in one cycle and multiplied in the next. Cycles (of choice):
 //   0 1 3, 4 5 7   a sine, b cosine, D
 //   14 + 2 i       err step_i of weight i = 0..2; 15 + 2 i: g r_i; written at the end of 16, 18, 19
@@ -35,6 +37,7 @@ module lms_demodulator (
   input  logic        [30:0] step_av_i,
   input  logic        [30:0] step_bv_i,
   input  logic        [30:0] step_cv_i,
+  input  logic        [ 2:0] slew_i,
   input  logic signed [47:0] weight_i,
   input  logic signed [33:0] weight_q31_i,
   input  logic signed [33:0] difference_i,
@@ -72,6 +75,18 @@ module lms_demodulator (
       step_cv_q <= step_cv_i;
     end
   end
+
+  // What the update sees of an error.
+  logic [2:0] slew_q;
+  logic signed [31:0] limited;
+  always_ff @(posedge clk_i) begin
+    if (boundary_i) slew_q <= slew_i;
+  end
+  slew_limit u_slew_limit (
+    .slew_i (slew_q),
+    .error_i(error_o),
+    .error_o(limited)
+  );
 
   logic updating;  // cycles 14 to 25
   logic channel_v, second, third, odd;
@@ -131,8 +146,8 @@ module lms_demodulator (
   always_ff @(posedge clk_i) begin
     if (boundary_i || capture_u) sum_q <= '0;
     else if (active_i && (add_data || add_product)) sum_q <= sum[66:1];
-    if (capture_u) error_u_q <= error_o;
-    if (capture_v) error_v_q <= error_o;
+    if (capture_u) error_u_q <= limited;
+    if (capture_v) error_v_q <= limited;
   end
 
   // W' = W + (p >> n) and the rounding bit as a carry. -sine of LOAD: -p = ~p + 1, whose rounding

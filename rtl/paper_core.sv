@@ -33,6 +33,7 @@ module paper_core #(
   input  logic        [30:0] step_av_i,
   input  logic        [30:0] step_bv_i,
   input  logic        [30:0] step_cv_i,
+  input  logic        [ 2:0] slew_i,
   input  logic        [47:0] au_i,
   input  logic        [47:0] bu_i,
   input  logic        [47:0] cu_i,
@@ -84,6 +85,7 @@ module paper_core #(
   logic [31:0] beta_q, phi_q;
   logic signed [47:0] au_q, bu_q, cu_q, av_q, bv_q, cv_q;
   logic [30:0] step_au_q, step_bu_q, step_cu_q, step_av_q, step_bv_q, step_cv_q;
+  logic [2:0] slew_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
       a1_q <= parameters_we_i ? a1_o : a1_i;
@@ -104,6 +106,7 @@ module paper_core #(
       step_av_q <= step_av_i;
       step_bv_q <= step_bv_i;
       step_cv_q <= step_cv_i;
+      slew_q <= slew_i;
     end
   end
 
@@ -179,6 +182,7 @@ module paper_core #(
     .step_av_i          (step_av_q),
     .step_bv_i          (step_bv_q),
     .step_cv_i          (step_cv_q),
+    .slew_i             (slew_q),
     .au_i               (au_q),
     .bu_i               (bu_q),
     .cu_i               (cu_q),

@@ -9,6 +9,7 @@
 //
 // u_i, v_i, sine_i, cosine_i   s32, Q1.31
 // step_*_i                     u31, Q1.31; StepShift: right shift of every step
+// slew_i                       JUDGE.SLEW: what of the error an update may see
 // au_i .. cv_i, au_o .. cv_o   s48, Q2.46, of which this arithmetic has bits 46:15 (Q1.31)
 // error_u_o, error_v_o         s32, Q1.31, before the update
 // error_saturated_o            an error was clamped
@@ -32,6 +33,7 @@ module paper_lms #(
   input  logic        [30:0] step_av_i,
   input  logic        [30:0] step_bv_i,
   input  logic        [30:0] step_cv_i,
+  input  logic         [2:0] slew_i,
   input  logic signed [47:0] au_i,
   input  logic signed [47:0] bu_i,
   input  logic signed [47:0] cu_i,
@@ -84,7 +86,11 @@ module paper_lms #(
   assign step_b = channel_v ? step_bv_i : step_bu_i;
   assign step_c = channel_v ? step_cv_i : step_cu_i;
   assign data = channel_v ? v_i : u_i;
-  assign error = channel_v ? error_v_q : error_u_q;
+  slew_limit u_slew_limit (
+    .slew_i,
+    .error_i(channel_v ? error_v_q : error_u_q),
+    .error_o(error)
+  );
 
   // First product of the estimate (s33), then the gained error (s32).
   logic signed [32:0] part_q;

@@ -37,7 +37,7 @@ module register_bank #(
   output logic [4:0]  kp_o, ki_o,
   output logic [30:0] step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o,
   output logic [31:0] lock_threshold_o, diverge_threshold_o, turn_limit_o,
-  output logic [18:0] judge_o,
+  output logic [21:0] judge_o,
   output logic        frozen_o,      // with what this edge commits
   // State, and what the pipeline writes at a tick's boundary
   output logic [47:0] phase_o, freq_o, au_o, bu_o, cu_o, av_o, bv_o, cv_o,
@@ -252,7 +252,7 @@ module register_bank #(
                          : capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET;
     end
     if (is_judge & ~word[0]) begin
-      settings = {13'd0, word_valid ? word_data[18:0] : JudgeReset[18:0]};
+      settings = {10'd0, word_valid ? word_data[21:0] : JudgeReset[21:0]};
     end
     if (is_soft & word[0]) settings = '0;  // SOFT_V
   end

@@ -26,7 +26,7 @@ module setting_registers (
   output logic [4:0]  ki_o,
   output logic [31:0] lock_threshold_o,
   output logic [31:0] diverge_threshold_o,
-  output logic [18:0] judge_o,        // JUDGE
+  output logic [21:0] judge_o,        // JUDGE
   output logic [31:0] turn_limit_o    // samples
 );
 
@@ -127,7 +127,7 @@ module setting_registers (
   localparam logic [31:0] JudgeReset   = capsoc_coprocessor_pkg::JUDGE_RESET;
   localparam logic [31:0] LimitReset   = capsoc_coprocessor_pkg::TURN_LIMIT_RESET;
   logic        write_loop, write_lock, write_diverge, write_judge, write_limit;
-  logic [18:0] judge_q;
+  logic [21:0] judge_q;
   logic [31:0] turn_limit_q;
   logic [4:0]  kp_q, ki_q;
   logic [31:0] lock_threshold_q, diverge_threshold_q;
@@ -142,7 +142,7 @@ module setting_registers (
       ki_q                <= LoopReset[KiHigh:KiLow];
       lock_threshold_q    <= LockReset;
       diverge_threshold_q <= DivergeReset;
-      judge_q             <= JudgeReset[18:0];
+      judge_q             <= JudgeReset[21:0];
       turn_limit_q        <= LimitReset;
     end else begin
       if (clear_i | write_loop) begin
@@ -151,7 +151,7 @@ module setting_registers (
       end
       if (clear_i | write_lock) lock_threshold_q <= clear_i ? LockReset : pwdata_i;
       if (clear_i | write_diverge) diverge_threshold_q <= clear_i ? DivergeReset : pwdata_i;
-      if (clear_i | write_judge) judge_q <= clear_i ? JudgeReset[18:0] : pwdata_i[18:0];
+      if (clear_i | write_judge) judge_q <= clear_i ? JudgeReset[21:0] : pwdata_i[21:0];
       if (clear_i | write_limit) turn_limit_q <= clear_i ? LimitReset : pwdata_i;
     end
   end

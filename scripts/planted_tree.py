@@ -21,11 +21,16 @@ def copy_tree(tree):
             shutil.copy(source, copy)
 
 
-def exchange(file, old, new):
-    text = file.read_text(encoding="utf-8")
+def exchanged(file, old, new):
+    """The file's text with `new` in the place of `old`, which must be there exactly once."""
+    text = file.read_text(encoding="utf-8") if file.is_file() else ""
     if text.count(old) != 1:
         raise PlantError(f"{file} holds {old!r} {text.count(old)} times, not once")
-    file.write_text(text.replace(old, new), encoding="utf-8")
+    return text.replace(old, new)
+
+
+def exchange(file, old, new):
+    file.write_text(exchanged(file, old, new), encoding="utf-8")
 
 
 def run(command, log):

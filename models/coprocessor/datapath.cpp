@@ -65,9 +65,9 @@ void Datapath::reference(Packet& packet, const Settings& settings, const State& 
 void Datapath::demodulation(Packet& packet, const Settings& settings, const State& state,
                             bool frozen, Learning& next) const {
   const auto channel = [&](const Weights& weights, const Steps& steps, int32_t data) {
-    return paper()
-               ? demodulate_paper(weights, steps, data, packet.reference, options_.paper_step_shift)
-               : demodulate(weights, steps, data, packet.reference);
+    return paper() ? demodulate_paper(weights, steps, data, packet.reference,
+                                      options_.paper_step_shift, settings.slew)
+                   : demodulate(weights, steps, data, packet.reference, settings.slew);
   };
   const Demodulation u = channel(state.coefficients.u, settings.steps_u, packet.u);
   const Demodulation v = channel(state.coefficients.v, settings.steps_v, packet.v);

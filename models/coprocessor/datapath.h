@@ -57,6 +57,7 @@ struct Settings {
   unsigned ki = 10;
   Steps steps_u;
   Steps steps_v;
+  unsigned slew = 0;  // JUDGE.SLEW, 0..7
 
   void visit(kit::Archive& archive);
 };

@@ -1,5 +1,7 @@
 #include "coprocessor/lms_demodulator.h"
 
+#include <algorithm>
+
 #include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
@@ -32,26 +34,32 @@ inline int64_t update_paper(int64_t weight, int64_t gained, int32_t reference, b
 
 }  // namespace
 
+int32_t limited_error(int32_t error, unsigned slew) {
+  const int32_t most = INT32_MAX >> (2 * slew);
+  return std::clamp(error, -most - 1, most);
+}
+
 Demodulation demodulate(const Weights& weights, const Steps& steps, int32_t data,
-                        const Rotation& reference) {
+                        const Rotation& reference, unsigned slew) {
   Demodulation out;
   const int128 products = multiply(weight_q31(weights.sine), reference.sine) +
                           multiply(weight_q31(weights.cosine), reference.cosine);
   const int64_t estimate =
       static_cast<int64_t>(round_shift(products, 31)) + weight_q31(weights.constant);
   out.error = saturate32(data - estimate, out.error_saturated);
-  out.weights.sine = update(weights.sine, gained_error(out.error, steps.sine), reference.sine,
-                            out.weights_saturated);
-  out.weights.cosine = update(weights.cosine, gained_error(out.error, steps.cosine),
-                              reference.cosine, out.weights_saturated);
+  const int32_t error = limited_error(out.error, slew);
+  out.weights.sine =
+      update(weights.sine, gained_error(error, steps.sine), reference.sine, out.weights_saturated);
+  out.weights.cosine = update(weights.cosine, gained_error(error, steps.cosine), reference.cosine,
+                              out.weights_saturated);
   // The third reference is exactly one: no multiplication, no second rounding.
-  out.weights.constant = saturate<48>(weights.constant + gained_error(out.error, steps.constant),
-                                      out.weights_saturated);
+  out.weights.constant =
+      saturate<48>(weights.constant + gained_error(error, steps.constant), out.weights_saturated);
   return out;
 }
 
 Demodulation demodulate_paper(const Weights& weights, const Steps& steps, int32_t data,
-                              const Rotation& reference, int step_shift) {
+                              const Rotation& reference, int step_shift, unsigned slew) {
   Demodulation out;
   const int64_t sine = weights.sine >> 15;
   const int64_t cosine = weights.cosine >> 15;
@@ -59,8 +67,9 @@ Demodulation demodulate_paper(const Weights& weights, const Steps& steps, int32_
   const int64_t estimate = truncated_product(sine, reference.sine) +
                            truncated_product(cosine, reference.cosine) + constant;
   out.error = saturate32(data - estimate, out.error_saturated);
+  const int32_t error = limited_error(out.error, slew);
   const auto gained = [&](uint32_t step) {
-    return truncated_product(out.error, int64_t{step} >> step_shift);
+    return truncated_product(error, int64_t{step} >> step_shift);
   };
   out.weights.sine = update_paper(sine, gained(steps.sine), reference.sine, out.weights_saturated);
   out.weights.cosine =

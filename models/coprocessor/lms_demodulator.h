@@ -18,13 +18,16 @@ constexpr int64_t weight_q31(int64_t weight) {
   return (weight + (int64_t{1} << 14)) >> 15;
 }
 
+// The error that an update sees with JUDGE.SLEW = n (0..7): within [-4^-n, 4^-n - 2^-31], Q1.31.
+int32_t limited_error(int32_t error, unsigned slew);
+
 // Weights with 15 guard bits, every product rounded half up.
 Demodulation demodulate(const Weights& weights, const Steps& steps, int32_t data,
-                        const Rotation& reference);
+                        const Rotation& reference, unsigned slew = 0);
 
 // 32-bit weights, every product truncated to Q1.31, steps shifted right by step_shift.
 Demodulation demodulate_paper(const Weights& weights, const Steps& steps, int32_t data,
-                              const Rotation& reference, int step_shift);
+                              const Rotation& reference, int step_shift, unsigned slew = 0);
 
 // Moving average of |error| with weight 2^-6: the accumulator holds 64 times the average (Q1.37,
 // unsigned 38 bits).

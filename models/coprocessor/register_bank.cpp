@@ -251,7 +251,8 @@ std::optional<uint32_t> Coprocessor::peek(uint32_t offset) const {
       return latency_cycles;
     case reg_judge:
       return judge_settings_.radius_limit | judge_settings_.alarm_limit << judge_alarm_limit_shift |
-             judge_settings_.turns << judge_turns_shift | (judge_settings_.count ? judge_count : 0);
+             judge_settings_.turns << judge_turns_shift |
+             (judge_settings_.count ? judge_count : 0) | settings_.slew << judge_slew_shift;
     case reg_turn_limit:
       return judge_settings_.turn_limit;
     case reg_turn_flags:
@@ -363,6 +364,7 @@ bool Coprocessor::write_setting(uint32_t offset, uint32_t value) {
       judge_settings_.alarm_limit = (value >> judge_alarm_limit_shift) & 0xFF;
       judge_settings_.turns = (value >> judge_turns_shift) & 3;
       judge_settings_.count = (value & judge_count) != 0;
+      settings_.slew = (value >> judge_slew_shift) & 7;
       return true;
     case reg_turn_limit:
       judge_settings_.turn_limit = value;

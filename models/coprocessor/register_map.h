@@ -123,7 +123,8 @@ inline constexpr unsigned turn_count_shift = 24;
 inline constexpr unsigned judge_alarm_limit_shift = 8;
 inline constexpr unsigned judge_turns_shift = 16;
 inline constexpr uint32_t judge_count = 1u << 18;
-inline constexpr uint32_t judge_writable = (1u << 19) - 1;
+inline constexpr unsigned judge_slew_shift = 19;
+inline constexpr uint32_t judge_writable = (1u << 22) - 1;
 
 // CMD
 inline constexpr uint32_t cmd_load = 1u << 0;

@@ -112,6 +112,7 @@ void Settings::visit(Archive& archive) {
   archive.at_most("ki", ki, 31u);
   archive("steps_u", steps_u);
   archive("steps_v", steps_v);
+  archive.at_most("slew", slew, 7u);
 }
 
 void State::visit(Archive& archive) {

@@ -84,6 +84,7 @@ class Bench {
   void cover_ties(const coprocessor::Nodes& n);
   void cover_flags(uint32_t flags);
   void cover_judge(const coprocessor::Nodes& n);
+  void cover_slew(const coprocessor::Nodes& n);
   void cover_interrupt(bool level);
   void cover_spacing();
   void cover_write(uint32_t offset, uint32_t value);
@@ -130,6 +131,7 @@ class Bench {
   uint32_t turn_flags_ = 0;
   int64_t glitches_ = 0;
   uint32_t judge_ = 0x13333;
+  uint64_t judge_at_ = 0;  // samples before it may have used another
 };
 
 }  // namespace capsoc::regress

@@ -76,6 +76,7 @@ void Bench::cover_commit() {
   cover_ties(n);
   cover_flags(static_cast<uint32_t>(n.flags));
   cover_judge(n);
+  cover_slew(n);
 
   const auto status = static_cast<uint32_t>(n.status);
   const unsigned source = (ctrl_ & ctrl_ref_mask) >> ctrl_ref_shift;
@@ -209,6 +210,30 @@ void Bench::cover_judge(const Nodes& n) {
   hit(n.travel == 1 << 30 || n.travel == -(1 << 30), 26);
 }
 
+void Bench::cover_slew(const Nodes& n) {
+  if (edge_ <= std::max(judge_at_, settled_at_) + latency_cycles) return;
+  const unsigned slew = judge_ >> judge_slew_shift;
+  std::array<bool, 2> limited{};
+  for (size_t channel = 0; channel < 2; ++channel) {
+    const int64_t error = channel == 0 ? n.error_u : n.error_v;
+    const int64_t most = INT32_MAX >> (2 * slew);
+    limited[channel] = error > most || error < -most - 1;
+    if (slew == 0) {
+      coverage_.hit_if(error == most || error == -most - 1, Group::slew, 0);
+      continue;
+    }
+    const size_t where = error > most         ? 0
+                         : error < -most - 1  ? 1
+                         : error == most      ? 2
+                         : error == -most - 1 ? 3
+                                              : 4;
+    coverage_.hit(Group::slew, 1 + (slew - 1) * 5 + where);
+  }
+  coverage_.hit_if(limited[0] && !limited[1], Group::slew, 36);
+  coverage_.hit_if(limited[1] && !limited[0], Group::slew, 37);
+  coverage_.hit_if((limited[0] || limited[1]) && (ctrl_ & ctrl_demod) == 0, Group::slew, 38);
+}
+
 void Bench::cover_interrupt(bool level) {
   const bool result = (flags_ & flag_result) != 0 && (ctrl_ & ctrl_ie_result) != 0;
   const bool lock = (flags_ & flag_lockchg) != 0 && (ctrl_ & ctrl_ie_lock) != 0;
@@ -300,6 +325,7 @@ void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
   if (offset == reg_judge) {
     coverage_.hit(Group::mode_change, base + 14);
     judge_ = value & judge_writable;
+    judge_at_ = edge_;
   }
   if (offset == reg_turn_limit) coverage_.hit(Group::mode_change, base + 15);
 }

@@ -71,6 +71,15 @@ std::vector<std::string> steps() {
   return names;
 }
 
+std::vector<std::string> slews() {
+  std::vector<std::string> names = {"no limit, full scale"};
+  for (unsigned n = 1; n < 8; ++n)
+    for (const char* where : {" above", " below", " at the top", " at the bottom", " within"})
+      names.push_back(std::to_string(n) + where);
+  for (const char* name : {"u alone", "v alone", "not written"}) names.emplace_back(name);
+  return names;
+}
+
 const std::vector<GroupNames>& groups() {
   static const std::vector<GroupNames> table = {
       {"sample quadrant", quadrants()},
@@ -158,6 +167,7 @@ const std::vector<GroupNames>& groups() {
       {"alarm",
        {"glitches and back", "raised", "fallen", "frozen", "lock lost with it",
         "flag cleared while it stands"}},
+      {"slew", slews()},
       {"magnitude",
        {"a1 0", "a1 below 2^-20", "a1 below 0.01", "a1 0.01..0.5", "a1 0.5..0.99", "a1 above"}},
   };

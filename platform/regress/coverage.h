@@ -40,6 +40,7 @@ enum class Group : uint8_t {
   event,
   turn,  // windows of the turn judge
   alarm,
+  slew,       // errors against their limit
   magnitude,  // of a1
   count
 };

@@ -75,4 +75,7 @@ void run_golden(Bench& bench, Random& random, const Budget&);
 void run_turns(Bench& bench, Random& random, const Budget&);
 void run_alarm(Bench& bench, Random& random, const Budget&);
 
+// scenarios_slew.cpp
+void run_slew(Bench& bench, Random& random, const Budget&);
+
 }  // namespace capsoc::regress

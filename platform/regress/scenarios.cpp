@@ -51,6 +51,8 @@ const std::vector<Scenario>& scenarios() {
       {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},
       {"golden", "a drawn sensor: ANGLE against what the CSFN makes of the same samples", 0, 0,
        run_golden},
+      {"slew", "errors at and beside each limit of the slew, and the setting at every edge", 0, 0,
+       run_slew},
   };
   return all;
 }

@@ -1,5 +1,5 @@
-// What lms_demodulator.sv makes of its sums and products, from any state: the saturated error and the
-// rounded, saturated new weight. The products are cut (scripts/formal): any number in their range.
+// What lms_demodulator.sv makes of its sums and products, from any state: the saturated error, what of
+// it is kept for the update, and the rounded, saturated new weight. The products are cut (scripts/formal): any number in their range.
 module lms_demodulator_properties (
   input logic               clk_i,
   input logic               boundary_i, active_i,
@@ -7,7 +7,8 @@ module lms_demodulator_properties (
   input logic               load_u_i, load_v_i,
   input logic signed [47:0] weight_i,
   input logic signed [33:0] weight_q31_i, difference_i,
-  input logic signed [31:0] sine_i, cosine_i
+  input logic signed [31:0] sine_i, cosine_i,
+  input logic        [2:0]  slew_i
 );
 
   logic error_valid, error_saturated, weight_valid, weight_saturated;
@@ -16,13 +17,15 @@ module lms_demodulator_properties (
   lms_demodulator dut (
     .clk_i, .rst_ni (1'b1), .boundary_i, .active_i, .cycle_i, .load_u_i, .load_v_i,
     .load_u_start_i (1'b0), .load_v_start_i (1'b0), .a1_i ('0), .a2_i ('0),
-    .step_au_i ('0), .step_bu_i ('0), .step_cu_i ('0), .step_av_i ('0), .step_bv_i ('0), .step_cv_i ('0),
+    .step_au_i ('0), .step_bu_i ('0), .step_cu_i ('0), .step_av_i ('0), .step_bv_i ('0), .step_cv_i ('0), .slew_i,
     .weight_i, .weight_q31_i, .difference_i, .sine_i, .cosine_i,
     .error_valid_o (error_valid), .error_o (error), .error_saturated_o (error_saturated),
     .weight_valid_o (weight_valid), .weight_o (weight), .weight_saturated_o (weight_saturated)
   );
   (* hierconn *) logic signed [65:0] \dut.sum_q ;
   (* hierconn *) logic signed [79:0] \dut.product ;
+  (* hierconn *) logic signed [31:0] \dut.error_u_q ;
+  (* hierconn *) logic signed [31:0] \dut.error_v_q ;
 
   // err = sat(sum >> 31)
   localparam logic signed [81:0] HighestError = 82'sd2147483647;
@@ -31,6 +34,28 @@ module lms_demodulator_properties (
   assign sum = \dut.sum_q ;
   logic signed [81:0] error_due;
   assign error_due = sum >>> 31;
+
+  // The update sees the error within 4^-n, n as it was at the tick's start.
+  logic [2:0] slew;
+  logic known = 1'b0;
+  always @(posedge clk_i) if (boundary_i) begin
+    slew  <= slew_i;
+    known <= 1'b1;
+  end
+  logic signed [81:0] most_kept, kept_due;
+  assign most_kept = 82'sd1 <<< (31 - {28'd0, slew, 1'b0});
+  assign kept_due = error >= most_kept ? most_kept - 82'sd1 : error < -most_kept ? -most_kept : 82'(error);
+  logic captured_u = 1'b0, captured_v = 1'b0;
+  logic signed [31:0] kept;
+  always @(posedge clk_i) begin
+    captured_u <= known & active_i & cycle_i == 5'd4;
+    captured_v <= known & active_i & cycle_i == 5'd8;
+    kept <= kept_due[31:0];
+  end
+  always @* begin
+    if (captured_u) assert (\dut.error_u_q == kept);
+    if (captured_v) assert (\dut.error_v_q == kept);
+  end
 
   // W' = sat(W + p >>r 31), with g_2 and the products of LOAD p >>r 16; LOAD's sine of v is negated.
   localparam logic signed [81:0] HighestWeight = (82'sd1 <<< 47) - 82'sd1;

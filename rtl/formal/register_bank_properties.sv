@@ -31,7 +31,7 @@ module register_bank_properties (
   logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
   logic [3:0]  result_select;
   logic [31:0] turn_limit;
-  logic [18:0] judge;
+  logic [21:0] judge;
   logic        frozen;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
@@ -127,7 +127,7 @@ module register_bank_properties (
       6'h23: begin now = {16'd0, b2}; given = {16'd0, b2_i}; end
       6'h24: begin now = {16'd0, beta}; given = {16'd0, beta_i}; end
       6'h25: begin now = {16'd0, phi}; given = {16'd0, phi_i}; end
-      6'h26: begin now = {29'd0, judge}; start = 48'h13333; end
+      6'h26: begin now = {26'd0, judge}; start = 48'h13333; end
       6'h27: now = {16'd0, turn_limit};
       default: now = 48'd0;
     endcase
@@ -174,7 +174,7 @@ module register_bank_properties (
       plain = {35'd0, pwdata_i[12:8], 2'd0, pwdata_i[5:0]};
       if (pwdata_i[3:2] == 2'd3) plain[3:2] = now[3:2];
     end
-    if (watched == 6'h26) plain = {29'd0, pwdata_i[18:0]};
+    if (watched == 6'h26) plain = {26'd0, pwdata_i[21:0]};
     if (watched == 6'h10) plain = {35'd0, pwdata_i[12:8], 3'd0, pwdata_i[4:0]};
     due = boundary_i & gives ? given : now;
     if (watched == 6'h04) due = {36'd0, (now[11:0] | set) & ~(pwdata_i[11:0] & {12{hit}})};
@@ -238,7 +238,7 @@ module register_bank_properties (
       if (memory_word) assert (valids[\dut.u_words.probe ] == held);
       if (memory_word & held) assert (probed == kept);
       // The settings' copy in the memory is the setting.
-      if (is_judge & ~watched[0]) assert (now == (held ? {29'd0, kept[18:0]} : start));
+      if (is_judge & ~watched[0]) assert (now == (held ? {26'd0, kept[21:0]} : start));
       if (is_step | is_threshold | (is_judge & watched[0])) assert (now == (held ? {16'd0, kept} : start));
       if (read & word == watched & ~is_result & ~(is_pair & ~watched[0])) assert (prdata == seen);
       if (read & word == watched & is_result) assert (prdata == result_i);

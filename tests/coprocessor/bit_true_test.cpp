@@ -234,6 +234,13 @@ TEST(PolarUnit, IsBitTrue) {
 using W46 = sc_fixed<48, 2, rounded, saturated>;
 using W31 = sc_fixed<34, 3, rounded>;
 
+sc_fxval limited_value(const sc_fxval& error, unsigned slew) {
+  const sc_fxval most = real(int64_t{1} << (31 - 2 * slew), 31);
+  if (error < -most) return -most;
+  const sc_fxval last = most - real(1, 31);
+  return error > last ? last : error;
+}
+
 TEST(LmsDemodulator, IsBitTrue) {
   Operands operands(13);
   const int count = 20000;
@@ -242,7 +249,8 @@ TEST(LmsDemodulator, IsBitTrue) {
     const Steps steps{operands.step(), operands.step(), operands.step()};
     const Rotation r{operands.sample(), operands.sample()};
     const int32_t data = operands.sample();
-    const Demodulation a = demodulate(w, steps, data, r);
+    const auto slew = static_cast<unsigned>(operands.bits(3));
+    const Demodulation a = demodulate(w, steps, data, r, slew);
 
     const W46 weights[3] = {real(w.sine, 46), real(w.cosine, 46), real(w.constant, 46)};
     const W31 w0 = weights[0], w1 = weights[1], w2 = weights[2];
@@ -251,9 +259,10 @@ TEST(LmsDemodulator, IsBitTrue) {
     const sc_fixed<40, 9, rounded> products = w0 * references[0] + w1 * references[1];
     const Q31 error = real(data, 31) - (products + w2);
     ASSERT_EQ(a.error, word(error, 31));
+    const sc_fxval limited = limited_value(error, slew);
     const int64_t results[3] = {a.weights.sine, a.weights.cosine, a.weights.constant};
     for (int n = 0; n < 3; ++n) {
-      const sc_fixed<48, 2, rounded> gained = error * mu[n];
+      const sc_fixed<48, 2, rounded> gained = limited * mu[n];
       const sc_fixed<48, 2, rounded> delta = gained * references[n];
       const W46 next = weights[n] + delta;
       ASSERT_EQ(results[n], word(next, 46)) << "weight " << n << " of sample " << i;
@@ -272,18 +281,20 @@ TEST(PaperLms, IsBitTrue) {
     const Rotation r{operands.sample(), operands.sample()};
     const int32_t data = operands.sample();
     const int shift = static_cast<int>(operands.bits(3));
-    const Demodulation a = demodulate_paper(weights, steps, data, r, shift);
+    const auto slew = static_cast<unsigned>(operands.bits(3));
+    const Demodulation a = demodulate_paper(weights, steps, data, r, shift, slew);
 
     const sc_fxval references[2] = {real(r.sine, 31), real(r.cosine, 31)};
     using Wide = sc_fixed<36, 5, truncated>;
     const Wide p0 = real(w[0], 31) * references[0], p1 = real(w[1], 31) * references[1];
     const Q31Floor error = real(data, 31) - (p0 + p1 + real(w[2], 31));
     ASSERT_EQ(a.error, word(error, 31));
+    const sc_fxval limited = limited_value(error, slew);
     const uint32_t words[3] = {steps.sine, steps.cosine, steps.constant};
     const int64_t results[3] = {a.weights.sine, a.weights.cosine, a.weights.constant};
     for (int n = 0; n < 3; ++n) {
       const sc_ufixed<31, 0, truncated> mu = real(words[n], 31) >> shift;
-      const Wide gained = error * mu;
+      const Wide gained = limited * mu;
       Wide delta = gained;
       if (n < 2) delta = gained * references[n];
       const Q31Floor next = real(w[n], 31) + delta;

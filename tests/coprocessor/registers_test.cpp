@@ -221,7 +221,20 @@ TEST_F(Registers, LockRisesAfter64QuietSamplesWithoutTurns) {
   EXPECT_EQ(read(reg_flags) & flag_lockchg, flag_lockchg);
 }
 
+TEST_F(Registers, SlewIsAFieldOfThreeBitsBesideTheJudges) {
+  EXPECT_EQ(read(reg_judge), 0x13333u) << "no limit at reset";
+  for (uint32_t n = 0; n < 8; ++n) {
+    EXPECT_TRUE(write(reg_judge, n << judge_slew_shift | 0x70201));
+    EXPECT_TRUE(dut.guest_error().empty());
+    EXPECT_EQ(read(reg_judge), n << judge_slew_shift | 0x70201);
+  }
+  write(reg_judge, ~0u);
+  EXPECT_FALSE(dut.guest_error().empty());
+  EXPECT_EQ(read(reg_judge), judge_writable);
+}
+
 TEST_F(Registers, SoftResetRestoresEverything) {
+  write(reg_judge, judge_writable);
   write(reg_freq_hi, 77);
   write(reg_a1, 5);
   soft_sample(1, 2);
@@ -229,6 +242,7 @@ TEST_F(Registers, SoftResetRestoresEverything) {
   EXPECT_EQ(read(reg_ctrl), 0u);
   EXPECT_EQ(read(reg_freq_hi), 0u);
   EXPECT_EQ(read(reg_a1), 1u << 30);
+  EXPECT_EQ(read(reg_judge), 0x13333u);
   EXPECT_EQ(read(reg_samples), 0u);
   EXPECT_EQ(read(reg_flags), 0u);
 }

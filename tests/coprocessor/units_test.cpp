@@ -163,6 +163,29 @@ TEST(LmsDemodulator, SaturatesErrorAndWeights) {
   EXPECT_EQ(paper.weights.constant >> 15, INT32_MAX);
 }
 
+TEST(LmsDemodulator, LimitsTheErrorThatAnUpdateSees) {
+  for (unsigned n = 0; n < 8; ++n) {
+    const int64_t most = int64_t{1} << (31 - 2 * n);
+    for (int64_t beside : {-2, -1, 0, 1}) {
+      const int64_t up = std::min<int64_t>(most + beside, INT32_MAX);
+      const int64_t down = std::max<int64_t>(-most + beside, INT32_MIN);
+      EXPECT_EQ(limited_error(static_cast<int32_t>(up), n), std::min(up, most - 1)) << n;
+      EXPECT_EQ(limited_error(static_cast<int32_t>(down), n), std::max(down, -most)) << n;
+    }
+    EXPECT_EQ(limited_error(0, n), 0);
+  }
+  // The error stays what it is; the weights see 1/64 of full scale.
+  const Rotation r{1 << 30, 0};
+  const Steps steps{1u << 30, 1u << 30, 1u << 30};
+  for (const Demodulation& d : {demodulate({}, steps, -(1 << 30), r, 3),
+                                demodulate_paper({}, steps, -(1 << 30), r, 0, 3)}) {
+    EXPECT_EQ(d.error, -(1 << 30));
+    EXPECT_FALSE(d.error_saturated);
+    EXPECT_EQ(d.weights.sine, -(int64_t{1} << 38));
+    EXPECT_EQ(d.weights.constant, -(int64_t{1} << 39));
+  }
+}
+
 TEST(ErrorAverage, SettlesAtTheMagnitudeOfTheError) {
   uint64_t sum = 0;
   for (int i = 0; i < 5000; ++i) sum = next_error_sum(sum, INT32_MIN);

@@ -44,7 +44,7 @@ module register_bench #(
   // Settings
   output logic [4:0]  control_o,  // DEMOD, CALIB, REF, ADC from bit 0
   output logic        frozen_o,
-  output logic [18:0] judge_o,
+  output logic [21:0] judge_o,
   output logic [31:0] turn_limit_o,
   output logic [9:0]  loop_o,     // KP from bit 0, KI from bit 5
   output logic [30:0] step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o,

@@ -80,7 +80,8 @@ class Bench {
     top_.judge_i = r.judge.radius_limit |
                    r.judge.alarm_limit << coprocessor::judge_alarm_limit_shift |
                    r.judge.turns << coprocessor::judge_turns_shift |
-                   (r.judge.count ? coprocessor::judge_count : 0);
+                   (r.judge.count ? coprocessor::judge_count : 0) |
+                   r.settings.slew << coprocessor::judge_slew_shift;
     top_.turn_limit_i = r.judge.turn_limit;
     top_.frozen_i = r.frozen;
     top_.phase_i = r.reference.phase & mask48;

@@ -119,6 +119,7 @@ Registers random_registers(Words& w) {
   r.settings.ki = w.one_in(4) ? 0 : w.below(32);
   r.settings.steps_u = {w.step(), w.step(), w.step()};
   r.settings.steps_v = {w.step(), w.step(), w.step()};
+  r.settings.slew = w.one_in(4) ? 0 : w.below(8);
   r.calibrate = !w.one_in(4);
   r.lock_threshold = static_cast<uint32_t>(w.bits() >> 32);
   r.diverge_threshold = static_cast<uint32_t>(w.bits() >> 32);

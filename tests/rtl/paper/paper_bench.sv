@@ -20,6 +20,7 @@ module paper_bench (
   input  logic        [30:0] step_av_i,
   input  logic        [30:0] step_bv_i,
   input  logic        [30:0] step_cv_i,
+  input  logic         [2:0] slew_i,
   input  logic signed [47:0] au_i,
   input  logic signed [47:0] bu_i,
   input  logic signed [47:0] cu_i,
@@ -83,7 +84,7 @@ module paper_bench (
   paper_lms u_lms (
     .clk_i, .rst_ni, .run_i, .cycle_i,
     .u_i, .v_i, .sine_i, .cosine_i,
-    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i,
+    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i, .slew_i,
     .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
     .error_u_o, .error_v_o, .au_o, .bu_o, .cu_o, .av_o, .bv_o, .cv_o,
     .error_saturated_o, .weights_saturated_o
@@ -94,7 +95,7 @@ module paper_bench (
   ) u_lms_shifted (
     .clk_i, .rst_ni, .run_i, .cycle_i,
     .u_i, .v_i, .sine_i, .cosine_i,
-    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i,
+    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i, .slew_i,
     .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
     .error_u_o(), .error_v_o(), .au_o(shifted_au_o), .bu_o(), .cu_o(), .av_o(), .bv_o(),
     .cv_o(shifted_cv_o), .error_saturated_o(), .weights_saturated_o()

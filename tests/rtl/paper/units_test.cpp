@@ -136,9 +136,11 @@ TEST_F(PaperUnits, LmsAgrees) {
     top.step_av_i = sv.sine;
     top.step_bv_i = sv.cosine;
     top.step_cv_i = sv.constant;
+    const auto slew = static_cast<unsigned>(random() % 8);
+    top.slew_i = static_cast<uint8_t>(slew);
     tick();
-    const Demodulation eu = demodulate_paper(w.u, su, u, reference, 0);
-    const Demodulation ev = demodulate_paper(w.v, sv, v, reference, 0);
+    const Demodulation eu = demodulate_paper(w.u, su, u, reference, 0, slew);
+    const Demodulation ev = demodulate_paper(w.v, sv, v, reference, 0, slew);
     ASSERT_EQ(as_signed(top.error_u_o), eu.error) << i;
     ASSERT_EQ(as_signed(top.error_v_o), ev.error) << i;
     ASSERT_EQ(top.au_o, port(eu.weights.sine)) << i;
@@ -149,8 +151,10 @@ TEST_F(PaperUnits, LmsAgrees) {
     ASSERT_EQ(top.cv_o, port(ev.weights.constant)) << i;
     ASSERT_EQ(top.error_saturated_o, eu.error_saturated || ev.error_saturated) << i;
     ASSERT_EQ(top.weights_saturated_o, eu.weights_saturated || ev.weights_saturated) << i;
-    ASSERT_EQ(top.shifted_au_o, port(demodulate_paper(w.u, su, u, reference, 7).weights.sine));
-    ASSERT_EQ(top.shifted_cv_o, port(demodulate_paper(w.v, sv, v, reference, 7).weights.constant));
+    ASSERT_EQ(top.shifted_au_o,
+              port(demodulate_paper(w.u, su, u, reference, 7, slew).weights.sine));
+    ASSERT_EQ(top.shifted_cv_o,
+              port(demodulate_paper(w.v, sv, v, reference, 7, slew).weights.constant));
     saturated_errors += top.error_saturated_o;
     saturated_weights += top.weights_saturated_o;
   }
