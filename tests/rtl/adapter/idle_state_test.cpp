@@ -55,6 +55,7 @@ uint64_t turn(Device& device, std::mt19937_64& random, uint64_t cycle, int sampl
                    static_cast<uint32_t>(pick(3) << ctrl_ref_shift));
   device.write(cycle += 2, reg_lock_threshold, 0x7fffffff);
   device.write(cycle += 2, reg_turn_limit, static_cast<uint32_t>(pick(2) * (10 + pick(100))));
+  device.write(cycle += 2, reg_judge, static_cast<uint32_t>(pick(8)) << judge_slew_shift | 0x13333);
   for (int i = 0; i < samples; ++i) {
     const double angle = i * step;
     const auto word = [](double value) { return static_cast<int32_t>(value * 2147483647.0); };
