@@ -152,8 +152,4 @@ void DualTimer::visit(kit::Archive& archive) {
   }
 }
 
-void DualTimer::each_interrupt(const EachOutput& call) {
-  call(interrupt, "interrupt");
-}
-
 }  // namespace capsoc::peripherals

@@ -30,10 +30,9 @@ class DualTimer : public kit::ClockedBank {
 
   void reset() override;
   void visit(kit::Archive& archive) override;
-  void each_interrupt(const EachOutput& call) override;
 
   /// TIMINTC: either timer's masked interrupt.
-  kit::InterruptLine interrupt;
+  kit::InterruptLine interrupt{*this, "interrupt"};
 
   /// The registers of one of the two; names carry its number, as in the manual.
   struct Unit {

@@ -198,8 +198,4 @@ void Gpio::visit(kit::Archive& archive) {
   archive("pin_interrupt", pin_interrupt);
 }
 
-void Gpio::each_interrupt(const EachOutput& call) {
-  call(combined_interrupt, "combined");
-}
-
 }  // namespace capsoc::peripherals

@@ -40,10 +40,9 @@ class Gpio : public kit::ClockedBank {
   /// System reset: all pins are inputs; the levels that the outside drives stay.
   void reset() override;
   void visit(kit::Archive& archive) override;
-  void each_interrupt(const EachOutput& call) override;
 
   std::array<kit::InterruptLine, pin_count> pin_interrupt;
-  kit::InterruptLine combined_interrupt;
+  kit::InterruptLine combined_interrupt{*this, "combined"};
 
   kit::Register DATA;
   kit::Register DATAOUT;

@@ -68,8 +68,4 @@ void Timer::visit(kit::Archive& archive) {
   counter_.visit(archive, edge_of(archive));
 }
 
-void Timer::each_interrupt(const EachOutput& call) {
-  call(interrupt, "interrupt");
-}
-
 }  // namespace capsoc::peripherals

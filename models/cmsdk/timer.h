@@ -28,9 +28,8 @@ class Timer : public kit::ClockedBank {
 
   void reset() override;
   void visit(kit::Archive& archive) override;
-  void each_interrupt(const EachOutput& call) override;
 
-  kit::InterruptLine interrupt;
+  kit::InterruptLine interrupt{*this, "interrupt"};
 
   kit::Register CTRL;
   kit::Register VALUE;

@@ -218,11 +218,4 @@ void Uart::visit(kit::Archive& archive) {
   if (receiving_ && far_end_.empty()) archive.refuse("receives a byte that nobody sends");
 }
 
-void Uart::each_interrupt(const EachOutput& call) {
-  call(rx_interrupt, "rx");
-  call(tx_interrupt, "tx");
-  call(overrun_interrupt, "overrun");
-  call(combined_interrupt, "combined");
-}
-
 }  // namespace capsoc::peripherals

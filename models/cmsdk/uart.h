@@ -64,12 +64,11 @@ class Uart : public kit::ClockedBank {
   /// System reset: what is on the line is lost, what waits at the far end is not.
   void reset() override;
   void visit(kit::Archive& archive) override;
-  void each_interrupt(const EachOutput& call) override;
 
-  kit::InterruptLine tx_interrupt;
-  kit::InterruptLine rx_interrupt;
-  kit::InterruptLine overrun_interrupt;  ///< transmit or receive overrun
-  kit::InterruptLine combined_interrupt;
+  kit::InterruptLine rx_interrupt{*this, "rx"};
+  kit::InterruptLine tx_interrupt{*this, "tx"};
+  kit::InterruptLine overrun_interrupt{*this, "overrun"};  ///< transmit or receive overrun
+  kit::InterruptLine combined_interrupt{*this, "combined"};
 
   kit::Register DATA;
   kit::Register STATE;

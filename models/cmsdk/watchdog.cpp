@@ -126,9 +126,4 @@ void Watchdog::visit(kit::Archive& archive) {
   archive("expired", expired_);
 }
 
-void Watchdog::each_interrupt(const EachOutput& call) {
-  call(interrupt, "interrupt");
-  call(reset_request, "reset_request");
-}
-
 }  // namespace capsoc::peripherals

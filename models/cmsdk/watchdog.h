@@ -25,10 +25,9 @@ class Watchdog : public kit::ClockedBank {
 
   void reset() override;
   void visit(kit::Archive& archive) override;
-  void each_interrupt(const EachOutput& call) override;
 
-  kit::InterruptLine interrupt;      ///< WDOGINT, the processor's NMI
-  kit::InterruptLine reset_request;  ///< WDOGRES
+  kit::InterruptLine interrupt{*this, "interrupt"};          ///< WDOGINT, the processor's NMI
+  kit::InterruptLine reset_request{*this, "reset_request"};  ///< WDOGRES
 
   kit::Register LOAD;
   kit::Register VALUE;

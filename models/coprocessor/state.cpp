@@ -183,32 +183,6 @@ void Coprocessor::Pending::visit(Archive& archive) {
   archive("load_weights", load_weights);
 }
 
-void Coprocessor::visit(Archive& archive) {
-  archive("cycle", cycle_);
-  archive("sequencer", sequencer_);
-  archive("ctrl", ctrl_);
-  archive("flags", flags_);
-  archive("settings", settings_);
-  archive("state", state_);
-  archive("results", results_);
-  archive("judge_settings", judge_settings_);
-  archive("judge", judge_);
-  archive("lock_threshold", lock_threshold_);
-  archive("diverge_threshold", diverge_threshold_);
-  archive("soft_u", soft_u_);
-  archive("samples", samples_);
-  archive("early_count", early_count_);
-  archive.at_most("settled", settled_, 64u);
-  archive("staged_low", staged_low_);
-  archive("latched_low", latched_low_);
-  archive("held", held_);
-  archive("pipe", pipe_);
-  archive("load_rotation", load_rotation_);
-  archive("pending", pending_);
-  archive("nodes", nodes_);
-  if (archive.loading()) guest_error_ = {};
-}
-
 void IdleState::visit(Archive& archive) {
   archive("cycle", cycle);
   archive("ctrl", ctrl);
@@ -244,6 +218,19 @@ auto Coprocessor::members_of(Self& c) {
   return std::tie(c.cycle_, c.ctrl_, c.flags_, c.settings_, c.state_, c.results_, c.judge_settings_,
                   c.judge_, c.lock_threshold_, c.diverge_threshold_, c.soft_u_, c.samples_,
                   c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.nodes_);
+}
+
+void Coprocessor::visit(Archive& archive) {
+  IdleState registers;
+  coprocessor::members_of(registers) = members_of(*this);
+  registers.visit(archive);
+  if (archive.loading()) members_of(*this) = coprocessor::members_of(registers);
+  archive("sequencer", sequencer_);
+  archive("held", held_);
+  archive("pipe", pipe_);
+  archive("load_rotation", load_rotation_);
+  archive("pending", pending_);
+  if (archive.loading()) guest_error_ = {};
 }
 
 bool Coprocessor::save_idle(IdleState& state) const {

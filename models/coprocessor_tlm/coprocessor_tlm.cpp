@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capsoc_registers.h"
+#include "support/printable.h"
 
 namespace capsoc::coprocessor {
 
@@ -139,7 +140,7 @@ void CoprocessorTlm::visit(kit::Archive& archive) {
     return archive.refuse(
         fmt::format("was saved while the coprocessor computed; only --coprocessor {} can go on "
                     "from there",
-                    kind));
+                    printable(kind)));
   archive("interval", interval_);
   archive("sample", sample_);
   archive("write", write_);
@@ -152,10 +153,6 @@ void CoprocessorTlm::visit(kit::Archive& archive) {
   if (!archive.loading() || !archive.ok()) return;
   if (state.cycle != interval_) return archive.refuse("has the state of another time");
   if (!device_->load_idle(state)) archive.refuse("cannot be loaded");
-}
-
-void CoprocessorTlm::each_interrupt(const EachOutput& call) {
-  call(interrupt, "interrupt");
 }
 
 }  // namespace capsoc::coprocessor

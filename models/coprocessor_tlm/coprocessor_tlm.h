@@ -38,7 +38,7 @@ class CoprocessorTlm : public kit::RegisterTarget {
   CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock, Options options = {})
       : CoprocessorTlm(name, clock, std::make_unique<Coprocessor>(options)) {}
 
-  kit::InterruptLine interrupt;
+  kit::InterruptLine interrupt{*this, "interrupt"};
 
   /// The sink of the ADC stream, at the present instant. The device ignores it while CTRL.ADC is 0.
   void sample(const peripherals::SensorSample& sample);
@@ -47,7 +47,6 @@ class CoprocessorTlm : public kit::RegisterTarget {
   void reset() override;
   void visit(kit::Archive& archive) override;
   void restored() override { follow(); }
-  void each_interrupt(const EachOutput& call) override;
 
   void set_result_observer(ResultObserver observer) { result_observer_ = std::move(observer); }
   /// A second one, for traces.

@@ -145,11 +145,6 @@ class Archive {
     }
     if (there) visit_value(*value);
   }
-  template <typename T, typename U>
-  void visit_value(std::pair<T, U>& value) {
-    visit_value(value.first);
-    visit_value(value.second);
-  }
   template <typename Elements>
   void visit_elements(Elements& values) {
     std::size_t index = 0;

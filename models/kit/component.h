@@ -1,6 +1,6 @@
 #pragma once
 
-#include <functional>
+#include <vector>
 
 #include "kit/archive.h"
 #include "kit/interrupt_line.h"
@@ -26,14 +26,31 @@ class Component {
   /// planned anew. Nothing may be told to anybody outside.
   virtual void restored() {}
 
-  /// Every interrupt output with its own name.
-  using EachOutput = std::function<void(InterruptLine& line, const char* output)>;
-  virtual void each_interrupt(const EachOutput& /*call*/) {}
+  /// The interrupt outputs by their names, in the order in which the part declares them.
+  struct Output {
+    const char* name;
+    InterruptLine* line;
+  };
+  const std::vector<Output>& outputs() const { return outputs_; }
+
+  /// visit() and the levels of all outputs: all that is to be saved of this part.
+  void visit_all(Archive& archive) {
+    visit(archive);
+    for (const Output& output : outputs_) archive(output.name, *output.line);
+  }
 
  protected:
   Component() = default;
   Component(const Component&) = default;
   Component& operator=(const Component&) = default;
+
+ private:
+  friend class InterruptLine;
+  std::vector<Output> outputs_;
 };
+
+inline InterruptLine::InterruptLine(Component& owner, const char* name) {
+  owner.outputs_.push_back({name, this});
+}
 
 }  // namespace capsoc::kit

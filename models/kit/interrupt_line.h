@@ -8,10 +8,14 @@
 
 namespace capsoc::kit {
 
+class Component;
+
 /// A level that a device drives and others follow. Low at the start.
 class InterruptLine {
  public:
   InterruptLine() = default;
+  /// An output of a part by its name, which the part knows from then on (component.h).
+  InterruptLine(Component& owner, const char* name);
   InterruptLine(const InterruptLine&) = delete;
   InterruptLine& operator=(const InterruptLine&) = delete;
 

@@ -195,8 +195,4 @@ void AdcFrontEnd::restored() {
   if (status.any(STATUS_RUNNING_mask)) schedule();
 }
 
-void AdcFrontEnd::each_interrupt(const EachOutput& call) {
-  call(interrupt, "interrupt");
-}
-
 }  // namespace capsoc::peripherals

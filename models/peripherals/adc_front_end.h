@@ -46,7 +46,7 @@ class AdcFrontEnd : public kit::RegisterBank {
   kit::Register data_v;
   kit::Register count;
 
-  kit::InterruptLine interrupt;
+  kit::InterruptLine interrupt{*this, "interrupt"};
 
   void set_source(Source source) { source_ = std::move(source); }
 
@@ -58,7 +58,6 @@ class AdcFrontEnd : public kit::RegisterBank {
   void reset() override;
   void visit(kit::Archive& archive) override;
   void restored() override;
-  void each_interrupt(const EachOutput& call) override;
 
   /// The width of the converter that is fitted, 12 to 32 bits: what BITS holds after a reset.
   void fit_converter(uint32_t width);

@@ -8,6 +8,7 @@
 
 #include "host/sha256.h"
 #include "support/input_file.h"
+#include "support/printable.h"
 #include "version/version.h"
 
 namespace capsoc::checkpoint {
@@ -129,13 +130,13 @@ class Scanner {
         !number_of(part, "layout", section.layout))
       return damaged(file_, "its header is incomplete");
     if (packed > rest_.size())
-      return damaged(file_, fmt::format("it ends in the part {}", section.name));
+      return damaged(file_, fmt::format("it ends in the part {}", printable(section.name)));
     // Of the packed bytes: the same state can be packed in other ways, and no other byte passes.
     const std::string_view blob = rest_.substr(0, packed);
     rest_.remove_prefix(packed);
     const bool whole = host::sha256_of(blob) == hash;
     auto bytes = whole ? expanded(blob, size) : std::nullopt;
-    if (!bytes) return damaged(file_, fmt::format("the part {}", section.name));
+    if (!bytes) return damaged(file_, fmt::format("the part {}", printable(section.name)));
     section.bytes = std::move(*bytes);
     return section;
   }
@@ -176,7 +177,8 @@ std::optional<Error> load(const Checkpoint& checkpoint, const std::vector<Part>&
       return other(section.name + " has other values");
   }
   if (checkpoint.sections.size() != parts.size())
-    return other(checkpoint.sections[parts.size()].name + " is not a part of this board");
+    return other(printable(checkpoint.sections[parts.size()].name) +
+                 " is not a part of this board");
   return std::nullopt;
 }
 

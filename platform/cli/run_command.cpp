@@ -136,16 +136,22 @@ void add_run(CLI::App& app, int& code) {
         },
         help);
   };
+  // May be repeated; the setting has all, separated by commas.
+  const auto list = [&](const std::string& name, const std::string& setting,
+                        const std::string& help) {
+    return run->add_option_function<std::vector<std::string>>(
+        name,
+        [arguments, setting, name](const std::vector<std::string>& places) {
+          std::string all;
+          for (const std::string& place : places) all += (all.empty() ? "" : ",") + place;
+          arguments->options.emplace_back(setting, all, name);
+        },
+        help);
+  };
   option("elf", "firmware.elf", "Program for the Cortex-M3, ELF or Intel HEX (default: selfcal)")
       ->type_name("ELF");
-  run->add_option_function<std::vector<std::string>>(
-         "--load",
-         [arguments](const std::vector<std::string>& places) {
-           std::string list;
-           for (const std::string& place : places) list += (list.empty() ? "" : ",") + place;
-           arguments->options.emplace_back("firmware.load", list, "--load");
-         },
-         "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated")
+  list("--load", "firmware.load",
+       "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated")
       ->type_name("FILE[@ADDR]")
       ->allow_extra_args(false);
   option("--sensor", "sensor.file",
@@ -227,14 +233,8 @@ void add_run(CLI::App& app, int& code) {
       ->type_name("FILE");
   option("--log-level", "log.level", "What the simulator says on stderr")
       ->type_name("trace|debug|info|warn|error|off");
-  run->add_option_function<std::vector<std::string>>(
-         "--save",
-         [arguments](const std::vector<std::string>& places) {
-           std::string list;
-           for (const std::string& place : places) list += (list.empty() ? "" : ",") + place;
-           arguments->options.emplace_back("checkpoint.save", list, "--save");
-         },
-         "Save the whole state at a simulated time in s; may be repeated")
+  list("--save", "checkpoint.save",
+       "Save the whole state at a simulated time in s; may be repeated")
       ->type_name("FILE@S")
       ->allow_extra_args(false);
   option("--save-every", "checkpoint.every_s",

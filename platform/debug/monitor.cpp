@@ -45,9 +45,10 @@ MonitorAnswer answer_monitor(const std::string& line) {
   } else if (first == "resume" || first == "go" || first == "cont") {
     answer.resume = true;
   } else if (first == "save") {
-    answer.save = second;
-    if (words.size() != 2) answer.text = "save: give one file, without blanks in its name\n";
-    if (words.size() != 2) answer.save.clear();
+    if (words.size() == 2)
+      answer.save = second;
+    else
+      answer.text = "save: give one file, without blanks in its name\n";
   } else if (first == "help" || first == "?") {
     answer.text = help;
   } else {

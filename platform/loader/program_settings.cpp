@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "support/number.h"
 #include "support/printable.h"
 
 namespace capsoc::loader {
@@ -88,14 +89,6 @@ std::optional<int64_t> whole_number(const std::string& text) {
   return value;
 }
 
-std::optional<double> real_number(const std::string& text) {
-  const char* end = text.data() + text.size();
-  double value = 0;
-  const auto [last, status] = std::from_chars(text.data(), end, value);
-  if (status != std::errc() || last != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 /// The nearest word, if 64 bits hold it.
 std::optional<int64_t> to_word(double value, int64_t per_unit) {
   const double word = std::round(value * static_cast<double>(per_unit));
@@ -173,7 +166,7 @@ std::string ProgramSettings::number(const ProgramSetting& setting, int64_t word)
   if (setting.per_unit == 1) return fmt::format("{}", word);
   const double value = static_cast<double>(word) / static_cast<double>(setting.per_unit);
   for (int digits = 1; digits < 17; ++digits) {
-    const auto shorter = real_number(fmt::format("{:.{}g}", value, digits));
+    const auto shorter = finite_number(fmt::format("{:.{}g}", value, digits));
     if (shorter && to_word(*shorter, setting.per_unit) == word) return fmt::format("{}", *shorter);
   }
   return fmt::format("{}", value);
@@ -205,7 +198,7 @@ std::optional<Error> ProgramSettings::set(const ProgramSetting& setting, const s
     return std::nullopt;
   }
   const auto whole = setting.per_unit == 1 ? whole_number(text) : std::nullopt;
-  const auto real = real_number(text);
+  const auto real = finite_number(text);
   const bool fraction = setting.per_unit == 1 && real && *real != std::floor(*real);
   if ((!whole && !real) || fraction)
     return refuse(fmt::format("{} cannot be '{}'; give a{} number{}{}", setting.name,

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <sstream>
 
 #include "host/console.h"
@@ -17,6 +15,8 @@
 #include "run/results.h"
 #include "run/run_files.h"
 #include "support/input_file.h"
+#include "support/number.h"
+#include "support/printable.h"
 
 namespace capsoc::run {
 namespace {
@@ -31,14 +31,6 @@ void want_save(int) {
 
 std::string seconds_of(const sc_core::sc_time& time) {
   return fmt::format("{:.12g}", time.to_seconds());
-}
-
-std::optional<double> to_number(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
 }
 
 /// Where something goes, how fast the host gets there, and when it ends.
@@ -100,7 +92,8 @@ Result<std::vector<SavePoint>> save_points(const Settings& settings) {
   std::istringstream list(setting.value);
   for (std::string entry; std::getline(list, entry, ',');) {
     const std::size_t at = entry.rfind('@');
-    const auto seconds = at == std::string::npos ? std::nullopt : to_number(entry.substr(at + 1));
+    const auto seconds =
+        at == std::string::npos ? std::nullopt : finite_number(entry.substr(at + 1));
     constexpr double longest = 1e7;  // the kernel's time ends at 1.8e7 s
     if (at == 0 || !seconds || *seconds < 0 || *seconds > longest)
       return Error{fmt::format("{} {}: write FILE@SECONDS, for instance state.capsoc@1.5",
@@ -157,7 +150,7 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settin
       if (const std::string was = value_in(saved, name), is = value_in(identity, name); was != is)
         return Error{
             fmt::format("{}: was saved with another {} ({}, here {}); give the same as then", file,
-                        name, was, is)};
+                        printable(name, 80), printable(was, 80), printable(is, 80))};
   const double limit = settings.number("run.simlimit_s");
   const double begins = sc_core::sc_time::from_value(read.value().time).to_seconds();
   if (limit > 0 && limit <= begins)
@@ -171,17 +164,9 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settin
 std::vector<checkpoint::Part> parts_of(soc::Soc& soc) {
   std::vector<checkpoint::Part> parts;
   parts.push_back({"board", [&soc](kit::Archive& archive) { soc.visit(archive); }});
-  parts.push_back({"cpu", [&soc](kit::Archive& archive) {
-                     soc.cpu.visit(archive);
-                     if (archive.loading()) soc.cpu.core().memory_changed();
-                   }});
   for (kit::Component* part : soc.components())
-    parts.push_back({part->component_name(), [part](kit::Archive& archive) {
-                       part->visit(archive);
-                       part->each_interrupt([&](kit::InterruptLine& line, const char* output) {
-                         archive(output, line);
-                       });
-                     }});
+    parts.push_back(
+        {part->component_name(), [part](kit::Archive& archive) { part->visit_all(archive); }});
   parts.push_back({"guest_errors", kit::visit_guest_errors});
   return parts;
 }
@@ -198,8 +183,10 @@ std::optional<Error> Checkpoints::plan() {
     every_ = sc_core::sc_time(every, sc_core::SC_SEC);
     if (every_ < longest_wait)
       return Error{"--save-every: give at least 0.001 s from one checkpoint to the next"};
-    next_regular_ = every_;
+    plan_regular(sc_core::SC_ZERO_TIME);
   }
+  if (!points_.empty() || every_ != sc_core::SC_ZERO_TIME)
+    if (const auto& known = identity(); !known) return Error{known.error()};
   struct sigaction action {};
   action.sa_handler = want_save;
   action.sa_flags = SA_RESTART;
@@ -208,8 +195,14 @@ std::optional<Error> Checkpoints::plan() {
   return std::nullopt;
 }
 
+const Result<checkpoint::Identity>& Checkpoints::identity() {
+  if (!identity_) identity_ = identity_of(settings_, inputs_);
+  return *identity_;
+}
+
 void Checkpoints::look_for_signal() {
-  if (!save_wanted.exchange(false)) return;
+  if (!save_wanted) return;
+  save_wanted = false;
   signalled_ = true;
   soc_.cpu.pause_now();
 }
@@ -235,33 +228,34 @@ sc_core::sc_time Checkpoints::pause(const sc_core::sc_time& now) {
   while (next_point_ < points_.size()) {
     const sc_core::sc_time wanted(points_[next_point_].seconds, sc_core::SC_SEC);
     if (wanted > now) break;
-    save(points_[next_point_++].file, wanted);
+    save(points_[next_point_++].file, wanted, nullptr);
   }
   if (next_regular_ <= now) {
-    save(automatic_name(next_regular_), next_regular_);
-    while (next_regular_ <= now) next_regular_ += every_;
+    save(automatic_name(next_regular_), next_regular_, "--save-every");
+    plan_regular(now);
   }
   if (std::exchange(signalled_, false)) {
     const std::string file = automatic_name(now);
-    save(file, now);
-    host::say("capsoc: {}: saved\n", file);
+    if (save(file, now, "SIGUSR1")) host::say("capsoc: {}: saved\n", file);
   }
   return next_save();
 }
 
-void Checkpoints::save(const std::string& file, const sc_core::sc_time& wanted) {
+bool Checkpoints::save(const std::string& file, const sc_core::sc_time& wanted, const char* by) {
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   if (now - wanted > sc_core::sc_time(1, sc_core::SC_US))
     host::say(
         "capsoc: {}: saved at {} s, when the processor and the coprocessor had come to an "
         "end\n",
         file, seconds_of(now));
-  if (auto error = save_now(file)) failures_.push_back(error->text);
+  const auto error = by != nullptr ? save_beside(file, by) : save_now(file);
+  if (error) failures_.push_back(error->text);
+  return !error;
 }
 
-std::optional<Error> Checkpoints::save_for_debugger(const std::string& file) {
+std::optional<Error> Checkpoints::save_beside(const std::string& file, const char* by) {
   std::vector<host::FileUse> uses = files_of(settings_);
-  uses.push_back({host::FileUse::Kind::output, "monitor save", file});
+  uses.push_back({host::FileUse::Kind::output, by, file});
   if (auto error = host::check_uses(uses)) return error;
   return save_now(file);
 }
@@ -270,9 +264,9 @@ std::optional<Error> Checkpoints::save_now(const std::string& file) {
   const auto begin = std::chrono::steady_clock::now();
   auto saved = checkpoint::save(sc_core::sc_time_stamp().value(), parts_);
   if (!saved) return Error{fmt::format("{}: not saved: {}", file, saved.error())};
-  auto identity = identity_of(settings_, inputs_);
-  if (!identity) return Error{identity.error()};
-  saved.value().identity = std::move(identity.value());
+  const auto& known = identity();
+  if (!known) return Error{known.error()};
+  saved.value().identity = known.value();
   const std::string bytes = checkpoint::pack(saved.value());
   auto error = host::write_whole(file, bytes);
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
@@ -287,15 +281,18 @@ std::optional<Error> Checkpoints::load(const checkpoint::Checkpoint& from) {
 }
 
 void Checkpoints::restored() {
-  soc_.cpu.restored();
   for (kit::Component* part : soc_.components()) part->restored();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   while (next_point_ < points_.size() && points_[next_point_].seconds < now.to_seconds())
     failures_.push_back(fmt::format("{}: not saved: the run goes on from a later time",
                                     points_[next_point_++].file));
-  if (next_regular_ != sc_core::sc_max_time())
-    while (next_regular_ <= now) next_regular_ += every_;
-  soc_.cpu.set_pause(next_save(), [this](const sc_core::sc_time& at) { return pause(at); });
+  plan_regular(now);
+}
+
+void Checkpoints::plan_regular(const sc_core::sc_time& now) {
+  if (every_ == sc_core::SC_ZERO_TIME) return;
+  const uint64_t done = now.value() / every_.value();
+  next_regular_ = sc_core::sc_time::from_value((done + 1) * every_.value());
 }
 
 std::vector<std::string> Checkpoints::failures() const {

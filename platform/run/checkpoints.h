@@ -53,9 +53,10 @@ class Checkpoints {
   std::optional<Error> plan();
   /// To be asked now and then: somebody sent SIGUSR1.
   void look_for_signal();
-  /// At this instant, for a debugger that holds the processor. An Error: a file of the run, or one
-  /// that cannot be written.
-  std::optional<Error> save_for_debugger(const std::string& file);
+  /// At this instant, to a file that nobody named before the run: a debugger that holds the
+  /// processor (`by` begins the sentence of an error). An Error: a file of the run, or one that
+  /// cannot be written.
+  std::optional<Error> save_beside(const std::string& file, const char* by);
 
   /// Gives every part its state, then lets them go on. Twice: as a test before the simulation
   /// starts, and when its time has come.
@@ -69,13 +70,19 @@ class Checkpoints {
   std::optional<Error> save_now(const std::string& file);
   sc_core::sc_time pause(const sc_core::sc_time& now);
   sc_core::sc_time next_save() const;
-  void save(const std::string& file, const sc_core::sc_time& wanted);
+  /// Why not, failures() says then. `by`: as for save_beside(); null: the file was checked.
+  bool save(const std::string& file, const sc_core::sc_time& wanted, const char* by);
+  /// The first regular checkpoint after `now`.
+  void plan_regular(const sc_core::sc_time& now);
+  /// Read once, before the run if it will save: the files may be others later.
+  const Result<checkpoint::Identity>& identity();
   std::string automatic_name(const sc_core::sc_time& now) const;
 
   const Settings& settings_;
   const RunInputs& inputs_;
   soc::Soc& soc_;
   std::vector<checkpoint::Part> parts_;
+  std::optional<Result<checkpoint::Identity>> identity_;
   std::vector<SavePoint> points_;
   std::size_t next_point_ = 0;
   sc_core::sc_time every_, next_regular_ = sc_core::sc_max_time();

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "kit/archive.h"
 #include "serial/character_backend.h"
 #include "support/result.h"
 

@@ -274,7 +274,7 @@ Result<RunResult> run(const Settings& settings) {
   watch = &checkpoints;
   if (auto error = checkpoints.plan()) return *error;
   ports.value()->on_save(
-      [&](const std::string& file) { return checkpoints.save_for_debugger(file); });
+      [&](const std::string& file) { return checkpoints.save_beside(file, "monitor save"); });
   std::optional<Error> not_restored;
   if (restore.value()) {
     // Tried before anything is begun; then once more, when its time has come.

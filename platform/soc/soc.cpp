@@ -58,10 +58,29 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
 /// The one list of what is on the board. What is not modelled and the user's own devices come
 /// behind it.
 void Soc::list_components() {
-  components_ = {&timer0,    &timer1,    &dual_timer, &watchdog,    &uart0, &uart1,
-                 &uart2,     &uart3,     &uart4,      &gpio0,       &gpio1, &gpio2,
-                 &gpio3,     &fpgaio,    &scc,        &coprocessor, &adc,   &clock_controller,
-                 &code_sram, &data_sram, &block_ram,  &psram};
+  components_ = {&cpu,
+                 &timer0,
+                 &timer1,
+                 &dual_timer,
+                 &watchdog,
+                 &uart0,
+                 &uart1,
+                 &uart2,
+                 &uart3,
+                 &uart4,
+                 &gpio0,
+                 &gpio1,
+                 &gpio2,
+                 &gpio3,
+                 &fpgaio,
+                 &scc,
+                 &coprocessor,
+                 &adc,
+                 &clock_controller,
+                 &code_sram,
+                 &data_sram,
+                 &block_ram,
+                 &psram};
 }
 
 /// Every free slot gets the user's device, or a stand-in that says what is missing.
@@ -100,46 +119,42 @@ void Soc::bind() {
   ahb.port(bus::apb_bridge_target)->bind(apb.socket);
   const bus::AddressMap map = bus::soc_address_map();
   for (kit::Component* part : components_) {
-    const bus::MapEntry& entry = *bus::find_entry(map, part->component_name());
+    const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());
+    if (entry == nullptr) continue;  // the processor
     if (auto* device = dynamic_cast<kit::RegisterTarget*>(part))
-      bind_target(entry, device->socket);
+      bind_target(*entry, device->socket);
     else if (auto* memory = dynamic_cast<bus::Memory*>(part))
-      bind_target(entry, memory->socket);
+      bind_target(*entry, memory->socket);
   }
 }
 
-void Soc::connect(kit::InterruptLine& source, const char* device, const char* output) {
-  const bus::AddressMap map = bus::soc_address_map();
-  for (const bus::InterruptWire& wire : bus::find_entry(map, device)->interrupts) {
-    if (wire.output != output) continue;
-    if (wire.line == bus::nmi_line) {
-      source.connect([this](bool level) {
-        if (level) cpu.pulse_nmi();
-      });
-      continue;
-    }
-    source.connect([this, line = static_cast<unsigned>(wire.line)](bool level) {
-      high_sources_[line] += level ? 1 : -1;
-      cpu.set_interrupt(line, high_sources_[line] > 0);
-    });
-  }
-}
-
-void Soc::each_interrupt(const EachInterrupt& call) {
+void Soc::each_wire(const EachWire& call) {
   const bus::AddressMap map = bus::soc_address_map();
   for (kit::Component* part : components_) {
     const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());
     if (entry == nullptr) continue;
-    part->each_interrupt([&](kit::InterruptLine& line, const std::string& output) {
+    for (const kit::Component::Output& output : part->outputs())
       for (const bus::InterruptWire& wire : entry->interrupts)
-        if (wire.output == output) call(line, part->component_name(), wire.output.c_str());
-    });
+        if (wire.output == output.name) call(*output.line, part->component_name(), wire);
   }
 }
 
+void Soc::each_interrupt(const EachInterrupt& call) {
+  each_wire([&](kit::InterruptLine& source, const char* device, const bus::InterruptWire& wire) {
+    call(source, device, wire.output.c_str());
+  });
+}
+
 void Soc::connect_interrupts() {
-  each_interrupt([this](kit::InterruptLine& source, const char* device, const char* output) {
-    connect(source, device, output);
+  each_wire([this](kit::InterruptLine& source, const char*, const bus::InterruptWire& wire) {
+    if (wire.line == bus::nmi_line)
+      return source.connect([this](bool level) {
+        if (level) cpu.pulse_nmi();
+      });
+    source.connect([this, line = static_cast<unsigned>(wire.line)](bool level) {
+      high_sources_[line] += level ? 1 : -1;
+      cpu.set_interrupt(line, high_sources_[line] > 0);
+    });
   });
   watchdog.reset_request.connect([this](bool level) {
     if (level) cpu.request_reset();

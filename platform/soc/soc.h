@@ -122,8 +122,11 @@ class Soc : public sc_core::sc_module {
   void make_others(const std::vector<OwnDevice>& own);
   template <typename Socket>
   void bind_target(const bus::MapEntry& entry, Socket& socket);
+  /// Every interrupt output that the address map wires.
+  using EachWire =
+      std::function<void(kit::InterruptLine&, const char* device, const bus::InterruptWire& wire)>;
+  void each_wire(const EachWire& call);
   void connect_interrupts();
-  void connect(kit::InterruptLine& source, const char* device, const char* output);
   bool is_memory(uint32_t address, uint32_t size) const;
   uint32_t access_memory(tlm::tlm_command command, uint32_t address, void* bytes, uint32_t size);
 };

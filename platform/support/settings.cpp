@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 
 #include "support/input_file.h"
 #include "support/nearest.h"
+#include "support/number.h"
 #include "support/printable.h"
 #include "support/toml.h"
 
@@ -21,12 +21,6 @@ namespace capsoc {
 namespace {
 
 constexpr uint64_t largest_file = 1U << 20U;
-
-bool parse_number(const std::string& text, double& value) {
-  const char* end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc() && last == end && std::isfinite(value);
-}
 
 std::string environment_name(const std::string& path) {
   std::string name = "CAPSOC_";
@@ -85,9 +79,7 @@ const Setting& Settings::find(const std::string& path) const {
 }
 
 double Settings::number(const std::string& path) const {
-  double value = 0;
-  parse_number(find(path).value, value);
-  return value;
+  return finite_number(find(path).value).value_or(0);
 }
 
 long long Settings::integer(const std::string& path) const {
@@ -114,12 +106,12 @@ std::optional<Error> Settings::check(const Setting& setting, const std::string& 
                                printable(value))};
     case SettingKind::number:
     case SettingKind::integer: {
-      double number = 0;
-      if (!parse_number(value, number) ||
-          (setting.kind == SettingKind::integer && number != std::floor(number)))
+      const auto parsed = finite_number(value);
+      if (!parsed || (setting.kind == SettingKind::integer && *parsed != std::floor(*parsed)))
         return Error{fmt::format("{}: {} cannot be '{}'; give a{} number", origin, setting.path,
                                  printable(value),
                                  setting.kind == SettingKind::integer ? " whole" : "")};
+      const double number = *parsed;
       if (number < setting.minimum || number > setting.maximum)
         return Error{fmt::format("{}: {} = {} is out of range; give {:g} to {:g}", origin,
                                  setting.path, value, setting.minimum, setting.maximum)};

@@ -25,14 +25,13 @@ class CrcUnit : public capsoc::kit::RegisterBank {
     RegisterBank::visit(archive);
     archive("state", state_);
   }
-  void each_interrupt(const EachOutput& call) override { call(interrupt, "interrupt"); }
 
   using Access = capsoc::registers::Access;
   // name, offset, access, value at reset, bits that are writable, write-1-to-clear, readable
   capsoc::kit::Register DATA{*this, {"DATA", 0x0, Access::write_only, 0, ~0U, 0, 0}};
   capsoc::kit::Register CRC{*this, {"CRC", 0x4, Access::read_only, 0, 0, 0, ~0U}};
   capsoc::kit::Register COUNT{*this, {"COUNT", 0x8, Access::read_write, 0, ~0U, 0, ~0U}};
-  capsoc::kit::InterruptLine interrupt;
+  capsoc::kit::InterruptLine interrupt{*this, "interrupt"};
 
  private:
   void take(uint32_t word) {

@@ -32,13 +32,12 @@ class Ticker : public kit::ClockedBank {
     ClockedBank::visit(archive);
     archive("next", next_);
   }
-  void each_interrupt(const EachOutput& call) override { call(interrupt, "interrupt"); }
 
   // name, offset, access, value at reset, bits that are writable, write-1-to-clear, readable
   kit::Register CTRL{*this, {"CTRL", 0x0, Access::read_write, 0, 1, 0, 1}};
   kit::Register PERIOD{*this, {"PERIOD", 0x4, Access::read_write, 1000, ~0U, 0, ~0U}};
   kit::Register PENDING{*this, {"PENDING", 0x8, Access::read_write, 0, 0, 1, 1}};
-  kit::InterruptLine interrupt;
+  kit::InterruptLine interrupt{*this, "interrupt"};
 
  private:
   void advance(uint64_t cycle) override {

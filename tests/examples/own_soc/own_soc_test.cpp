@@ -26,7 +26,7 @@ TEST(OwnSoc, RunsAProgramOfItsOwn) {
     hash("clock", soc.clock);
     for (capsoc::kit::Component* part : std::initializer_list<capsoc::kit::Component*>{
              &soc.cpu, &soc.ram, &soc.ticker, &soc.printer})
-      part->visit(hash);
+      part->visit_all(hash);
     hashes.push_back(hash.value());
     return now + step;
   });

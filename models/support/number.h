@@ -1,0 +1,20 @@
+// Text to number, for what users write.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace capsoc {
+
+/// All of the text as a finite decimal number ("0.5", "1e-3"); nothing for anything else.
+inline std::optional<double> finite_number(std::string_view text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || last != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace capsoc
