@@ -32,78 +32,6 @@ Options checked(Options options) {
 
 }  // namespace
 
-const std::array<NamedNode, node_count>& node_names() {
-  static const std::array<NamedNode, node_count> names = {{
-      {"u", 0, &Nodes::u},
-      {"v", 0, &Nodes::v},
-      {"clip", 0, &Nodes::clip},
-      {"s_high", 0, &Nodes::s_high},
-      {"s_low", 0, &Nodes::s_low},
-      {"c_high", 0, &Nodes::c_high},
-      {"c_low", 0, &Nodes::c_low},
-      {"mirror", 0, &Nodes::mirror},
-      {"cal_s", 0, &Nodes::cal_s},
-      {"cal_c", 0, &Nodes::cal_c},
-      {"det", 0, &Nodes::det},
-      {"saturated_t0", 0, &Nodes::saturated_t0},
-      {"relative", 1, &Nodes::relative},
-      {"amplitude", 1, &Nodes::amplitude},
-      {"zero", 1, &Nodes::zero},
-      {"unsettled_t1", 1, &Nodes::unsettled_t1},
-      {"saturated_t1", 1, &Nodes::saturated_t1},
-      {"reference_phase", 2, &Nodes::reference_phase},
-      {"residue", 2, &Nodes::residue},
-      {"sine", 2, &Nodes::sine},
-      {"cosine", 2, &Nodes::cosine},
-      {"next_phase", 2, &Nodes::next_phase},
-      {"next_frequency", 2, &Nodes::next_frequency},
-      {"turn", 2, &Nodes::turn},
-      {"saturated_t2", 2, &Nodes::saturated_t2},
-      {"error_u", 3, &Nodes::error_u},
-      {"error_v", 3, &Nodes::error_v},
-      {"next_a_u", 3, &Nodes::next_a_u},
-      {"next_b_u", 3, &Nodes::next_b_u},
-      {"next_c_u", 3, &Nodes::next_c_u},
-      {"next_a_v", 3, &Nodes::next_a_v},
-      {"next_b_v", 3, &Nodes::next_b_v},
-      {"next_c_v", 3, &Nodes::next_c_v},
-      {"next_average", 3, &Nodes::next_average},
-      {"saturated_t3", 3, &Nodes::saturated_t3},
-      {"found_phi", 4, &Nodes::found_phi},
-      {"found_a1", 4, &Nodes::found_a1},
-      {"found_beta", 4, &Nodes::found_beta},
-      {"found_a2", 4, &Nodes::found_a2},
-      {"found_b1", 4, &Nodes::found_b1},
-      {"found_b2", 4, &Nodes::found_b2},
-      {"found_angle", 4, &Nodes::found_angle},
-      {"saturated", 4, &Nodes::saturated},
-      {"deviation", 4, &Nodes::deviation},
-      {"travel", 4, &Nodes::travel},
-      {"glitches", 4, &Nodes::glitches},
-      {"phase", commit_stage, &Nodes::phase},
-      {"frequency", commit_stage, &Nodes::frequency},
-      {"a_u", commit_stage, &Nodes::a_u},
-      {"b_u", commit_stage, &Nodes::b_u},
-      {"c_u", commit_stage, &Nodes::c_u},
-      {"a_v", commit_stage, &Nodes::a_v},
-      {"b_v", commit_stage, &Nodes::b_v},
-      {"c_v", commit_stage, &Nodes::c_v},
-      {"a1", commit_stage, &Nodes::a1},
-      {"a2", commit_stage, &Nodes::a2},
-      {"b1", commit_stage, &Nodes::b1},
-      {"b2", commit_stage, &Nodes::b2},
-      {"beta", commit_stage, &Nodes::beta},
-      {"phi", commit_stage, &Nodes::phi},
-      {"angle", commit_stage, &Nodes::angle},
-      {"error_average", commit_stage, &Nodes::error_average},
-      {"status", commit_stage, &Nodes::status},
-      {"flags", commit_stage, &Nodes::flags},
-      {"samples", commit_stage, &Nodes::samples},
-      {"turn_flags", commit_stage, &Nodes::turn_flags},
-  }};
-  return names;
-}
-
 Coprocessor::Coprocessor(Options options) : options_(checked(options)), datapath_(options_) {
   reset();
 }
@@ -287,67 +215,10 @@ void Coprocessor::commit_results(const Packet& packet) {
 }
 
 void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) const {
-  const auto high = [](fixed::int128 x) { return static_cast<int64_t>(x >> 64); };
-  const Coefficients& w = packet.next_coefficients;
-  const PolarResult& polar = pending_.polar;
-  switch (stage) {
-    case 0:
-      n.u = packet.u;
-      n.v = packet.v;
-      n.clip = packet.clip;
-      n.s_high = high(packet.s);
-      n.s_low = static_cast<int64_t>(packet.s);
-      n.c_high = high(packet.c);
-      n.c_low = static_cast<int64_t>(packet.c);
-      n.mirror = packet.mirror;
-      n.cal_s = packet.cal_s;
-      n.cal_c = packet.cal_c;
-      n.det = packet.det;
-      n.saturated_t0 = packet.saturated_after[0];
-      break;
-    case 1:
-      n.relative = packet.relative;
-      n.amplitude = packet.amplitude;
-      n.zero = packet.zero;
-      n.unsettled_t1 = packet.unsettled_t1;
-      n.saturated_t1 = packet.saturated_after[1];
-      break;
-    case 2:
-      n.reference_phase = packet.reference_phase;
-      n.residue = packet.residue;
-      n.sine = packet.reference.sine;
-      n.cosine = packet.reference.cosine;
-      n.next_phase = static_cast<int64_t>(packet.next_reference.phase);
-      n.next_frequency = packet.next_reference.frequency;
-      n.turn = packet.turn;
-      n.saturated_t2 = packet.saturated_after[2];
-      break;
-    case 3:
-      n.error_u = packet.error_u;
-      n.error_v = packet.error_v;
-      n.next_a_u = w.u.sine;
-      n.next_b_u = w.u.cosine;
-      n.next_c_u = w.u.constant;
-      n.next_a_v = w.v.sine;
-      n.next_b_v = w.v.cosine;
-      n.next_c_v = w.v.constant;
-      n.next_average = packet.next_average;
-      n.saturated_t3 = packet.saturated_after[3];
-      break;
-    default:
-      n.found_phi = polar.parameters.phi;
-      n.found_a1 = polar.parameters.a1;
-      n.found_beta = polar.parameters.beta;
-      n.found_a2 = polar.parameters.a2;
-      n.found_b1 = polar.parameters.b1;
-      n.found_b2 = polar.parameters.b2;
-      n.found_angle = polar.angle;
-      n.saturated = packet.saturated;
-      n.deviation = pending_.judge.deviation;
-      n.travel = pending_.judge.travel;
-      n.glitches = pending_.judge.glitches;
-      break;
-  }
+  const auto upper_half = [](fixed::int128 x) { return static_cast<int64_t>(x >> 64); };
+#define NODE(name, made_in, format, model, when, rtl) \
+  if (stage == (made_in)) n.name = static_cast<int64_t>(model);
+#include "coprocessor/nodes.def"
 }
 
 bool Coprocessor::stage_nodes(unsigned stage, Nodes& nodes) const {
@@ -358,31 +229,8 @@ bool Coprocessor::stage_nodes(unsigned stage, Nodes& nodes) const {
 }
 
 void Coprocessor::record_nodes(const Packet& packet) {
-  Nodes& n = nodes_;
-  ++n.commits;
-  for (unsigned stage = 0; stage < stage_count; ++stage) packet_nodes(packet, stage, n);
-  n.phase = static_cast<int64_t>(state_.reference.phase);
-  n.frequency = state_.reference.frequency;
-  const Coefficients& w = state_.coefficients;
-  n.a_u = w.u.sine;
-  n.b_u = w.u.cosine;
-  n.c_u = w.u.constant;
-  n.a_v = w.v.sine;
-  n.b_v = w.v.cosine;
-  n.c_v = w.v.constant;
-  const Parameters& p = state_.parameters;
-  n.a1 = p.a1;
-  n.a2 = p.a2;
-  n.b1 = p.b1;
-  n.b2 = p.b2;
-  n.beta = p.beta;
-  n.phi = p.phi;
-  n.angle = results_.angle;
-  n.error_average = results_.error_average;
-  n.status = status();
-  n.flags = flags_;
-  n.samples = samples_;
-  n.turn_flags = judge_.last.flags | int64_t{judge_.turn_count} << turn_count_shift;
+  ++nodes_.commits;
+  for (unsigned stage = 0; stage <= commit_stage; ++stage) packet_nodes(packet, stage, nodes_);
 }
 
 bool Coprocessor::frozen() const {

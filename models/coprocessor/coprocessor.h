@@ -80,6 +80,7 @@ class Coprocessor final : public Device {
   void write_ctrl(uint32_t value);
   void write_command(uint64_t cycle, uint32_t value);
   uint32_t status() const;
+  uint32_t turn_flags() const;
   bool frozen() const;
   int64_t pair_value(unsigned pair) const;
   void set_pair(unsigned pair, int32_t high, uint32_t low);

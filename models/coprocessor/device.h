@@ -11,61 +11,15 @@
 // edge c the next read() is at c + 1 and the next write() at c + 2 at the earliest.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string_view>
 
+#include "coprocessor/nodes.h"
 #include "kit/archive.h"
 
 namespace capsoc::coprocessor {
-
-// The nodes of one sample, for lockstep comparison. Raw words: signed formats sign-extended,
-// unsigned ones zero-extended. docs/coprocessor.md gives formats and rules.
-struct Nodes {
-  // T0
-  int64_t u = 0, v = 0, clip = 0;
-  int64_t s_high = 0, s_low = 0, c_high = 0, c_low = 0;  // S and C: bits 67:64 and bits 63:0
-  int64_t mirror = 0, cal_s = 0, cal_c = 0, det = 0, saturated_t0 = 0;
-  // T1
-  int64_t relative = 0, amplitude = 0, zero = 0, unsettled_t1 = 0, saturated_t1 = 0;
-  // T2
-  int64_t reference_phase = 0, residue = 0, sine = 0, cosine = 0, next_phase = 0,
-          next_frequency = 0, turn = 0, saturated_t2 = 0;  // the frequency 0 unless it is steered
-  // T3; the weights as the update leaves them, 0 without one
-  int64_t error_u = 0, error_v = 0;
-  int64_t next_a_u = 0, next_b_u = 0, next_c_u = 0, next_a_v = 0, next_b_v = 0, next_c_v = 0;
-  int64_t next_average = 0, saturated_t3 = 0;
-  // T4; what the polar unit found, whether or not it is written
-  int64_t found_phi = 0, found_a1 = 0, found_beta = 0, found_a2 = 0, found_b1 = 0, found_b2 = 0,
-          found_angle = 0, saturated = 0;
-  // T4's turn judge
-  int64_t deviation = 0, travel = 0, glitches = 0;
-  // Registers as the commit leaves them, before a write at the same edge.
-  int64_t phase = 0, frequency = 0;                              // 2^-48 turn
-  int64_t a_u = 0, b_u = 0, c_u = 0, a_v = 0, b_v = 0, c_v = 0;  // Q2.46
-  int64_t a1 = 0, a2 = 0, b1 = 0, b2 = 0, beta = 0, phi = 0, angle = 0;
-  int64_t error_average = 0, status = 0, flags = 0, samples = 0, turn_flags = 0;
-
-  // Results committed since the last reset of either kind. No node, never compared.
-  uint64_t commits = 0;
-
-  void visit(kit::Archive& archive);
-};
-
-// Where a node comes into being: 0 to 4 for T0 to T4, `commit_stage` for the registers.
-inline constexpr unsigned commit_stage = 5;
-inline constexpr std::size_t node_count = 66;
-
-struct NamedNode {
-  const char* name;
-  unsigned stage;
-  int64_t Nodes::*value;
-};
-// Every node of Nodes by name, in pipeline order.
-const std::array<NamedNode, node_count>& node_names();
 
 struct IdleState;
 

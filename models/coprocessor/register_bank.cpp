@@ -160,6 +160,10 @@ uint32_t Coprocessor::status() const {
          (judge_.good_turns << status_good_turns_shift);
 }
 
+uint32_t Coprocessor::turn_flags() const {
+  return judge_.last.flags | uint32_t{judge_.turn_count} << turn_count_shift;
+}
+
 int64_t Coprocessor::pair_value(unsigned pair) const {
   if (pair == freq_pair) return state_.reference.frequency;
   if (pair == phase_pair) return static_cast<int64_t>(state_.reference.phase);
@@ -256,7 +260,7 @@ std::optional<uint32_t> Coprocessor::peek(uint32_t offset) const {
     case reg_turn_limit:
       return judge_settings_.turn_limit;
     case reg_turn_flags:
-      return judge_.last.flags | uint32_t{judge_.turn_count} << turn_count_shift;
+      return turn_flags();
     case reg_radius_max:
       return judge_.last.radius_max;
     case reg_residue_max:

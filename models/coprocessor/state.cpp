@@ -135,11 +135,6 @@ void PolarResult::visit(Archive& archive) {
   archive("angle", angle);
 }
 
-void Nodes::visit(Archive& archive) {
-  for (const NamedNode& node : node_names()) archive(node.name, this->*node.value);
-  archive("commits", commits);
-}
-
 void Sequencer::visit(Archive& archive) {
   archive("running", running_);
   archive("boundary", boundary_);

@@ -25,9 +25,8 @@ void Vcoprocessor_probe___024root___eval_settle(Vcoprocessor_probe___024root* to
 namespace {
 
 constexpr const char* names[] = {
-#define NODE(name) #name,
-#include "rtl/rtl_nodes.def"
-#undef NODE
+#define NODE(name, stage, format, model, when, rtl) #name,
+#include "coprocessor/nodes.def"
 };
 
 // Verilator's streams write to files; these keep the bytes.
@@ -187,9 +186,9 @@ uint64_t clock_on(capsoc_rtl* r, uint64_t count) {
 
 void nodes(capsoc_rtl* r, int64_t* values) {
   const Vcoprocessor_probe& top = *r->top;
-#define NODE(name) *values++ = static_cast<int64_t>(top.node_##name##_o);
-#include "rtl/rtl_nodes.def"
-#undef NODE
+#define NODE(name, stage, format, model, when, rtl) \
+  *values++ = static_cast<int64_t>(top.node_##name##_o);
+#include "coprocessor/nodes.def"
 }
 
 int64_t extended(uint64_t word48) {
@@ -270,9 +269,9 @@ int open_waves(capsoc_rtl* r, const char* file) {
 }
 
 void model_nodes(capsoc_rtl* r, const int64_t* values) {
-#define NODE(name) r->top->model_##name##_i = static_cast<uint64_t>(*values++);
-#include "rtl/rtl_nodes.def"
-#undef NODE
+#define NODE(name, stage, format, model, when, rtl) \
+  r->top->model_##name##_i = static_cast<uint64_t>(*values++);
+#include "coprocessor/nodes.def"
 }
 
 void wave_time(capsoc_rtl* r, uint64_t rise_ns, uint64_t fall_ns) {

@@ -92,15 +92,15 @@ void Waves::add_nodes() {
     }
     Node node;
     node.node = &named;
-    node.format = node_format(named.name);
-    node.word = file_->add_bits(named.name, node.format.width);
+    node.word = file_->add_bits(named.name, named.format.width);
     node.path = fmt::format("soc.coprocessor.{}.{}", stage_name(stage), named.name);
     if (node.has_value()) {
-      const char* unit = node.format.meaning == Meaning::turns ? "_degrees" : "_value";
+      const char* unit =
+          named.format.meaning == coprocessor::Meaning::turns ? "_degrees" : "_value";
       node.value = file_->add_real(named.name + std::string(unit));
       node.path += unit;
     } else {
-      node.path += range(node.format.width);
+      node.path += range(named.format.width);
     }
     nodes_.push_back(std::move(node));
   }
@@ -151,7 +151,7 @@ void Waves::result(uint64_t picoseconds, const coprocessor::Nodes& nodes) {
   for (const Node& node : nodes_) {
     const int64_t word = nodes.*node.node->value;
     file_->set(picoseconds, node.word, static_cast<uint64_t>(word));
-    if (node.has_value()) file_->set_real(picoseconds, node.value, node.format.value(word));
+    if (node.has_value()) file_->set_real(picoseconds, node.value, node.node->format.value(word));
   }
 }
 

@@ -12,7 +12,6 @@
 #include "support/result.h"
 #include "trace/bus_trace.h"
 #include "trace/fst_file.h"
-#include "trace/node_format.h"
 
 namespace capsoc::trace {
 
@@ -44,10 +43,9 @@ class Waves {
   struct Node {
     const coprocessor::NamedNode* node = nullptr;
     FstFile::Signal word = 0, value = 0;
-    NodeFormat format;
     std::string path;  ///< of the signal to show
 
-    bool has_value() const { return format.meaning != Meaning::word; }
+    bool has_value() const { return node->format.meaning != coprocessor::Meaning::word; }
   };
 
   void add_interrupts();
