@@ -385,6 +385,7 @@ def c_struct(peripheral):
 def c_fields(peripheral):
     lines = []
     for register in peripheral.registers:
+        lines.append(f"#define {peripheral.name}_{register.name}_Reset 0x{register.reset:08X}UL")
         for part in register.fields:
             if part.reserved:
                 continue

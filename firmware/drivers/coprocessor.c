@@ -3,11 +3,11 @@
 #include "an385.h"
 #include "system.h"
 
-enum { coprocessor_id = 0x43415053, coefficient_fraction_bits = 15 };
+enum { coefficient_fraction_bits = 15 };
 
 bool coprocessor_present(void) {
   uint32_t id = 0;
-  return bus_probe(COPROCESSOR_BASE, &id) && id == coprocessor_id;
+  return bus_probe(COPROCESSOR_BASE, &id) && id == COPROCESSOR_ID_Reset;
 }
 
 void coprocessor_reset(void) {

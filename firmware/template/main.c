@@ -25,7 +25,7 @@ static void print_number(uint32_t number) {
 int main(void) {
   UART0_BAUDDIV = 25000000 / 115200;
   UART0_CTRL = 1;
-  if (COPROCESSOR->ID != 0x43415053) {
+  if (COPROCESSOR->ID != COPROCESSOR_ID_Reset) {
     print("no coprocessor\n");
     return 1;
   }

@@ -122,7 +122,8 @@ static void check_coprocessor_registers(void) {
   coprocessor_set_loop(5, 12);
   check("coprocessor loop", COPROCESSOR->LOOP == (5u | 12u << 8));
   coprocessor_reset();
-  check("coprocessor reset", COPROCESSOR->STEP_AU == 1349307 && coprocessor_frequency() == 0);
+  check("coprocessor reset",
+        COPROCESSOR->STEP_AU == COPROCESSOR_STEP_AU_Reset && coprocessor_frequency() == 0);
 }
 
 static bool wait_for_result(void) {

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "capsoc_registers.h"
+
 namespace capsoc::bus {
 namespace {
 
@@ -105,9 +107,11 @@ void add_cmsdk_apb_devices(AddressMap& map) {
   map.push_back(device("watchdog", 0x40008000, {{"interrupt", nmi_line}}));
   map.push_back(device("uart4", 0x40009000, {{"rx", 20}, {"tx", 21}, {"overrun", 12}}));
   map.push_back(hole("reserved_apb_a", 0x4000a000, 2 * slot, BusKind::apb));
-  map.push_back(device("coprocessor", 0x4000c000, {{"interrupt", 30}}));
-  map.push_back(device("adc_front_end", 0x4000d000, {{"interrupt", 31}}));
-  map.push_back(device("clock_controller", 0x4000e000));
+  map.push_back(device("coprocessor", registers::coprocessor::base_address,
+                       {{"interrupt", registers::coprocessor::interrupt}}));
+  map.push_back(device("adc_front_end", registers::adc::base_address,
+                       {{"interrupt", registers::adc::interrupt}}));
+  map.push_back(device("clock_controller", registers::clockctrl::base_address));
   map.push_back(missing("reserved_apb_f", 0x4000f000));
 }
 

@@ -9,9 +9,16 @@ namespace capsoc::coprocessor {
 namespace {
 
 constexpr unsigned settling_samples = 64;
-constexpr int64_t start_weight = int64_t{1} << 45;     // 0.5, Q2.46
-constexpr int32_t start_amplitude = int32_t{1} << 30;  // 0.5, Q1.31
-constexpr uint32_t start_step = 1349307;               // omega / 2 for 0.05 Hz at 250 Hz, Q1.31
+// Steps: omega / 2 for 0.05 Hz at 250 Hz.
+constexpr Steps start_steps_u = {description::STEP_AU_reset, description::STEP_BU_reset,
+                                 description::STEP_CU_reset};
+constexpr Steps start_steps_v = {description::STEP_AV_reset, description::STEP_BV_reset,
+                                 description::STEP_CV_reset};
+
+// A coefficient as its register words are at reset.
+constexpr int64_t start_weight(uint32_t high, uint32_t low) {
+  return (int64_t{static_cast<int32_t>(high)} << 15) + static_cast<int32_t>(low);
+}
 
 // Weights as the arithmetic keeps them.
 Weights stored(const Weights& weights, bool paper) {
@@ -45,16 +52,18 @@ void Coprocessor::soft_reset() {
   ctrl_ = 0;
   flags_ = 0;
   settings_ = {};
-  settings_.steps_u = settings_.steps_v = {start_step, start_step, start_step};
+  settings_.steps_u = start_steps_u;
+  settings_.steps_v = start_steps_v;
   state_ = {};
-  state_.coefficients.u.sine = start_weight;
-  state_.coefficients.v.cosine = start_weight;
-  state_.parameters.a1 = state_.parameters.a2 = start_amplitude;
+  state_.coefficients.u.sine = start_weight(description::AU_HI_reset, description::AU_LO_reset);
+  state_.coefficients.v.cosine = start_weight(description::BV_HI_reset, description::BV_LO_reset);
+  state_.parameters.a1 = static_cast<int32_t>(description::A1_reset);
+  state_.parameters.a2 = static_cast<int32_t>(description::A2_reset);
   results_ = {};
   judge_settings_ = {};
   judge_ = {};
-  lock_threshold_ = 1u << 21;
-  diverge_threshold_ = 1u << 29;
+  lock_threshold_ = description::LOCK_THRESHOLD_reset;
+  diverge_threshold_ = description::DIVERGE_THRESHOLD_reset;
   soft_u_ = 0;
   samples_ = 0;
   early_count_ = 0;

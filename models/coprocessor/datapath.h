@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "coprocessor/reference_generator.h"
+#include "coprocessor/register_map.h"
 #include "coprocessor/types.h"
 #include "fixed/fixed.h"
 
@@ -53,8 +54,8 @@ struct Packet {
 struct Settings {
   bool demodulate = false;
   ReferenceSource source = ReferenceSource::numeric;
-  unsigned kp = 4;
-  unsigned ki = 10;
+  unsigned kp = field(description::LOOP_reset, description::LOOP_KP_mask);
+  unsigned ki = field(description::LOOP_reset, description::LOOP_KI_mask);
   Steps steps_u;
   Steps steps_v;
   unsigned slew = 0;  // JUDGE.SLEW, 0..7

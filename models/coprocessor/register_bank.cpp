@@ -6,6 +6,8 @@
 namespace capsoc::coprocessor {
 namespace {
 
+static_assert(latency_cycles == description::LATENCY_reset);
+
 // The 48-bit registers: an even word LO, an odd word HI.
 constexpr unsigned freq_pair = 0;
 constexpr unsigned phase_pair = 1;
@@ -106,7 +108,7 @@ bool is_setting(uint32_t offset) {
 }
 
 uint32_t source_field(uint32_t ctrl) {
-  return (ctrl & ctrl_ref_mask) >> ctrl_ref_shift;
+  return field(ctrl, ctrl_ref_mask);
 }
 
 }  // namespace
@@ -204,7 +206,7 @@ std::optional<uint32_t> Coprocessor::peek(uint32_t offset) const {
     case reg_cmd:
       return 0;
     case reg_loop:
-      return settings_.kp | (settings_.ki << 8);
+      return settings_.kp | (settings_.ki << description::LOOP_KI_shift);
     case reg_lock_threshold:
       return lock_threshold_;
     case reg_diverge_threshold:
@@ -354,8 +356,8 @@ bool Coprocessor::write_setting(uint32_t offset, uint32_t value) {
   }
   switch (offset) {
     case reg_loop:
-      settings_.kp = value & 31;
-      settings_.ki = (value >> 8) & 31;
+      settings_.kp = field(value, description::LOOP_KP_mask);
+      settings_.ki = field(value, description::LOOP_KI_mask);
       return true;
     case reg_lock_threshold:
       lock_threshold_ = value;
@@ -364,11 +366,11 @@ bool Coprocessor::write_setting(uint32_t offset, uint32_t value) {
       diverge_threshold_ = value;
       return true;
     case reg_judge:
-      judge_settings_.radius_limit = value & 0xFF;
-      judge_settings_.alarm_limit = (value >> judge_alarm_limit_shift) & 0xFF;
-      judge_settings_.turns = (value >> judge_turns_shift) & 3;
+      judge_settings_.radius_limit = field(value, description::JUDGE_RADIUS_LIMIT_mask);
+      judge_settings_.alarm_limit = field(value, description::JUDGE_ALARM_LIMIT_mask);
+      judge_settings_.turns = field(value, description::JUDGE_TURNS_mask);
       judge_settings_.count = (value & judge_count) != 0;
-      settings_.slew = (value >> judge_slew_shift) & 7;
+      settings_.slew = field(value, description::JUDGE_SLEW_mask);
       return true;
     case reg_turn_limit:
       judge_settings_.turn_limit = value;

@@ -4,17 +4,20 @@
 
 #include <cstdint>
 
+#include "coprocessor/register_map.h"
 #include "coprocessor/types.h"
 
 namespace capsoc::coprocessor {
 
 // JUDGE and TURN_LIMIT.
 struct JudgeSettings {
-  uint32_t radius_limit = 51;  // 2^-8 of |DET|; 0: none
-  uint32_t alarm_limit = 51;   // 2^-8 of |DET|; 0: none
-  unsigned turns = 1;          // good windows that LOCK needs, 0..3
-  bool count = false;          // windows of turn_limit samples
-  uint32_t turn_limit = 0;     // samples; 0: no time-out
+  // 2^-8 of |DET|; 0: none
+  uint32_t radius_limit = field(description::JUDGE_reset, description::JUDGE_RADIUS_LIMIT_mask);
+  uint32_t alarm_limit = field(description::JUDGE_reset, description::JUDGE_ALARM_LIMIT_mask);
+  // Good windows that LOCK needs, 0..3
+  unsigned turns = field(description::JUDGE_reset, description::JUDGE_TURNS_mask);
+  bool count = false;       // windows of turn_limit samples
+  uint32_t turn_limit = 0;  // samples; 0: no time-out
 
   void visit(kit::Archive& archive);
 };

@@ -12,7 +12,7 @@ using namespace coprocessor;
 Bench::Bench(Device& device, Arithmetic arithmetic, Coverage& coverage,
              std::function<bool()> failed)
     : device_(device), arithmetic_(arithmetic), coverage_(coverage), failed_(std::move(failed)) {
-  steps_.fill(1349307);
+  steps_.fill(description::STEP_AU_reset);
 }
 
 // nodes() closes an edge, so results are fetched between the edge of their commit and the next one
@@ -65,14 +65,14 @@ void Bench::shadow_reset() {
   held_ = load_waits_ = commit_seen_ = false;
   ended_ = {};
   ctrl_ = flags_ = status_ = 0;
-  loop_ = 0x0A04;
-  steps_.fill(1349307);
+  loop_ = description::LOOP_reset;
+  steps_.fill(description::STEP_AU_reset);
   settled_at_ = edge_;
   staged_ = latched_ = {};
   since_reset_ = 0;
   turn_flags_ = 0;
   glitches_ = 0;
-  judge_ = 0x13333;
+  judge_ = description::JUDGE_reset;
 }
 
 std::optional<uint64_t> Bench::boundary() const {

@@ -79,7 +79,7 @@ void Bench::cover_commit() {
   cover_slew(n);
 
   const auto status = static_cast<uint32_t>(n.status);
-  const unsigned source = (ctrl_ & ctrl_ref_mask) >> ctrl_ref_shift;
+  const unsigned source = field(ctrl_, ctrl_ref_mask);
   coverage_.hit(Group::mode, source * 4 + (ctrl_ & 1) + ((ctrl_ >> 1) & 1) * 2);
   coverage_.hit_if(n.zero != 0, Group::event, source);
   coverage_.hit((Group::event), (status & status_mirror) != 0 ? 3 : 4);
@@ -90,8 +90,9 @@ void Bench::cover_commit() {
   coverage_.hit_if((changed & ~status & status_valid) != 0, Group::event, 10);
   status_ = status;
   if (edge_ > settled_at_ + latency_cycles) {
-    coverage_.hit_if(source == 1, Group::loop, loop_class(loop_ & 31));
-    coverage_.hit_if(source == 1, Group::loop, 5 + loop_class(loop_ >> 8));
+    coverage_.hit_if(source == 1, Group::loop, loop_class(field(loop_, description::LOOP_KP_mask)));
+    coverage_.hit_if(source == 1, Group::loop,
+                     5 + loop_class(field(loop_, description::LOOP_KI_mask)));
     for (unsigned i = 0; i < steps_.size() && (ctrl_ & ctrl_demod) != 0; ++i) {
       const uint32_t step = steps_[i];
       if (step < 2) coverage_.hit(Group::step, i * 3 + step);
@@ -143,9 +144,10 @@ void Bench::cover_ties(const Nodes& n) {
         if ((product & 0xFFFF) == 0x8000) coverage_.hit(Group::tie, product < 0 ? 4 : 3);
       }
   }
-  const unsigned source = (ctrl_ & ctrl_ref_mask) >> ctrl_ref_shift;
+  const unsigned source = field(ctrl_, ctrl_ref_mask);
   if (edge_ <= settled_at_ + latency_cycles) return;
-  const unsigned kp = loop_ & 31, ki = loop_ >> 8;
+  const unsigned kp = field(loop_, description::LOOP_KP_mask),
+                 ki = field(loop_, description::LOOP_KI_mask);
   const auto residue = static_cast<uint64_t>(n.residue) << 16;
   const auto tie = [&](unsigned shift) {
     return shift > 16 && (residue & ((uint64_t{1} << shift) - 1)) == uint64_t{1} << (shift - 1);
@@ -199,7 +201,7 @@ void Bench::cover_judge(const Nodes& n) {
   const std::array<int32_t, 8> edges = {60, 61, 66, 67, -62, -61, -67, -68};
   for (size_t i = 0; i < edges.size(); ++i)
     hit(static_cast<int32_t>(n.travel) >> 24 == edges[i], 10 + i);
-  hit((status >> status_good_turns_shift & 3) == 3, 18);
+  hit(field(status, description::STATUS_GOOD_TURNS_mask) == 3, 18);
   hit(good && some && !was_good, 19);
   hit(!good && was_good, 20);
   const bool by_angle = (ctrl_ & ctrl_ref_mask) != 0;
@@ -212,7 +214,7 @@ void Bench::cover_judge(const Nodes& n) {
 
 void Bench::cover_slew(const Nodes& n) {
   if (edge_ <= std::max(judge_at_, settled_at_) + latency_cycles) return;
-  const unsigned slew = judge_ >> judge_slew_shift;
+  const unsigned slew = field(judge_, description::JUDGE_SLEW_mask);
   std::array<bool, 2> limited{};
   for (size_t channel = 0; channel < 2; ++channel) {
     const int64_t error = channel == 0 ? n.error_u : n.error_v;
@@ -296,8 +298,8 @@ void Bench::cover_write(uint32_t offset, uint32_t value) {
 void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
   const size_t base = busy() ? 17 : 0;
   if (offset == reg_ctrl && (value & ctrl_srst) == 0) {
-    const uint32_t from = (ctrl_ >> ctrl_ref_shift) & 3;
-    uint32_t to = (value >> ctrl_ref_shift) & 3;
+    const uint32_t from = field(ctrl_, ctrl_ref_mask);
+    uint32_t to = field(value, ctrl_ref_mask);
     if (to == 3) to = from;
     if (from != to) coverage_.hit(Group::mode_change, base + from * 2 + (to > from ? to - 1 : to));
     const uint32_t changed = ctrl_ ^ value;
@@ -317,7 +319,7 @@ void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
   }
   if (offset == reg_loop) {
     coverage_.hit(Group::mode_change, base + 12);
-    loop_ = value & 0x1F1F;
+    loop_ = value & (description::LOOP_KP_mask | description::LOOP_KI_mask);
     settled_at_ = edge_;
   }
   if (offset == reg_lock_threshold || offset == reg_diverge_threshold)
@@ -338,7 +340,7 @@ void Bench::cover_collision(uint32_t offset, uint32_t value) {
   cover(busy() && boundary_ == edge_ + 1, 12);
   cover(busy() && turned_ + 1 == edge_, 13);
   if (turned_ != edge_) return;
-  const bool tracking = ((ctrl_ >> ctrl_ref_shift) & 3) == 1;
+  const bool tracking = (field(ctrl_, ctrl_ref_mask)) == 1;
   const bool demod = (ctrl_ & ctrl_demod) != 0;
   cover(ended_[4] && offset == reg_flags && value != 0, 0);
   cover(ended_[4] && offset == reg_cmd && (value & cmd_clear) != 0, 1);

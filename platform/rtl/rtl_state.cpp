@@ -33,10 +33,10 @@ struct Setting {
 };
 constexpr std::array<Setting, 10> settings = {
     {{10, coprocessor::reg_step_au, &capsoc_rtl_state::step_au},
-     {11, coprocessor::reg_step_au + 4, &capsoc_rtl_state::step_bu},
-     {12, coprocessor::reg_step_au + 8, &capsoc_rtl_state::step_cu},
-     {13, coprocessor::reg_step_au + 12, &capsoc_rtl_state::step_av},
-     {14, coprocessor::reg_step_au + 16, &capsoc_rtl_state::step_bv},
+     {11, coprocessor::description::STEP_BU_offset, &capsoc_rtl_state::step_bu},
+     {12, coprocessor::description::STEP_CU_offset, &capsoc_rtl_state::step_cu},
+     {13, coprocessor::description::STEP_AV_offset, &capsoc_rtl_state::step_av},
+     {14, coprocessor::description::STEP_BV_offset, &capsoc_rtl_state::step_bv},
      {15, coprocessor::reg_step_cv, &capsoc_rtl_state::step_cv},
      {17, coprocessor::reg_lock_threshold, &capsoc_rtl_state::lock_threshold},
      {18, coprocessor::reg_diverge_threshold, &capsoc_rtl_state::diverge_threshold},
@@ -114,7 +114,7 @@ void set_settings(capsoc_rtl_state& r, const IdleState& state) {
     return model.read(state.cycle, offset, true).value;
   };
   for (const Bit& bit : ctrl_bits) r.*bit.value = (state.ctrl & bit.mask) != 0 ? 1 : 0;
-  r.ref = (state.ctrl & coprocessor::ctrl_ref_mask) >> coprocessor::ctrl_ref_shift;
+  r.ref = coprocessor::field(state.ctrl, coprocessor::ctrl_ref_mask);
   r.kp = state.settings.kp;
   r.ki = state.settings.ki;
   const auto put = [&](uint32_t address, uint64_t value) {
@@ -137,7 +137,8 @@ void get_settings(const capsoc_rtl_state& r, IdleState& state) {
   uint32_t ctrl = low32(r.ref) << coprocessor::ctrl_ref_shift;
   for (const Bit& bit : ctrl_bits) ctrl |= r.*bit.value != 0 ? bit.mask : 0;
   model.write(0, coprocessor::reg_ctrl, ctrl);
-  model.write(0, coprocessor::reg_loop, low32(r.kp | r.ki << 8));
+  model.write(0, coprocessor::reg_loop,
+              low32(r.kp | r.ki << coprocessor::description::LOOP_KI_shift));
   for (const Setting& setting : settings) model.write(0, setting.offset, low32(r.*setting.value));
   model.save_idle(state);
   const auto at = [&](uint32_t address) {
@@ -234,7 +235,7 @@ void set_judge(capsoc_rtl_state& r, const TurnJudge& judge) {
   r.last_flags = judge.last.flags;
   r.last_angle = judge.last_angle >> 2;
   r.octants = flags & coprocessor::turn_octants_mask;
-  r.clipped = (flags & coprocessor::turn_clipped_mask) >> coprocessor::turn_clipped_shift;
+  r.clipped = coprocessor::field(flags, coprocessor::turn_clipped_mask);
   r.window_wild = judge.wild ? 1 : 0;
   for (const Bit& bit : window_bits) r.*bit.value = (flags & bit.mask) != 0 ? 1 : 0;
   for (auto* words : {&r.judge_words, &r.quality_words}) {

@@ -81,12 +81,12 @@ module apb_properties (
     assert (pslverr == (access & error));
     if (~listed) assert (prdata == 32'd0);
     if (~access | error | ~pwrite_i) assert (~clear & ~soft_valid & ~load);
-    if (soft_valid) assert (paddr_i == 12'h0A4);
-    if (load) assert (paddr_i == 12'h014 & pwdata_i[0]);
-    if (clear) assert (paddr_i == 12'h008 & pwdata_i[31]);
-    if (access & pwrite_i & ~error & paddr_i == 12'h0A4) assert (soft_valid);
-    if (access & pwrite_i & ~error & paddr_i == 12'h014) assert (load == pwdata_i[0]);
-    if (access & pwrite_i & ~error & paddr_i == 12'h008) assert (clear == pwdata_i[31]);
+    if (soft_valid) assert (paddr_i == capsoc_coprocessor_pkg::SOFT_V_OFFSET);
+    if (load) assert (paddr_i == capsoc_coprocessor_pkg::CMD_OFFSET & pwdata_i[capsoc_coprocessor_pkg::CMD_LOAD_LSB]);
+    if (clear) assert (paddr_i == capsoc_coprocessor_pkg::CTRL_OFFSET & pwdata_i[capsoc_coprocessor_pkg::CTRL_SRST_LSB]);
+    if (access & pwrite_i & ~error & paddr_i == capsoc_coprocessor_pkg::SOFT_V_OFFSET) assert (soft_valid);
+    if (access & pwrite_i & ~error & paddr_i == capsoc_coprocessor_pkg::CMD_OFFSET) assert (load == pwdata_i[capsoc_coprocessor_pkg::CMD_LOAD_LSB]);
+    if (access & pwrite_i & ~error & paddr_i == capsoc_coprocessor_pkg::CTRL_OFFSET) assert (clear == pwdata_i[capsoc_coprocessor_pkg::CTRL_SRST_LSB]);
   end
 
 endmodule

@@ -106,28 +106,28 @@ module register_bank_properties (
       6'h04: now = {36'd0, flags};
       6'h06, 6'h07: begin now = freq; given = freq_i; gives = freq_we_i; end
       6'h08, 6'h09: begin now = phase; given = phase_i; gives = phase_we_i; end
-      6'h0A: begin now = {17'd0, step_au}; start = 48'd1349307; end
-      6'h0B: begin now = {17'd0, step_bu}; start = 48'd1349307; end
-      6'h0C: begin now = {17'd0, step_cu}; start = 48'd1349307; end
-      6'h0D: begin now = {17'd0, step_av}; start = 48'd1349307; end
-      6'h0E: begin now = {17'd0, step_bv}; start = 48'd1349307; end
-      6'h0F: begin now = {17'd0, step_cv}; start = 48'd1349307; end
-      6'h10: begin now = {35'd0, ki, 3'd0, kp}; start = 48'h0A04; end
-      6'h11: begin now = {16'd0, lock_threshold}; start = 48'd1 << 21; end
-      6'h12: begin now = {16'd0, diverge_threshold}; start = 48'd1 << 29; end
-      6'h14, 6'h15: begin now = au; given = au_i; gives = weights_u_we_i; start = 48'd1 << 45; end
+      6'h0A: begin now = {17'd0, step_au}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AU_RESET}; end
+      6'h0B: begin now = {17'd0, step_bu}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BU_RESET}; end
+      6'h0C: begin now = {17'd0, step_cu}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CU_RESET}; end
+      6'h0D: begin now = {17'd0, step_av}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AV_RESET}; end
+      6'h0E: begin now = {17'd0, step_bv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BV_RESET}; end
+      6'h0F: begin now = {17'd0, step_cv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CV_RESET}; end
+      6'h10: begin now = {35'd0, ki, 3'd0, kp}; start = {16'd0, capsoc_coprocessor_pkg::LOOP_RESET}; end
+      6'h11: begin now = {16'd0, lock_threshold}; start = {16'd0, capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET}; end
+      6'h12: begin now = {16'd0, diverge_threshold}; start = {16'd0, capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET}; end
+      6'h14, 6'h15: begin now = au; given = au_i; gives = weights_u_we_i; start = {1'b0, capsoc_coprocessor_pkg::AU_HI_RESET, 15'd0}; end
       6'h16, 6'h17: begin now = bu; given = bu_i; gives = weights_u_we_i; end
       6'h18, 6'h19: begin now = cu; given = cu_i; gives = weights_u_we_i; end
       6'h1A, 6'h1B: begin now = av; given = av_i; gives = weights_v_we_i; end
-      6'h1C, 6'h1D: begin now = bv; given = bv_i; gives = weights_v_we_i; start = 48'd1 << 45; end
+      6'h1C, 6'h1D: begin now = bv; given = bv_i; gives = weights_v_we_i; start = {1'b0, capsoc_coprocessor_pkg::BV_HI_RESET, 15'd0}; end
       6'h1E, 6'h1F: begin now = cv; given = cv_i; gives = weights_v_we_i; end
-      6'h20: begin now = {16'd0, a1}; given = {16'd0, a1_i}; start = 48'd1 << 30; end
-      6'h21: begin now = {16'd0, a2}; given = {16'd0, a2_i}; start = 48'd1 << 30; end
+      6'h20: begin now = {16'd0, a1}; given = {16'd0, a1_i}; start = {16'd0, capsoc_coprocessor_pkg::A1_RESET}; end
+      6'h21: begin now = {16'd0, a2}; given = {16'd0, a2_i}; start = {16'd0, capsoc_coprocessor_pkg::A2_RESET}; end
       6'h22: begin now = {16'd0, b1}; given = {16'd0, b1_i}; end
       6'h23: begin now = {16'd0, b2}; given = {16'd0, b2_i}; end
       6'h24: begin now = {16'd0, beta}; given = {16'd0, beta_i}; end
       6'h25: begin now = {16'd0, phi}; given = {16'd0, phi_i}; end
-      6'h26: begin now = {26'd0, judge}; start = 48'h13333; end
+      6'h26: begin now = {26'd0, judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
       6'h27: now = {16'd0, turn_limit};
       default: now = 48'd0;
     endcase
@@ -215,15 +215,15 @@ module register_bank_properties (
     seen = now[31:0];
     if (is_pair & watched[0]) seen = high;
     if (watched == 6'h28) seen = stage;
-    if (watched == 6'h00) seen = 32'h4341_5053;
-    if (watched == 6'h01) seen = 32'h0001_0001;
+    if (watched == 6'h00) seen = capsoc_coprocessor_pkg::ID_RESET;
+    if (watched == 6'h01) seen = capsoc_coprocessor_pkg::VERSION_RESET;
     if (watched == 6'h39) seen = turn_flags_i;
     if (watched == 6'h03) seen = {18'd0, status_good_turns_i, 5'd0, \dut.freeze & flags[10],
                                   status_alarm_i, status_valid_i, status_mirror_i,
                                   status_diverged_i, status_lock_i, busy_i};
     if (watched == 6'h34) seen = \dut.samples ;
     if (watched == 6'h35) seen = \dut.early_count ;
-    if (watched == 6'h38) seen = 32'd161;
+    if (watched == 6'h38) seen = capsoc_coprocessor_pkg::LATENCY_RESET;
     if (watched == 6'h05 | watched == 6'h29) seen = 32'd0;
   end
   logic is_result;

@@ -16,7 +16,7 @@ namespace {
 constexpr double sample_rate = 250;
 constexpr double shaft_rate = 0.05;
 constexpr int per_revolution = 5000;
-constexpr uint32_t default_step = 1349307;
+constexpr uint32_t default_step = description::STEP_AU_reset;
 constexpr uint32_t running = ctrl_demod | ctrl_calib;
 
 uint32_t step_word(double step) {

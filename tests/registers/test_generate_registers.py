@@ -66,6 +66,7 @@ class Generator(unittest.TestCase):
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
         self.assertIn("#define COPROCESSOR_CTRL_DEMOD_Msk 0x00000001UL", self.made("capsoc_device.h"))
         self.assertIn("#define COPROCESSOR_CTRL_SRST_Pos 31UL", self.made("capsoc_device.h"))
+        self.assertIn("#define COPROCESSOR_ID_Reset 0x43415053UL", self.made("capsoc_device.h"))
         self.assertIn("#define ADC_IRQn 31", self.made("capsoc_device.h"))
         self.assertIn("inline constexpr uint32_t CTRL_offset = 0x008;", self.made("capsoc_registers.h"))
         self.assertIn("| 0x0E0 | LATENCY | read-only |", self.made("registers.md"))
