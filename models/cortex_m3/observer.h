@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "cortex_m3/op.h"
+#include "cortex_m3/isa/op.h"
 
 namespace capsoc::cortex_m3 {
 

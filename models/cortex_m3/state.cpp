@@ -1,67 +1,10 @@
 #include "cortex_m3/state.h"
 
+#include <utility>
+
 #include "kit/archive.h"
 
 namespace capsoc::cortex_m3 {
-void NvicState::visit(kit::Archive& archive) {
-  archive("pending", pending);
-  archive("active", active);
-  archive("enabled", enabled);
-  archive("lines", lines);
-  archive("priority", priority);
-  constexpr uint64_t exceptions = (uint64_t{1} << 48) - 1;
-  if (((pending | active | enabled) & ~exceptions) != 0) archive.refuse("has exceptions above 47");
-}
-
-void ScbState::visit(kit::Archive& archive) {
-  archive("vtor", vtor);
-  archive.at_most("prigroup", prigroup, 7u);
-  archive("scr", scr);
-  archive("ccr", ccr);
-  archive("shcsr", shcsr);
-  archive("cfsr", cfsr);
-  archive("hfsr", hfsr);
-  archive("mmfar", mmfar);
-  archive("bfar", bfar);
-  archive("dfsr", dfsr);
-  archive("actlr", actlr);
-  archive("demcr", demcr);
-}
-
-void SystickState::visit(kit::Archive& archive) {
-  archive("csr", csr);
-  archive("rvr", rvr);
-  archive("start", start);
-  archive("countflag", countflag);
-  archive("start_cycle", start_cycle);
-  archive("event", event);
-  archive("reference", reference);
-  if (reference == 0) archive.refuse("has a reference clock that stands still");
-}
-
-void DwtState::visit(kit::Archive& archive) {
-  archive("ctrl", ctrl);
-  archive("cyccnt_base", cyccnt_base);
-  archive("cyccnt_stopped", cyccnt_stopped);
-  archive("comparator", comparator);
-  archive("mask", mask);
-  archive("function", function);
-  archive("count_seen", count_seen);
-}
-
-void ItmState::visit(kit::Archive& archive) {
-  archive("ter", ter);
-  archive("tpr", tpr);
-  archive("tcr", tcr);
-  archive("unlocked", unlocked);
-}
-
-void MpuState::visit(kit::Archive& archive) {
-  archive("ctrl", ctrl);
-  archive.at_most("rnr", rnr, 7u);
-  archive("rbar", rbar);
-  archive("rasr", rasr);
-}
 
 void FaultReport::visit(kit::Archive& archive) {
   archive.at_most("kind", kind, Kind::lockup);
@@ -117,6 +60,73 @@ void State::visit(kit::Archive& archive) {
   archive("unpredictable_seen", unpredictable_seen);
   archive("priority_told", priority_told);
   if ((pc & 1) != 0) archive.refuse("has an odd program counter");
+}
+
+void State::reset() {
+  r.fill(0);
+  n = 0;
+  z = 1;
+  c = v = q = false;
+  control = primask = faultmask = basepri = ipsr = other_sp = 0;
+  it_state = 0;
+  trail = timing::no_trail;
+  entered_at = never;
+  sleeping = locked_up = reset_request = semihosting_exit = false;
+  event_register = exclusive = false;
+  last_fault = {};
+  first_fault = {};
+  nvic.reset();
+  scb.reset();
+  systick.reset(cycles);
+  dwt.reset();
+  itm.reset();
+  mpu.reset();
+}
+
+void State::set_reg(unsigned number, uint32_t value) {
+  if (number == 13) {
+    r[13] = value & ~3u;
+  } else if (number == 15) {
+    pc = value & ~1u;
+    it_state = 0;
+    trail = timing::no_trail;
+    sleeping = locked_up = false;  // it goes on there
+  } else if (number < 15) {
+    r[number] = value;
+  }
+}
+
+uint32_t State::xpsr() const {
+  const uint32_t it = it_state;
+  return (n & 0x80000000u) | (z == 0 ? 1u << 30 : 0) | (c ? 1u << 29 : 0) | (v ? 1u << 28 : 0) |
+         (q ? 1u << 27 : 0) | (it & 3) << 25 | (thumb ? 1u << 24 : 0) | (it >> 2) << 10 | ipsr;
+}
+
+void State::set_apsr(uint32_t value) {
+  n = value;
+  z = (value >> 30 & 1) != 0 ? 0 : 1;
+  c = (value >> 29 & 1) != 0;
+  v = (value >> 28 & 1) != 0;
+  q = (value >> 27 & 1) != 0;
+}
+
+void State::set_xpsr(uint32_t value) {
+  set_apsr(value);
+  thumb = (value >> 24 & 1) != 0;
+  it_state = static_cast<uint8_t>((value >> 25 & 3) | (value >> 10 & 0x3F) << 2);
+}
+
+void State::select_stack(bool process) {
+  if (process != uses_psp()) std::swap(r[13], other_sp);
+}
+
+void State::set_control(uint32_t value) {
+  if (ipsr == 0) {
+    select_stack((value & 2) != 0);
+    control = value & 3;
+  } else {
+    control = (control & 2) | (value & 1);
+  }
 }
 
 }  // namespace capsoc::cortex_m3

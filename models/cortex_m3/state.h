@@ -7,7 +7,13 @@
 #include <type_traits>
 
 #include "cortex_m3/fault_report.h"
-#include "cortex_m3/timing.h"
+#include "cortex_m3/isa/timing.h"
+#include "cortex_m3/system/dwt.h"
+#include "cortex_m3/system/itm.h"
+#include "cortex_m3/system/mpu.h"
+#include "cortex_m3/system/nvic.h"
+#include "cortex_m3/system/scb.h"
+#include "cortex_m3/system/systick.h"
 
 namespace capsoc::kit {
 class Archive;
@@ -15,66 +21,8 @@ class Archive;
 
 namespace capsoc::cortex_m3 {
 
-/// Exceptions by number (B1.5.2): bit n of a mask is exception n; 16 and up are interrupts.
-struct NvicState {
-  uint64_t pending = 0, active = 0, enabled = 0;
-  uint32_t lines = 0;  ///< levels of the interrupt inputs
-  std::array<uint8_t, 48> priority{};
-
-  void visit(kit::Archive& archive);
-};
-
-/// System control block (B3.2), with DEMCR.
-struct ScbState {
-  uint32_t vtor = 0, prigroup = 0, scr = 0, ccr = 0, shcsr = 0, cfsr = 0, hfsr = 0, mmfar = 0,
-           bfar = 0, dfsr = 0, actlr = 0, demcr = 0;
-
-  void visit(kit::Archive& archive);
-};
-
-/// B3.3. The counter is a function of the cycle since it was started.
-struct SystickState {
-  static constexpr uint64_t never = ~uint64_t{0};
-  uint32_t csr = 0, rvr = 0, start = 0;
-  bool countflag = false;
-  uint64_t start_cycle = 0;
-  uint64_t event = never;   ///< cycle of the next wrap that pends the exception
-  unsigned reference = 25;  ///< HCLK cycles of the reference clock
-
-  void visit(kit::Archive& archive);
-};
-
-/// Data watchpoint and trace unit (C1.8).
-struct DwtState {
-  uint32_t ctrl = 0;
-  uint64_t cyccnt_base = 0;
-  uint32_t cyccnt_stopped = 0;
-  std::array<uint32_t, 4> comparator{}, mask{}, function{};
-  bool watches_data = false;   ///< accesses: their pages leave the direct tables
-  bool observes_step = false;  ///< instructions or cycles: they are executed one by one
-  uint32_t count_seen = 0;     ///< CYCCNT up to which cycle matches were looked for
-
-  void visit(kit::Archive& archive);
-};
-
-/// Instrumentation trace macrocell (C1.7).
-struct ItmState {
-  uint32_t ter = 0, tpr = 0, tcr = 0;
-  bool unlocked = false;
-
-  void visit(kit::Archive& archive);
-};
-
-/// Memory protection unit (B3.5).
-struct MpuState {
-  uint32_t ctrl = 0, rnr = 0;
-  std::array<uint32_t, 8> rbar{}, rasr{};
-
-  void visit(kit::Archive& archive);
-};
-
 struct State {
-  static constexpr uint64_t never = ~uint64_t{0};
+  static constexpr uint64_t never = Systick::never;
 
   std::array<uint32_t, 16> r{};  ///< 13: the stack pointer in use; 15 is not used
   uint32_t n = 0, z = 1;         ///< N is bit 31 of n; Z is z == 0
@@ -93,12 +41,12 @@ struct State {
   bool exclusive = false;  ///< the local monitor (A3.4)
   uint32_t exclusive_address = 0;
 
-  NvicState nvic;
-  ScbState scb;
-  SystickState systick;
-  DwtState dwt;
-  ItmState itm;
-  MpuState mpu;
+  Nvic nvic;
+  Scb scb;
+  Systick systick;
+  Dwt dwt;
+  Itm itm;
+  Mpu mpu;
 
   FaultReport last_fault, first_fault;
   uint64_t fault_count = 0;
@@ -108,7 +56,69 @@ struct State {
 
   /// Refuses what no processor can be in.
   void visit(kit::Archive& archive);
+  /// Power-on reset of all but the time; the vector table is not read yet.
+  void reset();
+
+  /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
+  uint32_t reg(unsigned number) const { return number == 15 ? pc : r[number & 15]; }
+  /// Writing 15 lets a processor that sleeps or is locked up go on there.
+  void set_reg(unsigned number, uint32_t value);
+  uint32_t xpsr() const;
+  void set_xpsr(uint32_t value);
+  /// N, Z, C, V and Q from their places in APSR.
+  void set_apsr(uint32_t value);
+  bool condition_passed(unsigned condition) const;
+
+  bool in_fault_handler() const { return exception::is_fault(ipsr); }
+  bool privileged() const { return ipsr != 0 || (control & 1) == 0; }
+  /// Where HFNMIENA lets the MPU look away (B3.5.5).
+  bool at_negative_priority() const {
+    return faultmask != 0 || ipsr == exception::nmi || ipsr == exception::hard_fault;
+  }
+  bool uses_psp() const { return ipsr == 0 && (control & 2) != 0; }
+  uint32_t msp() const { return uses_psp() ? other_sp : r[13]; }
+  uint32_t psp() const { return uses_psp() ? r[13] : other_sp; }
+  void set_msp(uint32_t value) { (uses_psp() ? other_sp : r[13]) = value & ~3u; }
+  void set_psp(uint32_t value) { (uses_psp() ? r[13] : other_sp) = value & ~3u; }
+  /// The stack pointer in use sits in r[13], the other one aside; switching exchanges them.
+  void select_stack(bool process);
+  /// SPSEL can be written in Thread mode only (B1.4.4).
+  void set_control(uint32_t value);
+  void set_primask(bool masked) { primask = masked ? 1 : 0; }
+  void set_faultmask(bool masked) { faultmask = masked ? 1 : 0; }
+  void set_basepri(uint32_t value) { basepri = value & nvic.priority_mask(); }
 };
 static_assert(std::is_standard_layout_v<State> && std::is_trivially_copyable_v<State>);
+
+inline bool State::condition_passed(unsigned condition) const {
+  const bool negative = (n >> 31) != 0, zero = z == 0;
+  bool result = false;
+  switch (condition >> 1) {
+    case 0:
+      result = zero;
+      break;
+    case 1:
+      result = c;
+      break;
+    case 2:
+      result = negative;
+      break;
+    case 3:
+      result = v;
+      break;
+    case 4:
+      result = c && !zero;
+      break;
+    case 5:
+      result = negative == v;
+      break;
+    case 6:
+      result = negative == v && !zero;
+      break;
+    default:
+      return true;
+  }
+  return result != ((condition & 1) != 0);
+}
 
 }  // namespace capsoc::cortex_m3

@@ -41,7 +41,7 @@ CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& 
   clock_.on_change([this] {
     core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000));
   });
-  core_.set_unpredictable_listener(log_unpredictable);
+  core_.listeners().unpredictable = log_unpredictable;
   SC_HAS_PROCESS(CortexM3Tlm);
   SC_THREAD(thread);
 }

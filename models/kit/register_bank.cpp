@@ -30,9 +30,7 @@ Register& Register::on_write(std::function<void(uint32_t)> write) {
 }
 
 void Register::store(uint32_t value) {
-  const uint32_t kept =
-      value_ & ~description_.writable_mask & ~(value & description_.one_to_clear_mask);
-  value_ = kept | (value & description_.writable_mask);
+  value_ = registers::stored(description_, value_, value, all_bits);
 }
 
 uint32_t Register::peek() const {

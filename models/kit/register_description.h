@@ -17,4 +17,13 @@ struct RegisterDescription {
   uint32_t readable_mask;      ///< bits that can read as something other than 0
 };
 
+/// What a register that held `old` holds after a write of the bytes in `lanes` (a mask): bits that
+/// can be written take it, those that a 1 clears are cleared.
+constexpr uint32_t stored(const RegisterDescription& about, uint32_t old, uint32_t written,
+                          uint32_t lanes) {
+  const uint32_t takes = about.writable_mask & lanes;
+  const uint32_t clears = about.one_to_clear_mask & ~about.writable_mask & lanes & written;
+  return (old & ~takes & ~clears) | (written & takes);
+}
+
 }  // namespace capsoc::registers

@@ -46,12 +46,13 @@ bool GdbServer::after_run(cortex_m3::StopReason reason, bool advanced) {
   switch (reason) {
     case StopReason::breakpoint: {
       const uint32_t pc = soc_.cpu.core().reg(15);
-      halt({soc_.cpu.core().has_breakpoint(pc) ? Kind::breakpoint : Kind::bkpt_instruction,
+      halt({soc_.cpu.core().debugging().has_breakpoint(pc) ? Kind::breakpoint
+                                                           : Kind::bkpt_instruction,
             target_.breakpoint_kind(pc)});
       return true;
     }
     case StopReason::watchpoint: {
-      const cortex_m3::WatchHit& hit = soc_.cpu.core().watch_hit();
+      const cortex_m3::WatchHit& hit = soc_.cpu.core().debugging().watch_hit();
       const StopPoint point = !hit.watchpoint.on_read    ? StopPoint::write_watchpoint
                               : !hit.watchpoint.on_write ? StopPoint::read_watchpoint
                                                          : StopPoint::access_watchpoint;
@@ -110,7 +111,7 @@ void GdbServer::begin(Session& session) {
   const bool first = !debugged();
   session.debugs = true;
   session.controls = first;
-  soc_.cpu.core().set_halting_debug(true);
+  soc_.cpu.core().debugging().set_halting(true);
   if (first && !halted_) halt({StopCause::Kind::attached});
   session.client.set_cause(halted_ ? cause_ : StopCause{});
 }
@@ -169,7 +170,7 @@ void GdbServer::leave(const Socket* socket) {
   if (!debugged_here) return;
   const bool held =
       std::any_of(sessions_.begin(), sessions_.end(), [](const Session& s) { return s.controls; });
-  soc_.cpu.core().set_halting_debug(debugged());
+  soc_.cpu.core().debugging().set_halting(debugged());
   if (!held) resume({});
 }
 
@@ -184,7 +185,7 @@ void GdbServer::halt(const StopCause& cause) {
 }
 
 void GdbServer::resume(const Resume& how) {
-  if (halted_) soc_.cpu.core().pass_breakpoint();
+  if (halted_) soc_.cpu.core().debugging().pass_breakpoint();
   halted_ = false;
   how_ = how;
 }

@@ -36,19 +36,19 @@ uint32_t SocTarget::read_register(unsigned index) {
   const cortex_m3::Core& core = soc_.cpu.core();
   switch (index) {
     case xpsr:
-      return core.xpsr();
+      return core.state().xpsr();
     case msp:
-      return core.msp();
+      return core.state().msp();
     case psp:
-      return core.psp();
+      return core.state().psp();
     case primask:
-      return core.primask();
+      return core.state().primask;
     case basepri:
-      return core.basepri();
+      return core.state().basepri;
     case faultmask:
-      return core.faultmask();
+      return core.state().faultmask;
     case control:
-      return core.control();
+      return core.state().control;
     default:
       return core.reg(index);
   }
@@ -58,19 +58,19 @@ void SocTarget::write_register(unsigned index, uint32_t value) {
   cortex_m3::Core& core = soc_.cpu.core();
   switch (index) {
     case xpsr:
-      return core.set_xpsr(value);
+      return core.edit().set_xpsr(value);
     case msp:
-      return core.set_msp(value);
+      return core.edit().set_msp(value);
     case psp:
-      return core.set_psp(value);
+      return core.edit().set_psp(value);
     case primask:
-      return core.set_primask((value & 1) != 0);
+      return core.edit().set_primask((value & 1) != 0);
     case basepri:
-      return core.set_basepri(value);
+      return core.edit().set_basepri(value);
     case faultmask:
-      return core.set_faultmask((value & 1) != 0);
+      return core.edit().set_faultmask((value & 1) != 0);
     case control:
-      return core.set_control(value);
+      return core.edit().set_control(value);
     default:
       return core.set_reg(index, value);
   }
@@ -152,18 +152,18 @@ bool SocTarget::write_to_device(uint32_t address, const std::string& bytes) {
 bool SocTarget::set(StopPoint kind, uint32_t address, uint32_t size) {
   if (!is_breakpoint(kind)) {
     if (size == 0) return false;
-    soc_.cpu.core().set_watchpoint(watchpoint(kind, address, size));
+    soc_.cpu.core().debugging().set_watchpoint(watchpoint(kind, address, size));
     return true;
   }
   address &= ~1U;
   ++breakpoints_[address][static_cast<std::size_t>(kind)];
-  soc_.cpu.core().set_breakpoint(address);
+  soc_.cpu.core().debugging().set_breakpoint(address);
   return true;
 }
 
 void SocTarget::clear(StopPoint kind, uint32_t address, uint32_t size) {
   if (!is_breakpoint(kind))
-    return soc_.cpu.core().clear_watchpoint(watchpoint(kind, address, size));
+    return soc_.cpu.core().debugging().clear_watchpoint(watchpoint(kind, address, size));
   address &= ~1U;
   const auto found = breakpoints_.find(address);
   if (found == breakpoints_.end()) return;
@@ -171,7 +171,7 @@ void SocTarget::clear(StopPoint kind, uint32_t address, uint32_t size) {
   if (count != 0) --count;
   if (found->second[0] + found->second[1] != 0) return;
   breakpoints_.erase(found);
-  soc_.cpu.core().clear_breakpoint(address);
+  soc_.cpu.core().debugging().clear_breakpoint(address);
 }
 
 StopPoint SocTarget::breakpoint_kind(uint32_t address) const {
@@ -187,9 +187,10 @@ void SocTarget::reset() {
 std::string SocTarget::state() {
   const cortex_m3::Core& core = soc_.cpu.core();
   if (core.locked_up()) return "lockup";
-  const uint32_t exception = core.xpsr() & 0x1FFU;
+  const uint32_t exception = core.state().xpsr() & 0x1FFU;
   const std::string mode =
-      exception == 0   ? (core.control() & 1U) != 0 ? "Thread mode, unprivileged" : "Thread mode"
+      exception == 0
+          ? (core.state().control & 1U) != 0 ? "Thread mode, unprivileged" : "Thread mode"
       : exception < 16 ? fmt::format("exception {}", exception)
                        : fmt::format("interrupt {}", exception - 16);
   return core.sleeping() ? mode + ", asleep" : mode;

@@ -61,8 +61,8 @@ std::string describe_fault(const cortex_m3::Core& core, const loader::ElfImage& 
   text += "  the core now:\n";
   line("pc", named(image, core.reg(15)));
   line("lr", named(image, core.reg(14)));
-  line("msp", word(core.msp()));
-  line("psp", word(core.psp()));
+  line("msp", word(core.state().msp()));
+  line("psp", word(core.state().psp()));
   return text;
 }
 

@@ -33,10 +33,10 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const Settings& settings, soc
                              static_cast<unsigned>(settings.integer("itm.port")), give_up);
   if (!itm) return Error{itm.error()};
   ports->itm_ = std::move(itm.value());
-  soc.cpu.core().set_stimulus([self, &soc](unsigned port, uint32_t value, unsigned size) {
+  soc.cpu.core().listeners().stimulus = [self, &soc](unsigned port, uint32_t value, unsigned size) {
     soc.cpu.note_work();
     self->itm_->put(port, value, size);
-  });
+  };
 
   auto semihosting = SemihostingPort::open(settings, soc, program, program_file, give_up);
   if (!semihosting) return Error{semihosting.error()};

@@ -25,8 +25,9 @@ PriorityReport::PriorityReport(soc::Soc& soc, const loader::ElfImage& program, u
     : soc_(soc), program_(program), bits_(bits) {
   soc_.cpu.core().set_priority_bits(bits);
   if (bits == most_bits) return;
-  soc_.cpu.core().set_priority_listener(
-      [this](const cortex_m3::DroppedPriority& d) { dropped(d); });
+  soc_.cpu.core().listeners().priority = [this](const cortex_m3::DroppedPriority& d) {
+    dropped(d);
+  };
 }
 
 void PriorityReport::dropped(const cortex_m3::DroppedPriority& dropped) {

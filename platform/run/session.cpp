@@ -227,7 +227,7 @@ Result<RunResult> run(const Settings& settings) {
   watch_for_idle(settings, soc);
   if (auto error = inputs.load(settings, soc)) return *error;
   if (settings.text("run.stop_in_fault") == "true")
-    soc.cpu.core().set_stop_in_fault([&soc] { return soc.watchdog_is_off(); });
+    soc.cpu.core().listeners().hopeless = [&soc] { return soc.watchdog_is_off(); };
   if (lockstep != nullptr) lockstep->on_difference([] { sc_core::sc_stop(); });
 
   Metrics metrics = inputs.make_metrics();

@@ -200,7 +200,7 @@ void CallTree::entered(const Core& core, unsigned exception, Entry how, uint64_t
     nest_.pop_back();
   } else {
     const bool psp = (core.reg(14) & 0xFU) == 0xD;
-    nest_.back().interrupted_at = psp ? core.psp() : core.msp();
+    nest_.back().interrupted_at = psp ? core.state().psp() : core.state().msp();
   }
   const uint32_t name = exception_function(exception);
   nest_.push_back(new_stack(name));

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::trace {
@@ -32,12 +32,12 @@ InstructionTrace::Registers InstructionTrace::registers_of(const cortex_m3::Core
   Registers r{};
   for (unsigned n = 0; n <= 12; ++n) r[n] = core.reg(n);
   r[13] = core.reg(14);
-  r[14] = core.msp();
-  r[15] = core.psp();
-  r[16] = core.xpsr() & flags;
-  r[17] = core.control();
-  r[18] = core.primask() | core.faultmask() << 1U;
-  r[19] = core.basepri();
+  r[14] = core.state().msp();
+  r[15] = core.state().psp();
+  r[16] = core.state().xpsr() & flags;
+  r[17] = core.state().control;
+  r[18] = core.state().primask | core.state().faultmask << 1U;
+  r[19] = core.state().basepri;
   return r;
 }
 

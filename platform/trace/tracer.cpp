@@ -144,7 +144,8 @@ void Tracer::returned(const cortex_m3::Core& core, unsigned exception) {
   if (calls_ != nullptr) calls_->returned(core, exception);
   if (instructions_ != nullptr && open)
     instructions_->returned(core, exception, seconds_of(core.cycles()));
-  if (waves_ != nullptr) waves_->exception(picoseconds_of(core.cycles()), core.xpsr() & 0x1FFU);
+  if (waves_ != nullptr)
+    waves_->exception(picoseconds_of(core.cycles()), core.state().xpsr() & 0x1FFU);
 }
 
 void Tracer::accessed(const cortex_m3::Core& core, const cortex_m3::DirectAccess& access) {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bench.h"
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -68,7 +68,7 @@ void prepare(Bench& b, uint32_t seed) {
 void expect_equal(Bench& a, Bench& b, uint32_t seed) {
   for (unsigned n = 0; n < 16; ++n)
     ASSERT_EQ(a.core.reg(n), b.core.reg(n)) << "r" << n << " seed " << seed;
-  ASSERT_EQ(a.core.xpsr(), b.core.xpsr()) << "seed " << seed;
+  ASSERT_EQ(a.core.state().xpsr(), b.core.state().xpsr()) << "seed " << seed;
   ASSERT_EQ(a.core.cycles(), b.core.cycles()) << "seed " << seed;
   ASSERT_EQ(a.core.instructions(), b.core.instructions()) << "seed " << seed;
 }

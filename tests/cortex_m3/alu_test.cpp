@@ -1,4 +1,4 @@
-#include "cortex_m3/alu.h"
+#include "cortex_m3/isa/alu.h"
 
 #include <gtest/gtest.h>
 

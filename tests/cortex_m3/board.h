@@ -32,10 +32,10 @@ class Board : public Bus {
     }
     core.map_memory(0, size, code.data(), true, 0);
     core.map_memory(ram_base, size, ram.data(), true, 0);
-    core.set_semihosting([this](Core&) {
+    core.listeners().semihosting = [this](Core&) {
       exited = true;
       return false;
-    });
+    };
     core.reset();
   }
   bool loaded() const { return loaded_; }

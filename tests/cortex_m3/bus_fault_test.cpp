@@ -29,10 +29,10 @@ class BusFaults : public ::testing::TestWithParam<Executor> {
   }
   unsigned run(unsigned cycles = 40) {
     const uint64_t end = b.core.cycles() + cycles;
-    while (b.core.cycles() < end && (b.core.xpsr() & 0x1FF) == 0) b.core.step_instruction();
-    return b.core.xpsr() & 0x1FF;
+    while (b.core.cycles() < end && (b.core.state().xpsr() & 0x1FF) == 0) b.core.step_instruction();
+    return b.core.state().xpsr() & 0x1FF;
   }
-  uint32_t stacked_pc() { return b.peek(b.core.msp() + 24); }
+  uint32_t stacked_pc() { return b.peek(b.core.state().msp() + 24); }
 };
 
 TEST_P(BusFaults, AStoreThroughTheWriteBufferFailsBehindItselfAndKeepsNoAddress) {
@@ -52,7 +52,7 @@ TEST_P(BusFaults, BfhfnmignLetsFaultmaskProbeTheBus) {  // B3.2.8
   start();
   b.code(Bench::program, {0x6801});  // ldr r1,[r0]
   b.core.set_reg(1, 5);
-  b.core.set_faultmask(true);
+  b.core.edit().set_faultmask(true);
   write(ccr, bfhfnmign);
   EXPECT_EQ(run(20), 0u);
   EXPECT_EQ(b.core.reg(1), 0u);
@@ -69,7 +69,7 @@ TEST_P(BusFaults, WithoutFaultmaskBfhfnmignIgnoresNothing) {
 TEST_P(BusFaults, WithoutBfhfnmignAFaultUnderFaultmaskLocksUp) {
   start();
   b.code(Bench::program, {0x6801});
-  b.core.set_faultmask(true);
+  b.core.edit().set_faultmask(true);
   b.core.step_instruction();
   EXPECT_TRUE(b.core.locked_up());
 }
@@ -83,11 +83,11 @@ TEST_P(BusFaults, DisdefwbufMakesStoresPrecise) {
 }
 TEST_P(BusFaults, AnImpreciseFaultWaitsForItsPriority) {
   start();
-  b.core.set_primask(true);
+  b.core.edit().set_primask(true);
   EXPECT_EQ(run(20), 0u);
   EXPECT_EQ(b.core.reg(2), 2u);
   EXPECT_EQ(b.peek(shcsr) >> 14 & 1, 1u) << "BUSFAULTPENDED";
-  b.core.set_primask(false);
+  b.core.edit().set_primask(false);
   EXPECT_EQ(run(), 5u);
 }
 TEST_P(BusFaults, ADisabledImpreciseFaultIsAHardFault) {
@@ -139,12 +139,12 @@ TEST_P(BusFaults, AnInterruptWaitsForAMultipleTransferWithAndWithoutDismcycint) 
     };
     EXPECT_EQ(run(), 16u);
     EXPECT_EQ(stacked_pc(), Bench::program + 2);
-    EXPECT_EQ(b.peek(b.core.msp() + 28) & 0x0600FC00u, 0u) << "ICI";
+    EXPECT_EQ(b.peek(b.core.state().msp() + 28) & 0x0600FC00u, 0u) << "ICI";
   }
 }
 TEST_P(BusFaults, AContinuationBeforeAnotherInstructionRaisesInvstate) {
   b.start({0xBF00, 0xE7FE});
-  b.core.set_xpsr(1u << 24 | 3u << 12);  // ICI says r3
+  b.core.edit().set_xpsr(1u << 24 | 3u << 12);  // ICI says r3
   EXPECT_EQ(run(), 3u);
   EXPECT_EQ(b.peek(cfsr), 1u << 17);
 }
@@ -152,7 +152,7 @@ TEST_P(BusFaults, AContinuedMultipleTransferStartsOver) {
   b.start({0xC806, 0xE7FE});  // ldm r0!,{r1,r2}
   b.core.set_reg(0, Bench::ram_base);
   b.ram[0] = 5;
-  b.core.set_xpsr(1u << 24 | 2u << 12);
+  b.core.edit().set_xpsr(1u << 24 | 2u << 12);
   EXPECT_EQ(run(10), 0u);
   EXPECT_EQ(b.core.reg(1), 5u);
 }

@@ -29,10 +29,10 @@ class DebugMonitor : public ::testing::TestWithParam<Executor> {
   /// Runs to the first exception or for some cycles; its number.
   unsigned run(unsigned cycles = 60) {
     const uint64_t end = b.core.cycles() + cycles;
-    while (b.core.cycles() < end && (b.core.xpsr() & 0x1FF) == 0) b.core.step_instruction();
-    return b.core.xpsr() & 0x1FF;
+    while (b.core.cycles() < end && (b.core.state().xpsr() & 0x1FF) == 0) b.core.step_instruction();
+    return b.core.state().xpsr() & 0x1FF;
   }
-  uint32_t stacked_pc() { return b.peek(b.core.msp() + 24); }
+  uint32_t stacked_pc() { return b.peek(b.core.state().msp() + 24); }
 };
 
 // C1.6.1
@@ -54,7 +54,7 @@ TEST_P(DebugMonitor, ABreakpointInstructionEscalatesWhereTheMonitorCannotPreempt
   b.start({0xBE00, 0xE7FE});
   write(demcr, mon_en);
   write(shpr3, 0x80);  // the monitor's priority
-  b.core.set_basepri(0x80);
+  b.core.edit().set_basepri(0x80);
   EXPECT_EQ(run(), 3u);
 }
 TEST_P(DebugMonitor, DfsrIsClearedByWritingOnes) {
@@ -66,20 +66,20 @@ TEST_P(DebugMonitor, DfsrIsClearedByWritingOnes) {
 // C1.6.5: MON_PEND counts whatever MON_EN is.
 TEST_P(DebugMonitor, MonPendIsThePendingStateWhateverMonEnIs) {
   b.start({0xBF00, 0xBF00, 0xE7FE});
-  b.core.set_primask(true);
+  b.core.edit().set_primask(true);
   write(demcr, mon_pend);
   run(20);
   EXPECT_EQ(b.peek(demcr) & mon_pend, mon_pend);
-  b.core.set_primask(false);
+  b.core.edit().set_primask(false);
   EXPECT_EQ(run(), debug_monitor);
   EXPECT_EQ(b.peek(demcr) & mon_pend, 0u);
 }
 TEST_P(DebugMonitor, MonPendIsWithdrawnByWritingZero) {
   b.start({0xBF00, 0xE7FE});
-  b.core.set_primask(true);
+  b.core.edit().set_primask(true);
   write(demcr, mon_pend);
   write(demcr, 0);
-  b.core.set_primask(false);
+  b.core.edit().set_primask(false);
   EXPECT_EQ(run(), 0u);
 }
 TEST_P(DebugMonitor, MonStepComesBehindEveryInstructionOfTheInterruptedProgram) {
@@ -103,7 +103,7 @@ TEST_P(DebugMonitor, NothingStepsInAHandlerThatTheMonitorCannotPreempt) {
   EXPECT_EQ(run(), 11u);
   b.core.run(b.core.cycles() + 2);
   EXPECT_EQ(b.core.reg(6), 2u);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 11u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 11u);
 }
 
 // C1.8

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bench.h"
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -19,13 +19,13 @@ TEST(Debug, BreakpointStopsBeforeItsInstructionOnceForEveryArrival) {
     // 1: adds r0,#1; adds r1,#1; b 1
     b.start({0x3001, 0x3101, 0xE7FC});
     b.core.run(b.core.cycles() + 50);  // decoded by now
-    b.core.set_breakpoint(Bench::program + 2);
+    b.core.debugging().set_breakpoint(Bench::program + 2);
     for (int turn = 0; turn < 3; ++turn) {
       ASSERT_EQ(b.core.run(far), StopReason::breakpoint);
       EXPECT_EQ(b.core.reg(15), Bench::program + 2);
       EXPECT_EQ(b.core.reg(0), b.core.reg(1) + 1);
     }
-    b.core.clear_breakpoint(Bench::program + 2);
+    b.core.debugging().clear_breakpoint(Bench::program + 2);
     EXPECT_EQ(b.core.run(far), StopReason::budget);
   }
 }
@@ -42,16 +42,16 @@ TEST(Debug, WatchpointsStopBehindTheAccessTheyNameOnly) {
       b.core.set_executor(executor);
       b.start({0x6010, 0x6811, 0xE7FE});
       b.core.set_reg(2, Bench::ram_base + 0x100);
-      b.core.set_watchpoint({Bench::ram_base + 0x102, 1, c.on_read, c.on_write});
+      b.core.debugging().set_watchpoint({Bench::ram_base + 0x102, 1, c.on_read, c.on_write});
       ASSERT_EQ(b.core.run(far), StopReason::watchpoint);
       EXPECT_EQ(b.core.reg(15), Bench::program + c.stop);
-      EXPECT_EQ(b.core.watch_hit().address, Bench::ram_base + 0x102);
+      EXPECT_EQ(b.core.debugging().watch_hit().address, Bench::ram_base + 0x102);
     }
   }
   Bench b;
   b.start({0x6010, 0x6811, 0xE7FE});
   b.core.set_reg(2, Bench::ram_base + 0x100);
-  b.core.set_watchpoint({Bench::ram_base + 0x104, 4, true, true});
+  b.core.debugging().set_watchpoint({Bench::ram_base + 0x104, 4, true, true});
   EXPECT_EQ(b.core.run(far), StopReason::budget) << "the word beside it";
 }
 
@@ -59,11 +59,11 @@ TEST(Debug, WatchpointsStopBehindTheAccessTheyNameOnly) {
 TEST(Debug, BkptStopsBeforeItselfUnderHaltingDebugAndFaultsWithout) {
   Bench b;
   b.start({0xBE01, 0xE7FE});
-  b.core.set_halting_debug(true);
+  b.core.debugging().set_halting(true);
   ASSERT_EQ(b.core.run(far), StopReason::breakpoint);
   EXPECT_EQ(b.core.reg(15), Bench::program);
   b.start({0xBE01, 0xE7FE});
-  b.core.set_halting_debug(false);
+  b.core.debugging().set_halting(false);
   b.core.run(b.core.cycles() + 20);
   EXPECT_EQ(b.core.fault_count(), 1U);
 }
@@ -114,13 +114,13 @@ TEST(Debug, StopsChangeNothingOfRandomPrograms) {
     for (unsigned slice = 0; slice < 10; ++slice) {
       for (unsigned i = 0; i < 3; ++i) {
         const uint32_t address = Bench::program + 2 * (random() % 0x200);
-        if (random() % 2 != 0) debugged.core.set_breakpoint(address);
-        if (random() % 2 != 0) debugged.core.clear_breakpoint(address);
+        if (random() % 2 != 0) debugged.core.debugging().set_breakpoint(address);
+        if (random() % 2 != 0) debugged.core.debugging().clear_breakpoint(address);
       }
       const Watchpoint watch{Bench::ram_base + static_cast<uint32_t>(random() & 0xFFFF),
                              static_cast<uint32_t>(1 + random() % 0x2000), random() % 2 != 0,
                              random() % 2 != 0};
-      debugged.core.set_watchpoint(watch);
+      debugged.core.debugging().set_watchpoint(watch);
       const uint64_t until = plain.core.cycles() + 1 + random() % 200;
       const StopReason expected = plain.core.run(until);
       StopReason reason = debugged.core.run(until);
@@ -129,11 +129,11 @@ TEST(Debug, StopsChangeNothingOfRandomPrograms) {
         watches += reason == StopReason::watchpoint ? 1 : 0;
         reason = debugged.core.run(until);
       }
-      if (random() % 2 != 0) debugged.core.clear_watchpoint(watch);
+      if (random() % 2 != 0) debugged.core.debugging().clear_watchpoint(watch);
       ASSERT_EQ(reason, expected) << "seed " << seed;
       for (unsigned n = 0; n < 16; ++n)
         ASSERT_EQ(plain.core.reg(n), debugged.core.reg(n)) << "r" << n << " seed " << seed;
-      ASSERT_EQ(plain.core.xpsr(), debugged.core.xpsr()) << "seed " << seed;
+      ASSERT_EQ(plain.core.state().xpsr(), debugged.core.state().xpsr()) << "seed " << seed;
       ASSERT_EQ(plain.core.cycles(), debugged.core.cycles()) << "seed " << seed;
       ASSERT_EQ(plain.core.instructions(), debugged.core.instructions()) << "seed " << seed;
       if (reason == StopReason::lockup) break;

@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 #include "oracle_policy.h"
 
 namespace capsoc::cortex_m3::test {

@@ -17,9 +17,9 @@ TEST(Exceptions, AnInterruptRaisedByAStoreIsTakenRightAfterIt) {
   b.core.set_reg(5, 1u << 5);
   b.core.set_reg(0, 0x40000000);
   b.core.run(5);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 21u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 21u);
   EXPECT_EQ(b.core.reg(3), 0u);
-  EXPECT_EQ(b.peek(b.core.msp() + 24), Bench::program + 4);
+  EXPECT_EQ(b.peek(b.core.state().msp() + 24), Bench::program + 4);
 }
 
 // B1.5.6
@@ -27,7 +27,7 @@ TEST(Exceptions, SvcStacksTheNextAddressAndReturnsThere) {
   Bench b;
   b.start({0xDF00, 0x2301, 0xE7FE});
   b.core.run(5);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 11u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 11u);
   EXPECT_EQ(b.core.reg(14), 0xFFFFFFF9u);
   b.core.run(40);
   EXPECT_EQ(b.core.reg(3), 1u);
@@ -39,8 +39,8 @@ TEST(Exceptions, TheStackIsAlignedToEightAndRestored) {
   Bench b;
   b.start({0xB082 - 1, 0xDF00, 0xE7FE});  // sub sp,#4; svc
   b.core.run(6);
-  EXPECT_EQ(b.core.msp() & 7, 0u);
-  EXPECT_NE(b.peek(b.core.msp() + 28) & 1u << 9, 0u);
+  EXPECT_EQ(b.core.state().msp() & 7, 0u);
+  EXPECT_NE(b.peek(b.core.state().msp() + 28) & 1u << 9, 0u);
   b.core.run(40);
   EXPECT_EQ(b.core.reg(13), Bench::stack - 4);
 }
@@ -50,7 +50,7 @@ TEST(Exceptions, ADisabledUsageFaultEscalatesToHardFault) {
   Bench b;
   b.start({0xDE00});
   b.core.run(5);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 3u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 3u);
   EXPECT_EQ(b.core.last_fault().kind, FaultReport::Kind::hard_fault);
   EXPECT_EQ(b.core.last_fault().hfsr, 1u << 30);
   EXPECT_EQ(b.core.last_fault().frame[6], Bench::program);
@@ -61,7 +61,7 @@ TEST(Exceptions, AnSvcThatItsPriorityDoesNotLetThroughEscalatesAndLeavesNoStatus
   Bench b;
   b.start({0xB672, 0xDF00});  // cpsid i; svc
   b.core.run(8);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 3u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 3u);
   const FaultReport& report = b.core.last_fault();
   EXPECT_EQ(report.hfsr, 1u << 30);
   EXPECT_EQ(report.cfsr, 0u);
@@ -80,7 +80,7 @@ TEST(Exceptions, AFaultInHardFaultLocksUpAndAnNmiLeadsOut) {
   EXPECT_EQ(b.core.reg(15), 0xFFFFFFFEu);
   b.core.pulse_nmi();
   b.core.run(b.core.cycles() + 1);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 2u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 2u);
 }
 
 // C1.6.1
@@ -139,7 +139,7 @@ TEST(Exceptions, WfiWakesThoughPrimaskIsSet) {
   EXPECT_TRUE(b.core.wake_pending());
   b.core.run(b.core.cycles() + 3);
   EXPECT_EQ(b.core.reg(3), 1u);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 0u);
 }
 
 // B1.4.3
@@ -155,11 +155,11 @@ TEST(Exceptions, BasepriMasksItsOwnPriorityAndLower) {
   b.core.run(20);
   b.core.set_interrupt(0, true);
   b.core.run(40);
-  EXPECT_EQ(b.core.basepri(), 0x80u);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
+  EXPECT_EQ(b.core.state().basepri, 0x80u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 0u);
   b.core.set_reg(15, Bench::program + 10);
   b.core.run(46);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 16u);
 }
 
 // B1.5.12, B3.4.1
@@ -170,19 +170,19 @@ TEST(Exceptions, ALevelStillHighAtTheReturnTailChains) {
   b.core.set_reg(5, 1);
   b.core.set_interrupt(0, true);
   b.core.run(14);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
-  uint32_t sp = b.core.msp();
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 16u);
+  uint32_t sp = b.core.state().msp();
   b.core.run(18);  // bx lr, 3 cycles, and 6 of the tail-chain
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
-  EXPECT_EQ(b.core.msp(), sp);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 16u);
+  EXPECT_EQ(b.core.state().msp(), sp);
   b.core.set_interrupt(0, false);
   b.core.run(80);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 0u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 0u);
 }
 
 TEST(Exceptions, SemihostingGoesToTheHandlerWhichMayEndTheRun) {
   Bench b;
-  b.core.set_semihosting([](Core& core) { return core.reg(0) != 0x20; });
+  b.core.listeners().semihosting = [](Core& core) { return core.reg(0) != 0x20; };
   b.start({0xBEAB, 0x2020, 0xBEAB, 0xE7FE});
   EXPECT_EQ(b.core.run(1000), StopReason::semihosting_exit);
   EXPECT_EQ(b.core.reg(15), Bench::program + 6);
@@ -210,7 +210,7 @@ TEST(Exceptions, SysTickPendsEveryReloadPlusOneCycles) {
   EXPECT_EQ(first, 102u);  // enabled in cycle 2: one tick reloads, 99 count down
   b.core.skip_to(first);
   b.core.run(first + 1);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 15u);
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 15u);
   EXPECT_EQ(b.core.next_internal_event(), first + 100);
 }
 

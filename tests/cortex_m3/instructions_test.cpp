@@ -3,7 +3,7 @@
 #include <string>
 
 #include "bench.h"
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
 
@@ -141,9 +141,9 @@ TEST(Instructions, TheDisassemblerNamesOperands) {
 TEST(Instructions, AnEnabledStimulusPortIsReadyAndPassesOnWhatIsWritten) {
   Bench b;
   std::string text;
-  b.core.set_stimulus([&](unsigned port, uint32_t value, unsigned size) {
+  b.core.listeners().stimulus = [&](unsigned port, uint32_t value, unsigned size) {
     text += std::to_string(port) + ":" + std::to_string(size) + ":" + std::to_string(value) + " ";
-  });
+  };
   // strb r1,[r0,#4]; ldr r2,[r0,#4]; unlock; TER = 2; TCR = 1; ldr r3; strb; strh
   b.start({0x7101, 0x6842, 0x6025, 0x6037, 0xF8C6, 0x8080, 0x6843, 0x7101, 0x8081, 0xE7FE});
   b.core.set_reg(0, 0xE0000000);

@@ -44,7 +44,7 @@ class Mpu : public ::testing::TestWithParam<Executor> {
   }
   void enable(uint32_t ctrl = 5) {
     write(0xE000ED94, ctrl);
-    if (user_) b.core.set_control(1);
+    if (user_) b.core.edit().set_control(1);
   }
   /// Loads repeatedly from an address: true when all were allowed.
   bool allows_load(uint32_t address, uint16_t instruction = 0x6802) {
@@ -156,9 +156,9 @@ TEST_P(Mpu, AChangeOfARegionCountsWhereRegionsShareAPage) {
   region(3, address, full_access | size_of(5));
   enable();
   EXPECT_TRUE(allows_store(address));
-  b.core.set_control(0);
+  b.core.edit().set_control(0);
   region(3, address, read_only | size_of(5));
-  b.core.set_control(1);
+  b.core.edit().set_control(1);
   EXPECT_FALSE(allows_store(address));
 }
 TEST_P(Mpu, CodeInAnExecuteNeverRegionIsNotExecuted) {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "cortex_m3/decoder.h"
-#include "cortex_m3/unpredictable.h"
+#include "cortex_m3/isa/decoder.h"
+#include "cortex_m3/isa/unpredictable.h"
 
 /// What of the instruction set Unicorn can judge, and what it gets wrong.
 namespace capsoc::cortex_m3::test {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bench.h"
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 #include "oracle_policy.h"
 
 namespace capsoc::cortex_m3::test {
@@ -81,7 +81,7 @@ class Oracle : public ::testing::Test {
     bool indexed = table_branch || op.addressing == Addressing::reg;
     if (indexed && (sum >> 28 == 0xE || sum >> 28 == 4 || sum >> 24 == 0x22)) return;
     uint32_t flags = (random() & 0xF8000000u) | 1u << 24;
-    bench.core.set_xpsr(flags);
+    bench.core.edit().set_xpsr(flags);
     bench.core.set_reg(15, address);
     uc_reg_write(uc, UC_ARM_REG_XPSR, &flags);
     bench.core.unmap_memory(0, 65536);
@@ -132,7 +132,7 @@ class Oracle : public ::testing::Test {
     }
     uint32_t psr = 0;
     uc_reg_read(uc, UC_ARM_REG_XPSR, &psr);
-    if ((psr ^ bench.core.xpsr()) & 0xF8000000u) return note(op, "flags");
+    if ((psr ^ bench.core.state().xpsr()) & 0xF8000000u) return note(op, "flags");
     if (std::memcmp(uc_ram.data(), bench.ram.data(), ram_size) != 0) note(op, "memory");
   }
 

@@ -27,9 +27,9 @@ class Priorities : public ::testing::TestWithParam<std::tuple<Executor, unsigned
   void SetUp() override {
     b.core.set_executor(std::get<0>(GetParam()));
     b.core.set_priority_bits(bits());
-    b.core.set_priority_listener([this](const DroppedPriority& d) {
+    b.core.listeners().priority = [this](const DroppedPriority& d) {
       told.push_back({d, b.core.reg(15)});
-    });
+    };
   }
   static unsigned bits() { return std::get<1>(GetParam()); }
   /// The implemented bits of one field, of each of four.
@@ -80,9 +80,9 @@ TEST_P(Priorities, BasepriReadsBackTheImplementedBits) {
   start();
   run({0xF381, 0x8811, 0xF3EF, 0x8211}, 0, 0x1FF);  // msr basepri,r1; mrs r2,basepri
   EXPECT_EQ(b.core.reg(2), mask());
-  EXPECT_EQ(b.core.basepri(), mask());
-  b.core.set_basepri(0xA5);  // a debugger's
-  EXPECT_EQ(b.core.basepri(), 0xA5 & mask());
+  EXPECT_EQ(b.core.state().basepri, mask());
+  b.core.edit().set_basepri(0xA5);  // a debugger's
+  EXPECT_EQ(b.core.state().basepri, 0xA5 & mask());
 }
 TEST_P(Priorities, BasepriMaxOnlyRaises) {
   start();
@@ -90,7 +90,7 @@ TEST_P(Priorities, BasepriMaxOnlyRaises) {
   for (const auto& [value, expected] :
        {std::pair{0xA0U, 0xA0U}, {0xC0U, 0xA0U}, {0x60U, 0x60U}, {0U, 0x60U}}) {
     run({0xF381, 0x8812}, 0, value);
-    EXPECT_EQ(b.core.basepri(), expected);
+    EXPECT_EQ(b.core.state().basepri, expected);
   }
   EXPECT_TRUE(told.empty());
 }
@@ -209,8 +209,8 @@ TEST(PriorityBits, OtherNumbersCountAsTheNearest) {
   for (const auto& [bits, mask] : {std::pair{0U, 0xE0U}, {2U, 0xE0U}, {9U, 0xFFU}, {99U, 0xFFU}}) {
     Bench b;
     b.core.set_priority_bits(bits);
-    b.core.set_basepri(0xFF);
-    EXPECT_EQ(b.core.basepri(), mask);
+    b.core.edit().set_basepri(0xFF);
+    EXPECT_EQ(b.core.state().basepri, mask);
   }
 }
 

@@ -16,10 +16,10 @@ namespace {
 void expect_same_state(const Core& a, const Core& b, unsigned long schedule) {
   for (unsigned n = 0; n < 16; ++n)
     ASSERT_EQ(a.reg(n), b.reg(n)) << "r" << n << ", schedule " << schedule;
-  ASSERT_EQ(a.xpsr(), b.xpsr()) << "schedule " << schedule;
-  ASSERT_EQ(a.msp(), b.msp()) << "schedule " << schedule;
-  ASSERT_EQ(a.psp(), b.psp()) << "schedule " << schedule;
-  ASSERT_EQ(a.control(), b.control()) << "schedule " << schedule;
+  ASSERT_EQ(a.state().xpsr(), b.state().xpsr()) << "schedule " << schedule;
+  ASSERT_EQ(a.state().msp(), b.state().msp()) << "schedule " << schedule;
+  ASSERT_EQ(a.state().psp(), b.state().psp()) << "schedule " << schedule;
+  ASSERT_EQ(a.state().control, b.state().control) << "schedule " << schedule;
   ASSERT_EQ(a.cycles(), b.cycles()) << "schedule " << schedule;
   ASSERT_EQ(a.instructions(), b.instructions()) << "schedule " << schedule;
 }
@@ -81,7 +81,7 @@ TEST(RandomFirmware, RandomBytesEndInAFaultALimitOrAnExitAndBothExecutorsAgree) 
   Bench stepping, blocks;
   stepping.core.set_executor(Executor::stepping);
   for (Bench* b : {&stepping, &blocks}) {
-    b->core.set_semihosting([](Core& core) { return core.reg(0) != 0x18; });
+    b->core.listeners().semihosting = [](Core& core) { return core.reg(0) != 0x18; };
   }
   for (unsigned long seed = 1; seed <= seeds; ++seed) {
     std::mt19937 random(static_cast<uint32_t>(seed));

@@ -12,7 +12,7 @@
 
 #include "bench.h"
 #include "board.h"
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 #include "oracle_policy.h"
 
 namespace capsoc::cortex_m3::test {
@@ -69,7 +69,7 @@ class Sequence {
     const uint32_t disdefwbuf = 2;  // the oracle's bus faults are precise
     bench_.core.debug_write(0xE000E008, &disdefwbuf, 4);
     uint32_t psr = (random_() & 0xF8000000u) | 1u << 24;
-    bench_.core.set_xpsr(psr);
+    bench_.core.edit().set_xpsr(psr);
     bench_.core.set_reg(15, at);
     uc_reg_write(uc_, UC_ARM_REG_XPSR, &psr);
     trace_.clear();
@@ -152,7 +152,7 @@ class Sequence {
   bool compare(uint32_t at, uint32_t seed) {
     for (const Registers& theirs : trace_) {
       // The oracle does not announce instructions whose condition fails.
-      while (bench_.core.reg(15) != (theirs[15] & ~1u) && in_it_block(bench_.core.xpsr()))
+      while (bench_.core.reg(15) != (theirs[15] & ~1u) && in_it_block(bench_.core.state().xpsr()))
         bench_.core.step_instruction();
       const uint32_t pc = bench_.core.reg(15);
       for (unsigned n = 0; n < 16; ++n) {
@@ -160,8 +160,8 @@ class Sequence {
         if ((theirs[n] & (n == 15 ? ~1u : ~0u)) != mine)
           return differs("r" + std::to_string(n), theirs[n], mine, seed);
       }
-      if (((theirs[16] ^ bench_.core.xpsr()) & 0xF8000000u) != 0)
-        return differs("flags", theirs[16], bench_.core.xpsr(), seed);
+      if (((theirs[16] ^ bench_.core.state().xpsr()) & 0xF8000000u) != 0)
+        return differs("flags", theirs[16], bench_.core.state().xpsr(), seed);
       uint16_t first = 0, second = 0;
       std::memcpy(&first, &code[pc - code_base], 2);
       std::memcpy(&second, &code[pc - code_base + 2], 2);
@@ -169,7 +169,7 @@ class Sequence {
       if (const Encoding* e = find_encoding(last_.encoding, last_.size))
         ++reached[static_cast<std::size_t>(e - encodings())];
       // A branch may have led into the middle of an instruction.
-      if (!comparable(last_, in_it_block(bench_.core.xpsr()))) return true;
+      if (!comparable(last_, in_it_block(bench_.core.state().xpsr()))) return true;
       // Two registers may meet in the part of the address space that is ours alone.
       const uint32_t sum =
           bench_.core.reg(last_.rn & 15) + (bench_.core.reg(last_.rm & 15) << (last_.shift_n & 3));
@@ -230,7 +230,7 @@ class Sequence {
                   "%s: oracle %08x, core %08x behind %08x %s, psr %08x, seed %u", what.c_str(),
                   static_cast<unsigned>(theirs), static_cast<unsigned>(mine),
                   static_cast<unsigned>(last_.address), disassemble(last_).c_str(),
-                  static_cast<unsigned>(bench_.core.xpsr()), static_cast<unsigned>(seed));
+                  static_cast<unsigned>(bench_.core.state().xpsr()), static_cast<unsigned>(seed));
     difference = text;
     return false;
   }

@@ -24,7 +24,7 @@ void poke(Bench& b, uint32_t address, uint32_t value) {
 void prepare(Bench& b, Executor executor, unsigned number) {
   b.core.set_executor(executor);
   b.code(handler(number), {branch_to_self});
-  b.core.set_stop_in_fault([] { return true; });
+  b.core.listeners().hopeless = [] { return true; };
   b.start({0x2001, undefined, branch_to_self});
 }
 
@@ -54,15 +54,15 @@ TEST(Stuck, TheWideBranchIsOne) {
 TEST(Stuck, NothingIsSaidUnlessAskedForAndHopeless) {
   Bench b;
   prepare(b, Executor::blocks, hard_fault);
-  b.core.set_stop_in_fault({});
+  b.core.listeners().hopeless = {};
   EXPECT_EQ(b.core.run(far), StopReason::budget);
-  b.core.set_stop_in_fault([] { return false; });
+  b.core.listeners().hopeless = [] { return false; };
   EXPECT_EQ(b.core.run(2 * far), StopReason::budget);
 }
 
 TEST(Stuck, ALoopOutsideFaultHandlersIsNone) {
   Bench b;
-  b.core.set_stop_in_fault([] { return true; });
+  b.core.listeners().hopeless = [] { return true; };
   b.start({branch_to_self});
   EXPECT_EQ(b.core.run(far), StopReason::budget);
   b.code(handler(16), {branch_to_self});

@@ -116,11 +116,11 @@ TEST_P(Timing, AnExceptionIsEnteredInTwelveCyclesAndALateArrivalCostsNone) {
   b.core.set_interrupt(0, true);
   b.core.run(before + 1);
   EXPECT_EQ(b.core.cycles(), before + 12);
-  EXPECT_EQ(b.core.xpsr() & 0x1FF, 16u);
-  const uint32_t frame = b.core.msp();
+  EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 16u);
+  const uint32_t frame = b.core.state().msp();
   b.core.set_interrupt(1, true);  // before the handler's first instruction (B1.5.12)
   b.core.run(before + 13);
-  EXPECT_EQ(b.core.msp(), frame);
+  EXPECT_EQ(b.core.state().msp(), frame);
   EXPECT_EQ(b.peek(0xE000E300), 2u);  // only the late one is active
   EXPECT_EQ(b.peek(0xE000E200) & 3, 1u);
 }

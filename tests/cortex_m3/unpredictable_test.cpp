@@ -1,6 +1,6 @@
 // The UNPREDICTABLE cases of ARM DDI 0403: what is chosen (unpredictable.def), and that each is
 // told of once. Both executors.
-#include "cortex_m3/unpredictable.h"
+#include "cortex_m3/isa/unpredictable.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench.h"
-#include "cortex_m3/decoder.h"
+#include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -22,11 +22,11 @@ class Choices : public ::testing::TestWithParam<Executor> {
 
   void SetUp() override {
     b.core.set_executor(GetParam());
-    b.core.set_unpredictable_listener([this](Unpredictable which, uint32_t address) {
+    b.core.listeners().unpredictable = [this](Unpredictable which, uint32_t address) {
       told.push_back(std::string(describe(which).name) + "@" +
                      std::to_string(address - Bench::program));
       EXPECT_EQ(b.core.reg(15), address) << "what else is said names the same instruction";
-    });
+    };
   }
   /// Runs the code to its end with r0 to r12 holding 0x20000100, 0x20000110 and so on.
   void run(std::initializer_list<uint16_t> code) {

@@ -24,10 +24,11 @@ TEST(CrcUnit, WorksWithItsDriver) {
   std::string text;
   soc.uart0.on_transmit([&text](uint8_t byte) { text += static_cast<char>(byte); });
   uint32_t status = ~0U;
-  soc.cpu.core().set_semihosting([&status](Core& core) {  // SYS_EXIT_EXTENDED: reason, status
-    core.debug_read(core.reg(1) + 4, &status, sizeof status);
-    return false;
-  });
+  soc.cpu.core().listeners().semihosting =
+      [&status](Core& core) {  // SYS_EXIT_EXTENDED: reason, status
+        core.debug_read(core.reg(1) + 4, &status, sizeof status);
+        return false;
+      };
   soc.cpu.set_interrupted(
       [] { return sc_core::sc_time_stamp() > sc_core::sc_time(1, sc_core::SC_SEC); });
   sc_core::sc_start();

@@ -1,0 +1,194 @@
+#include "cortex_m3/executors/blocks.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "cortex_m3/executors/execute.h"
+#include "cortex_m3/isa/decoder.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr unsigned usual_length = 32;       // a block grows past conditional branches up to here
+constexpr uint32_t largest_bound = 0xFFFF;  // of Step::block_cycles
+
+// What an operation does to the flags, for those that can neither fault nor leave the block.
+enum : uint8_t { nz = 1, carry = 2, overflow = 4, all = 7 };
+struct FlagUse {
+  uint8_t reads = all, writes = 0, kills = 0;
+  bool removable = false;  // a twin without flags exists
+};
+
+FlagUse flag_use(const DecodedOp& op) {
+  if (op.condition != condition_always) return {};
+  const FlagEffect effect = traits(op.operation).flags;
+  FlagUse use{0, 0, 0, true};
+  switch (effect) {
+    case FlagEffect::unknown:
+      return {};
+    case FlagEffect::keeps:
+      return {0, 0, 0, false};
+    case FlagEffect::product:
+      use.removable = false;
+      if (op.set_flags) use.writes = use.kills = nz;
+      return use;
+    case FlagEffect::shift:  // an amount of zero keeps the carry
+      return op.set_flags ? FlagUse{carry, nz | carry, nz, true} : use;
+    case FlagEffect::logical:
+      if (op.set_flags) use.writes = use.kills = op.shift_n != 0 ? nz | carry : nz;
+      break;
+    case FlagEffect::arithmetic:
+    case FlagEffect::with_carry:
+      if (op.set_flags) use.writes = use.kills = all;
+      break;
+  }
+  if (effect == FlagEffect::with_carry || op.shift_type == ShiftType::rrx) use.reads = carry;
+  return use;
+}
+
+/// Marks the operations whose flags are overwritten before anything can see them.
+std::vector<bool> dead_flags(const std::vector<Step>& steps) {
+  std::vector<bool> dead(steps.size(), false);
+  uint8_t live = all;
+  for (std::size_t i = steps.size(); i-- > 0;) {
+    FlagUse use = flag_use(steps[i]);
+    dead[i] = use.removable && use.writes != 0 && (use.writes & live) == 0;
+    live = static_cast<uint8_t>((live & ~use.kills) | use.reads);
+  }
+  return dead;
+}
+
+Step closing_step(uint32_t address, const Step& last) {
+  Step close;
+  close.address = address;
+  close.operation = Operation::fall_through;
+  close.it_before = close.it_after = last.it_after;
+  close.size = 0;
+  close.cycles = 0;
+  close.cycles_before = static_cast<uint16_t>(last.cycles_before + last.cycles);
+  close.instructions_to = last.instructions_to;
+  close.trail = last.trail;
+  return close;
+}
+
+}  // namespace
+
+void Blocks::add_cycles(Step& step, uint16_t before, uint32_t wait_states) {
+  const int paired = step.cycles + timing::pairing(before, step);
+  const uint32_t fetch = wait_states * timing::words_fetched(step.address, step.size);
+  step.cycles = static_cast<uint8_t>(static_cast<uint32_t>(paired) + fetch);
+  step.trail = timing::trail_of(step);
+}
+
+std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
+  std::vector<Step> steps;
+  const Debugging& debugging = machine_.debugging;
+  const Memory::Page& memory = machine_.memory.map().page(address);
+  const uint32_t wait = memory.wait_states, start = address & ~(Memory::page_size - 1);
+  uint8_t it = 0;
+  uint32_t cycles = 0, most = 0;
+  timing::Trail trail = timing::no_trail;  // no block is entered with another one
+  while (steps.size() < usual_length || it != 0 || trail != timing::no_trail) {
+    uint32_t offset = address - start;
+    if (offset + 2 > Memory::page_size) break;
+    if (debugging.has_breakpoints() && debugging.has_breakpoint(address)) break;
+    uint16_t first, second = 0;
+    std::memcpy(&first, memory.read + offset, 2);
+    if (is_wide(first)) {
+      if (offset + 4 > Memory::page_size) break;
+      std::memcpy(&second, memory.read + offset + 2, 2);
+    }
+    Step step;
+    static_cast<DecodedOp&>(step) = decode(address, first, second, it);
+    add_cycles(step, trail, wait);
+    uint32_t bound =
+        step.cycles + Execute::most_extra_cycles(step, machine_.memory.map().largest_wait());
+    if (most + bound > largest_bound) break;
+    most += bound;
+    step.cycles_before = static_cast<uint16_t>(cycles);
+    step.instructions_to = static_cast<uint16_t>(steps.size() + 1);
+    Execute::bind(step);
+    for (uint32_t at = offset; at < offset + step.size; at += 2)
+      page.code_lines |= 1ull << (at / 64);
+    cycles += step.cycles;
+    address += step.size;
+    it = step.it_after;
+    trail = step.trail;
+    steps.push_back(step);
+    if (ends_block(step)) break;
+  }
+  if (steps.empty()) return nullptr;
+  const std::vector<bool> dead = dead_flags(steps);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Step* next = i + 1 < steps.size() ? &steps[i + 1] : nullptr;
+    Execute::bind_in_block(steps[i], dead[i], next);
+  }
+  steps.push_back(closing_step(address, steps.back()));
+  Execute::bind(steps.back());
+  steps.front().block_cycles = static_cast<uint16_t>(most);
+  auto block = std::make_unique<Step[]>(steps.size());
+  std::copy(steps.begin(), steps.end(), block.get());
+  return block;
+}
+
+const Step* Blocks::find(Machine& cpu) {
+  const uint32_t pc = cpu.state.pc;
+  CodePage* code = cpu.memory.direct(pc).code;
+  if (__builtin_expect(code == nullptr, 0)) code = cpu.memory.executable_page(pc);
+  if (code == nullptr) return nullptr;
+  std::unique_ptr<Step[]>& slot = code->blocks[(pc & (Memory::page_size - 1)) >> 1];
+  // There is none at a breakpoint, so that every way to it leads past the run loop.
+  if (__builtin_expect(slot == nullptr, 0)) slot = cpu.blocks.build(pc, *code);
+  return slot.get();
+}
+
+/// Where execution goes on at pc, if a block is there already and surely ends before the limit.
+inline const Step* Blocks::next(const Machine& cpu) {
+  const State& state = cpu.state;
+  const CodePage* code = cpu.memory.direct(state.pc).code;
+  if (state.it_state != 0 || state.trail != timing::no_trail || code == nullptr) return nullptr;
+  const Step* first = code->blocks[(state.pc & (Memory::page_size - 1)) >> 1].get();
+  return first != nullptr && state.cycles + first->block_cycles < cpu.blocks.limit_ ? first
+                                                                                    : nullptr;
+}
+
+const Step* Blocks::leave(Machine& cpu, const Step& op) {
+  cpu.account(op);
+  cpu.conclude(op);
+  return cpu.requests.any() ? nullptr : next(cpu);
+}
+
+const Step* Blocks::resolve_link(Machine& cpu, const Step& branch) {
+  if (branch.link == nullptr) branch.link = find(cpu);
+  return next(cpu);
+}
+
+void Blocks::run(uint64_t limit) {
+  State& state = machine_.state;
+  const bool between = state.it_state == 0 && state.trail == timing::no_trail;
+  const Step* op = between ? find(machine_) : nullptr;
+  if (op == nullptr) return stepping_.run(limit);
+  limit_ = limit;
+  if (__builtin_expect(state.cycles + op->block_cycles >= limit, 0)) return run_to_limit(op);
+  while (op != nullptr) op = op->chain(machine_, op);
+}
+
+/// The limit may lie inside the block: looks at the clock before every operation.
+void Blocks::run_to_limit(const Step* first) {
+  State& state = machine_.state;
+  for (const Step* op = first;; ++op) {
+    if (state.cycles + op->cycles_before >= limit_ && op != first) {
+      state.cycles += op->cycles_before;
+      state.instructions += op[-1].instructions_to;
+      state.it_state = op->it_before;
+      state.trail = op[-1].trail;
+      state.pc = op->address;
+      return;
+    }
+    if (Execute::one(machine_, *op)) continue;
+    machine_.account(*op);
+    return machine_.conclude(*op);
+  }
+}
+
+}  // namespace capsoc::cortex_m3

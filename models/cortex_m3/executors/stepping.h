@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cortex_m3/executors/executor.h"
+
+namespace capsoc::cortex_m3 {
+
+class Machine;
+
+/// The reference: fetches, decodes and executes one instruction, and tells the observer.
+class Stepping : public InstructionExecutor {
+ public:
+  explicit Stepping(Machine& machine) : machine_(machine) {}
+  void run(uint64_t limit) override;
+  /// INVSTATE belongs to the instruction at the target (A2.3.1, BXWritePC: "on the next
+  /// instruction"). It is raised by executing that one, and what cannot be fetched is not executed:
+  /// a fault of the fetch comes first (B3.2.15, IACCVIOL and IBUSERR).
+  void without_thumb();
+
+ private:
+  bool fetch(uint32_t address, uint16_t& halfword);
+  void faulted();
+
+  Machine& machine_;
+};
+
+}  // namespace capsoc::cortex_m3

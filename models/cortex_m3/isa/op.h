@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+
+namespace capsoc::cortex_m3 {
+
+/// What an instruction does, whatever its encoding; the rows of operations.def.
+enum class Operation : uint8_t {
+#define OPERATION(name, kind, flags, ends_block) name,
+#include "cortex_m3/isa/operations.def"
+#undef OPERATION
+  count
+};
+
+/// What sort of operation it is: the second column of operations.def. A bit each, so that sets of
+/// kinds are sums of them.
+namespace kind {
+enum Kind : uint32_t {
+  none = 1 << 0,
+  data = 1 << 1,     ///< data processing that writes Rd
+  compare = 1 << 2,  ///< data processing for the flags alone
+  reverse = 1 << 3,  ///< one operand, encoded twice
+  multiply = 1 << 4,
+  long_multiply = 1 << 5,
+  divide = 1 << 6,
+  load = 1 << 7,
+  store = 1 << 8,
+  dual_load = 1 << 9,
+  dual_store = 1 << 10,
+  multiple_load = 1 << 11,
+  multiple_store = 1 << 12,
+  exclusive_load = 1 << 13,
+  exclusive_store = 1 << 14,
+  branch = 1 << 15,
+  table_branch = 1 << 16,
+  system = 1 << 17,  ///< changes the mode, the masks or the sleep, or may
+};
+constexpr uint32_t data_processing = data | compare | reverse | multiply | long_multiply | divide;
+constexpr uint32_t exclusive = exclusive_load | exclusive_store;
+constexpr uint32_t multiple = multiple_load | multiple_store;
+constexpr uint32_t single_transfer = load | store | exclusive;
+constexpr uint32_t transfer = single_transfer | dual_load | dual_store | multiple;
+constexpr uint32_t any_branch = branch | table_branch;
+}  // namespace kind
+
+/// What an operation does to N, Z, C and V: the third column. Those beside `unknown` can neither
+/// fault nor leave their block.
+enum class FlagEffect : uint8_t {
+  unknown,     ///< taken to read all of them
+  keeps,       ///< neither reads nor sets any
+  logical,     ///< sets N and Z, and C where the operand is shifted
+  arithmetic,  ///< sets all four
+  with_carry,  ///< sets all four, reads C
+  shift,       ///< sets N and Z, and C unless the amount is zero
+  product,     ///< sets N and Z; no form without flags is kept apart
+};
+
+/// A row of operations.def.
+struct OperationTraits {
+  kind::Kind kind;
+  FlagEffect flags;
+  bool ends_block;  ///< execution may go on elsewhere behind it, or the mode changes
+};
+constexpr OperationTraits operation_traits[] = {
+#define OPERATION(name, sort, flags, ends_block) {kind::sort, FlagEffect::flags, ends_block},
+#include "cortex_m3/isa/operations.def"
+#undef OPERATION
+};
+constexpr const OperationTraits& traits(Operation operation) {
+  return operation_traits[static_cast<unsigned>(operation)];
+}
+/// True if the operation is of one of the kinds in the set.
+constexpr bool is(Operation operation, uint32_t kinds) {
+  return (traits(operation).kind & kinds) != 0;
+}
+
+/// Addressing modes of the single and dual transfers.
+enum class Addressing : uint8_t { offset, pre_indexed, post_indexed, reg, literal, unprivileged };
+
+/// Shift types in the order of the encoding (DecodeImmShift), RRX being ROR #0.
+enum class ShiftType : uint8_t { lsl, lsr, asr, ror, rrx };
+
+constexpr uint8_t condition_always = 14;
+
+/// One instruction after decoding: operands resolved as far as the encoding, its address and the
+/// IT state allow. Free of anything an executor adds.
+struct DecodedOp {
+  uint32_t address = 0;   // of the instruction
+  uint32_t imm = 0;       // immediate, expanded; a signed offset in two's complement; register list
+  uint32_t encoding = 0;  // 16-bit: the halfword; 32-bit: first halfword in the upper half
+  Operation operation{};
+  uint8_t condition = condition_always;
+  uint8_t it_before = 0;  // ITSTATE under which it was decoded
+  uint8_t it_after = 0;   // ITSTATE for the next instruction
+  uint8_t size = 2;       // bytes
+  uint8_t rd = 0;         // Rd, Rt, RdLo
+  uint8_t rn = 0;
+  uint8_t rm = 0;
+  uint8_t ra = 0;  // Ra, Rt2, RdHi, STREX's Rd; msb, width-1 or saturation position
+  ShiftType shift_type = ShiftType::lsl;
+  uint8_t shift_n = 0;  // a modified immediate: 1 when its rotation sets the carry
+  bool set_flags = false;
+  Addressing addressing = Addressing::offset;
+  bool writeback = false;
+  uint8_t cycles = 1;  // when executed, without what depends on operands, waits and branching
+  uint8_t encoding_index_low = 0, encoding_index_high = 0;  // row of isa.def, for disassembly
+};
+static_assert(sizeof(DecodedOp) <= 32);
+
+constexpr bool is(const DecodedOp& op, uint32_t kinds) {
+  return is(op.operation, kinds);
+}
+
+/// The address that an instruction reads as PC.
+inline uint32_t pc_of(const DecodedOp& op) {
+  return op.address + 4;
+}
+inline uint32_t next_address(const DecodedOp& op) {
+  return op.address + op.size;
+}
+
+/// True for an operation after which execution may go on elsewhere, or the machine's mode changes.
+bool ends_block(const DecodedOp& op);
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "cortex_m3/isa/op.h"
+
+namespace capsoc::cortex_m3 {
+
+/// Groups of instructions that take the same time, in the order of the instruction set summary of
+/// the Cortex-M3 TRM (ARM DDI 0337I, table 3-1).
+enum class CycleClass : uint8_t {
+  alu,
+  multiply_add,
+  multiply_long,
+  multiply_accumulate_long,
+  divide,
+  load,
+  store,
+  store_reg,
+  dual,
+  multiple,
+  branch,
+  table,
+  barrier,
+  system
+};
+
+/// The time of everything, to be held beside the TRM. It depends on the instruction, its operands,
+/// whether it branches, and the instruction executed right before it; never on how the simulator
+/// executes it.
+///
+/// | TRM, table 3-1            | there          | here                                            |
+/// |---------------------------|----------------|-------------------------------------------------|
+/// | move, add, shift, logical | 1              | 1                                               |
+/// | ... to the PC             | 1 + P          | 1 + P                                           |
+/// | MUL                       | 1              | 1                                               |
+/// | MLA, MLS                  | 2              | 2                                               |
+/// | SMULL, UMULL              | 3 to 5         | 3, and 1 for each operand beyond 16 bits        |
+/// | SMLAL, UMLAL              | 4 to 7         | 4, and 1 each, and 1 if both are                |
+/// | SDIV, UDIV                | 2 to 12        | 2, and 1 for every 4 bits of quotient           |
+/// | LDR, LDREX, STREX         | 2              | 2; 1 behind a load (pairing, below)             |
+/// | LDR PC                    | 2 + P          | 2 + P                                           |
+/// | STR [Rn, #imm]            | 2, "always 1"  | 1: it goes to the write buffer                  |
+/// | STR [Rn, Rm]              | 2              | 2; 1 behind a load                              |
+/// | LDRD, STRD                | 1 + N          | 3                                               |
+/// | LDM, STM, PUSH, POP       | 1 + N          | 1 + N, and P with the PC                        |
+/// | B<c>, CBZ                 | 1 or 1 + P     | 1, 1 + P when taken                             |
+/// | B, BL, BX, BLX            | 1 + P          | 1 + P                                           |
+/// | TBB, TBH                  | 2 + P          | 2 + P                                           |
+/// | CPS, MRS, MSR             | 1 or 2         | 2                                               |
+/// | DMB, DSB, ISB             | 1 + B          | 2                                               |
+/// | NOP, SEV, CLREX, IT       | 1              | 1 (IT is never folded into its predecessor)     |
+/// | WFI, WFE                  | 1 + W          | 1 + the sleep                                   |
+/// | failed condition          | 1              | 1                                               |
+///
+/// P, the refill of the pipeline, is 1 to 3 there and 2 here. Wait states come on top: of a data
+/// access once an access, of a fetch once a word that the instruction begins in. The parts of an
+/// unaligned access beyond the first take a cycle each.
+namespace timing {
+constexpr unsigned pipeline_refill = 2;
+
+// Exceptions (TRM, chapter 5): 12 cycles to the first instruction of the handler, 10 back to the
+// interrupted program, 6 from one handler to the next. A late arrival of higher priority takes over
+// the stacking that is under way and costs nothing of its own.
+constexpr unsigned exception_entry = 12;
+constexpr unsigned exception_return = 10;
+constexpr unsigned tail_chain = 6;
+constexpr unsigned late_arrival = 0;
+
+constexpr unsigned cycles(CycleClass kind) {
+  switch (kind) {
+    case CycleClass::multiply_add:
+      return 2;
+    case CycleClass::multiply_long:
+      return 3;
+    case CycleClass::multiply_accumulate_long:
+      return 4;
+    case CycleClass::divide:
+      return 2;
+    case CycleClass::load:
+      return 2;
+    case CycleClass::store:
+      return 1;
+    case CycleClass::store_reg:
+      return 2;
+    case CycleClass::dual:
+      return 3;
+    case CycleClass::multiple:
+      return 1;  // and one a register
+    case CycleClass::table:
+      return 2;
+    case CycleClass::barrier:
+      return 2;
+    case CycleClass::system:
+      return 2;
+    default:
+      return 1;
+  }
+}
+
+/// Beyond the cycles of the table: operands that need more than half of the multiplier's width.
+/// The TRM gives the range and its cause, early termination, but not the thresholds.
+constexpr unsigned long_multiply_most = 3;
+constexpr unsigned multiply_long_extra(uint32_t n, uint32_t m) {
+  return (n >> 16 != 0 ? 1u : 0u) + (m >> 16 != 0 ? 1u : 0u);
+}
+constexpr unsigned multiply_accumulate_long_extra(uint32_t n, uint32_t m) {
+  unsigned wide = multiply_long_extra(n, m);
+  return wide == 2 ? 3 : wide;
+}
+/// Size of a signed operand, for the rules that ask for its significant bits.
+constexpr uint32_t magnitude(uint32_t x) {
+  return (x >> 31) ? 0u - x : x;
+}
+
+/// Beyond the two cycles every division takes: the divider retires about four quotient bits a
+/// cycle, so the time follows the difference of the operands' magnitudes.
+constexpr unsigned divide_most = 12;
+inline unsigned divide_extra(uint32_t dividend, uint32_t divisor) {
+  if (divisor == 0 || dividend < divisor) return 0;
+  int difference = __builtin_clz(divisor) - __builtin_clz(dividend);
+  return 1 + static_cast<unsigned>(difference) / 4;
+}
+
+/// Flash words that begin inside the instruction: each costs the region's wait states once.
+constexpr unsigned words_fetched(uint32_t address, unsigned size) {
+  return ((address & 2) == 0 || size == 4) ? 1 : 0;
+}
+
+// Pairing (TRM, 3.3.2 "Load/store timings").
+//
+// What an instruction leaves for its successor: nothing (0), or the registers it has just loaded
+// or computed. Conditional instructions, branches, exceptions, accesses to devices and faults leave
+// nothing.
+using Trail = uint16_t;
+constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200;
+
+inline Trail trail_of(const DecodedOp& op) {
+  if (op.condition != condition_always) return no_trail;
+  if (is(op, kind::single_transfer)) {
+    // Nothing pipelines behind a store or behind a base update, and a load to the PC branches.
+    // STREX counts as a load.
+    if (is(op, kind::store) || op.writeback || op.rd == 15) return no_trail;
+    const unsigned loaded = is(op, kind::exclusive_store) ? op.ra : op.rd;
+    return static_cast<Trail>(trail_load | loaded << 4 | loaded);
+  }
+  constexpr uint32_t computes = kind::data_processing & ~uint32_t{kind::compare};
+  if (!is(op, computes) || op.rd == 15) return no_trail;
+  const bool is_long = is(op, kind::long_multiply);
+  const unsigned second = is_long ? op.ra : op.rd;
+  return static_cast<Trail>(trail_data | second << 4 | op.rd);
+}
+
+/// True when the address of a transfer is made from a register of the trail.
+inline bool address_uses(const DecodedOp& op, Trail trail) {
+  const unsigned one = trail & 15, other = trail >> 4 & 15;
+  const bool table = is(op, kind::table_branch);
+  if (op.addressing != Addressing::literal && (op.rn == one || op.rn == other)) return true;
+  return (op.addressing == Addressing::reg || table) && (op.rm == one || op.rm == other);
+}
+
+/// Cycles to add to an instruction for what was executed right before it.
+inline int pairing(Trail before, const DecodedOp& op) {
+  const bool transfer = is(op, kind::transfer | kind::table_branch);
+  if (before == no_trail || !transfer || op.condition != condition_always) return 0;
+  // The register bank has no forwarding path to the address generation.
+  if ((before & trail_data) != 0) return address_uses(op, before) ? 1 : 0;
+  const bool pipelines = is(op, kind::single_transfer) && !op.writeback &&
+                         !address_uses(op, before) && (is(op, kind::store) || op.rd != 15);
+  return pipelines && op.cycles == 2 ? -1 : 0;
+}
+}  // namespace timing
+}  // namespace capsoc::cortex_m3

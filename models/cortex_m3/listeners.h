@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "cortex_m3/isa/unpredictable.h"
+#include "cortex_m3/observer.h"
+
+namespace capsoc::cortex_m3 {
+
+/// A program's write of priority bits that are not implemented (B1.5.4) and so are dropped.
+struct DroppedPriority {
+  uint32_t address = 0;   ///< of the NVIC's or SCB's word; 0: BASEPRI
+  uint32_t value = 0;     ///< as written, at its place in the word
+  bool all_ones = false;  ///< they all are: the program means any number of bits (0xFF, 191)
+};
+
+/// Who is told of what a program does. Empty: nobody.
+struct Listeners {
+  /// BKPT 0xAB, with PC behind it; false ends run() with semihosting_exit.
+  std::function<bool(Core&)> semihosting;
+  /// What the program writes to a stimulus port of the ITM: `size` bytes of `value`.
+  std::function<void(unsigned port, uint32_t value, unsigned size)> stimulus;
+  /// The first time a program writes priority bits that are not implemented, and the first time it
+  /// writes nothing but ones there. Meanwhile reg(15) is the instruction's address.
+  std::function<void(const DroppedPriority&)> priority;
+  /// The first time a program runs into each UNPREDICTABLE case (unpredictable.def), with the
+  /// address of the instruction, which reg(15) is meanwhile.
+  std::function<void(Unpredictable which, uint32_t address)> unpredictable;
+  /// Asked when a program spins in HardFault, MemManage, BusFault or UsageFault (`b .`, the default
+  /// handlers of CMSIS) and no enabled exception can preempt: true if nothing outside can, either
+  /// (NMI, reset). Then run() ends with `stuck`. Empty: it never does.
+  std::function<bool()> hopeless;
+
+  /// Set by Core::set_observer.
+  Observer* observer = nullptr;
+  bool sees_instructions = false, sees_accesses = false;
+};
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "cortex_m3/executors/step.h"
+
+namespace capsoc::cortex_m3 {
+
+/// Directly mapped memory: a flat table of 4 KiB pages with host pointers. A null pointer means the
+/// slow path: a device, the rest of a page that a region fills only in part, or a store into a page
+/// with decoded code. Guest and host are little-endian.
+class Memory {
+ public:
+  struct Page {
+    uint8_t* read = nullptr;  // host address of the page's first byte
+    uint8_t* write = nullptr;
+    CodePage* code = nullptr;  // decoded blocks, if any
+    uint32_t wait_states = 0;
+    bool mixed = false;  // of a view: borders run through the page, every access is looked at
+  };
+  struct Region {
+    uint32_t base, size;
+    uint8_t* host;
+    bool writable;
+    uint32_t wait_states;
+  };
+  static constexpr unsigned page_bits = 12;
+  static constexpr uint32_t page_size = 1u << page_bits;
+
+  Memory();
+  ~Memory();
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+
+  void map(const Region& region);
+  void unmap(uint32_t base, uint32_t size);
+  const Region* find(uint32_t address) const;
+
+  Page& page(uint32_t address) { return pages_[address >> page_bits]; }
+  Page* table() { return pages_; }
+  /// A further table with less in it: what the MPU lets the unprivileged or the privileged reach
+  /// without a further look, and what lies outside watched pages while no MPU applies. Filled page
+  /// by page, emptied as a whole.
+  enum class View : uint8_t { user, privileged, unprotected };
+  Page* view(View which);
+  /// A page of a view, to be filled.
+  Page& view_page(Page* view, uint32_t address);
+  void clear_views();
+
+  /// The decoded-code record of an address in mapped memory, created on demand; null elsewhere.
+  CodePage* code_page(uint32_t address);
+
+  /// Drops decoded code that may contain any byte of the range; true if there was some.
+  bool invalidate(uint32_t address, uint32_t size);
+  void invalidate_all();
+
+  /// Frees what was invalidated; only between blocks.
+  void collect() { retired_.clear(); }
+
+  uint32_t largest_wait() const { return largest_wait_; }
+
+ private:
+  void refresh(uint32_t base, uint32_t size);
+  void retire(uint32_t page_index);
+
+  Page* pages_;
+  std::array<Page*, 3> views_{};
+  std::array<std::vector<uint32_t>, 3> filled_;  // pages of each view
+  std::vector<Region> regions_;
+  std::vector<uint32_t> code_pages_;
+  std::vector<std::unique_ptr<CodePage>> retired_;
+  uint32_t largest_wait_ = 0;
+};
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+
+#include "cortex_m3/event.h"
+#include "cortex_m3/executors/step.h"
+#include "cortex_m3/memory/bus.h"
+#include "cortex_m3/memory/memory.h"
+#include "cortex_m3/observer.h"
+
+namespace capsoc::cortex_m3 {
+
+class Machine;
+
+/// What came of an access, for an instruction: go on, leave the block behind this instruction, or a
+/// fault is noted and the instruction has done nothing.
+enum class Access : uint8_t { ok, leave, fault };
+/// What came of an access to memory or a device, the better ones first.
+enum class BusResult : uint8_t { ok, device, bus_error, violation };
+
+/// The processor's way to memory: direct pages, the MPU, bit-band aliases, the private peripheral
+/// bus and the bus (B2, B3.1).
+class MemoryAccess {
+ public:
+  MemoryAccess(Machine& machine, Bus& bus) : machine_(machine), bus_(bus) {}
+
+  // For instructions. `user`: as without privilege (LDRT, STRT).
+  template <typename T>
+  Access load(const Step& op, uint32_t address, uint32_t& value);
+  template <typename T>
+  Access store(const Step& op, uint32_t address, uint32_t value);
+  Access load_slow(const Step& op, uint32_t address, unsigned size, uint32_t& value,
+                   bool user = false);
+  Access store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
+                    bool user = false);
+  /// A halfword of code; the cause of the fault where it cannot be had.
+  std::optional<Cause> fetch(uint32_t address, uint16_t& halfword);
+
+  // For the exception model: aligned accesses, and those past the MPU and the system's registers.
+  BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged);
+  BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged);
+  BusResult read_physical(uint32_t address, unsigned size, uint32_t& value);
+
+  // For the executors.
+  Memory& map() { return memory_; }
+  const Memory::Page& direct(uint32_t address) const {
+    return pages_[address >> Memory::page_bits];
+  }
+  /// The record of a page that may be executed throughout, created on demand; null for the others.
+  CodePage* executable_page(uint32_t address);
+
+  /// Cycles of the present block that count already, within an access.
+  uint64_t cycle_offset() const { return cycle_offset_; }
+
+  // What follows from the mode, the MPU, watchpoints and observers.
+  /// The table of direct pages for the present privilege and MPU.
+  void select_view();
+  /// The MPU's registers have changed, or all of the state.
+  void regions_changed();
+  /// Something else that decides which pages are direct.
+  void views_changed();
+
+  // Code that was decoded.
+  void invalidate_code(uint32_t address, uint32_t size);
+  void invalidate_all_code();
+  /// Between two blocks: frees what was invalidated.
+  void collect();
+
+  /// Access without side effects or time, for debuggers; false where nothing can be shown.
+  bool debug_read(uint32_t address, void* data, uint32_t size) const;
+  bool debug_write(uint32_t address, const void* data, uint32_t size);
+
+ private:
+  BusResult write_physical(uint32_t address, unsigned size, uint32_t value);
+  BusResult observe(const DirectAccess& access, BusResult result) const;
+  bool mpu_applies() const;
+  bool allows(uint32_t address, bool write, bool fetch, bool privileged);
+  uint8_t* shared_page(uint32_t address, bool write, bool user);
+  void fill_view(uint32_t address);
+  bool buffered(const Step& op, uint32_t address) const;
+  bool must_be_aligned(uint32_t address) const;
+  void check_unaligned(const Step& op, uint32_t address, unsigned size);
+  Access failed(const Step& op, BusResult result, uint32_t address);
+  Access concluded(const Step& op, uint32_t address, unsigned size, bool write, bool user,
+                   BusResult worst, uint32_t failed_at);
+  void add_cycles(uint64_t cycles);
+
+  Machine& machine_;
+  Bus& bus_;
+  Memory memory_;
+  Memory::Page* pages_ = nullptr;  // the view in use
+  uint64_t cycle_offset_ = 0;
+  bool code_dropped_ = false;
+  struct Line {
+    uint32_t tag, rights;  // of 32 bytes; tag 0: none
+  };
+  std::array<Line, 64> lines_{};  // what the MPU decided last
+};
+
+}  // namespace capsoc::cortex_m3
