@@ -94,8 +94,8 @@ TEST(Rooms, AStackedExceptionNumberThatIsNoneIsAFaultOfTheReturn) {
     // ldr r0, =ICSR; movs r1, #1; lsls r1, r1, #31; str r1, [r0]: NMI comes; bx lr
     b.code(svcall, {0x4802, 0x2101, 0x07C9, 0x6001, 0x4770});
     b.word(svcall + 12, ppb::ICSR);
-    // ldr r2, [sp, #28]; movs r3, #150; lsls r3, r3, #1; orrs r2, r3; str r2, [sp, #28]; bx lr
-    b.code(0x4000 + 32 * exception::nmi, {0x9A07, 0x2396, 0x005B, 0x431A, 0x9207, 0x4770});
+    // ldr r2, [sp, #28]; movs r3, #64; orrs r2, r3: exception 75; str r2, [sp, #28]; bx lr
+    b.code(0x4000 + 32 * exception::nmi, {0x9A07, 0x2340, 0x431A, 0x9207, 0x4770});
     b.code(0x4000 + 32 * exception::hard_fault, {0xE7FE});
     b.start({0xDF00, 0xE7FE});
     b.core.run(2000);
