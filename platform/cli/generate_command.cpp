@@ -32,7 +32,8 @@ int generate(CLI::App& app, const std::string& folder) {
   manual::CommandLine line;
   line.version = version();
   line.program = command_tree(app);
-  line.settings = run::make_settings().all();
+  const run::RunSettings settings;
+  line.settings = settings.all();
   for (const ExitCodeText& text : exit_codes) line.exit_codes.push_back({text.code, text.meaning});
   std::vector<manual::Page> pages = manual_pages(line);
   for (const manual::Page& page :

@@ -50,7 +50,7 @@ std::optional<Error> set_program_setting(Settings& settings, const std::string& 
     return Error{fmt::format("{}: write name=value, for instance -P step=0.001", origin)};
   if (auto error =
           settings.set(path, assignment.substr(equals + 1), SettingSource::command_line, origin);
-      error && settings.source(path) == SettingSource::built_in)
+      error && settings.find(path) == nullptr)
     return Error{
         fmt::format("{}: names are lower-case letters, digits and '_'; "
                     "--list-program-settings lists them",
@@ -82,18 +82,18 @@ std::optional<Error> collect(const RunArguments& arguments, Settings& settings) 
 
 /// Before anything is opened: no output is another file of the run, and what is written at the end
 /// can be.
-std::optional<Error> check_files(const RunArguments& arguments, const Settings& settings) {
+std::optional<Error> check_files(const RunArguments& arguments, const run::RunSettings& settings) {
   std::vector<host::FileUse> uses = run::files_of(settings);
   uses.push_back({host::FileUse::Kind::input, "--config", config_of(arguments)});
   if (auto error = host::check_uses(uses)) return error;
-  for (const char* place : {"results.json", "results.record"})
-    if (const std::string& path = settings.text(place); !path.empty())
-      if (auto error = host::check_writable(path)) return error;
+  for (const TextField* place : {&settings.results.json, &settings.results.record})
+    if (!place->empty())
+      if (auto error = host::check_writable(place->text())) return error;
   return std::nullopt;
 }
 
 int run_command(const RunArguments& arguments) {
-  Settings settings = run::make_settings();
+  run::RunSettings settings;
   if (auto error = collect(arguments, settings)) return refuse(error->text);
   if (arguments.list) {
     list_settings(settings);
@@ -105,7 +105,7 @@ int run_command(const RunArguments& arguments) {
     host::print("{}", text.value());
     return run::exit_code::pass;
   }
-  spdlog::set_level(spdlog::level::from_str(settings.text("log.level")));
+  spdlog::set_level(settings.log_level());
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
   auto result = run::run(settings);
@@ -115,10 +115,43 @@ int run_command(const RunArguments& arguments) {
   if (!r.fault_report.empty()) host::say("\n{}", r.fault_report);
   for (const std::string& sentence : r.lost) host::say("capsoc: {}\n", sentence);
   host::say("{}", run::to_table(r));
-  if (const std::string& json = settings.text("results.json"); !json.empty())
+  if (const std::string& json = settings.results.json(); !json.empty())
     if (auto error = host::write_whole(json, run::to_text(run::to_json(r, settings))))
       return refuse(error->text, r.code == run::exit_code::pass ? run::exit_code::lost : r.code);
   return r.code;
+}
+
+/// The option that a setting declares.
+void add_setting_option(CLI::App& run, const Setting& setting,
+                        const std::shared_ptr<RunArguments>& arguments) {
+  using Form = SettingOption::Form;
+  const SettingOption& declared = setting.command;
+  const bool positional = declared.name.rfind('-', 0) != 0;
+  const std::string given = positional ? declared.argument : declared.name;
+  const auto set = [arguments, path = setting.path, given](const std::string& value) {
+    arguments->options.emplace_back(path, value, given);
+  };
+  if (declared.form == Form::flag) {
+    run.add_flag_callback(
+        declared.name, [set, implied = declared.implied] { set(implied); }, declared.help);
+    return;
+  }
+  if (declared.form == Form::list) {
+    const auto join = [set](const std::vector<std::string>& places) {
+      set(fmt::format("{}", fmt::join(places, ",")));
+    };
+    run.add_option_function<std::vector<std::string>>(declared.name, join, declared.help)
+        ->type_name(declared.argument)
+        ->allow_extra_args(false);
+    return;
+  }
+  const auto set_or_imply = [set, implied = declared.implied](const std::string& value) {
+    set(value.empty() && !implied.empty() ? implied : value);
+  };
+  CLI::Option* option =
+      run.add_option_function<std::string>(declared.name, set_or_imply, declared.help);
+  option->type_name(declared.argument);
+  if (declared.form == Form::optional_value) option->expected(0, 1);
 }
 
 }  // namespace
@@ -127,121 +160,9 @@ void add_run(CLI::App& app, int& code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand(
       "run", "Run firmware on the SoC; without arguments: calibrate the sensor of Eq (21)");
-  const auto option = [&](const std::string& names, const std::string& setting,
-                          const std::string& help) {
-    return run->add_option_function<std::string>(
-        names,
-        [arguments, setting, names](const std::string& value) {
-          arguments->options.emplace_back(setting, value, names == "elf" ? "ELF" : names);
-        },
-        help);
-  };
-  // May be repeated; the setting has all, separated by commas.
-  const auto list = [&](const std::string& name, const std::string& setting,
-                        const std::string& help) {
-    return run->add_option_function<std::vector<std::string>>(
-        name,
-        [arguments, setting, name](const std::vector<std::string>& places) {
-          std::string all;
-          for (const std::string& place : places) all += (all.empty() ? "" : ",") + place;
-          arguments->options.emplace_back(setting, all, name);
-        },
-        help);
-  };
-  option("elf", "firmware.elf", "Program for the Cortex-M3, ELF or Intel HEX (default: selfcal)")
-      ->type_name("ELF");
-  list("--load", "firmware.load",
-       "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated")
-      ->type_name("FILE[@ADDR]")
-      ->allow_extra_args(false);
-  option("--sensor", "sensor.file",
-         "Sensor description (TOML) or recording (CSV); -: standard input")
-      ->type_name("FILE");
-  option("--arithmetic", "coprocessor.arithmetic", "Arithmetic of the coprocessor")
-      ->type_name("paper|precise");
-  option("--coprocessor", "coprocessor.backend", "The model, the Verilated RTL, or both compared")
-      ->type_name("tlm|rtl|lockstep");
-  option("--rtl-library", "coprocessor.rtl_library", "Verilated coprocessor (default: the build's)")
-      ->type_name("FILE.so");
-  option("--rtl-clock", "coprocessor.rtl_clock", "Clocks of the idle RTL; changes speed only")
-      ->type_name("skip|every");
-  option("--waves", "results.waves",
-         "Waves of the SoC, of the RTL's inside, or with lockstep of both around a difference")
-      ->type_name("FILE.fst");
-  option("--quantum", "cpu.quantum_ns", "How far the processor may run ahead; changes speed only")
-      ->type_name("NS");
-  option("--simlimit", "run.simlimit_s", "End after so many simulated seconds with exit 124")
-      ->type_name("S");
-  option("--timelimit", "run.timelimit_s", "End after so many seconds of the host with exit 124")
-      ->type_name("S");
-  for (const char number : {'0', '1', '2', '3', '4'})
-    option(fmt::format("--uart{}", number), fmt::format("uart{}.backend", number),
-           fmt::format("Where UART {} goes; stdio reads stdin, too", number))
-        ->type_name("stdout|stdio|null|file:PATH|pty[:LINK]|tcp[:PORT]");
-  run->add_flag_callback(
-      "--uart-wait", [arguments] { arguments->options.emplace_back("run.uart_wait", "true"); },
-      "Hold the first byte of a pty or tcp UART until somebody listens");
-  option("--until-uart", "run.until_uart", "End with 0 when a line of a UART matches")
-      ->type_name("REGEX");
-  option("--fail-uart", "run.fail_uart", "End with 1 when a line of a UART matches")
-      ->type_name("REGEX");
-  option("--semihosting-dir", "semihosting.directory",
-         "Directory that the program's semihosting files are in; without it there are none")
-      ->type_name("DIR");
-  option("--semihosting-console", "semihosting.console", "Where :tt goes; as --uart0 (stderr)")
-      ->type_name("BACKEND");
-  option("--semihosting-args", "semihosting.arguments", "The program's command line")
-      ->type_name("TEXT");
-  option("--vector-table", "firmware.vector_table",
-         "Where the vector table is (auto: 0, or where the program has it)")
-      ->type_name("ADDR");
-  option("--itm", "itm.backend", "Where the text on the ITM's stimulus port goes")
-      ->type_name("stdout|null|log|file:PATH");
-  option("--json", "results.json", "Write the results as JSON")->type_name("FILE");
-  option("--record", "results.record", "Write the samples that the coprocessor saw as a recording")
-      ->type_name("FILE.csv");
-  option("--record-columns", "results.record_columns",
-         "What that recording has of each sample (a wrong name lists all)")
-      ->type_name("NAME,...");
-  option("--parameters", "firmware.parameters",
-         "Start in calibration mode with the parameters that capsoc fit or run --json wrote")
-      ->type_name("FILE.json");
-  run->add_flag_callback(
-      "--golden", [arguments] { arguments->options.emplace_back("run.golden", "true"); },
-      "Fit the samples that the coprocessor saw by the CSFN, too, and print both answers");
-  run->add_option_function<std::string>(
-         "--gdb",
-         [arguments](const std::string& port) {
-           arguments->options.emplace_back("gdb.port", port.empty() ? "3333" : port);
-         },
-         "GDB server on the loopback interface (default port 3333; 0: a free one)")
-      ->type_name("[PORT]")
-      ->expected(0, 1);
-  run->add_flag_callback(
-      "--halt", [arguments] { arguments->options.emplace_back("gdb.halt", "true"); },
-      "Wait for a debugger before the first instruction");
-  option("--trace-instructions", "trace.instructions",
-         "A line for each instruction: time, place, disassembly, changed registers")
-      ->type_name("FILE");
-  option("--trace-bus", "trace.bus", "A line for each access of the processor and the debugger")
-      ->type_name("FILE");
-  option("--trace-waves", "trace.waves",
-         "Waves of the SoC, whatever the coprocessor is: interrupts, bus, nodes; and FILE.gtkw")
-      ->type_name("FILE.fst");
-  option("--profile", "trace.profile",
-         "Cycles of functions and calls, for kcachegrind or, as FILE.folded, for a flame graph")
-      ->type_name("FILE");
-  option("--log-level", "log.level", "What the simulator says on stderr")
-      ->type_name("trace|debug|info|warn|error|off");
-  list("--save", "checkpoint.save",
-       "Save the whole state at a simulated time in s; may be repeated")
-      ->type_name("FILE@S")
-      ->allow_extra_args(false);
-  option("--save-every", "checkpoint.every_s",
-         "Save it every so many simulated seconds, in checkpoint-<seconds>.capsoc")
-      ->type_name("S");
-  option("--restore", "checkpoint.restore", "Go on from a state that --save wrote")
-      ->type_name("FILE");
+  const run::RunSettings declared;
+  for (const Setting& setting : declared.all())
+    if (!setting.command.name.empty()) add_setting_option(*run, setting, arguments);
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")
       ->type_name("PATH=VALUE")

@@ -14,6 +14,7 @@
 #include "kit/guest_error.h"
 #include "run/results.h"
 #include "run/run_files.h"
+#include "run/run_settings.h"
 #include "support/input_file.h"
 #include "support/number.h"
 #include "support/printable.h"
@@ -33,61 +34,10 @@ std::string seconds_of(const sc_core::sc_time& time) {
   return fmt::format("{:.12g}", time.to_seconds());
 }
 
-/// Where something goes, how fast the host gets there, and when it ends.
-bool may_differ(const Setting& setting) {
-  static const std::vector<std::string> names = {"cpu.quantum_ns",
-                                                 "cpu.executor",
-                                                 "coprocessor.backend",
-                                                 "coprocessor.rtl_library",
-                                                 "coprocessor.rtl_clock",
-                                                 "run.simlimit_s",
-                                                 "run.timelimit_s",
-                                                 "run.until_uart",
-                                                 "run.fail_uart",
-                                                 "run.stop_in_fault",
-                                                 "run.golden",
-                                                 "semihosting.directory",
-                                                 "semihosting.status",
-                                                 "log.level"};
-  return is_place(setting.path) || setting.path.rfind("checkpoint.", 0) == 0 ||
-         std::find(names.begin(), names.end(), setting.path) != names.end();
-}
-
 }  // namespace
 
-void add_checkpoint_settings(Settings& s) {
-  s.add({"checkpoint.save",
-         SettingKind::text,
-         "",
-         "checkpoints on the way, FILE@SECONDS of simulated time, separated by commas",
-         {},
-         0,
-         0});
-  s.add({"checkpoint.every_s",
-         SettingKind::number,
-         "0",
-         "a checkpoint every so many simulated s; 0: none",
-         {},
-         0,
-         1e6});
-  s.add({"checkpoint.prefix",
-         SettingKind::text,
-         "checkpoint-",
-         "begins the names of these and of those on SIGUSR1: PREFIX<seconds>.capsoc",
-         {},
-         0,
-         0});
-  s.add({"checkpoint.restore",
-         SettingKind::input,
-         "",
-         "the run goes on from this checkpoint; empty: from reset",
-         {},
-         0,
-         0});
-}
-
-Result<std::vector<SavePoint>> save_points(const Settings& settings) {
-  const Setting& setting = settings.find("checkpoint.save");
+Result<std::vector<SavePoint>> save_points(const RunSettings& settings) {
+  const Setting& setting = settings.checkpoint.save.about();
   std::vector<SavePoint> points;
   std::istringstream list(setting.value);
   for (std::string entry; std::getline(list, entry, ',');) {
@@ -110,7 +60,7 @@ Result<std::vector<SavePoint>> save_points(const Settings& settings) {
   return points;
 }
 
-Result<checkpoint::Identity> identity_of(const Settings& settings, const RunInputs& inputs) {
+Result<checkpoint::Identity> identity_of(const RunSettings& settings, const RunInputs& inputs) {
   checkpoint::Identity identity;
   for (const Setting& setting : settings.all())
     if (setting.kind == SettingKind::input && !setting.value.empty() &&
@@ -119,18 +69,20 @@ Result<checkpoint::Identity> identity_of(const Settings& settings, const RunInpu
   for (const Input& input : inputs.files(settings))
     identity.emplace_back("the file of " + input.role, "SHA-256 " + input.sha256);
   for (const Setting& setting : settings.all()) {
-    if (may_differ(setting) || setting.is_path() || setting.path == "firmware.load") continue;
+    // What only says where something goes, how fast the host gets there or when it ends may differ.
+    if (setting.bearing != Bearing::result || setting.is_path()) continue;
+    if (setting.path == settings.firmware.load.about().path) continue;
     if (setting.optional && setting.source == SettingSource::built_in) continue;
     identity.emplace_back(setting.path, setting.value);
   }
   return identity;
 }
 
-Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settings& settings,
+Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const RunSettings& settings,
                                                                     const RunInputs& inputs) {
-  const std::string& file = settings.text("checkpoint.restore");
+  const std::string& file = settings.checkpoint.restore();
   if (file.empty()) return std::optional<checkpoint::Checkpoint>();
-  if (settings.text("run.golden") == "true")
+  if (settings.golden())
     return Error{
         "--golden needs all samples, and a restored run has the later ones; "
         "leave out one of --golden and --restore"};
@@ -151,7 +103,7 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settin
         return Error{
             fmt::format("{}: was saved with another {} ({}, here {}); give the same as then", file,
                         printable(name, 80), printable(was, 80), printable(is, 80))};
-  const double limit = settings.number("run.simlimit_s");
+  const double limit = settings.limits.simulated_s();
   const double begins = sc_core::sc_time::from_value(read.value().time).to_seconds();
   if (limit > 0 && limit <= begins)
     return Error{
@@ -171,7 +123,7 @@ std::vector<checkpoint::Part> parts_of(soc::Soc& soc) {
   return parts;
 }
 
-Checkpoints::Checkpoints(const Settings& settings, const RunInputs& inputs, soc::Soc& soc,
+Checkpoints::Checkpoints(const RunSettings& settings, const RunInputs& inputs, soc::Soc& soc,
                          std::vector<checkpoint::Part> parts)
     : settings_(settings), inputs_(inputs), soc_(soc), parts_(std::move(parts)) {}
 
@@ -179,7 +131,7 @@ std::optional<Error> Checkpoints::plan() {
   auto points = save_points(settings_);
   if (!points) return Error{points.error()};
   points_ = std::move(points.value());
-  if (const double every = settings_.number("checkpoint.every_s"); every > 0) {
+  if (const double every = settings_.checkpoint.every_s(); every > 0) {
     every_ = sc_core::sc_time(every, sc_core::SC_SEC);
     if (every_ < longest_wait)
       return Error{"--save-every: give at least 0.001 s from one checkpoint to the next"};
@@ -216,7 +168,7 @@ sc_core::sc_time Checkpoints::next_save() const {
 }
 
 std::string Checkpoints::automatic_name(const sc_core::sc_time& now) const {
-  return settings_.text("checkpoint.prefix") + seconds_of(now) + ".capsoc";
+  return settings_.checkpoint.prefix() + seconds_of(now) + ".capsoc";
 }
 
 sc_core::sc_time Checkpoints::pause(const sc_core::sc_time& now) {
@@ -276,7 +228,7 @@ std::optional<Error> Checkpoints::save_now(const std::string& file) {
 
 std::optional<Error> Checkpoints::load(const checkpoint::Checkpoint& from) {
   if (auto error = checkpoint::load(from, parts_))
-    return Error{fmt::format("{}: {}", settings_.text("checkpoint.restore"), error->text)};
+    return Error{fmt::format("{}: {}", settings_.checkpoint.restore(), error->text)};
   return std::nullopt;
 }
 

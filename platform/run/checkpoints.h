@@ -12,28 +12,53 @@
 #include "run/run_inputs.h"
 #include "soc/soc.h"
 #include "support/result.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
-/// checkpoint.save, every, prefix and restore.
-void add_checkpoint_settings(Settings& settings);
+class RunSettings;
+
+struct CheckpointSettings {
+  Settings& all;
+  TextField save{
+      all,
+      setting("checkpoint.save", SettingKind::text, "",
+              "checkpoints on the way, FILE@SECONDS of simulated time, separated by commas")
+          .is_place()
+          .by({"--save", "FILE@S", "Save the whole state at a simulated time in s; may be repeated",
+               SettingOption::Form::list})};
+  NumberField every_s{
+      all, setting("checkpoint.every_s", SettingKind::number, "0",
+                   "a checkpoint every so many simulated s; 0: none")
+               .in(0, 1e6)
+               .is_place()
+               .by({"--save-every", "S",
+                    "Save it every so many simulated seconds, in checkpoint-<seconds>.capsoc"})};
+  TextField prefix{
+      all, setting("checkpoint.prefix", SettingKind::text, "checkpoint-",
+                   "begins the names of these and of those on SIGUSR1: PREFIX<seconds>.capsoc")
+               .is_place()};
+  TextField restore{all, setting("checkpoint.restore", SettingKind::input, "",
+                                 "the run goes on from this checkpoint; empty: from reset")
+                             .is_host_side()
+                             .by({"--restore", "FILE", "Go on from a state that --save wrote"})};
+};
 
 /// FILE@SECONDS of checkpoint.save, in the order of time. An Error is what cannot be read.
 struct SavePoint {
   std::string file;
   double seconds = 0;
 };
-Result<std::vector<SavePoint>> save_points(const Settings& settings);
+Result<std::vector<SavePoint>> save_points(const RunSettings& settings);
 
 /// What a run must have in common with the one that it goes on from: the program, the sensor and
 /// every setting that does not only say where something goes, how fast it runs or when it ends.
 /// Reads all inputs. An Error: one that is no file.
-Result<checkpoint::Identity> identity_of(const Settings& settings, const RunInputs& inputs);
+Result<checkpoint::Identity> identity_of(const RunSettings& settings, const RunInputs& inputs);
 
 /// The checkpoint that the settings name, or nothing. An Error: damaged, of another program or
 /// another configuration.
-Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const Settings& settings,
+Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const RunSettings& settings,
                                                                     const RunInputs& inputs);
 
 /// The parts of a board.
@@ -44,7 +69,7 @@ std::vector<checkpoint::Part> parts_of(soc::Soc& soc);
 /// a millisecond later is saved as it is, for the same backend only.
 class Checkpoints {
  public:
-  Checkpoints(const Settings& settings, const RunInputs& inputs, soc::Soc& soc,
+  Checkpoints(const RunSettings& settings, const RunInputs& inputs, soc::Soc& soc,
               std::vector<checkpoint::Part> parts);
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
@@ -78,7 +103,7 @@ class Checkpoints {
   const Result<checkpoint::Identity>& identity();
   std::string automatic_name(const sc_core::sc_time& now) const;
 
-  const Settings& settings_;
+  const RunSettings& settings_;
   const RunInputs& inputs_;
   soc::Soc& soc_;
   std::vector<checkpoint::Part> parts_;

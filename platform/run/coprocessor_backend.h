@@ -10,10 +10,50 @@
 #include "rtl/coprocessor_rtl.h"
 #include "rtl/lockstep.h"
 #include "support/result.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 #include "trace/wave_file.h"
 
 namespace capsoc::run {
+
+class RunSettings;
+
+enum class Backend { model, rtl, lockstep };
+
+struct CoprocessorSettings {
+  Settings& all;
+  ChoiceField<coprocessor::Arithmetic> arithmetic{
+      all,
+      {{"paper", coprocessor::Arithmetic::paper}, {"precise", coprocessor::Arithmetic::precise}},
+      setting("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise")
+          .by({"--arithmetic", "paper|precise", "Arithmetic of the coprocessor"})};
+  ChoiceField<Backend> backend{
+      all,
+      {{"tlm", Backend::model}, {"rtl", Backend::rtl}, {"lockstep", Backend::lockstep}},
+      setting("coprocessor.backend", SettingKind::choice, "tlm",
+              "tlm (model), rtl (Verilated) or lockstep (both, compared)")
+          .is_host_side()
+          .by({"--coprocessor", "tlm|rtl|lockstep",
+               "The model, the Verilated RTL, or both compared"})};
+  TextField rtl_library{
+      all, setting("coprocessor.rtl_library", SettingKind::input, "",
+                   "Verilated coprocessor; empty: the build's own")
+               .is_host_side()
+               .by({"--rtl-library", "FILE.so", "Verilated coprocessor (default: the build's)"})};
+  ChoiceField<rtl::Clocking> rtl_clock{
+      all,
+      {{"skip", rtl::Clocking::skip}, {"every", rtl::Clocking::every}},
+      setting("coprocessor.rtl_clock", SettingKind::choice, "skip",
+              "skip idle clocks or make every one; same results")
+          .is_host_side()
+          .by({"--rtl-clock", "skip|every", "Clocks of the idle RTL; changes speed only"})};
+  TextField waves{
+      all, setting("results.waves", SettingKind::output, "",
+                   "FST file: of the SoC, of the RTL, or of both sides around a difference")
+               .is_place()
+               .by({"--waves", "FILE.fst",
+                    "Waves of the SoC, of the RTL's inside, or with lockstep of both around a "
+                    "difference"})};
+};
 
 /// The device and ways to look at it. The pointers live as long as the device.
 struct CoprocessorBackend {
@@ -23,18 +63,15 @@ struct CoprocessorBackend {
   std::optional<trace::WaveFile> waves;  ///< of the RTL's inside, if they are asked for
 };
 
-/// Adds the settings coprocessor.backend, .rtl_library, .rtl_clock and results.waves.
-void add_backend_settings(Settings& settings);
-
 /// The coprocessor that the settings ask for. An Error: the library is missing, stale or has other
 /// parameters than `options`, or the wave file cannot be written.
-Result<CoprocessorBackend> make_backend(const Settings& settings,
+Result<CoprocessorBackend> make_backend(const RunSettings& settings,
                                         const coprocessor::Options& options);
 
 /// The library of the Verilated coprocessor, "" if the model is all that there is.
-std::string rtl_library(const Settings& settings);
+std::string rtl_library(const RunSettings& settings);
 
 /// Where the waves of a difference go.
-std::string lockstep_waves(const Settings& settings);
+std::string lockstep_waves(const RunSettings& settings);
 
 }  // namespace capsoc::run

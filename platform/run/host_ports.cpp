@@ -1,15 +1,17 @@
 #include "run/host_ports.h"
 
 #include "host/console.h"
+#include "run/run_settings.h"
 
 namespace capsoc::run {
 namespace {
 
 /// The GDB server that the settings ask for, or null.
-Result<std::unique_ptr<debug::GdbServer>> make_gdb_server(const Settings& settings, soc::Soc& soc,
+Result<std::unique_ptr<debug::GdbServer>> make_gdb_server(const GdbSettings& settings,
+                                                          soc::Soc& soc,
                                                           std::function<bool()> give_up) {
-  const long long port = settings.integer("gdb.port");
-  const bool halted = settings.text("gdb.halt") == "true";
+  const long long port = settings.port();
+  const bool halted = settings.halt();
   if (port < 0 && halted) return Error{"--halt waits for a debugger; give --gdb PORT, too"};
   if (port < 0) return std::unique_ptr<debug::GdbServer>();
   auto connections = debug::Connections::listen(static_cast<uint16_t>(port));
@@ -22,15 +24,15 @@ Result<std::unique_ptr<debug::GdbServer>> make_gdb_server(const Settings& settin
 
 }  // namespace
 
-Result<std::unique_ptr<HostPorts>> HostPorts::open(const Settings& settings, soc::Soc& soc,
+Result<std::unique_ptr<HostPorts>> HostPorts::open(const RunSettings& settings, soc::Soc& soc,
                                                    const loader::ElfImage& program,
                                                    const std::string& program_file,
                                                    const serial::GiveUp& give_up) {
   std::unique_ptr<HostPorts> ports(new HostPorts(soc, give_up));
   HostPorts* self = ports.get();
 
-  auto itm = ItmOutput::open(settings.text("itm.backend"),
-                             static_cast<unsigned>(settings.integer("itm.port")), give_up);
+  auto itm =
+      ItmOutput::open(settings.itm.backend(), static_cast<unsigned>(settings.itm.port()), give_up);
   if (!itm) return Error{itm.error()};
   ports->itm_ = std::move(itm.value());
   soc.cpu.core().listeners().stimulus = [self, &soc](unsigned port, uint32_t value, unsigned size) {
@@ -38,14 +40,15 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const Settings& settings, soc
     self->itm_->put(port, value, size);
   };
 
-  auto semihosting = SemihostingPort::open(settings, soc, program, program_file, give_up);
+  auto semihosting =
+      SemihostingPort::open(settings.semihosting, soc, program, program_file, give_up);
   if (!semihosting) return Error{semihosting.error()};
   ports->semihosting_ = std::move(semihosting.value());
 
-  if (auto error = ports->uarts_.open(settings)) return *error;
+  if (auto error = ports->uarts_.open(settings.uarts)) return *error;
 
   // While a debugger holds the processor, what it printed is to be seen.
-  auto gdb = make_gdb_server(settings, soc, [self, give_up] {
+  auto gdb = make_gdb_server(settings.gdb, soc, [self, give_up] {
     self->uarts_.flush();
     self->semihosting_->flush();
     return give_up();

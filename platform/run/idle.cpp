@@ -21,19 +21,7 @@ bool is_quiet(const bus::MapEntry& entry) {
 
 }  // namespace
 
-void add_idle_settings(Settings& settings) {
-  settings.add({"run.end_on_idle",
-                SettingKind::number,
-                "0",
-                "end with 0 when only timers woke the program, and only to sleep again, for so "
-                "many simulated s; 0: never",
-                {},
-                0,
-                1e6});
-}
-
-void watch_for_idle(const Settings& settings, soc::Soc& soc) {
-  const double seconds = settings.number("run.end_on_idle");
+void watch_for_idle(double seconds, soc::Soc& soc) {
   if (seconds <= 0) return;
   std::vector<std::pair<uint64_t, uint64_t>> quiet;  // first and last address
   for (const bus::MapEntry& entry : soc.ahb.map())

@@ -2,13 +2,11 @@
 #pragma once
 
 #include "soc/soc.h"
-#include "support/settings.h"
 
 namespace capsoc::run {
 
-void add_idle_settings(Settings& settings);
-
-/// Lets the processor end the simulation as the setting says; docs/bringup.md has the rule.
-void watch_for_idle(const Settings& settings, soc::Soc& soc);
+/// Lets the processor end the simulation after so many simulated seconds, 0: never;
+/// docs/bringup.md has the rule.
+void watch_for_idle(double seconds, soc::Soc& soc);
 
 }  // namespace capsoc::run

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "run/run_inputs.h"
+#include "run/run_settings.h"
 #include "support/printable.h"
 
 namespace capsoc::run {
@@ -32,7 +32,7 @@ Error unknown(const Setting& wanted, const std::string& name, const std::string&
 
 }  // namespace
 
-Result<ProgramSettings> change_program(const Settings& settings, loader::ElfImage& image) {
+Result<ProgramSettings> change_program(const RunSettings& settings, loader::ElfImage& image) {
   const std::vector<Setting> wanted = settings.of_group(program_prefix);
   auto read = ProgramSettings::read(image);
   // Nobody asked: a table that nobody can read keeps no program from running.
@@ -49,7 +49,7 @@ Result<ProgramSettings> change_program(const Settings& settings, loader::ElfImag
   return std::move(program);
 }
 
-Result<std::string> list_program_settings(const Settings& settings) {
+Result<std::string> list_program_settings(const RunSettings& settings) {
   auto image = read_program(settings);
   if (!image) return Error{image.error()};
   const auto damage = ProgramSettings::read(image.value());
@@ -61,7 +61,8 @@ Result<std::string> list_program_settings(const Settings& settings) {
                              image.value().path)};
   std::string text;
   for (const ProgramSetting& setting : program.value().all()) {
-    const SettingSource source = settings.source(program_prefix + setting.name);
+    const Setting* given = settings.find(program_prefix + setting.name);
+    const SettingSource source = given != nullptr ? given->source : SettingSource::built_in;
     text += fmt::format("{:<21} {:<11} {:<8} {:<26} {:<13} {}\n", setting.name,
                         printable(program.value().value(setting), 200), setting.unit,
                         program.value().range(setting), name_of(source), setting.help);

@@ -5,18 +5,20 @@
 
 #include "loader/program_settings.h"
 #include "support/result.h"
-#include "support/settings.h"
 
 namespace capsoc::run {
+
+class RunSettings;
 
 /// What all their paths begin with.
 constexpr const char* program_prefix = "program.";
 
 /// Writes those that were set in the image and returns all of them. An Error is one that the
 /// program does not have or that it does not take.
-Result<loader::ProgramSettings> change_program(const Settings& settings, loader::ElfImage& image);
+Result<loader::ProgramSettings> change_program(const RunSettings& settings,
+                                               loader::ElfImage& image);
 
 /// All settings of the program of a run, a line each: value, unit, range, where the value is from.
-Result<std::string> list_program_settings(const Settings& settings);
+Result<std::string> list_program_settings(const RunSettings& settings);
 
 }  // namespace capsoc::run

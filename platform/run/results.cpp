@@ -159,15 +159,6 @@ std::string to_text(const ordered_json& json) {
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-bool is_place(const std::string& setting) {
-  return setting == "results.json" || setting == "results.record" ||
-         setting == "results.record_columns" || setting == "results.waves" ||
-         setting.rfind("gdb.", 0) == 0 || setting.rfind("trace.", 0) == 0 ||
-         setting == "checkpoint.save" || setting == "checkpoint.every_s" ||
-         setting == "checkpoint.prefix" || is_uart_place(setting) ||
-         setting == "semihosting.console" || setting.rfind("itm.", 0) == 0;
-}
-
 namespace {
 
 bool is_set(const Setting& setting) {
@@ -182,7 +173,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   j["versions"] = versions();
   j["command"] = result.command;
   for (const Setting& setting : settings.all())
-    if (!is_place(setting.path) && is_set(setting))
+    if (setting.bearing != Bearing::place && is_set(setting))
       j["configuration"][setting.path] = setting.value;
   for (const ProgramValue& setting : result.program_settings)
     j["configuration"][program_prefix + setting.name] = setting.value;

@@ -12,7 +12,7 @@
 #include "run/metrics.h"
 #include "run/program_verdict.h"
 #include "support/result.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
@@ -29,6 +29,25 @@ constexpr int lost = 74;          ///< all went well, but an output did not take
 constexpr int limit = 124;        ///< a time limit was hit
 constexpr int signal_base = 128;  ///< + signal number
 }  // namespace exit_code
+
+struct ResultSettings {
+  Settings& all;
+  TextField json{
+      all, setting("results.json", SettingKind::output, "", "where the results go; empty: nowhere")
+               .is_place()
+               .by({"--json", "FILE", "Write the results as JSON"})};
+  TextField record{all, setting("results.record", SettingKind::output, "",
+                                "where the coprocessor's samples go (CSV); empty: nowhere")
+                            .is_place()
+                            .by({"--record", "FILE.csv",
+                                 "Write the samples that the coprocessor saw as a recording"})};
+  TextField record_columns{
+      all, setting("results.record_columns", SettingKind::text, "",
+                   "columns of that file, separated by commas; empty: t,u,v,angle_deg")
+               .is_place()
+               .by({"--record-columns", "NAME,...",
+                    "What that recording has of each sample (a wrong name lists all)"})};
+};
 
 /// A file that the run read.
 struct Input {
@@ -66,9 +85,6 @@ struct RunResult {
   std::string fault_report;           ///< "" unless the firmware crashed
   std::optional<fit::Golden> golden;  ///< only when it was asked for
 };
-
-/// Whether a setting names a place for output: no input of a run, and not in its results.
-bool is_place(const std::string& setting);
 
 /// The result file's contents; keys are documented in docs/results.md.
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);

@@ -3,6 +3,7 @@
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"
+#include "run/run_settings.h"
 #include "trace/waves.h"
 
 namespace capsoc::run {
@@ -18,21 +19,20 @@ std::string path_of_backend(const std::string& backend) {
 }
 
 /// Where the waves of the SoC go, and GTKWave's save file beside them.
-void add_save_file(const Settings& settings, std::vector<host::FileUse>& uses) {
-  const bool model = settings.text("coprocessor.backend") == "tlm";
-  for (const char* path : {"trace.waves", "results.waves"}) {
-    const Setting& setting = settings.find(path);
-    const std::string save = trace::Waves::save_file(setting.value);
-    const bool made = !setting.value.empty() && (setting.path == "trace.waves" || model);
+void add_save_file(const RunSettings& settings, std::vector<host::FileUse>& uses) {
+  const auto add = [&](const TextField& waves) {
+    const std::string save = trace::Waves::save_file(waves());
     // Waves of the save file's own name are refused with a better sentence.
-    if (made && save != setting.value)
-      uses.push_back({Kind::output, "the save file of " + setting.name(), save});
-  }
+    if (!waves.empty() && save != waves())
+      uses.push_back({Kind::output, "the save file of " + waves.name(), save});
+  };
+  add(settings.trace.waves);
+  if (settings.coprocessor.backend() == Backend::model) add(settings.coprocessor.waves);
 }
 
 }  // namespace
 
-std::vector<host::FileUse> files_of(const Settings& settings) {
+std::vector<host::FileUse> files_of(const RunSettings& settings) {
   std::vector<host::FileUse> uses;
   for (const Setting& setting : settings.all()) {
     if (setting.kind == SettingKind::input)
@@ -44,14 +44,13 @@ std::vector<host::FileUse> files_of(const Settings& settings) {
   }
   if (const auto points = save_points(settings))
     for (const SavePoint& point : points.value())
-      uses.push_back({Kind::output, settings.find("checkpoint.save").name(), point.file});
+      uses.push_back({Kind::output, settings.checkpoint.save.name(), point.file});
   // What the settings' values do not say as they are.
   uses.push_back({Kind::input, "the program", program_of(settings)});
   for (const std::string& place : places_to_load(settings))
-    uses.push_back(
-        {Kind::input, settings.find("firmware.load").name(), place.substr(0, place.rfind('@'))});
+    uses.push_back({Kind::input, settings.firmware.load.name(), place.substr(0, place.rfind('@'))});
   uses.push_back({Kind::input, "the coprocessor's RTL", rtl_library(settings)});
-  if (settings.text("coprocessor.backend") == "lockstep" && settings.text("results.waves").empty())
+  if (settings.coprocessor.backend() == Backend::lockstep && settings.coprocessor.waves.empty())
     uses.push_back({Kind::output, "the waves of --coprocessor lockstep", lockstep_waves(settings)});
   add_save_file(settings, uses);
   return uses;

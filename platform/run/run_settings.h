@@ -1,14 +1,104 @@
 // The settings of a run.
 #pragma once
 
+#include <spdlog/common.h>
+
 #include <string>
 
-#include "support/settings.h"
+#include "cortex_m3/core.h"
+#include "run/checkpoints.h"
+#include "run/coprocessor_backend.h"
+#include "run/host_ports.h"
+#include "run/results.h"
+#include "run/run_inputs.h"
+#include "run/trace_settings.h"
+#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
-/// Every setting of a run with its built-in value.
-Settings make_settings();
+struct CpuSettings {
+  Settings& all;
+  NumberField quantum_ns{
+      all, setting("cpu.quantum_ns", SettingKind::number, "1000000",
+                   "how far the processor may run ahead, ns")
+               .in(1, 1e9)
+               .is_host_side()
+               .by({"--quantum", "NS", "How far the processor may run ahead; changes speed only"})};
+  ChoiceField<cortex_m3::Executor> executor{
+      all,
+      {{"blocks", cortex_m3::Executor::blocks}, {"stepping", cortex_m3::Executor::stepping}},
+      setting("cpu.executor", SettingKind::choice, "blocks",
+              "blocks (fast) or stepping; same results")
+          .is_host_side()};
+  IntegerField priority_bits{
+      all, setting("cpu.priority_bits", SettingKind::integer, "3",
+                   "implemented bits of each priority: 3 as the AN385, 8 as QEMU's board")
+               .in(3, 8)};
+};
+
+/// When a run ends by itself.
+struct LimitSettings {
+  Settings& all;
+  NumberField simulated_s{
+      all,
+      setting("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none")
+          .in(0, 1e6)
+          .is_host_side()
+          .by({"--simlimit", "S", "End after so many simulated seconds with exit 124"})};
+  NumberField host_s{
+      all,
+      setting("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none")
+          .in(0, 1e6)
+          .is_host_side()
+          .by({"--timelimit", "S", "End after so many seconds of the host with exit 124"})};
+  NumberField idle_s{
+      all, setting("run.end_on_idle", SettingKind::number, "0",
+                   "end with 0 when only timers woke the program, and only to sleep again, for so "
+                   "many simulated s; 0: never")
+               .in(0, 1e6)};
+};
+
+/// Every setting of a run with its built-in value, in the order in which they are listed.
+class RunSettings : public Settings {
+ public:
+  FirmwareSettings firmware{*this};
+  SensorSettings sensor{*this};
+  CoprocessorSettings coprocessor{*this};
+  TraceSettings trace{*this};
+  CpuSettings cpu{*this};
+  LimitSettings limits{*this};
+  UartSettings uarts{*this};
+  SemihostingSettings semihosting{*this};
+  FlagField stop_in_fault{
+      *this,
+      setting("run.stop_in_fault", SettingKind::flag, "true",
+              "a fault handler that branches to itself is a crash, if nothing can interrupt it")
+          .is_host_side()};
+  ItmSettings itm{*this};
+  FlagField golden{
+      *this, setting("run.golden", SettingKind::flag, "false",
+                     "fit the coprocessor's samples by the CSFN, too")
+                 .is_host_side()
+                 .by({"--golden", "",
+                      "Fit the samples that the coprocessor saw by the CSFN, too, and print both "
+                      "answers",
+                      SettingOption::Form::flag, "true"})};
+  GdbSettings gdb{*this};
+  CheckpointSettings checkpoint{*this};
+  ResultSettings results{*this};
+  ChoiceField<spdlog::level::level_enum> log_level{
+      *this,
+      {{"trace", spdlog::level::trace},
+       {"debug", spdlog::level::debug},
+       {"info", spdlog::level::info},
+       {"warn", spdlog::level::warn},
+       {"error", spdlog::level::err},
+       {"off", spdlog::level::off}},
+      setting("log.level", SettingKind::choice, "warn", "trace, debug, info, warn, error, off")
+          .is_host_side()
+          .by({"--log-level", "trace|debug|info|warn|error|off",
+               "What the simulator says on stderr"})};
+};
 
 /// A command line that gives the same run.
 std::string reproducing_command(const Settings& settings);

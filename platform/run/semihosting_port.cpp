@@ -31,60 +31,27 @@ semihosting::HeapInfo heap_of(const loader::ElfImage& image, const bus::AddressM
 
 }  // namespace
 
-void add_semihosting_settings(Settings& s) {
-  s.add({"semihosting.directory",
-         SettingKind::directory,
-         "",
-         "where the program's files are; empty: it gets none",
-         {},
-         0,
-         0});
-  s.add({"semihosting.console", SettingKind::backend, "stderr", serial::backend_names, {}, 0, 0});
-  s.add({"semihosting.arguments",
-         SettingKind::text,
-         "",
-         "the program's command line behind its name",
-         {},
-         0,
-         0});
-  s.add({"semihosting.epoch_s",
-         SettingKind::integer,
-         "1767225600",
-         "the program's time at the start, s since 1970 (2026-01-01)",
-         {},
-         0,
-         4102444800.0});
-  s.add({"semihosting.status",
-         SettingKind::choice,
-         "verdict",
-         "verdict: any status but 0 is exit code 1; process: its low byte is the exit code",
-         {"verdict", "process"},
-         0,
-         0});
-}
-
-Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const Settings& settings,
+Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const SemihostingSettings& settings,
                                                                soc::Soc& soc,
                                                                const loader::ElfImage& image,
                                                                const std::string& program,
                                                                const serial::GiveUp& give_up) {
   semihosting::GuestFiles files;
-  if (const std::string& directory = settings.text("semihosting.directory"); !directory.empty()) {
+  if (const std::string& directory = settings.directory(); !directory.empty()) {
     auto opened = semihosting::GuestFiles::in(directory);
     if (!opened) return Error{opened.error()};
     files = std::move(opened.value());
   }
-  auto console =
-      serial::open_backend(settings.text("semihosting.console"), "--semihosting-console", give_up);
+  auto console = serial::open_backend(settings.console(), "--semihosting-console", give_up);
   if (!console) return Error{console.error()};
   if (const std::string place = console.value()->place(); !place.empty())
     host::say("semihosting: {}\n", place);
   semihosting::Environment environment;
   // The name without its folder: the same bytes wherever the program lies.
   environment.command_line = std::filesystem::path(program).filename().string();
-  if (const std::string& arguments = settings.text("semihosting.arguments"); !arguments.empty())
+  if (const std::string& arguments = settings.arguments(); !arguments.empty())
     environment.command_line += " " + arguments;
-  environment.epoch_s = static_cast<uint64_t>(settings.integer("semihosting.epoch_s"));
+  environment.epoch_s = static_cast<uint64_t>(settings.epoch_s());
   environment.heap = heap_of(image, soc.ahb.map());
   environment.now_ns = [&soc] {
     return static_cast<uint64_t>(soc.clock.time_of(soc.cpu.core().cycles()) /
@@ -92,7 +59,7 @@ Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const Settings& s
   };
   std::unique_ptr<SemihostingPort> port(new SemihostingPort(
       soc, std::move(console.value()), std::move(files), std::move(environment), give_up));
-  port->on_standard_error_ = settings.text("semihosting.console") == "stderr";
+  port->on_standard_error_ = settings.console() == "stderr";
   return port;
 }
 

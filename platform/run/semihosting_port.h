@@ -6,21 +6,49 @@
 
 #include "loader/elf_image.h"
 #include "semihosting/semihosting.h"
+#include "serial/open_backend.h"
 #include "soc/soc.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
-/// semihosting.directory, .console, .arguments, .epoch_s and .status.
-void add_semihosting_settings(Settings& settings);
+/// What the status of a program's SYS_EXIT becomes.
+enum class ExitStatus { verdict, process };
+
+struct SemihostingSettings {
+  Settings& all;
+  TextField directory{
+      all, setting("semihosting.directory", SettingKind::directory, "",
+                   "where the program's files are; empty: it gets none")
+               .is_host_side()
+               .by({"--semihosting-dir", "DIR",
+                    "Directory that the program's semihosting files are in; without it there are "
+                    "none"})};
+  TextField console{
+      all, setting("semihosting.console", SettingKind::backend, "stderr", serial::backend_names)
+               .is_place()
+               .by({"--semihosting-console", "BACKEND", "Where :tt goes; as --uart0 (stderr)"})};
+  TextField arguments{all, setting("semihosting.arguments", SettingKind::text, "",
+                                   "the program's command line behind its name")
+                               .by({"--semihosting-args", "TEXT", "The program's command line"})};
+  IntegerField epoch_s{all, setting("semihosting.epoch_s", SettingKind::integer, "1767225600",
+                                    "the program's time at the start, s since 1970 (2026-01-01)")
+                                .in(0, 4102444800.0)};
+  ChoiceField<ExitStatus> status{
+      all,
+      {{"verdict", ExitStatus::verdict}, {"process", ExitStatus::process}},
+      setting("semihosting.status", SettingKind::choice, "verdict",
+              "verdict: any status but 0 is exit code 1; process: its low byte is the exit code")
+          .is_host_side()};
+};
 
 /// Answers the BKPT 0xAB of one processor. Time is the processor's own, to the cycle, whatever the
 /// quantum is.
 class SemihostingPort : private semihosting::GuestMemory {
  public:
   /// An Error is a wrong setting.
-  static Result<std::unique_ptr<SemihostingPort>> open(const Settings& settings, soc::Soc& soc,
-                                                       const loader::ElfImage& image,
+  static Result<std::unique_ptr<SemihostingPort>> open(const SemihostingSettings& settings,
+                                                       soc::Soc& soc, const loader::ElfImage& image,
                                                        const std::string& program,
                                                        const serial::GiveUp& give_up);
 

@@ -71,7 +71,7 @@ class Limit : public sc_core::sc_module {
 };
 
 /// Why the simulation is over, as an exit code and a sentence.
-void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& ports,
+void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts& ports,
               const Limit& limit, bool out_of_time, RunResult& result) {
   using cortex_m3::EndReason;
   const int status = ports.exit_status();
@@ -87,7 +87,7 @@ void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& po
     return say(exit_code::failed, fmt::format("{} printed what --fail-uart names: {}", said->name(),
                                               said->match()->line));
   if (soc.cpu.end_reason() == EndReason::exit) {
-    if (settings.text("semihosting.status") == "process")
+    if (settings.semihosting.status() == ExitStatus::process)
       return say(status & 0xFF, fmt::format("the firmware ended with status {}", status));
     if (status == 0) return say(exit_code::pass, "the firmware ended with status 0");
     return say(exit_code::failed, fmt::format("the firmware ended with status {}", status));
@@ -102,8 +102,8 @@ void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& po
   if (soc.cpu.end_reason() == EndReason::idle) {
     const std::string idle = fmt::format(
         "the firmware is idle: for {} simulated s only timers woke it, and only to sleep again",
-        settings.text("run.end_on_idle"));
-    if (settings.text("run.until_uart").empty()) return say(exit_code::pass, idle);
+        settings.limits.idle_s.text());
+    if (settings.uarts.until.empty()) return say(exit_code::pass, idle);
     return say(exit_code::limit, idle + "; no line matched --until-uart");
   }
   const bool sleeps = soc.cpu.end_reason() == EndReason::none && soc.cpu.core().sleeping();
@@ -116,22 +116,19 @@ void conclude(const Settings& settings, const soc::Soc& soc, const HostPorts& po
     return say(exit_code::signal_base + caught_signal,
                fmt::format("ended by signal {}", caught_signal));
   if (out_of_time)
-    return say(exit_code::limit, fmt::format("the limit of {:g} s of the host was hit",
-                                             settings.number("run.timelimit_s")));
+    return say(exit_code::limit,
+               fmt::format("the limit of {:g} s of the host was hit", settings.limits.host_s()));
   if (limit.expired())
     return say(exit_code::limit, fmt::format("the limit of {:g} simulated s was hit",
                                              sc_core::sc_time_stamp().to_seconds()));
   say(exit_code::internal, "the simulation ended without a reason");
 }
 
-soc::Config soc_config(const Settings& settings) {
+soc::Config soc_config(const RunSettings& settings) {
   soc::Config config;
-  config.coprocessor.arithmetic = settings.text("coprocessor.arithmetic") == "paper"
-                                      ? coprocessor::Arithmetic::paper
-                                      : coprocessor::Arithmetic::precise;
-  config.quantum = sc_core::sc_time(settings.number("cpu.quantum_ns"), sc_core::SC_NS);
-  config.executor = settings.text("cpu.executor") == "blocks" ? cortex_m3::Executor::blocks
-                                                              : cortex_m3::Executor::stepping;
+  config.coprocessor.arithmetic = settings.coprocessor.arithmetic();
+  config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
+  config.executor = settings.cpu.executor();
   return config;
 }
 
@@ -156,7 +153,7 @@ void take_losses(std::vector<std::string> lost, RunResult& result) {
 }
 
 /// The report of lockstep's difference, "" if there is none; its waves are written.
-std::string divergence_of(const Settings& settings, const rtl::Lockstep* lockstep,
+std::string divergence_of(const RunSettings& settings, const rtl::Lockstep* lockstep,
                           const soc::Soc& soc) {
   if (lockstep == nullptr || !lockstep->difference()) return "";
   const std::string waves = lockstep_waves(settings);
@@ -199,11 +196,11 @@ void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& 
 
 }  // namespace
 
-Result<RunResult> run(const Settings& settings) {
-  const std::string record_file = settings.text("results.record");
-  const auto columns = record_columns(settings.text("results.record_columns"), "--record-columns");
+Result<RunResult> run(const RunSettings& settings) {
+  const std::string record_file = settings.results.record();
+  const auto columns = record_columns(settings.results.record_columns(), "--record-columns");
   if (!columns) return Error{columns.error()};
-  if (record_file.empty() && !settings.text("results.record_columns").empty())
+  if (record_file.empty() && !settings.results.record_columns.empty())
     return Error{"--record-columns: there is no recording; give --record FILE.csv, too"};
   auto read = read_inputs(settings);
   if (!read) return Error{read.error()};
@@ -223,16 +220,16 @@ Result<RunResult> run(const Settings& settings) {
   soc::Soc soc("soc", config);
   soc.adc.fit_converter(inputs.adc_bits);
   PriorityReport priorities(soc, inputs.program,
-                            static_cast<unsigned>(settings.integer("cpu.priority_bits")));
-  watch_for_idle(settings, soc);
+                            static_cast<unsigned>(settings.cpu.priority_bits()));
+  watch_for_idle(settings.limits.idle_s(), soc);
   if (auto error = inputs.load(settings, soc)) return *error;
-  if (settings.text("run.stop_in_fault") == "true")
+  if (settings.stop_in_fault())
     soc.cpu.core().listeners().hopeless = [&soc] { return soc.watchdog_is_off(); };
   if (lockstep != nullptr) lockstep->on_difference([] { sc_core::sc_stop(); });
 
   Metrics metrics = inputs.make_metrics();
   Progress progress(isatty(STDERR_FILENO) != 0);
-  const bool golden = settings.text("run.golden") == "true";
+  const bool golden = settings.golden();
   RunResult result;
   SensorMatch match(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
                     [&result](const std::string& sentence) {
@@ -246,8 +243,8 @@ Result<RunResult> run(const Settings& settings) {
     return fmt::format("pc {:#010x} {}", pc, inputs.program.symbolise(pc));
   });
 
-  Limit limit("limit", settings.number("run.simlimit_s"));
-  HostLimit host_limit(settings.number("run.timelimit_s"));
+  Limit limit("limit", settings.limits.simulated_s());
+  HostLimit host_limit(settings.limits.host_s());
   Checkpoints* watch = nullptr;
   const auto interrupted = [&host_limit, &watch] {
     if (watch != nullptr) watch->look_for_signal();

@@ -5,18 +5,60 @@
 #include <vector>
 
 #include "support/result.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 #include "trace/tracer.h"
 
 namespace capsoc::run {
 
-/// Adds the settings trace.*.
-void add_trace_settings(Settings& settings);
+class RunSettings;
+
+struct TraceSettings {
+  Settings& all;
+  TextField instructions{
+      all, setting("trace.instructions", SettingKind::output, "",
+                   "where the instruction trace goes; empty: nowhere")
+               .is_place()
+               .by({"--trace-instructions", "FILE",
+                    "A line for each instruction: time, place, disassembly, changed registers"})};
+  TextField bus{
+      all,
+      setting("trace.bus", SettingKind::output, "", "where the bus trace goes; empty: nowhere")
+          .is_place()
+          .by({"--trace-bus", "FILE", "A line for each access of the processor and the debugger"})};
+  TextField profile{
+      all, setting("trace.profile", SettingKind::output, "",
+                   "where the function profile goes (callgrind, or .folded); empty: nowhere")
+               .is_place()
+               .by({"--profile", "FILE",
+                    "Cycles of functions and calls, for kcachegrind or, as FILE.folded, for a "
+                    "flame graph"})};
+  TextField waves{
+      all, setting("trace.waves", SettingKind::output, "",
+                   "where the waves of the SoC go (FST); empty: nowhere")
+               .is_place()
+               .by({"--trace-waves", "FILE.fst",
+                    "Waves of the SoC, whatever the coprocessor is: interrupts, bus, nodes; and "
+                    "FILE.gtkw"})};
+  TextField start{all, setting("trace.start", SettingKind::text, "",
+                               "traces begin at a function, an address (0x...) or a time in s")
+                           .is_place()};
+  TextField stop{all, setting("trace.stop", SettingKind::text, "",
+                              "traces end at a function, an address (0x...) or a time in s")
+                          .is_place()};
+  IntegerField depth{
+      all, setting("trace.depth", SettingKind::integer, "0",
+                   "lines of instruction and bus trace that are kept, the last ones; 0: all")
+               .in(0, 1e7)
+               .is_place()};
+  FlagField fetches{
+      all, setting("trace.fetches", SettingKind::flag, "false", "fetches in the bus trace, too")
+               .is_place()};
+};
 
 /// What they ask for, attached, or null. The waves of a run with the model alone are the SoC's, so
 /// results.waves names them, too. An Error as Tracer::attach() has it.
 Result<std::unique_ptr<trace::Tracer>> attach_tracer(
-    const Settings& settings, soc::Soc& soc, const loader::ElfImage& program,
+    const RunSettings& settings, soc::Soc& soc, const loader::ElfImage& program,
     const std::vector<loader::ElfImage>& further_images);
 
 }  // namespace capsoc::run

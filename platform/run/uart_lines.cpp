@@ -15,37 +15,23 @@ const sc_core::sc_time look_interval(1, sc_core::SC_MS);
 constexpr std::chrono::microseconds shortest_look{200};  // asking the host costs a system call
 constexpr std::chrono::milliseconds idle_nap{1};
 
-std::string setting(std::size_t number, const char* what) {
-  return fmt::format("uart{}.{}", number, what);
-}
-
 }  // namespace
 
-void add_uart_settings(Settings& settings) {
-  const auto add = [&](const std::string& path, SettingKind kind, const char* value,
-                       std::string help) {
-    settings.add({path, kind, value, std::move(help), {}, 0, 0});
-  };
-  for (std::size_t n = 0; n < 5; ++n) {
-    add(setting(n, "backend"), SettingKind::backend, n == 0 ? "stdout" : "null",
-        serial::backend_names);
-    add(setting(n, "input"), SettingKind::input, "",
-        "bytes for the receiver from this file instead of the backend; empty: the backend's");
-    add(setting(n, "log"), SettingKind::output, "", "copy of what it sends; empty: none");
-  }
-  add("run.uart_wait", SettingKind::flag, "false",
-      "a UART's first byte waits until somebody listens on its pty or tcp");
-  add("run.until_uart", SettingKind::text, "",
-      "a line of any UART that matches this regular expression ends the run with 0; empty: none");
-  add("run.fail_uart", SettingKind::text, "", "the same with 1");
-}
-
-bool is_uart_place(const std::string& setting) {
-  if (setting == "run.uart_wait") return true;
-  const std::size_t dot = setting.find('.');
-  const std::string what = dot == std::string::npos ? "" : setting.substr(dot + 1);
-  return setting.rfind("uart", 0) == 0 && (what == "backend" || what == "log");
-}
+UartSettings::Line::Line(Settings& settings, unsigned number)
+    : backend(settings,
+              setting(fmt::format("uart{}.backend", number), SettingKind::backend,
+                      number == 0 ? "stdout" : "null", serial::backend_names)
+                  .is_place()
+                  .by({fmt::format("--uart{}", number),
+                       "stdout|stdio|null|file:PATH|pty[:LINK]|tcp[:PORT]",
+                       fmt::format("Where UART {} goes; stdio reads stdin, too", number)})),
+      input(settings,
+            setting(fmt::format("uart{}.input", number), SettingKind::input, "",
+                    "bytes for the receiver from this file instead of the backend; empty: the "
+                    "backend's")),
+      log(settings, setting(fmt::format("uart{}.log", number), SettingKind::output, "",
+                            "copy of what it sends; empty: none")
+                        .is_place()) {}
 
 UartLines::UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial::GiveUp give_up)
     : sc_module(name), soc_(soc), give_up_(std::move(give_up)) {
@@ -53,21 +39,19 @@ UartLines::UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial:
   SC_METHOD(look);
 }
 
-std::optional<Error> UartLines::open(const Settings& settings) {
-  auto patterns =
-      serial::Patterns::make(settings.text("run.until_uart"), settings.text("run.fail_uart"));
+std::optional<Error> UartLines::open(const UartSettings& settings) {
+  auto patterns = serial::Patterns::make(settings.until(), settings.fail());
   if (!patterns) return Error{patterns.error()};
   for (std::size_t n = 0; n < lines_.size(); ++n)
     for (std::size_t m = 0; m < n; ++m)
-      if (const std::string& spec = settings.text(setting(n, "backend"));
-          serial::are_the_same_place(spec, settings.text(setting(m, "backend"))))
+      if (const std::string& spec = settings.lines[n].backend();
+          serial::are_the_same_place(spec, settings.lines[m].backend()))
         return Error{fmt::format("--uart{} {}: is taken by uart{}; name another one", n, spec, m)};
   for (std::size_t n = 0; n < lines_.size(); ++n) {
-    auto line = serial::SerialLine::open(
-        {fmt::format("uart{}", n), settings.text(setting(n, "backend")),
-         settings.text(setting(n, "input")), settings.text(setting(n, "log")),
-         settings.text("run.uart_wait") == "true", patterns.value()},
-        give_up_);
+    const UartSettings::Line& asked = settings.lines[n];
+    auto line = serial::SerialLine::open({fmt::format("uart{}", n), asked.backend(), asked.input(),
+                                          asked.log(), settings.wait(), patterns.value()},
+                                         give_up_);
     if (!line) return Error{line.error()};
     lines_[n] = std::move(line.value());
     connect(n);

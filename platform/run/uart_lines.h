@@ -9,15 +9,34 @@
 
 #include "serial/serial_line.h"
 #include "soc/soc.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
-/// uart<n>.backend, .input, .log for every UART, and run.uart_wait, until_uart, fail_uart.
-void add_uart_settings(Settings& settings);
-
-/// Whether a setting says where a UART's bytes go to.
-bool is_uart_place(const std::string& setting);
+struct UartSettings {
+  struct Line {
+    Line(Settings& settings, unsigned number);
+    TextField backend, input, log;
+  };
+  Settings& all;
+  std::array<Line, soc::Soc::uart_count> lines{{{all, 0}, {all, 1}, {all, 2}, {all, 3}, {all, 4}}};
+  FlagField wait{all, setting("run.uart_wait", SettingKind::flag, "false",
+                              "a UART's first byte waits until somebody listens on its pty or tcp")
+                          .is_place()
+                          .by({"--uart-wait", "",
+                               "Hold the first byte of a pty or tcp UART until somebody listens",
+                               SettingOption::Form::flag, "true"})};
+  TextField until{
+      all, setting("run.until_uart", SettingKind::text, "",
+                   "a line of any UART that matches this regular expression ends the run with 0; "
+                   "empty: none")
+               .is_host_side()
+               .by({"--until-uart", "REGEX", "End with 0 when a line of a UART matches"})};
+  TextField fail{all,
+                 setting("run.fail_uart", SettingKind::text, "", "the same with 1")
+                     .is_host_side()
+                     .by({"--fail-uart", "REGEX", "End with 1 when a line of a UART matches"})};
+};
 
 /// All lines, and the one place where bytes of the host enter the simulation: a byte is asked for
 /// when the receiver is ready for it, by the UART itself as soon as it gets ready, and once a
@@ -27,7 +46,7 @@ class UartLines : public sc_core::sc_module {
   UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial::GiveUp give_up);
 
   /// Opens what the settings name. An Error is a wrong setting; nothing was sent.
-  std::optional<Error> open(const Settings& settings);
+  std::optional<Error> open(const UartSettings& settings);
 
   /// What the UARTs sent is with the host, as far as the host takes it.
   void flush();

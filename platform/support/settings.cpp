@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <utility>
 
 #include "support/input_file.h"
 #include "support/nearest.h"
@@ -67,23 +68,36 @@ const char* name_of(SettingSource source) {
   return "";
 }
 
-void Settings::add(Setting setting) {
+Setting Setting::in(double least, double most) && {
+  minimum = least;
+  maximum = most;
+  return std::move(*this);
+}
+
+Setting Setting::is_place() && {
+  bearing = Bearing::place;
+  return std::move(*this);
+}
+
+Setting Setting::is_host_side() && {
+  bearing = Bearing::host;
+  return std::move(*this);
+}
+
+Setting Setting::by(SettingOption declared) && {
+  command = std::move(declared);
+  return std::move(*this);
+}
+
+std::size_t Settings::add(Setting setting) {
   settings_.push_back(std::move(setting));
+  return settings_.size() - 1;
 }
 
-const Setting& Settings::find(const std::string& path) const {
-  static const Setting none{};
+const Setting* Settings::find(const std::string& path) const {
   for (const Setting& setting : settings_)
-    if (setting.path == path) return setting;
-  return none;
-}
-
-double Settings::number(const std::string& path) const {
-  return finite_number(find(path).value).value_or(0);
-}
-
-long long Settings::integer(const std::string& path) const {
-  return std::llround(number(path));
+    if (setting.path == path) return &setting;
+  return nullptr;
 }
 
 std::optional<Error> Settings::check(const Setting& setting, const std::string& value,

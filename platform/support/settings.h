@@ -1,6 +1,7 @@
 // Named settings with one precedence for all: command line, environment, file, built-in.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,29 @@ enum class SettingSource { built_in, file, environment, command_line };
 /// output can be one of its inputs; a backend is a UART's (file:PATH, pty:LINK, ...).
 enum class SettingKind { text, input, output, directory, backend, number, integer, choice, flag };
 
-/// One setting of the platform, for instance `coprocessor.arithmetic`.
+/// What a setting decides on.
+enum class Bearing {
+  result,  ///< what comes out
+  host,    ///< how fast the host gets there, when it ends, what it is held against
+  place,   ///< where something goes
+};
+
+/// The option of the command line that sets a setting.
+struct SettingOption {
+  enum class Form {
+    value,
+    list,           ///< may be repeated; the setting has all, separated by commas
+    flag,           ///< takes no value: `implied` is set
+    optional_value  ///< without one, `implied` is set
+  };
+  std::string name;      ///< "--json"; without dashes: a positional argument; "": there is none
+  std::string argument;  ///< as the help shows it: "FILE.csv"
+  std::string help;
+  Form form = Form::value;
+  std::string implied = {};
+};
+
+/// One setting of the platform, for instance `coprocessor.arithmetic`, and its declaration.
 struct Setting {
   std::string path;
   SettingKind kind;
@@ -28,6 +51,14 @@ struct Setting {
   bool optional = false;    ///< without a value unless it is set: then no part of results
   std::string option = {};  ///< that gave the value, "--json"; "" unless an option of its own did
   std::string origin = {};  ///< what set it, as error sentences begin: "-C a=b", a file and line
+  Bearing bearing = Bearing::result;
+  SettingOption command = {};
+
+  // For declarations (setting_fields.h).
+  Setting in(double least, double most) &&;
+  Setting is_place() &&;
+  Setting is_host_side() &&;
+  Setting by(SettingOption declared) &&;
 
   bool is_path() const {
     return kind == SettingKind::input || kind == SettingKind::output ||
@@ -47,7 +78,12 @@ struct SettingGroup {
 /// The settings of a run. Every refused value is a sentence that names where it came from.
 class Settings {
  public:
-  void add(Setting setting);
+  Settings() = default;
+  Settings(const Settings&) = delete;  // the fields of what is made from it point into it
+  Settings& operator=(const Settings&) = delete;
+
+  /// Returns its number in all().
+  std::size_t add(Setting setting);
   void add(SettingGroup group) { groups_.push_back(std::move(group)); }
 
   /// Sets a value if nothing of higher precedence has set it. `origin` begins the error sentence
@@ -62,12 +98,9 @@ class Settings {
   /// A TOML file whose tables and keys are the paths.
   std::optional<Error> read_file(const std::string& file);
 
-  const std::string& text(const std::string& path) const { return find(path).value; }
-  double number(const std::string& path) const;
-  long long integer(const std::string& path) const;
-  SettingSource source(const std::string& path) const { return find(path).source; }
-  /// A setting that exists.
-  const Setting& find(const std::string& path) const;
+  /// By a name that somebody gave; null if there is none. Whoever knows the setting has its field
+  /// (setting_fields.h).
+  const Setting* find(const std::string& path) const;
   const std::vector<Setting>& all() const { return settings_; }
   const std::vector<SettingGroup>& groups() const { return groups_; }
   /// Those of a group that were set, in the order in which they first were.

@@ -21,7 +21,7 @@
 #include "sensor/described_source.h"
 #include "sensor/recorded_source.h"
 #include "sensor/toml_reader.h"
-#include "support/settings.h"
+#include "support/setting_fields.h"
 
 namespace capsoc::test {
 namespace {
@@ -212,17 +212,19 @@ TEST(FileFuzz, DamagedSettings) {
   const TemporaryFile file(".toml");
   for (uint64_t number = 0; number < count; ++number) {
     Settings settings;
-    settings.add({"cpu.quantum_ns", SettingKind::number, "10", "", {}, 1, 1e9});
+    const NumberField quantum(settings,
+                              setting("cpu.quantum_ns", SettingKind::number, "10", "").in(1, 1e9));
     settings.add({"cpu.executor", SettingKind::choice, "blocks", "", {"blocks", "stepping"}});
-    settings.add({"cpu.lines", SettingKind::integer, "3", "", {}, 0, 32});
+    const IntegerField lines(settings,
+                             setting("cpu.lines", SettingKind::integer, "3", "").in(0, 32));
     settings.add({"run.golden", SettingKind::flag, "false", "", {}});
     settings.add({"run.until_uart", SettingKind::text, "", "", {}});
     settings.add({"run.log", SettingKind::output, "", "", {}});
     const auto error = settings.read_file(file.write(Damage(number).text(whole)));
     if (!error) {
       tally.accept();
-      EXPECT_GE(settings.number("cpu.quantum_ns"), 1) << number;
-      EXPECT_LE(settings.integer("cpu.lines"), 32) << number;
+      EXPECT_GE(quantum(), 1) << number;
+      EXPECT_LE(lines(), 32) << number;
       continue;
     }
     tally.refuse(error->text, file.path(), number);
