@@ -3,7 +3,7 @@
 #include <stdbool.h>
 
 #include "an385.h"
-#include "system.h"
+#include "sleep.h"
 #include "uart.h"
 
 enum { ring_size = 4096 };

@@ -6,7 +6,7 @@
 #include <sys/types.h>
 
 #include "console.h"
-#include "system.h"
+#include "semihosting.h"
 
 #undef errno
 extern int errno;

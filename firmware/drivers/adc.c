@@ -1,8 +1,8 @@
 #include "adc.h"
 
 #include "an385.h"
+#include "bus_probe.h"
 #include "capsoc_device.h"
-#include "system.h"
 
 enum { adc_id = 0x43414443 };
 

@@ -1,8 +1,8 @@
 #include "clock.h"
 
 #include "an385.h"
+#include "bus_probe.h"
 #include "capsoc_device.h"
-#include "system.h"
 
 enum { clock_controller_id = 0x43434C4B };
 

@@ -1,7 +1,7 @@
 #include "coprocessor.h"
 
 #include "an385.h"
-#include "system.h"
+#include "bus_probe.h"
 
 enum { coefficient_fraction_bits = 15 };
 

@@ -2,8 +2,8 @@
 // precise BusFault, escalated, lockup.
 #include <stdint.h>
 
+#include "bus_probe.h"
 #include "fixed_print.h"
-#include "system.h"
 
 enum { nowhere = 0x60000000 };
 

@@ -8,7 +8,7 @@
 #include "an385.h"
 #include "console.h"
 #include "fixed_print.h"
-#include "system.h"
+#include "sleep.h"
 
 #define SECOND_BOOT 0x2d5ec0deu
 

@@ -11,7 +11,7 @@
 #include "coprocessor.h"
 #include "fixed_print.h"
 #include "gpio.h"
-#include "system.h"
+#include "sleep.h"
 #include "timer.h"
 #include "uart.h"
 

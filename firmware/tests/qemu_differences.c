@@ -3,9 +3,9 @@
 #include <stdio.h>
 
 #include "an385.h"
+#include "bus_probe.h"
 #include "core_cm3.h"
 #include "handlers.h"
-#include "system.h"
 
 __attribute__((used)) static volatile uint32_t resume, cfsr;
 static volatile uint32_t ticks;

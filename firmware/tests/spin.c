@@ -4,7 +4,6 @@
 
 #include "an385.h"
 #include "fixed_print.h"
-#include "system.h"
 
 #define WANTED (*(volatile uint32_t*)0x21000000u)
 enum { plain, with_watchdog, after_watchdog, in_thread_mode };

@@ -2,7 +2,7 @@
 // SVCall returns to it. The stacked PC is the function's address as C has it, with bit 0 set.
 #include "fixed_print.h"
 #include "handlers.h"
-#include "system.h"
+#include "semihosting.h"
 
 enum { words = 256 };
 

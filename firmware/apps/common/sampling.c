@@ -4,7 +4,7 @@
 #include "an385.h"
 #include "capsoc_device.h"
 #include "clock.h"
-#include "system.h"
+#include "sleep.h"
 
 static volatile uint32_t results;
 static volatile uint32_t samples;  // while listening
