@@ -62,10 +62,10 @@ Decoded AhbMatrix::decode(uint64_t address) const {
 }
 
 void AhbMatrix::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
-  if (!monitor_) return transfer(payload, delay);
+  if (!transfers.watched()) return transfer(payload, delay);
   const sc_core::sc_time begin = delay;
   transfer(payload, delay);
-  monitor_(payload, begin, delay);
+  transfers(payload, begin, delay);
 }
 
 void AhbMatrix::transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {

@@ -14,6 +14,7 @@
 
 #include "bus/address_decoder.h"
 #include "kit/clock_domain.h"
+#include "kit/probe.h"
 
 namespace capsoc::bus {
 
@@ -40,12 +41,10 @@ class AhbMatrix : public sc_core::sc_module {
   /// nullptr if the map has no such target. Every existing port must be bound.
   InitiatorSocket* port(const std::string& target);
 
-  /// A transfer that was answered: the payload as it goes back, and when from now it began and
-  /// ended.
-  using Monitor = std::function<void(const tlm::tlm_generic_payload&, const sc_core::sc_time& begin,
-                                     const sc_core::sc_time& end)>;
-  /// Who looks on at transfers (debug access and direct memory excepted); empty: nobody.
-  void set_monitor(Monitor monitor) { monitor_ = std::move(monitor); }
+  /// Transfers that were answered (debug access and direct memory excepted): the payload as it goes
+  /// back, and when from now it began and ended.
+  kit::Probe<const tlm::tlm_generic_payload&, const sc_core::sc_time&, const sc_core::sc_time&>
+      transfers;
 
   /// The names that port() knows, in the order of the map.
   std::vector<std::string> targets() const;
@@ -72,7 +71,6 @@ class AhbMatrix : public sc_core::sc_module {
 
   AddressDecoder decoder_;
   const kit::ClockDomain& clock_;
-  Monitor monitor_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;
 };

@@ -126,10 +126,10 @@ void Gpio::write_output(uint16_t value) {
 void Gpio::refresh() {
   sample_pins();
   latch(active_levels());
-  if (!observer_ || (pins() == last_levels_ && driven() == last_driven_)) return;
+  if (!outputs.watched() || (pins() == last_levels_ && driven() == last_driven_)) return;
   last_levels_ = pins();
   last_driven_ = driven();
-  observer_(last_levels_, last_driven_);
+  outputs(last_levels_, last_driven_);
 }
 
 void Gpio::sample_pins() {

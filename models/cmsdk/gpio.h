@@ -10,6 +10,7 @@
 #include "cmsdk/id_registers.h"
 #include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
+#include "kit/probe.h"
 
 namespace capsoc::peripherals {
 
@@ -32,10 +33,8 @@ class Gpio : public kit::ClockedBank {
   uint16_t driven() const { return output_enable_ & static_cast<uint16_t>(~alternate_function_); }
   uint16_t alternate_functions() const { return alternate_function_; }
 
-  /// `observer` gets (levels, driven mask) whenever one of the two changes.
-  void on_output(std::function<void(uint16_t, uint16_t)> observer) {
-    observer_ = std::move(observer);
-  }
+  /// Levels and the mask of driven pins, whenever one of the two changes.
+  kit::Probe<uint16_t, uint16_t> outputs;
 
   /// System reset: all pins are inputs; the levels that the outside drives stay.
   void reset() override;
@@ -83,7 +82,6 @@ class Gpio : public kit::ClockedBank {
   uint16_t active_levels() const;
   void update_interrupts();
 
-  std::function<void(uint16_t, uint16_t)> observer_;
   uint16_t output_enable_ = 0;
   uint16_t alternate_function_ = 0;
   uint16_t interrupt_enable_ = 0;

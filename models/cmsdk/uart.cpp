@@ -140,14 +140,14 @@ void Uart::load_shifter(uint64_t cycle) {
 
 void Uart::finish_transmission() {
   shifting_ = false;
-  if (sink_) sink_(shifter_);
+  transmitted(shifter_);
   load_shifter(shifted_at_);
 }
 
 void Uart::flush() {
   advance(now());
-  if (shifting_ && sink_) sink_(shifter_);
-  if (STATE.any(state_tx_full) && CTRL.any(ctrl_tx_enable) && sink_) sink_(tx_buffer_);
+  if (shifting_) transmitted(shifter_);
+  if (STATE.any(state_tx_full) && CTRL.any(ctrl_tx_enable)) transmitted(tx_buffer_);
   shifting_ = false;
   STATE.clear(state_tx_full);
   plan();

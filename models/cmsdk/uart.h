@@ -10,6 +10,7 @@
 #include "cmsdk/id_registers.h"
 #include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
+#include "kit/probe.h"
 
 namespace capsoc::peripherals {
 
@@ -39,8 +40,8 @@ class Uart : public kit::ClockedBank {
 
   Uart(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
-  /// `sink` gets each byte in the cycle in which its stop bit ends.
-  void on_transmit(std::function<void(uint8_t)> sink) { sink_ = std::move(sink); }
+  /// Each byte in the cycle in which its stop bit ends.
+  kit::Probe<uint8_t> transmitted;
 
   /// The far end sends a byte. Bytes queue at the far end, which waits for an enabled receiver with
   /// a legal baud rate before it begins the next one, but never for the receive buffer: software
@@ -98,7 +99,6 @@ class Uart : public kit::ClockedBank {
   void begin_reception(uint64_t cycle);
   void finish_reception();
 
-  std::function<void(uint8_t)> sink_;
   std::function<std::optional<uint8_t>()> source_;
   uint8_t tx_buffer_ = 0;
   uint8_t shifter_ = 0;

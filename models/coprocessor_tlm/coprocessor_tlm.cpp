@@ -67,7 +67,7 @@ void CoprocessorTlm::pass(uint64_t edge) {
   if (sample_) {
     const bool latched = device_->submit(edge, sample_->u, sample_->v, sample_->clip);
     sample_.reset();
-    if (sample_observer_) sample_observer_(edge, latched);
+    samples(edge, latched);
   }
   if (write_) {
     device_->write(edge, write_->offset, write_->value);
@@ -77,8 +77,7 @@ void CoprocessorTlm::pass(uint64_t edge) {
   const Nodes& nodes = device_->nodes();
   const bool result = nodes.commits > commits_;
   commits_ = nodes.commits;
-  if (result && result_observer_) result_observer_(edge, nodes);
-  if (result && result_trace_) result_trace_(edge, nodes);
+  if (result) results(edge, nodes);
 }
 
 void CoprocessorTlm::begin_access() {

@@ -11,6 +11,7 @@
 #include "coprocessor/device.h"
 #include "kit/clock_domain.h"
 #include "kit/interrupt_line.h"
+#include "kit/probe.h"
 #include "kit/register_target.h"
 #include "peripherals/sensor_sample.h"
 
@@ -25,12 +26,6 @@ namespace capsoc::coprocessor {
 /// runs its processes at an instant does not matter.
 class CoprocessorTlm : public kit::RegisterTarget {
  public:
-  /// Runs once for every sample, in the cycle in which its results become visible and before the
-  /// interrupt line follows. The first argument is that cycle.
-  using ResultObserver = std::function<void(uint64_t cycle, const Nodes& nodes)>;
-  /// Runs once for every sample at the edge that takes or drops it.
-  using SampleObserver = std::function<void(uint64_t cycle, bool latched)>;
-
   /// `clock` is PCLK and must outlive the coprocessor.
   CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
                  std::unique_ptr<Device> device);
@@ -48,10 +43,11 @@ class CoprocessorTlm : public kit::RegisterTarget {
   void visit(kit::Archive& archive) override;
   void restored() override { follow(); }
 
-  void set_result_observer(ResultObserver observer) { result_observer_ = std::move(observer); }
-  /// A second one, for traces.
-  void set_result_trace(ResultObserver observer) { result_trace_ = std::move(observer); }
-  void set_sample_observer(SampleObserver observer) { sample_observer_ = std::move(observer); }
+  /// The results of every sample, in the cycle in which they become visible and before the
+  /// interrupt line follows: that cycle, and all nodes.
+  kit::Probe<uint64_t, const Nodes&> results;
+  /// Every sample at the edge that takes or drops it: the cycle, and whether it was taken.
+  kit::Probe<uint64_t, bool> samples;
 
   Device& device() { return *device_; }
 
@@ -81,8 +77,6 @@ class CoprocessorTlm : public kit::RegisterTarget {
 
   kit::ClockDomain& clock_;
   std::unique_ptr<Device> device_;
-  ResultObserver result_observer_, result_trace_;
-  SampleObserver sample_observer_;
   uint64_t interval_ = 0;  // the device has passed this edge; never goes back
   // What acts at edge interval_ + 1.
   std::optional<peripherals::SensorSample> sample_;

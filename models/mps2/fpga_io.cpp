@@ -28,7 +28,7 @@ FpgaIo::FpgaIo(const sc_core::sc_module_name& name)
   LED0.on_write([this](uint32_t value) {
     const uint32_t before = LED0.get();
     LED0.store(value);
-    if (LED0.get() != before && leds_) leds_(LED0.get());
+    if (LED0.get() != before) leds(LED0.get());
   });
   count_time(CLK1HZ, 1, start_1hz_);
   count_time(CLK100HZ, 100, start_100hz_);
@@ -49,7 +49,7 @@ void FpgaIo::reset() {
   start_1hz_ = ticks(1);
   start_100hz_ = ticks(100);
   anchor_cycle_ = board_clock_.cycles_at(access_time());
-  if (lit && leds_) leds_(0);
+  if (lit) leds(0);
 }
 
 uint64_t FpgaIo::ticks(uint64_t hz) const {

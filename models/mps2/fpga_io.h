@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kit/clock_domain.h"
+#include "kit/probe.h"
 #include "kit/register_bank.h"
 
 namespace capsoc::mps2 {
@@ -25,8 +26,8 @@ class FpgaIo : public kit::RegisterBank {
 
   /// Buttons of the board, bit 0 and 1, 1 while pressed.
   void set_buttons(uint32_t pressed) { BUTTON.set(pressed & 3); }
-  /// Called with the LEDs after each change, bit 0 and 1.
-  void on_leds(std::function<void(uint32_t)> sink) { leds_ = std::move(sink); }
+  /// The LEDs after each change, bit 0 and 1.
+  kit::Probe<uint32_t> leds;
 
   kit::Register LED0;
   kit::Register BUTTON;
@@ -50,7 +51,6 @@ class FpgaIo : public kit::RegisterBank {
   void hold_prescaled();
 
   kit::ClockDomain board_clock_{25'000'000};
-  std::function<void(uint32_t)> leds_;
   uint64_t start_1hz_ = 0;
   uint64_t start_100hz_ = 0;
   uint64_t anchor_cycle_ = 0;  // COUNTER and PSCNTR hold their values at this edge

@@ -49,7 +49,7 @@ Scc::Scc(const sc_core::sc_module_name& name)
   CFG_REG1.on_write([this](uint32_t value) {
     const uint32_t before = CFG_REG1.get();
     CFG_REG1.store(value);
-    if (CFG_REG1.get() != before && leds_) leds_(CFG_REG1.get());
+    if (CFG_REG1.get() != before) leds(CFG_REG1.get());
   });
   SYS_CFGCTRL.on_write([this](uint32_t value) { transfer(value); });
 }
@@ -60,7 +60,7 @@ void Scc::reset() {
   reset_registers();
   CFG_REG3.set(switches);
   oscillators_ = oscillators_at_reset;
-  if (lit && leds_) leds_(0);
+  if (lit) leds(0);
 }
 
 void Scc::transfer(uint32_t control) {

@@ -8,6 +8,7 @@
 #include <systemc>
 #include <utility>
 
+#include "kit/probe.h"
 #include "kit/register_bank.h"
 
 namespace capsoc::mps2 {
@@ -24,8 +25,8 @@ class Scc : public kit::RegisterBank {
   void visit(kit::Archive& archive) override;
 
   void set_switches(uint32_t switches) { CFG_REG3.set(switches & 0xff); }
-  /// Called with the LEDs after each change, bits 0 to 7.
-  void on_leds(std::function<void(uint32_t)> sink) { leds_ = std::move(sink); }
+  /// The LEDs after each change, bits 0 to 7.
+  kit::Probe<uint32_t> leds;
 
   kit::Register CFG_REG0;
   kit::Register CFG_REG1;
@@ -43,7 +44,6 @@ class Scc : public kit::RegisterBank {
   void transfer(uint32_t control);
 
   std::array<uint32_t, 3> oscillators_{};  // Hz
-  std::function<void(uint32_t)> leds_;
 };
 
 }  // namespace capsoc::mps2

@@ -151,7 +151,7 @@ void AdcFrontEnd::convert(const AdcInput& input) {
   if (u.clipped) flags.raise(FLAGS_CLIP_U_mask);
   if (v.clipped) flags.raise(FLAGS_CLIP_V_mask);
   update_interrupt();
-  if (observer_) observer_(index, u.word, v.word, input.angle_turns, input.has_truth);
+  conversions(index, u.word, v.word, input.angle_turns, input.has_truth);
   if (sink_) sink_({u.word, v.word, u.clipped || v.clipped});
 }
 

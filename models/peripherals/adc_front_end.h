@@ -7,6 +7,7 @@
 
 #include "kit/clock_domain.h"
 #include "kit/interrupt_line.h"
+#include "kit/probe.h"
 #include "kit/register_bank.h"
 #include "peripherals/sensor_sample.h"
 
@@ -28,9 +29,6 @@ class AdcFrontEnd : public kit::RegisterBank {
   /// after sample 0. Nothing: the signal has ended.
   using Source = std::function<std::optional<AdcInput>(uint64_t k, double t)>;
   using Sink = std::function<void(const SensorSample&)>;
-  /// Sees every sample after quantisation (Q1.31), with the true angle in turns if `has_truth`.
-  using Observer = std::function<void(uint64_t index, int32_t u, int32_t v, double true_angle_turns,
-                                      bool has_truth)>;
 
   /// `clock` is PCLK and must outlive the front-end. Without a source the signal ends with sample
   /// 0.
@@ -52,7 +50,9 @@ class AdcFrontEnd : public kit::RegisterBank {
 
   /// Called in the cycle of the sample, after the registers and the interrupt line have changed.
   void set_sink(Sink sink) { sink_ = std::move(sink); }
-  void set_observer(Observer observer) { observer_ = std::move(observer); }
+  /// Every sample after quantisation: its index, u and v (Q1.31), the true angle in turns and
+  /// whether that is known.
+  kit::Probe<uint64_t, int32_t, int32_t, double, bool> conversions;
 
   /// System reset: stops, all registers to their reset values.
   void reset() override;
@@ -88,7 +88,6 @@ class AdcFrontEnd : public kit::RegisterBank {
   kit::ClockDomain& clock_;
   Source source_;
   Sink sink_;
-  Observer observer_;
   uint32_t fitted_bits_ = 32;
   uint64_t index_ = 0;       // of the next sample
   uint64_t next_cycle_ = 0;  // PCLK edge of the next sample

@@ -22,16 +22,17 @@ Observation::Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics
       recording_(recording) {
   soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
-  soc.coprocessor.set_sample_observer([this](uint64_t, bool latched) {
+  samples_ = soc.coprocessor.samples.listen([this](uint64_t, bool latched) {
     if (!latched) return;
     metrics_.accepted(truth_);
     if (recording_) record();
   });
-  soc.coprocessor.set_result_observer(
+  results_ = soc.coprocessor.results.listen(
       [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
-  soc.adc.set_observer([this](uint64_t, int32_t u, int32_t v, double turns, bool has_truth) {
-    converted_ = {sc_core::sc_time_stamp().to_seconds(), u, v, turns, has_truth};
-  });
+  conversions_ = soc.adc.conversions.listen(
+      [this](uint64_t, int32_t u, int32_t v, double turns, bool has_truth) {
+        converted_ = {sc_core::sc_time_stamp().to_seconds(), u, v, turns, has_truth};
+      });
 }
 
 void Observation::record() {

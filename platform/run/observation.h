@@ -48,6 +48,7 @@ class Observation {
   RecordedSample converted_;  ///< the newest of the front-end
   double recording_since_s_ = 0;
   std::vector<RecordedSample> recorded_;
+  kit::Listening samples_, results_, conversions_;
 };
 
 }  // namespace capsoc::run

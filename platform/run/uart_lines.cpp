@@ -65,7 +65,8 @@ std::optional<Error> UartLines::open(const UartSettings& settings) {
 void UartLines::connect(std::size_t number) {
   peripherals::Uart& uart = *soc_.uarts()[number];
   serial::SerialLine& line = *lines_[number];
-  uart.on_transmit([&](uint8_t byte) { line.transmitted(byte, uart.transmitter_idle()); });
+  transmitted_[number] = uart.transmitted.listen(
+      [&](uint8_t byte) { line.transmitted(byte, uart.transmitter_idle()); });
   uart.set_source([&] { return line.next_input(); });
   line.on_match([] {
     if (sc_core::sc_is_running()) sc_core::sc_stop();  // not for what is flushed at the end

@@ -68,6 +68,7 @@ class UartLines : public sc_core::sc_module {
   soc::Soc& soc_;
   serial::GiveUp give_up_;
   std::array<std::unique_ptr<serial::SerialLine>, soc::Soc::uart_count> lines_;
+  std::array<kit::Listening, soc::Soc::uart_count> transmitted_;
   std::chrono::steady_clock::time_point looked_;
 };
 

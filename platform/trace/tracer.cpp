@@ -68,18 +68,16 @@ void Tracer::connect() {
                         (bus_ != nullptr && options_.fetches);
   soc_.cpu.core().set_observer(this, stepping, bus_ != nullptr);
   if (bus_ != nullptr || waves_ != nullptr)
-    soc_.ahb.set_monitor([this](const tlm::tlm_generic_payload& payload,
-                                const sc_core::sc_time& begin,
-                                const sc_core::sc_time& end) { transfer(payload, begin, end); });
+    transfers_ = soc_.ahb.transfers.listen(
+        [this](const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
+               const sc_core::sc_time& end) { transfer(payload, begin, end); });
   if (waves_ != nullptr)
-    soc_.coprocessor.set_result_trace(
+    results_ = soc_.coprocessor.results.listen(
         [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
 }
 
 Tracer::~Tracer() {
   soc_.cpu.core().set_observer(nullptr, false, false);
-  soc_.ahb.set_monitor({});
-  soc_.coprocessor.set_result_trace({});
 }
 
 uint64_t Tracer::picoseconds_of(uint64_t cycle) const {

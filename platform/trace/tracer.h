@@ -76,6 +76,7 @@ class Tracer : private cortex_m3::Observer {
   std::unique_ptr<BusTrace> bus_;
   std::unique_ptr<CallTree> calls_;
   std::unique_ptr<Waves> waves_;
+  kit::Listening transfers_, results_;
   std::string program_;
 };
 

@@ -30,13 +30,11 @@ class GpioTest : public testing::Test {
  protected:
   GpioTest() {
     b.clock.set_frequency(25'000'000);
-    gpio.on_output({});
     gpio.reset();
     gpio.drive(0xffff, 0);
     b.run(4);
     gpio.reset();
   }
-  ~GpioTest() override { gpio.on_output({}); }
   uint32_t get(uint64_t offset) { return b.to_gpio.read(offset).value; }
   void set(uint64_t offset, uint32_t v) { ASSERT_TRUE(b.to_gpio.write(offset, v).ok()); }
   void drive(unsigned pin, bool level) {
@@ -109,7 +107,9 @@ TEST_F(GpioTest, LeavesAPinToItsAlternateFunction) {
 
 TEST_F(GpioTest, TellsTheObserverEveryChangeOfAnOutputOnce) {
   std::vector<std::pair<unsigned, unsigned>> seen;
-  gpio.on_output([&](uint16_t levels, uint16_t driven) { seen.push_back({levels, driven}); });
+  const auto listening = gpio.outputs.listen([&](uint16_t levels, uint16_t driven) {
+    seen.push_back({levels, driven});
+  });
   set(outenset, 3);
   set(dataout, 1);
   set(dataout, 1);

@@ -28,12 +28,11 @@ class UartTest : public testing::Test {
     b.run(16 * 10 * 8);
     uart.reset();
     sent.clear();
-    uart.on_transmit([this](uint8_t byte) { sent.push_back({b.cycle(), byte}); });
+    listening_ = uart.transmitted.listen([this](uint8_t byte) {
+      sent.push_back({b.cycle(), byte});
+    });
   }
-  ~UartTest() override {
-    uart.on_transmit({});
-    uart.set_source({});
-  }
+  ~UartTest() override { uart.set_source({}); }
 
   uint32_t get(uint64_t offset) { return b.to_uart.read(offset).value; }
   void set(uint64_t offset, uint32_t value) { ASSERT_TRUE(b.to_uart.write(offset, value).ok()); }
@@ -46,6 +45,7 @@ class UartTest : public testing::Test {
   Bench& b = bench();
   Uart& uart = b.uart;
   std::vector<std::pair<uint64_t, uint8_t>> sent;
+  kit::Listening listening_;
 };
 
 TEST_F(UartTest, HasItsRegistersAtZeroAfterReset) {

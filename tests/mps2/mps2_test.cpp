@@ -49,13 +49,12 @@ class FpgaIoTest : public testing::Test {
 
 TEST_F(FpgaIoTest, ShowsItsTwoLedsToWhoeverWatches) {
   uint32_t seen = 0;
-  b.io.on_leds([&](uint32_t leds) { seen = leds; });
+  const auto listening = b.io.leds.listen([&](uint32_t leds) { seen = leds; });
   set(led0, 0xfffffffe);
   EXPECT_EQ(get(led0), 2u);
   EXPECT_EQ(seen, 2u);
   b.io.reset();
   EXPECT_EQ(seen, 0u);
-  b.io.on_leds({});
 }
 
 TEST_F(FpgaIoTest, ReadsTheButtonsAlsoAfterAReset) {
@@ -156,13 +155,12 @@ TEST_F(SccTest, FailsATransferToWhatIsNotThere) {
 
 TEST_F(SccTest, DrivesLedsAndReadsSwitches) {
   uint32_t seen = 0;
-  b.scc.on_leds([&](uint32_t leds) { seen = leds; });
+  const auto listening = b.scc.leds.listen([&](uint32_t leds) { seen = leds; });
   set(cfg1, 0x1a5);
   EXPECT_EQ(seen, 0xa5u);
   b.scc.set_switches(0x3c);
   EXPECT_EQ(get(cfg3), 0x3cu);
   b.scc.set_switches(0);
-  b.scc.on_leds({});
 }
 
 TEST_F(SccTest, ReportsARemapThatIsNotModelled) {

@@ -215,10 +215,11 @@ TEST_F(AdcFrontEnd, AnotherFrequencyKeepsThePeriodInCyclesAndTheSensorInRealTime
 TEST_F(AdcFrontEnd, TheObserverSeesTheTruth) {
   std::vector<uint64_t> indices;
   double truth = 0;
-  bench.adc.set_observer([&](uint64_t index, int32_t, int32_t, double turns, bool has_truth) {
-    indices.push_back(index);
-    if (has_truth) truth = turns;
-  });
+  const auto listening = bench.adc.conversions.listen(
+      [&](uint64_t index, int32_t, int32_t, double turns, bool has_truth) {
+        indices.push_back(index);
+        if (has_truth) truth = turns;
+      });
   start(40);
   bench.run(120);
   EXPECT_EQ(indices, (std::vector<uint64_t>{0, 1, 2}));

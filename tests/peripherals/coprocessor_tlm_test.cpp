@@ -55,7 +55,7 @@ TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {
 
 TEST_F(CoprocessorTlm, NeedsNoAccessToComeToItsResult) {
   std::vector<uint64_t> cycles;
-  bench.coprocessor.set_result_observer(
+  const auto listening = bench.coprocessor.results.listen(
       [&](uint64_t cycle, const Nodes&) { cycles.push_back(cycle); });
   submit(0x10000000, 0x20000000);
   const uint64_t latched = bench.cycle();
@@ -69,7 +69,7 @@ TEST_F(CoprocessorTlm, FollowsTheSamplesOfTheAdcWhileTheGateIsOpen) {
     return AdcInput{0.001 * double(k), 0.5, 0, false};
   });
   std::vector<int64_t> seen;
-  bench.coprocessor.set_result_observer(
+  const auto listening = bench.coprocessor.results.listen(
       [&](uint64_t, const Nodes& nodes) { seen.push_back(nodes.u); });
   EXPECT_OK(adc.write(front_end::PERIOD_offset, 32));
   EXPECT_OK(adc.write(front_end::CTRL_offset, front_end::CTRL_RUN_mask));
@@ -162,7 +162,8 @@ TEST_F(CoprocessorTlm, ASampleAndAWriteOfOneInstantActAtTheNextEdgeInTheirOrder)
   for (bool write_first : {false, true}) {
     bench.reset();
     std::vector<bool> latched;
-    bench.coprocessor.set_sample_observer([&](uint64_t, bool taken) { latched.push_back(taken); });
+    const auto listening =
+        bench.coprocessor.samples.listen([&](uint64_t, bool taken) { latched.push_back(taken); });
     if (write_first) {
       EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask));
     }
@@ -177,7 +178,6 @@ TEST_F(CoprocessorTlm, ASampleAndAWriteOfOneInstantActAtTheNextEdgeInTheirOrder)
     bench.run(1);
     EXPECT_EQ(latched, (std::vector<bool>{false, true}));
     EXPECT_EQ(bus.value_at(STATUS_offset) & STATUS_BUSY_mask, STATUS_BUSY_mask);
-    bench.coprocessor.set_sample_observer({});
   }
 }
 

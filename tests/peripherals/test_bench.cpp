@@ -26,10 +26,7 @@ void TestBench::reset() {
   adc.reset();
   coprocessor.reset();
   adc.set_source({});
-  adc.set_observer({});
   adc.set_sink([this](const peripherals::SensorSample& sample) { coprocessor.sample(sample); });
-  coprocessor.set_result_observer({});
-  coprocessor.set_sample_observer({});
   kit::clear_guest_errors();
   run(8);  // an access or two may have carried the coprocessor ahead
 }

@@ -22,7 +22,8 @@ TEST(CrcUnit, WorksWithItsDriver) {
   ASSERT_FALSE(soc.load(image.value()));
 
   std::string text;
-  soc.uart0.on_transmit([&text](uint8_t byte) { text += static_cast<char>(byte); });
+  const auto listening =
+      soc.uart0.transmitted.listen([&text](uint8_t byte) { text += static_cast<char>(byte); });
   uint32_t status = ~0U;
   soc.cpu.core().listeners().semihosting =
       [&status](Core& core) {  // SYS_EXIT_EXTENDED: reason, status
