@@ -95,6 +95,9 @@ void assess_harmonics(Identification& found) {
   for (double* width : {&half.a2, &half.b2}) *width = std::max(*width, p.a2 * error);
   half.beta = std::max(half.beta, error);
   found.warning.clear();
+  if (harmonics.unbounded.empty()) return;
+  found.bound.reset();
+  found.warning = "no bound of the angle: " + harmonics.unbounded;
 }
 
 }  // namespace capsoc::csfn

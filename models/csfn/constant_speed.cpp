@@ -41,6 +41,34 @@ Drift drift_of(const Eigen::ArrayXd& departure) {
           std::sqrt(local / static_cast<double>(length))};
 }
 
+/// The order beyond those that were asked for which the channels have at these angles; 0: none that
+/// noise does not explain.
+int further_order(const Channel& u, const Channel& v, const SignalModel& model,
+                  const Eigen::ArrayXd& theta, int highest) {
+  constexpr int last = 8;
+  constexpr double by_chance = 24;  // of chi^2 with 2 degrees of freedom: 6e-6 a test
+  Eigen::ArrayXd rest_u(u.size()), rest_v(v.size());
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    const Point at = point_at(model, theta[i]);
+    rest_u[i] = u[i] - at.u;
+    rest_v[i] = v[i] - at.v;
+  }
+  int strongest = 0;
+  double most = by_chance;
+  for (const Eigen::ArrayXd* rest : {&rest_u, &rest_v}) {
+    const double square = rest->square().sum();
+    for (int order = highest + 1; order <= last && square > 0; ++order) {
+      std::complex<double> sum = 0;
+      for (Eigen::Index i = 0; i < rest->size(); ++i)
+        sum += std::polar((*rest)[i], -order * theta[i]);
+      const double power = 2 * std::norm(sum) / square;
+      if (power > most) strongest = order;
+      most = std::max(most, power);
+    }
+  }
+  return strongest;
+}
+
 }  // namespace
 
 Attempt at_constant_speed(const Channel& u, const Channel& v, const Parameters& start,
@@ -122,6 +150,11 @@ Attempt at_constant_speed(const Channel& u, const Channel& v, const Parameters& 
   attempt.coverage_error = 2 * std::sqrt(2 * std::max(excess, 0.0));
   attempt.expected_error = std::hypot(
       attempt.coverage_error, expected_error_on_angles(model, attempt.distance, count, highest));
+  if (const int further = further_order(u, v, model, half_sweep * place + constant, highest);
+      further != 0)
+    attempt.unbounded = text(
+        "the channels have a harmonic of order %.0f, which is not among those that were asked for",
+        static_cast<double>(further));
   attempt.reason = text(
       "the samples are in order of time over %.2f turns and the angle keeps constant speed within "
       "%.2g degrees rms",

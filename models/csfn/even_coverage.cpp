@@ -40,6 +40,30 @@ Eigen::ArrayXd ranked(const Eigen::ArrayXd& theta) {
   return even;
 }
 
+std::complex<double> mean_direction(const Eigen::ArrayXd& theta) {
+  std::complex<double> sum = 0;
+  for (const double angle : theta) sum += std::polar(1.0, angle);
+  return sum / static_cast<double>(theta.size());
+}
+
+/// Whether the angles go on from one sample to the next more than those of shuffled ones do: by
+/// steps that are alike, or that change slowly. Then a part of a turn that is there twice, or the
+/// speed, makes the spread uneven at low orders, and that looks like harmonics.
+bool keeps_order(const Eigen::ArrayXd& theta) {
+  // Of a resultant's square times the number of samples: exp(-16) of all shuffled records.
+  constexpr double by_chance = 16;
+  const Eigen::Index count = theta.size();
+  if (count < 3) return false;
+  const auto goes_on = [&](const Eigen::ArrayXd& steps, std::complex<double> independent) {
+    return std::norm(mean_direction(steps) - independent) * static_cast<double>(steps.size()) >
+           by_chance;
+  };
+  const std::complex<double> once = mean_direction(theta), twice = mean_direction(2 * theta);
+  const Eigen::ArrayXd steps = theta.tail(count - 1) - theta.head(count - 1);
+  const Eigen::ArrayXd changes = steps.tail(count - 2) - steps.head(count - 2);
+  return goes_on(steps, std::norm(once)) || goes_on(changes, once * once * std::conj(twice));
+}
+
 /// Root of the mean power of the spread's orders 4 .. 15.
 double unevenness_of(const Eigen::ArrayXd& theta) {
   std::array<std::complex<double>, last_order + 1> order{};
@@ -88,6 +112,12 @@ Attempt at_even_coverage(const Channel& u, const Channel& v, const Parameters& s
   SignalModel model;
   model.fundamental = start;
   Eigen::ArrayXd theta = angles_of(u, v, model);
+  if (keeps_order(theta)) {
+    attempt.reason =
+        "the samples are in order: their angles are no independent draws, and only constant speed "
+        "over whole turns would cover the turn evenly";
+    return attempt;
+  }
   for (int iteration = 0; iteration < 3; ++iteration) {
     model = fit_on_angles(u, v, ranked(theta), highest, nullptr, model).model;
     if (!plausible(model, std::max(start.a1, start.a2))) {

@@ -20,6 +20,12 @@ bool contradicts(const Attempt& curve, const Attempt& motion, double count) {
   return count * (ratio * ratio - 1) > contradiction;
 }
 
+/// What speaks against a bound of the angle: distances that a curve with these harmonics leaves and
+/// noise does not explain. "": nothing.
+std::string unbounded_by(const Attempt& curve) {
+  return curve.distance > 0 && curve.value > curve.limit ? curve.reason : "";
+}
+
 void join(std::string& text, const std::string& more) {
   if (!text.empty()) text += "; ";
   text += more;
@@ -38,6 +44,7 @@ Harmonics answer(const Attempt& attempt, const std::string& failures) {
   harmonics.noise = attempt.distance;
   harmonics.expected_error = attempt.expected_error;
   harmonics.coverage_error = attempt.coverage_error;
+  harmonics.unbounded = attempt.unbounded;
   return harmonics;
 }
 
@@ -76,8 +83,25 @@ Harmonics automatic(const Channel& u, const Channel& v, const Parameters& start,
                        ": the motion repeats an unevenness every turn");
     if (!curve.held) join(failures, curve.reason);
     best = std::move(curve);
+  } else if (best.unbounded.empty()) {
+    best.unbounded = unbounded_by(curve);
   }
+  // Orders 1 to 3 of the spread cannot be told from harmonics: somebody has to vouch for them.
+  if (best.held && best.assumption == Assumption::even_coverage)
+    best.unbounded =
+        "samples that are not in order cover the turn evenly or do not, and the samples alone do "
+        "not tell; say --assume coverage where you know it";
   return best.held ? answer(best, failures) : fallen_back(best, failures, start);
+}
+
+/// An assumption that somebody vouches for still has to leave distances that noise explains.
+Harmonics as_asked(const Channel& u, const Channel& v, const Attempt& attempt, int highest) {
+  Harmonics harmonics = answer(attempt, "");
+  const double scale = std::min(attempt.model.fundamental.a1, attempt.model.fundamental.a2);
+  if (harmonics.unbounded.empty() && attempt.distance > rounding_part * scale)
+    harmonics.unbounded =
+        unbounded_by(from_the_curve(u, v, attempt.model, highest, CurveShape::free));
+  return harmonics;
 }
 
 }  // namespace
@@ -131,7 +155,8 @@ Result<Harmonics> identify_harmonics(const Channel& u, const Channel& v, const P
     default:
       return automatic(u, v, start, options.highest);
   }
-  return attempt.held ? answer(attempt, "") : fallen_back(attempt, attempt.reason, start);
+  return attempt.held ? as_asked(u, v, attempt, options.highest)
+                      : fallen_back(attempt, attempt.reason, start);
 }
 
 }  // namespace capsoc::csfn

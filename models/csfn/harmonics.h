@@ -46,6 +46,8 @@ struct Harmonics {
   /// The share of expected_error that is due to the finite number of angles: even_coverage of
   /// randomly drawn angles is limited by it. 0 otherwise.
   double coverage_error = 0;
+  /// Why the model does not vouch for any angle although it was identified, or "".
+  std::string unbounded;
 };
 
 /// Extends `start`, the ellipse that was identified from the same samples. Error: options out of

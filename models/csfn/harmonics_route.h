@@ -23,6 +23,7 @@ struct Attempt {
   double distance = 0;        ///< rms distance of the samples from the curve
   double expected_error = 0;  ///< radians, peak to peak
   double coverage_error = 0;
+  std::string unbounded;  ///< why it vouches for no angle, or ""
 };
 
 /// Samples in order of time, the shaft turning steadily. Angles by Eq (4) of `start` say how far.

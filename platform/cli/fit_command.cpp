@@ -129,6 +129,19 @@ void add_fit(CLI::App& app, int& code) {
                         "Highest harmonic to identify (0 and 1: none)")
             ->transform(whole_number(0, 3)),
         "0..3");
+  const auto assume = [arguments](const std::string& word) {
+    arguments->options.identify.harmonics.assumption =
+        word == "speed"       ? csfn::Assumption::constant_speed
+        : word == "coverage"  ? csfn::Assumption::even_coverage
+        : word == "symmetric" ? csfn::Assumption::symmetric
+                              : csfn::Assumption::automatic;
+  };
+  input(fit->add_option_function<std::string>(
+               "--assume", assume,
+               "What --harmonics may rely on: constant speed in order of time, samples that cover "
+               "whole turns evenly, one waveform in both channels")
+            ->check(CLI::IsMember({"automatic", "speed", "coverage", "symmetric"})),
+        "automatic|speed|coverage|symmetric");
   input(fit->add_option("--batch", identify.adam.batch, "Samples a step of Adam")
             ->transform(whole_number(1, 1'000'000'000)),
         "N");
