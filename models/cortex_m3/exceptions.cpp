@@ -19,6 +19,23 @@ uint32_t destination(uint32_t exc_return) {
 constexpr uint32_t lockup_address = 0xFFFFFFFE;
 constexpr uint32_t frame_size = 0x20, stacked_alignment = 1u << 9, stacked_exception = 0x1FF;
 
+/// Of a fault's exception; 0: a lockup.
+FaultReport::Kind kind_of(unsigned number) {
+  using Kind = FaultReport::Kind;
+  switch (number) {
+    case 0:
+      return Kind::lockup;
+    case exception::mem_manage:
+      return Kind::mem_manage;
+    case exception::bus_fault:
+      return Kind::bus_fault;
+    case exception::usage_fault:
+      return Kind::usage_fault;
+    default:
+      return Kind::hard_fault;
+  }
+}
+
 }  // namespace
 
 int Exceptions::group_priority(unsigned number) const {
@@ -105,10 +122,7 @@ void Exceptions::raise(unsigned number, uint32_t return_address) {
 void Exceptions::capture_fault(unsigned number, uint32_t return_address) {
   State& state = machine_.state;
   FaultReport& f = state.last_fault;
-  using Kind = FaultReport::Kind;
-  static constexpr Kind kinds[] = {Kind::hard_fault, Kind::mem_manage, Kind::bus_fault,
-                                   Kind::usage_fault};
-  f.kind = number == 0 ? Kind::lockup : kinds[number - exception::hard_fault];
+  f.kind = kind_of(number);
   f.exception = number == 0 ? state.ipsr : number;
   f.cfsr = state.scb.cfsr();
   f.hfsr = state.scb.hfsr();

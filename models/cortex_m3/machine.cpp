@@ -7,7 +7,7 @@ namespace capsoc::cortex_m3 {
 Machine::Machine(Core& core, Bus& bus)
     : memory(*this, bus),
       blocks(*this),
-      exceptions(*this),
+      exceptions(*this),  // NOLINT(bugprone-throw-keyword-missing): the processor's, not C++'s
       system(*this),
       debugging(*this),
       core_(core) {

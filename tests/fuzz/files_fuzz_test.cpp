@@ -17,7 +17,7 @@
 #include "loader/program_file.h"
 #include "loader/program_settings.h"
 #include "loader/vector_table.h"
-#include "run/parameter_file.h"
+#include "metrics/parameter_file.h"
 #include "sensor/described_source.h"
 #include "sensor/recorded_source.h"
 #include "sensor/toml_reader.h"

@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "csfn/calibration.h"
-#include "fit/golden.h"
 #include "fit/report.h"
-#include "run/sample_record.h"
+#include "golden/golden.h"
+#include "metrics/sample_record.h"
 #include "support/constants.h"
 
 namespace capsoc::fit {

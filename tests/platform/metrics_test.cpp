@@ -1,4 +1,4 @@
-#include "run/metrics.h"
+#include "metrics/metrics.h"
 
 #include <gtest/gtest.h>
 

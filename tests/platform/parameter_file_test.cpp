@@ -1,4 +1,4 @@
-#include "run/parameter_file.h"
+#include "metrics/parameter_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "run/program_verdict.h"
+#include "metrics/program_verdict.h"
 
 #include <gtest/gtest.h>
 

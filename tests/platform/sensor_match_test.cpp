@@ -1,4 +1,4 @@
-#include "run/sensor_match.h"
+#include "metrics/sensor_match.h"
 
 #include <gtest/gtest.h>
 

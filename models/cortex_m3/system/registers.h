@@ -11,7 +11,7 @@ namespace capsoc::cortex_m3 {
 namespace ppb {
 enum Address : uint32_t {
 #define SYSTEM_REGISTER(name, address, words, room, access, parts, reset, writable, ones) \
-  name = address,
+  name = (address),
 #include "cortex_m3/system/registers.def"
 #undef SYSTEM_REGISTER
 };

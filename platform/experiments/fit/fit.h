@@ -1,0 +1,57 @@
+// One fit: a trace in, the calibration of its sensor out.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "csfn/identify.h"
+#include "fit/record.h"
+#include "metrics/metrics.h"
+
+namespace capsoc::fit {
+
+struct FitOptions {
+  RecordOptions record;
+  csfn::IdentifyOptions identify;
+  bool all_methods = false;  ///< the other methods, too, for the table
+};
+
+/// What one method made of the samples.
+struct Attempt {
+  csfn::Method method = csfn::Method::distances;
+  std::optional<csfn::Parameters> parameters;  ///< nothing: see error
+  std::string error;
+  double loss = 0;                        ///< mean of (1 - Y)^2
+  int iterations = 0;                     ///< 0 for the closed forms
+  std::string stopped;                    ///< empty for the closed forms
+  double difference = 0;                  ///< from the answer, as in csfn::Companion
+  std::optional<double> angle_error_deg;  ///< peak to peak, where the true angle is known
+};
+
+/// Peak-to-peak errors of the angle against the truth over the record, degrees. Peak to peak as the
+/// CSFN paper counts: a constant is not an error, since the samples do not tell where 0 is.
+struct AngleErrors {
+  std::optional<double> uncalibrated;    ///< of atan2(U, V)
+  std::optional<double> calibrated;      ///< with the five parameters
+  std::optional<double> with_harmonics;  ///< with the harmonics taken off; only if identified
+};
+
+struct Fit {
+  Record record;
+  csfn::Identification answer;
+  /// Why there is no calibration: samples that no ellipse can be put through (too few, a point, a
+  /// straight line), the reason of the gate that rejected it, or parameters that the
+  /// registers cannot hold. Empty: there is one.
+  std::string rejection;
+  run::ParameterWords words;              ///< phi is 0
+  std::optional<csfn::Parameters> truth;  ///< canonical
+  AngleErrors errors;
+  std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first
+};
+
+/// Error: the trace cannot be read, or an option is out of range. A record that is rejected is no
+/// error: see Fit::rejection.
+Result<Fit> fit(const std::string& trace, const FitOptions& options);
+
+}  // namespace capsoc::fit

@@ -1,0 +1,21 @@
+// Parameters from a file, for a SoC that starts in calibration mode.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "loader/elf_image.h"
+#include "metrics/metrics.h"
+#include "support/result.h"
+
+namespace capsoc::run {
+
+/// Reads the words of `parameters` from a JSON file that `capsoc fit` or `capsoc run --json` wrote.
+/// Every parameter has to have its word and its value, and they have to agree to the last place.
+Result<ParameterWords> read_parameters(const std::string& path);
+
+/// Writes them in the program, where firmware/apps/common/parameter_block.h has its object
+/// `calibration_parameters`. Error: the program has no such place.
+std::optional<Error> write_in_program(loader::ElfImage& image, const ParameterWords& words);
+
+}  // namespace capsoc::run

@@ -1,0 +1,39 @@
+// What a program says of its own results: the object `program_verdict` of
+// firmware/common/program_verdict.h.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "loader/elf_image.h"
+#include "metrics/metrics.h"
+
+namespace capsoc::run {
+
+/// The verdict of a program, and what came of holding it against the truth.
+struct ProgramVerdict {
+  bool pass = false;
+  double bound_deg = 0;  ///< with pass: no angle is said to be further from the truth
+  std::string reason;    ///< with fail
+  /// Largest error of the angles that the bound speaks of, degrees: those of calibration mode,
+  /// without any those of the last turn of demodulation. Nothing where the truth is not known.
+  std::optional<double> largest_error_deg;
+
+  /// Nothing where there is no bound or no truth.
+  std::optional<bool> bound_holds() const {
+    if (!pass || !largest_error_deg) return std::nullopt;
+    return *largest_error_deg <= bound_deg;
+  }
+};
+
+/// Reads memory of the guest as it is; false where there is none.
+using ReadMemory = std::function<bool(uint32_t address, void* bytes, uint32_t size)>;
+
+/// Nothing if the program has no such object, or has not come to a verdict, or what is there is
+/// none.
+std::optional<ProgramVerdict> read_verdict(const loader::ElfImage& program, const ReadMemory& read,
+                                           const AngleErrors& errors);
+
+}  // namespace capsoc::run

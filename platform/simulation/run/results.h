@@ -1,0 +1,105 @@
+// The one result file of a run, and the table that a person reads. Every other report is drawn from
+// it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "golden/golden.h"
+#include "metrics/metrics.h"
+#include "metrics/program_verdict.h"
+#include "support/result.h"
+#include "support/setting_fields.h"
+
+namespace capsoc::run {
+
+/// Exit codes of the program.
+namespace exit_code {
+constexpr int pass = 0;
+constexpr int failed = 1;    ///< the firmware said so, or an angle left its bound or --golden's
+constexpr int usage = 2;     ///< a wrong option or input
+constexpr int rejected = 3;  ///< a gate of the identifier refuses the samples
+constexpr int diverged = 4;  ///< the coprocessor's model and RTL differ
+constexpr int crashed = 5;   ///< lockup
+constexpr int internal = 70;
+constexpr int lost = 74;          ///< all went well, but an output did not take everything
+constexpr int limit = 124;        ///< a time limit was hit
+constexpr int signal_base = 128;  ///< + signal number
+}  // namespace exit_code
+
+struct ResultSettings {
+  Settings& all;
+  TextField json{
+      all, setting("results.json", SettingKind::output, "", "where the results go; empty: nowhere")
+               .is_place()
+               .by({"--json", "FILE", "Write the results as JSON"})};
+  TextField record{all, setting("results.record", SettingKind::output, "",
+                                "where the coprocessor's samples go (CSV); empty: nowhere")
+                            .is_place()
+                            .by({"--record", "FILE.csv",
+                                 "Write the samples that the coprocessor saw as a recording"})};
+  TextField record_columns{
+      all, setting("results.record_columns", SettingKind::text, "",
+                   "columns of that file, separated by commas; empty: t,u,v,angle_deg")
+               .is_place()
+               .by({"--record-columns", "NAME,...",
+                    "What that recording has of each sample (a wrong name lists all)"})};
+};
+
+/// A file that the run read.
+struct Input {
+  std::string role, path, sha256;
+};
+
+/// A setting of the program as the run had it.
+struct ProgramValue {
+  std::string name, value;
+};
+
+/// Everything that a run has to say when it is over.
+struct RunResult {
+  int code = exit_code::pass;
+  std::string reason;
+  double simulated_s = 0;
+  double wall_s = 0;
+  uint64_t instructions = 0;
+  uint64_t cycles = 0;
+  uint64_t samples = 0;
+  Convergence convergence;
+  std::vector<std::string> sensor_warnings;  ///< where the program does not match the sensor
+  ParameterWords words;
+  std::optional<Parameters> truth;
+  bool phi_comparable = true;  ///< Metrics::phi_comparable()
+  AngleErrors errors;
+  std::optional<ProgramVerdict> verdict;  ///< of a program that states one
+  uint64_t uart0_bytes = 0;
+  std::string uart0_sha256;
+  std::vector<Input> inputs;
+  std::vector<ProgramValue> program_settings;
+  std::string command;                ///< a command that reproduces the run
+  std::vector<std::string> lost;      ///< a sentence for each output that is not whole
+  std::string divergence;             ///< "" unless model and RTL of the coprocessor differ
+  std::string fault_report;           ///< "" unless the firmware crashed
+  std::optional<fit::Golden> golden;  ///< only when it was asked for
+};
+
+/// The result file's contents; keys are documented in docs/results.md.
+nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);
+
+/// A result file's text. Bytes that are no UTF-8 (of an option, of a UART) are replaced.
+std::string to_text(const nlohmann::ordered_json& json);
+
+/// How many times faster than real time, "1234" or "0.021".
+std::string speed_of(double simulated_s, double wall_s);
+
+/// Parameters beside the truth and the angle error before and after, as text; only the last lines
+/// for a run that took no sample of the sensor.
+std::string to_table(const RunResult& result);
+
+/// Versions of the program and of the libraries that it runs on, name by name.
+nlohmann::ordered_json versions();
+
+}  // namespace capsoc::run

@@ -1,0 +1,94 @@
+// What a run reads before it begins: programs, the sensor, parameters.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loader/elf_image.h"
+#include "loader/program_settings.h"
+#include "metrics/metrics.h"
+#include "run/results.h"
+#include "sensor/load.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "support/setting_fields.h"
+
+namespace capsoc::run {
+
+class RunSettings;
+
+/// The programs; program.NAME (-P) are settings of the first one itself.
+struct FirmwareSettings {
+  explicit FirmwareSettings(Settings& settings);
+  Settings& all;
+  TextField elf;
+  TextField load{
+      all, setting("firmware.load", SettingKind::text, "",
+                   "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas")
+               .by({"--load", "FILE[@ADDR]",
+                    "Further images: raw bytes at an address, ELF or Intel HEX; may be repeated",
+                    SettingOption::Form::list})};
+  TextField vector_table{
+      all, setting("firmware.vector_table", SettingKind::text, "auto",
+                   "address of the vector table; auto: 0, or where the program has it")
+               .by({"--vector-table", "ADDR",
+                    "Where the vector table is (auto: 0, or where the program has it)"})};
+  TextField parameters{
+      all, setting("firmware.parameters", SettingKind::input, "",
+                   "JSON with parameters to write in the program; empty: none")
+               .by({"--parameters", "FILE.json",
+                    "Start in calibration mode with the parameters that capsoc fit or run --json "
+                    "wrote"})};
+};
+
+/// The sensor; its description's keys are settings, too: sensor.NAME.
+struct SensorSettings {
+  explicit SensorSettings(Settings& settings);
+  /// The keys of the description that were set, with what set them.
+  std::vector<sensor::KeyValue> keys() const;
+
+  Settings& all;
+  TextField file;
+  IntegerField adc_bits{all, setting("sensor.adc_bits", SettingKind::integer, "0",
+                                     "width of the converter at reset; 0: as the sensor says")
+                                 .in(0, 32)};
+};
+
+struct RunInputs {
+  std::string program_file, sensor_file, parameter_file;  ///< the last "" without
+  loader::ElfImage program;                               ///< with parameters and settings in it
+  loader::ProgramSettings program_settings;               ///< as they are in it
+  std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
+  std::unique_ptr<sensor::Source> source;
+  std::string sensor_sha256;
+  unsigned adc_bits = 0;
+  std::optional<double> recorded_speed;  ///< of the sensor, turns a sample
+  std::optional<ParameterWords> preset;
+
+  /// The programs into the SoC's memories and the start of the processor. An Error: they do not
+  /// fit, or none has a vector table.
+  std::optional<Error> load(const RunSettings& settings, soc::Soc& soc) const;
+
+  /// Nothing found yet, the truth and the length of a revolution (20 s where the sensor does not
+  /// say).
+  Metrics make_metrics() const;
+
+  /// Every file that counts, with its hash.
+  std::vector<Input> files(const RunSettings& settings) const;
+};
+
+/// The program: of the settings, or the one that has a place for parameters from outside.
+std::string program_of(const RunSettings& settings);
+
+/// FILE or FILE@ADDRESS of each further image, in order; later ones overwrite.
+std::vector<std::string> places_to_load(const RunSettings& settings);
+
+/// The program of a run as its file has it.
+Result<loader::ElfImage> read_program(const RunSettings& settings);
+
+/// An Error is a file that is missing or wrong, or a setting that does not fit it.
+Result<RunInputs> read_inputs(const RunSettings& settings);
+
+}  // namespace capsoc::run
