@@ -75,7 +75,7 @@ class Oracle : public ::testing::Test {
       uc_reg_write(uc, uc_registers[n], &value);
     }
     // Two registers may still meet in our own address space.
-    uint32_t sum = bench.core.reg(op.rn) + (bench.core.reg(op.rm) << (op.shift_n & 3));
+    uint32_t sum = bench.core.reg(op.rn) + (bench.core.reg(op.rm) << (op.shift.amount & 3));
     bool table_branch = op.operation == Operation::tbb || op.operation == Operation::tbh;
     if (op.operation == Operation::tbh) sum += bench.core.reg(op.rm);
     bool indexed = table_branch || op.addressing == Addressing::reg;

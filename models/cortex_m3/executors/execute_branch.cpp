@@ -49,7 +49,7 @@ const Executors* Execute::branch_executors(const DecodedOp& op) {
                                                                 &both<b>};
   switch (op.operation) {
     case Operation::bcond:
-      return conditional_branches[op.shift_n & 15];
+      return conditional_branches[branch_condition(op)];
     case Operation::b:
       return goes_to_itself(op) ? &both<branch_to_self> : &both<b>;
 #define ONE(name)       \
@@ -102,7 +102,7 @@ Chain Execute::linked_branch_chain(const DecodedOp& op) {
     case Operation::b:
       return goes_to_itself(op) ? linked_branch_to_self : linked_branch<14>;
     case Operation::bcond:
-      return conditional_branches[op.shift_n & 15];
+      return conditional_branches[branch_condition(op)];
     case Operation::cbz:
       return linked_compare_zero<true>;
     case Operation::cbnz:

@@ -1,5 +1,7 @@
 #include "cortex_m3/executors/execute.h"
 
+#include <algorithm>
+
 namespace capsoc::cortex_m3 {
 namespace {
 
@@ -40,6 +42,10 @@ ARITHMETIC(Cmn, false, n, m, false)
 #undef LOGICAL
 #undef ARITHMETIC
 
+unsigned width_of(const DecodedOp& op) {
+  return static_cast<unsigned>(op.field.width);
+}
+
 uint32_t bit_mask(unsigned width) {
   return width >= 32 ? ~0u : (1u << width) - 1;
 }
@@ -53,7 +59,7 @@ bool Execute::data(Machine& cpu, const Step& op) {
   if constexpr (shifted && immediate) {
     carry = (op.imm >> 31) != 0;
   } else if constexpr (shifted) {
-    ShiftResult r = shift_c(m, op.shift_type, op.shift_n, cpu.state.c);
+    ShiftResult r = shift_c(m, op.shift.type, op.shift.amount, cpu.state.c);
     m = r.value;
     carry = r.carry;
   }
@@ -88,7 +94,8 @@ bool Execute::shift_register(Machine& cpu, const Step& op) {
 }
 
 const Executors* Execute::data_executors(const DecodedOp& op) {
-  const bool shifted = op.shift_n != 0, flags = op.set_flags;
+  // What may give C a value of its own.
+  const bool shifted = op.shift.amount != 0 || op.carry_from_imm, flags = op.set_flags;
   switch (op.operation) {
 #define FAMILY(name, F)                                                                      \
   case Operation::name##_imm:                                                                \
@@ -189,8 +196,8 @@ Chain Execute::compare_and_branch_chain(const DecodedOp& op, const DecodedOp& br
   const bool linked = branch.operation == Operation::bcond && branch.it_before == 0 &&
                       linked_branch_chain(branch) != nullptr;
   if (!linked || !op.set_flags) return nullptr;
-  const unsigned condition = branch.shift_n;
-  const bool shifted = op.shift_n != 0;
+  const unsigned condition = branch_condition(branch);
+  const bool shifted = op.shift.amount != 0 || op.carry_from_imm;
   switch (op.operation) {
     case Operation::cmp_imm:
       return compare_and<data<Cmp, true, false, true>>(condition);
@@ -255,41 +262,42 @@ bool Execute::movt(Machine& cpu, const Step& op) {
 }
 
 bool Execute::sbfx(Machine& cpu, const Step& op) {
-  unsigned width = op.ra + 1u;
-  if (op.imm + width > 32) width = 32 - op.imm;  // UNPREDICTABLE: the field ends at bit 31
-  cpu.state.r[op.rd] = sign_extend(cpu.state.r[op.rn] >> op.imm, width);
+  // UNPREDICTABLE beyond bit 31: the field ends there
+  const unsigned width = std::min<unsigned>(width_of(op), 32u - op.field.lsb);
+  cpu.state.r[op.rd] = sign_extend(cpu.state.r[op.rn] >> op.field.lsb, width);
   return true;
 }
 
 bool Execute::ubfx(Machine& cpu, const Step& op) {
-  cpu.state.r[op.rd] = (cpu.state.r[op.rn] >> op.imm) & bit_mask(op.ra + 1u);
+  cpu.state.r[op.rd] = (cpu.state.r[op.rn] >> op.field.lsb) & bit_mask(width_of(op));
   return true;
 }
 
 bool Execute::bfi(Machine& cpu, const Step& op) {
-  if (op.ra < op.imm) return true;  // UNPREDICTABLE: nothing
-  uint32_t mask = bit_mask(op.ra - op.imm + 1) << op.imm;
-  cpu.state.r[op.rd] = (cpu.state.r[op.rd] & ~mask) | ((cpu.state.r[op.rn] << op.imm) & mask);
+  if (op.field.width < 1) return true;  // UNPREDICTABLE: nothing
+  const uint32_t mask = bit_mask(width_of(op)) << op.field.lsb;
+  const uint32_t inserted = cpu.state.r[op.rn] << op.field.lsb;
+  cpu.state.r[op.rd] = (cpu.state.r[op.rd] & ~mask) | (inserted & mask);
   return true;
 }
 
 bool Execute::bfc(Machine& cpu, const Step& op) {
-  if (op.ra < op.imm) return true;
-  cpu.state.r[op.rd] &= ~(bit_mask(op.ra - op.imm + 1) << op.imm);
+  if (op.field.width < 1) return true;
+  cpu.state.r[op.rd] &= ~(bit_mask(width_of(op)) << op.field.lsb);
   return true;
 }
 
 bool Execute::ssat(Machine& cpu, const Step& op) {
-  uint32_t operand = shift_c(cpu.state.r[op.rn], op.shift_type, op.shift_n, false).value;
-  SaturationResult r = signed_sat_q(static_cast<int32_t>(operand), op.ra + 1u);
+  uint32_t operand = shift_c(cpu.state.r[op.rn], op.shift.type, op.shift.amount, false).value;
+  SaturationResult r = signed_sat_q(static_cast<int32_t>(operand), width_of(op));
   cpu.state.r[op.rd] = r.value;
   cpu.state.q = cpu.state.q || r.saturated;
   return true;
 }
 
 bool Execute::usat(Machine& cpu, const Step& op) {
-  uint32_t operand = shift_c(cpu.state.r[op.rn], op.shift_type, op.shift_n, false).value;
-  SaturationResult r = unsigned_sat_q(static_cast<int32_t>(operand), op.ra);
+  uint32_t operand = shift_c(cpu.state.r[op.rn], op.shift.type, op.shift.amount, false).value;
+  SaturationResult r = unsigned_sat_q(static_cast<int32_t>(operand), width_of(op));
   cpu.state.r[op.rd] = r.value;
   cpu.state.q = cpu.state.q || r.saturated;
   return true;
@@ -301,10 +309,10 @@ bool Execute::usat(Machine& cpu, const Step& op) {
     cpu.state.r[op.rd] = expression;                 \
     return true;                                     \
   }
-UNARY(sxtb, sign_extend(rotate_right(m, op.shift_n), 8))
-UNARY(sxth, sign_extend(rotate_right(m, op.shift_n), 16))
-UNARY(uxtb, rotate_right(m, op.shift_n) & 0xFF)
-UNARY(uxth, rotate_right(m, op.shift_n) & 0xFFFF)
+UNARY(sxtb, sign_extend(rotate_right(m, op.shift.amount), 8))
+UNARY(sxth, sign_extend(rotate_right(m, op.shift.amount), 16))
+UNARY(uxtb, rotate_right(m, op.shift.amount) & 0xFF)
+UNARY(uxth, rotate_right(m, op.shift.amount) & 0xFFFF)
 UNARY(rev, __builtin_bswap32(m))
 UNARY(rev16, rotate_right(__builtin_bswap32(m), 16))
 UNARY(revsh, sign_extend(__builtin_bswap32(m) >> 16, 16))

@@ -18,7 +18,7 @@ bool Execute::load_one(Machine& cpu, const Step& op) {
   if constexpr (mode == Addressing::literal) {
     address = (pc_of(op) & ~3u) + op.imm;
   } else if constexpr (mode == Addressing::reg) {
-    address = cpu.state.r[op.rn] + (cpu.state.r[op.rm] << op.shift_n);
+    address = cpu.state.r[op.rn] + (cpu.state.r[op.rm] << op.shift.amount);
   } else if constexpr (mode == Addressing::post_indexed) {
     address = cpu.state.r[op.rn];
     written_back = address + op.imm;
@@ -47,7 +47,7 @@ template <typename T, Addressing mode>
 bool Execute::store_one(Machine& cpu, const Step& op) {
   uint32_t address, written_back = 0;
   if constexpr (mode == Addressing::reg) {
-    address = cpu.state.r[op.rn] + (cpu.state.r[op.rm] << op.shift_n);
+    address = cpu.state.r[op.rn] + (cpu.state.r[op.rm] << op.shift.amount);
   } else if constexpr (mode == Addressing::post_indexed) {
     address = cpu.state.r[op.rn];
     written_back = address + op.imm;
@@ -191,19 +191,19 @@ bool Execute::load_multiple(Machine& cpu, const Step& op, uint32_t address, uint
   if (address & 3) return cpu.fault(op, Cause::unaligned, address);
   std::array<uint32_t, 16> loaded;
   bool stay = true;
-  for (uint32_t list = op.imm; list != 0; list &= list - 1, address += 4) {
+  for (uint32_t list = op.list.bits; list != 0; list &= list - 1, address += 4) {
     Access a =
         cpu.memory.load<uint32_t>(op, address, loaded[static_cast<unsigned>(__builtin_ctz(list))]);
     if (a == Access::fault) return false;
     stay = stay && a == Access::ok;
   }
-  for (uint32_t list = op.imm & 0x7FFF; list != 0; list &= list - 1) {
+  for (uint32_t list = op.list.bits & 0x7FFFu; list != 0; list &= list - 1) {
     unsigned n = static_cast<unsigned>(__builtin_ctz(list));
     cpu.state.r[n] = loaded[n];
   }
   cpu.state.r[13] &= ~3u;
-  if (op.writeback && ((op.imm >> op.rn) & 1) == 0) cpu.state.r[op.rn] = written_back;
-  if (op.imm & 0x8000) {
+  if (op.writeback && !op.list.has(op.rn)) cpu.state.r[op.rn] = written_back;
+  if (op.list.has(15)) {
     cpu.state.cycles += timing::pipeline_refill;
     return cpu.interwork_to(loaded[15]);
   }
@@ -214,7 +214,7 @@ bool Execute::store_multiple(Machine& cpu, const Step& op, uint32_t address,
                              uint32_t written_back) {
   if (address & 3) return cpu.fault(op, Cause::unaligned, address);
   bool stay = true;
-  for (uint32_t list = op.imm; list != 0; list &= list - 1, address += 4) {
+  for (uint32_t list = op.list.bits; list != 0; list &= list - 1, address += 4) {
     unsigned n = static_cast<unsigned>(__builtin_ctz(list));
     Access a = cpu.memory.store<uint32_t>(op, address, read(cpu, op, n));
     if (a == Access::fault) return false;
@@ -225,7 +225,7 @@ bool Execute::store_multiple(Machine& cpu, const Step& op, uint32_t address,
 }
 
 static uint32_t list_bytes(const Step& op) {
-  return 4 * static_cast<uint32_t>(__builtin_popcount(op.imm & 0xFFFF));
+  return 4 * op.list.count();
 }
 
 bool Execute::ldm(Machine& cpu, const Step& op) {

@@ -123,7 +123,7 @@ void resolve_transfer(DecodedOp& op, const Fields& f, Form form) {
     case Form::store_index:
     case Form::load_index:
       op.addressing = Addressing::reg;
-      op.shift_n = static_cast<uint8_t>(f['i']);
+      op.shift.amount = static_cast<uint8_t>(f['i']);
       break;
     case Form::store_user:
     case Form::load_user:
@@ -153,10 +153,11 @@ uint32_t wide_branch_offset(uint32_t bits, Form form) {
   return sign_extend(s << 24 | i1 << 23 | i2 << 22 | ((bits >> 16) & 0x3FF) << 12 | low, 25);
 }
 
-void resolve_shift(DecodedOp& op, unsigned type, unsigned amount) {
-  ImmediateShift shift = decode_imm_shift(type, amount);
-  op.shift_type = shift.type;
-  op.shift_n = shift.amount;
+/// A field's letters: i is its lsb, b its width - 1 or its msb.
+void resolve_field(DecodedOp& op, const Fields& f, Form form) {
+  const unsigned last = form == Form::extract ? f['i'] + f['b'] : f['b'];
+  const int width = static_cast<int>(last) - static_cast<int>(f['i']) + 1;
+  op.field = {static_cast<uint8_t>(f['i']), static_cast<int8_t>(width)};
 }
 
 void resolve(DecodedOp& op, const Fields& f, Form form) {
@@ -179,28 +180,33 @@ void resolve(DecodedOp& op, const Fields& f, Form form) {
     case Form::modified: {
       ImmediateResult r = thumb_expand_imm_c(f['i']);
       op.imm = r.value;
-      op.shift_n = r.rotated ? 1 : 0;
+      op.carry_from_imm = r.rotated;
       break;
     }
     case Form::shift:
-      resolve_shift(op, f['y'], f['i']);
+      op.shift = decode_imm_shift(f['y'], f['i']);
       break;
     case Form::shift_lsl:
-      resolve_shift(op, 0, f['i']);
+      op.shift = decode_imm_shift(0, f['i']);
       break;
     case Form::shift_lsr:
-      resolve_shift(op, 1, f['i']);
+      op.shift = decode_imm_shift(1, f['i']);
       break;
     case Form::shift_asr:
-      resolve_shift(op, 2, f['i']);
+      op.shift = decode_imm_shift(2, f['i']);
       break;
     case Form::saturate:
       // ASR #0 would be SSAT16/USAT16, of the DSP extension.
       if (f['y'] && f['i'] == 0) return set_undefined(op);
-      resolve_shift(op, f['y'] ? 2 : 0, f['i']);
+      op.shift = decode_imm_shift(f['y'] ? 2 : 0, f['i']);
+      op.field.width = static_cast<int8_t>(f['b'] + (op.operation == Operation::ssat ? 1 : 0));
+      break;
+    case Form::extract:
+    case Form::insert:
+      resolve_field(op, f, form);
       break;
     case Form::rotate:
-      op.shift_n = static_cast<uint8_t>(f['i'] * 8);
+      op.shift.amount = static_cast<uint8_t>(f['i'] * 8);
       break;
     case Form::literal_x4:
       op.imm = f['i'] << 2;
@@ -219,29 +225,29 @@ void resolve(DecodedOp& op, const Fields& f, Form form) {
     case Form::push:
       op.rn = 13;
       op.writeback = true;
-      op.imm = (f['l'] & 0xFF) | (f['l'] >> 8) << 14;
+      op.list.bits = static_cast<uint16_t>((f['l'] & 0xFF) | (f['l'] >> 8) << 14);
       break;
     case Form::pop:
       op.rn = 13;
       op.writeback = true;
-      op.imm = (f['l'] & 0xFF) | (f['l'] >> 8) << 15;
+      op.list.bits = static_cast<uint16_t>((f['l'] & 0xFF) | (f['l'] >> 8) << 15);
       break;
     case Form::list:
-      op.imm = f['l'];
+      op.list.bits = static_cast<uint16_t>(f['l']);
       op.writeback = f['w'] != 0;
       break;
     case Form::list_sp:
       op.rn = 13;
-      op.imm = f['l'];
+      op.list.bits = static_cast<uint16_t>(f['l']);
       op.writeback = true;
       break;
     case Form::list_wb:
-      op.imm = f['l'];
+      op.list.bits = static_cast<uint16_t>(f['l']);
       op.writeback = true;
       break;
     case Form::list_load:
-      op.imm = f['l'];
-      op.writeback = ((f['l'] >> op.rn) & 1) == 0;
+      op.list.bits = static_cast<uint16_t>(f['l']);
+      op.writeback = !op.list.has(op.rn);
       break;
     case Form::dual:
       op.imm = (f['u'] ? f['i'] : 0u - f['i']) * 4;
@@ -281,7 +287,7 @@ void simplify(DecodedOp& op) {
 
 uint8_t static_cycles(const DecodedOp& op, CycleClass kind) {
   unsigned n = timing::cycles(kind);
-  if (kind == CycleClass::multiple) n += static_cast<unsigned>(__builtin_popcount(op.imm & 0xFFFF));
+  if (kind == CycleClass::multiple) n += op.list.count();
   return static_cast<uint8_t>(n);
 }
 
@@ -320,7 +326,7 @@ const Encoding* find_encoding(uint32_t encoding, unsigned size) {
 }
 
 const Encoding& line_of(const DecodedOp& op) {
-  return table[op.encoding_index_low | static_cast<unsigned>(op.encoding_index_high) << 8];
+  return table[op.row];
 }
 
 DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state) {
@@ -336,21 +342,17 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   op.cycles = 1;
   const Encoding* e = find_encoding(op.encoding, op.size);
   if (e == nullptr) return op;
-  unsigned index = static_cast<unsigned>(e - table);
-  op.encoding_index_low = static_cast<uint8_t>(index);
-  op.encoding_index_high = static_cast<uint8_t>(index >> 8);
+  op.row = static_cast<uint16_t>(e - table);
   Fields f(*e, op.encoding);
   op.operation = e->operation;
   op.rd = static_cast<uint8_t>(f.has('e') ? f['e'] : f['d']);
   op.rn = static_cast<uint8_t>(f.has('e') ? f['e'] : f['n']);
   op.rm = static_cast<uint8_t>(f['m']);
-  op.ra = static_cast<uint8_t>(f.has('b') ? f['b'] : f['a']);
+  op.ra = static_cast<uint8_t>(f['a']);
   op.imm = f['i'] | (f.has('j') ? f['j'] << 12 : 0);
   op.set_flags = flags_set(e->flags, f, it_state) != 0;
   resolve(op, f, e->form);
   if (e->form == Form::it) op.it_after = static_cast<uint8_t>(op.imm);
-  // B<c> carries its own condition; inside an IT block it is unpredictable and obeys both.
-  if (op.operation == Operation::bcond) op.shift_n = static_cast<uint8_t>(f['c']);
   simplify(op);
   op.cycles = static_cycles(op, e->cycle_class);
   return op;
@@ -363,7 +365,7 @@ bool ends_block(const DecodedOp& op) {
       return op.rd == 15;
     case Operation::ldm:
     case Operation::ldmdb:
-      return (op.imm & 0x8000) != 0;
+      return op.list.has(15);
     case Operation::mov_high:
     case Operation::add_high:
       return op.rd == 15;

@@ -21,6 +21,8 @@ enum class Form : uint8_t {
   shift_lsr,
   shift_asr,
   rotate,
+  extract,
+  insert,
   saturate,
   literal_x4,
   index,

@@ -23,10 +23,10 @@ std::string condition_name(unsigned condition) {
   return names[condition & 15];
 }
 
-std::string list_text(uint32_t list) {
+std::string list_text(RegisterList list) {
   std::string text = "{";
   for (unsigned n = 0; n < 16; ++n) {
-    if (((list >> n) & 1) == 0) continue;
+    if (!list.has(n)) continue;
     text += (text.size() > 1 ? ", " : "") + register_name(n);
   }
   return text + "}";
@@ -34,13 +34,13 @@ std::string list_text(uint32_t list) {
 
 const char* shift_name(const DecodedOp& op) {
   static const char* names[] = {"lsl", "lsr", "asr", "ror", "rrx"};
-  return names[static_cast<unsigned>(op.shift_type)];
+  return names[static_cast<unsigned>(op.shift.type)];
 }
 
 std::string shift_text(const DecodedOp& op) {
-  if (op.shift_n == 0) return "";
-  if (op.shift_type == ShiftType::rrx) return ", rrx";
-  return std::string(", ") + shift_name(op) + " #" + std::to_string(op.shift_n);
+  if (op.shift.amount == 0) return "";
+  if (op.shift.type == ShiftType::rrx) return ", rrx";
+  return std::string(", ") + shift_name(op) + " #" + std::to_string(op.shift.amount);
 }
 
 /// ", #offset", nothing for zero.
@@ -104,22 +104,21 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "d") return register_name(op.rd);
   if (field == "n") return register_name(op.rn);
   if (field == "m") return register_name(op.rm);
-  if (field == "a") return register_name(op.ra & 15);
-  if (field == "b") return std::to_string(op.ra);
-  if (field == "c") return condition_name(op.shift_n);
+  if (field == "a") return register_name(op.ra);
+  if (field == "c") return condition_name(branch_condition(op));
   if (field == "s") return op.set_flags ? "s" : "";
   if (field == "w") return op.writeback ? "!" : "";
   if (field == "i") return hex(op.imm);
-  if (field == "list") return list_text(op.imm);
+  if (field == "list") return list_text(op.list);
   if (field == "shift") return shift_text(op);
-  if (field == "amount") return std::to_string(op.shift_n);
-  if (field == "width") return std::to_string(op.ra + 1u - op.imm);
-  if (field == "bits") return std::to_string(op.ra + 1u);
-  if (field == "rotation") return op.shift_n == 0 ? "" : ", ror #" + std::to_string(op.shift_n);
-  if (field == "mov") return op.shift_n == 0 ? "mov" : shift_name(op);
+  if (field == "amount") return std::to_string(op.shift.amount);
+  if (field == "lsb") return hex(op.field.lsb);
+  if (field == "width") return std::to_string(op.field.width);
+  if (field == "rotation") return op.shift.amount == 0 ? "" : ", ror #" + std::to_string(op.shift.amount);
+  if (field == "mov") return op.shift.amount == 0 ? "mov" : shift_name(op);
   if (field == "mov_shift")
-    return op.shift_n == 0 || op.shift_type == ShiftType::rrx ? ""
-                                                              : ", #" + std::to_string(op.shift_n);
+    return op.shift.amount == 0 || op.shift.type == ShiftType::rrx ? ""
+                                                              : ", #" + std::to_string(op.shift.amount);
   if (field == "offset") return offset_text(op);
   if (field == "it") return it_text(op.imm);
   if (field == "cps")

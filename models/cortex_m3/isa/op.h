@@ -80,14 +80,36 @@ enum class Addressing : uint8_t { offset, pre_indexed, post_indexed, reg, litera
 /// Shift types in the order of the encoding (DecodeImmShift), RRX being ROR #0.
 enum class ShiftType : uint8_t { lsl, lsr, asr, ror, rrx };
 
+/// A shift by a constant; an amount of 0 is none.
+struct Shift {
+  ShiftType type = ShiftType::lsl;
+  uint8_t amount = 0;
+};
+
+/// The registers of LDM, STM, PUSH and POP.
+struct RegisterList {
+  uint16_t bits = 0;  ///< bit n: Rn
+  constexpr bool has(unsigned n) const { return (bits >> n & 1) != 0; }
+  constexpr bool has_below(unsigned n) const { return (bits & ((1u << n) - 1)) != 0; }
+  constexpr unsigned count() const { return static_cast<unsigned>(__builtin_popcount(bits)); }
+};
+
+/// Bits of a register: of SBFX, UBFX, BFI and BFC, and with lsb 0 the result of SSAT and USAT.
+struct BitField {
+  uint8_t lsb = 0;
+  int8_t width = 0;  ///< below 1: an msb below the lsb, UNPREDICTABLE
+};
+
 constexpr uint8_t condition_always = 14;
 
 /// One instruction after decoding: operands resolved as far as the encoding, its address and the
 /// IT state allow. Free of anything an executor adds.
 struct DecodedOp {
   uint32_t address = 0;   // of the instruction
-  uint32_t imm = 0;       // immediate, expanded; a signed offset in two's complement; register list
+  uint32_t imm = 0;       // the number: an immediate, expanded, or a signed offset in two's complement
   uint32_t encoding = 0;  // 16-bit: the halfword; 32-bit: first halfword in the upper half
+  uint16_t row = 0;       // of isa.def
+  RegisterList list;
   Operation operation{};
   uint8_t condition = condition_always;
   uint8_t it_before = 0;  // ITSTATE under which it was decoded
@@ -96,14 +118,16 @@ struct DecodedOp {
   uint8_t rd = 0;         // Rd, Rt, RdLo
   uint8_t rn = 0;
   uint8_t rm = 0;
-  uint8_t ra = 0;  // Ra, Rt2, RdHi, STREX's Rd; msb, width-1 or saturation position
-  ShiftType shift_type = ShiftType::lsl;
-  uint8_t shift_n = 0;  // a modified immediate: 1 when its rotation sets the carry
-  bool set_flags = false;
+  uint8_t ra = 0;  // the second register of its kind: Ra, Rt2, RdHi, STREX's Rd
+  BitField field;
+  Shift shift;                     // of Rm, or of what is saturated
+  uint8_t cycles = 1;              // when executed, without what depends on operands, waits and branching
   Addressing addressing = Addressing::offset;
-  bool writeback = false;
-  uint8_t cycles = 1;  // when executed, without what depends on operands, waits and branching
-  uint8_t encoding_index_low = 0, encoding_index_high = 0;  // row of isa.def, for disassembly
+  bool set_flags : 1;
+  bool writeback : 1;
+  bool carry_from_imm : 1;  // an immediate that was rotated gives its bit 31 to C
+
+  DecodedOp() : set_flags(false), writeback(false), carry_from_imm(false) {}
 };
 static_assert(sizeof(DecodedOp) <= 32);
 
@@ -117,6 +141,10 @@ inline uint32_t pc_of(const DecodedOp& op) {
 }
 inline uint32_t next_address(const DecodedOp& op) {
   return op.address + op.size;
+}
+/// The condition that B<c> has of its own. Inside an IT block, where it is UNPREDICTABLE, both count.
+inline unsigned branch_condition(const DecodedOp& op) {
+  return op.encoding >> (op.size == 4 ? 22 : 8) & 15;
 }
 
 /// True for an operation after which execution may go on elsewhere, or the machine's mode changes.

@@ -28,7 +28,7 @@ bool stack_arithmetic_is_allowed(const DecodedOp& op) {
       return true;
     case O::add_reg:
     case O::sub_reg:
-      return op.rd != 13 || (op.shift_type == ShiftType::lsl && op.shift_n <= 3);
+      return op.rd != 13 || (op.shift.type == ShiftType::lsl && op.shift.amount <= 3);
     case O::cmp_reg:
     case O::cmn_reg:
       return true;
@@ -38,7 +38,7 @@ bool stack_arithmetic_is_allowed(const DecodedOp& op) {
 }
 
 bool forbidden_data_registers(const DecodedOp& op, const Encoding& line) {
-  const bool moves = op.operation == O::mov_reg && op.shift_n == 0;
+  const bool moves = op.operation == O::mov_reg && op.shift.amount == 0;
   if (moves && !op.set_flags) return op.rd == 15 || op.rm == 15 || (op.rd == 13 && op.rm == 13);
   if (line.has('m') && is_special(op.rm)) return true;
   if (line.has('a') && is_special(op.ra)) return true;
@@ -79,19 +79,19 @@ bool forbidden_register(const DecodedOp& op, const Encoding& line) {
 }
 
 bool forbidden_list(const DecodedOp& op) {
-  const uint32_t list = op.imm & 0xFFFF;
-  if (op.size == 2) return list == 0;
+  const RegisterList list = op.list;
+  if (op.size == 2) return list.bits == 0;
   const bool stores = is(op, kind::multiple_store);
-  return __builtin_popcount(list) < 2 || (list & 0x2000) != 0 || (list & 0xC000) == 0xC000 ||
-         (stores && (list & 0x8000) != 0);
+  return list.count() < 2 || list.has(13) || (list.has(14) && list.has(15)) ||
+         (stores && list.has(15));
 }
 
 bool base_is_transferred(const DecodedOp& op, const Encoding& line) {
   if (!op.writeback) return false;
   if (!is(op, kind::multiple)) return op.rn == op.rd || (line.has('a') && op.rn == op.ra);
-  if (((op.imm >> op.rn) & 1) == 0) return false;
+  if (!op.list.has(op.rn)) return false;
   // STM T1 may store its base if that is the lowest of the list.
-  return op.size == 4 || (op.imm & ((1u << op.rn) - 1)) != 0;
+  return op.size == 4 || op.list.has_below(op.rn);
 }
 
 bool has_one_destination_for_two(const DecodedOp& op) {
@@ -100,8 +100,8 @@ bool has_one_destination_for_two(const DecodedOp& op) {
 }
 
 bool field_is_impossible(const DecodedOp& op) {
-  if (op.operation == O::sbfx || op.operation == O::ubfx) return op.imm + op.ra > 31;
-  return (op.operation == O::bfi || op.operation == O::bfc) && op.ra < op.imm;
+  if (op.operation == O::sbfx || op.operation == O::ubfx) return op.field.lsb + op.field.width > 32;
+  return (op.operation == O::bfi || op.operation == O::bfc) && op.field.width < 1;
 }
 
 /// i:imm3:imm8 of the forms 0x00xy00xy, 0xxy00xy00 and 0xxyxyxyxy with xy = 0.
