@@ -171,8 +171,8 @@ class Sequence {
       // A branch may have led into the middle of an instruction.
       if (!comparable(last_, in_it_block(bench_.core.state().xpsr()))) return true;
       // Two registers may meet in the part of the address space that is ours alone.
-      const uint32_t sum =
-          bench_.core.reg(last_.rn & 15) + (bench_.core.reg(last_.rm & 15) << (last_.shift.amount & 3));
+      const uint32_t sum = bench_.core.reg(last_.rn & 15) +
+                           (bench_.core.reg(last_.rm & 15) << (last_.shift.amount & 3));
       const bool transfer =
           (last_.operation >= Operation::ldr && last_.operation <= Operation::strexh) ||
           last_.operation == Operation::tbb || last_.operation == Operation::tbh;

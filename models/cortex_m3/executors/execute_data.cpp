@@ -1,6 +1,6 @@
-#include "cortex_m3/executors/execute.h"
-
 #include <algorithm>
+
+#include "cortex_m3/executors/execute.h"
 
 namespace capsoc::cortex_m3 {
 namespace {

@@ -77,8 +77,7 @@ constexpr ImmediateResult thumb_expand_imm_c(uint32_t imm12) {
 constexpr Shift decode_imm_shift(unsigned type, unsigned imm5) {
   if (type == 0) return {ShiftType::lsl, static_cast<uint8_t>(imm5)};
   if (type == 3) {
-    return imm5 == 0 ? Shift{ShiftType::rrx, 1}
-                     : Shift{ShiftType::ror, static_cast<uint8_t>(imm5)};
+    return imm5 == 0 ? Shift{ShiftType::rrx, 1} : Shift{ShiftType::ror, static_cast<uint8_t>(imm5)};
   }
   return {type == 1 ? ShiftType::lsr : ShiftType::asr, static_cast<uint8_t>(imm5 == 0 ? 32 : imm5)};
 }

@@ -114,11 +114,13 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "amount") return std::to_string(op.shift.amount);
   if (field == "lsb") return hex(op.field.lsb);
   if (field == "width") return std::to_string(op.field.width);
-  if (field == "rotation") return op.shift.amount == 0 ? "" : ", ror #" + std::to_string(op.shift.amount);
+  if (field == "rotation")
+    return op.shift.amount == 0 ? "" : ", ror #" + std::to_string(op.shift.amount);
   if (field == "mov") return op.shift.amount == 0 ? "mov" : shift_name(op);
   if (field == "mov_shift")
-    return op.shift.amount == 0 || op.shift.type == ShiftType::rrx ? ""
-                                                              : ", #" + std::to_string(op.shift.amount);
+    return op.shift.amount == 0 || op.shift.type == ShiftType::rrx
+               ? ""
+               : ", #" + std::to_string(op.shift.amount);
   if (field == "offset") return offset_text(op);
   if (field == "it") return it_text(op.imm);
   if (field == "cps")

@@ -105,8 +105,8 @@ constexpr uint8_t condition_always = 14;
 /// One instruction after decoding: operands resolved as far as the encoding, its address and the
 /// IT state allow. Free of anything an executor adds.
 struct DecodedOp {
-  uint32_t address = 0;   // of the instruction
-  uint32_t imm = 0;       // the number: an immediate, expanded, or a signed offset in two's complement
+  uint32_t address = 0;  // of the instruction
+  uint32_t imm = 0;  // the number: an immediate, expanded, or a signed offset in two's complement
   uint32_t encoding = 0;  // 16-bit: the halfword; 32-bit: first halfword in the upper half
   uint16_t row = 0;       // of isa.def
   RegisterList list;
@@ -120,8 +120,8 @@ struct DecodedOp {
   uint8_t rm = 0;
   uint8_t ra = 0;  // the second register of its kind: Ra, Rt2, RdHi, STREX's Rd
   BitField field;
-  Shift shift;                     // of Rm, or of what is saturated
-  uint8_t cycles = 1;              // when executed, without what depends on operands, waits and branching
+  Shift shift;         // of Rm, or of what is saturated
+  uint8_t cycles = 1;  // when executed, without what depends on operands, waits and branching
   Addressing addressing = Addressing::offset;
   bool set_flags : 1;
   bool writeback : 1;
@@ -142,7 +142,8 @@ inline uint32_t pc_of(const DecodedOp& op) {
 inline uint32_t next_address(const DecodedOp& op) {
   return op.address + op.size;
 }
-/// The condition that B<c> has of its own. Inside an IT block, where it is UNPREDICTABLE, both count.
+/// The condition that B<c> has of its own. Inside an IT block, where it is UNPREDICTABLE, both
+/// count.
 inline unsigned branch_condition(const DecodedOp& op) {
   return op.encoding >> (op.size == 4 ? 22 : 8) & 15;
 }

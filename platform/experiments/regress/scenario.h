@@ -73,6 +73,11 @@ void run_golden(Bench& bench, Random& random, const Budget&);
 
 // scenarios_judge.cpp
 void run_turns(Bench& bench, Random& random, const Budget&);
+void run_windings(Bench& bench, Random& random, const Budget&);
+void run_windows(Bench& bench, Random& random, const Budget&);
+void run_turn_count(Bench& bench, Random& random, const Budget&);
+void run_limit_bits(Bench& bench, Random& random, const Budget&);
+void run_passes(Bench& bench, Random& random, const Budget&);
 void run_alarm(Bench& bench, Random& random, const Budget&);
 
 // scenarios_slew.cpp

@@ -145,17 +145,6 @@ void windows_by_count(Bench& bench) {
         shaft.move(40, 0);
         shaft.read();
       }
-  // The clipped ones are counted to 255; then a limit that is below the count already.
-  Shaft shaft(bench, ctrl_calib, step);
-  bench.write(reg_judge, judge_word(0, true));
-  shaft.move(260, step, 1, true);
-  bench.write(reg_turn_limit, 20);
-  shaft.move(2, step);
-  shaft.read();
-  // Every sample a window: TURN_COUNT passes 255.
-  bench.write(reg_turn_limit, 1);
-  shaft.move(256, step);
-  shaft.read();
 }
 
 void mirrored_and_saturated(Bench& bench) {
@@ -232,17 +221,63 @@ void limit_bits(Bench& bench, Random& random) {
   }
 }
 
+// A bit of the limit that is lost or too many ends a window at once or never: each alone, with a
+// small limit beside it.
+void turn_limit_bits(Bench& bench) {
+  for (unsigned bit = 0; bit < 32 && !bench.failed(); ++bit) {
+    Shaft shaft(bench, ctrl_calib, 0);
+    bench.write(reg_turn_limit, 1u << bit);
+    shaft.move(6, 0);
+    shaft.read();
+    bench.write(reg_turn_limit, 1u << bit | 3);
+    shaft.move(4, 0);
+    shaft.read();
+    bench.write(reg_turn_limit, 3);
+    shaft.move(4, 0);
+    shaft.read();
+  }
+}
+
 }  // namespace
 
-void run_turns(Bench& bench, Random& random, const Budget&) {
+void run_turns(Bench& bench, Random&, const Budget&) {
   for (unsigned from : {0u, 1u, 2u})
     for (double direction : {1.0, -1.0}) good_and_bad_turns(bench, from, direction);
+}
+
+void run_windings(Bench& bench, Random&, const Budget&) {
   windings(bench);
   exact_turns(bench);
-  windows_by_count(bench);
-  mirrored_and_saturated(bench);
+}
+
+void run_windows(Bench& bench, Random&, const Budget&) {
   one_reason(bench);
+  mirrored_and_saturated(bench);
+  windows_by_count(bench);
+}
+
+void run_turn_count(Bench& bench, Random&, const Budget&) {
+  // Every sample a window: TURN_COUNT passes 255.
+  const double step = 1.0 / turn_samples;
+  Shaft shaft(bench, ctrl_calib, step);
+  bench.write(reg_turn_limit, 1);
+  shaft.move(258, step);
+  shaft.read();
+  // The clipped ones are counted to 255; then a limit that is below the count already.
+  bench.write(reg_judge, judge_word(0, true));
+  bench.write(reg_turn_limit, 0);
+  shaft.move(260, step, 1, true);
+  bench.write(reg_turn_limit, 20);
+  shaft.move(2, step);
+  shaft.read();
+}
+
+void run_limit_bits(Bench& bench, Random& random, const Budget&) {
   limit_bits(bench, random);
+  turn_limit_bits(bench);
+}
+
+void run_passes(Bench& bench, Random&, const Budget&) {
   // The reference passes 0 by a hair, either way; and it stands.
   for (int64_t frequency : {turn_48 / 8, -turn_48 / 8, int64_t{1}, int64_t{-1}, int64_t{0}})
     for (int64_t phase : {int64_t{0}, int64_t{1}, turn_48 - 1, turn_48 / 8, turn_48 * 7 / 8,
