@@ -214,17 +214,20 @@ TEST(FileFuzz, DamagedSettings) {
     Settings settings;
     const NumberField quantum(settings,
                               setting("cpu.quantum_ns", SettingKind::number, "10", "").in(1, 1e9));
-    settings.add({"cpu.executor", SettingKind::choice, "blocks", "", {"blocks", "stepping"}});
+    const ChoiceField<int> executor(settings, {{"blocks", 0}, {"stepping", 1}},
+                                    setting("cpu.executor", SettingKind::choice, "blocks", ""));
     const IntegerField lines(settings,
                              setting("cpu.lines", SettingKind::integer, "3", "").in(0, 32));
-    settings.add({"run.golden", SettingKind::flag, "false", "", {}});
-    settings.add({"run.until_uart", SettingKind::text, "", "", {}});
-    settings.add({"run.log", SettingKind::output, "", "", {}});
+    const FlagField golden(settings, setting("run.golden", SettingKind::flag, "false", ""));
+    const TextField until(settings, setting("run.until_uart", SettingKind::text, "", ""));
+    const TextField log(settings, setting("run.log", SettingKind::output, "", ""));
     const auto error = settings.read_file(file.write(Damage(number).text(whole)));
     if (!error) {
       tally.accept();
       EXPECT_GE(quantum(), 1) << number;
       EXPECT_LE(lines(), 32) << number;
+      EXPECT_EQ(executor.text(), executor() == 0 ? "blocks" : "stepping") << number;
+      EXPECT_EQ(golden.text(), golden() ? "true" : "false") << number;
       continue;
     }
     tally.refuse(error->text, file.path(), number);

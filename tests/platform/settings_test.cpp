@@ -67,6 +67,20 @@ TEST(Settings, ARefusedValueChangesNothing) {
   EXPECT_EQ(s.lines(), 3);
 }
 
+TEST(Settings, ATextThatDoesNotWinIsParsedAndNotTaken) {
+  Example s;
+  EXPECT_FALSE(s.set("cpu.lines", "7", SettingSource::command_line, "x"));
+  EXPECT_FALSE(s.set("cpu.lines", "9", SettingSource::environment, "x"));
+  EXPECT_EQ(s.lines(), 7);
+  EXPECT_EQ(s.lines.text(), "7");
+  const auto error = s.set("cpu.lines", "99", SettingSource::environment, "here");
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->text, "here: cpu.lines = 99 is out of range; give 0 to 32");
+  EXPECT_FALSE(s.set("cpu.executor", "stepping", SettingSource::command_line, "x"));
+  EXPECT_FALSE(s.set("cpu.executor", "blocks", SettingSource::file, "x"));
+  EXPECT_EQ(s.executor(), Speed::slow);
+}
+
 TEST(Settings, AnUnknownNameIsAnsweredWithTheNearest) {
   Example s;
   const auto error = s.set_assignment("cpu.quantum=5");

@@ -7,10 +7,12 @@
 //   };
 //
 // The path gives the key of the TOML file, the variable CAPSOC_CPU_QUANTUM_NS, -C and the line of
-// --list-params; by() gives the option. quantum_ns() is its value. A wrong name does not compile.
+// --list-params; by() gives the option. A text is parsed where it is set, and refused there;
+// quantum_ns() is the value that came of it. A wrong name does not compile.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +28,7 @@ inline Setting setting(std::string path, SettingKind kind, std::string built_in,
 }
 
 /// What all fields have in common. It stays with the settings that it was declared in.
-class SettingField {
+class SettingField : public SettingParser {
  public:
   SettingField(const SettingField&) = delete;
   SettingField& operator=(const SettingField&) = delete;
@@ -39,7 +41,7 @@ class SettingField {
 
  protected:
   SettingField(Settings& owner, Setting declared)
-      : owner_(owner), number_(owner.add(std::move(declared))) {}
+      : owner_(owner), number_(owner.add(std::move(declared), this)) {}
   ~SettingField() = default;
 
  private:
@@ -48,34 +50,50 @@ class SettingField {
 };
 
 /// Text, a file, a directory or a backend.
-class TextField : public SettingField {
+class TextField final : public SettingField {
  public:
   TextField(Settings& owner, Setting declared) : SettingField(owner, std::move(declared)) {}
   const std::string& operator()() const { return text(); }
   bool empty() const { return text().empty(); }
+  std::optional<std::string> parse(const std::string&, bool) override { return std::nullopt; }
 };
 
-class NumberField : public SettingField {
+class NumberField final : public SettingField {
  public:
-  NumberField(Settings& owner, Setting declared) : SettingField(owner, std::move(declared)) {}
-  double operator()() const;
+  NumberField(Settings& owner, Setting declared);
+  double operator()() const { return value_; }
+  std::optional<std::string> parse(const std::string& text, bool take) override;
+
+ private:
+  double value_ = 0;
 };
 
-class IntegerField : public SettingField {
+class IntegerField final : public SettingField {
  public:
-  IntegerField(Settings& owner, Setting declared) : SettingField(owner, std::move(declared)) {}
-  long long operator()() const;
+  IntegerField(Settings& owner, Setting declared);
+  long long operator()() const { return value_; }
+  std::optional<std::string> parse(const std::string& text, bool take) override;
+
+ private:
+  long long value_ = 0;
 };
 
-class FlagField : public SettingField {
+class FlagField final : public SettingField {
  public:
-  FlagField(Settings& owner, Setting declared) : SettingField(owner, std::move(declared)) {}
-  bool operator()() const { return text() == "true"; }
+  FlagField(Settings& owner, Setting declared);
+  bool operator()() const { return value_; }
+  std::optional<std::string> parse(const std::string& text, bool take) override;
+
+ private:
+  bool value_ = false;
 };
+
+/// The end of a sentence for a word that is none of a choice's.
+std::string no_such_choice(const std::string& text, const std::vector<std::string>& choices);
 
 /// One of some words, each of which stands for a value of T.
 template <typename T>
-class ChoiceField : public SettingField {
+class ChoiceField final : public SettingField {
  public:
   struct Choice {
     const char* word;
@@ -83,12 +101,20 @@ class ChoiceField : public SettingField {
   };
   ChoiceField(Settings& owner, std::vector<Choice> choices, Setting declared)
       : SettingField(owner, with_words(choices, std::move(declared))),
-        choices_(std::move(choices)) {}
+        choices_(std::move(choices)),
+        value_(choices_.front().value) {
+    parse(text(), true);
+  }
 
-  T operator()() const {
-    for (const Choice& choice : choices_)
-      if (text() == choice.word) return choice.value;
-    return choices_.front().value;  // not reached: Settings takes these words only
+  T operator()() const { return value_; }
+
+  std::optional<std::string> parse(const std::string& text, bool take) override {
+    for (const Choice& choice : choices_) {
+      if (text != choice.word) continue;
+      if (take) value_ = choice.value;
+      return std::nullopt;
+    }
+    return no_such_choice(text, about().choices);
   }
 
  private:
@@ -97,6 +123,7 @@ class ChoiceField : public SettingField {
     return declared;
   }
   std::vector<Choice> choices_;
+  T value_;
 };
 
 }  // namespace capsoc

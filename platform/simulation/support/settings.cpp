@@ -1,11 +1,9 @@
 #include "support/settings.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
@@ -14,7 +12,6 @@
 
 #include "support/input_file.h"
 #include "support/nearest.h"
-#include "support/number.h"
 #include "support/printable.h"
 #include "support/toml.h"
 
@@ -89,8 +86,9 @@ Setting Setting::by(SettingOption declared) && {
   return std::move(*this);
 }
 
-std::size_t Settings::add(Setting setting) {
+std::size_t Settings::add(Setting setting, SettingParser* parser) {
   settings_.push_back(std::move(setting));
+  parsers_.push_back(parser);
   return settings_.size() - 1;
 }
 
@@ -100,47 +98,16 @@ const Setting* Settings::find(const std::string& path) const {
   return nullptr;
 }
 
-std::optional<Error> Settings::check(const Setting& setting, const std::string& value,
-                                     const std::string& origin) const {
-  switch (setting.kind) {
-    case SettingKind::text:
-    case SettingKind::input:
-    case SettingKind::output:
-    case SettingKind::directory:
-    case SettingKind::backend:
-      return std::nullopt;
-    case SettingKind::choice:
-      if (std::count(setting.choices.begin(), setting.choices.end(), value) > 0)
-        return std::nullopt;
-      return Error{fmt::format("{}: {} cannot be '{}'; choose one of {}", origin, setting.path,
-                               printable(value), fmt::join(setting.choices, ", "))};
-    case SettingKind::flag:
-      if (value == "true" || value == "false") return std::nullopt;
-      return Error{fmt::format("{}: {} cannot be '{}'; give true or false", origin, setting.path,
-                               printable(value))};
-    case SettingKind::number:
-    case SettingKind::integer: {
-      const auto parsed = finite_number(value);
-      if (!parsed || (setting.kind == SettingKind::integer && *parsed != std::floor(*parsed)))
-        return Error{fmt::format("{}: {} cannot be '{}'; give a{} number", origin, setting.path,
-                                 printable(value),
-                                 setting.kind == SettingKind::integer ? " whole" : "")};
-      const double number = *parsed;
-      if (number < setting.minimum || number > setting.maximum)
-        return Error{fmt::format("{}: {} = {} is out of range; give {:g} to {:g}", origin,
-                                 setting.path, value, setting.minimum, setting.maximum)};
-      return std::nullopt;
-    }
-  }
-  return std::nullopt;
-}
-
 std::optional<Error> Settings::set(const std::string& path, const std::string& value,
                                    SettingSource source, const std::string& origin) {
-  for (Setting& setting : settings_) {
+  for (std::size_t i = 0; i < settings_.size(); ++i) {
+    Setting& setting = settings_[i];
     if (setting.path != path) continue;
-    if (auto error = check(setting, value, origin)) return error;
-    if (source >= setting.source) {
+    const bool wins = source >= setting.source;
+    if (parsers_[i] != nullptr)
+      if (const auto wrong = parsers_[i]->parse(value, wins))
+        return Error{fmt::format("{}: {} {}", origin, path, *wrong)};
+    if (wins) {
       setting.value = value;
       setting.source = source;
       const bool general = origin == "command line" || origin.rfind("-C ", 0) == 0;
@@ -177,7 +144,7 @@ bool Settings::add_of_group(const std::string& path) {
     if (path.rfind(group.prefix, 0) != 0 || path.size() == group.prefix.size()) continue;
     const auto name = path.begin() + static_cast<std::ptrdiff_t>(group.prefix.size());
     if (!std::all_of(name, path.end(), is_part_of_name)) return false;
-    settings_.push_back({path, SettingKind::text, "", group.help, {}});
+    add({path, SettingKind::text, "", group.help, {}});
     return true;
   }
   return false;

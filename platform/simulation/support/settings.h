@@ -75,6 +75,20 @@ struct SettingGroup {
   std::string help;
 };
 
+/// Turns the text of one setting into its value, where it is set: a field (setting_fields.h).
+class SettingParser {
+ public:
+  /// What is wrong with a text, as the end of a sentence that begins with the setting's path. A
+  /// text that is right is taken if `take`, else only looked at.
+  virtual std::optional<std::string> parse(const std::string& text, bool take) = 0;
+
+ protected:
+  SettingParser() = default;
+  SettingParser(const SettingParser&) = default;
+  SettingParser& operator=(const SettingParser&) = default;
+  ~SettingParser() = default;
+};
+
 /// The settings of a run. Every refused value is a sentence that names where it came from.
 class Settings {
  public:
@@ -82,8 +96,9 @@ class Settings {
   Settings(const Settings&) = delete;  // the fields of what is made from it point into it
   Settings& operator=(const Settings&) = delete;
 
-  /// Returns its number in all().
-  std::size_t add(Setting setting);
+  /// Returns its number in all(). The parser lives as long as the settings; without one the setting
+  /// is a text that its user reads.
+  std::size_t add(Setting setting, SettingParser* parser = nullptr);
   void add(SettingGroup group) { groups_.push_back(std::move(group)); }
 
   /// Sets a value if nothing of higher precedence has set it. `origin` begins the error sentence
@@ -107,15 +122,13 @@ class Settings {
   std::vector<Setting> of_group(const std::string& prefix) const;
 
  private:
-  std::optional<Error> check(const Setting& setting, const std::string& value,
-                             const std::string& origin) const;
-
   /// The setting of a group that a variable names.
   std::optional<std::string> path_in_group(const std::string& environment) const;
   /// Makes a place for a setting of a group; false if the path is none.
   bool add_of_group(const std::string& path);
 
   std::vector<Setting> settings_;
+  std::vector<SettingParser*> parsers_;  // beside settings_
   std::vector<SettingGroup> groups_;
 };
 
