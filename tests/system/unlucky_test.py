@@ -161,6 +161,16 @@ class Streams(Case):
         code, out, said = self.shell("ln -s /dev/fd/7 link; $capsoc run $hello --uart0 null --json link 7>&1 | cat")
         self.assertEqual(json.loads(out)["exit"]["code"], 0, said)
 
+    def test_a_dash_is_standard_output_and_no_file(self):
+        code, out, said = self.capsoc("run", HELLO, "--uart0", "null", "--json", "-")
+        self.assertEqual((code, json.loads(out)["exit"]["code"]), (0, 0), said)
+        code, out, said = self.capsoc("fit", TRACES / "csfn_eq.toml", "--method", "lm", "--json", "-")
+        self.assertEqual(code, 0, said)
+        fitted, _ = json.JSONDecoder().raw_decode(out.decode())  # the table follows
+        self.assertEqual(fitted["method"], "lm")
+        self.refuse("run", HELLO, "--waves", "-", saying=("-: is no file",))
+        self.assertEqual(self.names(), [])
+
 
 class Disks(Case):
     """A disk that is full, by a limit on the size of files; nothing is lost without a word and an exit code."""

@@ -36,6 +36,7 @@ pid_t process_of(const fs::path& folder) {
 
 Place place_of(const std::string& name) {
   Place place;
+  if (name == "-") return {"/dev/stdout", STDOUT_FILENO, true};
   fs::path path(name);
   std::error_code error;
   for (int i = 0; i < longest_chain && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
