@@ -6,6 +6,7 @@
 #ifdef CAPSOC_FAULTS
 #include "Vmutants_faults.h"
 #endif
+#include "rtl/verilated_pins.h"
 #include "verilated.h"
 
 struct capsoc_mutants {
@@ -17,30 +18,11 @@ struct capsoc_mutants {
 namespace {
 
 void drive(capsoc_mutants& m) {
-  const capsoc_rtl_pins& p = m.pins;
-  Vmutants& t = m.top;
-  t.presetn_i = p.presetn;
-  t.psel_i = p.psel;
-  t.penable_i = p.penable;
-  t.pwrite_i = p.pwrite;
-  t.pstrb_i = p.pstrb;
-  t.paddr_i = p.paddr;
-  t.pwdata_i = p.pwdata;
-  t.sample_valid_i = p.sample_valid;
-  t.sample_clip_i = p.sample_clip;
-  t.sample_u_i = p.sample_u;
-  t.sample_v_i = p.sample_v;
+  capsoc::rtl::drive_pins(m.top, m.pins);
 }
 
 void fetch(capsoc_mutants& m) {
-  capsoc_rtl_pins& p = m.pins;
-  Vmutants& t = m.top;
-  p.pready = t.pready_o;
-  p.pslverr = t.pslverr_o;
-  p.prdata = t.prdata_o;
-  p.sample_ready = t.sample_ready_o;
-  p.irq = t.irq_o;
-  p.idle = t.idle_o;
+  capsoc::rtl::fetch_pins(m.top, m.pins);
 }
 
 capsoc_mutants* create(unsigned mutant) {

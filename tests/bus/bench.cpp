@@ -5,6 +5,8 @@
 #include <cstring>
 #include <memory>
 
+#include "../kit/bench_main.h"
+
 namespace capsoc::test {
 namespace {
 
@@ -124,10 +126,5 @@ Bench& bench() {
 }  // namespace capsoc::test
 
 int sc_main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  capsoc::test::the_bench = std::make_unique<capsoc::test::Bench>();
-  sc_core::sc_start(sc_core::SC_ZERO_TIME);
-  const int result = RUN_ALL_TESTS();
-  sc_core::sc_stop();
-  return result;
+  return capsoc::test::run_on_bench(argc, argv, capsoc::test::the_bench);
 }

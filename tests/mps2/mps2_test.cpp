@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "../bus/initiator.h"
+#include "../kit/bench_main.h"
 #include "kit/guest_error.h"
 #include "mps2/fpga_io.h"
 #include "mps2/scc.h"
@@ -179,10 +180,5 @@ TEST_F(SccTest, WritesOnlyTheMaskOfTheLockedLoops) {
 }  // namespace capsoc::test
 
 int sc_main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  capsoc::test::the_bench = std::make_unique<capsoc::test::Bench>();
-  sc_core::sc_start(sc_core::SC_ZERO_TIME);
-  const int result = RUN_ALL_TESTS();
-  sc_core::sc_stop();
-  return result;
+  return capsoc::test::run_on_bench(argc, argv, capsoc::test::the_bench);
 }

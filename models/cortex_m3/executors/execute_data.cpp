@@ -221,8 +221,7 @@ Chain Execute::compare_and_branch_chain(const DecodedOp& op, const DecodedOp& br
 }
 
 // MOV and ADD to the PC branch without interworking (BranchWritePC, A2.3.1).
-bool Execute::add_high(Machine& cpu, const Step& op) {
-  uint32_t value = read(cpu, op, op.rn) + read(cpu, op, op.rm);
+static bool write_high(Machine& cpu, const Step& op, uint32_t value) {
   if (op.rd != 15) {
     cpu.state.r[op.rd] = value;
     return true;
@@ -232,15 +231,12 @@ bool Execute::add_high(Machine& cpu, const Step& op) {
   return false;
 }
 
+bool Execute::add_high(Machine& cpu, const Step& op) {
+  return write_high(cpu, op, read(cpu, op, op.rn) + read(cpu, op, op.rm));
+}
+
 bool Execute::mov_high(Machine& cpu, const Step& op) {
-  uint32_t value = read(cpu, op, op.rm);
-  if (op.rd != 15) {
-    cpu.state.r[op.rd] = value;
-    return true;
-  }
-  cpu.branch_to(value);
-  cpu.state.cycles += timing::pipeline_refill;
-  return false;
+  return write_high(cpu, op, read(cpu, op, op.rm));
 }
 
 bool Execute::cmp_high(Machine& cpu, const Step& op) {

@@ -274,24 +274,17 @@ bool Execute::store_exclusive(Machine& cpu, const Step& op) {
   return a == Access::ok || cpu.leave(op);
 }
 
-bool Execute::ldrex(Machine& cpu, const Step& op) {
-  return load_exclusive<uint32_t>(cpu, op);
-}
-bool Execute::ldrexh(Machine& cpu, const Step& op) {
-  return load_exclusive<uint16_t>(cpu, op);
-}
-bool Execute::ldrexb(Machine& cpu, const Step& op) {
-  return load_exclusive<uint8_t>(cpu, op);
-}
-bool Execute::strex(Machine& cpu, const Step& op) {
-  return store_exclusive<uint32_t>(cpu, op);
-}
-bool Execute::strexh(Machine& cpu, const Step& op) {
-  return store_exclusive<uint16_t>(cpu, op);
-}
-bool Execute::strexb(Machine& cpu, const Step& op) {
-  return store_exclusive<uint8_t>(cpu, op);
-}
+#define EXCLUSIVE(name, form, T)                     \
+  bool Execute::name(Machine& cpu, const Step& op) { \
+    return form<T>(cpu, op);                         \
+  }
+EXCLUSIVE(ldrex, load_exclusive, uint32_t)
+EXCLUSIVE(ldrexh, load_exclusive, uint16_t)
+EXCLUSIVE(ldrexb, load_exclusive, uint8_t)
+EXCLUSIVE(strex, store_exclusive, uint32_t)
+EXCLUSIVE(strexh, store_exclusive, uint16_t)
+EXCLUSIVE(strexb, store_exclusive, uint8_t)
+#undef EXCLUSIVE
 
 bool Execute::clrex(Machine& cpu, const Step&) {
   cpu.state.exclusive = false;

@@ -94,11 +94,14 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
   return good ? BusResult::device : BusResult::bus_error;
 }
 
+BusResult MemoryAccess::shown(const DirectAccess& access, BusResult result) const {
+  return machine_.listeners.sees_accesses ? observe(access, result) : result;
+}
+
 BusResult MemoryAccess::read(uint32_t address, unsigned size, uint32_t& value, bool privileged) {
   if (in_private_peripherals(address)) {
     const BusResult result = machine_.system.read(address, size, value, privileged);
-    return machine_.listeners.sees_accesses ? observe({address, value, size, false}, result)
-                                            : result;
+    return shown({address, value, size, false}, result);
   }
   if (!allows(address, false, false, privileged)) return BusResult::violation;
   if (!in_bit_band_alias(address)) return read_physical(address, size, value);
@@ -111,8 +114,7 @@ BusResult MemoryAccess::read(uint32_t address, unsigned size, uint32_t& value, b
 BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, bool privileged) {
   if (in_private_peripherals(address)) {
     const BusResult result = machine_.system.write(address, size, value, privileged);
-    return machine_.listeners.sees_accesses ? observe({address, value, size, true}, result)
-                                            : result;
+    return shown({address, value, size, true}, result);
   }
   if (!allows(address, true, false, privileged)) return BusResult::violation;
   if (!in_bit_band_alias(address)) return write_physical(address, size, value);

@@ -76,6 +76,8 @@ class MemoryAccess {
  private:
   BusResult write_physical(uint32_t address, unsigned size, uint32_t value);
   BusResult observe(const DirectAccess& access, BusResult result) const;
+  /// observe(), if there is somebody.
+  BusResult shown(const DirectAccess& access, BusResult result) const;
   bool mpu_applies() const;
   bool allows(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);

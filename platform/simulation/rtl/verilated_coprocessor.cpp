@@ -9,6 +9,7 @@
 #include "Vcoprocessor_probe.h"
 #include "Vcoprocessor_probe___024root.h"
 #include "rtl/rtl_abi.h"
+#include "rtl/verilated_pins.h"
 #include "rtl_hash.h"
 #include "verilated.h"
 #include "verilated_fst_c.h"
@@ -80,19 +81,7 @@ struct capsoc_rtl {
 namespace {
 
 void drive(capsoc_rtl& r) {
-  Vcoprocessor_probe& top = *r.top;
-  const capsoc_rtl_pins& p = r.pins;
-  top.presetn_i = p.presetn;
-  top.psel_i = p.psel;
-  top.penable_i = p.penable;
-  top.pwrite_i = p.pwrite;
-  top.pstrb_i = p.pstrb;
-  top.paddr_i = p.paddr;
-  top.pwdata_i = p.pwdata;
-  top.sample_valid_i = p.sample_valid;
-  top.sample_clip_i = p.sample_clip;
-  top.sample_u_i = p.sample_u;
-  top.sample_v_i = p.sample_v;
+  capsoc::rtl::drive_pins(*r.top, r.pins);
   r.top->drive_i = 1;
   r.top->eval();
   r.top->drive_i = 0;
@@ -102,12 +91,7 @@ void drive(capsoc_rtl& r) {
 void sample(capsoc_rtl& r) {
   const Vcoprocessor_probe& top = *r.top;
   capsoc_rtl_pins& p = r.pins;
-  p.pready = top.pready_o;
-  p.pslverr = top.pslverr_o;
-  p.sample_ready = top.sample_ready_o;
-  p.irq = top.irq_o;
-  p.idle = top.idle_o;
-  p.prdata = top.prdata_o;
+  capsoc::rtl::fetch_pins(top, p);
   p.boundary = top.boundary_o;
   p.enter = top.enter_o;
   p.cycle = top.cycle_o;
