@@ -245,7 +245,7 @@ TEST(FileFuzz, DamagedParameters) {
   Tally tally("JSON parameters", count);
   const TemporaryFile file(".json");
   for (uint64_t number = 0; number < count; ++number) {
-    const auto words = run::read_parameters(file.write(Damage(number).text(whole)));
+    const auto words = metrics::read_parameters(file.write(Damage(number).text(whole)));
     if (words)
       tally.accept();
     else

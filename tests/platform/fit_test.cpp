@@ -30,12 +30,12 @@ class Trace {
   std::string path_;
 };
 
-std::string to_recording(const std::vector<run::RecordedSample>& samples) {
-  return run::to_recording(samples, "test", run::record_columns("", "test").value());
+std::string to_recording(const std::vector<metrics::RecordedSample>& samples) {
+  return metrics::to_recording(samples, "test", metrics::record_columns("", "test").value());
 }
 
-std::vector<run::RecordedSample> one_turn(const csfn::Parameters& p, int count) {
-  std::vector<run::RecordedSample> samples;
+std::vector<metrics::RecordedSample> one_turn(const csfn::Parameters& p, int count) {
+  std::vector<metrics::RecordedSample> samples;
   for (int i = 0; i < count; ++i) {
     const double turns = static_cast<double>(i) / count, theta = 2 * pi * turns;
     const double u = p.a1 * std::sin(theta) + p.b1, v = p.a2 * std::cos(theta + p.beta) + p.b2;
@@ -139,7 +139,7 @@ TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
 }
 
 TEST(Fit, AGateRejectsAShortArcWithAReason) {
-  std::vector<run::RecordedSample> arc = one_turn(sensor, 1000);
+  std::vector<metrics::RecordedSample> arc = one_turn(sensor, 1000);
   arc.resize(150);
   const Trace trace(to_recording(arc));
   const auto fitted = fit(trace.path(), {});
@@ -162,32 +162,35 @@ TEST(Fit, AllMethodsAgreeOnCleanSamples) {
 }
 
 TEST(Golden, EqualAnswersDifferByNothing) {
-  const auto words = run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 1.0});
-  const Golden golden = compare(one_turn(sensor, 5000), *words, {});
+  const auto words =
+      metrics::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 1.0});
+  const golden::Golden golden = golden::compare(one_turn(sensor, 5000), *words, {});
   ASSERT_EQ(golden.rejection, "");
   ASSERT_EQ(golden.rows.size(), 5u);
-  for (const GoldenRow& row : golden.rows) EXPECT_LE(std::abs(row.difference), 1) << row.name;
+  for (const golden::GoldenRow& row : golden.rows)
+    EXPECT_LE(std::abs(row.difference), 1) << row.name;
   EXPECT_LT(*golden.angle_difference, 3);
 }
 
 TEST(Golden, ADifferenceIsCountedInUnitsOfTheLastPlace) {
-  auto words = run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 0});
+  auto words = metrics::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, 0});
   words->a2 += 1000;
   words->beta -= 500;
-  const Golden golden = compare(one_turn(sensor, 5000), *words, {});
+  const golden::Golden golden = golden::compare(one_turn(sensor, 5000), *words, {});
   EXPECT_NEAR(static_cast<double>(golden.rows[1].difference), 1000, 1);
   EXPECT_NEAR(static_cast<double>(golden.rows[4].difference), -500, 1);
 }
 
 TEST(Golden, AReversedAnswerIsTheSameSensor) {
   const auto words =
-      run::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, pi - sensor.beta, 0});
-  const Golden golden = compare(one_turn(sensor, 5000), *words, {});
-  for (const GoldenRow& row : golden.rows) EXPECT_LE(std::abs(row.difference), 1) << row.name;
+      metrics::to_words({sensor.a1, sensor.a2, sensor.b1, sensor.b2, pi - sensor.beta, 0});
+  const golden::Golden golden = golden::compare(one_turn(sensor, 5000), *words, {});
+  for (const golden::GoldenRow& row : golden.rows)
+    EXPECT_LE(std::abs(row.difference), 1) << row.name;
 }
 
 TEST(Golden, TooFewSamplesHaveAReason) {
-  const Golden golden = compare(one_turn(sensor, 4), {}, {});
+  const golden::Golden golden = golden::compare(one_turn(sensor, 4), {}, {});
   EXPECT_NE(golden.rejection, "");
   EXPECT_TRUE(to_json(golden).contains("rejection"));
   EXPECT_EQ(to_json(golden)["angle"]["verdict"], "not compared");
@@ -195,10 +198,10 @@ TEST(Golden, TooFewSamplesHaveAReason) {
 
 /// A turn in calibration mode by a coprocessor that knows the sensor; its angle is `wrong` radians
 /// off.
-std::vector<run::RecordedSample> calibrated_turn(const csfn::Parameters& p, double wrong = 0) {
-  const auto words = run::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
+std::vector<metrics::RecordedSample> calibrated_turn(const csfn::Parameters& p, double wrong = 0) {
+  const auto words = metrics::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
   auto samples = one_turn(p, 5000);
-  for (run::RecordedSample& sample : samples) {
+  for (metrics::RecordedSample& sample : samples) {
     sample.result.emplace();
     sample.result->angle =
         static_cast<uint32_t>(std::llround((sample.angle_turns + wrong / two_pi) * q32));
@@ -208,14 +211,14 @@ std::vector<run::RecordedSample> calibrated_turn(const csfn::Parameters& p, doub
   return samples;
 }
 
-AngleCheck check_of(const std::vector<run::RecordedSample>& samples) {
-  return compare(samples, samples.back().result->words, {}).angle;
+golden::AngleCheck check_of(const std::vector<metrics::RecordedSample>& samples) {
+  return golden::compare(samples, samples.back().result->words, {}).angle;
 }
 
-using Verdict = AngleCheck::Verdict;
+using Verdict = golden::AngleCheck::Verdict;
 
 TEST(GoldenAngle, ARightAngleAgrees) {
-  const AngleCheck check = check_of(calibrated_turn(sensor));
+  const golden::AngleCheck check = check_of(calibrated_turn(sensor));
   EXPECT_EQ(check.verdict, Verdict::agrees) << check.reason;
   EXPECT_EQ(check.samples, 5000u);
   EXPECT_FALSE(check.demodulating);
@@ -224,7 +227,7 @@ TEST(GoldenAngle, ARightAngleAgrees) {
 }
 
 TEST(GoldenAngle, OneDegreeIsADisagreementThoughTheParametersAreRight) {
-  const AngleCheck check = check_of(calibrated_turn(sensor, pi / 180));
+  const golden::AngleCheck check = check_of(calibrated_turn(sensor, pi / 180));
   EXPECT_EQ(check.verdict, Verdict::disagrees);
   EXPECT_NEAR(*check.difference, 1, 1e-5);
   EXPECT_NE(check.reason.find("1 deg"), std::string::npos) << check.reason;
@@ -240,7 +243,7 @@ TEST(GoldenAngle, TheDirectionIsTheOneOfTheCoprocessorsBeta) {
   EXPECT_EQ(check_of(calibrated_turn(reversed)).verdict, Verdict::agrees);
   // Its angle is pi minus that of the direct one.
   auto samples = calibrated_turn(reversed);
-  for (run::RecordedSample& sample : samples)
+  for (metrics::RecordedSample& sample : samples)
     sample.result->angle = 0x80000000u - sample.result->angle;
   EXPECT_EQ(check_of(samples).verdict, Verdict::disagrees);
 }
@@ -249,10 +252,10 @@ TEST(GoldenAngle, WrongParametersHaveTheirOwnWrongAngle) {
   auto samples = calibrated_turn(sensor);
   csfn::Parameters wrong = sensor;
   wrong.beta += 0.01;
-  for (run::RecordedSample& sample : samples)
+  for (metrics::RecordedSample& sample : samples)
     sample.result->angle = static_cast<uint32_t>(
         std::llround(csfn::angle_of(wrong, sample.u / q31, sample.v / q31) / two_pi * q32));
-  const AngleCheck check = check_of(samples);
+  const golden::AngleCheck check = check_of(samples);
   EXPECT_EQ(check.verdict, Verdict::disagrees);
   EXPECT_NEAR(*check.difference, 0.01 * 180 / pi, 0.02);
 }
@@ -263,34 +266,34 @@ TEST(GoldenAngle, OnlyTheWordsOfTheEndAreJudged) {
     samples[k].result->angle += 0x10000000u;
     samples[k].result->words.phi = 7;
   }
-  const AngleCheck check = check_of(samples);
+  const golden::AngleCheck check = check_of(samples);
   EXPECT_EQ(check.verdict, Verdict::agrees) << check.reason;
   EXPECT_EQ(check.samples, 2000u);
 }
 
 TEST(GoldenAngle, WithoutAValidAngleThereIsNothingToCompare) {
   auto samples = calibrated_turn(sensor);
-  for (run::RecordedSample& sample : samples) sample.result->angle_valid = false;
-  const AngleCheck check = check_of(samples);
+  for (metrics::RecordedSample& sample : samples) sample.result->angle_valid = false;
+  const golden::AngleCheck check = check_of(samples);
   EXPECT_EQ(check.verdict, Verdict::not_compared);
   EXPECT_NE(check.reason.find("no angle"), std::string::npos) << check.reason;
 }
 
 TEST(GoldenAngle, ParametersThatWanderWidenTheBoundOfDemodulation) {
   auto samples = calibrated_turn(sensor);
-  for (run::RecordedSample& sample : samples) sample.result->demodulating = true;
+  for (metrics::RecordedSample& sample : samples) sample.result->demodulating = true;
   for (std::size_t k = 0; k < samples.size(); k += 2)
     samples[k].result->words.beta += static_cast<uint32_t>(q32 / 3600);  // 0.1 deg
-  AngleCheck check = check_of(samples);
+  golden::AngleCheck check = check_of(samples);
   EXPECT_EQ(check.verdict, Verdict::agrees) << check.reason;
   EXPECT_EQ(check.bound->wander, 0) << "nothing is learnt with steps of 0";
-  const GoldenSettings settings{false, 1e-3, 1e-3, 0};
-  check = compare(samples, samples.back().result->words, settings).angle;
+  const golden::GoldenSettings settings{false, 1e-3, 1e-3, 0};
+  check = golden::compare(samples, samples.back().result->words, settings).angle;
   EXPECT_TRUE(check.demodulating);
   EXPECT_NEAR(check.bound->wander, 0.2, 0.02);
   for (std::size_t k = 0; k < samples.size(); k += 2)
     samples[k].result->words.beta += static_cast<uint32_t>(q32 / 36);  // and 10 deg
-  check = compare(samples, samples.back().result->words, settings).angle;
+  check = golden::compare(samples, samples.back().result->words, settings).angle;
   EXPECT_EQ(check.verdict, Verdict::not_compared) << "a bound that vouches for nothing";
 }
 

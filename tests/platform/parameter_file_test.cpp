@@ -14,10 +14,10 @@ namespace {
 
 using nlohmann::json;
 
-const Parameters values{0.6079, 0.6228, 0.1336, -0.1831, -0.0629, 3.1};
+const metrics::Parameters values{0.6079, 0.6228, 0.1336, -0.1831, -0.0629, 3.1};
 
 json example() {
-  const ParameterWords words = to_words(values).value();
+  const metrics::ParameterWords words = metrics::to_words(values).value();
   json j;
   j["parameters"] = {{"a1", {{"word", words.a1}, {"value", values.a1}}},
                      {"a2", {{"word", words.a2}, {"value", values.a2}}},
@@ -28,10 +28,10 @@ json example() {
   return j;
 }
 
-Result<ParameterWords> read_text(const std::string& text) {
+Result<metrics::ParameterWords> read_text(const std::string& text) {
   const std::string path = testing::TempDir() + std::to_string(getpid()) + "parameters.json";
   std::ofstream(path, std::ios::binary) << text;
-  auto result = read_parameters(path);
+  auto result = metrics::read_parameters(path);
   std::remove(path.c_str());
   if (!result) {
     EXPECT_EQ(result.error().rfind(path, 0), 0u) << result.error();
@@ -47,7 +47,8 @@ void refused(const json& j, const std::string& expected) {
 }
 
 TEST(ParameterWords, AreNumbersRoundedToTheNearest) {
-  const auto words = to_words({0.5, 0.25, -1, 0.75 * 0x1p-31, std::acos(-1.0), -std::acos(0.0)});
+  const auto words =
+      metrics::to_words({0.5, 0.25, -1, 0.75 * 0x1p-31, std::acos(-1.0), -std::acos(0.0)});
   ASSERT_TRUE(words);
   EXPECT_EQ(words->a1, 1 << 30);
   EXPECT_EQ(words->b1, INT32_MIN);
@@ -57,29 +58,29 @@ TEST(ParameterWords, AreNumbersRoundedToTheNearest) {
 }
 
 TEST(ParameterWords, WhatDoesNotFitHasNone) {
-  EXPECT_FALSE(to_words({1, 0.5, 0, 0, 0, 0}));
-  EXPECT_FALSE(to_words({0.5, 0, 0, 0, 0, 0}));
-  EXPECT_FALSE(to_words({0.5, 0.5, 1, 0, 0, 0}));
-  EXPECT_FALSE(to_words({0.5, 0.5, 0, std::nan(""), 0, 0}));
-  EXPECT_FALSE(to_words({0.5, 0.5, 0, 0, INFINITY, 0}));
+  EXPECT_FALSE(metrics::to_words({1, 0.5, 0, 0, 0, 0}));
+  EXPECT_FALSE(metrics::to_words({0.5, 0, 0, 0, 0, 0}));
+  EXPECT_FALSE(metrics::to_words({0.5, 0.5, 1, 0, 0, 0}));
+  EXPECT_FALSE(metrics::to_words({0.5, 0.5, 0, std::nan(""), 0, 0}));
+  EXPECT_FALSE(metrics::to_words({0.5, 0.5, 0, 0, INFINITY, 0}));
 }
 
 TEST(ParameterFile, WordsAreRead) {
   const auto words = read_text(example().dump());
   ASSERT_TRUE(words) << words.error();
-  EXPECT_EQ(words.value().a1, to_words(values)->a1);
-  EXPECT_EQ(words.value().b2, to_words(values)->b2);
-  EXPECT_EQ(words.value().beta, to_words(values)->beta);
-  EXPECT_EQ(words.value().phi, to_words(values)->phi);
+  EXPECT_EQ(words.value().a1, metrics::to_words(values)->a1);
+  EXPECT_EQ(words.value().b2, metrics::to_words(values)->b2);
+  EXPECT_EQ(words.value().beta, metrics::to_words(values)->beta);
+  EXPECT_EQ(words.value().phi, metrics::to_words(values)->phi);
 }
 
 TEST(ParameterFile, AnAngleMayBeASignedWordAndAnyBranch) {
   json j = example();
-  j["parameters"]["beta"]["word"] = static_cast<int32_t>(to_words(values)->beta);
+  j["parameters"]["beta"]["word"] = static_cast<int32_t>(metrics::to_words(values)->beta);
   j["parameters"]["beta"]["value"] = values.beta + 4 * std::acos(-1.0);
   const auto words = read_text(j.dump());
   ASSERT_TRUE(words) << words.error();
-  EXPECT_EQ(words.value().beta, to_words(values)->beta);
+  EXPECT_EQ(words.value().beta, metrics::to_words(values)->beta);
 }
 
 TEST(ParameterFile, WhatIsMissingIsNamed) {
@@ -125,7 +126,7 @@ TEST(ParameterFile, DamageIsASentenceWithTheLine) {
   EXPECT_NE(broken.error().find(":3: "), std::string::npos) << broken.error();
   EXPECT_FALSE(read_text(""));
   EXPECT_FALSE(read_text("{\"x\": 1e999}"));
-  EXPECT_FALSE(read_parameters("/nonexistent/parameters.json"));
+  EXPECT_FALSE(metrics::read_parameters("/nonexistent/parameters.json"));
 }
 
 TEST(ParameterFile, DamagedBytesAreRefusedOrReadButNeverCrash) {
@@ -145,7 +146,7 @@ TEST(ParameterFile, DamagedBytesAreRefusedOrReadButNeverCrash) {
 TEST(ParameterFile, AProgramWithoutAPlaceForThemIsRefused) {
   auto image = loader::load_elf(HELLO_ELF);
   ASSERT_TRUE(image) << image.error();
-  const auto error = write_in_program(image.value(), to_words(values).value());
+  const auto error = metrics::write_in_program(image.value(), metrics::to_words(values).value());
   ASSERT_TRUE(error);
   EXPECT_NE(error->text.find("calibration_parameters"), std::string::npos) << error->text;
 }
@@ -153,8 +154,8 @@ TEST(ParameterFile, AProgramWithoutAPlaceForThemIsRefused) {
 TEST(ParameterFile, TheWordsAreWrittenWhereTheProgramHasThem) {
   auto image = loader::load_elf(CALIBRATE_ELF);
   ASSERT_TRUE(image) << image.error();
-  const ParameterWords words = to_words(values).value();
-  ASSERT_FALSE(write_in_program(image.value(), words));
+  const metrics::ParameterWords words = metrics::to_words(values).value();
+  ASSERT_FALSE(metrics::write_in_program(image.value(), words));
   const uint32_t address = image.value().address_of("calibration_parameters").value();
   const auto word_at = [&](uint32_t at) -> uint32_t {
     for (const loader::Segment& segment : image.value().segments) {

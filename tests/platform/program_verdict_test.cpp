@@ -27,7 +27,7 @@ std::vector<uint8_t> object(uint32_t magic, uint32_t state, uint32_t bound, cons
   return bytes;
 }
 
-ReadMemory memory(std::vector<uint8_t> bytes) {
+metrics::ReadMemory memory(std::vector<uint8_t> bytes) {
   return [bytes = std::move(bytes)](uint32_t address, void* into, uint32_t size) {
     if (address != place || size != bytes.size()) return false;
     std::memcpy(into, bytes.data(), size);
@@ -38,42 +38,45 @@ ReadMemory memory(std::vector<uint8_t> bytes) {
 constexpr uint32_t magic = 0x31524556;
 
 TEST(ProgramVerdict, APassHasABoundThatIsHeldAgainstTheTruth) {
-  AngleErrors errors;
+  metrics::AngleErrors errors;
   errors.calibration_mode_max = 44.9;
   errors.calibrated_max_last_revolution = 50;
-  const ReadMemory read = memory(object(magic, 1, 1U << 29U, "unused"));
-  const auto verdict = read_verdict(with_object(), read, errors);
+  const metrics::ReadMemory read = memory(object(magic, 1, 1U << 29U, "unused"));
+  const auto verdict = metrics::read_verdict(with_object(), read, errors);
   ASSERT_TRUE(verdict);
   EXPECT_TRUE(verdict->pass);
   EXPECT_DOUBLE_EQ(verdict->bound_deg, 45);
   EXPECT_EQ(verdict->reason, "");
   EXPECT_EQ(verdict->bound_holds(), true);
   errors.calibration_mode_max = 45.1;
-  EXPECT_EQ(read_verdict(with_object(), read, errors)->bound_holds(), false);
+  EXPECT_EQ(metrics::read_verdict(with_object(), read, errors)->bound_holds(), false);
   errors.calibration_mode_max.reset();
-  EXPECT_EQ(read_verdict(with_object(), read, errors)->bound_holds(), false) << "the last turn";
-  EXPECT_EQ(read_verdict(with_object(), read, {})->bound_holds(), std::nullopt);
+  EXPECT_EQ(metrics::read_verdict(with_object(), read, errors)->bound_holds(), false)
+      << "the last turn";
+  EXPECT_EQ(metrics::read_verdict(with_object(), read, {})->bound_holds(), std::nullopt);
 }
 
 TEST(ProgramVerdict, AFailHasAReasonAndNothingElse) {
   const auto verdict =
-      read_verdict(with_object(), memory(object(magic, 2, 7, "no\x1b[31m lock")), {});
+      metrics::read_verdict(with_object(), memory(object(magic, 2, 7, "no\x1b[31m lock")), {});
   ASSERT_TRUE(verdict);
   EXPECT_FALSE(verdict->pass);
   EXPECT_EQ(verdict->reason, "no?[31m lock");
   EXPECT_EQ(verdict->bound_holds(), std::nullopt);
   // Without an end the sentence ends with its field.
   const std::string long_one(200, 'x');
-  EXPECT_EQ(read_verdict(with_object(), memory(object(magic, 2, 7, long_one.c_str())), {})->reason,
+  EXPECT_EQ(metrics::read_verdict(with_object(), memory(object(magic, 2, 7, long_one.c_str())), {})
+                ->reason,
             std::string(96, 'x'));
 }
 
 TEST(ProgramVerdict, WhatIsNoVerdictIsNone) {
-  EXPECT_FALSE(read_verdict({}, memory(object(magic, 1, 7, "")), {})) << "no such object";
-  EXPECT_FALSE(read_verdict(with_object(), memory(object(magic + 1, 1, 7, "")), {}));
-  EXPECT_FALSE(read_verdict(with_object(), memory(object(magic, 0, 7, "")), {})) << "not yet";
-  EXPECT_FALSE(read_verdict(with_object(), memory(object(magic, 3, 7, "")), {}));
-  EXPECT_FALSE(read_verdict(with_object(), memory({}), {})) << "no memory there";
+  EXPECT_FALSE(metrics::read_verdict({}, memory(object(magic, 1, 7, "")), {})) << "no such object";
+  EXPECT_FALSE(metrics::read_verdict(with_object(), memory(object(magic + 1, 1, 7, "")), {}));
+  EXPECT_FALSE(metrics::read_verdict(with_object(), memory(object(magic, 0, 7, "")), {}))
+      << "not yet";
+  EXPECT_FALSE(metrics::read_verdict(with_object(), memory(object(magic, 3, 7, "")), {}));
+  EXPECT_FALSE(metrics::read_verdict(with_object(), memory({}), {})) << "no memory there";
 }
 
 }  // namespace

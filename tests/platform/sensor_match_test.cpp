@@ -10,15 +10,15 @@
 namespace capsoc::run {
 namespace {
 
-using Reference = SamplingState::Reference;
+using Reference = metrics::SamplingState::Reference;
 using sensor::MotionKind;
 
 constexpr double clock_hz = 25e6;
 
 /// The default program's: 250 samples a second, a numeric reference of 0.05 Hz.
-SamplingState program(double rate_hz = 250, double speed_hz = 0.05,
-                      Reference reference = Reference::numeric) {
-  SamplingState state;
+metrics::SamplingState program(double rate_hz = 250, double speed_hz = 0.05,
+                               Reference reference = Reference::numeric) {
+  metrics::SamplingState state;
   state.demodulating = true;
   state.reference = reference;
   state.period_cycles = static_cast<uint32_t>(clock_hz / rate_hz);
@@ -44,11 +44,11 @@ sensor::Description recording(double rate_hz) {
 
 /// What a run of `samples` results says.
 std::vector<std::string> warnings(const sensor::Description& description,
-                                  std::optional<double> speed, const SamplingState& state,
+                                  std::optional<double> speed, const metrics::SamplingState& state,
                                   unsigned samples = 20'000) {
   std::vector<std::string> said;
-  SensorMatch match("x.csv", description, speed,
-                    [&](const std::string& sentence) { said.push_back(sentence); });
+  metrics::SensorMatch match("x.csv", description, speed,
+                             [&](const std::string& sentence) { said.push_back(sentence); });
   for (unsigned k = 0; k < samples; ++k) match.result(state);
   match.finish();
   return said;
@@ -104,19 +104,19 @@ TEST(SensorMatch, ARateThatExplainsTheSpeedIsAllThatIsSaid) {
 }
 
 TEST(SensorMatch, TheAngleReferenceNeedsNeitherRateNorSpeedNorOrder) {
-  const SamplingState angle = program(250, 0.05, Reference::angle);
+  const metrics::SamplingState angle = program(250, 0.05, Reference::angle);
   sensor::Description shuffled;
   shuffled.motion = MotionKind::shuffled;
   EXPECT_TRUE(warnings(recording(1000), 1.0 / 250, angle).empty());
   EXPECT_TRUE(warnings(turning(0.051), {}, angle).empty());
   EXPECT_TRUE(warnings(shuffled, {}, angle).empty());
-  SamplingState calibrating = program();
+  metrics::SamplingState calibrating = program();
   calibrating.demodulating = false;
   EXPECT_TRUE(warnings(turning(0.051), {}, calibrating).empty());
 }
 
 TEST(SensorMatch, TrackingFindsTheSpeedButNoOrder) {
-  const SamplingState tracking = program(250, 0.05, Reference::tracking);
+  const metrics::SamplingState tracking = program(250, 0.05, Reference::tracking);
   EXPECT_TRUE(warnings(turning(0.051), {}, tracking).empty());
   for (const auto kind :
        {MotionKind::shuffled, MotionKind::walk, MotionKind::swing, MotionKind::ripple}) {
@@ -129,9 +129,10 @@ TEST(SensorMatch, TrackingFindsTheSpeedButNoOrder) {
 
 TEST(SensorMatch, AProgramThatSteersItsReferenceLooksForTheSpeedItself) {
   std::vector<std::string> said;
-  SensorMatch match("x", turning(0.05), {}, [&](const std::string& s) { said.push_back(s); });
+  metrics::SensorMatch match("x", turning(0.05), {},
+                             [&](const std::string& s) { said.push_back(s); });
   for (int k = 0; k < 20'000; ++k) {
-    SamplingState state = program(250, 0.0505 - 2e-8 * k);
+    metrics::SamplingState state = program(250, 0.0505 - 2e-8 * k);
     match.result(state);
   }
   EXPECT_TRUE(said.empty()) << "every value stands for less than two turns";
@@ -144,7 +145,8 @@ TEST(SensorMatch, ARunOfLessThanTwoTurnsIsJudgedAtItsEnd) {
 
 TEST(SensorMatch, ATurnedReferenceIsNotANewOne) {
   std::vector<std::string> said;
-  SensorMatch match("x", turning(-0.051), {}, [&](const std::string& s) { said.push_back(s); });
+  metrics::SensorMatch match("x", turning(-0.051), {},
+                             [&](const std::string& s) { said.push_back(s); });
   for (int k = 0; k < 10'000; ++k) match.result(program(250, k < 4000 ? 0.05 : -0.05));
   EXPECT_EQ(said.size(), 1u);
 }
@@ -164,7 +166,7 @@ TEST(RecordedSpeed, IsTheMeanOfTheTrueAngles) {
   std::vector<double> turns;
   for (int k = 0; k < 101; ++k) turns.push_back(-0.03 * k + (k % 2 == 0 ? 0.001 : 0.0));
   sensor::RecordedSource source = rows(turns);
-  const auto speed = recorded_speed(source);
+  const auto speed = metrics::recorded_speed(source);
   ASSERT_TRUE(speed);
   EXPECT_NEAR(*speed, -0.03, 1e-12);
 }
@@ -173,9 +175,9 @@ TEST(RecordedSpeed, IsNotKnownWithoutAnglesOrASteadyDirection) {
   sensor::RecordedSource blind = rows({0.1, 0.2, 0.3}, false), one = rows({0.1}),
                          still = rows({0.1, 0.1}), swing = rows({0.1, 0.2, 0.3, 0.2, 0.1, 0.2});
   for (sensor::RecordedSource* source : {&blind, &one, &still, &swing})
-    EXPECT_FALSE(recorded_speed(*source));
+    EXPECT_FALSE(metrics::recorded_speed(*source));
   sensor::DescribedSource described({});
-  EXPECT_FALSE(recorded_speed(described));
+  EXPECT_FALSE(metrics::recorded_speed(described));
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   if (!fit.rejection.empty()) return fit;
 
   const csfn::Parameters& p = fit.answer.parameters;
-  const auto words = run::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
+  const auto words = metrics::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
   if (!words) {
     fit.rejection = fmt::format(
         "amplitudes {:.6g} and {:.6g} with offsets {:.6g} and {:.6g} do not fit the registers, "

@@ -44,7 +44,7 @@ struct Fit {
   /// straight line), the reason of the gate that rejected it, or parameters that the
   /// registers cannot hold. Empty: there is one.
   std::string rejection;
-  run::ParameterWords words;              ///< phi is 0
+  metrics::ParameterWords words;          ///< phi is 0
   std::optional<csfn::Parameters> truth;  ///< canonical
   AngleErrors errors;
   std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first

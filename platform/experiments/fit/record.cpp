@@ -52,9 +52,9 @@ Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
 }  // namespace
 
 Result<Record> read_record(const std::string& path, const RecordOptions& options) {
-  auto opened = open_trace(path);
+  auto opened = golden::open_trace(path);
   if (!opened) return Error{opened.error()};
-  const Trace& trace = opened.value();
+  const golden::Trace& trace = opened.value();
   Record record;
   record.path = path;
   record.sha256 = trace.sha256;

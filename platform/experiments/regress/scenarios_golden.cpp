@@ -39,7 +39,7 @@ struct DrawnSensor {
     if (random.chance(0.5)) noise = 1e-4;
   }
 
-  run::RecordedSample next(Random& random) {
+  metrics::RecordedSample next(Random& random) {
     // Sum of four: near enough to a normal distribution, of variance 1/3.
     const auto jitter = [&] {
       double sum = -2;
@@ -49,7 +49,7 @@ struct DrawnSensor {
     const double u = a1 * std::sin(angle) + b1 + jitter();
     const double v = a2 * std::cos(angle + beta) + b2 + jitter();
     angle += turns * two_pi;
-    run::RecordedSample sample;
+    metrics::RecordedSample sample;
     sample.u = fixed::to_q31(u);
     sample.v = fixed::to_q31(v);
     return sample;
@@ -59,9 +59,9 @@ struct DrawnSensor {
 };
 
 /// The registers behind a sample, over the bus; to be called when it is through.
-run::RecordedResult read_result(Bench& bench, bool demodulating) {
+metrics::RecordedResult read_result(Bench& bench, bool demodulating) {
   const auto word = [&](uint32_t offset) { return static_cast<int32_t>(bench.read(offset)); };
-  run::RecordedResult result;
+  metrics::RecordedResult result;
   result.words = {word(reg_a1), word(reg_a2),         word(reg_b1),
                   word(reg_b2), bench.read(reg_beta), bench.read(reg_phi)};
   result.status = bench.read(reg_status);
@@ -71,7 +71,7 @@ run::RecordedResult read_result(Bench& bench, bool demodulating) {
   return result;
 }
 
-void load_words(Bench& bench, const run::ParameterWords& words) {
+void load_words(Bench& bench, const metrics::ParameterWords& words) {
   bench.write(reg_a1, static_cast<uint32_t>(words.a1));
   bench.write(reg_a2, static_cast<uint32_t>(words.a2));
   bench.write(reg_b1, static_cast<uint32_t>(words.b1));
@@ -83,15 +83,15 @@ void load_words(Bench& bench, const run::ParameterWords& words) {
 }
 
 void judge_golden(Bench& bench, const DrawnSensor& sensor,
-                  const std::vector<run::RecordedSample>& record,
-                  const fit::GoldenSettings& settings) {
-  const fit::Golden golden = fit::compare(record, record.back().result->words, settings);
-  if (golden.angle.verdict == fit::AngleCheck::Verdict::agrees) return;
+                  const std::vector<metrics::RecordedSample>& record,
+                  const golden::GoldenSettings& settings) {
+  const golden::Golden golden = golden::compare(record, record.back().result->words, settings);
+  if (golden.angle.verdict == golden::AngleCheck::Verdict::agrees) return;
   bench.complain(golden.angle.reason,
                  fmt::format("sensor a1 {:.6f} a2 {:.6f} b1 {:.6f} b2 {:.6f} beta {:.6f}, {:.6f} "
                              "turns a sample, noise {:g}\n{}",
                              sensor.a1, sensor.a2, sensor.b1, sensor.b2, sensor.beta, sensor.turns,
-                             sensor.noise, fit::to_table(golden)));
+                             sensor.noise, golden::to_table(golden)));
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ void run_golden(Bench& bench, Random& random, const Budget&) {
   bench.write_pair(reg_freq_lo, std::llround(std::ldexp(sensor.turns, 48)));
   bench.write(reg_ctrl, golden_gates | ctrl_demod);
 
-  std::vector<run::RecordedSample> record;
+  std::vector<metrics::RecordedSample> record;
   const auto turn = static_cast<int>(std::ceil(1 / std::fabs(sensor.turns)));
   const auto take = [&](bool demodulating, bool wait) {
     record.push_back(sensor.next(random));

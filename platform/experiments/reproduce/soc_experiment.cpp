@@ -79,7 +79,7 @@ Demodulation demodulate(const fit::Record& record) {
 
 /// Errors of a turn with parameters that were stored.
 Errors frozen(const fit::Record& record, const std::array<uint32_t, 6>& words) {
-  const run::Parameters p = run::to_values(
+  const metrics::Parameters p = metrics::to_values(
       {static_cast<int32_t>(words[0]), static_cast<int32_t>(words[1]),
        static_cast<int32_t>(words[2]), static_cast<int32_t>(words[3]), words[4], words[5]});
   const csfn::Parameters stored{p.a1, p.a2, p.b1, p.b2, p.beta};

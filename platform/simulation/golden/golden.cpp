@@ -9,12 +9,12 @@
 #include "csfn/identify.h"
 #include "support/constants.h"
 
-namespace capsoc::fit {
+namespace capsoc::golden {
 namespace {
 
 constexpr double turn = 0x1p32 / (2 * pi);  ///< 2^-32 turn in a radian
 
-csfn::Samples to_samples(const std::vector<run::RecordedSample>& record) {
+csfn::Samples to_samples(const std::vector<metrics::RecordedSample>& record) {
   const auto count = static_cast<Eigen::Index>(record.size());
   csfn::Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -24,8 +24,8 @@ csfn::Samples to_samples(const std::vector<run::RecordedSample>& record) {
   return samples;
 }
 
-csfn::Parameters canonical_of(const run::ParameterWords& words) {
-  const run::Parameters p = run::to_values(words);
+csfn::Parameters canonical_of(const metrics::ParameterWords& words) {
+  const metrics::Parameters p = metrics::to_values(words);
   return csfn::canonical({p.a1, p.a2, p.b1, p.b2, p.beta}).parameters;
 }
 
@@ -54,8 +54,8 @@ GoldenRow angle_row(const char* name, double soc, double csfn, double interval) 
 
 }  // namespace
 
-Golden compare(const std::vector<run::RecordedSample>& record, const run::ParameterWords& words,
-               const GoldenSettings& settings) {
+Golden compare(const std::vector<metrics::RecordedSample>& record,
+               const metrics::ParameterWords& words, const GoldenSettings& settings) {
   csfn::IdentifyOptions options;
   options.method = csfn::Method::levenberg_marquardt;
   options.gates.full_scale = 1;
@@ -133,4 +133,4 @@ std::string to_table(const Golden& golden) {
   return text + to_table(golden.angle);
 }
 
-}  // namespace capsoc::fit
+}  // namespace capsoc::golden

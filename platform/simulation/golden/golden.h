@@ -11,7 +11,7 @@
 #include "metrics/metrics.h"
 #include "metrics/sample_record.h"
 
-namespace capsoc::fit {
+namespace capsoc::golden {
 
 /// One parameter from both sides, in the registers' words.
 struct GoldenRow {
@@ -41,10 +41,10 @@ struct Golden {
 /// Fits the samples by Levenberg-Marquardt on the network's residual or, where that is refused, by
 /// their distances. phi is no part of it: samples
 /// without their angles do not tell it.
-Golden compare(const std::vector<run::RecordedSample>& samples, const run::ParameterWords& soc,
-               const GoldenSettings& settings);
+Golden compare(const std::vector<metrics::RecordedSample>& samples,
+               const metrics::ParameterWords& soc, const GoldenSettings& settings);
 
 nlohmann::ordered_json to_json(const Golden& golden);
 std::string to_table(const Golden& golden);
 
-}  // namespace capsoc::fit
+}  // namespace capsoc::golden

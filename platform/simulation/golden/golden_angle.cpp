@@ -9,23 +9,23 @@
 #include "support/constants.h"
 #include "support/json.h"
 
-namespace capsoc::fit {
+namespace capsoc::golden {
 namespace {
 
-using RunRecord = std::vector<run::RecordedSample>;
+using RunRecord = std::vector<metrics::RecordedSample>;
 
 /// Places in the record, the end exclusive.
 struct Window {
   std::size_t begin = 0, end = 0;
 };
 
-bool same(const run::ParameterWords& a, const run::ParameterWords& b) {
+bool same(const metrics::ParameterWords& a, const metrics::ParameterWords& b) {
   return a.a1 == b.a1 && a.a2 == b.a2 && a.b1 == b.b1 && a.b2 == b.b2 && a.beta == b.beta &&
          a.phi == b.phi;
 }
 
-csfn::Parameters of_words(const run::ParameterWords& words) {
-  const run::Parameters p = run::to_values(words);
+csfn::Parameters of_words(const metrics::ParameterWords& words) {
+  const metrics::Parameters p = metrics::to_values(words);
   return {p.a1, p.a2, p.b1, p.b2, p.beta};
 }
 
@@ -42,7 +42,7 @@ std::size_t end_of_results(const RunRecord& record) {
 
 /// Calibration mode with the words that it ended with.
 Window held(const RunRecord& record, std::size_t end) {
-  const run::ParameterWords& words = record[end - 1].result->words;
+  const metrics::ParameterWords& words = record[end - 1].result->words;
   std::size_t k = end;
   for (; k > 0; --k) {
     const auto& result = record[k - 1].result;
@@ -51,7 +51,7 @@ Window held(const RunRecord& record, std::size_t end) {
   return {k, end};
 }
 
-double csfn_angle(const csfn::Parameters& p, const run::RecordedSample& sample) {
+double csfn_angle(const csfn::Parameters& p, const metrics::RecordedSample& sample) {
   return csfn::angle_of(p, sample.u / q31, sample.v / q31);
 }
 
@@ -142,7 +142,7 @@ AngleTolerance tolerance(const RunRecord& record, const Window& learnt,
 }
 
 /// Of the sample's place between centre (0) and ellipse (1).
-double radius_of(const csfn::Parameters& p, const run::RecordedSample& sample) {
+double radius_of(const csfn::Parameters& p, const metrics::RecordedSample& sample) {
   const double sine = (sample.u / q31 - p.b1) / p.a1;
   const double other = (sample.v / q31 - p.b2) / p.a2;
   return std::hypot(sine, (other + sine * std::sin(p.beta)) / std::cos(p.beta));
@@ -153,7 +153,7 @@ void measure(const RunRecord& record, const Window& window, const csfn::Paramete
              AngleCheck& check) {
   double largest = 0;
   for (std::size_t k = window.begin; k < window.end; ++k) {
-    const run::RecordedSample& sample = record[k];
+    const metrics::RecordedSample& sample = record[k];
     if (!sample.result || !sample.result->angle_valid) continue;
     const bool reversed = csfn::canonical(of_words(sample.result->words)).reversed;
     const double theirs = csfn_angle(p, sample);
@@ -200,7 +200,7 @@ const char* to_string(AngleCheck::Verdict verdict) {
   return "";
 }
 
-AngleCheck compare_angles(const std::vector<run::RecordedSample>& record,
+AngleCheck compare_angles(const std::vector<metrics::RecordedSample>& record,
                           const csfn::Identification& answer, const GoldenSettings& settings) {
   AngleCheck check;
   const std::size_t end = end_of_results(record);
@@ -248,4 +248,4 @@ std::string to_table(const AngleCheck& check) {
   return text + "\n";
 }
 
-}  // namespace capsoc::fit
+}  // namespace capsoc::golden

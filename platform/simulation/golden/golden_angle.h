@@ -9,7 +9,7 @@
 #include "csfn/identify.h"
 #include "metrics/sample_record.h"
 
-namespace capsoc::fit {
+namespace capsoc::golden {
 
 /// What the record does not say of the coprocessor and the converter that made it.
 struct GoldenSettings {
@@ -49,10 +49,10 @@ const char* to_string(AngleCheck::Verdict verdict);
 /// parameters, or, if it ends in demodulation, over its last turn (or 4 / smallest_step samples if
 /// that is more). The samples do not tell the direction: it is that of the coprocessor's beta.
 /// A sample inside the ellipse counts by its radius. `answer` is not rejected.
-AngleCheck compare_angles(const std::vector<run::RecordedSample>& record,
+AngleCheck compare_angles(const std::vector<metrics::RecordedSample>& record,
                           const csfn::Identification& answer, const GoldenSettings& settings);
 
 nlohmann::ordered_json to_json(const AngleCheck& check);
 std::string to_table(const AngleCheck& check);
 
-}  // namespace capsoc::fit
+}  // namespace capsoc::golden

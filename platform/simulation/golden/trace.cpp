@@ -5,7 +5,7 @@
 #include "host/files.h"
 #include "host/sha256.h"
 
-namespace capsoc::fit {
+namespace capsoc::golden {
 namespace {
 
 constexpr std::size_t largest_input = std::size_t{1} << 30;
@@ -33,4 +33,4 @@ Result<Trace> open_trace(const std::string& path, const std::vector<sensor::KeyV
   return trace;
 }
 
-}  // namespace capsoc::fit
+}  // namespace capsoc::golden

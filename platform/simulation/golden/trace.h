@@ -8,7 +8,7 @@
 #include "sensor/load.h"
 #include "support/result.h"
 
-namespace capsoc::fit {
+namespace capsoc::golden {
 
 /// The name for what comes on standard input.
 constexpr const char* standard_input = "-";
@@ -24,4 +24,4 @@ struct Trace {
 /// description. Error: one sentence with file and line.
 Result<Trace> open_trace(const std::string& path, const std::vector<sensor::KeyValue>& keys = {});
 
-}  // namespace capsoc::fit
+}  // namespace capsoc::golden

@@ -5,7 +5,7 @@
 
 #include "support/constants.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 namespace {
 
 const double degrees_per_turn = 360.0;
@@ -173,4 +173,4 @@ void Metrics::visit(kit::Archive& archive) {
   archive("errors", errors_);
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

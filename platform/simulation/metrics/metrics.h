@@ -9,7 +9,7 @@
 
 #include "kit/archive.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 
 /// The six parameters of the SoC paper's Eq (5). Amplitudes and offsets in full scale, angles in
 /// radians.
@@ -130,4 +130,4 @@ class Metrics {
 /// a - b wrapped to (-pi, pi].
 double wrapped_difference(double a, double b);
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

@@ -12,7 +12,7 @@
 
 #include "support/input_file.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 namespace {
 
 using nlohmann::json;
@@ -134,4 +134,4 @@ std::optional<Error> write_in_program(loader::ElfImage& image, const ParameterWo
                   image.path)};
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

@@ -8,7 +8,7 @@
 #include "metrics/metrics.h"
 #include "support/result.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 
 /// Reads the words of `parameters` from a JSON file that `capsoc fit` or `capsoc run --json` wrote.
 /// Every parameter has to have its word and its value, and they have to agree to the last place.
@@ -18,4 +18,4 @@ Result<ParameterWords> read_parameters(const std::string& path);
 /// `calibration_parameters`. Error: the program has no such place.
 std::optional<Error> write_in_program(loader::ElfImage& image, const ParameterWords& words);
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

@@ -6,7 +6,7 @@
 #include "support/constants.h"
 #include "support/printable.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 namespace {
 
 constexpr uint32_t magic = 0x31524556;
@@ -41,4 +41,4 @@ std::optional<ProgramVerdict> read_verdict(const loader::ElfImage& program, cons
   return verdict;
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

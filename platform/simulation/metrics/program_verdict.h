@@ -10,7 +10,7 @@
 #include "loader/elf_image.h"
 #include "metrics/metrics.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 
 /// The verdict of a program, and what came of holding it against the truth.
 struct ProgramVerdict {
@@ -36,4 +36,4 @@ using ReadMemory = std::function<bool(uint32_t address, void* bytes, uint32_t si
 std::optional<ProgramVerdict> read_verdict(const loader::ElfImage& program, const ReadMemory& read,
                                            const AngleErrors& errors);
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

@@ -12,7 +12,7 @@
 #include "support/constants.h"
 #include "support/printable.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 namespace {
 
 using Out = std::back_insert_iterator<std::string>;
@@ -126,4 +126,4 @@ std::string to_recording(const std::vector<RecordedSample>& samples, const std::
   return text;
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

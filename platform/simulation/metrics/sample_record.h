@@ -9,7 +9,7 @@
 #include "metrics/metrics.h"
 #include "support/result.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 
 /// What the coprocessor's registers and nodes held when a sample's results were committed.
 struct RecordedResult {
@@ -44,4 +44,4 @@ Result<RecordColumns> record_columns(const std::string& names, const std::string
 std::string to_recording(const std::vector<RecordedSample>& samples, const std::string& origin,
                          const RecordColumns& columns);
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 namespace {
 
 using Reference = SamplingState::Reference;
@@ -163,4 +163,4 @@ void SensorMatch::visit(kit::Archive& archive) {
   archive("judged", judged_);
 }
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

@@ -11,7 +11,7 @@
 #include "kit/archive.h"
 #include "sensor/source.h"
 
-namespace capsoc::run {
+namespace capsoc::metrics {
 
 /// How the program had set the coprocessor and the ADC when a result came.
 struct SamplingState {
@@ -66,4 +66,4 @@ class SensorMatch {
   bool judged_ = false;
 };
 
-}  // namespace capsoc::run
+}  // namespace capsoc::metrics

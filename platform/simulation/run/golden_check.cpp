@@ -11,9 +11,9 @@ namespace {
 
 namespace golden_registers = registers::coprocessor;
 
-fit::GoldenSettings golden_settings(soc::Soc& soc) {
+golden::GoldenSettings golden_settings(soc::Soc& soc) {
   constexpr uint32_t base = golden_registers::base_address;
-  fit::GoldenSettings settings;
+  golden::GoldenSettings settings;
   settings.paper =
       (soc.peek(base + golden_registers::STATUS_offset) & golden_registers::STATUS_ARITH_mask) != 0;
   for (uint32_t offset = golden_registers::STEP_AU_offset;
@@ -32,11 +32,11 @@ fit::GoldenSettings golden_settings(soc::Soc& soc) {
 
 }  // namespace
 
-void take_golden(soc::Soc& soc, const std::vector<RecordedSample>& record,
-                 const ParameterWords& words, RunResult& result) {
-  result.golden = fit::compare(record, words, golden_settings(soc));
-  const fit::AngleCheck& angle = result.golden->angle;
-  if (angle.verdict != fit::AngleCheck::Verdict::disagrees || result.code != exit_code::pass)
+void take_golden(soc::Soc& soc, const std::vector<metrics::RecordedSample>& record,
+                 const metrics::ParameterWords& words, RunResult& result) {
+  result.golden = golden::compare(record, words, golden_settings(soc));
+  const golden::AngleCheck& angle = result.golden->angle;
+  if (angle.verdict != golden::AngleCheck::Verdict::disagrees || result.code != exit_code::pass)
     return;
   result.code = exit_code::failed;
   result.reason = angle.reason;

@@ -12,8 +12,8 @@ namespace cop = registers::coprocessor;
 
 }  // namespace
 
-Observation::Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics,
-                         SensorMatch& match, Progress& progress, bool recording)
+Observation::Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics& metrics,
+                         metrics::SensorMatch& match, Progress& progress, bool recording)
     : soc_(soc),
       source_(source),
       metrics_(metrics),
@@ -62,11 +62,11 @@ double Observation::sensor_time(uint64_t k, double t) const {
 }
 
 void Observation::watch_sampling(uint32_t control) {
-  SamplingState state;
+  metrics::SamplingState state;
   const uint32_t both = cop::CTRL_DEMOD_mask | cop::CTRL_ADC_mask;
   state.demodulating = (control & both) == both;  // samples that software feeds have no rate
   const uint32_t reference = (control & cop::CTRL_REF_mask) >> cop::CTRL_REF_shift;
-  state.reference = static_cast<SamplingState::Reference>(reference);
+  state.reference = static_cast<metrics::SamplingState::Reference>(reference);
   state.period_cycles = soc_.adc.period.get();
   state.rate_hz = static_cast<double>(soc_.clock.frequency_hz()) / state.period_cycles;
   state.frequency = static_cast<int32_t>(soc_.peek(cop::base_address + cop::FREQ_HI_offset));
@@ -76,7 +76,7 @@ void Observation::watch_sampling(uint32_t control) {
 void Observation::result(const coprocessor::Nodes& nodes) {
   // The observer runs in the cycle of the result, before the firmware can have changed the mode.
   const uint32_t control = soc_.peek(cop::base_address + cop::CTRL_offset);
-  CoprocessorResult r;
+  metrics::CoprocessorResult r;
   r.angle = static_cast<uint32_t>(nodes.angle);
   r.angle_valid = (nodes.status & cop::STATUS_VALID_mask) != 0;
   r.demodulating = (control & cop::CTRL_DEMOD_mask) != 0;
@@ -93,10 +93,11 @@ void Observation::result(const coprocessor::Nodes& nodes) {
 
 /// A soft reset loses samples that were on their way: a result belongs to the next sample with its
 /// words.
-void Observation::keep(const CoprocessorResult& result, const coprocessor::Nodes& nodes) {
-  const auto mine = std::find_if(
-      recorded_.begin() + static_cast<std::ptrdiff_t>(finished_), recorded_.end(),
-      [&](const RecordedSample& sample) { return sample.u == nodes.u && sample.v == nodes.v; });
+void Observation::keep(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes) {
+  const auto mine = std::find_if(recorded_.begin() + static_cast<std::ptrdiff_t>(finished_),
+                                 recorded_.end(), [&](const metrics::RecordedSample& sample) {
+                                   return sample.u == nodes.u && sample.v == nodes.v;
+                                 });
   if (mine == recorded_.end()) return;  // software fed it
   mine->result = {result.angle,
                   result.words,

@@ -19,12 +19,12 @@ namespace capsoc::run {
 class Observation {
  public:
   /// `recording`: the samples are kept as the coprocessor saw them.
-  Observation(soc::Soc& soc, sensor::Source& source, Metrics& metrics, SensorMatch& match,
-              Progress& progress, bool recording);
+  Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics& metrics,
+              metrics::SensorMatch& match, Progress& progress, bool recording);
   Observation(const Observation&) = delete;
   Observation& operator=(const Observation&) = delete;
 
-  const std::vector<RecordedSample>& recorded() const { return recorded_; }
+  const std::vector<metrics::RecordedSample>& recorded() const { return recorded_; }
 
   /// What is on its way; what was recorded is the host's.
   void visit(kit::Archive& archive);
@@ -35,19 +35,19 @@ class Observation {
   void result(const coprocessor::Nodes& nodes);
   void watch_sampling(uint32_t control);
   double sensor_time(uint64_t k, double t) const;
-  void keep(const CoprocessorResult& result, const coprocessor::Nodes& nodes);
+  void keep(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes);
 
   soc::Soc& soc_;
   sensor::Source& source_;
-  Metrics& metrics_;
-  SensorMatch& match_;
+  metrics::Metrics& metrics_;
+  metrics::SensorMatch& match_;
   Progress& progress_;
-  SensorTruth truth_;
+  metrics::SensorTruth truth_;
   bool recording_;
-  std::size_t finished_ = 0;  ///< of those recorded; the next result belongs to this one
-  RecordedSample converted_;  ///< the newest of the front-end
+  std::size_t finished_ = 0;           ///< of those recorded; the next result belongs to this one
+  metrics::RecordedSample converted_;  ///< the newest of the front-end
   double recording_since_s_ = 0;
-  std::vector<RecordedSample> recorded_;
+  std::vector<metrics::RecordedSample> recorded_;
   kit::Listening samples_, results_, conversions_;
 };
 

@@ -5,7 +5,7 @@
 
 namespace capsoc::run {
 
-void Progress::update(double simulated_s, const ParameterWords& words) {
+void Progress::update(double simulated_s, const metrics::ParameterWords& words) {
   // The host's clock is asked at every 64th sample only: it costs as much as the sample's
   // bookkeeping.
   if (!shown_ || ++calls_ % 64 != 0) return;
@@ -13,7 +13,7 @@ void Progress::update(double simulated_s, const ParameterWords& words) {
   if (now - last_ < std::chrono::milliseconds(200)) return;
   last_ = now;
   const double wall = std::chrono::duration<double>(now - start_).count();
-  const Parameters p = to_values(words);
+  const metrics::Parameters p = metrics::to_values(words);
   host::say(
       "\r{:7.1f} s  {:>5}x  a1 {:.6f}  a2 {:.6f}  b1 {:+.6f}  b2 {:+.6f}  beta {:+.6f}  "
       "phi {:+.6f} ",

@@ -13,7 +13,7 @@ class Progress {
   explicit Progress(bool on_terminal) : shown_(on_terminal) {}
 
   /// `simulated_s`: simulated time in seconds; the parameters as they converge.
-  void update(double simulated_s, const ParameterWords& words);
+  void update(double simulated_s, const metrics::ParameterWords& words);
   /// Clears the line.
   void finish();
 

@@ -27,34 +27,35 @@ struct Row {
 };
 
 std::vector<Row> rows_of(const RunResult& result) {
-  const Parameters value = to_values(result.words);
-  const auto row = [&](const char* name, int64_t word, double found, double Parameters::*member,
-                       bool angle) {
+  const metrics::Parameters value = metrics::to_values(result.words);
+  const auto row = [&](const char* name, int64_t word, double found,
+                       double metrics::Parameters::*member, bool angle) {
     Row r{name, word, found, std::nullopt, std::nullopt};
-    const bool comparable = member != &Parameters::phi || result.phi_comparable;
+    const bool comparable = member != &metrics::Parameters::phi || result.phi_comparable;
     if (result.truth && comparable) {
       r.truth = (*result.truth).*member;
-      const double difference = angle ? wrapped_difference(found, *r.truth) : found - *r.truth;
+      const double difference =
+          angle ? metrics::wrapped_difference(found, *r.truth) : found - *r.truth;
       if (*r.truth != 0) r.relative_error = difference / *r.truth;
     }
     return r;
   };
-  return {row("a1", result.words.a1, value.a1, &Parameters::a1, false),
-          row("a2", result.words.a2, value.a2, &Parameters::a2, false),
-          row("b1", result.words.b1, value.b1, &Parameters::b1, false),
-          row("b2", result.words.b2, value.b2, &Parameters::b2, false),
-          row("beta", result.words.beta, value.beta, &Parameters::beta, true),
-          row("phi", result.words.phi, value.phi, &Parameters::phi, true)};
+  return {row("a1", result.words.a1, value.a1, &metrics::Parameters::a1, false),
+          row("a2", result.words.a2, value.a2, &metrics::Parameters::a2, false),
+          row("b1", result.words.b1, value.b1, &metrics::Parameters::b1, false),
+          row("b2", result.words.b2, value.b2, &metrics::Parameters::b2, false),
+          row("beta", result.words.beta, value.beta, &metrics::Parameters::beta, true),
+          row("phi", result.words.phi, value.phi, &metrics::Parameters::phi, true)};
 }
 
 /// In the state's own words: what the table prints and the result file says.
-const char* name_of(Convergence::State state) {
+const char* name_of(metrics::Convergence::State state) {
   switch (state) {
-    case Convergence::State::not_known:
+    case metrics::Convergence::State::not_known:
       return "not known";
-    case Convergence::State::not_reached:
+    case metrics::Convergence::State::not_reached:
       return "not reached";
-    case Convergence::State::reached:
+    case metrics::Convergence::State::reached:
       return "reached";
   }
   return "";
@@ -67,10 +68,11 @@ std::string degrees(const std::optional<double>& value, bool known) {
 }
 
 void add_sensor_results(const RunResult& result, ordered_json& j) {
-  const Convergence& convergence = result.convergence;
+  const metrics::Convergence& convergence = result.convergence;
   j["convergence"] = name_of(convergence.state);
   j["convergence_s"] = nullptr;
-  if (convergence.state == Convergence::State::reached) j["convergence_s"] = convergence.since_s;
+  if (convergence.state == metrics::Convergence::State::reached)
+    j["convergence_s"] = convergence.since_s;
   for (const Row& row : rows_of(result))
     j["parameters"][row.name] = {{"word", row.word},
                                  {"value", row.value},
@@ -84,7 +86,7 @@ void add_sensor_results(const RunResult& result, ordered_json& j) {
       {"calibration_mode_max", number_or_null(result.errors.calibration_mode_max)}};
 }
 
-ordered_json verdict_json(const ProgramVerdict& verdict) {
+ordered_json verdict_json(const metrics::ProgramVerdict& verdict) {
   ordered_json j;
   j["pass"] = verdict.pass;
   j["bound_deg"] = nullptr;
@@ -100,7 +102,7 @@ ordered_json verdict_json(const ProgramVerdict& verdict) {
   return j;
 }
 
-std::string bound_line(const ProgramVerdict& verdict) {
+std::string bound_line(const metrics::ProgramVerdict& verdict) {
   const auto holds = verdict.bound_holds();
   return fmt::format("the program's own bound       {:.3g} deg{}", verdict.bound_deg,
                      !holds   ? ": not known whether it holds"
@@ -118,8 +120,8 @@ std::string sensor_table(const RunResult& result) {
                      row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",
                      row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-"));
   line("");
-  const AngleErrors& errors = result.errors;
-  const Convergence& convergence = result.convergence;
+  const metrics::AngleErrors& errors = result.errors;
+  const metrics::Convergence& convergence = result.convergence;
   line(fmt::format("largest angle error before    {} (as the paper counts: {})",
                    degrees(errors.uncalibrated_max, errors.angle_known),
                    degrees(errors.uncalibrated_max_paper, errors.angle_known && result.truth)));
@@ -128,7 +130,7 @@ std::string sensor_table(const RunResult& result) {
   line(fmt::format("  in calibration mode         {}",
                    degrees(errors.calibration_mode_max, errors.angle_known)));
   line(fmt::format("all six within 1 % after      {}",
-                   convergence.state == Convergence::State::reached
+                   convergence.state == metrics::Convergence::State::reached
                        ? fmt::format("{:.1f} s", convergence.since_s)
                        : name_of(convergence.state)));
   if (result.verdict && result.verdict->pass) line(bound_line(*result.verdict));
@@ -197,7 +199,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   if (result.verdict) j["verdict"] = verdict_json(*result.verdict);
   if (!result.sensor_warnings.empty()) j["sensor_warnings"] = result.sensor_warnings;
   j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
-  if (result.golden) j["golden"] = fit::to_json(*result.golden);
+  if (result.golden) j["golden"] = golden::to_json(*result.golden);
   if (!result.lost.empty()) j["lost"] = result.lost;
   if (!result.divergence.empty()) j["divergence"] = result.divergence;
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
@@ -214,7 +216,7 @@ std::string to_table(const RunResult& result) {
   const auto line = [&](const std::string& l) { text += l + "\n"; };
   line("");
   if (result.samples > 0) text += sensor_table(result);
-  if (result.golden) text += fit::to_table(*result.golden) + "\n";
+  if (result.golden) text += golden::to_table(*result.golden) + "\n";
   line(fmt::format("{}{} simulated s in {} s ({} times real time), {} instructions, {} cycles",
                    result.samples > 0 ? fmt::format("{} samples, ", result.samples) : "",
                    seconds(result.simulated_s), seconds(result.wall_s),

@@ -68,22 +68,22 @@ struct RunResult {
   uint64_t instructions = 0;
   uint64_t cycles = 0;
   uint64_t samples = 0;
-  Convergence convergence;
+  metrics::Convergence convergence;
   std::vector<std::string> sensor_warnings;  ///< where the program does not match the sensor
-  ParameterWords words;
-  std::optional<Parameters> truth;
-  bool phi_comparable = true;  ///< Metrics::phi_comparable()
-  AngleErrors errors;
-  std::optional<ProgramVerdict> verdict;  ///< of a program that states one
+  metrics::ParameterWords words;
+  std::optional<metrics::Parameters> truth;
+  bool phi_comparable = true;  ///< metrics::Metrics::phi_comparable()
+  metrics::AngleErrors errors;
+  std::optional<metrics::ProgramVerdict> verdict;  ///< of a program that states one
   uint64_t uart0_bytes = 0;
   std::string uart0_sha256;
   std::vector<Input> inputs;
   std::vector<ProgramValue> program_settings;
-  std::string command;                ///< a command that reproduces the run
-  std::vector<std::string> lost;      ///< a sentence for each output that is not whole
-  std::string divergence;             ///< "" unless model and RTL of the coprocessor differ
-  std::string fault_report;           ///< "" unless the firmware crashed
-  std::optional<fit::Golden> golden;  ///< only when it was asked for
+  std::string command;                   ///< a command that reproduces the run
+  std::vector<std::string> lost;         ///< a sentence for each output that is not whole
+  std::string divergence;                ///< "" unless model and RTL of the coprocessor differ
+  std::string fault_report;              ///< "" unless the firmware crashed
+  std::optional<golden::Golden> golden;  ///< only when it was asked for
 };
 
 /// The result file's contents; keys are documented in docs/results.md.

@@ -22,9 +22,9 @@
 namespace capsoc::run {
 namespace {
 
-std::optional<Parameters> truth_of(const sensor::Description& d) {
+std::optional<metrics::Parameters> truth_of(const sensor::Description& d) {
   if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta || !d.phi) return std::nullopt;
-  return Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
+  return metrics::Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
 }
 
 /// A program that nobody named and that is not there: the binary was copied without its files.
@@ -40,7 +40,7 @@ std::optional<Error> missing_default(const RunSettings& settings, const std::str
 
 /// Standard input has one reader.
 std::optional<Error> taken_standard_input(const RunSettings& settings) {
-  if (settings.sensor.file() != fit::standard_input) return std::nullopt;
+  if (settings.sensor.file() != golden::standard_input) return std::nullopt;
   std::vector<const TextField*> readers = {&settings.semihosting.console};
   for (const UartSettings::Line& line : settings.uarts.lines) readers.push_back(&line.backend);
   for (const TextField* reader : readers)
@@ -124,10 +124,10 @@ Result<RunInputs> read_inputs(const RunSettings& settings) {
 
   inputs.parameter_file = settings.firmware.parameters();
   if (!inputs.parameter_file.empty()) {
-    const auto words = read_parameters(inputs.parameter_file);
+    const auto words = metrics::read_parameters(inputs.parameter_file);
     if (!words) return Error{words.error()};
     inputs.preset = words.value();
-    if (auto error = write_in_program(inputs.program, *inputs.preset)) return *error;
+    if (auto error = metrics::write_in_program(inputs.program, *inputs.preset)) return *error;
   }
   auto program_settings = change_program(settings, inputs.program);
   if (!program_settings) return Error{program_settings.error()};
@@ -135,11 +135,11 @@ Result<RunInputs> read_inputs(const RunSettings& settings) {
 
   inputs.sensor_file = settings.sensor.file();
   if (auto error = taken_standard_input(settings)) return *error;
-  auto trace = fit::open_trace(inputs.sensor_file, settings.sensor.keys());
+  auto trace = golden::open_trace(inputs.sensor_file, settings.sensor.keys());
   if (!trace) return Error{trace.error()};
   inputs.source = std::move(trace.value().source);
   inputs.sensor_sha256 = trace.value().sha256;
-  inputs.recorded_speed = recorded_speed(*inputs.source);
+  inputs.recorded_speed = metrics::recorded_speed(*inputs.source);
   const long long adc_bits = settings.sensor.adc_bits() != 0
                                  ? settings.sensor.adc_bits()
                                  : inputs.source->description().adc_bits.value_or(32);
@@ -166,12 +166,12 @@ std::optional<Error> RunInputs::load(const RunSettings& settings, soc::Soc& soc)
   return std::nullopt;
 }
 
-Metrics RunInputs::make_metrics() const {
+metrics::Metrics RunInputs::make_metrics() const {
   const sensor::Description& description = source->description();
   double frequency = std::fabs(description.frequency_hz.value_or(0));
   if (recorded_speed)
     frequency = std::fabs(*recorded_speed) * description.sample_rate_hz.value_or(0);
-  Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20);
+  metrics::Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20);
   if (preset) metrics.preset(*preset);
   return metrics;
 }

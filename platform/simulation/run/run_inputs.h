@@ -65,7 +65,7 @@ struct RunInputs {
   std::string sensor_sha256;
   unsigned adc_bits = 0;
   std::optional<double> recorded_speed;  ///< of the sensor, turns a sample
-  std::optional<ParameterWords> preset;
+  std::optional<metrics::ParameterWords> preset;
 
   /// The programs into the SoC's memories and the start of the processor. An Error: they do not
   /// fit, or none has a vector table.
@@ -73,7 +73,7 @@ struct RunInputs {
 
   /// Nothing found yet, the truth and the length of a revolution (20 s where the sensor does not
   /// say).
-  Metrics make_metrics() const;
+  metrics::Metrics make_metrics() const;
 
   /// Every file that counts, with its hash.
   std::vector<Input> files(const RunSettings& settings) const;

@@ -165,7 +165,7 @@ std::string divergence_of(const RunSettings& settings, const rtl::Lockstep* lock
 
 /// A pass whose bound the truth does not keep is none.
 void take_verdict(const loader::ElfImage& program, soc::Soc& soc, RunResult& result) {
-  result.verdict = read_verdict(
+  result.verdict = metrics::read_verdict(
       program,
       [&soc](uint32_t address, void* bytes, uint32_t size) {
         return soc.read_memory(address, bytes, size);
@@ -180,7 +180,7 @@ void take_verdict(const loader::ElfImage& program, soc::Soc& soc, RunResult& res
                   result.verdict->bound_deg, *result.verdict->largest_error_deg);
 }
 
-void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& uarts,
+void take_figures(const soc::Soc& soc, const metrics::Metrics& metrics, const UartLines& uarts,
                   RunResult& result) {
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.instructions = soc.cpu.core().instructions();
@@ -198,7 +198,8 @@ void take_figures(const soc::Soc& soc, const Metrics& metrics, const UartLines& 
 
 Result<RunResult> run(const RunSettings& settings) {
   const std::string record_file = settings.results.record();
-  const auto columns = record_columns(settings.results.record_columns(), "--record-columns");
+  const auto columns =
+      metrics::record_columns(settings.results.record_columns(), "--record-columns");
   if (!columns) return Error{columns.error()};
   if (record_file.empty() && !settings.results.record_columns.empty())
     return Error{"--record-columns: there is no recording; give --record FILE.csv, too"};
@@ -227,15 +228,15 @@ Result<RunResult> run(const RunSettings& settings) {
     soc.cpu.core().listeners().hopeless = [&soc] { return soc.watchdog_is_off(); };
   if (lockstep != nullptr) lockstep->on_difference([] { sc_core::sc_stop(); });
 
-  Metrics metrics = inputs.make_metrics();
+  metrics::Metrics metrics = inputs.make_metrics();
   Progress progress(isatty(STDERR_FILENO) != 0);
   const bool golden = settings.golden();
   RunResult result;
-  SensorMatch match(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
-                    [&result](const std::string& sentence) {
-                      spdlog::warn("{}", sentence);
-                      result.sensor_warnings.push_back(sentence);
-                    });
+  metrics::SensorMatch match(inputs.sensor_file, inputs.source->description(),
+                             inputs.recorded_speed, [&result](const std::string& sentence) {
+                               spdlog::warn("{}", sentence);
+                               result.sensor_warnings.push_back(sentence);
+                             });
   Observation observation(soc, *inputs.source, metrics, match, progress,
                           golden || !record_file.empty());
   kit::set_guest_error_context([&] {
@@ -308,8 +309,8 @@ Result<RunResult> run(const RunSettings& settings) {
   if (!record_file.empty())
     keep(host::write_whole(
         record_file,
-        to_recording(observation.recorded(), "The coprocessor's samples of " + result.command,
-                     columns.value())));
+        metrics::to_recording(observation.recorded(),
+                              "The coprocessor's samples of " + result.command, columns.value())));
   conclude(settings, soc, *ports.value(), limit, host_limit.out_of_time(), result);
   result.errors = metrics.angle_errors();
   take_verdict(inputs.program, soc, result);
