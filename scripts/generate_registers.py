@@ -5,7 +5,7 @@ usage: generate_registers.py DESCRIPTION.svd OUTPUT_DIRECTORY
 
 Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
 capsoc_registers.json (register tests) and for the peripherals that are synthesised a package
-capsoc_NAME_pkg.sv (SystemVerilog).
+capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
 A file whose content would not change is left alone, so that nothing that depends on it is rebuilt.
 An error in the description ends with status 2 and one sentence that names file and line.
 """
@@ -526,6 +526,38 @@ def sv_package(peripheral, source):
     return "\n".join(lines + ["", "  // verilator lint_on UNUSEDPARAM", f"endpackage : {name}", ""])
 
 
+def sv_selects(peripheral, source):
+    """The type with one bit for each register, and the decoder that sets them. The type stands outside of the package, for
+    the reason that rtl/coprocessor_types.sv gives."""
+    name = f"capsoc_{peripheral.name.lower()}_selects"
+    words = [register.offset // 4 for register in peripheral.registers]
+    width = max(1, (peripheral.size - 1).bit_length())
+    bits = max(words, default=0).bit_length() or 1  # of the number of a word; the address has zeros above
+    gaps = [word for word in range(1 << bits) if word not in words]
+    above = f"address_i[{width - 1}:{bits + 2}] == '0 & " if width > bits + 2 else ""
+    lines = [f"// {NOTICE.format(source=source)}",
+             "// Which register an address names: one bit for each. The bits look at the number of the word alone; mapped_o says",
+             "// whether there is a register at this address.",
+             "typedef struct packed {"]
+    lines += [f"  logic {register.name};" for register in peripheral.registers]
+    lines += [f"}} {name}_t;", "",
+              f"module {name} (",
+              f"  input  logic [{width - 1}:0] address_i,  // of a byte",
+              f"  output {name}_t select_o,",
+              "  output logic mapped_o",
+              ");", "",
+              f"  logic [{bits - 1}:0] word;",
+              f"  logic [{len(words) - 1}:0] hits;",
+              f"  assign word = address_i[{bits + 1}:2];"]
+    lines += [f"  assign hits[{len(words) - 1 - place}] = word == {bits}'h{word:0{(bits + 3) // 4}X};  // {register.name}"
+              for place, (word, register) in enumerate(zip(words, peripheral.registers))]
+    # Few words have no register: they take less than an OR over all that have one.
+    inside = "".join(f" & word != {bits}'h{word:0{(bits + 3) // 4}X}" for word in gaps)
+    lines += ["  assign select_o = hits;",
+              f"  assign mapped_o = {above}address_i[1:0] == '0{inside};"]
+    return "\n".join(lines + ["", f"endmodule : {name}", ""])
+
+
 def reserved_values(register):
     """What a write must not contain: a word outside a range, a field outside its enumeration."""
     rules = []
@@ -584,8 +616,9 @@ def main(arguments):
             write_if_changed(output / name, make(device, source.name))
         for peripheral in device.peripherals:
             if peripheral.name in SYNTHESISED:
-                write_if_changed(output / f"capsoc_{peripheral.name.lower()}_pkg.sv",
-                                 sv_package(peripheral, source.name))
+                for part, make in (("pkg", sv_package), ("selects", sv_selects)):
+                    write_if_changed(output / f"capsoc_{peripheral.name.lower()}_{part}.sv",
+                                     make(peripheral, source.name))
     except DescriptionError as error:
         print(f"{source}:{error.line}: {error}", file=sys.stderr)
         return 2

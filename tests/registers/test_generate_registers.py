@@ -1,6 +1,7 @@
 """Runs scripts/generate_registers.py on small descriptions and on the real one."""
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -75,6 +76,26 @@ class Generator(unittest.TestCase):
         self.assertIn("  localparam int CTRL_REF_MSB = 3;", package)
         self.assertIn("  localparam logic [31:0] STEP_CV_RESET = 32'h001496BB;", package)
 
+    def test_the_decoder_has_a_bit_for_each_register_at_its_word(self):
+        self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)
+        decoder = self.made("capsoc_coprocessor_selects.sv")
+        registers = json.loads(self.made("capsoc_registers.json"))["peripherals"]["COPROCESSOR"]["registers"]
+        # The first member of a packed struct is its highest bit.
+        members = re.findall(r"^  logic (\w+);$", decoder.split("} capsoc_coprocessor_selects_t;")[0], re.M)
+        hits = re.findall(r"assign hits\[(\d+)\] = word == 6'h(\w+);  // (\w+)", decoder)
+        self.assertEqual(members, [register["name"] for register in registers])
+        self.assertEqual([(int(bit), int(word, 16), name) for bit, word, name in hits],
+                         [(len(members) - 1 - place, register["offset"] // 4, register["name"])
+                          for place, register in enumerate(registers)])
+        self.assertIn("assign word = address_i[7:2];", decoder)
+        self.assertIn("assign mapped_o = address_i[11:8] == '0 & address_i[1:0] == '0 & word != 6'h2A & word != 6'h2B "
+                      "& word != 6'h3A;", decoder)
+
+    def test_only_what_is_synthesised_has_a_decoder(self):
+        self.run_generator(DESCRIPTION)
+        self.assertEqual([path.name for path in sorted(self.output.glob("*.sv"))],
+                         ["capsoc_coprocessor_pkg.sv", "capsoc_coprocessor_selects.sv"])
+
     def test_the_table_for_programs_has_masks_and_reserved_values(self):
         self.run_generator(DESCRIPTION)
         registers = json.loads(self.made("capsoc_registers.json"))["peripherals"]["COPROCESSOR"]["registers"]
@@ -108,7 +129,7 @@ class Generator(unittest.TestCase):
         before = {path: path.stat().st_mtime_ns for path in self.output.iterdir()}
         self.run_generator(DESCRIPTION)
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in self.output.iterdir()})
-        self.assertEqual(len(before), 5)
+        self.assertEqual(len(before), 6)
 
     # What it refuses
 
