@@ -4,9 +4,9 @@
 //   T0 calibrator, T1 polar unit, T3 LMS demodulator, T4 polar unit; LOAD: precise_core or paper_core
 //   T2 reference generator, error average, turn judge, results: the same for both arithmetics
 //
-// A tick is cycles 0 to 31; boundary_i is 1 in the interval whose end begins a tick. Registers are
+// A tick is cycles 0 to 31; tick_i.boundary is 1 in the interval whose end begins a tick. Registers are
 // read at that edge, as the bank has them in the interval, or as a stage writes them at its end:
-// outputs with a write enable hold in the interval with boundary_i. Weights Q2.46, phase and
+// outputs with a write enable hold in the interval with a boundary. Weights Q2.46, phase and
 // frequency 2^-48 turn, sample, amplitudes and offsets Q1.31, angles 2^-32 turn.
 module datapath #(
   parameter int Paper = 0,
@@ -15,84 +15,98 @@ module datapath #(
   parameter int StepShift = 0,       // paper: right shift of the step behind its register
   parameter int PlainArctangent = 0  // paper: the arctangent's input as it is
 ) (
-  input  logic               clk_i, rst_ni, clear_i, boundary_i,
-  input  logic [4:0]         cycle_i,
-  input  logic               enter_i,
-  input  logic [4:0]         stage_i,
-  input  logic [2:0]         load_i, load_start_i,
-  input  logic signed [31:0] held_u_i, held_v_i,
-  input  logic               held_clip_i, demod_i, frozen_i, calib_i,
-  input  logic [1:0]         ref_i,
-  input  logic [4:0]         kp_i, ki_i,
-  input  logic [30:0]        step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i,
-  input  logic [31:0]        lock_threshold_i, diverge_threshold_i, turn_limit_i,
-  input  logic [21:0]        judge_i,
-  input  logic [47:0]        phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
-  input  logic [31:0]        a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
-  output logic               phase_we_o,
-  output logic [47:0]        phase_o,
-  output logic               freq_we_o,
-  output logic [47:0]        freq_o,
-  output logic               weights_u_we_o,
-  output logic [47:0]        au_o, bu_o, cu_o,
-  output logic               weights_v_we_o,
-  output logic [47:0]        av_o, bv_o, cv_o,
-  output logic               parameters_we_o,
-  output logic [31:0]        a1_o, a2_o, b1_o, b2_o, beta_o, phi_o,
-  output logic               commit_o, flag_clip_o, flag_sat_o, flag_zero_o, flag_diverged_o,
-  output logic               flag_lockchg_o, flag_mirrorchg_o, flag_turn_o, flag_alarm_o, flag_unsettled_o,
-  input  logic [3:0]         result_select_i,
-  output logic [31:0]        result_o,
-  output logic               status_lock_o, status_diverged_o, status_mirror_o, status_valid_o,
-  output logic               status_alarm_o,
-  output logic [1:0]         status_good_turns_o,
-  output logic [31:0]        turn_flags_o
+  input  logic        clk_i, rst_ni, clear_i,
+  input  tick_t       tick_i,
+  input  sample_t     held_i,           // enters T0
+  input  settings_t   settings_i,
+  input  logic        frozen_i,
+  input  state_t      state_i,
+  output state_we_t   state_we_o,
+  output state_t      state_o,
+  output logic        commit_o,
+  output flags_t      flags_o,          // with commit_o
+  output status_t     status_o,
+  output logic [31:0] turn_flags_o,
+  input  logic [3:0]  result_select_i,  // results_memory.sv; 4 ANGLE
+  output logic [31:0] result_o
 );
 
+  logic boundary;
+  logic [4:0] cycle, stage;
+  logic [2:0] load;
+  assign boundary = tick_i.boundary;
+  assign cycle = tick_i.cycle;
+  assign stage = tick_i.stage;
+  assign load = tick_i.load;
+
   // The sample of T0; its words go to memory in the tick's first two cycles.
+  logic enter;
+  logic [31:0] held_u, held_v;
   logic signed [31:0] u_q, v_q;
+  assign enter = tick_i.enter && boundary;
+  assign held_u = held_i.u;
+  assign held_v = held_i.v;
   always_ff @(posedge clk_i) begin
-    if (enter_i && boundary_i) begin
-      u_q <= held_u_i;
-      v_q <= held_v_i;
+    if (enter) begin
+      u_q <= held_u;
+      v_q <= held_v;
     end
   end
 
-  logic hold_weights, update_q, demod4_q;
+  logic hold_weights, demod, update_q, demod4_q;
+  assign demod = settings_i.demod;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       update_q <= 1'b0;
       demod4_q <= 1'b0;
-    end else if (boundary_i) begin
-      update_q <= demod_i && !frozen_i && !hold_weights;
-      demod4_q <= demod_i;
+    end else if (boundary) begin
+      update_q <= demod && !frozen_i && !hold_weights;
+      demod4_q <= demod;
     end
   end
-  assign weights_u_we_o = boundary_i && ((stage_i[3] && update_q) || load_i[1]);
-  assign weights_v_we_o = boundary_i && ((stage_i[3] && update_q) || load_i[2]);
-  assign parameters_we_o = commit_o && demod4_q;
+  assign state_we_o.weights_u = boundary && ((stage[3] && update_q) || load[1]);
+  assign state_we_o.weights_v = boundary && ((stage[3] && update_q) || load[2]);
+  assign state_we_o.parameters = commit_o && demod4_q;
 
-  logic [31:0] relative, residue, reference_phase, phi_now;
+  steps_t steps;
+  weights_t weights_now, weights;
+  parameters_t parameters_now, parameters;
+  assign steps = settings_i.steps;
+  assign weights_now = state_i.weights;
+  assign parameters_now = state_i.parameters;
+  assign state_o.weights = weights;
+  assign state_o.parameters = parameters;
+
+  core_t core;
+  logic [31:0] residue, reference_phase, phi_now;
   logic signed [31:0] sine, cosine;
-  logic zero, mirror, turn, unsettled1, unsettled4;
+  logic turn;
   logic [4:0] saturated;
-  logic [4:0] core_saturated;
   // T4 of the last sample may end where a LOAD begins.
-  assign phi_now = parameters_we_o ? phi_o : phi_i;
+  assign phi_now = state_we_o.parameters ? parameters.phi : parameters_now.phi;
   reference_generator #(
     .Paper(Paper),
     .ReferenceLead(ReferenceLead)
   ) u_reference_generator (
-    .clk_i, .rst_ni, .boundary_i, .cycle_i,
-    .start_i          (stage_i[1]),
-    .active_i         (stage_i[2]),
-    .load_start_i     (load_start_i[0] || load_start_i[1]),
-    .load_active_i    (load_i[0] || load_i[1]),
-    .load_phase_i     (phi_now + (load_start_i[1] ? beta_i : '0)),
-    .ref_i, .kp_i, .ki_i, .phase_i, .freq_i,
-    .relative_i       (relative),
-    .zero_i           (zero),
-    .phase_we_o, .phase_o, .freq_we_o, .freq_o,
+    .clk_i, .rst_ni,
+    .boundary_i       (boundary),
+    .cycle_i          (cycle),
+    .start_i          (stage[1]),
+    .active_i         (stage[2]),
+    .load_start_i     (tick_i.load_start[0] || tick_i.load_start[1]),
+    .load_active_i    (load[0] || load[1]),
+    .load_phase_i     (phi_now + (tick_i.load_start[1] ? parameters_now.beta : '0)),
+    .ref_i            (settings_i.source),
+    .kp_i             (settings_i.kp),
+    .ki_i             (settings_i.ki),
+    .phase_i          (state_i.phase),
+    .freq_i           (state_i.freq),
+    .relative_i       (core.relative),
+    .zero_i           (core.zero),
+    .phase_we_o       (state_we_o.phase),
+    .phase_o          (state_o.phase),
+    .freq_we_o        (state_we_o.freq),
+    .freq_o           (state_o.freq),
     .saturated_o      (saturated[2]),
     .hold_weights_o   (hold_weights),
     .turn_o           (turn),
@@ -102,105 +116,45 @@ module datapath #(
     .cosine_o         (cosine)
   );
 
-  logic data_v, calibrated_valid, calibrated_s, det_valid, amplitude_valid, amplitude_late;
-  logic error_valid, error_v;
-  logic signed [31:0] data, error;
-  logic [31:0] calibrated, det, amplitude, angle;
+  // Both arithmetics have these ports.
+`define CORE_PORTS \
+    .clk_i, .rst_ni, .tick_i, \
+    .keep_i(state_we_o), .update_i(update_q), \
+    .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
+    .steps_i(steps), .slew_i(settings_i.judge[21:19]), \
+    .weights_i(weights_now), .parameters_i(parameters_now), \
+    .core_o(core), .weights_o(weights), .parameters_o(parameters)
+  logic signed [31:0] data;
+  logic [31:0] angle;
   if (Paper != 0) begin : g_paper
     paper_core #(
       .OperandBits(OperandBits),
       .StepShift(StepShift),
       .PlainArctangent(PlainArctangent)
     ) u_core (
-      .rst_ni,
-      .parameters_we_i(parameters_we_o),
-      .beta_i,
-      .phi_i,
-      .data_i            (32'd0),
-      .clk_i, .boundary_i, .cycle_i, .stage_i, .load_i,
-      .load_start_i      (load_start_i[2:1]),
-      .update_i          (update_q),
-      .keep_u_i          (weights_u_we_o),
-      .keep_v_i          (weights_v_we_o),
-      .u_i               (u_q),
-      .v_i               (v_q),
-      .sine_i            (sine),
-      .cosine_i          (cosine),
-      .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i,
-      .slew_i            (judge_i[21:19]),
-      .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i, .a1_i, .a2_i, .b1_i, .b2_i,
-      .data_v_o          (data_v),
-      .calibrated_valid_o(calibrated_valid),
-      .calibrated_s_o    (calibrated_s),
-      .calibrated_o      (calibrated),
-      .det_valid_o       (det_valid),
-      .det_o             (det),
-      .amplitude_valid_o (amplitude_valid),
-      .amplitude_late_o  (amplitude_late),
-      .amplitude_o       (amplitude),
-      .error_valid_o     (error_valid),
-      .error_v_o         (error_v),
-      .error_o           (error),
-      .relative_o        (relative),
-      .zero_o            (zero),
-      .mirror_o          (mirror),
-      .unsettled1_o      (unsettled1),
-      .unsettled4_o      (unsettled4),
-      .saturated_o       (core_saturated),
-      .angle_o           (angle),
-      .au_o, .bu_o, .cu_o, .av_o, .bv_o, .cv_o, .a1_o, .a2_o, .b1_o, .b2_o, .beta_o, .phi_o
+      `CORE_PORTS
     );
-    logic unused_data;
-    assign unused_data = ^data;
   end else begin : g_precise
     localparam int unused_settings = OperandBits + StepShift + ReferenceLead;
     precise_core u_core (
-      .data_i            (data),
-      .clk_i, .rst_ni, .boundary_i, .cycle_i, .stage_i, .load_i,
-      .load_start_i      (load_start_i[2:1]),
-      .update_i          (update_q),
-      .keep_u_i          (weights_u_we_o),
-      .keep_v_i          (weights_v_we_o),
-      .u_i               (u_q),
-      .v_i               (v_q),
-      .sine_i            (sine),
-      .cosine_i          (cosine),
-      .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i,
-      .slew_i            (judge_i[21:19]),
-      .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i, .a1_i, .a2_i, .b1_i, .b2_i,
-      .data_v_o          (data_v),
-      .calibrated_valid_o(calibrated_valid),
-      .calibrated_s_o    (calibrated_s),
-      .calibrated_o      (calibrated),
-      .det_valid_o       (det_valid),
-      .det_o             (det),
-      .amplitude_valid_o (amplitude_valid),
-      .amplitude_late_o  (amplitude_late),
-      .amplitude_o       (amplitude),
-      .error_valid_o     (error_valid),
-      .error_v_o         (error_v),
-      .error_o           (error),
-      .relative_o        (relative),
-      .zero_o            (zero),
-      .mirror_o          (mirror),
-      .unsettled1_o      (unsettled1),
-      .unsettled4_o      (unsettled4),
-      .saturated_o       (core_saturated),
-      .angle_o           (angle),
-      .au_o, .bu_o, .cu_o, .av_o, .bv_o, .cv_o, .a1_o, .a2_o, .b1_o, .b2_o, .beta_o, .phi_o
+      `CORE_PORTS
     );
   end
-  assign saturated[4:3] = core_saturated[4:3];
-  assign saturated[1:0] = core_saturated[1:0];
+`undef CORE_PORTS
+  assign angle = core.angle;
+  assign saturated[4:3] = core.saturated[4:3];
+  assign saturated[1:0] = core.saturated[1:0];
 
   logic lock, diverged;
   logic [31:0] average;
   error_average u_error_average (
-    .clk_i, .rst_ni, .clear_i, .boundary_i,
+    .clk_i, .rst_ni, .clear_i,
+    .boundary_i   (boundary),
     .commit_i     (commit_o),
-    .error_valid_i(error_valid),
-    .error_i      (error),
-    .lock_threshold_i, .diverge_threshold_i,
+    .error_valid_i(core.error_valid),
+    .error_i      (core.error),
+    .lock_threshold_i   (settings_i.lock_threshold),
+    .diverge_threshold_i(settings_i.diverge_threshold),
     .average_o    (average),
     .lock_o       (lock),
     .diverged_o   (diverged)
@@ -209,18 +163,21 @@ module datapath #(
   logic valid, result_any, angle_any, mirror4, turn4, permits;
   logic [2:0] slot0, slot1, slot2, slot3, slot4, result_slot;
   sample_tags u_sample_tags (
-    .clk_i, .rst_ni, .clear_i, .boundary_i, .enter_i, .stage_i,
-    .clip_i       (held_clip_i),
+    .clk_i, .rst_ni, .clear_i,
+    .boundary_i   (boundary),
+    .enter_i      (tick_i.enter),
+    .stage_i      (stage),
+    .clip_i       (held_i.clip),
     .saturated_i  (saturated),
-    .mirror_i     (mirror),
-    .zero_i       (zero),
+    .mirror_i     (core.mirror),
+    .zero_i       (core.zero),
     .lock_i       (lock),
     .diverged_i   (diverged),
-    .unsettled1_i (unsettled1),
+    .unsettled1_i (core.unsettled1),
     .turn_i       (turn),
-    .unsettled4_i (unsettled4 && demod4_q),
+    .unsettled4_i (core.unsettled4 && demod4_q),
     .permits_i    (permits),
-    .calib_i,
+    .calib_i      (settings_i.calib),
     .slot0_o      (slot0),
     .slot1_o      (slot1),
     .slot2_o      (slot2),
@@ -233,68 +190,82 @@ module datapath #(
     .result_slot_o(result_slot),
     .result_any_o (result_any),
     .angle_any_o  (angle_any),
-    .flag_clip_o, .flag_sat_o, .flag_zero_o, .flag_unsettled_o, .flag_diverged_o, .flag_lockchg_o, .flag_mirrorchg_o,
-    .status_lock_o, .status_diverged_o, .status_mirror_o, .status_valid_o
+    .flag_clip_o     (flags_o.clip),
+    .flag_sat_o      (flags_o.sat),
+    .flag_zero_o     (flags_o.zero),
+    .flag_unsettled_o(flags_o.unsettled),
+    .flag_diverged_o (flags_o.diverged),
+    .flag_lockchg_o  (flags_o.lockchg),
+    .flag_mirrorchg_o(flags_o.mirrorchg),
+    .status_lock_o    (status_o.lock),
+    .status_diverged_o(status_o.diverged),
+    .status_mirror_o  (status_o.mirror),
+    .status_valid_o   (status_o.valid)
   );
 
   logic quality_we, record_bank, record_any;
   logic [4:0] quality_address;
   logic [31:0] quality;
   turn_judge u_turn_judge (
-    .clk_i, .rst_ni, .clear_i, .boundary_i, .cycle_i, .stage_i,
+    .clk_i, .rst_ni, .clear_i,
+    .boundary_i       (boundary),
+    .cycle_i          (cycle),
+    .stage_i          (stage),
     .slot0_i          (slot0[1:0]),
     .slot1_i          (slot1),
     .slot2_i          (slot2),
     .slot3_i          (slot3[1:0]),
     .slot4_i          (slot4),
-    .det_valid_i      (det_valid),
-    .det_i            (det),
-    .amplitude_valid_i(amplitude_valid),
-    .amplitude_late_i (amplitude_late),
-    .amplitude_i      (amplitude),
+    .det_valid_i      (core.det_valid),
+    .det_i            (core.det),
+    .amplitude_valid_i(core.amplitude_valid),
+    .amplitude_late_i (core.amplitude_late),
+    .amplitude_i      (core.amplitude),
     .residue_i        (residue),
     .average_i        (average),
     .angle_i          (angle[31:2]),
     .commit_i         (commit_o),
-    .clip_i           (flag_clip_o),
-    .saturated_i      (flag_sat_o),
-    .no_angle_i       (flag_zero_o || flag_unsettled_o),
+    .clip_i           (flags_o.clip),
+    .saturated_i      (flags_o.sat),
+    .no_angle_i       (flags_o.zero || flags_o.unsettled),
     .mirror_i         (mirror4),
     .turn_i           (turn4),
     .octant_i         (angle[31:29]),
-    .ref_i, .judge_i(judge_i[18:0]), .turn_limit_i,
+    .ref_i            (settings_i.source),
+    .judge_i          (settings_i.judge[18:0]),
+    .turn_limit_i     (settings_i.turn_limit),
     .write_o          (quality_we),
     .write_address_o  (quality_address),
     .write_data_o     (quality),
     .bank_o           (record_bank),
     .any_o            (record_any),
     .turn_flags_o,
-    .good_turns_o     (status_good_turns_o),
-    .alarm_o          (status_alarm_o),
-    .ended_o          (flag_turn_o),
-    .alarm_next_o     (flag_alarm_o),
+    .good_turns_o     (status_o.good_turns),
+    .alarm_o          (status_o.alarm),
+    .ended_o          (flags_o.turn),
+    .alarm_next_o     (flags_o.alarm),
     .permits_o        (permits)
   );
 
   logic first, second;
   logic [31:0] stored_result, angle_q;
-  assign first = cycle_i == 5'd0;
-  assign second = cycle_i == 5'd1;
+  assign first = cycle == 5'd0;
+  assign second = cycle == 5'd1;
   results_memory u_results_memory (
     .clk_i,
-    .sample_we_i   (stage_i[0] && (first || second || calibrated_valid)),
-    .sample_word_i (calibrated_valid ? {1'b1, !calibrated_s} : {1'b0, second}),
-    .sample_i      (calibrated_valid ? calibrated : second ? v_q : u_q),
+    .sample_we_i   (stage[0] && (first || second || core.calibrated_valid)),
+    .sample_word_i (core.calibrated_valid ? {1'b1, !core.calibrated_s} : {1'b0, second}),
+    .sample_i      (core.calibrated_valid ? core.calibrated : second ? v_q : u_q),
     .sample_slot_i (slot0),
-    .error_we_i    ((stage_i[2] && (first || second)) || error_valid),
-    .error_word_i  (error_valid ? {error_v, !error_v} : {2{first}}),
-    .error_i       (error_valid ? error : first ? residue : reference_phase),
-    .error_slot_i  (error_valid ? slot3 : slot2),
+    .error_we_i    ((stage[2] && (first || second)) || core.error_valid),
+    .error_word_i  (core.error_valid ? {core.error_v, !core.error_v} : {2{first}}),
+    .error_i       (core.error_valid ? core.error : first ? residue : reference_phase),
+    .error_slot_i  (core.error_valid ? slot3 : slot2),
     .quality_we_i  (quality_we),
     .quality_address_i(quality_address),
     .quality_i     (quality),
     .bank_i        (record_bank),
-    .data_v_i      (data_v),
+    .data_v_i      (core.data_v),
     .data_slot_i   (slot3),
     .data_o        (data),
     .select_i      (result_select_i),
@@ -310,6 +281,6 @@ module datapath #(
                     (result_select_i > 4'd10 ? record_any : result_any) ? stored_result : '0;
 
   logic unused_t2;  // T2 is not the core's
-  assign unused_t2 = core_saturated[2];
+  assign unused_t2 = core.saturated[2];
 
 endmodule

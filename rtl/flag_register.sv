@@ -3,19 +3,15 @@
 // Latency: a flag is set at the edge of its event. Clearing wins over setting at one edge, because
 // the register access is the last thing that happens there.
 module flag_register (
-  input  logic       clk_i,
-  input  logic       rst_ni,
-  input  logic       clear_i,      // soft reset
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic        clear_i,      // soft reset
   input  logic [11:0] set_i,        // events of this edge, in FLAGS' order
-  input  logic       write_i,      // bus write: ones clear
+  input  logic        write_i,      // bus write: ones clear
   input  logic [11:0] write_data_i,
-  input  logic       ie_result_i,
-  input  logic       ie_lock_i,
-  input  logic       ie_error_i,
-  input  logic       ie_turn_i,
-  input  logic       ie_alarm_i,
+  input  enables_t    enables_i,
   output logic [11:0] flags_o,
-  output logic       irq_o
+  output logic        irq_o
 );
 
   logic [11:0] flags_q, flags_d;
@@ -39,8 +35,8 @@ module flag_register (
   localparam logic [11:0] Trouble = ~(Result | Lock | Mirror | Turn | Alarm);
 
   assign flags_o = flags_q;
-  assign irq_o   = (ie_result_i & (|(flags_q & Result))) | (ie_lock_i & (|(flags_q & Lock))) |
-                   (ie_error_i & (|(flags_q & Trouble))) | (ie_turn_i & (|(flags_q & Turn))) |
-                   (ie_alarm_i & (|(flags_q & Alarm)));
+  assign irq_o   = (enables_i.result & (|(flags_q & Result))) | (enables_i.lock & (|(flags_q & Lock))) |
+                   (enables_i.error & (|(flags_q & Trouble))) | (enables_i.turn & (|(flags_q & Turn))) |
+                   (enables_i.alarm & (|(flags_q & Alarm)));
 
 endmodule

@@ -4,7 +4,7 @@
 //   weight_i                s48, Q2.46: place 0 of the ring; weight_q31_i: the same >>r 15, s34
 //   sine_i, cosine_i        s32, Q1.31
 //   difference_i            s34, Q31: D = data - c >>r 15, u's in cycle 3, v's in cycle 7
-//   step_*_i                u31, Q1.31, registers; copied at the tick's start (a1, a2 for LOAD)
+//   steps_i                 u31, Q1.31, registers; copied at the tick's start (a1, a2 for LOAD)
 //   slew_i                  JUDGE.SLEW, copied likewise
 //   error_o                 s32, Q1.31, valid with error_valid_o: u in cycle 4, v in cycle 8
 //   weight_o                s48, Q2.46, valid with weight_valid_o, when weight_i leaves place 0
@@ -31,12 +31,7 @@ module lms_demodulator (
   input  logic               load_v_start_i,
   input  logic        [30:0] a1_i,
   input  logic        [30:0] a2_i,
-  input  logic        [30:0] step_au_i,
-  input  logic        [30:0] step_bu_i,
-  input  logic        [30:0] step_cu_i,
-  input  logic        [30:0] step_av_i,
-  input  logic        [30:0] step_bv_i,
-  input  logic        [30:0] step_cv_i,
+  input  steps_t             steps_i,
   input  logic        [ 2:0] slew_i,
   input  logic signed [47:0] weight_i,
   input  logic signed [33:0] weight_q31_i,
@@ -56,23 +51,30 @@ module lms_demodulator (
 
   // Steps as they were at the tick's start. They begin at their registers' reset value: flip-flops of
   // this family begin at 0, so a bit that begins at 1 is kept inverted, and its copy had better be.
-  localparam logic [30:0] StepReset = 31'd1349307;
+  localparam logic [31:0] StepReset = capsoc_coprocessor_pkg::STEP_AU_RESET;
+  logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
   logic [30:0] step_au_q, step_bu_q, step_cu_q, step_av_q, step_bv_q, step_cv_q;
+  assign step_au = load_u_start_i ? a1_i : steps_i.au;
+  assign step_bu = steps_i.bu;
+  assign step_cu = steps_i.cu;
+  assign step_av = load_v_start_i ? a2_i : steps_i.av;
+  assign step_bv = steps_i.bv;
+  assign step_cv = steps_i.cv;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      step_au_q <= StepReset;
-      step_bu_q <= StepReset;
-      step_cu_q <= StepReset;
-      step_av_q <= StepReset;
-      step_bv_q <= StepReset;
-      step_cv_q <= StepReset;
+      step_au_q <= StepReset[30:0];
+      step_bu_q <= StepReset[30:0];
+      step_cu_q <= StepReset[30:0];
+      step_av_q <= StepReset[30:0];
+      step_bv_q <= StepReset[30:0];
+      step_cv_q <= StepReset[30:0];
     end else if (boundary_i) begin
-      step_au_q <= load_u_start_i ? a1_i : step_au_i;
-      step_bu_q <= step_bu_i;
-      step_cu_q <= step_cu_i;
-      step_av_q <= load_v_start_i ? a2_i : step_av_i;
-      step_bv_q <= step_bv_i;
-      step_cv_q <= step_cv_i;
+      step_au_q <= step_au;
+      step_bu_q <= step_bu;
+      step_cu_q <= step_cu;
+      step_av_q <= step_av;
+      step_bv_q <= step_bv;
+      step_cv_q <= step_cv;
     end
   end
 

@@ -8,9 +8,9 @@
 // Inputs stable in cycles 0..13. State changes only if run_i.
 //
 // u_i, v_i, sine_i, cosine_i   s32, Q1.31
-// step_*_i                     u31, Q1.31; StepShift: right shift of every step
+// steps_i                      u31, Q1.31; StepShift: right shift of every step
 // slew_i                       JUDGE.SLEW: what of the error an update may see
-// au_i .. cv_i, au_o .. cv_o   s48, Q2.46, of which this arithmetic has bits 46:15 (Q1.31)
+// weights_i, weights_o         s48, Q2.46, of which this arithmetic has bits 46:15 (Q1.31)
 // error_u_o, error_v_o         s32, Q1.31, before the update
 // error_saturated_o            an error was clamped
 // weights_saturated_o          a new weight was clamped
@@ -27,27 +27,12 @@ module paper_lms #(
   input  logic signed [31:0] v_i,
   input  logic signed [31:0] sine_i,
   input  logic signed [31:0] cosine_i,
-  input  logic        [30:0] step_au_i,
-  input  logic        [30:0] step_bu_i,
-  input  logic        [30:0] step_cu_i,
-  input  logic        [30:0] step_av_i,
-  input  logic        [30:0] step_bv_i,
-  input  logic        [30:0] step_cv_i,
+  input  steps_t             steps_i,
   input  logic         [2:0] slew_i,
-  input  logic signed [47:0] au_i,
-  input  logic signed [47:0] bu_i,
-  input  logic signed [47:0] cu_i,
-  input  logic signed [47:0] av_i,
-  input  logic signed [47:0] bv_i,
-  input  logic signed [47:0] cv_i,
+  input  weights_t           weights_i,
   output logic signed [31:0] error_u_o,
   output logic signed [31:0] error_v_o,
-  output logic signed [47:0] au_o,
-  output logic signed [47:0] bu_o,
-  output logic signed [47:0] cu_o,
-  output logic signed [47:0] av_o,
-  output logic signed [47:0] bv_o,
-  output logic signed [47:0] cv_o,
+  output weights_t           weights_o,
   output logic               error_saturated_o,
   output logic               weights_saturated_o
 );
@@ -79,12 +64,12 @@ module paper_lms #(
   logic signed [31:0] weight_a, weight_b, weight_c, data, error;
   logic [30:0] step_a, step_b, step_c;
   logic signed [31:0] error_u_q, error_v_q;
-  assign weight_a = channel_v ? av_i[46:15] : au_i[46:15];
-  assign weight_b = channel_v ? bv_i[46:15] : bu_i[46:15];
-  assign weight_c = channel_v ? cv_i[46:15] : cu_i[46:15];
-  assign step_a = channel_v ? step_av_i : step_au_i;
-  assign step_b = channel_v ? step_bv_i : step_bu_i;
-  assign step_c = channel_v ? step_cv_i : step_cu_i;
+  assign weight_a = channel_v ? weights_i.av[46:15] : weights_i.au[46:15];
+  assign weight_b = channel_v ? weights_i.bv[46:15] : weights_i.bu[46:15];
+  assign weight_c = channel_v ? weights_i.cv[46:15] : weights_i.cu[46:15];
+  assign step_a = channel_v ? steps_i.av : steps_i.au;
+  assign step_b = channel_v ? steps_i.bv : steps_i.bu;
+  assign step_c = channel_v ? steps_i.cv : steps_i.cu;
   assign data = channel_v ? v_i : u_i;
   slew_limit u_slew_limit (
     .slew_i,
@@ -180,18 +165,18 @@ module paper_lms #(
 
   assign error_u_o = error_u_q;
   assign error_v_o = error_v_q;
-  assign au_o = {au_q[31], au_q, 15'b0};
-  assign bu_o = {bu_q[31], bu_q, 15'b0};
-  assign cu_o = {cu_q[31], cu_q, 15'b0};
-  assign av_o = {av_q[31], av_q, 15'b0};
-  assign bv_o = {bv_q[31], bv_q, 15'b0};
-  assign cv_o = {cv_q[31], cv_q, 15'b0};
+  assign weights_o.au = {au_q[31], au_q, 15'b0};
+  assign weights_o.bu = {bu_q[31], bu_q, 15'b0};
+  assign weights_o.cu = {cu_q[31], cu_q, 15'b0};
+  assign weights_o.av = {av_q[31], av_q, 15'b0};
+  assign weights_o.bv = {bv_q[31], bv_q, 15'b0};
+  assign weights_o.cv = {cv_q[31], cv_q, 15'b0};
   assign error_saturated_o = error_saturated_q;
   assign weights_saturated_o = weights_saturated_q;
 
   logic unused_bits;
-  assign unused_bits = ^{product[67:64], product[30:0], au_i[47], au_i[14:0], bu_i[47], bu_i[14:0],
-                         cu_i[47], cu_i[14:0], av_i[47], av_i[14:0], bv_i[47], bv_i[14:0], cv_i[47],
-                         cv_i[14:0]};
+  assign unused_bits = ^{product[67:64], product[30:0], weights_i.au[47], weights_i.au[14:0], weights_i.bu[47], weights_i.bu[14:0],
+                         weights_i.cu[47], weights_i.cu[14:0], weights_i.av[47], weights_i.av[14:0], weights_i.bv[47], weights_i.bv[14:0], weights_i.cv[47],
+                         weights_i.cv[14:0]};
 
 endmodule

@@ -3,17 +3,15 @@
 //
 // Latency: a sample that an idle sequencer latches at edge c enters T0 at edge c + 1 and leaves T4
 // five ticks of 32 cycles later, at edge c + 161.
-// Formats: held_u_o, held_v_o Q1.31, never computed with. The tick's boundary is the edge that ends
-// an interval with boundary_o = 1.
+// Formats: a sample's words Q1.31, never computed with. The tick's boundary is the edge that ends
+// an interval with tick_o.boundary = 1.
 module sequencer (
   input  logic        clk_i,
   input  logic        rst_ni,
   input  logic        clear_i,         // soft reset: wins over everything of its edge
   // Samples; the two sources may come at one edge, the stream is then first.
   input  logic        stream_valid_i,  // from the ADC, CTRL.ADC set
-  input  logic [31:0] stream_u_i,
-  input  logic [31:0] stream_v_i,
-  input  logic        stream_clip_i,
+  input  sample_t     stream_i,
   input  logic        soft_valid_i,    // from software
   input  logic [31:0] soft_u_i,
   input  logic [31:0] soft_v_i,
@@ -23,15 +21,8 @@ module sequencer (
   output logic        soft_early_o,
   output logic        busy_o,
   // To the datapath
-  output logic        boundary_o,
-  output logic [4:0]  cycle_o,
-  output logic        enter_o,
-  output logic [4:0]  stage_o,
-  output logic [2:0]  load_o,
-  output logic [2:0]  load_start_o,
-  output logic [31:0] held_u_o,
-  output logic [31:0] held_v_o,
-  output logic        held_clip_o
+  output tick_t       tick_o,
+  output sample_t     held_o
 );
 
   logic       held_q, held_d;
@@ -42,19 +33,20 @@ module sequencer (
 
   // A tick runs if something is in it. There is no other state of being busy: whatever could wait
   // when a tick ends empty enters at that boundary.
-  logic running;
+  logic       running, boundary, enter;
+  logic [2:0] load_start;
   assign running    = (|stage_q) | (|load_q);
-  assign boundary_o = running ? cycle_q == 5'd31 : held_q | load_pending_q;
+  assign boundary  = running ? cycle_q == 5'd31 : held_q | load_pending_q;
 
   // A load begins when no sample is left in the pipeline, and no sample passes a load that waits.
   logic load_goes_on, load_begins;
   assign load_goes_on = |load_q[1:0];
-  assign load_begins  = boundary_o & load_pending_q & ~load_goes_on & ~(|stage_q[3:0]);
-  assign enter_o      = boundary_o & held_q & ~load_pending_q & ~load_goes_on;
-  assign load_start_o = {load_q[1], load_q[0], load_begins} & {3{boundary_o}};
+  assign load_begins  = boundary & load_pending_q & ~load_goes_on & ~(|stage_q[3:0]);
+  assign enter        = boundary & held_q & ~load_pending_q & ~load_goes_on;
+  assign load_start   = {load_q[1], load_q[0], load_begins} & {3{boundary}};
 
   logic stream_latch, soft_latch, latch;
-  assign place_free_o   = ~held_q | enter_o;
+  assign place_free_o   = ~held_q | enter;
   assign stream_latch   = stream_valid_i & place_free_o;
   assign stream_early_o = stream_valid_i & ~place_free_o;
   assign soft_latch     = soft_valid_i & place_free_o & ~stream_valid_i;
@@ -62,11 +54,11 @@ module sequencer (
   assign latch          = stream_latch | soft_latch;
 
   always_comb begin
-    held_d         = latch | (held_q & ~enter_o);
+    held_d         = latch | (held_q & ~enter);
     load_pending_d = load_i | (load_pending_q & ~load_begins);
     cycle_d        = running ? cycle_q + 5'd1 : 5'd0;
-    stage_d        = boundary_o ? {stage_q[3:0], enter_o} : stage_q;
-    load_d         = boundary_o ? load_start_o : load_q;
+    stage_d        = boundary ? {stage_q[3:0], enter} : stage_q;
+    load_d         = boundary ? load_start : load_q;
     if (clear_i) begin
       held_d         = 1'b0;
       load_pending_d = 1'b0;
@@ -93,26 +85,32 @@ module sequencer (
   end
 
   // Data of the held sample; nobody looks at them while held_q is 0, so a soft reset leaves them.
-  logic [31:0] held_u_q, held_v_q;
-  logic        held_clip_q;
+  logic [31:0] held_u_d, held_v_d, held_u_q, held_v_q;
+  logic        held_clip_d, held_clip_q;
+  assign held_u_d    = stream_valid_i ? stream_i.u : soft_u_i;
+  assign held_v_d    = stream_valid_i ? stream_i.v : soft_v_i;
+  assign held_clip_d = stream_valid_i & stream_i.clip;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       held_u_q    <= '0;
       held_v_q    <= '0;
       held_clip_q <= 1'b0;
     end else if (latch) begin
-      held_u_q    <= stream_valid_i ? stream_u_i : soft_u_i;
-      held_v_q    <= stream_valid_i ? stream_v_i : soft_v_i;
-      held_clip_q <= stream_valid_i & stream_clip_i;
+      held_u_q    <= held_u_d;
+      held_v_q    <= held_v_d;
+      held_clip_q <= held_clip_d;
     end
   end
 
-  assign busy_o      = running | held_q | load_pending_q;
-  assign cycle_o     = cycle_q;
-  assign stage_o     = stage_q;
-  assign load_o      = load_q;
-  assign held_u_o    = held_u_q;
-  assign held_v_o    = held_v_q;
-  assign held_clip_o = held_clip_q;
+  assign busy_o = running | held_q | load_pending_q;
+  assign tick_o.boundary   = boundary;
+  assign tick_o.enter      = enter;
+  assign tick_o.cycle      = cycle_q;
+  assign tick_o.stage      = stage_q;
+  assign tick_o.load       = load_q;
+  assign tick_o.load_start = load_start;
+  assign held_o.u    = held_u_q;
+  assign held_o.v    = held_v_q;
+  assign held_o.clip = held_clip_q;
 
 endmodule

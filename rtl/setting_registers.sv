@@ -1,6 +1,5 @@
 // Registers that only software writes and the pipeline reads: CTRL, steps, LOOP, thresholds,
-// JUDGE, TURN_LIMIT
-// (docs/coprocessor.md, "Registers"). Reserved values are refused here.
+// JUDGE, TURN_LIMIT (docs/coprocessor.md, "Registers"). Reserved values are refused here.
 //
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
 module setting_registers (
@@ -8,26 +7,13 @@ module setting_registers (
   input  logic        rst_ni,
   input  logic        clear_i,    // soft reset
   input  logic        write_i,    // of any register, but no step of 1.0 or more
-  input  logic [11:0] paddr_i,
+  input  capsoc_coprocessor_selects_t select_i,
   input  logic [31:0] pwdata_i,
   output logic        reserved_o,    // CTRL.REF = 3
-  output logic        demod_o,
-  output logic        calib_o,
-  output logic [1:0]  ref_o,
   output logic        adc_enable_o,
-  output logic        ie_result_o,
-  output logic        ie_lock_o,
-  output logic        ie_error_o,
-  output logic        ie_turn_o,
-  output logic        ie_alarm_o,
   output logic        freeze_o,
-  output logic [30:0] step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o,
-  output logic [4:0]  kp_o,
-  output logic [4:0]  ki_o,
-  output logic [31:0] lock_threshold_o,
-  output logic [31:0] diverge_threshold_o,
-  output logic [21:0] judge_o,        // JUDGE
-  output logic [31:0] turn_limit_o    // samples
+  output enables_t    enables_o,
+  output settings_t   settings_o
 );
 
   localparam logic [31:0] CtrlReset = capsoc_coprocessor_pkg::CTRL_RESET;
@@ -39,7 +25,7 @@ module setting_registers (
   logic [1:0] ref_q;
 
   logic write_ctrl;
-  assign write_ctrl = write_i & paddr_i == capsoc_coprocessor_pkg::CTRL_OFFSET;
+  assign write_ctrl = write_i & select_i.CTRL;
 
   // A word with SRST is not looked at any further.
   assign reserved_o = write_ctrl & ~clear_i & (&pwdata_i[RefHigh:RefLow]);
@@ -71,27 +57,20 @@ module setting_registers (
       freeze_q    <= ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
     end
   end
-  assign demod_o      = demod_q;
-  assign calib_o      = calib_q;
-  assign ref_o        = ref_q;
   assign adc_enable_o = adc_q;
-  assign ie_result_o  = ie_result_q;
-  assign ie_lock_o    = ie_lock_q;
-  assign ie_error_o   = ie_error_q;
-  assign ie_turn_o    = ie_turn_q;
-  assign ie_alarm_o   = ie_alarm_q;
   assign freeze_o     = freeze_q;
+  assign enables_o.alarm  = ie_alarm_q;
+  assign enables_o.turn   = ie_turn_q;
+  assign enables_o.error  = ie_error_q;
+  assign enables_o.lock   = ie_lock_q;
+  assign enables_o.result = ie_result_q;
 
   // The six steps have one reset value.
   localparam logic [31:0] StepReset = capsoc_coprocessor_pkg::STEP_AU_RESET;
   logic [30:0] step_data, step_au_q, step_bu_q, step_cu_q, step_av_q, step_bv_q, step_cv_q;
   logic [5:0]  write_step;
-  assign write_step = {paddr_i == capsoc_coprocessor_pkg::STEP_CV_OFFSET,
-                       paddr_i == capsoc_coprocessor_pkg::STEP_BV_OFFSET,
-                       paddr_i == capsoc_coprocessor_pkg::STEP_AV_OFFSET,
-                       paddr_i == capsoc_coprocessor_pkg::STEP_CU_OFFSET,
-                       paddr_i == capsoc_coprocessor_pkg::STEP_BU_OFFSET,
-                       paddr_i == capsoc_coprocessor_pkg::STEP_AU_OFFSET} & {6{write_i}};
+  assign write_step = {select_i.STEP_CV, select_i.STEP_BV, select_i.STEP_AV,
+                       select_i.STEP_CU, select_i.STEP_BU, select_i.STEP_AU} & {6{write_i}};
   assign step_data = clear_i ? StepReset[30:0] : pwdata_i[30:0];
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -110,12 +89,13 @@ module setting_registers (
       if (clear_i | write_step[5]) step_cv_q <= step_data;
     end
   end
-  assign step_au_o = step_au_q;
-  assign step_bu_o = step_bu_q;
-  assign step_cu_o = step_cu_q;
-  assign step_av_o = step_av_q;
-  assign step_bv_o = step_bv_q;
-  assign step_cv_o = step_cv_q;
+  steps_t steps;
+  assign steps.au = step_au_q;
+  assign steps.bu = step_bu_q;
+  assign steps.cu = step_cu_q;
+  assign steps.av = step_av_q;
+  assign steps.bv = step_bv_q;
+  assign steps.cv = step_cv_q;
 
   localparam logic [31:0] LoopReset    = capsoc_coprocessor_pkg::LOOP_RESET;
   localparam logic [31:0] LockReset    = capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET;
@@ -131,11 +111,11 @@ module setting_registers (
   logic [31:0] turn_limit_q;
   logic [4:0]  kp_q, ki_q;
   logic [31:0] lock_threshold_q, diverge_threshold_q;
-  assign write_loop    = write_i & paddr_i == capsoc_coprocessor_pkg::LOOP_OFFSET;
-  assign write_lock    = write_i & paddr_i == capsoc_coprocessor_pkg::LOCK_THRESHOLD_OFFSET;
-  assign write_judge   = write_i & paddr_i == capsoc_coprocessor_pkg::JUDGE_OFFSET;
-  assign write_limit   = write_i & paddr_i == capsoc_coprocessor_pkg::TURN_LIMIT_OFFSET;
-  assign write_diverge = write_i & paddr_i == capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_OFFSET;
+  assign write_loop    = write_i & select_i.LOOP;
+  assign write_lock    = write_i & select_i.LOCK_THRESHOLD;
+  assign write_judge   = write_i & select_i.JUDGE;
+  assign write_limit   = write_i & select_i.TURN_LIMIT;
+  assign write_diverge = write_i & select_i.DIVERGE_THRESHOLD;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       kp_q                <= LoopReset[KpHigh:KpLow];
@@ -155,11 +135,18 @@ module setting_registers (
       if (clear_i | write_limit) turn_limit_q <= clear_i ? LimitReset : pwdata_i;
     end
   end
-  assign kp_o                = kp_q;
-  assign ki_o                = ki_q;
-  assign lock_threshold_o    = lock_threshold_q;
-  assign diverge_threshold_o = diverge_threshold_q;
-  assign judge_o             = judge_q;
-  assign turn_limit_o        = turn_limit_q;
+  assign settings_o.demod             = demod_q;
+  assign settings_o.calib             = calib_q;
+  assign settings_o.source            = ref_q;
+  assign settings_o.kp                = kp_q;
+  assign settings_o.ki                = ki_q;
+  assign settings_o.steps             = steps;
+  assign settings_o.lock_threshold    = lock_threshold_q;
+  assign settings_o.diverge_threshold = diverge_threshold_q;
+  assign settings_o.judge             = judge_q;
+  assign settings_o.turn_limit        = turn_limit_q;
+
+  logic unused_selects;  // of the other registers
+  assign unused_selects = ^select_i;
 
 endmodule

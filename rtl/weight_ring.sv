@@ -19,21 +19,11 @@ module weight_ring (
   input  logic        load_v_i,       // with boundary_i: L2 begins
   input  logic [31:0] b1_i,
   input  logic [31:0] b2_i,
-  input  logic [47:0] au_i,
-  input  logic [47:0] bu_i,
-  input  logic [47:0] cu_i,
-  input  logic [47:0] av_i,
-  input  logic [47:0] bv_i,
-  input  logic [47:0] cv_i,
+  input  weights_t    weights_i,
   input  logic        replace_i,
   input  logic [47:0] word_i,
   output logic        turn_o,
-  output logic [47:0] place0_o,
-  output logic [47:0] place1_o,
-  output logic [47:0] place2_o,
-  output logic [47:0] place3_o,
-  output logic [47:0] place4_o,
-  output logic [47:0] place5_o
+  output weights_t    weights_o      // the places, each under the name of the weight that is at home there
 );
 
   logic [47:0] place0_q, place1_q, place2_q, place3_q, place4_q, place5_q;
@@ -44,18 +34,27 @@ module weight_ring (
   assign turn = active_i && TurnInCycle[cycle_i];
   assign turn_o = turn;
 
+  // What a tick begins with.
+  logic [47:0] start0, start1, start2, start3, start4, start5;
+  assign start0 = load_u_i ? '0 : weights_i.au;
+  assign start1 = load_u_i ? '0 : weights_i.bu;
+  assign start2 = load_u_i ? {b1_i[31], b1_i, 15'b0} : weights_i.cu;
+  assign start3 = load_v_i ? '0 : weights_i.av;
+  assign start4 = load_v_i ? '0 : weights_i.bv;
+  assign start5 = load_v_i ? {b2_i[31], b2_i, 15'b0} : weights_i.cv;
+
   // No reset: every tick begins with a load.
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
       if (!keep_u_i) begin
-        place0_q <= load_u_i ? '0 : au_i;
-        place1_q <= load_u_i ? '0 : bu_i;
-        place2_q <= load_u_i ? {b1_i[31], b1_i, 15'b0} : cu_i;
+        place0_q <= start0;
+        place1_q <= start1;
+        place2_q <= start2;
       end
       if (!keep_v_i) begin
-        place3_q <= load_v_i ? '0 : av_i;
-        place4_q <= load_v_i ? '0 : bv_i;
-        place5_q <= load_v_i ? {b2_i[31], b2_i, 15'b0} : cv_i;
+        place3_q <= start3;
+        place4_q <= start4;
+        place5_q <= start5;
       end
     end else if (turn) begin
       place0_q <= place1_q;
@@ -67,11 +66,11 @@ module weight_ring (
     end
   end
 
-  assign place0_o = place0_q;
-  assign place1_o = place1_q;
-  assign place2_o = place2_q;
-  assign place3_o = place3_q;
-  assign place4_o = place4_q;
-  assign place5_o = place5_q;
+  assign weights_o.au = place0_q;
+  assign weights_o.bu = place1_q;
+  assign weights_o.cu = place2_q;
+  assign weights_o.av = place3_q;
+  assign weights_o.bv = place4_q;
+  assign weights_o.cv = place5_q;
 
 endmodule

@@ -89,7 +89,7 @@ def rtl_sources(folder):
     for script, *arguments in (["generate_registers.py", registers, folder],
                                ["generate_tables.py", folder]):
         run([sys.executable, ROOT / "scripts" / script, *arguments], folder / "generate.log")
-    own = sorted(RTL.glob("*.sv"), key=lambda path: (not path.stem.endswith("_pkg"), path.name))
+    own = sorted(RTL.glob("*.sv"), key=lambda path: (not path.stem.endswith(("_pkg", "_types")), path.name))
     return [str(path) for path in [*sorted(folder.glob("*.sv")), *own]]
 
 

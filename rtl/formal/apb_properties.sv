@@ -8,14 +8,11 @@ module apb_properties (
   input logic [31:0] pwdata_i,
   input logic [3:0]  pstrb_i,
   input logic        busy_i, stream_early_i, soft_early_i, boundary_i,
-  input logic        phase_we_i, freq_we_i, weights_u_we_i, weights_v_we_i, parameters_we_i,
-  input logic [47:0] phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
-  input logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
-  input logic        commit_i, flag_clip_i, flag_sat_i, flag_zero_i,
-  input logic        flag_diverged_i, flag_lockchg_i, flag_mirrorchg_i,
-  input logic        flag_turn_i, flag_alarm_i, flag_unsettled_i,
-  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i, status_alarm_i,
-  input logic [1:0]  status_good_turns_i,
+  input state_we_t   state_we_i,
+  input state_t      state_i,
+  input logic        commit_i,
+  input flags_t      flags_i,
+  input status_t     status_i,
   input logic [31:0] turn_flags_i,
   input logic [31:0] result_i
 );
@@ -23,36 +20,20 @@ module apb_properties (
   logic in_reset = 1'b1;
   always @(posedge clk_i) in_reset <= 1'b0;
 
-  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, demod, calib;
-  logic [31:0] prdata, soft_u, lock_threshold, diverge_threshold, a1, a2, b1, b2, beta, phi;
-  logic [1:0]  source;
-  logic [4:0]  kp, ki;
-  logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
-  logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
+  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, frozen;
+  logic [31:0] prdata, soft_u;
   logic [3:0]  result_select;
-  logic [31:0] turn_limit;
-  logic [18:0] judge;
-  logic        frozen;
+  settings_t   settings;
+  state_t      state;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr), .irq_o (irq),
     .clear_o (clear), .adc_enable_o (adc_enable), .soft_valid_o (soft_valid), .soft_u_o (soft_u),
     .load_o (load), .busy_i, .stream_early_i, .soft_early_i,
-    .demod_o (demod), .calib_o (calib), .ref_o (source), .kp_o (kp), .ki_o (ki),
-    .step_au_o (step_au), .step_bu_o (step_bu), .step_cu_o (step_cu),
-    .step_av_o (step_av), .step_bv_o (step_bv), .step_cv_o (step_cv),
-    .lock_threshold_o (lock_threshold), .diverge_threshold_o (diverge_threshold),
-    .phase_o (phase), .freq_o (freq), .au_o (au), .bu_o (bu), .cu_o (cu),
-    .av_o (av), .bv_o (bv), .cv_o (cv),
-    .a1_o (a1), .a2_o (a2), .b1_o (b1), .b2_o (b2), .beta_o (beta), .phi_o (phi),
-    .boundary_i, .phase_we_i, .freq_we_i, .weights_u_we_i, .weights_v_we_i, .parameters_we_i,
-    .phase_i, .freq_i, .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
-    .a1_i, .a2_i, .b1_i, .b2_i, .beta_i, .phi_i,
-    .commit_i, .flag_clip_i, .flag_sat_i, .flag_zero_i, .flag_diverged_i, .flag_lockchg_i,
-    .flag_mirrorchg_i, .status_lock_i, .status_diverged_i, .status_mirror_i, .status_valid_i,
-    .flag_turn_i, .flag_alarm_i, .flag_unsettled_i, .status_alarm_i, .status_good_turns_i, .turn_flags_i,
-    .turn_limit_o (turn_limit), .judge_o (judge), .frozen_o (frozen),
+    .settings_o (settings), .frozen_o (frozen),
+    .state_o (state), .boundary_i, .state_we_i, .state_i,
+    .commit_i, .flags_i, .status_i, .turn_flags_i,
     .result_select_o (result_select), .result_i
   );
 

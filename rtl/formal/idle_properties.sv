@@ -27,12 +27,12 @@ module idle_properties #(
   );
 
   // What the step needs to know of the states before: the cycle counter rests at 0 outside ticks.
-  (* hierconn *) logic [4:0] \dut.stage ;
-  (* hierconn *) logic [2:0] \dut.load ;
-  (* hierconn *) logic [4:0] \dut.cycle ;
+  (* hierconn *) logic [4:0] \dut.u_sequencer.stage_q ;
+  (* hierconn *) logic [2:0] \dut.u_sequencer.load_q ;
+  (* hierconn *) logic [4:0] \dut.u_sequencer.cycle_q ;
   logic running;
-  assign running = (|\dut.stage ) | (|\dut.load );
-  always @* if (~in_reset & ~running) assert (\dut.cycle == 5'd0);
+  assign running = (|\dut.u_sequencer.stage_q ) | (|\dut.u_sequencer.load_q );
+  always @* if (~in_reset & ~running) assert (\dut.u_sequencer.cycle_q == 5'd0);
 
   (* keep *) logic quiet;
   assign quiet = ~in_reset & idle & ~sample_valid_i & ~(psel_i & penable_i);

@@ -17,7 +17,7 @@ module lms_demodulator_properties (
   lms_demodulator dut (
     .clk_i, .rst_ni (1'b1), .boundary_i, .active_i, .cycle_i, .load_u_i, .load_v_i,
     .load_u_start_i (1'b0), .load_v_start_i (1'b0), .a1_i ('0), .a2_i ('0),
-    .step_au_i ('0), .step_bu_i ('0), .step_cu_i ('0), .step_av_i ('0), .step_bv_i ('0), .step_cv_i ('0), .slew_i,
+    .steps_i ('0), .slew_i,
     .weight_i, .weight_q31_i, .difference_i, .sine_i, .cosine_i,
     .error_valid_o (error_valid), .error_o (error), .error_saturated_o (error_saturated),
     .weight_valid_o (weight_valid), .weight_o (weight), .weight_saturated_o (weight_saturated)

@@ -8,14 +8,11 @@ module register_bank_properties (
   input logic [31:0] pwdata_i,
   input logic [3:0]  pstrb_i,
   input logic        busy_i, stream_early_i, soft_early_i, boundary_i,
-  input logic        phase_we_i, freq_we_i, weights_u_we_i, weights_v_we_i, parameters_we_i,
-  input logic [47:0] phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
-  input logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
-  input logic        commit_i, flag_clip_i, flag_sat_i, flag_zero_i,
-  input logic        flag_diverged_i, flag_lockchg_i, flag_mirrorchg_i,
-  input logic        flag_turn_i, flag_alarm_i, flag_unsettled_i,
-  input logic        status_lock_i, status_diverged_i, status_mirror_i, status_valid_i, status_alarm_i,
-  input logic [1:0]  status_good_turns_i,
+  input state_we_t   state_we_i,
+  input state_t      state_i,
+  input logic        commit_i,
+  input flags_t      flags_i,
+  input status_t     status_i,
   input logic [31:0] turn_flags_i,
   input logic [31:0] result_i
 );
@@ -23,36 +20,20 @@ module register_bank_properties (
   logic in_reset = 1'b1;
   always @(posedge clk_i) in_reset <= 1'b0;
 
-  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, demod, calib;
-  logic [31:0] prdata, soft_u, lock_threshold, diverge_threshold, a1, a2, b1, b2, beta, phi;
-  logic [1:0]  source;
-  logic [4:0]  kp, ki;
-  logic [30:0] step_au, step_bu, step_cu, step_av, step_bv, step_cv;
-  logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
+  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, frozen;
+  logic [31:0] prdata, soft_u;
   logic [3:0]  result_select;
-  logic [31:0] turn_limit;
-  logic [21:0] judge;
-  logic        frozen;
+  settings_t   settings;
+  state_t      state;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr), .irq_o (irq),
     .clear_o (clear), .adc_enable_o (adc_enable), .soft_valid_o (soft_valid), .soft_u_o (soft_u),
     .load_o (load), .busy_i, .stream_early_i, .soft_early_i,
-    .demod_o (demod), .calib_o (calib), .ref_o (source), .kp_o (kp), .ki_o (ki),
-    .step_au_o (step_au), .step_bu_o (step_bu), .step_cu_o (step_cu),
-    .step_av_o (step_av), .step_bv_o (step_bv), .step_cv_o (step_cv),
-    .lock_threshold_o (lock_threshold), .diverge_threshold_o (diverge_threshold),
-    .phase_o (phase), .freq_o (freq), .au_o (au), .bu_o (bu), .cu_o (cu),
-    .av_o (av), .bv_o (bv), .cv_o (cv),
-    .a1_o (a1), .a2_o (a2), .b1_o (b1), .b2_o (b2), .beta_o (beta), .phi_o (phi),
-    .boundary_i, .phase_we_i, .freq_we_i, .weights_u_we_i, .weights_v_we_i, .parameters_we_i,
-    .phase_i, .freq_i, .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
-    .a1_i, .a2_i, .b1_i, .b2_i, .beta_i, .phi_i,
-    .commit_i, .flag_clip_i, .flag_sat_i, .flag_zero_i, .flag_diverged_i, .flag_lockchg_i,
-    .flag_mirrorchg_i, .status_lock_i, .status_diverged_i, .status_mirror_i, .status_valid_i,
-    .flag_turn_i, .flag_alarm_i, .flag_unsettled_i, .status_alarm_i, .status_good_turns_i, .turn_flags_i,
-    .turn_limit_o (turn_limit), .judge_o (judge), .frozen_o (frozen),
+    .settings_o (settings), .frozen_o (frozen),
+    .state_o (state), .boundary_i, .state_we_i, .state_i,
+    .commit_i, .flags_i, .status_i, .turn_flags_i,
     .result_select_o (result_select), .result_i
   );
 
@@ -62,17 +43,15 @@ module register_bank_properties (
   (* hierconn *) logic [11:0] \dut.flags ;
   (* hierconn *) logic [31:0] \dut.samples ;
   (* hierconn *) logic [31:0] \dut.early_count ;
-  (* hierconn *) logic \dut.ie_result ;
-  (* hierconn *) logic \dut.ie_lock ;
-  (* hierconn *) logic \dut.ie_error ;
-  (* hierconn *) logic \dut.ie_turn ;
-  (* hierconn *) logic \dut.ie_alarm ;
+  (* hierconn *) logic [4:0] \dut.enables ;
   (* hierconn *) logic \dut.freeze ;
   logic [31:0] valids, probed;
+  enables_t    enables;
   logic [11:0] flags;
   assign valids = \dut.u_words.valid_q ;
   assign probed = \dut.u_words.probed ;
   assign flags  = \dut.flags ;
+  assign enables = \dut.enables ;
 
   logic       access, write, read;
   logic [5:0] word;
@@ -80,6 +59,15 @@ module register_bank_properties (
   assign access = psel_i & penable_i & ~pslverr & paddr_i[11:8] == 4'd0;
   assign write  = access & pwrite_i;
   assign read   = access & ~pwrite_i;
+
+  steps_t      steps;
+  weights_t    weights, weights_in;
+  parameters_t parameters, parameters_in;
+  assign steps         = settings.steps;
+  assign weights       = state.weights;
+  assign weights_in    = state_i.weights;
+  assign parameters    = state.parameters;
+  assign parameters_in = state_i.parameters;
 
   // The watched word and its kind.
   (* anyconst *) logic [5:0] watched;
@@ -101,37 +89,37 @@ module register_bank_properties (
     start = 48'd0;
     gives = 1'b0;
     case (watched)
-      6'h02: now = {35'd0, \dut.ie_alarm , \dut.ie_turn , \dut.ie_error , \dut.ie_lock , \dut.ie_result ,
-                    2'd0, \dut.freeze , adc_enable, source, calib, demod};
+      6'h02: now = {35'd0, enables, 2'd0, \dut.freeze , adc_enable, settings.source, settings.calib,
+                    settings.demod};
       6'h04: now = {36'd0, flags};
-      6'h06, 6'h07: begin now = freq; given = freq_i; gives = freq_we_i; end
-      6'h08, 6'h09: begin now = phase; given = phase_i; gives = phase_we_i; end
-      6'h0A: begin now = {17'd0, step_au}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AU_RESET}; end
-      6'h0B: begin now = {17'd0, step_bu}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BU_RESET}; end
-      6'h0C: begin now = {17'd0, step_cu}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CU_RESET}; end
-      6'h0D: begin now = {17'd0, step_av}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AV_RESET}; end
-      6'h0E: begin now = {17'd0, step_bv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BV_RESET}; end
-      6'h0F: begin now = {17'd0, step_cv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CV_RESET}; end
-      6'h10: begin now = {35'd0, ki, 3'd0, kp}; start = {16'd0, capsoc_coprocessor_pkg::LOOP_RESET}; end
-      6'h11: begin now = {16'd0, lock_threshold}; start = {16'd0, capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET}; end
-      6'h12: begin now = {16'd0, diverge_threshold}; start = {16'd0, capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET}; end
-      6'h14, 6'h15: begin now = au; given = au_i; gives = weights_u_we_i; start = {1'b0, capsoc_coprocessor_pkg::AU_HI_RESET, 15'd0}; end
-      6'h16, 6'h17: begin now = bu; given = bu_i; gives = weights_u_we_i; end
-      6'h18, 6'h19: begin now = cu; given = cu_i; gives = weights_u_we_i; end
-      6'h1A, 6'h1B: begin now = av; given = av_i; gives = weights_v_we_i; end
-      6'h1C, 6'h1D: begin now = bv; given = bv_i; gives = weights_v_we_i; start = {1'b0, capsoc_coprocessor_pkg::BV_HI_RESET, 15'd0}; end
-      6'h1E, 6'h1F: begin now = cv; given = cv_i; gives = weights_v_we_i; end
-      6'h20: begin now = {16'd0, a1}; given = {16'd0, a1_i}; start = {16'd0, capsoc_coprocessor_pkg::A1_RESET}; end
-      6'h21: begin now = {16'd0, a2}; given = {16'd0, a2_i}; start = {16'd0, capsoc_coprocessor_pkg::A2_RESET}; end
-      6'h22: begin now = {16'd0, b1}; given = {16'd0, b1_i}; end
-      6'h23: begin now = {16'd0, b2}; given = {16'd0, b2_i}; end
-      6'h24: begin now = {16'd0, beta}; given = {16'd0, beta_i}; end
-      6'h25: begin now = {16'd0, phi}; given = {16'd0, phi_i}; end
-      6'h26: begin now = {26'd0, judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
-      6'h27: now = {16'd0, turn_limit};
+      6'h06, 6'h07: begin now = state.freq; given = state_i.freq; gives = state_we_i.freq; end
+      6'h08, 6'h09: begin now = state.phase; given = state_i.phase; gives = state_we_i.phase; end
+      6'h0A: begin now = {17'd0, steps.au}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AU_RESET}; end
+      6'h0B: begin now = {17'd0, steps.bu}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BU_RESET}; end
+      6'h0C: begin now = {17'd0, steps.cu}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CU_RESET}; end
+      6'h0D: begin now = {17'd0, steps.av}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AV_RESET}; end
+      6'h0E: begin now = {17'd0, steps.bv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BV_RESET}; end
+      6'h0F: begin now = {17'd0, steps.cv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CV_RESET}; end
+      6'h10: begin now = {35'd0, settings.ki, 3'd0, settings.kp}; start = {16'd0, capsoc_coprocessor_pkg::LOOP_RESET}; end
+      6'h11: begin now = {16'd0, settings.lock_threshold}; start = {16'd0, capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET}; end
+      6'h12: begin now = {16'd0, settings.diverge_threshold}; start = {16'd0, capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET}; end
+      6'h14, 6'h15: begin now = weights.au; given = weights_in.au; gives = state_we_i.weights_u; start = {1'b0, capsoc_coprocessor_pkg::AU_HI_RESET, 15'd0}; end
+      6'h16, 6'h17: begin now = weights.bu; given = weights_in.bu; gives = state_we_i.weights_u; end
+      6'h18, 6'h19: begin now = weights.cu; given = weights_in.cu; gives = state_we_i.weights_u; end
+      6'h1A, 6'h1B: begin now = weights.av; given = weights_in.av; gives = state_we_i.weights_v; end
+      6'h1C, 6'h1D: begin now = weights.bv; given = weights_in.bv; gives = state_we_i.weights_v; start = {1'b0, capsoc_coprocessor_pkg::BV_HI_RESET, 15'd0}; end
+      6'h1E, 6'h1F: begin now = weights.cv; given = weights_in.cv; gives = state_we_i.weights_v; end
+      6'h20: begin now = {16'd0, parameters.a1}; given = {16'd0, parameters_in.a1}; start = {16'd0, capsoc_coprocessor_pkg::A1_RESET}; end
+      6'h21: begin now = {16'd0, parameters.a2}; given = {16'd0, parameters_in.a2}; start = {16'd0, capsoc_coprocessor_pkg::A2_RESET}; end
+      6'h22: begin now = {16'd0, parameters.b1}; given = {16'd0, parameters_in.b1}; end
+      6'h23: begin now = {16'd0, parameters.b2}; given = {16'd0, parameters_in.b2}; end
+      6'h24: begin now = {16'd0, parameters.beta}; given = {16'd0, parameters_in.beta}; end
+      6'h25: begin now = {16'd0, parameters.phi}; given = {16'd0, parameters_in.phi}; end
+      6'h26: begin now = {26'd0, settings.judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
+      6'h27: now = {16'd0, settings.turn_limit};
       default: now = 48'd0;
     endcase
-    if (is_parameter) gives = parameters_we_i;
+    if (is_parameter) gives = state_we_i.parameters;
   end
 
   // Words of a pair, and the value that a write of HI gives it. Of a LO that is watched the memory
@@ -153,11 +141,11 @@ module register_bank_properties (
   logic [11:0] set;
   assign refused = write & ((pwdata_i[31] & (word >= 6'h0A & word <= 6'h0F | word[5:1] == 5'h10)) |
                             (word == 6'h02 & ~pwdata_i[31] & pwdata_i[3:2] == 2'd3));
-  assign set = {{flag_unsettled_i, flag_alarm_i, flag_turn_i} & {3{commit_i & boundary_i}},
+  assign set = {{flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit_i & boundary_i}},
                 refused,
-                {flag_mirrorchg_i, flag_diverged_i, flag_lockchg_i} & {3{commit_i & boundary_i}},
+                {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit_i & boundary_i}},
                 stream_early_i | soft_early_i,
-                {flag_zero_i, flag_sat_i, flag_clip_i, 1'b1} & {4{commit_i & boundary_i}}};
+                {flags_i.zero, flags_i.sat, flags_i.clip, 1'b1} & {4{commit_i & boundary_i}}};
 
   logic now_exists;
   assign now_exists = watched == 6'h02 | watched == 6'h10 | is_step | is_threshold | is_judge |
@@ -218,9 +206,9 @@ module register_bank_properties (
     if (watched == 6'h00) seen = capsoc_coprocessor_pkg::ID_RESET;
     if (watched == 6'h01) seen = capsoc_coprocessor_pkg::VERSION_RESET;
     if (watched == 6'h39) seen = turn_flags_i;
-    if (watched == 6'h03) seen = {18'd0, status_good_turns_i, 5'd0, \dut.freeze & flags[10],
-                                  status_alarm_i, status_valid_i, status_mirror_i,
-                                  status_diverged_i, status_lock_i, busy_i};
+    if (watched == 6'h03) seen = {18'd0, status_i.good_turns, 5'd0, \dut.freeze & flags[10],
+                                  status_i.alarm, status_i.valid, status_i.mirror,
+                                  status_i.diverged, status_i.lock, busy_i};
     if (watched == 6'h34) seen = \dut.samples ;
     if (watched == 6'h35) seen = \dut.early_count ;
     if (watched == 6'h38) seen = capsoc_coprocessor_pkg::LATENCY_RESET;
@@ -245,9 +233,9 @@ module register_bank_properties (
       // A read of LO shows the latch, that is the memory's word of the HI.
       if (read & is_pair & watched[0] & word == {watched[5:1], 1'b0}) assert (prdata == stage);
       if (soft_valid & watched == 6'h28) assert (soft_u == stage);
-      assert (irq == ((flags[0] & \dut.ie_result ) | (flags[5] & \dut.ie_lock ) |
-                      (|(flags & 12'h95E) & \dut.ie_error ) | (flags[9] & \dut.ie_turn ) |
-                      (flags[10] & \dut.ie_alarm )));
+      assert (irq == ((flags[0] & enables.result) | (flags[5] & enables.lock) |
+                      (|(flags & 12'h95E) & enables.error) | (flags[9] & enables.turn) |
+                      (flags[10] & enables.alarm)));
       assert (frozen == (\dut.freeze & (flags[10] | set[10])));
     end
   end

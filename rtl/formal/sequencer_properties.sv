@@ -5,8 +5,9 @@
 // latch to its commit.
 module sequencer_properties (
   input logic        clk_i,
-  input logic        clear_i, stream_valid_i, stream_clip_i, soft_valid_i, load_i,
-  input logic [31:0] stream_u_i, stream_v_i, soft_u_i, soft_v_i
+  input logic        clear_i, stream_valid_i, soft_valid_i, load_i,
+  input sample_t     stream_i,
+  input logic [31:0] soft_u_i, soft_v_i
 );
 
   logic in_reset = 1'b1;
@@ -16,14 +17,16 @@ module sequencer_properties (
   logic [4:0]  cycle, stage;
   logic [2:0]  load, load_start;
   logic [31:0] held_u, held_v;
+  tick_t       tick;
+  sample_t     sample;
+  assign {boundary, enter, cycle, stage, load, load_start} = tick;
+  assign {held_u, held_v, held_clip} = sample;
   sequencer dut (
     .clk_i, .rst_ni (~in_reset), .clear_i,
-    .stream_valid_i, .stream_u_i, .stream_v_i, .stream_clip_i,
+    .stream_valid_i, .stream_i,
     .soft_valid_i, .soft_u_i, .soft_v_i, .load_i,
     .place_free_o (place_free), .stream_early_o (stream_early), .soft_early_o (soft_early),
-    .busy_o (busy), .boundary_o (boundary), .cycle_o (cycle), .enter_o (enter),
-    .stage_o (stage), .load_o (load), .load_start_o (load_start),
-    .held_u_o (held_u), .held_v_o (held_v), .held_clip_o (held_clip)
+    .busy_o (busy), .tick_o (tick), .held_o (sample)
   );
   (* hierconn *) logic \dut.held_q ;
   (* hierconn *) logic \dut.load_pending_q ;
@@ -72,9 +75,9 @@ module sequencer_properties (
       age   <= enter & known ? 8'd0 : age + 8'd1;
       if (chosen) begin
         number     <= latched;
-        known_u    <= stream_latch ? stream_u_i : soft_u_i;
-        known_v    <= stream_latch ? stream_v_i : soft_v_i;
-        known_clip <= stream_latch & stream_clip_i;
+        known_u    <= stream_latch ? stream_i.u : soft_u_i;
+        known_v    <= stream_latch ? stream_i.v : soft_v_i;
+        known_clip <= stream_latch & stream_i.clip;
       end
     end
   end

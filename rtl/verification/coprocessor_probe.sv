@@ -89,29 +89,29 @@ module coprocessor_probe #(
     .sample_ready_o, .irq_o, .idle_o
   );
 
-  assign boundary_o     = dut.boundary;
-  assign enter_o        = dut.enter;
-  assign cycle_o        = dut.cycle;
-  assign stage_o        = dut.stage;
-  assign load_o         = dut.load;
-  assign load_start_o   = dut.load_start;
+  assign boundary_o     = dut.u_sequencer.boundary;
+  assign enter_o        = dut.u_sequencer.enter;
+  assign cycle_o        = dut.u_sequencer.cycle_q;
+  assign stage_o        = dut.u_sequencer.stage_q;
+  assign load_o         = dut.u_sequencer.load_q;
+  assign load_start_o   = dut.u_sequencer.load_start;
   assign held_o         = dut.u_sequencer.held_q;
   assign load_pending_o = dut.u_sequencer.load_pending_q;
   assign running_o      = dut.u_sequencer.running;
-  assign commit_o       = dut.commit & dut.boundary;
+  assign commit_o       = dut.commit & boundary_o;
 
-  assign phase_o = dut.phase;
-  assign freq_o  = dut.freq;
-  assign au_o    = dut.au;
-  assign bu_o    = dut.bu;
-  assign cu_o    = dut.cu;
-  assign av_o    = dut.av;
-  assign bv_o    = dut.bv;
-  assign cv_o    = dut.cv;
+  assign phase_o = dut.u_register_bank.u_state.u_phase.value_q;
+  assign freq_o  = dut.u_register_bank.u_state.u_freq.value_q;
+  assign au_o    = dut.u_register_bank.u_state.u_au.value_q;
+  assign bu_o    = dut.u_register_bank.u_state.u_bu.value_q;
+  assign cu_o    = dut.u_register_bank.u_state.u_cu.value_q;
+  assign av_o    = dut.u_register_bank.u_state.u_av.value_q;
+  assign bv_o    = dut.u_register_bank.u_state.u_bv.value_q;
+  assign cv_o    = dut.u_register_bank.u_state.u_cv.value_q;
 
   // Stage by stage. What a unit shows for one cycle only is kept from that cycle on.
   logic [4:0] ends;  // stages whose tick ends with this interval
-  assign ends = dut.stage & {5{dut.boundary}};
+  assign ends = stage_o & {5{boundary_o}};
 
   logic [66:0] s, c;
   logic [31:0] late_amplitude;
@@ -122,7 +122,7 @@ module coprocessor_probe #(
   end else begin : g_precise
     assign late_amplitude = '0;
     always_ff @(negedge pclk_i) begin
-      if (dut.stage[0] && dut.cycle == 5'd14) begin
+      if (stage_o[0] && cycle_o == 5'd14) begin
         s <= dut.u_datapath.g_precise.u_core.u_calibrator.x_q;
         c <= dut.u_datapath.g_precise.u_core.u_calibrator.y_q;
       end
@@ -136,20 +136,21 @@ module coprocessor_probe #(
   // STATUS, FLAGS and TURN_FLAGS as the commit leaves them, if software does not write them at that edge.
   function automatic logic [31:0] next_status();
     next_status = {18'd0, dut.u_datapath.u_turn_judge.good_turns, 3'd0, Paper != 0, 1'b0,
-                   dut.frozen, dut.flag_alarm, dut.u_datapath.valid,
+                   dut.frozen, dut.u_datapath.u_turn_judge.alarm_next_o, dut.u_datapath.valid,
                    dut.u_datapath.u_sample_tags.mirror_q[3],
                    dut.u_datapath.u_sample_tags.diverged4_q,
                    dut.u_datapath.u_sample_tags.lock, 1'b1};
   endfunction
 
+  // EARLY and CONFIG are not a commit's.
+  localparam logic [11:0] Others = 12'd1 << capsoc_coprocessor_pkg::FLAGS_EARLY_LSB |
+                                   12'd1 << capsoc_coprocessor_pkg::FLAGS_CONFIG_LSB;
   function automatic logic [31:0] next_flags();
-    next_flags = {20'd0, dut.u_register_bank.flags |
-                  {dut.flag_unsettled, dut.flag_alarm, dut.flag_turn, 1'b0, dut.flag_mirrorchg, dut.flag_diverged,
-                   dut.flag_lockchg, 1'b0, dut.flag_zero, dut.flag_sat, dut.flag_clip, 1'b1}};
+    next_flags = {20'd0, dut.u_register_bank.flags | (dut.u_register_bank.events & ~Others)};
   endfunction
 
   function automatic logic [31:0] next_turn_flags();
-    next_turn_flags = dut.flag_turn ? {dut.turn_flags[31:24] + 8'd1, 1'b0, dut.u_datapath.u_turn_judge.flags}
+    next_turn_flags = dut.u_datapath.u_turn_judge.ended_o ? {dut.turn_flags[31:24] + 8'd1, 1'b0, dut.u_datapath.u_turn_judge.flags}
                                     : dut.turn_flags;
   endfunction
 

@@ -12,9 +12,10 @@ import subprocess
 from and_graph import Circuit, Graph, Mutants
 
 # What the facts are about; yosys makes outputs of them, which do not count as outputs here.
-WEIGHTS = ["au_i", "bu_i", "cu_i", "av_i", "bv_i", "cv_i"]
-PROBES = ["stage_i", "load_i", "cycle_i", *WEIGHTS]
-PASSES = ["expose " + " ".join(f"w:u_datapath.{name} w:u_datapath.g_*.u_core.{name}" for name in PROBES),
+WEIGHTS = ["au", "bu", "cu", "av", "bv", "cv"]
+TICK = ["stage", "load", "cycle"]
+PASSES = ["expose " + " ".join([*(f"w:u_datapath.{name} w:u_datapath.g_*.u_core.{name}" for name in TICK),
+                               *(f"w:u_register_bank.u_state.{name}" for name in WEIGHTS)]),
           "memory_map", "opt_clean", "async2sync", "dffunmap", "simplemap", "techmap", "opt_clean", "dffunmap",
           "setundef -zero", "aigmap", "opt_clean"]
 SOLVER_SECONDS = 60  # a proof takes a second or two; multipliers can take for ever
@@ -58,7 +59,7 @@ class Prover:
         def bits(name):
             return [originals[index] for index in self.probed(name) if index is not None]
 
-        stage, load, cycle = bits("stage_i"), bits("load_i"), bits("cycle_i")
+        stage, load, cycle = bits("stage"), bits("load"), bits("cycle")
         any_stage, any_load = graph.any(stage), graph.any(load)
         running = graph.either(any_stage, any_load)
         # A LOAD is in one step and alone; no cycles are counted when nothing runs.

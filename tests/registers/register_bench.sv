@@ -53,19 +53,27 @@ module register_bench #(
 
   logic        clear, adc_enable, soft_valid, load_command, place_free, stream_early, soft_early;
   logic [31:0] soft_u;
-  logic        demod, calib;
-  logic [1:0]  ref_source;
+  tick_t       tick;
+  sample_t     held;
+  settings_t   settings;
 
+  // The test has the words of a bundle one by one.
   assign sample_ready_o = adc_enable & place_free;
-  assign control_o      = {adc_enable, ref_source, calib, demod};
+  assign {boundary_o, enter_o, cycle_o, stage_o, load_o, load_start_o} = tick;
+  assign {held_u_o, held_v_o, held_clip_o} = held;
+  assign control_o = {adc_enable, settings.source, settings.calib, settings.demod};
+  assign loop_o = {settings.ki, settings.kp};
+  assign {step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o} = settings.steps;
+  assign lock_threshold_o = settings.lock_threshold;
+  assign diverge_threshold_o = settings.diverge_threshold;
+  assign judge_o = settings.judge;
+  assign turn_limit_o = settings.turn_limit;
 
   sequencer u_sequencer (
     .clk_i, .rst_ni,
     .clear_i        (clear),
     .stream_valid_i (sample_valid_i & adc_enable),
-    .stream_u_i     (sample_u_i),
-    .stream_v_i     (sample_v_i),
-    .stream_clip_i  (sample_clip_i),
+    .stream_i       ({sample_u_i, sample_v_i, sample_clip_i}),
     .soft_valid_i   (soft_valid),
     .soft_u_i       (soft_u),
     .soft_v_i       (pwdata_i),
@@ -73,16 +81,17 @@ module register_bench #(
     .place_free_o   (place_free),
     .stream_early_o (stream_early),
     .soft_early_o   (soft_early),
-    .busy_o, .boundary_o, .cycle_o, .enter_o, .stage_o, .load_o, .load_start_o,
-    .held_u_o, .held_v_o, .held_clip_o
+    .busy_o,
+    .tick_o         (tick),
+    .held_o         (held)
   );
 
-  logic [47:0] unused_pairs;
-  logic [31:0] unused_parameters;
-  logic [47:0] phase, freq, au, bu, cu, av, bv, cv;
-  logic [31:0] a1, a2, b1, b2, beta, phi;
-  assign unused_pairs      = phase ^ freq ^ au ^ bu ^ cu ^ av ^ bv ^ cv;
-  assign unused_parameters = a1 ^ a2 ^ b1 ^ b2 ^ beta ^ phi;
+  state_t      state, unused_state;
+  weights_t    weights;
+  parameters_t parameters;
+  assign weights    = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
+  assign parameters = {a1_i, a2_i, b1_i, b2_i, beta_i, phi_i};
+  assign state      = {phase_i, freq_i, weights, parameters};
 
   register_bank #(
     .Paper (Paper)
@@ -98,40 +107,15 @@ module register_bench #(
     .busy_i           (busy_o),
     .stream_early_i   (stream_early),
     .soft_early_i     (soft_early),
-    .demod_o          (demod),
-    .calib_o          (calib),
-    .ref_o            (ref_source),
-    .kp_o             (loop_o[4:0]),
-    .ki_o             (loop_o[9:5]),
-    .step_au_o, .step_bu_o, .step_cu_o, .step_av_o, .step_bv_o, .step_cv_o,
-    .lock_threshold_o, .diverge_threshold_o, .frozen_o, .judge_o, .turn_limit_o,
-    .phase_o (phase), .freq_o (freq), .au_o (au), .bu_o (bu), .cu_o (cu),
-    .av_o (av), .bv_o (bv), .cv_o (cv),
-    .a1_o (a1), .a2_o (a2), .b1_o (b1), .b2_o (b2), .beta_o (beta), .phi_o (phi),
+    .settings_o       (settings),
+    .frozen_o,
+    .state_o          (unused_state),
     .boundary_i       (boundary_o),
-    .phase_we_i       (write_all_i),
-    .freq_we_i        (write_all_i),
-    .weights_u_we_i   (write_all_i),
-    .weights_v_we_i   (write_all_i),
-    .parameters_we_i  (write_all_i),
-    .phase_i, .freq_i, .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
-    .a1_i, .a2_i, .b1_i, .b2_i, .beta_i, .phi_i,
+    .state_we_i       ({5{write_all_i}}),
+    .state_i          (state),
     .commit_i         (stage_o[4]),
-    .flag_clip_i      (flags_i[0]),
-    .flag_sat_i       (flags_i[1]),
-    .flag_zero_i      (flags_i[2]),
-    .flag_diverged_i  (flags_i[3]),
-    .flag_lockchg_i   (flags_i[4]),
-    .flag_mirrorchg_i (flags_i[5]),
-    .flag_turn_i      (flags_i[6]),
-    .flag_alarm_i     (flags_i[7]),
-    .flag_unsettled_i (flags_i[8]),
-    .status_lock_i    (status_i[0]),
-    .status_diverged_i(status_i[1]),
-    .status_mirror_i  (status_i[2]),
-    .status_valid_i   (status_i[3]),
-    .status_alarm_i   (status_i[4]),
-    .status_good_turns_i (status_i[6:5]),
+    .flags_i          ({flags_i[8:6], flags_i[5], flags_i[3], flags_i[4], flags_i[2:0]}),
+    .status_i,
     .turn_flags_i,
     .result_select_o, .result_i
   );

@@ -81,12 +81,18 @@ module paper_bench (
     .cal_s_o, .cal_c_o, .det_o, .mirror_o, .saturated_o(calibrator_saturated_o)
   );
 
+  steps_t steps;
+  weights_t weights, weights_next, shifted_next;
+  assign steps = {step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i};
+  assign weights = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
+  assign {au_o, bu_o, cu_o, av_o, bv_o, cv_o} = weights_next;
+  assign shifted_au_o = shifted_next.au;
+  assign shifted_cv_o = shifted_next.cv;
+
   paper_lms u_lms (
     .clk_i, .rst_ni, .run_i, .cycle_i,
     .u_i, .v_i, .sine_i, .cosine_i,
-    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i, .slew_i,
-    .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
-    .error_u_o, .error_v_o, .au_o, .bu_o, .cu_o, .av_o, .bv_o, .cv_o,
+    .steps_i(steps), .slew_i, .weights_i(weights), .error_u_o, .error_v_o, .weights_o(weights_next),
     .error_saturated_o, .weights_saturated_o
   );
 
@@ -95,10 +101,8 @@ module paper_bench (
   ) u_lms_shifted (
     .clk_i, .rst_ni, .run_i, .cycle_i,
     .u_i, .v_i, .sine_i, .cosine_i,
-    .step_au_i, .step_bu_i, .step_cu_i, .step_av_i, .step_bv_i, .step_cv_i, .slew_i,
-    .au_i, .bu_i, .cu_i, .av_i, .bv_i, .cv_i,
-    .error_u_o(), .error_v_o(), .au_o(shifted_au_o), .bu_o(), .cu_o(), .av_o(), .bv_o(),
-    .cv_o(shifted_cv_o), .error_saturated_o(), .weights_saturated_o()
+    .steps_i(steps), .slew_i, .weights_i(weights), .error_u_o(), .error_v_o(), .weights_o(shifted_next),
+    .error_saturated_o(), .weights_saturated_o()
   );
 
   paper_parameters u_parameters (
