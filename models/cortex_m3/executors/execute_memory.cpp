@@ -274,16 +274,16 @@ bool Execute::store_exclusive(Machine& cpu, const Step& op) {
   return a == Access::ok || cpu.leave(op);
 }
 
-#define EXCLUSIVE(name, form, T)                     \
+#define EXCLUSIVE(name, access)                      \
   bool Execute::name(Machine& cpu, const Step& op) { \
-    return form<T>(cpu, op);                         \
+    return (access);                                 \
   }
-EXCLUSIVE(ldrex, load_exclusive, uint32_t)
-EXCLUSIVE(ldrexh, load_exclusive, uint16_t)
-EXCLUSIVE(ldrexb, load_exclusive, uint8_t)
-EXCLUSIVE(strex, store_exclusive, uint32_t)
-EXCLUSIVE(strexh, store_exclusive, uint16_t)
-EXCLUSIVE(strexb, store_exclusive, uint8_t)
+EXCLUSIVE(ldrex, load_exclusive<uint32_t>(cpu, op))
+EXCLUSIVE(ldrexh, load_exclusive<uint16_t>(cpu, op))
+EXCLUSIVE(ldrexb, load_exclusive<uint8_t>(cpu, op))
+EXCLUSIVE(strex, store_exclusive<uint32_t>(cpu, op))
+EXCLUSIVE(strexh, store_exclusive<uint16_t>(cpu, op))
+EXCLUSIVE(strexb, store_exclusive<uint8_t>(cpu, op))
 #undef EXCLUSIVE
 
 bool Execute::clrex(Machine& cpu, const Step&) {
