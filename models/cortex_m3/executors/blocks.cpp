@@ -23,7 +23,6 @@ FlagUse flag_use(const DecodedOp& op) {
   if (op.condition != condition_always) return {};
   const FlagEffect effect = traits(op.operation).flags;
   FlagUse use{0, 0, 0, true};
-  const bool sets_carry = op.shift.amount != 0 || op.carry_from_imm;
   switch (effect) {
     case FlagEffect::unknown:
       return {};
@@ -36,7 +35,7 @@ FlagUse flag_use(const DecodedOp& op) {
     case FlagEffect::shift:  // an amount of zero keeps the carry
       return op.set_flags ? FlagUse{carry, nz | carry, nz, true} : use;
     case FlagEffect::logical:
-      if (op.set_flags) use.writes = use.kills = sets_carry ? nz | carry : nz;
+      if (op.set_flags) use.writes = use.kills = shifter_sets_carry(op) ? nz | carry : nz;
       break;
     case FlagEffect::arithmetic:
     case FlagEffect::with_carry:

@@ -94,8 +94,7 @@ bool Execute::shift_register(Machine& cpu, const Step& op) {
 }
 
 const Executors* Execute::data_executors(const DecodedOp& op) {
-  // What may give C a value of its own.
-  const bool shifted = op.shift.amount != 0 || op.carry_from_imm, flags = op.set_flags;
+  const bool shifted = shifter_sets_carry(op), flags = op.set_flags;
   switch (op.operation) {
 #define FAMILY(name, F)                                                                      \
   case Operation::name##_imm:                                                                \
@@ -197,7 +196,7 @@ Chain Execute::compare_and_branch_chain(const DecodedOp& op, const DecodedOp& br
                       linked_branch_chain(branch) != nullptr;
   if (!linked || !op.set_flags) return nullptr;
   const unsigned condition = branch_condition(branch);
-  const bool shifted = op.shift.amount != 0 || op.carry_from_imm;
+  const bool shifted = shifter_sets_carry(op);
   switch (op.operation) {
     case Operation::cmp_imm:
       return compare_and<data<Cmp, true, false, true>>(condition);

@@ -223,30 +223,23 @@ void resolve(DecodedOp& op, const Fields& f, Form form) {
       op.imm = f['i'] << 2;
       break;
     case Form::push:
-      op.rn = 13;
-      op.writeback = true;
-      op.list.bits = static_cast<uint16_t>((f['l'] & 0xFF) | (f['l'] >> 8) << 14);
-      break;
     case Form::pop:
       op.rn = 13;
       op.writeback = true;
-      op.list.bits = static_cast<uint16_t>((f['l'] & 0xFF) | (f['l'] >> 8) << 15);
+      // Eight low registers, and one more: LR, or PC.
+      op.list.bits =
+          static_cast<uint16_t>((f['l'] & 0xFF) | (f['l'] >> 8) << (form == Form::push ? 14 : 15));
       break;
     case Form::list:
-      op.list.bits = static_cast<uint16_t>(f['l']);
       op.writeback = f['w'] != 0;
       break;
     case Form::list_sp:
       op.rn = 13;
-      op.list.bits = static_cast<uint16_t>(f['l']);
-      op.writeback = true;
-      break;
+      [[fallthrough]];
     case Form::list_wb:
-      op.list.bits = static_cast<uint16_t>(f['l']);
       op.writeback = true;
       break;
     case Form::list_load:
-      op.list.bits = static_cast<uint16_t>(f['l']);
       op.writeback = !op.list.has(op.rn);
       break;
     case Form::dual:
@@ -347,6 +340,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   op.operation = e->operation;
   op.rd = static_cast<uint8_t>(f.has('e') ? f['e'] : f['d']);
   op.rn = static_cast<uint8_t>(f.has('e') ? f['e'] : f['n']);
+  op.list.bits = static_cast<uint16_t>(f['l']);
   op.rm = static_cast<uint8_t>(f['m']);
   op.ra = static_cast<uint8_t>(f['a']);
   op.imm = f['i'] | (f.has('j') ? f['j'] << 12 : 0);

@@ -142,6 +142,11 @@ inline uint32_t pc_of(const DecodedOp& op) {
 inline uint32_t next_address(const DecodedOp& op) {
   return op.address + op.size;
 }
+/// True where a logical operation that sets the flags gives C a value: its operand was shifted, or
+/// is an immediate that was rotated.
+inline bool shifter_sets_carry(const DecodedOp& op) {
+  return op.shift.amount != 0 || op.carry_from_imm;
+}
 /// The condition that B<c> has of its own. Inside an IT block, where it is UNPREDICTABLE, both
 /// count.
 inline unsigned branch_condition(const DecodedOp& op) {
