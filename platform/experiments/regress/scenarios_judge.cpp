@@ -190,54 +190,6 @@ void one_reason(Bench& bench) {
   }
 }
 
-// Each bit of a limit decides; the other sources' words are in the pipeline beside it.
-void limit_bits(Bench& bench, Random& random) {
-  for (unsigned bit = 0; bit < 8; ++bit)
-    for (int beside : {-3, -2, -1, 0, 1, 2, 3}) {
-      if (bench.failed()) return;
-      const uint32_t n = 1u << bit;
-      Shaft shaft(bench, ctrl_calib, 0, {0.5, 0.5, 0, 0, 0});
-      bench.write(reg_judge, n << judge_alarm_limit_shift | n | judge_count);
-      bench.write(reg_turn_limit, 3);
-      // DET is 2^29: the limit n 2^21, AMPLITUDE half the sample.
-      for (int sign : {1, -1}) {
-        const int64_t deviation = (int64_t{n} << 21) + beside;
-        const int64_t u = 2 * ((int64_t{1} << 29) + sign * deviation);
-        if (u > INT32_MAX) continue;
-        for (unsigned i = 0; i < 3; ++i) {
-          bench.sample(static_cast<uint32_t>(u), random.word32() & 1);
-          bench.wait(32);
-        }
-        shaft.read();
-      }
-    }
-  for (uint32_t n : {0u, 255u}) {
-    Shaft shaft(bench, ctrl_calib, 1.0 / turn_samples);
-    bench.write(reg_judge, n << judge_alarm_limit_shift | n);
-    for (double scale : {0.001, 1.9, 1.0}) {
-      shaft.move(40, 1.0 / turn_samples, scale);
-      shaft.read();
-    }
-  }
-}
-
-// A bit of the limit that is lost or too many ends a window at once or never: each alone, with a
-// small limit beside it.
-void turn_limit_bits(Bench& bench) {
-  for (unsigned bit = 0; bit < 32 && !bench.failed(); ++bit) {
-    Shaft shaft(bench, ctrl_calib, 0);
-    bench.write(reg_turn_limit, 1u << bit);
-    shaft.move(6, 0);
-    shaft.read();
-    bench.write(reg_turn_limit, 1u << bit | 3);
-    shaft.move(4, 0);
-    shaft.read();
-    bench.write(reg_turn_limit, 3);
-    shaft.move(4, 0);
-    shaft.read();
-  }
-}
-
 }  // namespace
 
 void run_turns(Bench& bench, Random&, const Budget&) {
@@ -273,8 +225,51 @@ void run_turn_count(Bench& bench, Random&, const Budget&) {
 }
 
 void run_limit_bits(Bench& bench, Random& random, const Budget&) {
-  limit_bits(bench, random);
-  turn_limit_bits(bench);
+  // Each bit of a limit decides; the other sources' words are in the pipeline beside it.
+  for (unsigned bit = 0; bit < 8; ++bit)
+    for (int beside : {-3, -2, -1, 0, 1, 2, 3}) {
+      if (bench.failed()) return;
+      const uint32_t n = 1u << bit;
+      Shaft shaft(bench, ctrl_calib, 0, {0.5, 0.5, 0, 0, 0});
+      bench.write(reg_judge, n << judge_alarm_limit_shift | n | judge_count);
+      bench.write(reg_turn_limit, 3);
+      // DET is 2^29: the limit n 2^21, AMPLITUDE half the sample.
+      for (int sign : {1, -1}) {
+        const int64_t deviation = (int64_t{n} << 21) + beside;
+        const int64_t u = 2 * ((int64_t{1} << 29) + sign * deviation);
+        if (u > INT32_MAX) continue;
+        for (unsigned i = 0; i < 3; ++i) {
+          bench.sample(static_cast<uint32_t>(u), random.word32() & 1);
+          bench.wait(32);
+        }
+        shaft.read();
+      }
+    }
+  for (uint32_t n : {0u, 255u}) {
+    Shaft shaft(bench, ctrl_calib, 1.0 / turn_samples);
+    bench.write(reg_judge, n << judge_alarm_limit_shift | n);
+    for (double scale : {0.001, 1.9, 1.0}) {
+      shaft.move(40, 1.0 / turn_samples, scale);
+      shaft.read();
+    }
+  }
+}
+
+void run_turn_limit(Bench& bench, Random&, const Budget&) {
+  // A bit of the limit that is lost or too many ends a window at once or never: each alone, with
+  // a small limit beside it.
+  for (unsigned bit = 0; bit < 32 && !bench.failed(); ++bit) {
+    Shaft shaft(bench, ctrl_calib, 0);
+    bench.write(reg_turn_limit, 1u << bit);
+    shaft.move(6, 0);
+    shaft.read();
+    bench.write(reg_turn_limit, 1u << bit | 3);
+    shaft.move(4, 0);
+    shaft.read();
+    bench.write(reg_turn_limit, 3);
+    shaft.move(4, 0);
+    shaft.read();
+  }
 }
 
 void run_passes(Bench& bench, Random&, const Budget&) {
