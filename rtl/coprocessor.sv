@@ -9,7 +9,8 @@ module coprocessor #(
   parameter int OperandBits   = 32,  // paper: width of the arctangent's operands, 2..32
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads the data
   parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
-  parameter int PlainArctangent = 0  // paper: the arctangent's input as it is
+  parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int Block         = 1    // precise: block learning, CTRL.BLOCK and GUARD
 ) (
   input  logic        pclk_i,
   input  logic        presetn_i,
@@ -81,7 +82,8 @@ module coprocessor #(
     .OperandBits     (OperandBits),
     .ReferenceLead   (ReferenceLead),
     .StepShift       (StepShift),
-    .PlainArctangent (PlainArctangent)
+    .PlainArctangent (PlainArctangent),
+    .Block           (Block)
   ) u_datapath (
     .clk_i           (pclk_i),
     .rst_ni          (presetn_i),
@@ -102,7 +104,8 @@ module coprocessor #(
   );
 
   register_bank #(
-    .Paper (Paper)
+    .Paper (Paper),
+    .Block (Block)
   ) u_register_bank (
     .clk_i           (pclk_i),
     .rst_ni          (presetn_i),

@@ -39,6 +39,7 @@ typedef struct packed {
 // The registers that software alone writes and the pipeline reads
 typedef struct packed {
   logic        demod, calib;
+  logic        block, guard;
   logic [1:0]  source;             // CTRL.REF
   logic [4:0]  kp, ki;
   steps_t      steps;
@@ -47,6 +48,12 @@ typedef struct packed {
   logic [21:0] judge;              // JUDGE
   logic [31:0] turn_limit;         // samples
 } settings_t;
+
+// What becomes of T3's updates: the coefficients, the sums of a block, or nothing
+typedef struct packed {
+  logic update, sum;
+  logic from_sums;  // they are added to the sums, else to the coefficients
+} learning_t;
 
 // Interrupt enables, in CTRL's order
 typedef struct packed {
@@ -94,6 +101,8 @@ typedef struct packed {
   logic        error_valid;       // an error of T3, in this cycle
   logic        error_v;           // it is v's, else u's
   logic [31:0] error;
+  logic        weight_valid;      // a coefficient as T3 leaves it, in this cycle
+  logic [47:0] weight;            // s48, Q2.46
   logic [31:0] relative;          // of T1, in cycle 31; 2^-32 turn
   logic [31:0] angle;             // of T4, in cycle 31; 2^-32 turn
   logic        zero, mirror;      // of T1, of T0, in cycle 31

@@ -13,7 +13,8 @@ module datapath #(
   parameter int OperandBits = 32,    // paper: of the PI arctangent's multipliers
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads its data
   parameter int StepShift = 0,       // paper: right shift of the step behind its register
-  parameter int PlainArctangent = 0  // paper: the arctangent's input as it is
+  parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int Block = 1            // precise: with block learning
 ) (
   input  logic        clk_i, rst_ni, clear_i,
   input  tick_t       tick_i,
@@ -53,19 +54,40 @@ module datapath #(
     end
   end
 
-  logic hold_weights, demod, update_q, demod4_q;
+  logic hold_weights, demod, demod4_q;
   assign demod = settings_i.demod;
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      update_q <= 1'b0;
-      demod4_q <= 1'b0;
-    end else if (boundary) begin
-      update_q <= demod && !frozen_i && !hold_weights;
-      demod4_q <= demod;
-    end
+    if (!rst_ni) demod4_q <= 1'b0;
+    else if (boundary) demod4_q <= demod;
   end
-  assign state_we_o.weights_u = boundary && ((stage[3] && update_q) || load[1]);
-  assign state_we_o.weights_v = boundary && ((stage[3] && update_q) || load[2]);
+
+  core_t core;
+  learning_t learning;
+  logic ended, last_good, last_timeout, updates;
+  logic [47:0] sum;
+  block_learning #(
+    .Present(Paper == 0 && Block != 0 ? 1 : 0)
+  ) u_block_learning (
+    .clk_i, .rst_ni, .clear_i,
+    .boundary_i    (boundary),
+    .cycle_i       (cycle),
+    .active_i      (stage[3]),
+    .start_i       (stage[2]),
+    .learns_i      (demod && !frozen_i && !hold_weights),
+    .block_i       (settings_i.block),
+    .guard_i       (settings_i.guard),
+    .commit_i      (commit_o),
+    .ended_i       (ended),
+    .good_i        (last_good),
+    .timeout_i     (last_timeout),
+    .learning_o    (learning),
+    .weight_valid_i(core.weight_valid),
+    .weight_i      (core.weight),
+    .sum_o         (sum)
+  );
+  assign updates = learning.update;
+  assign state_we_o.weights_u = boundary && ((stage[3] && updates) || load[1]);
+  assign state_we_o.weights_v = boundary && ((stage[3] && updates) || load[2]);
   assign state_we_o.parameters = commit_o && demod4_q;
 
   steps_t steps;
@@ -77,7 +99,6 @@ module datapath #(
   assign state_o.weights = weights;
   assign state_o.parameters = parameters;
 
-  core_t core;
   logic [31:0] residue, reference_phase, phi_now;
   logic signed [31:0] sine, cosine;
   logic turn;
@@ -119,7 +140,7 @@ module datapath #(
   // Both arithmetics have these ports.
 `define CORE_PORTS \
     .clk_i, .rst_ni, .tick_i, \
-    .keep_i(state_we_o), .update_i(update_q), \
+    .keep_i(state_we_o), .learning_i(learning), .sum_i(sum), \
     .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
     .steps_i(steps), .slew_i(settings_i.judge[21:19]), \
     .weights_i(weights_now), .parameters_i(parameters_now), \
@@ -242,10 +263,14 @@ module datapath #(
     .turn_flags_o,
     .good_turns_o     (status_o.good_turns),
     .alarm_o          (status_o.alarm),
-    .ended_o          (flags_o.turn),
+    .ended_o          (ended),
+    .last_good_o      (last_good),
+    .last_timeout_o   (last_timeout),
     .alarm_next_o     (flags_o.alarm),
     .permits_o        (permits)
   );
+
+  assign flags_o.turn = ended;
 
   logic first, second;
   logic [31:0] stored_result, angle_q;
@@ -265,6 +290,7 @@ module datapath #(
     .quality_address_i(quality_address),
     .quality_i     (quality),
     .bank_i        (record_bank),
+    .data_read_i   (stage[3]),
     .data_v_i      (core.data_v),
     .data_slot_i   (slot3),
     .data_o        (data),

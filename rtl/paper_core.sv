@@ -16,7 +16,8 @@ module paper_core #(
   input  logic               rst_ni,
   input  tick_t              tick_i,
   input  state_we_t          keep_i,        // with a boundary: weights, parameters are this tick's results
-  input  logic               update_i,      // T3 writes its weights
+  input  learning_t          learning_i,    // of T3
+  input  logic        [47:0] sum_i,
   input  logic signed [31:0] u_i,
   input  logic signed [31:0] v_i,
   input  logic signed [31:0] data_i,
@@ -140,6 +141,8 @@ module paper_core #(
   assign core_o.error_v = cycle[3];
   assign core_o.error = cycle[3] ? error_v : error_u;
   assign core_o.data_v = 1'b0;
+  assign core_o.weight_valid = 1'b0;
+  assign core_o.weight = '0;
 
   paper_parameters #(
     .OperandBits(OperandBits),
@@ -180,10 +183,10 @@ module paper_core #(
   logic end_of_tick;  // the units' flags are valid there
   assign end_of_tick = cycle == 5'd31;
   assign core_o.saturated = {5{end_of_tick}} & {stage[4] && parameters_saturated,
-      stage[3] && (error_saturated || (weights_saturated && update_i)), 2'b00,
+      stage[3] && (error_saturated || (weights_saturated && learning_i.update)), 2'b00,
       stage[0] && calibrator_saturated};
 
   logic unused_bits;
-  assign unused_bits = ^{data_i, load[0], tick_i.enter, tick_i.load_start, keep_i.phase, keep_i.freq};
+  assign unused_bits = ^{data_i, sum_i, learning_i, load[0], tick_i.enter, tick_i.load_start, keep_i.phase, keep_i.freq};
 
 endmodule

@@ -12,7 +12,8 @@ module precise_core (
   input  logic               rst_ni,
   input  tick_t              tick_i,
   input  state_we_t          keep_i,        // with a boundary: weights, parameters are this tick's results
-  input  logic               update_i,      // T3 writes its weights
+  input  learning_t          learning_i,    // of T3
+  input  logic        [47:0] sum_i,         // block_learning.sv
   input  logic signed [31:0] u_i,
   input  logic signed [31:0] v_i,
   input  logic signed [31:0] data_i,
@@ -40,7 +41,7 @@ module precise_core (
   weights_t ring;
   logic turn, weight_valid, weight_saturated, replace;
   logic signed [47:0] weight;
-  assign replace = weight_valid && (update_i || |load);
+  assign replace = weight_valid && (learning_i.update || learning_i.sum || |load);
   weight_ring u_weight_ring (
     .clk_i,
     .boundary_i(boundary),
@@ -50,6 +51,8 @@ module precise_core (
     .keep_v_i  (keep_i.weights_v),
     .load_u_i  (tick_i.load_start[1]),
     .load_v_i  (tick_i.load_start[2]),
+    .from_sums_i(stage[3] && learning_i.from_sums),
+    .sum_i,
     .b1_i      (parameters_i.b1),
     .b2_i      (parameters_i.b2),
     .weights_i,
@@ -149,6 +152,8 @@ module precise_core (
     .weight_saturated_o(weight_saturated)
   );
   assign core_o.error_v = cycle[3];
+  assign core_o.weight_valid = weight_valid && turn && stage[3];
+  assign core_o.weight = weight;
 
   // The amplitude is written in T1; this arithmetic's angles always converge.
   assign core_o.calibrated = calibrated;

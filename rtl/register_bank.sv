@@ -6,7 +6,8 @@
 // Formats: phase, freq 2^-48 turn; au .. cv s48, Q2.46; a1, a2, b1, b2 Q1.31; beta, phi 2^-32 turn;
 // steps u31 and thresholds u32, Q1.31.
 module register_bank #(
-  parameter int Paper = 0
+  parameter int Paper = 0,
+  parameter int Block = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -87,7 +88,7 @@ module register_bank #(
 
   // Words of the memory stand at their own address, SOFT_U at 0, JUDGE and TURN_LIMIT at 2 and 3. The
   // word of a LO is its stage, the one of a HI its read latch: a write of LO and a read of HI fill
-  // their own word, a write of HI and a read of LO take the other's.
+  // their own word, a write of HI and a read of LO take the other's, which the write leaves at 0.
   localparam logic [31:0] MemoryWords = 32'hFFF6_FFCD;
   logic        word_we, word_valid;
   logic [4:0]  word_address, word_source;
@@ -96,16 +97,15 @@ module register_bank #(
   assign word_source  = word_address ^ {4'd0, is_pair};
   assign word_we      = (read & is_high) | (write & is_low) |
                         (write & (is_step | is_threshold | is_judge) & ~beyond) |
-                        (write & is_soft & ~soft_valid_o);
+                        (write & is_soft & ~soft_valid_o) | (write & is_high);
   word_memory #(
     .Used (MemoryWords)
   ) u_words (
     .clk_i, .rst_ni,
     .clear_i (clear_o),
     .we_i    (word_we),
-    .waddr_i (word_address),
-    .wdata_i (pwrite_i ? pwdata_i : pair_low),
-    .drop_i  (write & is_high),
+    .waddr_i (word_address ^ {4'd0, pwrite_i & is_high}),
+    .wdata_i (pwrite_i ? pwdata_i & {32{~is_high}} : pair_low),
     .raddr_i (word_source),
     .valid_o (word_valid),
     .rdata_o (word_read)
@@ -117,7 +117,9 @@ module register_bank #(
   logic      freeze;
   enables_t  enables;
   settings_t settings;
-  setting_registers u_settings (
+  setting_registers #(
+    .Block (Paper == 0 && Block != 0 ? 1 : 0)
+  ) u_settings (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
     .write_i       (write & ~(is_step & beyond)),
@@ -199,7 +201,7 @@ module register_bank #(
                         select.LOOP | select.LATENCY | select.TURN_FLAGS;
   assign number       = {select.BETA | select.PHI | is_counter, select.B1 | select.B2 | is_counter,
                          select.A2 | select.B2 | select.PHI | select.EARLY_COUNT};
-  assign ctrl         = {19'd0, enables, 2'd0, freeze, adc_enable_o, settings.source, settings.calib,
+  assign ctrl         = {19'd0, enables, settings.guard, settings.block, freeze, adc_enable_o, settings.source, settings.calib,
                          settings.demod};
   assign loop         = {19'd0, settings.ki, 3'd0, settings.kp};
   assign status       = {18'd0, status_i.good_turns, 3'd0, Paper != 0, 1'b0, freeze & flags[AlarmFlag],

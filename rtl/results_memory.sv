@@ -19,9 +19,10 @@ module results_memory (
   input  logic [ 4:0] quality_address_i,
   input  logic [31:0] quality_i,
   input  logic        bank_i,          // of the last window's record
-  input  logic        data_v_i,        // T3's read of its sample
+  input  logic        data_read_i,     // T3 holds a sample, which it reads
+  input  logic        data_v_i,
   input  logic [ 2:0] data_slot_i,
-  output logic [31:0] data_o,
+  output logic [31:0] data_o,          // a cycle later
   // 0..3 sample, 5..8 error (8: word 0), 9 amplitude, 10 average, 11..14 radius, residue, winding,
   // samples, 15 DET of the record
   input  logic [ 3:0] select_i,
@@ -30,7 +31,10 @@ module results_memory (
 );
 
   logic [31:0] sample[0:31];
-  logic [31:0] data[0:15];  // u and v once more: a memory of this kind has one read port
+  // u and v once more, 16 words: a memory of this kind has one read port. Synthesis takes a block memory for
+  // 64 words and more, and logic for fewer.
+  logic [31:0] data[0:63];
+  logic [31:0] data_q;
   logic [31:0] error[0:31];
   logic [31:0] quality[0:31];
 
@@ -39,7 +43,8 @@ module results_memory (
     if (sample_we_i) sample[{sample_slot_i, sample_word_i}] <= sample_i;
   end
   always_ff @(posedge clk_i) begin
-    if (sample_we_i && !sample_word_i[1]) data[{sample_slot_i, sample_word_i[0]}] <= sample_i;
+    if (sample_we_i && !sample_word_i[1]) data[{2'b0, sample_slot_i, sample_word_i[0]}] <= sample_i;
+    if (data_read_i) data_q <= data[{2'b0, data_slot_i, data_v_i}];
   end
   always_ff @(posedge clk_i) begin
     if (error_we_i) error[{error_slot_i, error_word_i}] <= error_i;
@@ -48,7 +53,7 @@ module results_memory (
     if (quality_we_i) quality[quality_address_i] <= quality_i;
   end
 
-  assign data_o = data[{data_slot_i, data_v_i}];
+  assign data_o = data_q;
 
   logic [31:0] sample_read, error_read, quality_read;
   assign sample_read = sample[{slot_i, select_i[1:0]}];

@@ -2,14 +2,16 @@
 // JUDGE, TURN_LIMIT (docs/coprocessor.md, "Registers"). Reserved values are refused here.
 //
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
-module setting_registers (
+module setting_registers #(
+  parameter int Block = 1  // CTRL.BLOCK and GUARD are there
+) (
   input  logic        clk_i,
   input  logic        rst_ni,
   input  logic        clear_i,    // soft reset
   input  logic        write_i,    // of any register, but no step of 1.0 or more
   input  capsoc_coprocessor_selects_t select_i,
   input  logic [31:0] pwdata_i,
-  output logic        reserved_o,    // CTRL.REF = 3
+  output logic        reserved_o,    // CTRL.REF = 3, CTRL.BLOCK that is not there
   output logic        adc_enable_o,
   output logic        freeze_o,
   output enables_t    enables_o,
@@ -21,14 +23,17 @@ module setting_registers (
   localparam int RefHigh = capsoc_coprocessor_pkg::CTRL_REF_MSB;
 
   logic       demod_q, calib_q, adc_q, ie_result_q, ie_lock_q, ie_error_q;
-  logic       ie_turn_q, ie_alarm_q, freeze_q;
+  logic       ie_turn_q, ie_alarm_q, freeze_q, block_q, guard_q;
   logic [1:0] ref_q;
 
   logic write_ctrl;
   assign write_ctrl = write_i & select_i.CTRL;
 
   // A word with SRST is not looked at any further.
-  assign reserved_o = write_ctrl & ~clear_i & (&pwdata_i[RefHigh:RefLow]);
+  logic reserved_ref;
+  assign reserved_ref = &pwdata_i[RefHigh:RefLow];
+  assign reserved_o = write_ctrl & ~clear_i &
+      (reserved_ref | (Block == 0 & pwdata_i[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB]));
 
   logic [31:0] ctrl_data;
   assign ctrl_data = clear_i ? CtrlReset : pwdata_i;
@@ -44,10 +49,12 @@ module setting_registers (
       ie_turn_q   <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
       ie_alarm_q  <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
       freeze_q    <= CtrlReset[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
+      block_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB];
+      guard_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_GUARD_LSB];
     end else if (write_ctrl) begin
       demod_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_DEMOD_LSB];
       calib_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_CALIB_LSB];
-      if (!reserved_o) ref_q <= ctrl_data[RefHigh:RefLow];
+      if (clear_i | ~reserved_ref) ref_q <= ctrl_data[RefHigh:RefLow];
       adc_q       <= ctrl_data[capsoc_coprocessor_pkg::CTRL_ADC_LSB];
       ie_result_q <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_RESULT_LSB];
       ie_lock_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_LOCK_LSB];
@@ -55,6 +62,8 @@ module setting_registers (
       ie_turn_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
       ie_alarm_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
       freeze_q    <= ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
+      block_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0;
+      guard_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0;
     end
   end
   assign adc_enable_o = adc_q;
@@ -137,6 +146,8 @@ module setting_registers (
   end
   assign settings_o.demod             = demod_q;
   assign settings_o.calib             = calib_q;
+  assign settings_o.block             = block_q;
+  assign settings_o.guard             = guard_q;
   assign settings_o.source            = ref_q;
   assign settings_o.kp                = kp_q;
   assign settings_o.ki                = ki_q;

@@ -59,6 +59,8 @@ module turn_judge (
   output logic        alarm_o,
   // With commit_i: what this sample's commit makes of them
   output logic        ended_o,
+  output logic        last_good_o,        // the window that ended last, this one included
+  output logic        last_timeout_o,
   output logic        alarm_next_o,
   output logic        permits_o           // LOCK, as far as the judge is concerned
 );
@@ -298,6 +300,10 @@ module turn_judge (
       end
     end
   end
+  logic ends;
+  assign ends = commit_i && ended_o;
+  assign last_good_o = ends ? good : flags_q[22];
+  assign last_timeout_o = ends ? timeout : flags_q[16];
   assign bank_o = !bank_q;
   assign any_o = any_q;
   assign turn_flags_o = {turn_count_q, 1'b0, flags_q};

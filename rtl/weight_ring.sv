@@ -7,7 +7,9 @@
 //   0 1 3 4 5 7       the estimate: place 0 is a_u, b_u, c_u (2 and 3), a_v, b_v, c_v (6 and 7)
 //   8 .. 13           the calibrator's products
 //   16 18 19 22 24 25 the update: the word that leaves place 0 may be replaced by word_i
-// A LOAD begins with zeros and the offset, << 15, in place of the weights that it makes.
+// In a block the update is of the block's sums: from cycle 13 on they come into place 0, for the weights are not needed any more
+// in this tick.
+// A LOAD begins with the offset, << 15, in place of the constant that it makes, and makes the other two zero in the first turns.
 module weight_ring (
   input  logic        clk_i,
   input  logic        boundary_i,
@@ -17,6 +19,8 @@ module weight_ring (
   input  logic        keep_v_i,
   input  logic        load_u_i,       // with boundary_i: L1 begins
   input  logic        load_v_i,       // with boundary_i: L2 begins
+  input  logic        from_sums_i,    // T3 is in a block
+  input  logic [47:0] sum_i,          // of the weight that comes to place 0
   input  logic [31:0] b1_i,
   input  logic [31:0] b2_i,
   input  weights_t    weights_i,
@@ -34,34 +38,41 @@ module weight_ring (
   assign turn = active_i && TurnInCycle[cycle_i];
   assign turn_o = turn;
 
+  // A LOAD's weights that are not there yet become zero on their way from place 5 to 4, in the turns of cycles 1 and 3, 5 and 7.
+  logic zero;
+  assign zero = cycle_i[0] && ((load_u_q && cycle_i[4:2] == 3'd0) || (load_v_q && cycle_i[4:2] == 3'd1));
+
+  // The sums come into place 0 with the turns at the end of cycles 13 to 24.
+  logic take_sum;
+  assign take_sum = from_sums_i && cycle_i >= 5'd13 && cycle_i != 5'd25;
+
   // What a tick begins with.
-  logic [47:0] start0, start1, start2, start3, start4, start5;
-  assign start0 = load_u_i ? '0 : weights_i.au;
-  assign start1 = load_u_i ? '0 : weights_i.bu;
+  logic [47:0] start2, start5;
   assign start2 = load_u_i ? {b1_i[31], b1_i, 15'b0} : weights_i.cu;
-  assign start3 = load_v_i ? '0 : weights_i.av;
-  assign start4 = load_v_i ? '0 : weights_i.bv;
   assign start5 = load_v_i ? {b2_i[31], b2_i, 15'b0} : weights_i.cv;
 
   // No reset: every tick begins with a load.
+  logic load_u_q, load_v_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
+      load_u_q <= load_u_i;
+      load_v_q <= load_v_i;
       if (!keep_u_i) begin
-        place0_q <= start0;
-        place1_q <= start1;
+        place0_q <= weights_i.au;
+        place1_q <= weights_i.bu;
         place2_q <= start2;
       end
       if (!keep_v_i) begin
-        place3_q <= start3;
-        place4_q <= start4;
+        place3_q <= weights_i.av;
+        place4_q <= weights_i.bv;
         place5_q <= start5;
       end
     end else if (turn) begin
-      place0_q <= place1_q;
+      place0_q <= take_sum ? sum_i : place1_q;
       place1_q <= place2_q;
       place2_q <= place3_q;
       place3_q <= place4_q;
-      place4_q <= place5_q;
+      place4_q <= place5_q & {48{!zero}};
       place5_q <= replace_i ? word_i : place0_q;
     end
   end

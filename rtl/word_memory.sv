@@ -2,8 +2,8 @@
 // and a copy of the settings for reading back. A small memory needs far less than registers and
 // their part of the read multiplexer; a bit per word tells that it was written since reset.
 //
-// Latency: a word written at an edge is read after it; reading is combinational. At one edge
-// clearing wins over writing, and writing over dropping.
+// Latency: a word written at an edge is read after it; reading is combinational. Clearing wins over
+// writing.
 module word_memory #(
   // Addresses in use; the others have no bit and are never valid.
   parameter logic [31:0] Used = 32'hFFFF_FFFF
@@ -14,7 +14,6 @@ module word_memory #(
   input  logic        we_i,
   input  logic [4:0]  waddr_i,
   input  logic [31:0] wdata_i,
-  input  logic        drop_i,   // the word at raddr_i is invalid from the coming edge on
   input  logic [4:0]  raddr_i,
   output logic        valid_o,
   output logic [31:0] rdata_o
@@ -29,8 +28,7 @@ module word_memory #(
   logic [31:0] valid_q, valid_d;
   always_comb begin
     for (int i = 0; i < 32; i = i + 1) begin
-      valid_d[i] = Used[i] & ~clear_i & ((we_i & waddr_i == 5'(i)) |
-                                         (valid_q[i] & ~(drop_i & raddr_i == 5'(i))));
+      valid_d[i] = Used[i] & ~clear_i & (valid_q[i] | (we_i & waddr_i == 5'(i)));
     end
   end
   always_ff @(posedge clk_i or negedge rst_ni) begin

@@ -11,11 +11,14 @@ GATE = ROOT / "tests" / "rtl" / "netlist" / "netlist_gate.cpp"
 
 
 def techlib_cells(folder):
-    """Simulation cells; of the memories only the one that this flow uses (Icarus refuses the other)."""
+    """Simulation cells; of the memories the two that this flow uses, for Icarus refuses the others. It refuses variable bounds
+    of a slice, too, so those of the block memory are written with a width."""
     share = Path(find("yosys", "yosys")).resolve().parents[1] / "share" / "yosys" / "intel_alm" / "common"
-    memory = re.search(r"module MISTRAL_MLAB.*?endmodule", (share / "mem_sim.v").read_text(), re.S)
-    (folder / "mlab.v").write_text(memory.group(0) + "\n")
-    return [str(share / name) for name in ("alm_sim.v", "dff_sim.v", "dsp_sim.v")] + [str(folder / "mlab.v")]
+    text = (share / "mem_sim.v").read_text()
+    memories = [re.search(rf"module {name}\b.*?endmodule", text, re.S).group(0) for name in ("MISTRAL_MLAB", "MISTRAL_M10K")]
+    slices = re.sub(r"\((\w+) \+ 1\) \* (\w+) - 1 : \1 \* \2\]", r"\1 * \2 +: \2]", "\n".join(memories))
+    (folder / "memories.v").write_text(slices + "\n")
+    return [str(share / name) for name in ("alm_sim.v", "dff_sim.v", "dsp_sim.v")] + [str(folder / "memories.v")]
 
 
 def verilate(name, sources, folder, options):

@@ -34,6 +34,7 @@ Options checked(Options options) {
   options.paper_operand_bits = std::clamp(options.paper_operand_bits, 2, 32);
   options.paper_reference_lead = std::clamp(options.paper_reference_lead, -1024, 1024);
   options.paper_step_shift = std::clamp(options.paper_step_shift, 0, 31);
+  if (options.arithmetic == Arithmetic::paper) options.block_learning = false;
   return options;
 }
 
@@ -55,6 +56,7 @@ void Coprocessor::soft_reset() {
   settings_.steps_u = start_steps_u;
   settings_.steps_v = start_steps_v;
   state_ = {};
+  state_.block.window_ended = true;  // the first sample begins a window
   state_.coefficients.u.sine = start_weight(description::AU_HI_reset, description::AU_LO_reset);
   state_.coefficients.v.cosine = start_weight(description::BV_HI_reset, description::BV_LO_reset);
   state_.parameters.a1 = static_cast<int32_t>(description::A1_reset);
@@ -122,9 +124,11 @@ void Coprocessor::start_tick() {
     pending_.steer_frequency = settings_.source == ReferenceSource::tracking;
   }
   if (sequencer_.occupied(3)) {
-    datapath_.demodulation(pipe_[3], settings_, state_, frozen(), pending_.learning);
+    const bool learns = settings_.demodulate && !frozen() && !pipe_[3].hold_weights;
+    const LearningPlan plan = plan_learning(state_.block, settings_, learns, judge_.last.flags);
+    datapath_.demodulation(pipe_[3], settings_, state_, plan, pending_.learning);
     pipe_[3].next_coefficients =
-        pending_.learning.update ? pending_.learning.coefficients : Coefficients{};
+        plan.update || plan.sum ? pending_.learning.coefficients : Coefficients{};
     pipe_[3].next_average =
         error_average(std::max(pending_.learning.error_sum_u, pending_.learning.error_sum_v));
     pipe_[3].saturated_after[3] = pipe_[3].saturated;
@@ -142,6 +146,8 @@ void Coprocessor::commit_tick() {
   }
   if (sequencer_.occupied(3)) {
     if (pending_.learning.update) state_.coefficients = pending_.learning.coefficients;
+    if (pending_.learning.sum) state_.block.sums = pending_.learning.coefficients;
+    if (!state_.block.begun) state_.block.sums = {};
     state_.error_sum_u = pending_.learning.error_sum_u;
     state_.error_sum_v = pending_.learning.error_sum_v;
   }
@@ -200,6 +206,7 @@ void Coprocessor::commit_results(const Packet& packet) {
   if (pending_.lock != r.lock) flags_ |= flag_lockchg;
   if (packet.mirror != r.mirror) flags_ |= flag_mirrorchg;
   judge_ = pending_.judge;
+  state_.block.window_ended = judge_.ended;
   if (judge_.ended) flags_ |= flag_turn;
   if (judge_.alarm) flags_ |= flag_alarm;
   r.raw_u = static_cast<uint32_t>(packet.u);

@@ -62,22 +62,45 @@ void Datapath::reference(Packet& packet, const Settings& settings, const State& 
                         packet.saturated);
 }
 
+LearningPlan plan_learning(BlockLearning& block, const Settings& settings, bool learns,
+                           uint32_t turn_flags) {
+  const bool ended = block.window_ended;
+  block.window_ended = false;
+  if (!settings.block) return {learns, false, false};
+  LearningPlan plan;
+  plan.from_sums = block.begun;
+  if (ended) {
+    const bool counts =
+        settings.guard ? (turn_flags & turn_good) != 0 : (turn_flags & turn_timeout) == 0;
+    plan.update = learns && block.begun && counts;
+    block.open = true;
+    block.begun = false;
+  } else {
+    plan.sum = learns && block.open;
+    if (plan.sum) block.begun = true;
+  }
+  return plan;
+}
+
 void Datapath::demodulation(Packet& packet, const Settings& settings, const State& state,
-                            bool frozen, Learning& next) const {
-  const auto channel = [&](const Weights& weights, const Steps& steps, int32_t data) {
+                            const LearningPlan& plan, Learning& next) const {
+  const Coefficients& base = plan.from_sums ? state.block.sums : state.coefficients;
+  const auto channel = [&](const Weights& weights, const Weights& sums, const Steps& steps,
+                           int32_t data) {
     return paper() ? demodulate_paper(weights, steps, data, packet.reference,
                                       options_.paper_step_shift, settings.slew)
-                   : demodulate(weights, steps, data, packet.reference, settings.slew);
+                   : demodulate(weights, sums, steps, data, packet.reference, settings.slew);
   };
-  const Demodulation u = channel(state.coefficients.u, settings.steps_u, packet.u);
-  const Demodulation v = channel(state.coefficients.v, settings.steps_v, packet.v);
+  const Demodulation u = channel(state.coefficients.u, base.u, settings.steps_u, packet.u);
+  const Demodulation v = channel(state.coefficients.v, base.v, settings.steps_v, packet.v);
   packet.error_u = u.error;
   packet.error_v = v.error;
   packet.saturated |= u.error_saturated || v.error_saturated;
   next.error_sum_u = next_error_sum(state.error_sum_u, u.error);
   next.error_sum_v = next_error_sum(state.error_sum_v, v.error);
-  next.update = settings.demodulate && !frozen && !packet.hold_weights;
-  if (!next.update) return;
+  next.update = plan.update;
+  next.sum = plan.sum;
+  if (!plan.update && !plan.sum) return;
   next.coefficients = {u.weights, v.weights};
   packet.saturated |= u.weights_saturated || v.weights_saturated;
 }

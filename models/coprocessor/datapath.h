@@ -42,7 +42,7 @@ struct Packet {
   // T3
   int32_t error_u = 0;  // Q1.31
   int32_t error_v = 0;
-  Coefficients next_coefficients;  // 0 without an update
+  Coefficients next_coefficients;  // or a block's sums; 0 without an update
   uint32_t next_average = 0;       // Q1.31
   // `saturated` as the stages left it
   std::array<bool, 4> saturated_after{};
@@ -59,6 +59,8 @@ struct Settings {
   Steps steps_u;
   Steps steps_v;
   unsigned slew = 0;  // JUDGE.SLEW, 0..7
+  bool block = false;
+  bool guard = false;
 
   void visit(kit::Archive& archive);
 };
@@ -70,6 +72,7 @@ struct State {
   ReferenceState reference;
   uint64_t error_sum_u = 0;  // Q1.37
   uint64_t error_sum_v = 0;
+  BlockLearning block;
 
   void visit(kit::Archive& archive);
 };
@@ -77,6 +80,7 @@ struct State {
 // What T3 writes.
 struct Learning {
   bool update = false;  // of the coefficients
+  bool sum = false;     // of the block's sums
   Coefficients coefficients;
   uint64_t error_sum_u = 0;
   uint64_t error_sum_v = 0;
@@ -92,6 +96,18 @@ struct PolarResult {
   void visit(kit::Archive& archive);
 };
 
+// What T3 does with its update, decided as the tick begins.
+struct LearningPlan {
+  bool update = false;     // it becomes the coefficients
+  bool sum = false;        // it becomes the block's sums
+  bool from_sums = false;  // it is added to the sums, else to the coefficients
+};
+
+// learns: with DEMOD, not frozen, and the sample has an angle if one is needed. turn_flags: of the
+// window that ended last. Moves the block on.
+LearningPlan plan_learning(BlockLearning& block, const Settings& settings, bool learns,
+                           uint32_t turn_flags);
+
 class Datapath {
  public:
   explicit Datapath(const Options& options) : options_(options) {}
@@ -100,9 +116,9 @@ class Datapath {
   void relative_angle(Packet& packet) const;                // T1
   void reference(Packet& packet, const Settings& settings, const State& state,
                  ReferenceState& next) const;  // T2
-  // frozen: the weights keep
-  void demodulation(Packet& packet, const Settings& settings, const State& state, bool frozen,
-                    Learning& next) const;  // T3
+  // plan: what becomes of the update, see plan_learning
+  void demodulation(Packet& packet, const Settings& settings, const State& state,
+                    const LearningPlan& plan, Learning& next) const;  // T3
   PolarResult parameters(Packet& packet, const Settings& settings,
                          const State& state) const;  // T4
 

@@ -39,8 +39,8 @@ int32_t limited_error(int32_t error, unsigned slew) {
   return std::clamp(error, -most - 1, most);
 }
 
-Demodulation demodulate(const Weights& weights, const Steps& steps, int32_t data,
-                        const Rotation& reference, unsigned slew) {
+Demodulation demodulate(const Weights& weights, const Weights& base, const Steps& steps,
+                        int32_t data, const Rotation& reference, unsigned slew) {
   Demodulation out;
   const int128 products = multiply(weight_q31(weights.sine), reference.sine) +
                           multiply(weight_q31(weights.cosine), reference.cosine);
@@ -49,12 +49,12 @@ Demodulation demodulate(const Weights& weights, const Steps& steps, int32_t data
   out.error = saturate32(data - estimate, out.error_saturated);
   const int32_t error = limited_error(out.error, slew);
   out.weights.sine =
-      update(weights.sine, gained_error(error, steps.sine), reference.sine, out.weights_saturated);
-  out.weights.cosine = update(weights.cosine, gained_error(error, steps.cosine), reference.cosine,
+      update(base.sine, gained_error(error, steps.sine), reference.sine, out.weights_saturated);
+  out.weights.cosine = update(base.cosine, gained_error(error, steps.cosine), reference.cosine,
                               out.weights_saturated);
   // The third reference is exactly one: no multiplication, no second rounding.
   out.weights.constant =
-      saturate<48>(weights.constant + gained_error(error, steps.constant), out.weights_saturated);
+      saturate<48>(base.constant + gained_error(error, steps.constant), out.weights_saturated);
   return out;
 }
 

@@ -21,9 +21,14 @@ constexpr int64_t weight_q31(int64_t weight) {
 // The error that an update sees with JUDGE.SLEW = n (0..7): within [-4^-n, 4^-n - 2^-31], Q1.31.
 int32_t limited_error(int32_t error, unsigned slew);
 
-// Weights with 15 guard bits, every product rounded half up.
-Demodulation demodulate(const Weights& weights, const Steps& steps, int32_t data,
-                        const Rotation& reference, unsigned slew = 0);
+// Weights with 15 guard bits, every product rounded half up. The estimate is of `weights`, the
+// update is added to `base`: the weights again, or the sums of a block.
+Demodulation demodulate(const Weights& weights, const Weights& base, const Steps& steps,
+                        int32_t data, const Rotation& reference, unsigned slew = 0);
+inline Demodulation demodulate(const Weights& weights, const Steps& steps, int32_t data,
+                               const Rotation& reference, unsigned slew = 0) {
+  return demodulate(weights, weights, steps, data, reference, slew);
+}
 
 // 32-bit weights, every product truncated to Q1.31, steps shifted right by step_shift.
 Demodulation demodulate_paper(const Weights& weights, const Steps& steps, int32_t data,

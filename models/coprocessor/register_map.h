@@ -72,15 +72,17 @@ inline constexpr unsigned ctrl_ref_shift = description::CTRL_REF_shift;
 inline constexpr uint32_t ctrl_ref_mask = description::CTRL_REF_mask;
 inline constexpr uint32_t ctrl_adc = description::CTRL_ADC_mask;
 inline constexpr uint32_t ctrl_freeze = description::CTRL_FREEZE_mask;
+inline constexpr uint32_t ctrl_block = description::CTRL_BLOCK_mask;
+inline constexpr uint32_t ctrl_guard = description::CTRL_GUARD_mask;
 inline constexpr uint32_t ctrl_ie_result = description::CTRL_IE_RESULT_mask;
 inline constexpr uint32_t ctrl_ie_lock = description::CTRL_IE_LOCK_mask;
 inline constexpr uint32_t ctrl_ie_error = description::CTRL_IE_ERROR_mask;
 inline constexpr uint32_t ctrl_ie_turn = description::CTRL_IE_TURN_mask;
 inline constexpr uint32_t ctrl_ie_alarm = description::CTRL_IE_ALARM_mask;
 inline constexpr uint32_t ctrl_srst = description::CTRL_SRST_mask;
-inline constexpr uint32_t ctrl_writable = ctrl_demod | ctrl_calib | ctrl_ref_mask | ctrl_adc |
-                                          ctrl_freeze | ctrl_ie_result | ctrl_ie_lock |
-                                          ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm;
+inline constexpr uint32_t ctrl_writable =
+    ctrl_demod | ctrl_calib | ctrl_ref_mask | ctrl_adc | ctrl_freeze | ctrl_block | ctrl_guard |
+    ctrl_ie_result | ctrl_ie_lock | ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm;
 
 // STATUS
 inline constexpr uint32_t status_busy = description::STATUS_BUSY_mask;

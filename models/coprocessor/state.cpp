@@ -18,6 +18,13 @@ void Coefficients::visit(Archive& archive) {
   archive("v", v);
 }
 
+void BlockLearning::visit(Archive& archive) {
+  archive("sums", sums);
+  archive("open", open);
+  archive("begun", begun);
+  archive("window_ended", window_ended);
+}
+
 void Steps::visit(Archive& archive) {
   archive("sine", sine);
   archive("cosine", cosine);
@@ -113,6 +120,8 @@ void Settings::visit(Archive& archive) {
   archive("steps_u", steps_u);
   archive("steps_v", steps_v);
   archive.at_most("slew", slew, 7u);
+  archive("block", block);
+  archive("guard", guard);
 }
 
 void State::visit(Archive& archive) {
@@ -121,10 +130,12 @@ void State::visit(Archive& archive) {
   archive("reference", reference);
   archive("error_sum_u", error_sum_u);
   archive("error_sum_v", error_sum_v);
+  archive("block", block);
 }
 
 void Learning::visit(Archive& archive) {
   archive("update", update);
+  archive("sum", sum);
   archive("coefficients", coefficients);
   archive("error_sum_u", error_sum_u);
   archive("error_sum_v", error_sum_v);

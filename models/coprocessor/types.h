@@ -19,6 +19,8 @@ struct Options {
   int paper_step_shift = 0;      // right shift of 2mu behind the step registers, 0..31
   // The PI arctangent's input as the paper has it: neither shifted nor folded (Table 8: set).
   bool paper_plain_arctangent = false;
+  // CTRL.BLOCK exists; never in `paper`.
+  bool block_learning = true;
 };
 
 // One channel's weights of Eq (7): sine, cosine and constant, Q2.46 in 48 bits.
@@ -34,6 +36,16 @@ struct Weights {
 struct Coefficients {
   Weights u;
   Weights v;
+
+  void visit(kit::Archive& archive);
+};
+
+// Block learning: the sums that become the coefficients when a window of the turn judge has ended.
+struct BlockLearning {
+  Coefficients sums;          // Q2.46; of no meaning before the block's first sample
+  bool open = false;          // a block is under way: it began with a window
+  bool begun = false;         // a sample is in its sums
+  bool window_ended = false;  // since the last sample that T3 began with
 
   void visit(kit::Archive& archive);
 };

@@ -89,7 +89,7 @@ module register_bank_properties (
     start = 48'd0;
     gives = 1'b0;
     case (watched)
-      6'h02: now = {35'd0, enables, 2'd0, \dut.freeze , adc_enable, settings.source, settings.calib,
+      6'h02: now = {35'd0, enables, settings.guard, settings.block, \dut.freeze , adc_enable, settings.source, settings.calib,
                     settings.demod};
       6'h04: now = {36'd0, flags};
       6'h06, 6'h07: begin now = state.freq; given = state_i.freq; gives = state_we_i.freq; end
@@ -159,7 +159,7 @@ module register_bank_properties (
   always @* begin
     plain = {16'd0, pwdata_i};
     if (watched == 6'h02) begin
-      plain = {35'd0, pwdata_i[12:8], 2'd0, pwdata_i[5:0]};
+      plain = {35'd0, pwdata_i[12:0]};
       if (pwdata_i[3:2] == 2'd3) plain[3:2] = now[3:2];
     end
     if (watched == 6'h26) plain = {26'd0, pwdata_i[21:0]};
@@ -179,12 +179,12 @@ module register_bank_properties (
   end
 
   // The memory's word.
-  logic memory_word, fills, drops;
+  logic memory_word, fills, clears;
   assign memory_word = is_pair | is_step | is_threshold | is_judge | watched == 6'h28;
   assign fills       = (is_pair & watched[0] & read & word == watched) |
                        (((is_pair & ~watched[0]) | is_threshold | is_judge | watched == 6'h28) & hit) |
                        (is_step & hit & ~pwdata_i[31]);
-  assign drops       = is_pair & ~watched[0] & write & word == {watched[5:1], 1'b1};
+  assign clears      = is_pair & ~watched[0] & write & word == {watched[5:1], 1'b1};
 
   logic [47:0] expected;
   logic        blind;
@@ -193,8 +193,9 @@ module register_bank_properties (
     // After a write of the HI that is watched the shadow does not know the value.
     blind <= ~in_reset & is_pair & watched[0] & hit;
     if (in_reset | soft_reset) held <= 1'b0;
-    else held <= fills | (held & ~drops);
+    else held <= fills | clears | held;
     if (fills) kept <= pwrite_i ? pwdata_i : low;
+    if (clears) kept <= 32'd0;
   end
 
   // Reading

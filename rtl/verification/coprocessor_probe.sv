@@ -129,6 +129,10 @@ module coprocessor_probe #(
     end
   end
 
+  // T3 writes coefficients or sums.
+  logic learns;
+  assign learns = dut.u_datapath.u_block_learning.update_q | dut.u_datapath.u_block_learning.sum_q;
+
   function automatic logic saturated(input logic [2:0] index);
     saturated = dut.u_datapath.u_sample_tags.saturated_q[index] | dut.u_datapath.u_sample_tags.saturated_i[index];
   endfunction

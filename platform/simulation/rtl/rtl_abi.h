@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 2
+#define CAPSOC_RTL_ABI_VERSION 3
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
 
 /* Pins of one instance. The caller writes the inputs and calls eval(), which puts them on the
@@ -45,7 +45,7 @@ typedef struct capsoc_rtl capsoc_rtl;
 /* What the registers of one instance hold while its pipeline is empty; raw bits, zero-extended. */
 typedef struct capsoc_rtl_state {
 #define WORD(name, bits, instance, variable) uint64_t name;
-#define WORDS(name, count, instance, variable) uint64_t name[count];
+#define WORDS(name, count, bits, instance, variable) uint64_t name[count];
 #include "rtl/rtl_state.def"
 #undef WORD
 #undef WORDS

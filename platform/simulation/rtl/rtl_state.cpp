@@ -47,11 +47,13 @@ struct Bit {
   uint32_t mask;
   uint64_t capsoc_rtl_state::*value;
 };
-constexpr std::array<Bit, 9> ctrl_bits = {
+constexpr std::array<Bit, 11> ctrl_bits = {
     {{coprocessor::ctrl_demod, &capsoc_rtl_state::demod},
      {coprocessor::ctrl_calib, &capsoc_rtl_state::calib},
      {coprocessor::ctrl_adc, &capsoc_rtl_state::adc},
      {coprocessor::ctrl_freeze, &capsoc_rtl_state::freeze},
+     {coprocessor::ctrl_block, &capsoc_rtl_state::block},
+     {coprocessor::ctrl_guard, &capsoc_rtl_state::guard},
      {coprocessor::ctrl_ie_result, &capsoc_rtl_state::ie_result},
      {coprocessor::ctrl_ie_lock, &capsoc_rtl_state::ie_lock},
      {coprocessor::ctrl_ie_error, &capsoc_rtl_state::ie_error},
@@ -165,6 +167,11 @@ void set_state(capsoc_rtl_state& r, coprocessor::State state) {
   r.phi = state.parameters.phi;
   r.error_sum_u = state.error_sum_u;
   r.error_sum_v = state.error_sum_v;
+  const auto sums = weights_of(state.block.sums);
+  for (std::size_t i = 0; i < sums.size(); ++i) r.block_sums[i] = static_cast<uint64_t>(*sums[i]);
+  r.block_open = state.block.open ? 1 : 0;
+  r.block_begun = state.block.begun ? 1 : 0;
+  r.block_within = state.block.window_ended ? 0 : 1;
 }
 
 void get_state(capsoc_rtl_state r, coprocessor::State& state) {
@@ -176,6 +183,15 @@ void get_state(capsoc_rtl_state r, coprocessor::State& state) {
   // Until the first boundary after a reset the sums hold what they held.
   state.error_sum_u = r.error_empty != 0 ? 0 : r.error_sum_u;
   state.error_sum_v = r.error_empty != 0 ? 0 : r.error_sum_v;
+  // Without BLOCK there is no block, at the next edge at the latest; and a sum is nothing before
+  // its first sample.
+  const auto sums = weights_of(state.block.sums);
+  const bool open = r.block_open != 0 && r.block != 0, begun = r.block_begun != 0 && r.block != 0;
+  if (begun)
+    for (std::size_t i = 0; i < sums.size(); ++i) *sums[i] = extended(r.block_sums[i]);
+  state.block.open = open;
+  state.block.begun = begun;
+  state.block.window_ended = r.block_within == 0;
 }
 
 void set_results(capsoc_rtl_state& r, const Results& results) {

@@ -216,7 +216,7 @@ void restore(capsoc_rtl* r, const void* bytes, size_t size) {
 void get_state(capsoc_rtl* r, capsoc_rtl_state* state) {
   const Vcoprocessor_probe___024root& top = *r->top->rootp;
 #define WORD(name, bits, instance, variable) state->name = REGISTER(instance, variable);
-#define WORDS(name, count, instance, variable) \
+#define WORDS(name, count, bits, instance, variable) \
   for (size_t i = 0; i < (count); ++i) state->name[i] = REGISTER(instance, variable)[i];
 #include "rtl/rtl_state.def"
 #undef WORD
@@ -233,8 +233,9 @@ void set_state(capsoc_rtl* r, const capsoc_rtl_state* state) {
   Vcoprocessor_probe___024root& top = *r->top->rootp;
 #define WORD(name, bits, instance, variable) \
   assign(REGISTER(instance, variable), state->name, bits);
-#define WORDS(name, count, instance, variable) \
-  for (size_t i = 0; i < (count); ++i) assign(REGISTER(instance, variable)[i], state->name[i], 32);
+#define WORDS(name, count, bits, instance, variable) \
+  for (size_t i = 0; i < (count); ++i)               \
+    assign(REGISTER(instance, variable)[i], state->name[i], bits);
 #include "rtl/rtl_state.def"
 #undef WORD
 #undef WORDS

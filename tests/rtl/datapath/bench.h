@@ -66,6 +66,8 @@ class Bench {
   void drive(const Registers& r) {
     top_.demod_i = r.settings.demodulate;
     top_.calib_i = r.calibrate;
+    top_.block_i = r.settings.block;
+    top_.guard_i = r.settings.guard;
     top_.ref_i = static_cast<uint8_t>(r.settings.source);
     top_.kp_i = static_cast<uint8_t>(r.settings.kp);
     top_.ki_i = static_cast<uint8_t>(r.settings.ki);

@@ -12,7 +12,7 @@ module datapath_bench #(
   input  logic [4:0]         stage_i,
   input  logic [2:0]         load_i, load_start_i,
   input  logic signed [31:0] held_u_i, held_v_i,
-  input  logic               held_clip_i, demod_i, frozen_i, calib_i,
+  input  logic               held_clip_i, demod_i, frozen_i, calib_i, block_i, guard_i,
   input  logic [1:0]         ref_i,
   input  logic [4:0]         kp_i, ki_i,
   input  logic [30:0]        step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i,
@@ -51,7 +51,7 @@ module datapath_bench #(
   status_t     status;
   assign tick = {boundary_i, enter_i, cycle_i, stage_i, load_i, load_start_i};
   assign steps = {step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i};
-  assign settings = {demod_i, calib_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
+  assign settings = {demod_i, calib_i, block_i, guard_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
                      judge_i, turn_limit_i};
   assign weights = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
   assign parameters = {a1_i, a2_i, b1_i, b2_i, beta_i, phi_i};

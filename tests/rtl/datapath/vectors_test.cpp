@@ -120,6 +120,8 @@ Registers random_registers(Words& w) {
   r.settings.steps_u = {w.step(), w.step(), w.step()};
   r.settings.steps_v = {w.step(), w.step(), w.step()};
   r.settings.slew = w.one_in(4) ? 0 : w.below(8);
+  r.settings.block = w.one_in(2);
+  r.settings.guard = w.one_in(2);
   r.calibrate = !w.one_in(4);
   r.lock_threshold = static_cast<uint32_t>(w.bits() >> 32);
   r.diverge_threshold = static_cast<uint32_t>(w.bits() >> 32);
@@ -155,7 +157,11 @@ class Pipeline {
   void tick(bool enter, unsigned load_start = 0) {
     for (unsigned cycle = 0; cycle < 31; ++cycle) {
       // Noise in the registers: nothing may depend on them in mid-tick.
-      if (cycle % 7 == 0) bench_.drive(random_registers(words_));
+      if (cycle % 7 == 0) {
+        Registers noise = random_registers(words_);
+        noise.settings.block = blocks_;  // but that one: to write 0 drops the block
+        bench_.drive(noise);
+      }
       Timing t;
       t.cycle = cycle;
       t.stage = stage_;
@@ -170,6 +176,9 @@ class Pipeline {
   // The interval that ends a tick, or the pipeline's idle time.
   void boundary(bool enter, unsigned load_start = 0) {
     Registers r = random_registers(words_);
+    // Blocks last for some windows.
+    if (words_.one_in(64)) blocks_ = !blocks_;
+    r.settings.block = blocks_;
     // Calibrations that make sense now and then: residues are small, errors do not saturate.
     const int32_t u = words_.word32();
     const int32_t v = words_.word32();
@@ -209,6 +218,8 @@ class Pipeline {
     bench_.top().clear_i = 0;
     stage_ = load_ = 0;
     judge_ = next_judge_ = {};
+    block_ = {};
+    block_.window_ended = true;
     any_ = status_valid_ = status_lock_ = status_diverged_ = status_mirror_ = false;
     angle_ = result_average_ = 0;
     sum_u_ = sum_v_ = settled_ = 0;
@@ -224,6 +235,7 @@ class Pipeline {
 
   unsigned stage() const { return stage_; }
   uint64_t vectors() const { return vectors_; }
+  uint64_t blocks_committed() const { return blocks_committed_; }
 
  private:
   bool occupied(unsigned stage) const { return (stage_ >> stage) & 1; }
@@ -285,6 +297,7 @@ class Pipeline {
     }
     if (occupied(3)) {
       if (learning_.update) r.coefficients = learning_.coefficients;
+      if (learning_.sum) block_.sums = learning_.coefficients;
       sum_u_ = learning_.error_sum_u;
       sum_v_ = learning_.error_sum_v;
     }
@@ -297,6 +310,7 @@ class Pipeline {
     any_ = true;
     status_valid_ = calibrate_ && !committed_.zero && !committed_.unsettled;
     judge_ = next_judge_;
+    block_.window_ended = judge_.ended;
     if (status_valid_) angle_ = polar_.angle;
     status_lock_ = lock_;
     status_diverged_ = diverged_;
@@ -330,8 +344,18 @@ class Pipeline {
       tracking_ = r.settings.source == ReferenceSource::tracking;
       ++vectors_;
     }
-    if (occupied(3))
-      datapath_.demodulation(pipe_[3], r.settings, state, r.frozen, learning_), ++vectors_;
+    if (occupied(3)) {
+      Settings settings = r.settings;
+      if (CAPSOC_PAPER) settings.block = false;
+      if (!settings.block) block_.open = block_.begun = false;
+      const coprocessor::LearningPlan plan = coprocessor::plan_learning(
+          block_, settings, settings.demodulate && !r.frozen && !pipe_[3].hold_weights,
+          judge_.last.flags);
+      state.block = block_;
+      datapath_.demodulation(pipe_[3], settings, state, plan, learning_);
+      if (settings.block && plan.update) ++blocks_committed_;
+      ++vectors_;
+    }
     if (occupied(4)) {
       polar_ = datapath_.parameters(pipe_[4], r.settings, state);
       weights_ = state.coefficients;
@@ -425,6 +449,9 @@ class Pipeline {
        status_mirror_ = false;
   uint32_t angle_ = 0, result_average_ = 0;
   uint64_t vectors_ = 0;
+  coprocessor::BlockLearning block_ = {{}, false, false, true};
+  bool blocks_ = false;
+  uint64_t blocks_committed_ = 0;
 };
 
 unsigned ticks() {
@@ -468,8 +495,12 @@ TEST(Datapath, StagesOnRandomRegisters) {
     else
       pipeline.tick(enter, load);
   }
-  std::printf("seed %llu: %llu vectors\n", static_cast<unsigned long long>(seed),
-              static_cast<unsigned long long>(pipeline.vectors()));
+  std::printf("seed %llu: %llu vectors, %llu blocks\n", static_cast<unsigned long long>(seed),
+              static_cast<unsigned long long>(pipeline.vectors()),
+              static_cast<unsigned long long>(pipeline.blocks_committed()));
+  if (!CAPSOC_PAPER) {
+    EXPECT_GT(pipeline.blocks_committed(), ticks() / 200);
+  }
 }
 
 }  // namespace

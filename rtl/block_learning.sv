@@ -1,0 +1,98 @@
+// Block learning (docs/coprocessor.md): what becomes of T3's updates, and the sums of the block under way.
+//
+//   weight_i    s48, Q2.46: a coefficient as T3 leaves it, with weight_valid_i, one in each of the cycles 16, 18, 19, 22, 24
+//               and 25, a_u to c_v
+//   sum_o       s48, Q2.46: the block's sum of the one that will be at the ring's place 0 in the next cycle, from 13 on
+//   learning_o  valid in T3's tick
+// With Present = 0 every update is a coefficient's.
+module block_learning #(
+  parameter int Present = 1
+) (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic        clear_i,
+  input  logic        boundary_i,
+  input  logic [ 4:0] cycle_i,
+  input  logic        active_i,    // T3 holds a sample
+  // With boundary_i
+  input  logic        start_i,     // T3 begins with a sample
+  input  logic        learns_i,    // which learns
+  input  logic        block_i,     // CTRL
+  input  logic        guard_i,
+  input  logic        commit_i,    // T4 ends with one
+  input  logic        ended_i,     // which ended its window
+  input  logic        good_i,      // the window that ended last, with that one, was good
+  input  logic        timeout_i,   // ended by its time-out
+  output learning_t   learning_o,
+  input  logic        weight_valid_i,
+  input  logic [47:0] weight_i,
+  output logic [47:0] sum_o
+);
+
+  // open: the block began with a window; begun: a sample is in its sums; within: no window has ended
+  // since T3's last sample began.
+  logic open_q, begun_q, within_q;
+  logic block, ended, counts, sum, update;
+  assign block = block_i && Present != 0;
+  assign ended = commit_i ? ended_i : !within_q;
+  assign counts = guard_i ? good_i : !timeout_i;
+  assign sum = block && !ended && learns_i && open_q;
+  assign update = learns_i && (!block || (ended && begun_q && counts));
+
+  logic update_q, sum_q, from_sums_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      {open_q, begun_q, within_q} <= '0;
+      {update_q, sum_q, from_sums_q} <= '0;
+    end else if (clear_i) begin
+      {open_q, begun_q, within_q} <= '0;
+    end else begin
+      if (boundary_i) begin
+        update_q <= update;
+        sum_q <= sum;
+        from_sums_q <= block && begun_q;
+        if (start_i) begin
+          open_q <= open_q || ended;
+          begun_q <= !ended && (begun_q || sum);
+          within_q <= 1'b1;
+        end else if (commit_i) begin
+          within_q <= !ended_i;
+        end
+      end
+      if (!block) {open_q, begun_q} <= '0;
+    end
+  end
+  assign learning_o.update = update_q;
+  assign learning_o.sum = sum_q;
+  assign learning_o.from_sums = from_sums_q;
+
+  // The sums: six words. Synthesis takes a block memory for 64 words and more, and logic for fewer.
+  logic [47:0] sums[0:63];
+  logic [47:0] sum_read_q;
+  logic [2:0] write_address, read_address;
+  always_comb begin
+    case (cycle_i)
+      5'd18: write_address = 3'd1;
+      5'd19: write_address = 3'd2;
+      5'd22: write_address = 3'd3;
+      5'd24: write_address = 3'd4;
+      5'd25: write_address = 3'd5;
+      default: write_address = 3'd0;
+    endcase
+    // A cycle before the ring takes it.
+    case (cycle_i)
+      5'd13, 5'd14, 5'd15: read_address = 3'd1;
+      5'd16, 5'd17: read_address = 3'd2;
+      5'd18: read_address = 3'd3;
+      5'd19, 5'd20, 5'd21: read_address = 3'd4;
+      5'd22, 5'd23: read_address = 3'd5;
+      default: read_address = 3'd0;
+    endcase
+  end
+  always_ff @(posedge clk_i) begin
+    if (sum_q && weight_valid_i) sums[{3'b0, write_address}] <= weight_i;
+    if (active_i) sum_read_q <= sums[{3'b0, read_address}];
+  end
+  assign sum_o = sum_read_q;
+
+endmodule
