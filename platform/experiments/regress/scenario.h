@@ -81,6 +81,12 @@ void run_turn_limit(Bench& bench, Random& random, const Budget&);
 void run_passes(Bench& bench, Random& random, const Budget&);
 void run_alarm(Bench& bench, Random& random, const Budget&);
 
+// scenarios_block.cpp
+void run_blocks(Bench& bench, Random& random, const Budget&);
+void run_block_windows(Bench& bench, Random& random, const Budget&);
+void run_block_sums(Bench& bench, Random& random, const Budget&);
+void run_block_changes(Bench& bench, Random& random, const Budget&);
+
 // scenarios_slew.cpp
 void run_slew(Bench& bench, Random& random, const Budget&);
 

@@ -59,6 +59,10 @@ const std::vector<Scenario>& scenarios() {
       {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},
       {"golden", "a drawn sensor: ANGLE against what the CSFN makes of the same samples", 0, 0,
        run_golden},
+      {"blocks", "blocks of good and bad turns, with the guard and without", 0, 0, run_blocks},
+      {"block_windows", "blocks so short that the pipeline holds several", 0, 0, run_block_windows},
+      {"block_sums", "sums of a block at both ends of their word", 0, 0, run_block_sums},
+      {"block_changes", "what happens to a block under way", 0, 0, run_block_changes},
       {"slew", "errors at and beside each limit of the slew, and the setting at every edge", 0, 0,
        run_slew},
   };

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "coprocessor/register_map.h"
-#include "fixed/fixed.h"
 #include "regress/scenario.h"
+#include "regress/shaft.h"
 #include "support/constants.h"
 
 namespace capsoc::regress {
@@ -17,64 +17,9 @@ constexpr int64_t turn_48 = int64_t{1} << 48;
 constexpr uint32_t limits = 51 << judge_alarm_limit_shift | 51;
 constexpr int turn_samples = 32;
 
-struct Sensor {
-  double a1 = 0.6, a2 = 0.55, b1 = 0.1, b2 = -0.05, beta = 0.2;
-};
-
-uint32_t q31(double value) {
-  return static_cast<uint32_t>(fixed::to_q31(value));
-}
-
 uint32_t judge_word(unsigned turns, bool count = false) {
   return limits | turns << judge_turns_shift | (count ? judge_count : 0);
 }
-
-// A shaft in front of a coprocessor whose weights fit its sensor.
-class Shaft {
- public:
-  Shaft(Bench& bench, uint32_t ctrl, double turns_a_sample, const Sensor& sensor = {})
-      : bench_(bench), sensor_(sensor) {
-    bench.drain();
-    bench.wait(2);
-    bench.write(reg_ctrl, ctrl_srst);
-    bench.write(reg_a1, q31(sensor.a1));
-    bench.write(reg_a2, q31(sensor.a2));
-    bench.write(reg_b1, q31(sensor.b1));
-    bench.write(reg_b2, q31(sensor.b2));
-    bench.write(reg_beta, static_cast<uint32_t>(
-                              static_cast<int64_t>(std::llround(sensor.beta / two_pi * 0x1p32))));
-    bench.write(reg_cmd, cmd_load);
-    bench.drain();
-    bench.write_pair(reg_freq_lo, std::llround(std::ldexp(turns_a_sample, 48)));
-    bench.write(reg_lock_threshold, ~0u);
-    bench.write(reg_ctrl, ctrl | ctrl_adc);
-  }
-
-  // `n` samples, `turns` further each; the vector `scale` times as long as the weights say.
-  void move(int n, double turns, double scale = 1, bool clip = false) {
-    for (int i = 0; i < n && !bench_.failed(); ++i) {
-      const double u = scale * sensor_.a1 * std::sin(angle_) + sensor_.b1;
-      const double v = scale * sensor_.a2 * std::cos(angle_ + sensor_.beta) + sensor_.b2;
-      bench_.sample(q31(u), q31(v), clip);
-      bench_.wait(32);
-      angle_ += turns * two_pi;
-    }
-  }
-
-  void read() {
-    bench_.drain();
-    for (uint32_t offset : {reg_turn_flags, reg_radius_max, reg_residue_max, reg_winding,
-                            reg_turn_samples, reg_turn_det, reg_status, reg_flags})
-      bench_.read(offset);
-    bench_.interrupt();
-    bench_.write(reg_flags, flags_all);
-  }
-
- private:
-  Bench& bench_;
-  Sensor sensor_;
-  double angle_ = 0.01;
-};
 
 constexpr uint32_t source(unsigned number) {
   return number << ctrl_ref_shift;
@@ -120,7 +65,7 @@ void exact_turns(Bench& bench) {
   for (bool forward : {true, false}) {
     Shaft shaft(bench, ctrl_calib | source(2), 0, {0.5, 0.5, 0, 0, 0});
     const std::array<std::array<uint32_t, 2>, 4> corners = {
-        {{0, q31(0.5)}, {q31(0.5), 0}, {0, q31(-0.5)}, {q31(-0.5), 0}}};
+        {{0, q31_word(0.5)}, {q31_word(0.5), 0}, {0, q31_word(-0.5)}, {q31_word(-0.5), 0}}};
     for (unsigned i = 0; i < 30; ++i) {
       const auto& corner = corners[(forward ? i : 4000 - i) % 4];
       bench.sample(corner[0], corner[1]);
@@ -164,7 +109,7 @@ void mirrored_and_saturated(Bench& bench) {
 // Windows in which a single thing is wrong: a sample without an angle, or one octant that is
 // missing.
 void one_reason(Bench& bench) {
-  const Sensor centred = {0.5, 0.5, 0, 0, 0};
+  const ShaftSensor centred = {0.5, 0.5, 0, 0, 0};
   for (unsigned from : {0u, 1u, 2u}) {
     if (bench.failed()) return;
     Shaft zero(bench, ctrl_calib | source(from), 1.0 / turn_samples, centred);
