@@ -336,6 +336,45 @@ class Track(unittest.TestCase):
         self.assertLessEqual(r["angle_error_deg"]["calibrated_max_last_revolution"], 1e-6)
 
 
+class Quick(unittest.TestCase):
+    """The application that learns by blocks of a turn."""
+
+    def check(self, *options, angle=5e-7, bound=3):
+        process, r = run(FIRMWARE / "quick.elf", *options)
+        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+        self.assertTrue(r["verdict"]["bound_holds"])
+        self.assertLess(r["verdict"]["bound_deg"], bound)
+        self.assertLessEqual(r["angle_error_deg"]["calibration_mode_max"], angle)
+        return process, r
+
+    def test_one_turn_is_enough_at_a_known_speed(self):
+        _, r = self.check("-P", "frequency_hz=0.05", bound=0.1)
+        self.assertEqual(r["convergence"], "reached")
+        self.assertAlmostEqual(r["convergence_s"], 20, delta=0.05)
+
+    def test_an_unknown_speed_is_no_hindrance(self):
+        self.check()
+        self.check("--sensor", TRACES / "soc_051hz.toml")
+        self.check("--sensor", TRACES / "soc_ripple.toml", angle=1e-6)
+
+    def test_model_and_rtl_agree(self):
+        self.check("--coprocessor", "lockstep", "-P", "frequency_hz=0.05", "-P", "turns=4", bound=0.2)
+
+    def test_a_reversed_shaft_is_learnt_from_its_mirror_image(self):
+        process, _ = self.check("-P", "frequency_hz=-0.05", bound=0.1)
+        self.assertIn(b"reference turned round", process.stdout)
+
+    def test_the_papers_experiment_passes(self):
+        # The harmonics stay in: what the shaft's speed says of itself is all that is asked for.
+        self.check("--sensor", TRACES / "soc_experiment.toml", angle=1.3)
+        self.check("--sensor", TRACES / "soc_experiment.toml", "-P", "frequency_hz=-0.051", angle=0.81)
+
+    def test_paper_has_no_blocks(self):
+        process, r = run(FIRMWARE / "quick.elf", "--arithmetic", "paper")
+        self.assertEqual((process.returncode, r["exit"]["reason"]), (1, "the firmware ended with status 3"))
+        self.assertIn(b"no block learning", process.stdout)
+
+
 def in_folder(folder, *arguments):
     """The program with `folder` as its current folder."""
     clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}

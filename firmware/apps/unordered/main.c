@@ -24,6 +24,7 @@
 #include "program_settings.h"
 #include "program_verdict.h"
 #include "sampling.h"
+#include "start_range.h"
 #include "supervision.h"
 
 // step is kept as Q1.31.
@@ -45,39 +46,17 @@ PROGRAM_SETTINGS(SETTINGS)
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
 
-struct range {
-  int32_t least, greatest;
-};
-
-static void extend(struct range* range, int32_t value) {
-  if (value < range->least) range->least = value;
-  if (value > range->greatest) range->greatest = value;
-}
-
-static int32_t half_width(const struct range* range) {
-  return (int32_t)(((int64_t)range->greatest - range->least) / 2);
-}
-
-static int32_t middle(const struct range* range) {
-  return (int32_t)(((int64_t)range->greatest + range->least) / 2);
-}
-
-// Amplitudes and offsets from the range of the first samples. From the reset's parameters the angle
-// of a signal whose offset is above its amplitude does not go round, and is learnt as it is. False
-// if the signal ended before.
+// From the range of the first samples. False if the signal ended before.
 static bool load_start(void) {
-  struct range u = {INT32_MAX, INT32_MIN}, v = u;
+  struct start_range range = {0};
   sampling_listen(true);
   for (uint32_t i = 0; i < settings.range_samples; ++i) {
-    int32_t sample_u = 0, sample_v = 0;
-    if (!sampling_next(&sample_u, &sample_v)) return false;
-    extend(&u, sample_u);
-    extend(&v, sample_v);
+    int32_t u = 0, v = 0;
+    if (!sampling_next(&u, &v)) return false;
+    start_range_feed(&range, u, v);
   }
   sampling_listen(false);
-  const struct coprocessor_parameters start = {
-      .a1 = half_width(&u), .a2 = half_width(&v), .b1 = middle(&u), .b2 = middle(&v)};
-  coprocessor_load_parameters(&start);
+  start_range_load(&range);
   return true;
 }
 

@@ -1,0 +1,177 @@
+// Self-calibration by blocks: the coefficients change once a turn, by the normal equations of all
+// its samples. At an unknown speed the first turn's range gives the coefficients to start with, and
+// the angle of each sample is its own reference; at a known speed the first turn of the numeric
+// reference is enough. After some turns it calibrates with the parameters that it found.
+//
+// Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the settings,
+// 3 no coprocessor on this board, or one without block learning.
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "adc.h"
+#include "angle_report.h"
+#include "capsoc_device.h"
+#include "clock.h"
+#include "common_settings.h"
+#include "console.h"
+#include "coprocessor.h"
+#include "fixed_print.h"
+#include "parameter_report.h"
+#include "program_settings.h"
+#include "program_verdict.h"
+#include "sampling.h"
+#include "start_range.h"
+#include "supervision.h"
+
+#define SETTINGS(NUMBER, TEXT)                                                                \
+  BAUD_SETTING(NUMBER)                                                                        \
+  RATE_SETTING(NUMBER)                                                                        \
+  NUMBER(int64_t, frequency_hz, 0, -10000, 10000, 0x1p48, "Hz",                               \
+         "speed of the shaft; 0: unknown, and it may change")                                 \
+  NUMBER(uint32_t, measuring_seconds, 100, 1, 40000, 1, "s", "that the first turns may take") \
+  NUMBER(uint32_t, turns, 6, 4, 1e6, 1, "", "of learning")                                    \
+  CALIBRATION_SETTING(NUMBER)                                                                 \
+  MIRROR_SETTING(NUMBER)                                                                      \
+  HARMONICS_SETTING(NUMBER)                                                                   \
+  LIMIT_SETTING(NUMBER)                                                                       \
+  ANGLE_STRIDE_SETTING(NUMBER)
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())
+
+enum { status_refused = 2, status_no_coprocessor = 3 };
+
+#define GATES \
+  (COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk)
+#define LEARNING (GATES | COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk)
+
+// Samples of a turn; at least 22, for fewer are never judged good.
+static uint32_t turn_of(int64_t frequency) {
+  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
+  const uint64_t samples = ((UINT64_C(1) << 48) + speed / 2) / speed;
+  return samples < 22 ? 22 : samples > 1u << 30 ? 1u << 30 : (uint32_t)samples;
+}
+
+// Steps that solve the normal equations of a turn: 2 / N for sine and cosine, 1 / N for the
+// constant. With the angle as its own reference they find what moves samples off their circle, and
+// half of what moves them along it; `gain` 2 finds all of that and the other's double. So the gains
+// take turns.
+static void set_steps(uint32_t turn, uint32_t gain) {
+  const uint32_t step = (uint32_t)((gain * (UINT64_C(1) << 32) + turn / 2) / turn);
+  coprocessor_set_steps(step);
+  COPROCESSOR->STEP_CU = step / 2;
+  COPROCESSOR->STEP_CV = step / 2;
+}
+
+// The first turn, and coefficients of its range. 0 if the signal ended or no turn was seen.
+static uint32_t measure_turn(void) {
+  struct start_range range = {0};
+  sampling_listen(true);
+  while (range.turn == 0 && range.samples < settings.measuring_seconds * settings.rate_hz) {
+    int32_t u = 0, v = 0;
+    if (!sampling_next(&u, &v)) return 0;
+    start_range_feed(&range, u, v);
+  }
+  sampling_listen(false);
+  if (range.turn != 0) start_range_load_with_phase(&range);
+  return range.turn;
+}
+
+// The watchdog of a shaft that rests: one and a half turns.
+static void watch(uint32_t turn) {
+  COPROCESSOR->TURN_LIMIT = turn + turn / 2 + 1;
+}
+
+static void drop_block(uint32_t control) {
+  COPROCESSOR->CTRL = control & ~COPROCESSOR_CTRL_BLOCK_Msk;
+  COPROCESSOR->CTRL = control;
+}
+
+// Window by window, until so many were kept. Only good turns count, but for the first two: the
+// angle of coefficients that were never learnt need not go round, and the second turn has one more
+// sample with those. False if the signal ended before.
+static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
+  struct judgement* const judgement = &state->judgement;
+  uint32_t shown = 0;
+  for (uint32_t sample = 1; shown < settings.turns; ++sample) {
+    if (!sampling_wait(sample)) return false;
+    if (shown == 2) {  // the sample after the second turn: its block has been taken over
+      control |= COPROCESSOR_CTRL_GUARD_Msk;
+      COPROCESSOR->CTRL = control;
+    }
+    // The sums of the block under way are of the other direction then.
+    if (sample % settings.rate_hz == 0 && supervise(state, sample)) drop_block(control);
+    judgement_look(judgement);
+    if (judgement->judged == shown) continue;
+    shown = judgement->judged;
+    if (!judgement->numeric && (COPROCESSOR->TURN_FLAGS & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0)
+      turn = COPROCESSOR->TURN_SAMPLES;
+    if (!judgement->numeric) set_steps(turn, shown % 2 == 0 ? 2 : 1);
+    const struct coprocessor_parameters parameters = coprocessor_read_parameters();
+    print_progress(sample / settings.rate_hz, &parameters);
+  }
+  return true;
+}
+
+int main(void) {
+  const uint32_t clock_hz = clock_frequency_hz();
+  console_open(clock_hz, settings.baud);
+  if (!coprocessor_present() || !adc_present()) {
+    print_text("quick: no coprocessor here\n");
+    return status_no_coprocessor;
+  }
+  print_text("quick: self-calibration by blocks of a turn\n");
+  console_start_buffering();
+  coprocessor_reset();
+  COPROCESSOR->CTRL = COPROCESSOR_CTRL_BLOCK_Msk;
+  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_BLOCK_Msk) == 0) {
+    print_text("quick: this coprocessor has no block learning (the arithmetic paper has none)\n");
+    return status_no_coprocessor;
+  }
+  const bool known = settings.frequency_hz != 0;
+  uint32_t turn = 0;
+  if (known) {
+    int64_t frequency = 0;
+    if (!coprocessor_frequency_word(settings.frequency_hz, clock_hz / settings.rate_hz, clock_hz,
+                                    &frequency)) {
+      print_text("quick: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
+      return status_refused;
+    }
+    coprocessor_set_frequency(frequency);
+    turn = turn_of(frequency);
+  }
+  if (!sampling_start(settings.rate_hz)) {
+    print_text("quick: the ADC refuses the sampling rate\n");
+    return status_refused;
+  }
+  if (!known) turn = measure_turn();
+  if (turn == 0) return fail_because("quick", "no turn seen");
+  coprocessor_lock_by_turns();
+  watch(turn);
+  set_steps(turn, known ? 1 : 2);
+  const uint32_t control =
+      LEARNING | (known ? 0 : COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos);
+  COPROCESSOR->CTRL = control;
+
+  struct supervision state = {.name = "quick",
+                              .rate_hz = settings.rate_hz,
+                              .mirror_seconds = known ? settings.mirror_seconds : UINT32_MAX,
+                              .judgement = {.limit = settings.limit_deg,
+                                            .unseen = known ? 0 : settings.harmonics_deg,
+                                            .fewest = 2,
+                                            .numeric = known}};
+  const bool complete = learn(&state, control, turn);
+  const struct coprocessor_parameters stored = coprocessor_read_parameters();
+  const uint32_t learnt = sampling_count();
+  COPROCESSOR->CTRL = control & ~(COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk);
+  coprocessor_load_parameters(&stored);
+  judgement_disturbed(&state.judgement);
+  print_parameter_table(&stored);
+  if (!complete) {
+    print_end(learnt);
+  } else if (!print_angles(learnt, settings.calibration_samples, settings.angle_stride) ||
+             !judgement_wait(&state.judgement, COPROCESSOR->TURN_LIMIT)) {
+    print_end(sampling_count());
+  }
+  sampling_stop();
+  return verdict(&state);
+}
