@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import re
 import shlex
 import subprocess
 import tempfile
@@ -335,8 +336,10 @@ class Tables(Case):
         self.assertEqual(results["command"], "capsoc reproduce --table 8 --table 1")
         for row in rows:
             label = row["quantity"] + (f", {row['unit']}" if row["unit"] not in ("", "s") else "")
-            verdict = {"agrees": "agrees", "known": f"differs: {row['note']}"}[row["verdict"]]
-            self.assertIn(f"  {label:<34} {row['paper']:>10}  {row['here']:>18}  {verdict}\n", text)
+            verdict = {"agrees": r"agrees [^\n]+", "known": rf"differs \([^\n]+\): {re.escape(row['note'])}"}[row["verdict"]]
+            line = f"  {label:<34} {row['paper']:>10}  {row['here']:>18}  "
+            self.assertRegex(text, re.escape(line) + verdict + "\n")
+            self.assertNotEqual(row["bound_least"] + row["bound_greatest"], "", line)
         word = next(row for row in rows if row["table"] == "8" and row["quantity"] == "a1")
         self.assertEqual((word["paper_value"], word["tolerance"]), ("1305449920", "20000"))
         self.assertLessEqual(abs(float(word["here_least"]) - 1305449920), 20000)

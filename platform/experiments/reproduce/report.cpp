@@ -16,9 +16,40 @@ double Spread::greatest() const {
   return *std::max_element(values_.begin(), values_.end());
 }
 
-Agreement Spread::admits(double printed, int decimals) const {
-  const double margin = 0.5 * (greatest() - least()) + 0.5 * std::pow(10.0, -decimals);
-  return {printed >= least() - margin && printed <= greatest() + margin, margin};
+std::string number_text(double value) {
+  return std::abs(value) >= 1e4 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
+}
+
+Bound Bound::around(double value, double part) {
+  const double width = part * std::abs(value);
+  return {value - width, value + width};
+}
+
+bool Bound::holds(const Figure& here) const {
+  return here.least && here.greatest && (!least || *here.least >= *least) &&
+         (!greatest || *here.greatest <= *greatest);
+}
+
+bool Bound::touches(const Figure& here) const {
+  return here.least && here.greatest && (!least || *here.greatest >= *least) &&
+         (!greatest || *here.least <= *greatest);
+}
+
+std::string Bound::text() const {
+  if (least && greatest) return number_text(*least) + " .. " + number_text(*greatest);
+  if (greatest) return "at most " + number_text(*greatest);
+  return least ? "at least " + number_text(*least) : "anything";
+}
+
+Agreement lies_in(const Figure& here, const Bound& bound) {
+  return {bound.holds(here), bound, std::nullopt, "(" + bound.text() + ")"};
+}
+
+Agreement Spread::admits(double printed, int decimals, double widened) const {
+  const double margin = widened * (greatest() - least()) + 0.5 * std::pow(10.0, -decimals);
+  const Bound bound{printed - margin, printed + margin};
+  return {bound.touches(figure(decimals)), bound, margin,
+          fmt::format("within {} of the range", number_text(margin))};
 }
 
 std::string Spread::text(int decimals) const {
@@ -50,18 +81,29 @@ void Report::sentence(const std::string& text) {
 
 void Report::row(const std::string& label, const Figure& paper, const Figure& here,
                  const Agreement& agreement) {
-  add({label, paper, here, agreement.tolerance,
-       agreement.holds ? Row::Verdict::agrees : Row::Verdict::unexpected, ""});
+  add({label, paper, here, agreement.bound, agreement.tolerance,
+       agreement.holds ? Row::Verdict::agrees : Row::Verdict::unexpected, agreement.text, ""});
 }
 
 void Report::known(const std::string& label, const Figure& paper, const Figure& here,
-                   const std::string& why) {
-  add({label, paper, here, std::nullopt, Row::Verdict::known, why});
+                   const Bound& bound, const std::string& why) {
+  add({label, paper, here, bound, std::nullopt,
+       bound.holds(here) ? Row::Verdict::known : Row::Verdict::unexpected, bound.text(), why});
+}
+
+void Report::ours(const std::string& label, const Figure& here, const Bound& bound) {
+  add({label, "", here, bound, std::nullopt,
+       bound.holds(here) ? Row::Verdict::holds : Row::Verdict::unexpected, "(" + bound.text() + ")",
+       ""});
+}
+
+void Report::point(const std::string& label, const Figure& here) {
+  add({label, "", here, {}, std::nullopt, Row::Verdict::none, "", ""});
 }
 
 void Report::failure(const std::string& what, const std::string& reason) {
   shown_ = true;
-  row(what, "", reason, false);
+  add({what, "", reason, {}, std::nullopt, Row::Verdict::unexpected, "when it is made", ""});
 }
 
 void Report::add(const Row& row) {
@@ -82,13 +124,18 @@ void Report::line(const std::string& label, const std::string& paper, const std:
 std::string verdict_text(const Row& row) {
   switch (row.verdict) {
     case Row::Verdict::agrees:
-      return "agrees";
+      return "agrees " + row.limits;
     case Row::Verdict::known:
-      return "differs: " + row.why;
+      return "differs (" + row.limits + "): " + row.why;
+    case Row::Verdict::holds:
+      return "holds " + row.limits;
+    case Row::Verdict::none:
+      return "";
     case Row::Verdict::unexpected:
       break;
   }
-  return "DIFFERS, and should not";
+  return row.why.empty() ? "DIFFERS, and should not: agrees " + row.limits
+                         : "OUT OF ITS BOUND (" + row.limits + "): " + row.why;
 }
 
 Fields fields(const Row& row) {
@@ -107,7 +154,7 @@ Fields fields(const Row& row) {
   }
   const std::string& printed = row.paper.text;
   if (printed.size() > 2 && printed.compare(printed.size() - 2, 2, " s") == 0) unit = "s";
-  const char* verdicts[] = {"agrees", "known", "unexpected"};
+  const char* verdicts[] = {"agrees", "known", "unexpected", "holds", ""};
   return {{"quantity", quantity},
           {"unit", unit},
           {"paper", row.paper.text},
@@ -116,6 +163,8 @@ Fields fields(const Row& row) {
           {"here_least", number(row.here.least)},
           {"here_greatest", number(row.here.greatest)},
           {"tolerance", number(row.tolerance)},
+          {"bound_least", number(row.bound.least)},
+          {"bound_greatest", number(row.bound.greatest)},
           {"verdict", std::string(verdicts[static_cast<int>(row.verdict)])},
           {"note", row.why}};
 }
@@ -150,6 +199,7 @@ const std::vector<std::pair<std::string, std::string>>& table_names() {
       {"9", "Table 9: parameters of the experiment, machine values"},
       {"figure-18", "Figure 18: errors of the experiment"},
       {"10", "Table 10: the CSFN on the same samples"},
+      {"comparison", "Section 4.3: three methods on the same samples, and one more"},
       {"csfn-1", "CSFN paper, Table 1 and Figure 12: relative errors of the simulation"},
       {"csfn-figure-14", "CSFN paper, Figure 14: a third harmonic of 1 %"},
       {"csfn-2", "CSFN paper, Table 2 and Figure 22: the experiment, rebuilt"},
@@ -157,11 +207,17 @@ const std::vector<std::pair<std::string, std::string>>& table_names() {
   return names;
 }
 
+Agreement within(double here, double printed, double tolerance) {
+  return {std::abs(here - printed) <= tolerance,
+          {printed - tolerance, printed + tolerance},
+          tolerance,
+          "within " + number_text(tolerance)};
+}
+
 Agreement agrees(double here, double printed, int decimals, double relative) {
   // The tiny addend lets a figure that lies exactly on half a unit round either way.
   const double unit = 0.5 * std::pow(10.0, -decimals) * (1.0 + 1e-9);
-  const double tolerance = std::max(unit, relative * std::abs(printed));
-  return {std::abs(here - printed) <= tolerance, tolerance};
+  return within(here, printed, std::max(unit, relative * std::abs(printed)));
 }
 
 }  // namespace capsoc::reproduce

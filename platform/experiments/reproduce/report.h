@@ -28,16 +28,37 @@ struct Figure {
 Figure fixed(double value, int decimals);
 Figure scientific(double value, int decimals);
 
-/// Whether two figures agree, and how far apart they may be where that is one number.
+/// A value in a sentence: as many digits as tell it from its neighbours' limits.
+std::string number_text(double value);
+
+/// What our figure may be, ends included. An absent end is no limit.
+struct Bound {
+  std::optional<double> least, greatest;
+
+  static Bound at_most(double value) { return {std::nullopt, value}; }
+  /// `value` give or take `part` of it.
+  static Bound around(double value, double part);
+
+  /// All of our figures lie in it. None does when there is no number ("never").
+  bool holds(const Figure& here) const;
+  /// One of them does: the paper's can be another seed of the same experiment.
+  bool touches(const Figure& here) const;
+  /// "1 .. 2", "at most 2".
+  std::string text() const;
+};
+
+/// Whether a figure agrees with the paper's, and what it may be: there is no agreement without.
 struct Agreement {
   bool holds;
-  std::optional<double> tolerance;
+  Bound bound;
+  std::optional<double> tolerance;  ///< how far apart the two may be, where that is one number
+  std::string text;                 ///< "within 0.005", "at most 2"
 
-  Agreement(bool agreed) : holds(agreed) {}
-  Agreement(bool agreed, double largest_difference)
-      : holds(agreed), tolerance(largest_difference) {}
   explicit operator bool() const { return holds; }
 };
+
+/// Ours lies in the bound.
+Agreement lies_in(const Figure& here, const Bound& bound);
 
 /// What several seeds of one experiment gave.
 class Spread {
@@ -47,9 +68,10 @@ class Spread {
   double greatest() const;
 
   /// Whether a figure printed with `decimals` places can be another seed of the same experiment:
-  /// it lies in the spread widened by half its width at both ends and by half a printed unit. The
-  /// tolerance is that margin.
-  Agreement admits(double printed, int decimals) const;
+  /// it lies in the spread widened by `widened` times its width at both ends and by half a printed
+  /// unit. The tolerance is that margin, beyond the seeds. Six seeds show two thirds of what more
+  /// would; 0 where the values are all that there can be.
+  Agreement admits(double printed, int decimals, double widened = 0.5) const;
 
   /// "least .. greatest", one figure when both print alike.
   std::string text(int decimals) const;
@@ -63,16 +85,20 @@ class Spread {
 struct Row {
   std::string label;
   Figure paper, here;
+  Bound bound;
   std::optional<double> tolerance;
-  enum class Verdict { agrees, known, unexpected } verdict;
-  std::string why;  ///< of a known difference
+  enum class Verdict { agrees, known, unexpected, holds, none } verdict;
+  std::string limits;  ///< in words: what "agrees" or "differs" allows
+  std::string why;     ///< of a known difference
 };
 
-/// "agrees", "differs: why", or what stands beside a row that should agree.
+/// "agrees within ...", "differs (... .. ...): why", "holds ..." or what stands beside a row that
+/// should be one of them; nothing where there is nothing to compare.
 std::string verdict_text(const Row& row);
 
 /// The row for programs: quantity, unit, paper, paper_value, here, here_least, here_greatest,
-/// tolerance, verdict ("agrees", "known", "unexpected") and note.
+/// tolerance, bound_least, bound_greatest, verdict ("agrees", "known", "unexpected", "holds",
+/// "" without a bound) and note.
 Fields fields(const Row& row);
 
 /// Id and title of every table in the order in which they are printed.
@@ -96,9 +122,16 @@ class Report {
   void row(const std::string& label, const Figure& paper, const Figure& here,
            const Agreement& agreement);
 
-  /// A row that is known to differ, with the sentence that says why.
-  void known(const std::string& label, const Figure& paper, const Figure& here,
+  /// A row that is known to differ, with what ours may be and the sentence that says why. Out of
+  /// the bound the sentence is not true, and the row is counted.
+  void known(const std::string& label, const Figure& paper, const Figure& here, const Bound& bound,
              const std::string& why);
+
+  /// A figure that the paper does not have, with what it may be. Out of the bound it is counted.
+  void ours(const std::string& label, const Figure& here, const Bound& bound);
+
+  /// A point of a curve that the paper draws without numbers.
+  void point(const std::string& label, const Figure& here);
 
   /// An experiment that could not be made, whatever was chosen.
   void failure(const std::string& what, const std::string& reason);
@@ -117,6 +150,9 @@ class Report {
   std::vector<DataTable> tables_;
   int unexpected_ = 0;
 };
+
+/// No further apart than `tolerance`.
+Agreement within(double here, double printed, double tolerance);
 
 /// Within half a unit of the last printed place, or within `relative` of the printed figure.
 Agreement agrees(double here, double printed, int decimals, double relative = 0.0);

@@ -9,15 +9,16 @@
 
 #include "reproduce/csfn_tables.h"
 #include "reproduce/lms_experiment.h"
+#include "reproduce/paper_words.h"
 #include "reproduce/report.h"
 #include "reproduce/rtl_experiment.h"
 #include "reproduce/soc_experiment.h"
+#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
 
 constexpr int seeds = 6;
-const std::array<const char*, 6> parameter_names = {"a1", "a2", "b1", "b2", "beta", "phi"};
 using SixFigures = std::array<double, 6>;
 constexpr SixFigures preset = {0.6079, 0.6228, 0.1336, 0.1831, 0.0629, 0.0876};
 
@@ -37,7 +38,15 @@ std::string seconds(const std::optional<double>& time) {
 }
 
 Agreement near(const std::optional<double>& time, double printed, double relative) {
-  return time ? agrees(*time, printed, 2, relative) : Agreement(false);
+  return lies_in(seconds(time), Bound::around(printed, relative));
+}
+
+/// What is left of the error, as both papers count: calibrated / uncalibrated.
+void ratio_row(Report& report, const std::string& printed, int decimals, double calibrated,
+               double uncalibrated, double relative) {
+  const double percent = 100.0 * calibrated / uncalibrated;
+  report.row("reduction ratio, %", printed, {fmt::format("{:.2g}", percent), percent},
+             agrees(percent, Figure(printed).least.value_or(0), decimals, relative));
 }
 
 void table_1(Report& report) {
@@ -55,6 +64,7 @@ void table_1(Report& report) {
       outcome.uncalibrated_to_truth));
   report.row("largest error calibrated, deg", "9.52e-4", scientific(outcome.calibrated, 3),
              agrees(outcome.calibrated, 9.52e-4, 6));
+  ratio_row(report, "0.003", 3, outcome.calibrated, outcome.uncalibrated, 0);
   Experiment doubled = section_4_1();
   doubled.gain = reference::Gain::with_factor_two;
   const Outcome with_factor = run(doubled);
@@ -65,7 +75,7 @@ void table_1(Report& report) {
       "factor 2 of Eq (20): with it the error would be {:.1e} and the convergence time {}.",
       with_factor.calibrated, seconds(with_factor.first_within_s)));
   report.known("convergence time (within 1 %)", "195.70 s", seconds(outcome.first_within_s),
-               "0.6 % shorter; the paper says \"approximately\".");
+               Bound::around(195.70, 0.01), "0.6 % shorter; the paper says \"approximately\".");
   report.sentence(fmt::format("The parameters leave the band once more and stay in it from {} on.",
                               seconds(outcome.stays_within_s)));
 }
@@ -76,7 +86,7 @@ void table_2(Report& report) {
   faster.signal.sample_rate_hz = 325.0;
   const Outcome sampling = run(faster);
   report.known(
-      "fs = 325 Hz", "148.80 s", seconds(sampling.first_within_s),
+      "fs = 325 Hz", "148.80 s", seconds(sampling.first_within_s), Bound::around(148.80, 0.05),
       fmt::format("4 % shorter here, and {} until they stay.", seconds(sampling.stays_within_s)));
   faster.signal.sample_rate_hz = 400.0;
   report.sentence(fmt::format("Nor is 325 Hz the best rate: 400 Hz takes {}.",
@@ -84,8 +94,9 @@ void table_2(Report& report) {
   Experiment quick = section_4_1();
   quick.signal.motion.frequency_hz = 100.0;
   const Outcome turning = run(quick);
+  const double offset_s = std::log(100.0) / (1e-4 * 250);
   report.known("fc = 100 Hz, all parameters", "122.50 s", seconds(turning.first_within_s),
-               "b2 alone needs ln(100) / (1e-4 x 250 Hz) = 184 s.");
+               Bound::around(offset_s, 0.005), "b2 alone needs ln(100) / (1e-4 x 250 Hz) = 184 s.");
   report.row("fc = 100 Hz, a1 and a2 only", "122.50 s", seconds(turning.first_amplitudes_s),
              near(turning.first_amplitudes_s, 122.50, 0.005));
   report.sentence("So the paper's row is the amplitudes' time; the offset of V was left out.");
@@ -93,8 +104,9 @@ void table_2(Report& report) {
   quick.duration_s = 20.0;
   const Outcome stepped = run(quick);
   report.known("fc = 100 Hz, steps .2 / .5 .3 .1", "0.16 s", seconds(stepped.first_within_s),
-               fmt::format("{} for amplitudes and offsets without the angles.",
-                           seconds(stepped.first_amplitudes_offsets_s)));
+               {0.16, 0.20}, "a quarter longer; the angles are the last to settle.");
+  report.row("the same without the angles", "0.16 s", seconds(stepped.first_amplitudes_offsets_s),
+             near(stepped.first_amplitudes_offsets_s, 0.16, 0.10));
 }
 
 std::vector<Outcome> noise_runs(int scale) {
@@ -157,7 +169,7 @@ void table_4_rows(Report& report, const std::vector<Outcome>& outcomes, const Er
              raw.admits(row.uncalibrated, 2));
   const Figure printed = fixed(row.calibrated, row.decimals);
   if (row.scale == -4) {
-    report.known(n + ", calibrated, deg", printed, left.figure(5),
+    report.known(n + ", calibrated, deg", printed, left.figure(5), {0.0055, 0.0065},
                  "a misprint for 0.006, as the ratio in the same row shows.");
   } else {
     report.row(n + ", calibrated, deg", printed, left.figure(row.decimals),
@@ -185,18 +197,31 @@ void tables_3_and_4(Report& report) {
   for (size_t i = 0; i < rows.size(); ++i) table_4_rows(report, runs[i], rows[i]);
 }
 
+/// Eq (22) turns each channel by its own disturbance times k, up to this many degrees at the end.
+double disturbance_deg(int scale) {
+  return 360.0 * 0.05 * std::pow(10.0, scale) * 400.0;
+}
+
 void table_6_rows(Report& report, const std::vector<Outcome>& outcomes, const ErrorRow& row) {
   const std::string m = fmt::format("m = {}", row.scale);
   const Spread raw = spread_of(outcomes, [](const Outcome& o) { return o.uncalibrated; });
   const Spread left = spread_of(outcomes, [](const Outcome& o) { return o.calibrated; });
   const Spread start = spread_of(outcomes, [](const Outcome& o) { return o.calibrated_start; });
   const Spread ratio = spread_of(outcomes, ratio_percent);
-  report.known(m + ", uncalibrated, deg", fixed(row.uncalibrated, 2), raw.figure(2),
-               row.scale == -4 ? "Eq (22) cannot push it below the 30.38 of the undisturbed signal."
-                               : "the whole 400 s, in which the disturbance has grown.");
-  report.known(m + ", calibrated, deg", fixed(row.calibrated, 2), left.figure(2),
+  const double turned = disturbance_deg(row.scale);
+  // At 72 degrees the signal is turned anywhere.
+  const Bound before{30.38 + 0.4 * turned, row.scale == -2 ? 180.0 : 30.38 + turned};
+  const Bound after{0.7 * turned, 1.15 * turned};
+  report.known(
+      m + ", uncalibrated, deg", fixed(row.uncalibrated, 2), raw.figure(2), before,
+      row.scale == -4
+          ? "Eq (22) cannot push it below the 30.38 of the undisturbed signal."
+          : fmt::format("the whole 400 s, at whose end Eq (22) turns a channel by {:g} deg.",
+                        turned));
+  report.known(m + ", calibrated, deg", fixed(row.calibrated, 2), left.figure(2), after,
                fmt::format("{} within the first 20 s, the nearest we found.", start.text(2)));
   report.known(m + ", ratio, %", fixed(row.ratio_percent, 2), ratio.figure(2),
+               {100 * *after.least / *before.greatest, 100 * *after.greatest / *before.least},
                "follows from the two rows above.");
 }
 
@@ -216,41 +241,65 @@ void tables_5_and_6(Report& report) {
     parameter_rows(report, runs[i], fmt::format("m = {}", rows[i].scale), printed[i]);
   }
   const Spread lost = spread_of(speed_runs(-1), [](const Outcome& o) { return o.parameters.a1; });
-  report.row("m = -1, a1 (preset 0.6079)", "diverges", lost.figure(4), lost.greatest() < 0.3);
+  report.row("m = -1, a1 (preset 0.6079)", "diverges", lost.figure(4),
+             lies_in(lost.figure(4), Bound::at_most(0.3)));
   report.heading("6");
   report.sentence("Its figures do not follow from Eq (22) over 400 s with Table 5's parameters.");
   for (size_t i = 0; i < rows.size(); ++i) table_6_rows(report, runs[i], rows[i]);
 }
 
-void table_8(Report& report) {
-  const std::array<uint32_t, 6> printed = {1305449920, 1337451129, 286904776,
-                                           393204060,  42994606,   58309946};
-  // 1e-5 of full scale: what the 32-bit weights' truncation moves with the rounding of the steps.
+const std::array<uint32_t, 6> table_8_words = {1305449920, 1337451129, 286904776,
+                                               393204060,  42994606,   58309946};
+
+/// Machine value, identification value and relative error of one parameter. A word may be off by
+/// 1e-5 of full scale: what the 32-bit weights' truncation moves with the rounding of the steps.
+void table_8_rows(Report& report, size_t i, uint32_t word) {
   constexpr double tolerance = 20000.0;
+  const std::array<const char*, 6> identified = {"0.6078", "0.6227", "0.1336",
+                                                 "0.1831", "0.0629", "0.0853"};
+  const std::array<const char*, 6> errors = {"0.0004", "0.0001", "-0.0003",
+                                             "0.0001", "0.0038", "2.6225"};
+  const std::string name = parameter_names[i];
+  const double value = value_of_word(i, word), percent = 100 * (preset[i] - value) / preset[i];
+  const double printed_value = Figure(identified[i]).least.value_or(0);
+  report.row(name, std::to_string(table_8_words[i]), std::to_string(word),
+             within(word, table_8_words[i], tolerance));
+  // The paper cuts 0.60789 to 0.6078: a whole unit of its last place.
+  report.row(name + ", identified", identified[i], fixed(value, 6),
+             within(value, printed_value, 1e-4));
+  report.row(name + ", relative error, %", errors[i], fixed(percent, 4),
+             within(percent, Figure(errors[i]).least.value_or(0),
+                    100 * value_of_word(i, tolerance) / preset[i]));
+}
+
+void table_8(Report& report) {
   const RtlOutcome outcome = run_rtl();
   report.heading("8");
-  for (size_t i = 0; i < printed.size(); ++i) {
-    const double difference = static_cast<double>(outcome.words[i]) - printed[i];
-    report.row(parameter_names[i], std::to_string(printed[i]), std::to_string(outcome.words[i]),
-               {std::abs(difference) <= tolerance, tolerance});
-  }
+  for (size_t i = 0; i < outcome.words.size(); ++i) table_8_rows(report, i, outcome.words[i]);
   report.sentence(
       "With four settings the paper does not state: the steps scaled by 2^-7, a frequency");
   report.sentence(
       "word of 858992, data two samples behind the reference, and 16-bit operands in the");
   report.sentence("arctangent. As printed, the steps do not converge at 0.05 Hz.");
   report.heading("figure-13");
+  report.row("largest error uncalibrated, deg", "30.38", fixed(outcome.uncalibrated, 3),
+             agrees(outcome.uncalibrated, 30.38, 2));
   report.known(
-      "largest angle error, deg", "9.50e-3", scientific(outcome.frozen, 2),
+      "largest error calibrated, deg", "9.50e-3", scientific(outcome.frozen, 2),
+      {9.50e-3 / 2, 9.50e-3 * 2},
       fmt::format("{:.2e} on line in the last 20 s; the same order, and the paper does not "
                   "say where products are cut.",
                   outcome.online_end));
+  const double percent = 100 * outcome.frozen / outcome.uncalibrated;
+  report.known("reduction ratio, %", "0.03", {fmt::format("{:.2g}", percent), percent},
+               {0.03 / 2, 0.03 * 2}, "follows from the two rows above; the paper concludes 0.04.");
+  const double left = std::pow(0.9, 30);
   report.known("arctangent, magnitude 1, rad", "1e-4", scientific(arctangent_error(1.0), 1),
-               "I = 1.9 leaves 0.9^30 = 4 % of the start error at magnitude 1.");
-  const double arctangent = arctangent_error(0.6);
+               {1e-4, pi * left}, "I = 1.9 leaves 0.9^30 = 4 % of the start error at magnitude 1.");
+  const Figure arctangent = scientific(arctangent_error(0.6), 1);
   // "10^-4 orders of magnitude": within half a decade.
-  report.row("arctangent, magnitude 0.6, rad", "1e-4", scientific(arctangent, 1),
-             arctangent > 0.32e-4 && arctangent < 3.2e-4);
+  report.row("arctangent, magnitude 0.6, rad", "1e-4", arctangent,
+             lies_in(arctangent, {0.32e-4, 3.2e-4}));
 }
 
 }  // namespace

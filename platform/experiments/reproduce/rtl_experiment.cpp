@@ -19,6 +19,17 @@ int32_t adc_word(double value) {
   return static_cast<int32_t>(std::clamp(std::floor(value * 0x1p31 + 0.5), -0x1p31, 0x1p31 - 1.0));
 }
 
+double uncalibrated() {
+  sensor::DescribedSource source{sensor::SignalConfig()};
+  double largest = 0.0;
+  for (uint64_t k = 0; k < samples; ++k) {
+    const auto value = source.sample(k, static_cast<double>(k) / rate_hz);
+    const double turns = std::atan2(value->u, value->v) / two_pi - value->reference_turns;
+    largest = std::max(largest, 360.0 * std::abs(turns - std::round(turns)));
+  }
+  return largest;
+}
+
 /// Feeds the record once; the largest angle error of the samples from `first` on.
 double record(CoprocessorRun& run, uint32_t ctrl, uint64_t first) {
   sensor::DescribedSource source{sensor::SignalConfig()};
@@ -39,6 +50,7 @@ double record(CoprocessorRun& run, uint32_t ctrl, uint64_t first) {
 RtlOutcome run_rtl() {
   CoprocessorRun run;
   RtlOutcome outcome;
+  outcome.uncalibrated = uncalibrated();
   outcome.online_end =
       record(run, coprocessor::ctrl_demod | coprocessor::ctrl_calib, samples - last_window);
   outcome.words = run.parameter_words();

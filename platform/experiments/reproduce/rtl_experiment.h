@@ -8,6 +8,7 @@ namespace capsoc::reproduce {
 /// The SoC paper's section 4.2 on the coprocessor model in its paper arithmetic.
 struct RtlOutcome {
   std::array<uint32_t, 6> words{};  ///< a1, a2, b1, b2, beta, phi at 400 s, machine values
+  double uncalibrated = 0.0;        ///< atan2(U, V) against omega k, as the paper counts, degrees
   double online_end = 0.0;          ///< largest angle error within the last 20 s, degrees
   double frozen = 0.0;              ///< with the parameters of 400 s over the whole record, degrees
 };
