@@ -43,10 +43,22 @@ PROGRAM_SETTINGS(SETTINGS)
 
 enum { status_refused = 2, status_no_coprocessor = 3, status_no_parameters = 4 };
 
+enum { quarter_turn = 1 << 30 };
+
+// beta beyond a quarter turn, as the SoC paper's Table 9 has it: the shaft turned against the
+// reference that the parameters were found with. They say which way the angle counts.
+static bool reversed(const struct coprocessor_parameters* parameters) {
+  const int32_t beta = (int32_t)parameters->beta;
+  return beta > quarter_turn || beta < -quarter_turn;
+}
+
+static bool paper_arithmetic(void) {
+  return (COPROCESSOR->STATUS & COPROCESSOR_STATUS_ARITH_Msk) != 0;
+}
+
 static void print_banner(void) {
   print_text("calibrate: calibration mode with the parameters in the program\n");
-  const bool paper = (COPROCESSOR->STATUS & COPROCESSOR_STATUS_ARITH_Msk) != 0;
-  print_text(paper ? "paper arithmetic\n" : "precise arithmetic\n");
+  print_text(paper_arithmetic() ? "paper arithmetic\n" : "precise arithmetic\n");
 }
 
 static int judge(struct judgement* judgement) {
@@ -81,6 +93,10 @@ int main(void) {
   console_start_buffering();
 
   const struct coprocessor_parameters* const parameters = &calibration_parameters.parameters;
+  if (reversed(parameters) && paper_arithmetic())
+    return fail_because("calibrate",
+                        "beta is beyond a quarter turn, where Eq (12) is off by half a turn: write "
+                        "pi - beta, and the angle counts the other way");
   coprocessor_reset();
   coprocessor_load_parameters(parameters);
   coprocessor_lock_by_turns();
@@ -101,6 +117,7 @@ int main(void) {
   struct judgement judgement = {.limit = settings.limit_deg,
                                 .unseen = settings.harmonics_deg,
                                 .fewest = 1,
+                                .mirrored = reversed(parameters),
                                 .has_parameters = true,
                                 .parameters = *parameters};
   print_parameter_table(parameters);

@@ -91,9 +91,22 @@ void judgement_look(struct judgement* judgement) {
   ++judgement->judged;
 }
 
+// The coprocessor's word, or nothing against the turn but that it was mirrored as expected.
+static bool good(const struct judgement* judgement, uint32_t flags, bool counts) {
+  if ((flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0) return true;
+  if (!judgement->mirrored || (flags & COPROCESSOR_TURN_FLAGS_MIRROR_Msk) == 0) return false;
+  const uint32_t winding = counts ? 0 : COPROCESSOR_TURN_FLAGS_WINDING_Msk;
+  const uint32_t bad = COPROCESSOR_TURN_FLAGS_CLIPPED_Msk | COPROCESSOR_TURN_FLAGS_SAT_Msk |
+                       COPROCESSOR_TURN_FLAGS_NOANGLE_Msk | COPROCESSOR_TURN_FLAGS_RADIUS_Msk |
+                       COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk | winding;
+  const uint32_t octants = COPROCESSOR_TURN_FLAGS_OCTANTS_Msk;
+  return (flags & bad) == 0 && (flags & octants) == octants;
+}
+
 // The plainest cause first: what makes the others. What is good may have a winding that does not
 // count (JUDGE.COUNT).
-static const char* objection_to(const struct turn_evidence* turn) {
+static const char* objection_to(const struct judgement* judgement,
+                                const struct turn_evidence* turn) {
   static const struct {
     uint32_t flag;
     const char* sentence;
@@ -111,8 +124,8 @@ static const char* objection_to(const struct turn_evidence* turn) {
        "the angle does not go round once a turn: is the speed right?"},
       {COPROCESSOR_TURN_FLAGS_MIRROR_Msk, "the rotation is the other way round"},
   };
-  if ((turn->flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) == 0) {
-    const bool counts = (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_COUNT_Msk) != 0;
+  const bool counts = (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_COUNT_Msk) != 0;
+  if (!good(judgement, turn->flags, counts)) {
     const uint32_t flags = counts ? turn->flags & ~COPROCESSOR_TURN_FLAGS_WINDING_Msk : turn->flags;
     for (size_t i = 0; i < sizeof causes / sizeof causes[0]; ++i)
       if ((flags & causes[i].flag) != 0) return causes[i].sentence;
@@ -135,7 +148,7 @@ uint32_t judgement_bound(const struct judgement* judgement) {
   uint32_t good = 0;
   for (;; ++good) {
     const struct turn_evidence* const turn = turn_before(judgement, good);
-    if (turn == NULL || objection_to(turn) != NULL) break;
+    if (turn == NULL || objection_to(judgement, turn) != NULL) break;
     const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
     const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
     const uint64_t error = by_radius > by_residue ? by_radius : by_residue;
@@ -149,13 +162,14 @@ const char* judgement_objection(const struct judgement* judgement) {
   for (uint32_t back = 0; back < judgement->fewest; ++back) {
     const struct turn_evidence* const turn = turn_before(judgement, back);
     if (turn == NULL) return "the signal ended before enough whole turns were seen";
-    const char* const objection = objection_to(turn);
+    const char* const objection = objection_to(judgement, turn);
     if (objection != NULL) return objection;
   }
   const uint32_t status = COPROCESSOR->STATUS;
   if ((status & COPROCESSOR_STATUS_ALARM_Msk) != 0) return "the signals have left their circle";
-  if (field(status, COPROCESSOR_STATUS_GOOD_TURNS_Msk, COPROCESSOR_STATUS_GOOD_TURNS_Pos) <
-      judgement->fewest)
+  // It counts no mirrored turn.
+  if (!judgement->mirrored && field(status, COPROCESSOR_STATUS_GOOD_TURNS_Msk,
+                                    COPROCESSOR_STATUS_GOOD_TURNS_Pos) < judgement->fewest)
     return "a turn shortly before the end was not good";
   if ((status & COPROCESSOR_STATUS_VALID_Msk) == 0) return "the last sample has no valid angle";
   if (judgement_bound(judgement) > judgement->limit)

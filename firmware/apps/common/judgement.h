@@ -27,6 +27,7 @@ struct judgement {
   uint32_t limit;   // largest bound that may pass, 2^-32 turn
   bool numeric;     // the reference is numeric: RESIDUE is the angle's error, at constant speed
   uint32_t unseen;  // error that no evidence can show, from the data sheet, 2^-32 turn
+  bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
   // The rest starts at 0.
   uint32_t zeros;    // sampling_zeros() at the end of the window before
   uint32_t ended;    // TURN_COUNT at the last look

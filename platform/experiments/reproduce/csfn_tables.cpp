@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fit/fit.h"
+#include "reproduce/figures.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -22,6 +23,7 @@ std::optional<fit::Fit> fitted(Report& report, const std::string& trace,
                                const fit::FitOptions& options = {}) {
   fit::FitOptions papers = options;
   papers.identify.method = csfn::Method::adam;
+  papers.identify.trace = true;
   auto result = fit::fit(trace, papers);
   const std::string reason = result ? result.value().rejection : result.error();
   if (reason.empty()) return std::move(result.value());
@@ -59,6 +61,8 @@ void table_1(Report& report, const std::string& traces) {
   report.sentence(
       "10,000 random angles as in the paper; which ones it drew is not known. The rate");
   report.sentence("decays here; at the paper's constant rate the end point spikes now and then.");
+  report.heading("csfn-figure-8");
+  learning_rows(report, *fit);
 }
 
 void figure_14(Report& report, const std::string& traces) {
@@ -76,6 +80,7 @@ void table_2(Report& report, const std::string& traces) {
   constexpr FiveFigures printed = {0.6083, 0.6223, 0.1324, 0.1830, 0.0657};
   report.heading("csfn-2");
   fit::FitOptions options;
+  options.identify.adam.batch = 1000;  // section 4.2
   const auto fit = fitted(report, traces + "/csfn_experiment.toml", options);
   if (!fit) return;
   const FiveFigures found = figures(fit->answer.parameters);
@@ -87,14 +92,18 @@ void table_2(Report& report, const std::string& traces) {
   report.row("after, deg", "2.97", fixed(*fit->errors.calibrated, 2),
              agrees(*fit->errors.calibrated, 2.97, 2, 0.05));
   ratio_row(report, fit->errors, 6.98);
+  report.heading("csfn-figure-18");
+  learning_rows(report, *fit);
+  report.heading("csfn-figure-23");
+  spectrum_rows(report, fit->record, {0.0044, 0.01035, 0, 0});
 }
 
 }  // namespace
 
 void csfn_tables(Report& report, const std::string& traces) {
-  if (report.wants({"csfn-1"})) table_1(report, traces);
+  if (report.wants({"csfn-1", "csfn-figure-8"})) table_1(report, traces);
   if (report.wants({"csfn-figure-14"})) figure_14(report, traces);
-  if (report.wants({"csfn-2"})) table_2(report, traces);
+  if (report.wants({"csfn-2", "csfn-figure-18", "csfn-figure-23"})) table_2(report, traces);
 }
 
 }  // namespace capsoc::reproduce

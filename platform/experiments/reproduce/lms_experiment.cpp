@@ -69,6 +69,24 @@ void measure_frozen(const std::vector<Sample>& record, double rate, double phi, 
 
 }  // namespace
 
+std::vector<Parameters> learning_curve(const Experiment& experiment,
+                                       const std::vector<double>& times_s) {
+  const double rate = experiment.signal.sample_rate_hz;
+  sensor::DescribedSource source(experiment.signal);
+  reference::LmsReference lms(experiment.steps, experiment.gain);
+  std::vector<Parameters> curve;
+  for (uint64_t k = 0; curve.size() < times_s.size(); ++k) {
+    const double t = static_cast<double>(k) / rate;
+    const std::optional<sensor::SensorValue> value = source.sample(k, t);
+    if (!value) break;
+    const double reference = 2.0 * pi * value->reference_turns;
+    lms.update(std::sin(reference), std::cos(reference), value->u, value->v);
+    if (static_cast<double>(k + 1) >= times_s[curve.size()] * rate)
+      curve.push_back(lms.parameters());
+  }
+  return curve;
+}
+
 Outcome run(const Experiment& experiment) {
   const double rate = experiment.signal.sample_rate_hz;
   const auto count = static_cast<uint64_t>(std::llround(experiment.duration_s * rate));

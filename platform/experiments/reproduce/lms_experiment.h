@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "reference/lms_reference.h"
 #include "sensor/signal_config.h"
@@ -31,5 +32,9 @@ struct Outcome {
 };
 
 Outcome run(const Experiment& experiment);
+
+/// The parameters at these times after the start, in order, all before the experiment's end.
+std::vector<reference::Parameters> learning_curve(const Experiment& experiment,
+                                                  const std::vector<double>& times_s);
 
 }  // namespace capsoc::reproduce

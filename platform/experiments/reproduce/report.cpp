@@ -188,21 +188,30 @@ Figure scientific(double value, int decimals) {
 const std::vector<std::pair<std::string, std::string>>& table_names() {
   static const std::vector<std::pair<std::string, std::string>> names = {
       {"1", "Table 1, Figures 7 and 8: Eq (21), 250 Hz, 0.05 Hz, 400 s"},
+      {"figure-7", "Figure 7: its learning curves"},
       {"2", "Table 2, Figure 9: convergence time with other frequencies and steps"},
+      {"figure-9", "Figure 9: learning curves with its steps at 100 Hz"},
       {"3", "Table 3: noise with a peak of 10^n of each amplitude, parameters at 400 s"},
       {"4", "Table 4: the same, largest angle errors"},
       {"5", "Table 5: speed disturbance of Eq (22), peak 10^m of the frequency, 400 s"},
       {"6", "Table 6: the same, largest angle errors"},
+      {"figure-10", "Figure 10: the gain cos(mu(k) k) of Eq (23) within 400 s"},
       {"8", "Table 8: the paper's arithmetic in the coprocessor model, machine values at 400 s"},
       {"figure-13", "Figures 13 and 14: the same, errors"},
+      {"figure-12", "Figure 12: its learning curves"},
       {"figure-17", "Figure 17: the experiment, rebuilt, without calibration"},
       {"9", "Table 9: parameters of the experiment, machine values"},
       {"figure-18", "Figure 18: errors of the experiment"},
       {"10", "Table 10: the CSFN on the same samples"},
       {"comparison", "Section 4.3: three methods on the same samples, and one more"},
+      {"11", "Table 11: times"},
+      {"figure-19", "Figure 19: spectrum of the experiment"},
       {"csfn-1", "CSFN paper, Table 1 and Figure 12: relative errors of the simulation"},
+      {"csfn-figure-8", "CSFN paper, Figures 8 to 10: its learning curves"},
       {"csfn-figure-14", "CSFN paper, Figure 14: a third harmonic of 1 %"},
       {"csfn-2", "CSFN paper, Table 2 and Figure 22: the experiment, rebuilt"},
+      {"csfn-figure-18", "CSFN paper, Figures 18 to 20: its learning curves"},
+      {"csfn-figure-23", "CSFN paper, Figure 23: spectrum of the experiment"},
   };
   return names;
 }

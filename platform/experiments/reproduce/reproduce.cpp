@@ -7,7 +7,9 @@
 #include <ostream>
 #include <vector>
 
+#include "fit/fit.h"
 #include "reproduce/csfn_tables.h"
+#include "reproduce/figures.h"
 #include "reproduce/lms_experiment.h"
 #include "reproduce/paper_words.h"
 #include "reproduce/report.h"
@@ -251,10 +253,12 @@ void tables_5_and_6(Report& report) {
 const std::array<uint32_t, 6> table_8_words = {1305449920, 1337451129, 286904776,
                                                393204060,  42994606,   58309946};
 
-/// Machine value, identification value and relative error of one parameter. A word may be off by
-/// 1e-5 of full scale: what the 32-bit weights' truncation moves with the rounding of the steps.
+/// A word may be off by 5e-6 of full scale: what the 32-bit weights' truncation moves with the
+/// rounding of the steps, and the arctangent's 16 bits.
+constexpr double word_tolerance = 10737.0;
+
+/// Machine value, identification value and relative error of one parameter.
 void table_8_rows(Report& report, size_t i, uint32_t word) {
-  constexpr double tolerance = 20000.0;
   const std::array<const char*, 6> identified = {"0.6078", "0.6227", "0.1336",
                                                  "0.1831", "0.0629", "0.0853"};
   const std::array<const char*, 6> errors = {"0.0004", "0.0001", "-0.0003",
@@ -263,13 +267,13 @@ void table_8_rows(Report& report, size_t i, uint32_t word) {
   const double value = value_of_word(i, word), percent = 100 * (preset[i] - value) / preset[i];
   const double printed_value = Figure(identified[i]).least.value_or(0);
   report.row(name, std::to_string(table_8_words[i]), std::to_string(word),
-             within(word, table_8_words[i], tolerance));
+             within(word, table_8_words[i], word_tolerance));
   // The paper cuts 0.60789 to 0.6078: a whole unit of its last place.
   report.row(name + ", identified", identified[i], fixed(value, 6),
              within(value, printed_value, 1e-4));
   report.row(name + ", relative error, %", errors[i], fixed(percent, 4),
              within(percent, Figure(errors[i]).least.value_or(0),
-                    100 * value_of_word(i, tolerance) / preset[i]));
+                    100 * value_of_word(i, word_tolerance) / preset[i]));
 }
 
 void table_8(Report& report) {
@@ -280,7 +284,20 @@ void table_8(Report& report) {
       "With four settings the paper does not state: the steps scaled by 2^-7, a frequency");
   report.sentence(
       "word of 858992, data two samples behind the reference, and 16-bit operands in the");
-  report.sentence("arctangent. As printed, the steps do not converge at 0.05 Hz.");
+  report.sentence(
+      "arctangent. As printed, the steps do not converge at 0.05 Hz, and with 32 bits the");
+  report.sentence(
+      "angles are closer still (but then the errors of Figures 13 and 14 are not there):");
+  report.ours("a1, steps as printed", fixed(a1_with_printed_steps(), 4),
+              Bound::at_most(0.9 * preset[0]));
+  coprocessor::Options wide = CoprocessorRun::papers_options();
+  wide.paper_operand_bits = 32;
+  const RtlOutcome wider = run_rtl(wide);
+  for (const size_t i : {4, 5})
+    report.row(std::string(parameter_names[i]) + ", 32-bit operands",
+               std::to_string(table_8_words[i]), std::to_string(wider.words[i]),
+               within(wider.words[i], table_8_words[i], word_tolerance / 2));
+  report.ours("largest error so, deg", scientific(wider.frozen, 1), Bound::at_most(1e-3));
   report.heading("figure-13");
   report.row("largest error uncalibrated, deg", "30.38", fixed(outcome.uncalibrated, 3),
              agrees(outcome.uncalibrated, 30.38, 2));
@@ -302,22 +319,54 @@ void table_8(Report& report) {
              lies_in(arctangent, {0.32e-4, 3.2e-4}));
 }
 
+/// The clocks of a tick, which is how often a sample can be taken.
+constexpr double tick_clocks = 32;
+constexpr double clock_hz = 25e6;
+
+void table_11(Report& report) {
+  report.heading("11");
+  report.known(
+      "total time, proposed", "197.83 s", seconds(rtl_convergence_s()), {90, 197.83},
+      "Eq (21) with Table 8's settings, phi left out, which never comes within 1 %; what the "
+      "paper's sensor was to converge to is not known.");
+  const double tick_ns = 1e9 * tick_clocks / clock_hz;
+  report.known("one iteration, proposed, ns", "40", fixed(tick_ns, 0), {1280, 1280},
+               "40 ns is one clock of 25 MHz, and the 30 iterations of Eqs (10) and (11) take 30.");
+  const double rate = clock_hz / tick_clocks;
+  report.ours("samples a second, proposed", fixed(rate, 0), {781250, 781250});
+  const fit::FitOptions options;
+  const double steps = options.identify.adam.iterations;
+  report.row("iterations of [9]", "100000", fixed(steps, 0),
+             lies_in(fixed(steps, 0), Bound::at_most(100000)));
+  report.sentence(
+      "What one of them takes is the host's: scripts/bench_csfn and fit --table peers.");
+}
+
 }  // namespace
 
 int reproduce_tables(std::ostream& out, const std::string& traces,
                      const std::vector<std::string>& chosen, std::vector<DataTable>* tables) {
   Report report(out, chosen);
-  out << "The SoC paper: Tables 1 to 6 by the LMSED in double precision, Table 8, Figures 13 and "
+  out << "The SoC paper: Tables 1 to 6 by the LMSED in double precision, Table 8, Figures 12 to "
          "14\n"
-         "and the experiment (Tables 9 and 10) by the coprocessor model and the CSFN. The CSFN "
+         "and the experiment (Tables 9 to 11) by the coprocessor model and the CSFN. The CSFN "
          "paper:\n"
-         "its Tables 1 and 2 and Figure 14. The experiments are on traces rebuilt from them.\n";
+         "its Tables 1 and 2 and its figures. The experiments are on traces rebuilt from them.\n"
+         "\"agrees\": how far ours may be from the paper's. \"differs\": what ours may be, and "
+         "why.\n"
+         "\"holds\": a figure that the paper does not print, and what ours may be.\n";
   if (report.wants({"1"})) table_1(report);
+  figure_7(report);
   if (report.wants({"2"})) table_2(report);
+  figure_9(report);
   if (report.wants({"3", "4"})) tables_3_and_4(report);
   if (report.wants({"5", "6"})) tables_5_and_6(report);
+  figure_10(report);
   if (report.wants({"8", "figure-13"})) table_8(report);
+  figure_12(report);
   soc_experiment_tables(report, traces);
+  if (report.wants({"11"})) table_11(report);
+  figure_19(report, traces);
   csfn_tables(report, traces);
   out << fmt::format("\n{} rows differ that should agree.\n", report.unexpected());
   if (tables != nullptr) *tables = report.tables();

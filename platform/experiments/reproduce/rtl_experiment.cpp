@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "coprocessor/paper_units.h"
-#include "reproduce/coprocessor_run.h"
+#include "reproduce/paper_words.h"
 #include "sensor/described_source.h"
 #include "support/constants.h"
 
@@ -45,10 +45,58 @@ double record(CoprocessorRun& run, uint32_t ctrl, uint64_t first) {
   return largest;
 }
 
+/// The record once, `each` after every sample until it says that this is enough.
+template <typename Each>
+void learn(CoprocessorRun& run, Each each) {
+  sensor::DescribedSource source{sensor::SignalConfig()};
+  run.control(coprocessor::ctrl_demod | coprocessor::ctrl_calib);
+  for (uint64_t k = 0; k < samples; ++k) {
+    const auto value = source.sample(k, static_cast<double>(k) / rate_hz);
+    run.submit(adc_word(value->u), adc_word(value->v));
+    if (!each(static_cast<double>(k + 1) / rate_hz)) return;
+  }
+}
+
 }  // namespace
 
-RtlOutcome run_rtl() {
+std::vector<std::array<uint32_t, 6>> rtl_learning_curve(const std::vector<double>& times_s) {
   CoprocessorRun run;
+  std::vector<std::array<uint32_t, 6>> curve;
+  learn(run, [&](double t) {
+    if (t >= times_s[curve.size()]) curve.push_back(run.parameter_words());
+    return curve.size() < times_s.size();
+  });
+  return curve;
+}
+
+std::optional<double> rtl_convergence_s() {
+  const sensor::SignalConfig s;
+  const std::array<double, 5> preset = {s.a1, s.a2, s.b1, s.b2, s.beta};
+  CoprocessorRun run;
+  std::optional<double> first;
+  learn(run, [&](double t) {
+    const auto words = run.parameter_words();
+    bool within = true;
+    for (std::size_t i = 0; i < preset.size(); ++i) {
+      const double value = value_of_word(i, static_cast<int32_t>(words.at(i)));
+      within = within && std::abs(value - preset.at(i)) <= 0.01 * std::abs(preset.at(i));
+    }
+    if (within) first = t;
+    return !within;
+  });
+  return first;
+}
+
+double a1_with_printed_steps() {
+  coprocessor::Options options = CoprocessorRun::papers_options();
+  options.paper_step_shift = 0;
+  CoprocessorRun run(options);
+  learn(run, [](double) { return true; });
+  return value_of_word(0, static_cast<int32_t>(run.parameter_words()[0]));
+}
+
+RtlOutcome run_rtl(const coprocessor::Options& options) {
+  CoprocessorRun run(options);
   RtlOutcome outcome;
   outcome.uncalibrated = uncalibrated();
   outcome.online_end =

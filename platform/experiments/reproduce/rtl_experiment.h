@@ -2,6 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "reproduce/coprocessor_run.h"
 
 namespace capsoc::reproduce {
 
@@ -13,8 +17,18 @@ struct RtlOutcome {
   double frozen = 0.0;              ///< with the parameters of 400 s over the whole record, degrees
 };
 
-/// Eq (21) in 32 bits, 0.05 Hz, 250 Hz, 400 s, with the settings of CoprocessorRun.
-RtlOutcome run_rtl();
+/// Eq (21) in 32 bits, 0.05 Hz, 250 Hz, 400 s, with the settings of CoprocessorRun, or others.
+RtlOutcome run_rtl(const coprocessor::Options& options = CoprocessorRun::papers_options());
+
+/// The words a1, a2, b1, b2, beta, phi at these times after the start, in order.
+std::vector<std::array<uint32_t, 6>> rtl_learning_curve(const std::vector<double>& times_s);
+
+/// Table 11: the time after which a1, a2, b1, b2 and beta are within 1 % for the first time. phi
+/// never is (Table 8).
+std::optional<double> rtl_convergence_s();
+
+/// The sine weight's a1 at 400 s with the steps as the paper prints them, not 2^-7 times as large.
+double a1_with_printed_steps();
 
 /// Figure 14: largest error of the PI arctangent in radians for sine and cosine of a magnitude at
 /// 3,600 angles, without those within 1 degree of half a turn, where the loop hardly starts.

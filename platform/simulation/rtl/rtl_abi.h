@@ -57,6 +57,7 @@ typedef struct capsoc_rtl_api {
   uint32_t state_size;                                     /* sizeof(capsoc_rtl_state) */
   const char* source_hash;                                 /* SHA-256 of the RTL, in hexadecimal */
   int32_t paper, operand_bits, reference_lead, step_shift; /* the parameters of the top */
+  int32_t plain_arctangent;                                /* the fifth */
   int32_t coverage;                                        /* built with line and toggle coverage */
 
   /* Named nodes: names in the order of the values. A node of stage s is what it will be at the end

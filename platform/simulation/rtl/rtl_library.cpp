@@ -16,6 +16,11 @@ namespace {
 constexpr uint64_t largest_library = 1U << 30U;
 constexpr const char* rebuild = "build it with `cmake --build BUILD --target capsoc_rtl`";
 
+// For parameters that the paper's arithmetic does not have by itself.
+constexpr const char* rebuild_with =
+    "`cmake --build BUILD --target capsoc_rtl_table_8` builds the one of 16 bits, lead 2, shift 7 "
+    "and a plain arctangent; for others add a line to platform/simulation/rtl/CMakeLists.txt";
+
 std::string refuse(const std::string& file, const capsoc_rtl_api& api,
                    const coprocessor::Options& options) {
   if (api.abi_version != CAPSOC_RTL_ABI_VERSION || api.pins_size != sizeof(capsoc_rtl_pins) ||
@@ -32,12 +37,14 @@ std::string refuse(const std::string& file, const capsoc_rtl_api& api,
                        name(api.paper != 0), name(paper));
   if (paper && (api.operand_bits != options.paper_operand_bits ||
                 api.reference_lead != options.paper_reference_lead ||
-                api.step_shift != options.paper_step_shift))
+                api.step_shift != options.paper_step_shift ||
+                (api.plain_arctangent != 0) != options.paper_plain_arctangent))
     return fmt::format(
-        "{}: its parameters (operand bits {}, reference lead {}, step shift {}) are not the "
-        "model's ({}, {}, {}); build a library with these",
-        file, api.operand_bits, api.reference_lead, api.step_shift, options.paper_operand_bits,
-        options.paper_reference_lead, options.paper_step_shift);
+        "{}: its parameters (operand bits {}, reference lead {}, step shift {}, plain arctangent "
+        "{}) are not the model's ({}, {}, {}, {}); build a library with these",
+        file, api.operand_bits, api.reference_lead, api.step_shift, api.plain_arctangent,
+        options.paper_operand_bits, options.paper_reference_lead, options.paper_step_shift,
+        options.paper_plain_arctangent ? 1 : 0);
   return {};
 }
 
@@ -47,7 +54,8 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
                                             const coprocessor::Options& options) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored))
-    return Error{fmt::format("{}: there is no such RTL library; {}", file, rebuild)};
+    return Error{fmt::format("{}: there is no such RTL library; {}", file,
+                             file == file_name(options.arithmetic) ? rebuild : rebuild_with)};
   if (auto error = check_input(file, {rebuild, largest_library})) return *error;
   // dlopen takes a name without a slash for one of the system's.
   const std::string path = std::filesystem::absolute(file, ignored).string();
@@ -64,6 +72,19 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
   if (std::string reason = refuse(file, library->api(), options); !reason.empty())
     return Error{std::move(reason)};
   return library;
+}
+
+std::string RtlLibrary::file_name(const coprocessor::Options& options) {
+  using coprocessor::Options;
+  if (options.arithmetic != coprocessor::Arithmetic::paper ||
+      (options.paper_operand_bits == Options().paper_operand_bits &&
+       options.paper_reference_lead == 0 && options.paper_step_shift == 0 &&
+       !options.paper_plain_arctangent))
+    return file_name(options.arithmetic);
+  return host::library_path(fmt::format("libcapsoc_rtl_paper_{}_{}_{}_{}.so",
+                                        options.paper_operand_bits, options.paper_reference_lead,
+                                        options.paper_step_shift,
+                                        options.paper_plain_arctangent ? 1 : 0));
 }
 
 std::string RtlLibrary::file_name(coprocessor::Arithmetic arithmetic, bool coverage) {

@@ -20,7 +20,9 @@ class RtlLibrary {
   /// what to do.
   static Result<Handle> open(const std::string& file, const coprocessor::Options& options);
 
-  /// Where the library for an arithmetic is: beside the program, or in its install tree.
+  /// Where the library of such a coprocessor is: beside the program, or in its install tree.
+  static std::string file_name(const coprocessor::Options& options);
+  /// The same for an arithmetic with the parameters that it has by itself.
   static std::string file_name(coprocessor::Arithmetic arithmetic, bool coverage = false);
 
   ~RtlLibrary();

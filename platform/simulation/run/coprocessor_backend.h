@@ -26,6 +26,21 @@ struct CoprocessorSettings {
       {{"paper", coprocessor::Arithmetic::paper}, {"precise", coprocessor::Arithmetic::precise}},
       setting("coprocessor.arithmetic", SettingKind::choice, "precise", "paper or precise")
           .by({"--arithmetic", "paper|precise", "Arithmetic of the coprocessor"})};
+  IntegerField paper_operand_bits{
+      all, setting("coprocessor.paper_operand_bits", SettingKind::integer, "32",
+                   "paper: width of the arctangent's multipliers (the SoC paper's Table 8: 16)")
+               .in(2, 32)};
+  IntegerField paper_reference_lead{
+      all, setting("coprocessor.paper_reference_lead", SettingKind::integer, "0",
+                   "paper: samples by which the reference leads the data (Table 8: 2)")
+               .in(0, 1024)};
+  IntegerField paper_step_shift{
+      all, setting("coprocessor.paper_step_shift", SettingKind::integer, "0",
+                   "paper: right shift of the steps behind their registers (Table 8: 7)")
+               .in(0, 31)};
+  FlagField paper_plain_arctangent{
+      all, setting("coprocessor.paper_plain_arctangent", SettingKind::flag, "false",
+                   "paper: the arctangent's input neither shifted nor folded (Table 8: true)")};
   ChoiceField<Backend> backend{
       all,
       {{"tlm", Backend::model}, {"rtl", Backend::rtl}, {"lockstep", Backend::lockstep}},
@@ -53,6 +68,9 @@ struct CoprocessorSettings {
                .by({"--waves", "FILE.fst",
                     "Waves of the SoC, of the RTL's inside, or with lockstep of both around a "
                     "difference"})};
+
+  /// What the device is made with.
+  coprocessor::Options options() const;
 };
 
 /// The device and ways to look at it. The pointers live as long as the device.

@@ -126,7 +126,7 @@ void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts&
 
 soc::Config soc_config(const RunSettings& settings) {
   soc::Config config;
-  config.coprocessor.arithmetic = settings.coprocessor.arithmetic();
+  config.coprocessor = settings.coprocessor.options();
   config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
   config.executor = settings.cpu.executor();
   return config;

@@ -35,7 +35,7 @@ TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
   expect_refusal(LIBRARIES "/rtl_library_wrong_version.so",
-                 "its interface has version 3 and this program wants 2");
+                 "its interface has version 4 and this program wants 3");
 }
 
 TEST(RtlLibrary, OtherRtlThanTheProgramsIsRefused) {
@@ -48,6 +48,21 @@ TEST(RtlLibrary, OtherParametersThanTheModelsAreRefused) {
   coprocessor::Options options = options_of(Arithmetic::paper);
   options.paper_operand_bits = 16;
   expect_refusal(RtlLibrary::file_name(Arithmetic::paper), "(operand bits 32,", options);
+  options = options_of(Arithmetic::paper);
+  options.paper_plain_arctangent = true;
+  expect_refusal(RtlLibrary::file_name(Arithmetic::paper),
+                 "plain arctangent 0) are not the model's", options);
+}
+
+TEST(RtlLibrary, IsFoundByItsParameters) {
+  coprocessor::Options options = options_of(Arithmetic::paper);
+  EXPECT_EQ(RtlLibrary::file_name(options), RtlLibrary::file_name(Arithmetic::paper));
+  options.paper_step_shift = 7;
+  EXPECT_NE(RtlLibrary::file_name(options).find("libcapsoc_rtl_paper_32_0_7_0.so"),
+            std::string::npos);
+  options.arithmetic = Arithmetic::precise;
+  EXPECT_EQ(RtlLibrary::file_name(options), RtlLibrary::file_name(Arithmetic::precise))
+      << "precise has none of them";
 }
 
 TEST(RtlLibrary, ExportsEveryNodeOfTheModel) {

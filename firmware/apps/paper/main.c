@@ -1,0 +1,150 @@
+// The SoC paper's own program, as far as it can be told: section 4.2 and its Table 8. The step
+// vectors W1 and W2, a clock of 25 MHz, 250 samples/s, a reference of 0.05 Hz, 400 s of
+// demodulation, then one revolution with the stored parameters.
+//
+// What the paper does not state and what gives its words: the steps 2^-step_shift times as large
+// (as printed they do not converge at this speed), a frequency word that is cut to frequency_bits,
+// and a reference that leads its data by lead_samples. Its arctangent has operands of 16 bits, as
+// they are: that is the hardware's (docs/papers.md has the command).
+//
+// Status: 0 pass, 1 a verdict of fail, 2 the ADC or the coprocessor refuses the settings,
+// 3 no coprocessor on this board.
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "adc.h"
+#include "angle_report.h"
+#include "capsoc_device.h"
+#include "clock.h"
+#include "common_settings.h"
+#include "console.h"
+#include "coprocessor.h"
+#include "fixed_print.h"
+#include "parameter_report.h"
+#include "program_settings.h"
+#include "sampling.h"
+#include "supervision.h"
+
+// frequency_hz is kept in 2^-48 Hz, steps as Q1.31.
+#define STEP(NUMBER, name, initial, help) \
+  NUMBER(uint32_t, name, initial, 0, 0.9999999, 0x1p31, "", help)
+#define SETTINGS(NUMBER, TEXT)                                                                  \
+  BAUD_SETTING(NUMBER)                                                                          \
+  RATE_SETTING(NUMBER)                                                                          \
+  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft")        \
+  STEP(NUMBER, step_u_sine, 0.2, "W1, its first element")                                       \
+  STEP(NUMBER, step_u_cosine, 0.2, "W1, its second")                                            \
+  STEP(NUMBER, step_u_constant, 0.2, "W1, its third")                                           \
+  STEP(NUMBER, step_v_sine, 0.5, "W2, its first element")                                       \
+  STEP(NUMBER, step_v_cosine, 0.3, "W2, its second")                                            \
+  STEP(NUMBER, step_v_constant, 0.1, "W2, its third")                                           \
+  NUMBER(uint32_t, step_shift, 7, 0, 31, 1, "", "the steps are written 2^-step_shift so large") \
+  NUMBER(uint32_t, frequency_bits, 31, 16, 48, 1, "", "of the frequency word; the rest is cut") \
+  NUMBER(uint32_t, lead_samples, 2, 0, 1024, 1, "samples",                                      \
+         "by which the reference is ahead of its data")                                         \
+  DEMODULATION_SETTING(NUMBER)                                                                  \
+  CALIBRATION_SETTING(NUMBER)                                                                   \
+  PROGRESS_SETTING(NUMBER)                                                                      \
+  MIRROR_SETTING(NUMBER)                                                                        \
+  LIMIT_SETTING(NUMBER)                                                                         \
+  ANGLE_STRIDE_SETTING(NUMBER)
+PROGRAM_SETTINGS(SETTINGS)
+#define settings (*program_settings_values())
+
+enum { status_refused = 2, status_no_coprocessor = 3 };
+
+// Table 11's two times: of the clock, and from a sample to what was made of it.
+static void print_banner(uint32_t clock_hz) {
+  print_text("paper: the SoC paper's steps W1 and W2\n");
+  print_text("clock ");
+  print_unsigned(clock_hz, 0);
+  print_text(" Hz, ");
+  print_unsigned(settings.rate_hz, 0);
+  print_text(" samples/s, a result ");
+  print_unsigned(COPROCESSOR->LATENCY, 0);
+  print_text(" clocks after its sample\n");
+}
+
+static void write_steps(void) {
+  const uint32_t shift = settings.step_shift;
+  COPROCESSOR->STEP_AU = settings.step_u_sine >> shift;
+  COPROCESSOR->STEP_BU = settings.step_u_cosine >> shift;
+  COPROCESSOR->STEP_CU = settings.step_u_constant >> shift;
+  COPROCESSOR->STEP_AV = settings.step_v_sine >> shift;
+  COPROCESSOR->STEP_BV = settings.step_v_cosine >> shift;
+  COPROCESSOR->STEP_CV = settings.step_v_constant >> shift;
+}
+
+// False if the shaft turns too fast for the rate.
+static bool set_up_coprocessor(uint32_t clock_hz) {
+  int64_t frequency = 0;
+  const uint32_t period = clock_hz / settings.rate_hz;
+  if (!coprocessor_frequency_word(settings.frequency_hz, period, clock_hz, &frequency))
+    return false;
+  const int64_t kept = (int64_t)1 << (48 - settings.frequency_bits);
+  frequency = frequency / kept * kept;
+  coprocessor_reset();
+  coprocessor_set_frequency(frequency);
+  coprocessor_set_phase(((uint64_t)frequency * settings.lead_samples) & 0xFFFFFFFFFFFFu);
+  coprocessor_lock_by_turns();
+  write_steps();
+  return true;
+}
+
+// At most a turn of the reference.
+static uint32_t samples_of_turn(void) {
+  const int64_t frequency = coprocessor_frequency();
+  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
+  return speed == 0 ? 0 : (uint32_t)((((uint64_t)1 << 48) + speed - 1) / speed) + 2;
+}
+
+static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
+  print_text("calibration with the stored parameters\n");
+  print_parameter_table(stored);
+  return print_angles(first, settings.calibration_samples, settings.angle_stride);
+}
+
+int main(void) {
+  const uint32_t clock_hz = clock_frequency_hz();
+  console_open(clock_hz, settings.baud);
+  if (!coprocessor_present() || !adc_present()) {
+    print_text("paper: no coprocessor here\n");
+    return status_no_coprocessor;
+  }
+  print_banner(clock_hz);
+  console_start_buffering();
+  if (!set_up_coprocessor(clock_hz)) {
+    print_text("paper: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
+    return status_refused;
+  }
+  const uint32_t gates =
+      COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk;
+  COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
+  if (!sampling_start(settings.rate_hz)) {
+    print_text("paper: the ADC refuses the sampling rate\n");
+    return status_refused;
+  }
+
+  struct supervision state = {
+      .name = "paper",
+      .rate_hz = settings.rate_hz,
+      .mirror_seconds = settings.mirror_seconds,
+      .judgement = {.limit = settings.limit_deg, .fewest = 2, .numeric = true}};
+  const bool complete =
+      demodulate(&state, settings.demodulation_samples, settings.progress_seconds);
+  // Before anything is printed: the next sample is already one of the calibration.
+  const struct coprocessor_parameters stored = coprocessor_read_parameters();
+  const uint32_t demodulated = sampling_count();
+  COPROCESSOR->CTRL = gates;
+  coprocessor_load_parameters(&stored);
+  judgement_disturbed(&state.judgement);
+  if (!complete) {
+    print_end(demodulated);
+    print_parameter_table(&stored);
+  } else if (!calibrate(&stored, demodulated) ||
+             !judgement_wait(&state.judgement, samples_of_turn())) {
+    print_end(sampling_count());
+  }
+  sampling_stop();
+  return verdict(&state);
+}
