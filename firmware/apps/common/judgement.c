@@ -145,9 +145,9 @@ static const struct turn_evidence* turn_before(const struct judgement* judgement
 
 uint32_t judgement_bound(const struct judgement* judgement) {
   uint64_t worst = 0;
-  uint32_t good = 0;
-  for (;; ++good) {
-    const struct turn_evidence* const turn = turn_before(judgement, good);
+  uint32_t good_turns = 0;
+  for (;; ++good_turns) {
+    const struct turn_evidence* const turn = turn_before(judgement, good_turns);
     if (turn == NULL || objection_to(judgement, turn) != NULL) break;
     const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
     const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
@@ -155,7 +155,7 @@ uint32_t judgement_bound(const struct judgement* judgement) {
     const uint64_t total = error + turn->drift + turn->motion + judgement->unseen;
     if (total > worst) worst = total;
   }
-  return good == 0 ? HALF_TURN : capped(worst);
+  return good_turns == 0 ? HALF_TURN : capped(worst);
 }
 
 const char* judgement_objection(const struct judgement* judgement) {
