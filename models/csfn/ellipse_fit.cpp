@@ -108,6 +108,11 @@ Result<Parameters> fit_direct(const Moments& record) {
   return failed();
 }
 
+Result<Parameters> parameters_of_conic(const std::array<double, 6>& conic) {
+  const Conic as_vector = Eigen::Map<const Conic>(conic.data());
+  return parameters_of(as_vector, {ConicMoments::Zero(), 0, 0, 1});
+}
+
 Result<Parameters> fit_heydemann(const Channel& u, const Channel& v) {
   const Result<Moments> moments = moments_of(u, v);
   if (!moments) return Error{moments.error()};

@@ -1,6 +1,8 @@
 // Closed-form fits of the ellipse that the CSFN is trained on: check and starting point.
 #pragma once
 
+#include <array>
+
 #include "csfn/moments.h"
 #include "csfn/samples.h"
 #include "support/result.h"
@@ -25,5 +27,8 @@ Result<Parameters> fit_taubin(const Moments& record);
 /// an ellipse, also on short arcs; biased to small ones by noise.
 Result<Parameters> fit_direct(const Channel& u, const Channel& v);
 Result<Parameters> fit_direct(const Moments& record);
+
+/// The ellipse A u^2 + B uv + C v^2 + D u + E v + F = 0, A first. Error: it is none.
+Result<Parameters> parameters_of_conic(const std::array<double, 6>& conic);
 
 }  // namespace capsoc::csfn

@@ -18,6 +18,15 @@ TEST(Tables, KeepTheirBounds) {
   EXPECT_EQ(text.str().find("MISSED"), std::string::npos);
 }
 
+TEST(Tables, ThePapersOtherMethodsKeepTheirs) {
+  std::ostringstream text;
+  const int missed = print_peers(text);
+  std::cout << text.str();
+  EXPECT_EQ(missed, 0);
+  for (const char* name : {"sgd", "momentum", "rls", "fourier", "observer", "two-step"})
+    EXPECT_NE(text.str().find(std::string("\n") + name), std::string::npos) << name;
+}
+
 /// A part of what `capsoc fit --tables` draws, the same on every run.
 TEST(Tables, IntervalsOf95PercentHoldTheTruthAsOften) {
   std::ostringstream text;

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "csfn/calibration.h"
+#include "csfn/fused_network.h"
+#include "csfn/peers.h"
 #include "support/constants.h"
 
 namespace capsoc::fit {
@@ -64,7 +66,7 @@ double difference(const csfn::Parameters& one, const csfn::Parameters& other) {
 Attempt training_attempt(const Record& record, const csfn::Identification& found,
                          const csfn::Parameters& answer) {
   Attempt attempt;
-  attempt.method = found.method;
+  attempt.method = csfn::to_string(found.method);
   attempt.loss = found.loss;
   attempt.iterations = found.iterations;
   attempt.stopped = csfn::to_string(found.stopped);
@@ -78,7 +80,7 @@ Attempt training_attempt(const Record& record, const csfn::Identification& found
 
 Attempt companion_attempt(const Record& record, const csfn::Companion& companion) {
   Attempt attempt;
-  attempt.method = companion.method;
+  attempt.method = csfn::to_string(companion.method);
   attempt.parameters = companion.parameters;
   attempt.error = companion.error;
   attempt.loss = companion.loss;
@@ -87,7 +89,25 @@ Attempt companion_attempt(const Record& record, const csfn::Companion& companion
   return attempt;
 }
 
-/// The answer's method, the trainings, and the closed forms.
+Attempt peer_attempt(const Record& record, csfn::Peer peer, const csfn::Parameters& answer) {
+  Attempt attempt;
+  attempt.method = csfn::to_string(peer);
+  const csfn::Samples& samples = record.samples;
+  const auto found = csfn::identify_by(peer, samples.u, samples.v);
+  if (!found) {
+    attempt.error = found.error();
+    return attempt;
+  }
+  const csfn::Parameters& p = found.value().parameters;
+  attempt.parameters = p;
+  attempt.iterations = found.value().steps;
+  attempt.loss = csfn::FusedNetwork().loss(csfn::to_nodes(p), samples.u, samples.v);
+  attempt.difference = difference(p, answer);
+  attempt.angle_error_deg = angle_error(record, p);
+  return attempt;
+}
+
+/// The answer's method, the trainings, the closed forms, and the papers' other methods.
 std::vector<Attempt> all_attempts(const Fit& fit, csfn::IdentifyOptions options) {
   const csfn::Parameters& answer = fit.answer.network_parameters;
   std::vector<Attempt> attempts = {training_attempt(fit.record, fit.answer, answer)};
@@ -101,6 +121,8 @@ std::vector<Attempt> all_attempts(const Fit& fit, csfn::IdentifyOptions options)
   }
   for (const csfn::Companion& companion : fit.answer.companions)
     attempts.push_back(companion_attempt(fit.record, companion));
+  for (const csfn::Peer peer : csfn::all_peers)
+    attempts.push_back(peer_attempt(fit.record, peer, answer));
   return attempts;
 }
 

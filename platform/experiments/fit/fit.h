@@ -19,7 +19,7 @@ struct FitOptions {
 
 /// What one method made of the samples.
 struct Attempt {
-  csfn::Method method = csfn::Method::distances;
+  std::string method;                          ///< its name
   std::optional<csfn::Parameters> parameters;  ///< nothing: see error
   std::string error;
   double loss = 0;                        ///< mean of (1 - Y)^2
@@ -47,7 +47,8 @@ struct Fit {
   metrics::ParameterWords words;          ///< phi is 0
   std::optional<csfn::Parameters> truth;  ///< canonical
   AngleErrors errors;
-  std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first
+  std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first, the
+                                  ///< papers' other methods (peers.h) last
 };
 
 /// Error: the trace cannot be read, or an option is out of range. A record that is rejected is no

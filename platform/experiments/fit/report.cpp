@@ -80,7 +80,7 @@ ordered_json attempts_json(const std::vector<Attempt>& attempts) {
   ordered_json j = ordered_json::array();
   for (const Attempt& attempt : attempts) {
     ordered_json a;
-    a["method"] = csfn::to_string(attempt.method);
+    a["method"] = attempt.method;
     if (attempt.parameters) {
       a["parameters"] = values_json(*attempt.parameters);
       a["loss"] = attempt.loss;
@@ -137,7 +137,7 @@ std::string attempts_table(const std::vector<Attempt>& attempts) {
       fmt::format("\n{:<10}{:>13}{:>13}{:>13}{:>13}{:>13}{:>11}{:>12}{:>7}\n", "method", "a1", "a2",
                   "b1", "b2", "beta", "difference", "angle error", "steps");
   for (const Attempt& attempt : attempts) {
-    const char* const name = csfn::to_string(attempt.method);
+    const std::string& name = attempt.method;
     if (!attempt.parameters) {
       text += fmt::format("{:<10}  {}\n", name, attempt.error);
       continue;
