@@ -459,7 +459,8 @@ class Fit(unittest.TestCase):
         for part in ("--batch 50", "--seed 7", "--iterations 500"):
             self.assertIn(part, few["command"])
         every = self.fit(trace, "--method", "all")
-        self.assertEqual([m["method"] for m in every["methods"]], ["ml", "adam", "lm", "heydemann", "taubin", "direct"])
+        self.assertEqual([m["method"] for m in every["methods"]], ["ml", "adam", "lm", "heydemann", "taubin", "direct",
+                                                               "sgd", "momentum", "rls", "fourier", "observer", "two-step"])
 
     def test_bad_input(self):
         self.refuse_file(2, b"", ": is empty")

@@ -74,7 +74,7 @@ Gain gain_of(double scale) {
   return gain;
 }
 
-/// Of the spectrum's largest line but DC, to a thousandth of what the record's length resolves.
+/// Of the spectrum's largest line but DC near 0.05 Hz, to 1e-7 Hz.
 double fundamental_hz(const Eigen::ArrayXd& signal, double rate_hz) {
   const Eigen::ArrayXd pure = signal - signal.mean();
   const auto power = [&](double hz) {
@@ -83,8 +83,9 @@ double fundamental_hz(const Eigen::ArrayXd& signal, double rate_hz) {
     for (Eigen::Index k = 0; k < pure.size(); ++k, at *= step) sum += pure[k] * at;
     return std::norm(sum);
   };
+  constexpr int halvings = 17;
   double best = 0.05, width = 0.01;
-  for (; width > 1e-7; width *= 0.5) {
+  for (int halving = 0; halving < halvings; ++halving, width /= 2) {
     double greatest = power(best);
     const double centre = best;
     for (int i = -4; i <= 4; ++i) {
