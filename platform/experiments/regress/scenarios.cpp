@@ -65,6 +65,7 @@ const std::vector<Scenario>& scenarios() {
       {"block_changes", "what happens to a block under way", 0, 0, run_block_changes},
       {"slew", "errors at and beside each limit of the slew, and the setting at every edge", 0, 0,
        run_slew},
+      {"settings", "settings that hold for one tick of a sample's way alone", 0, 0, run_settings},
   };
   return all;
 }
