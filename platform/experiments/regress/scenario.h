@@ -87,6 +87,9 @@ void run_block_windows(Bench& bench, Random& random, const Budget&);
 void run_block_sums(Bench& bench, Random& random, const Budget&);
 void run_block_changes(Bench& bench, Random& random, const Budget&);
 
+// scenarios_clamps.cpp
+void run_lone_clamps(Bench& bench, Random& random, const Budget&);
+
 // scenarios_settings.cpp
 void run_settings(Bench& bench, Random& random, const Budget&);
 

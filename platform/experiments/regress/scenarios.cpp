@@ -66,6 +66,7 @@ const std::vector<Scenario>& scenarios() {
       {"slew", "errors at and beside each limit of the slew, and the setting at every edge", 0, 0,
        run_slew},
       {"settings", "settings that hold for one tick of a sample's way alone", 0, 0, run_settings},
+      {"lone_clamps", "clamps whose flag nothing else of the sample raises", 0, 0, run_lone_clamps},
   };
   return all;
 }
