@@ -60,6 +60,23 @@ void windings(Bench& bench) {
     }
 }
 
+// One turn at the window's end, and more on the way there: within 1.5 turns, about it, and beyond.
+void there_and_back(Bench& bench) {
+  constexpr double step = 1.0 / 16;
+  for (int most : {20, 23, 24, 25, 28, 34})
+    for (double direction : {1.0, -1.0}) {
+      if (bench.failed()) return;
+      Shaft shaft(bench, ctrl_calib, 1.0 / 64);
+      for (unsigned window = 0; window < 2; ++window) {
+        shaft.move(most, direction * step);
+        shaft.move(most - 16, -direction * step);
+        shaft.move(64 - 2 * most + 16, 0);
+      }
+      shaft.move(1, 0);
+      shaft.read();
+    }
+}
+
 // The vector comes back to where it was: exactly one turn of the angle.
 void exact_turns(Bench& bench) {
   for (bool forward : {true, false}) {
@@ -144,6 +161,7 @@ void run_turns(Bench& bench, Random&, const Budget&) {
 
 void run_windings(Bench& bench, Random&, const Budget&) {
   windings(bench);
+  there_and_back(bench);
   exact_turns(bench);
 }
 
