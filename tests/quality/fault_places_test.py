@@ -60,6 +60,9 @@ class FaultPlaces(unittest.TestCase):
     def test_lockstep(self):
         self.planted_texts("tests/rtl/planted_faults.toml", "old", "new")
 
+    def test_common(self):
+        self.planted_texts("tests/third_reading/common_faults.toml", "old", "new", "models/coprocessor")
+
     def test_verdicts(self):
         self.planted_texts("tests/system/verdict_faults.toml", "text", "fault")
 
