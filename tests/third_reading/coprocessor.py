@@ -117,6 +117,8 @@ class Coprocessor:
         self.registers.error_sums = sample.next_sums
         if sample.next_weights is not None:
             self.registers.weights = sample.next_weights
+        if sample.next_sums_of_block is not None:
+            self.registers.blocks.sums = sample.next_sums_of_block
 
     def start_t4(self, sample):
         r = self.registers
@@ -129,6 +131,7 @@ class Coprocessor:
         """The end of T4."""
         r, settings = self.registers, sample.settings
         turn_ended = r.judge.take(sample, settings)
+        r.blocks.ended = turn_ended
         r.since_reset += 1
         settled_in = r.since_reset >= 64
         lock = (settled_in and sample.average < settings.lock_threshold and not r.judge.alarm

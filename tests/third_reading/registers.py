@@ -2,6 +2,7 @@
 
 from operator import attrgetter
 
+from block_learning import BlockLearning
 from notation import ONE_31, TURN_32, TURN_48, Arithmetic, clamp, rounded, signed
 from turn_judge import TurnJudge
 
@@ -31,7 +32,8 @@ FLAGS_ALL = (1 << 12) - 1
 # CTRL
 IE_RESULT, IE_LOCK, IE_ERROR, IE_TURN, IE_ALARM = (1 << bit for bit in range(8, 13))
 SRST = 1 << 31
-CTRL_BITS = 0x1F3F
+CTRL_BITS = 0x1FFF
+BLOCK, GUARD = 1 << 6, 1 << 7
 INTERRUPTS = ((IE_RESULT, RESULT), (IE_LOCK, LOCKCHG), (IE_TURN, TURN), (IE_ALARM, ALARM),
               (IE_ERROR, CLIP | SAT | ZERO | EARLY | DIVERGED | CONFIG | UNSETTLED))
 # CMD
@@ -66,6 +68,7 @@ class Registers:
         self.error_sums = [0, 0]
         self.since_reset = 0
         self.judge = TurnJudge()
+        self.blocks = BlockLearning()
 
     # Fields
 
@@ -74,6 +77,8 @@ class Registers:
     source = property(lambda self: self.ctrl >> 2 & 3)
     adc = property(lambda self: bool(self.ctrl & 16))
     frozen = property(lambda self: bool(self.ctrl & 32 and self.flags & ALARM))
+    block = property(lambda self: bool(self.ctrl & BLOCK))
+    guard = property(lambda self: bool(self.ctrl & GUARD))
     kp = property(lambda self: self.loop & 31)
     ki = property(lambda self: self.loop >> 8 & 31)
     radius_limit = property(lambda self: self.judge_word & 0xFF)
@@ -155,7 +160,13 @@ class Registers:
         if value >> 2 & 3 == 3:
             self.flags |= CONFIG
             value = value & ~0xC | self.ctrl & 0xC
+        if self.arithmetic.paper:
+            if value & BLOCK:
+                self.flags |= CONFIG
+            value &= ~(BLOCK | GUARD)
         self.ctrl = value & CTRL_BITS
+        if not self.block:
+            self.blocks.drop()
 
     def write_fraction(self, name, value):
         """Unsigned Q1.31: 1.0 and more is a reserved value."""
@@ -167,7 +178,7 @@ class Registers:
             setattr(self, name.lower(), value)
 
 
-CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010001, "LATENCY": 161, "CMD": 0, "SOFT_V": 0}
+CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010002, "LATENCY": 161, "CMD": 0, "SOFT_V": 0}
 JUDGE_RECORD = ("TURN_FLAGS", "RADIUS_MAX", "RESIDUE_MAX", "WINDING", "TURN_SAMPLES", "TURN_DET")
 MASKS = {"LOOP": 0x1F1F, "LOCK_THRESHOLD": TURN_32 - 1, "DIVERGE_THRESHOLD": TURN_32 - 1, "BETA": TURN_32 - 1,
          "PHI": TURN_32 - 1, "JUDGE": 0x3FFFFF, "TURN_LIMIT": TURN_32 - 1, "SOFT_U": TURN_32 - 1}
