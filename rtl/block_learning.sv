@@ -46,20 +46,17 @@ module block_learning #(
       {update_q, sum_q, from_sums_q} <= '0;
     end else if (clear_i) begin
       {open_q, begun_q, within_q} <= '0;
-    end else begin
-      if (boundary_i) begin
-        update_q <= update;
-        sum_q <= sum;
-        from_sums_q <= block && begun_q;
-        if (start_i) begin
-          open_q <= open_q || ended;
-          begun_q <= !ended && (begun_q || sum);
-          within_q <= 1'b1;
-        end else if (commit_i) begin
-          within_q <= !ended_i;
-        end
+    end else if (boundary_i) begin
+      update_q <= update;
+      sum_q <= sum;
+      from_sums_q <= block && begun_q;
+      if (start_i) begin
+        open_q <= block && (open_q || ended);
+        begun_q <= block && !ended && (begun_q || sum);
+        within_q <= 1'b1;
+      end else if (commit_i) begin
+        within_q <= !ended_i;
       end
-      if (!block) {open_q, begun_q} <= '0;
     end
   end
   assign learning_o.update = update_q;

@@ -66,7 +66,10 @@ LearningPlan plan_learning(BlockLearning& block, const Settings& settings, bool 
                            uint32_t turn_flags) {
   const bool ended = block.window_ended;
   block.window_ended = false;
-  if (!settings.block) return {learns, false, false};
+  if (!settings.block) {
+    block.open = block.begun = false;
+    return {learns, false, false};
+  }
   LearningPlan plan;
   plan.from_sums = block.begun;
   if (ended) {

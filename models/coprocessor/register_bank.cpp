@@ -340,7 +340,6 @@ void Coprocessor::write_ctrl(uint32_t value) {
   ctrl_ = (value & ctrl_writable & ~ctrl_ref_mask) | (source << ctrl_ref_shift);
   settings_.block = (ctrl_ & ctrl_block) != 0;
   settings_.guard = (ctrl_ & ctrl_guard) != 0;
-  if (!settings_.block) state_.block.open = state_.block.begun = false;
   settings_.demodulate = (ctrl_ & ctrl_demod) != 0;
   settings_.source = static_cast<ReferenceSource>(source);
 }

@@ -100,7 +100,7 @@ class Generator(unittest.TestCase):
         self.run_generator(DESCRIPTION)
         registers = json.loads(self.made("capsoc_registers.json"))["peripherals"]["COPROCESSOR"]["registers"]
         by_name = {register["name"]: register for register in registers}
-        self.assertEqual(by_name["CTRL"]["implemented"], 0x80001F3F)
+        self.assertEqual(by_name["CTRL"]["implemented"], 0x80001FFF)
         self.assertEqual(by_name["CTRL"]["reserved_values"],
                          [{"rule": "field", "field": "REF", "low": 2, "high": 3, "values": [3]}])
         self.assertEqual(by_name["A1"]["reserved_values"],

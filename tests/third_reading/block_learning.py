@@ -13,14 +13,11 @@ class BlockLearning:
         self.open = self.begun = False
         self.ended = True
 
-    def drop(self):
-        """CTRL is written with BLOCK = 0."""
-        self.open = self.begun = False
-
     def decide(self, registers, learns):
         """As T3's tick begins: what the update is added to, and what is written with it."""
         ended, self.ended = self.ended, False
         if not registers.block:
+            self.open = self.begun = False
             return registers.weights, WEIGHTS if learns else NOTHING
         base = self.sums if self.begun else registers.weights
         if not ended:

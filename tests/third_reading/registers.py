@@ -165,8 +165,6 @@ class Registers:
                 self.flags |= CONFIG
             value &= ~(BLOCK | GUARD)
         self.ctrl = value & CTRL_BITS
-        if not self.block:
-            self.blocks.drop()
 
     def write_fraction(self, name, value):
         """Unsigned Q1.31: 1.0 and more is a reserved value."""

@@ -81,9 +81,12 @@ static void watch(uint32_t turn) {
   COPROCESSOR->TURN_LIMIT = turn + turn / 2 + 1;
 }
 
-static void drop_block(uint32_t control) {
+// One sample without BLOCK ends the block under way.
+static bool drop_block(uint32_t control, uint32_t sample) {
   COPROCESSOR->CTRL = control & ~COPROCESSOR_CTRL_BLOCK_Msk;
+  const bool more = sampling_wait(sample + 1);
   COPROCESSOR->CTRL = control;
+  return more;
 }
 
 // Window by window, until so many were kept. Only good turns count, but for the first two: the
@@ -99,7 +102,8 @@ static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
       COPROCESSOR->CTRL = control;
     }
     // The sums of the block under way are of the other direction then.
-    if (sample % settings.rate_hz == 0 && supervise(state, sample)) drop_block(control);
+    if (sample % settings.rate_hz == 0 && supervise(state, sample) && !drop_block(control, sample))
+      return false;
     judgement_look(judgement);
     if (judgement->judged == shown) continue;
     shown = judgement->judged;

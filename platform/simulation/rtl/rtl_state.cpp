@@ -183,14 +183,12 @@ void get_state(capsoc_rtl_state r, coprocessor::State& state) {
   // Until the first boundary after a reset the sums hold what they held.
   state.error_sum_u = r.error_empty != 0 ? 0 : r.error_sum_u;
   state.error_sum_v = r.error_empty != 0 ? 0 : r.error_sum_v;
-  // Without BLOCK there is no block, at the next edge at the latest; and a sum is nothing before
-  // its first sample.
+  // A sum is nothing before its first sample.
   const auto sums = weights_of(state.block.sums);
-  const bool open = r.block_open != 0 && r.block != 0, begun = r.block_begun != 0 && r.block != 0;
-  if (begun)
+  if (r.block_begun != 0)
     for (std::size_t i = 0; i < sums.size(); ++i) *sums[i] = extended(r.block_sums[i]);
-  state.block.open = open;
-  state.block.begun = begun;
+  state.block.open = r.block_open != 0;
+  state.block.begun = r.block_begun != 0;
   state.block.window_ended = r.block_within == 0;
 }
 

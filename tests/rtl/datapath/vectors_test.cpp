@@ -158,9 +158,7 @@ class Pipeline {
     for (unsigned cycle = 0; cycle < 31; ++cycle) {
       // Noise in the registers: nothing may depend on them in mid-tick.
       if (cycle % 7 == 0) {
-        Registers noise = random_registers(words_);
-        noise.settings.block = blocks_;  // but that one: to write 0 drops the block
-        bench_.drive(noise);
+        bench_.drive(random_registers(words_));
       }
       Timing t;
       t.cycle = cycle;
@@ -347,7 +345,6 @@ class Pipeline {
     if (occupied(3)) {
       Settings settings = r.settings;
       if (CAPSOC_PAPER) settings.block = false;
-      if (!settings.block) block_.open = block_.begun = false;
       const coprocessor::LearningPlan plan = coprocessor::plan_learning(
           block_, settings, settings.demodulate && !r.frozen && !pipe_[3].hold_weights,
           judge_.last.flags);
