@@ -66,13 +66,13 @@ module polar_unit (
 
   logic signed [38:0] x_q, y_q, x1, y1, x2, y2, x3, y3;
   logic [36:0] z_q, z1, z2, z3;
-  logic [3:0] number_q;
+  logic [1:0] thirds_q, rest_q;  // of the number of the cycle, 0 to 9
   vectoring_step #(.Offset(0)) u_step0 (
-    .number_i(number_q), .x_i(x_q), .y_i(y_q), .z_i(z_q), .x_o(x1), .y_o(y1), .z_o(z1));
+    .thirds_i(thirds_q), .rest_i(rest_q), .x_i(x_q), .y_i(y_q), .z_i(z_q), .x_o(x1), .y_o(y1), .z_o(z1));
   vectoring_step #(.Offset(1)) u_step1 (
-    .number_i(number_q), .x_i(x1), .y_i(y1), .z_i(z1), .x_o(x2), .y_o(y2), .z_o(z2));
+    .thirds_i(thirds_q), .rest_i(rest_q), .x_i(x1), .y_i(y1), .z_i(z1), .x_o(x2), .y_o(y2), .z_o(z2));
   vectoring_step #(.Offset(2)) u_step2 (
-    .number_i(number_q), .x_i(x2), .y_i(y2), .z_i(z2), .x_o(x3), .y_o(y3), .z_o(z3));
+    .thirds_i(thirds_q), .rest_i(rest_q), .x_i(x2), .y_i(y2), .z_i(z2), .x_o(x3), .y_o(y3), .z_o(z3));
 
   logic last, load;
   assign last = cycle_i == 5'd9 || cycle_i == 5'd19 || cycle_i == 5'd29;
@@ -89,14 +89,15 @@ module polar_unit (
       x_q <= x_load;
       y_q <= y_load;
       z_q <= {negate, 36'b0};
-      number_q <= '0;
+      {thirds_q, rest_q} <= '0;
       shift_q <= boundary_i ? shift_i : shift_normal;
       zero_q <= boundary_i ? zero_i : zero_normal;
     end else if (active_i) begin
       x_q <= x3;
       y_q <= y3;
       z_q <= z3;
-      number_q <= number_q + 4'd1;
+      thirds_q <= thirds_q + {1'b0, rest_q[1]};
+      rest_q <= {rest_q[0], ~|rest_q};
     end
     if (active_i && last) begin
       x_out_q <= x3;

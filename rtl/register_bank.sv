@@ -180,8 +180,10 @@ module register_bank #(
     .early_count_o (early_count)
   );
 
-  // Reading: four groups of words, and the narrow ones beside them. A number's bits are the registers
-  // that have them: a multiplexer by number takes less than one by selects. Results: results_memory.sv.
+  // Reading: two levels of choices, the narrow words among them. A number's bits are the registers that have
+  // them: a multiplexer by number takes less than one by selects, and one of three words (numbers 0 to 2) half
+  // of one of four. What is not mapped has number 0 everywhere: the narrow words, of which none is selected.
+  // Results: results_memory.sv.
   assign result_select_o[0] = select.RAW_V | select.CAL_C | select.ERR_U | select.RESIDUE | select.AMPLITUDE |
                               select.RADIUS_MAX | select.WINDING | select.TURN_DET;
   assign result_select_o[1] = select.CAL_S | select.CAL_C | select.ERR_V | select.RESIDUE |
@@ -191,16 +193,16 @@ module register_bank #(
   assign result_select_o[3] = select.REF_PHASE | select.AMPLITUDE | select.ERROR_AVERAGE | select.RADIUS_MAX |
                               select.RESIDUE_MAX | select.WINDING | select.TURN_SAMPLES | select.TURN_DET;
 
-  logic        is_parameter, is_counter, is_memory, is_narrow;
-  logic [2:0]  number;
+  logic        is_memory, is_result;
+  logic [1:0]  column, row, kind;
   logic [31:0] group, narrow, stored, status, ctrl, loop;
-  assign is_parameter = select.A1 | select.A2 | select.B1 | select.B2 | select.BETA | select.PHI;
-  assign is_counter   = select.SAMPLES | select.EARLY_COUNT;
-  assign is_memory    = is_pair | is_step | is_threshold | is_judge | is_soft;
-  assign is_narrow    = select.ID | select.VERSION | select.CTRL | select.STATUS | select.FLAGS | select.CMD |
-                        select.LOOP | select.LATENCY | select.TURN_FLAGS;
-  assign number       = {select.BETA | select.PHI | is_counter, select.B1 | select.B2 | is_counter,
-                         select.A2 | select.B2 | select.PHI | select.EARLY_COUNT};
+  assign is_memory = is_pair | is_step | is_threshold | is_judge | is_soft;
+  assign is_result = select.RAW_U | select.RAW_V | select.CAL_S | select.CAL_C | select.ANGLE | select.AMPLITUDE |
+                     select.REF_PHASE | select.ERR_U | select.ERR_V | select.ERROR_AVERAGE | select.RESIDUE |
+                     select.RADIUS_MAX | select.RESIDUE_MAX | select.WINDING | select.TURN_SAMPLES | select.TURN_DET;
+  assign column    = {select.A2 | select.BETA | select.EARLY_COUNT, select.A1 | select.B2 | select.SAMPLES} & {2{mapped}};
+  assign row       = {select.PHI | select.SAMPLES | select.EARLY_COUNT, select.B1 | select.B2 | select.BETA} & {2{mapped}};
+  assign kind      = {is_result | (is_memory & ~is_high), is_result | is_high} & {2{mapped}};
   assign ctrl         = {19'd0, enables, settings.guard, settings.block, freeze, adc_enable_o, settings.source, settings.calib,
                          settings.demod};
   assign loop         = {19'd0, settings.ki, 3'd0, settings.kp};
@@ -211,23 +213,37 @@ module register_bank #(
   logic [31:0] a1, a2, b1, b2, beta, phi;
   assign {a1, a2, b1, b2, beta, phi} = state_o.parameters;
   always_comb begin
-    case (number)
-      3'd0:    group = a1;
-      3'd1:    group = a2;
-      3'd2:    group = b1;
-      3'd3:    group = b2;
-      3'd4:    group = beta;
-      3'd5:    group = phi;
-      3'd6:    group = samples;
-      default: group = early_count;
+    case (row)
+      2'd0:
+        case (column)
+          2'd0:    group = narrow;
+          2'd1:    group = a1;
+          default: group = a2;
+        endcase
+      2'd1:
+        case (column)
+          2'd0:    group = b1;
+          2'd1:    group = b2;
+          default: group = beta;
+        endcase
+      default:
+        case (column)
+          2'd0:    group = phi;
+          2'd1:    group = samples;
+          default: group = early_count;
+        endcase
     endcase
   end
-  assign narrow = (capsoc_coprocessor_pkg::ID_RESET & {32{select.ID}}) |
-                  (capsoc_coprocessor_pkg::VERSION_RESET & {32{select.VERSION}}) |
-                  (ctrl & {32{select.CTRL}}) | (status & {32{select.STATUS}}) |
-                  ({20'd0, flags} & {32{select.FLAGS}}) | (loop & {32{select.LOOP}}) |
-                  (capsoc_coprocessor_pkg::LATENCY_RESET & {32{select.LATENCY}}) |
-                  (turn_flags_i & {32{select.TURN_FLAGS}});
+  capsoc_coprocessor_selects_t shown;
+  logic unused_shown;  // of the wide registers
+  assign shown = select & {$bits(select){mapped}};
+  assign unused_shown = ^shown;
+  assign narrow = (capsoc_coprocessor_pkg::ID_RESET & {32{shown.ID}}) |
+                  (capsoc_coprocessor_pkg::VERSION_RESET & {32{shown.VERSION}}) |
+                  (ctrl & {32{shown.CTRL}}) | (status & {32{shown.STATUS}}) |
+                  ({20'd0, flags} & {32{shown.FLAGS}}) | (loop & {32{shown.LOOP}}) |
+                  (capsoc_coprocessor_pkg::LATENCY_RESET & {32{shown.LATENCY}}) |
+                  (turn_flags_i & {32{shown.TURN_FLAGS}});
 
   // A setting that was never written reads its reset value; TURN_LIMIT's is 0.
   localparam logic [31:0] JudgeReset = capsoc_coprocessor_pkg::JUDGE_RESET;
@@ -244,17 +260,13 @@ module register_bank #(
     if (select.SOFT_V) stored = '0;
   end
 
-  logic [1:0]  kind;
-  logic [31:0] wide;
-  assign kind = is_memory ? {1'b0, ~is_high} : {1'b1, ~(is_parameter | is_counter)};
   always_comb begin
     case (kind)
-      2'd0:    wide = pair_high;
-      2'd1:    wide = stored;
-      2'd2:    wide = group;
-      default: wide = result_i;
+      2'd0:    prdata_o = group;
+      2'd1:    prdata_o = pair_high;
+      2'd2:    prdata_o = stored;
+      default: prdata_o = result_i;
     endcase
-    prdata_o = (wide & {32{mapped & ~is_narrow}}) | (narrow & {32{mapped}});
   end
 
 endmodule

@@ -37,7 +37,7 @@ module state_registers #(
 
   // The 48-bit register of the access; the bits of its number are the registers that have them.
   logic is_phase, is_au, is_bu, is_cu, is_av, is_bv, is_cv;
-  logic [2:0]  number;
+  logic [1:0]  column, row;  // register_bank.sv, "Reading"
   logic [47:0] pair, coefficient, phase_word;
   assign is_phase = select_i.PHASE_LO | select_i.PHASE_HI;
   assign is_au    = select_i.AU_LO | select_i.AU_HI;
@@ -46,17 +46,23 @@ module state_registers #(
   assign is_av    = select_i.AV_LO | select_i.AV_HI;
   assign is_bv    = select_i.BV_LO | select_i.BV_HI;
   assign is_cv    = select_i.CV_LO | select_i.CV_HI;
-  assign number   = {is_cu | is_av | is_bv | is_cv, is_au | is_bu | is_bv | is_cv, is_phase | is_bu | is_av | is_cv};
+  assign column   = {is_au | is_av, is_phase | is_cu | is_cv};
+  assign row      = {is_bv | is_cv, is_bu | is_cu | is_av};
   always_comb begin
-    case (number)
-      3'd0:    pair = freq;
-      3'd1:    pair = phase;
-      3'd2:    pair = au;
-      3'd3:    pair = bu;
-      3'd4:    pair = cu;
-      3'd5:    pair = av;
-      3'd6:    pair = bv;
-      default: pair = cv;
+    case (row)
+      2'd0:
+        case (column)
+          2'd0:    pair = freq;
+          2'd1:    pair = phase;
+          default: pair = au;
+        endcase
+      2'd1:
+        case (column)
+          2'd0:    pair = bu;
+          2'd1:    pair = cu;
+          default: pair = av;
+        endcase
+      default: pair = column[0] ? cv : bv;
     endcase
   end
 

@@ -34,7 +34,8 @@ module vector_gain (
     if (active_i) product_q <= product[47:10];
   end
 
-  logic [37:0] coarse, middle, fine;
+  logic [37:0] coarse, fine;
+  logic unused_sign;
   always_comb begin
     case (shift_i[5:4])
       2'd0: coarse = product_q;
@@ -42,19 +43,12 @@ module vector_gain (
       2'd2: coarse = product_q >> 32;
       default: coarse = '0;
     endcase
-    case (shift_i[3:2])
-      2'd0: middle = coarse;
-      2'd1: middle = coarse >> 4;
-      2'd2: middle = coarse >> 8;
-      default: middle = coarse >> 12;
-    endcase
-    case (shift_i[1:0])
-      2'd0: fine = middle;
-      2'd1: fine = middle >> 1;
-      2'd2: fine = middle >> 2;
-      default: fine = middle >> 3;
-    endcase
   end
+  shift_multiplier u_shift (
+    .data_i  ({1'b0, coarse}),
+    .places_i(shift_i[3:0]),
+    .data_o  ({unused_sign, fine})
+  );
 
   logic [37:0] rounded;
   assign rounded = {1'b0, fine[37:1]} + 38'(fine[0]);

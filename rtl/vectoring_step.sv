@@ -3,10 +3,12 @@
 //
 //   x, y s39, z u37 in 2^-37 turn; with i = 3 n + Offset and d = +1 if y >= 0, else -1:
 //   x += d (y >>r i); y -= d (x >>r i); z += d A[i]. Shifts are rounded half up.
+//   n = 3 thirds_i + rest_i, rest_i 0..2
 module vectoring_step #(
   parameter int Offset = 0
 ) (
-  input  logic        [ 3:0] number_i,
+  input  logic        [ 1:0] thirds_i,
+  input  logic        [ 1:0] rest_i,
   input  logic signed [38:0] x_i,
   input  logic signed [38:0] y_i,
   input  logic        [36:0] z_i,
@@ -19,24 +21,25 @@ module vectoring_step #(
   always_comb begin
     rom = '0;
     for (int n = 0; n < 10; n++)
-      rom |= number_i == 4'(n) ? cordic_pkg::ANGLE_37[37*(3*n+Offset) +: 37] : '0;
+      rom |= {thirds_i, rest_i} == {2'(n / 3), 2'(n % 3)} ? cordic_pkg::ANGLE_37[37*(3*n+Offset) +: 37] : '0;
   end
 
-  // One more bit below, which is the one that the rounding looks at. Two levels of four choices.
+  // One more bit below, which is the one that the rounding looks at. Three choices of two select bits are one LUT
+  // of five inputs, half an ALM; of the second level only the lower bits have four.
   logic signed [39:0] x_fixed, y_fixed, x_fine, y_fine, x_shifted, y_shifted;
   assign x_fixed = $signed({x_i, 1'b0}) >>> Offset;
   assign y_fixed = $signed({y_i, 1'b0}) >>> Offset;
   always_comb begin
-    case (number_i[1:0])
+    case (rest_i)
       2'd0: {x_fine, y_fine} = {x_fixed, y_fixed};
       2'd1: {x_fine, y_fine} = {x_fixed >>> 3, y_fixed >>> 3};
-      2'd2: {x_fine, y_fine} = {x_fixed >>> 6, y_fixed >>> 6};
-      default: {x_fine, y_fine} = {x_fixed >>> 9, y_fixed >>> 9};
+      default: {x_fine, y_fine} = {x_fixed >>> 6, y_fixed >>> 6};
     endcase
-    case (number_i[3:2])
+    case (thirds_i)
       2'd0: {x_shifted, y_shifted} = {x_fine, y_fine};
-      2'd1: {x_shifted, y_shifted} = {x_fine >>> 12, y_fine >>> 12};
-      default: {x_shifted, y_shifted} = {x_fine >>> 24, y_fine >>> 24};
+      2'd1: {x_shifted, y_shifted} = {x_fine >>> 9, y_fine >>> 9};
+      2'd2: {x_shifted, y_shifted} = {x_fine >>> 18, y_fine >>> 18};
+      default: {x_shifted, y_shifted} = {x_fine >>> 27, y_fine >>> 27};
     endcase
   end
 

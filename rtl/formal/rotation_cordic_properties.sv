@@ -85,12 +85,3 @@ module rotation_cordic_properties #(
   end
 
 endmodule
-
-// In place of the products, whose proof is shift_multiplier_properties.sv.
-module shift_multiplier (
-  input  logic signed [38:0] data_i,
-  input  logic        [3:0]  places_i,
-  output logic signed [38:0] data_o
-);
-  assign data_o = data_i >>> places_i;
-endmodule

@@ -12,7 +12,7 @@ module vectoring_step_properties #(
   logic signed [38:0] x, y;
   logic        [36:0] z;
   vectoring_step #(.Offset (Offset)) dut (
-    .number_i, .x_i, .y_i, .z_i, .x_o (x), .y_o (y), .z_o (z)
+    .thirds_i (2'(number_i / 4'd3)), .rest_i (2'(number_i % 4'd3)), .x_i, .y_i, .z_i, .x_o (x), .y_o (y), .z_o (z)
   );
 
   logic [5:0] i;
