@@ -40,8 +40,8 @@ def run(command, log):
     return done.returncode, Path(log).read_text(encoding="utf-8", errors="replace")
 
 
-def configure(tree, log):
-    code, _ = run(["cmake", "-S", tree, "-B", tree / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCAPSOC_TESTS=OFF"], log)
+def configure(tree, log, *options):
+    code, _ = run(["cmake", "-S", tree, "-B", tree / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCAPSOC_TESTS=OFF", *options], log)
     if code:
         raise PlantError(f"CMake failed; see {log}")
 
