@@ -11,7 +11,7 @@
 #include "run/program_values.h"
 #include "run/run_files.h"
 #include "run/run_settings.h"
-#include "run/session.h"
+#include "run/simulation.h"
 #include "support/printable.h"
 
 namespace capsoc::cli {

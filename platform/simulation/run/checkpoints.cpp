@@ -143,7 +143,6 @@ std::optional<Error> Checkpoints::plan() {
   action.sa_handler = want_save;
   action.sa_flags = SA_RESTART;
   sigaction(SIGUSR1, &action, nullptr);
-  soc_.cpu.set_pause(next_save(), [this](const sc_core::sc_time& now) { return pause(now); });
   return std::nullopt;
 }
 
@@ -159,12 +158,12 @@ void Checkpoints::look_for_signal() {
   soc_.cpu.pause_now();
 }
 
-sc_core::sc_time Checkpoints::next_save() const {
+sc_core::sc_time Checkpoints::next() const {
   if (signalled_) return sc_core::SC_ZERO_TIME;
-  sc_core::sc_time next = next_regular_;
+  sc_core::sc_time soonest = next_regular_;
   if (next_point_ < points_.size())
-    next = std::min(next, sc_core::sc_time(points_[next_point_].seconds, sc_core::SC_SEC));
-  return next;
+    soonest = std::min(soonest, sc_core::sc_time(points_[next_point_].seconds, sc_core::SC_SEC));
+  return soonest;
 }
 
 std::string Checkpoints::automatic_name(const sc_core::sc_time& now) const {
@@ -172,7 +171,7 @@ std::string Checkpoints::automatic_name(const sc_core::sc_time& now) const {
 }
 
 sc_core::sc_time Checkpoints::pause(const sc_core::sc_time& now) {
-  if (const auto quiet = soc_.coprocessor.quiet_at(); quiet && next_save() <= now) {
+  if (const auto quiet = soc_.coprocessor.quiet_at(); quiet && next() <= now) {
     if (waits_since_ == sc_core::sc_max_time()) waits_since_ = now;
     if (now - waits_since_ < longest_wait) return *quiet;
   }
@@ -190,7 +189,7 @@ sc_core::sc_time Checkpoints::pause(const sc_core::sc_time& now) {
     const std::string file = automatic_name(now);
     if (save(file, now, "SIGUSR1")) host::say("capsoc: {}: saved\n", file);
   }
-  return next_save();
+  return next();
 }
 
 bool Checkpoints::save(const std::string& file, const sc_core::sc_time& wanted, const char* by) {

@@ -76,6 +76,11 @@ class Checkpoints {
 
   /// What the settings ask for; SIGUSR1 saves from here on. An Error is a wrong setting.
   std::optional<Error> plan();
+  /// When pause() is wanted; sc_max_time(): never.
+  sc_core::sc_time next() const;
+  /// Saves what is due, with the processor between two instructions. Returns when it is wanted
+  /// again.
+  sc_core::sc_time pause(const sc_core::sc_time& now);
   /// To be asked now and then: somebody sent SIGUSR1.
   void look_for_signal();
   /// At this instant, to a file that nobody named before the run: a debugger that holds the
@@ -93,8 +98,6 @@ class Checkpoints {
 
  private:
   std::optional<Error> save_now(const std::string& file);
-  sc_core::sc_time pause(const sc_core::sc_time& now);
-  sc_core::sc_time next_save() const;
   /// Why not, failures() says then. `by`: as for save_beside(); null: the file was checked.
   bool save(const std::string& file, const sc_core::sc_time& wanted, const char* by);
   /// The first regular checkpoint after `now`.

@@ -1,0 +1,237 @@
+#include "run/simulation.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <utility>
+
+#include "host/end_signals.h"
+#include "host/files.h"
+#include "kit/guest_error.h"
+#include "run/fault_report.h"
+#include "run/golden_check.h"
+#include "run/idle.h"
+#include "run/outcome.h"
+#include "run/run_settings.h"
+#include "run/trace_settings.h"
+
+namespace capsoc::run {
+namespace {
+
+soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend) {
+  soc::Config config;
+  config.coprocessor = settings.coprocessor.options();
+  config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
+  config.executor = settings.cpu.executor();
+  config.make_coprocessor = [&backend] { return std::move(backend.device); };
+  return config;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& settings) {
+  auto columns = metrics::record_columns(settings.results.record_columns(), "--record-columns");
+  if (!columns) return Error{columns.error()};
+  if (settings.results.record().empty() && !settings.results.record_columns.empty())
+    return Error{"--record-columns: there is no recording; give --record FILE.csv, too"};
+  auto inputs = read_inputs(settings);
+  if (!inputs) return Error{inputs.error()};
+  auto restore = checkpoint_to_restore(settings, inputs.value());
+  if (!restore) return Error{restore.error()};
+  // SystemC prints notes of its own on stdout, which belongs to the firmware.
+  sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  auto backend = make_backend(settings, settings.coprocessor.options());
+  if (!backend) return Error{backend.error()};
+  std::unique_ptr<Simulation> simulation(
+      new Simulation(settings, std::move(inputs.value()), std::move(restore.value()),
+                     std::move(backend.value()), std::move(columns.value())));
+  if (auto error = simulation->load()) return *error;
+  if (auto error = simulation->open()) return *error;
+  if (auto error = simulation->plan_restore()) return *error;
+  return simulation;
+}
+
+Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
+                       std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend,
+                       metrics::RecordColumns columns)
+    : settings_(settings),
+      inputs_(std::move(inputs)),
+      columns_(std::move(columns)),
+      restore_(std::move(restore)),
+      backend_(std::move(backend)),
+      soc_("soc", soc_config(settings, backend_)),
+      metrics_(inputs_.make_metrics()),
+      match_(inputs_.sensor_file, inputs_.source->description(), inputs_.recorded_speed,
+             [this](const std::string& sentence) {
+               spdlog::warn("{}", sentence);
+               result_.sensor_warnings.push_back(sentence);
+             }),
+      progress_(isatty(STDERR_FILENO) != 0),
+      observation_(soc_, *inputs_.source, metrics_, match_, progress_,
+                   settings.golden() || !settings.results.record().empty()),
+      priorities_(soc_, inputs_.program, static_cast<unsigned>(settings.cpu.priority_bits())),
+      limit_("limit", settings.limits.simulated_s()),
+      host_limit_(settings.limits.host_s()) {}
+
+Simulation::~Simulation() {
+  kit::set_guest_error_context({});
+}
+
+/// The program, and who is told of what it does.
+std::optional<Error> Simulation::load() {
+  soc_.adc.fit_converter(inputs_.adc_bits);
+  watch_for_idle(settings_.limits.idle_s(), soc_);
+  if (auto error = inputs_.load(settings_, soc_)) return error;
+  if (settings_.stop_in_fault())
+    soc_.cpu.core().listeners().hopeless = [this] { return soc_.watchdog_is_off(); };
+  if (backend_.lockstep != nullptr) backend_.lockstep->on_difference([] { sc_core::sc_stop(); });
+  kit::set_guest_error_context([this] {
+    const uint32_t pc = soc_.cpu.core().reg(15);
+    return fmt::format("pc {:#010x} {}", pc, inputs_.program.symbolise(pc));
+  });
+  return std::nullopt;
+}
+
+/// What belongs to the host.
+std::optional<Error> Simulation::open() {
+  soc_.cpu.set_interrupted([this] { return interrupted(); });
+  // Before anything is opened that a signal should close again.
+  host::note_end_signals();
+  auto tracer = attach_tracer(settings_, soc_, inputs_.program, inputs_.further_images);
+  if (!tracer) return Error{tracer.error()};
+  tracer_ = std::move(tracer.value());
+  auto ports = HostPorts::open(settings_, soc_, inputs_.program, inputs_.program_file,
+                               [this] { return interrupted(); });
+  if (!ports) return Error{ports.error()};
+  ports_ = std::move(ports.value());
+  checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
+  if (auto error = checkpoints_->plan()) return error;
+  soc_.cpu.set_pause(checkpoints_->next(),
+                     [this](const sc_core::sc_time& now) { return pause(now); });
+  ports_->on_save(
+      [this](const std::string& file) { return checkpoints_->save_beside(file, "monitor save"); });
+  return std::nullopt;
+}
+
+/// Everything that has a state.
+std::vector<checkpoint::Part> Simulation::parts() {
+  std::vector<checkpoint::Part> parts = parts_of(soc_);
+  parts.push_back({"observation", [this](kit::Archive& archive) {
+                     archive("metrics", metrics_);
+                     archive("on_the_way", observation_);
+                     archive("sensor_match", match_);
+                     archive("sensor_warnings", result_.sensor_warnings);
+                     archive("priorities", priorities_);
+                   }});
+  parts.push_back({"host", [this](kit::Archive& archive) { ports_->visit(archive); }});
+  return parts;
+}
+
+/// Tried before anything is begun; then once more, when its time has come.
+std::optional<Error> Simulation::plan_restore() {
+  if (!restore_) return std::nullopt;
+  if (auto error = checkpoints_->load(*restore_)) return error;
+  soc_.cpu.resume_at(sc_core::sc_time::from_value(restore_->time), [this] { return restore(); });
+  return std::nullopt;
+}
+
+bool Simulation::restore() {
+  not_restored_ = checkpoints_->load(*restore_);
+  if (not_restored_) return false;
+  checkpoints_->restored();
+  ports_->restored();
+  return true;
+}
+
+bool Simulation::interrupted() {
+  if (checkpoints_ != nullptr) checkpoints_->look_for_signal();
+  return host_limit_.reached();
+}
+
+/// The processor stands between two instructions: out of its process, as long as nobody advances.
+sc_core::sc_time Simulation::pause(const sc_core::sc_time& now) {
+  const sc_core::sc_time next = checkpoints_->pause(now);
+  while (stop_at_ <= now) {
+    stopped_ = true;
+    sc_core::sc_pause();
+    sc_core::wait(sc_core::SC_ZERO_TIME);
+  }
+  return std::min(next, stop_at_);
+}
+
+Result<bool> Simulation::advance_to(const sc_core::sc_time& time) {
+  if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return false;
+  if (time <= sc_core::sc_time_stamp() && stopped_) return true;
+  stop_at_ = time;
+  stopped_ = false;
+  // Before the first instruction the processor does not know yet.
+  if (time != sc_core::sc_max_time()) soc_.cpu.pause_now();
+  sc_core::sc_start();
+  if (not_restored_) return *not_restored_;
+  return stopped_;
+}
+
+std::optional<Error> Simulation::advance_to_end() {
+  if (const auto more = advance_to(sc_core::sc_max_time()); !more) return Error{more.error()};
+  return std::nullopt;
+}
+
+std::optional<Error> Simulation::save(const std::string& file) {
+  if (!stopped_)
+    return Error{file +
+                 ": not saved: the run is over, or has not begun; save between two advances"};
+  return checkpoints_->save_beside(file, "save");
+}
+
+/// A sentence for each place that lost something.
+std::vector<std::string> Simulation::close() {
+  std::vector<std::string> lost = ports_->finish();
+  const auto keep = [&lost](const std::optional<Error>& error) {
+    if (error) lost.push_back(error->text);
+  };
+  for (std::string& sentence : checkpoints_->failures()) lost.push_back(std::move(sentence));
+  progress_.finish();
+  match_.finish();
+  kit::summarise_guest_errors();
+  kit::set_guest_error_context({});
+  if (tracer_ != nullptr)
+    for (const Error& error : tracer_->finish()) keep(error);
+  result_.divergence = divergence_of(settings_, backend_.lockstep, soc_);
+  if (backend_.rtl != nullptr && backend_.lockstep == nullptr) backend_.rtl->close_waves();
+  if (backend_.waves) keep(backend_.waves->finish());
+  if (const std::string& file = settings_.results.record(); !file.empty())
+    keep(host::write_whole(
+        file, metrics::to_recording(observation_.recorded(),
+                                    "The coprocessor's samples of " + result_.command, columns_)));
+  return lost;
+}
+
+RunResult Simulation::finish() {
+  result_.command = reproducing_command(settings_);
+  std::vector<std::string> lost = close();
+  conclude(settings_, soc_, *ports_, limit_, host_limit_.out_of_time(), result_);
+  result_.errors = metrics_.angle_errors();
+  take_verdict(inputs_.program, soc_, result_);
+  priorities_.finish(result_.code == exit_code::pass);
+  result_.wall_s = host_limit_.elapsed_s();
+  if (settings_.golden()) take_golden(soc_, observation_.recorded(), metrics_.words(), result_);
+  take_losses(std::move(lost), result_);
+  ports_->tell_debugger(result_.code);
+  take_figures(soc_, metrics_, ports_->uarts(), result_);
+  result_.inputs = inputs_.files(settings_);
+  for (const loader::ProgramSetting& setting : inputs_.program_settings.all())
+    result_.program_settings.push_back({setting.name, inputs_.program_settings.value(setting)});
+  if (result_.code == exit_code::crashed)
+    result_.fault_report = describe_fault(soc_.cpu.core(), inputs_.program);
+  return std::move(result_);
+}
+
+Result<RunResult> run(const RunSettings& settings) {
+  auto simulation = Simulation::construct(settings);
+  if (!simulation) return Error{simulation.error()};
+  if (auto error = simulation.value()->advance_to_end()) return *error;
+  return simulation.value()->finish();
+}
+
+}  // namespace capsoc::run

@@ -1,0 +1,96 @@
+// One run of the SoC in the hands of its host: built, moved on in simulated time, saved, finished.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run/checkpoints.h"
+#include "run/coprocessor_backend.h"
+#include "run/host_ports.h"
+#include "run/observation.h"
+#include "run/priority_report.h"
+#include "run/progress.h"
+#include "run/results.h"
+#include "run/run_inputs.h"
+#include "run/run_limits.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "trace/tracer.h"
+
+namespace capsoc::run {
+
+class RunSettings;
+
+/// The platform with its program, its sensor, and everything that looks at it. One of them a
+/// process: SystemC's kernel cannot be started twice. Where a run is cut into pieces, and whether
+/// it is saved between them, changes nothing in it.
+class Simulation {
+ public:
+  /// Everything that the settings ask for, in the state that they name (checkpoint.restore) or in
+  /// reset. The settings must outlive it. An Error is a wrong input: nothing was simulated and
+  /// nothing written.
+  static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Simulates to the first instant at or after `time` at which the processor is between two
+  /// instructions; asleep counts as between. False: the run is over, by itself or by a limit. An
+  /// Error: the state to go on from did not fit after all.
+  Result<bool> advance_to(const sc_core::sc_time& time);
+  /// To the end of the run, whatever ends it.
+  std::optional<Error> advance_to_end();
+
+  /// The state as it is now, between two advances, to a file that the settings do not name. An
+  /// Error: a file of the run, or one that cannot be written; nothing is half written.
+  std::optional<Error> save(const std::string& file);
+
+  /// Closes what was open and says what came of it. Nothing can be simulated after it.
+  RunResult finish();
+
+  /// To be looked at between two advances.
+  soc::Soc& soc() { return soc_; }
+  const metrics::Metrics& metrics() const { return metrics_; }
+
+ private:
+  Simulation(const RunSettings& settings, RunInputs inputs,
+             std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend,
+             metrics::RecordColumns columns);
+
+  std::optional<Error> load();
+  std::optional<Error> open();
+  std::vector<checkpoint::Part> parts();
+  std::optional<Error> plan_restore();
+  bool restore();
+  bool interrupted();
+  sc_core::sc_time pause(const sc_core::sc_time& now);
+  std::vector<std::string> close();
+
+  const RunSettings& settings_;
+  RunInputs inputs_;
+  metrics::RecordColumns columns_;  // of the recording
+  std::optional<checkpoint::Checkpoint> restore_;
+  std::optional<Error> not_restored_;
+  CoprocessorBackend backend_;  // its device is the SoC's
+  soc::Soc soc_;
+  RunResult result_;
+  metrics::Metrics metrics_;
+  metrics::SensorMatch match_;
+  Progress progress_;
+  Observation observation_;
+  PriorityReport priorities_;
+  Limit limit_;
+  HostLimit host_limit_;
+  std::unique_ptr<trace::Tracer> tracer_;
+  std::unique_ptr<HostPorts> ports_;
+  std::unique_ptr<Checkpoints> checkpoints_;
+  sc_core::sc_time stop_at_ = sc_core::sc_max_time();
+  bool stopped_ = false;
+};
+
+/// From settings to the result in one call; an Error as Simulation has it.
+Result<RunResult> run(const RunSettings& settings);
+
+}  // namespace capsoc::run
