@@ -1,6 +1,7 @@
 """Faults of the coprocessor's model, made of its text: every place at which a small change could be an error of a reader.
 
-An operator is a pattern and what stands in its place; each occurrence in the code of models/coprocessor is one fault.
+An operator is a pattern and what stands in its place; each occurrence in the code of models/coprocessor is one fault. One that
+changes nothing that software or a pin can see is none: EQUIVALENT lists such places, each with its reason.
 """
 
 import re
@@ -8,6 +9,7 @@ import re
 FILES = ("calibrator.cpp", "coprocessor.cpp", "datapath.cpp", "lms_demodulator.cpp", "paper_units.cpp", "polar_unit.cpp",
          "reference_generator.cpp", "register_bank.cpp", "sequencer.cpp", "turn_judge.cpp")
 # What neither software nor a pin can see: words for the log, nodes, the kernel's next event, the limits of options.
+UNSEEN_WORDS = ("saturated_after", "next_reference", "next_coefficients", "next_average")  # nodes
 UNSEEN = ("write_complaint", "is_register", "is_setting", "is_write_only", "is_pair", "pair_words", "packet_nodes",
           "stage_nodes", "record_nodes", "next_event", "checked")
 
@@ -39,6 +41,8 @@ def blanked(text):
     blank = lambda m: re.sub(r"[^\n]", " ", m[0])  # noqa: E731
     for pattern in (r"//[^\n]*", r'"[^"\n]*"', r"(?m)^#.*$", r"(?m)^using .*$", r"(?m)^static_assert.*$", r"(?m)^template .*$"):
         text = re.sub(pattern, blank, text)
+    for name in UNSEEN_WORDS:
+        text = re.sub(rf"(?m)^[^\n;]*\b{name}\b[^;]*;", blank, text)
     for name in UNSEEN:
         text = re.sub(rf"(?ms)^[^\n]*\b{name}\(.*?^}}", blank, text)
     return text
@@ -55,5 +59,6 @@ def every(folder):
                 planted = text[:match.start()] + match.expand(new) + text[match.end():] if isinstance(new, str) and "\\" in new \
                     else text[:match.start()] + (new if isinstance(new, str) else new(match)) + text[match.end():]
                 line = text.count("\n", 0, match.start() + len(match[0]) - len(match[0].lstrip())) + 1
-                faults.append({"name": f"{name}, line {line}", "file": file, "text": planted})
+                faults.append({"name": f"{name}, line {line}", "operator": name, "file": file, "text": planted,
+                               "line": text.splitlines()[line - 1].strip()})
     return faults

@@ -104,11 +104,13 @@ class Replay:
         offset, value, ok = (int(word, 16) for word in words)
         self.counts["reads"] += 1
         self.check(f"read of {named(offset)}", self.device.read(offset), value if ok else None)
+        self.check(f"data of the read of {named(offset)}", value if ok else 0, value)
 
     def peek(self, words):
         offset, value, ok = (int(word, 16) for word in words)
         self.counts["reads"] += 1
         self.check(f"debugger's read of {named(offset)}", self.device.peek(offset), value if ok else None)
+        self.check(f"data of the debugger's read of {named(offset)}", value if ok else 0, value)
 
     def reset(self, words):
         self.device.reset()

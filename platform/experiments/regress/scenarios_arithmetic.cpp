@@ -295,6 +295,17 @@ void run_full_scale(Bench& bench, Random& random, const Budget&) {
       }
     }
   }
+  // The largest and the smallest frequency, with each source: what is not steered does not
+  // saturate.
+  for (const uint32_t source : {0U, 1U, 2U})
+    for (const int64_t frequency : {(int64_t{1} << 47) - 1, -(int64_t{1} << 47)}) {
+      start(bench, ctrl_calib | source << ctrl_ref_shift);
+      bench.write_pair(reg_freq_lo, frequency);
+      for (unsigned i = 0; i < 3; ++i) bench.sample(random.word32(), random.word32());
+      bench.drain();
+      for (uint32_t offset : {reg_flags, reg_freq_hi, reg_freq_lo, reg_ref_phase})
+        bench.read(offset);
+    }
 }
 
 void run_beta(Bench& bench, Random& random, const Budget&) {
