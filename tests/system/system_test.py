@@ -375,6 +375,51 @@ class Quick(unittest.TestCase):
         self.assertIn(b"no block learning", process.stdout)
 
 
+class Recursive(unittest.TestCase):
+    """The application whose processor learns: recursive least squares, a Kalman filter."""
+
+    SHORT = ("-P", "demodulation_samples=15000", "-P", "progress_seconds=1000")
+
+    def check(self, *options, angle=5e-7, bound=0.1, after=0.2):
+        process, r = run(FIRMWARE / "recursive.elf", *self.SHORT, *options)
+        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+        self.assertTrue(r["verdict"]["bound_holds"])
+        self.assertLess(r["verdict"]["bound_deg"], bound)
+        self.assertLessEqual(r["angle_error_deg"]["calibration_mode_max"], angle)
+        self.assertIn(b" 0 samples missed", process.stdout)
+        if after is not None:
+            self.assertEqual(r["convergence"], "reached")
+            self.assertLess(r["convergence_s"], after)
+        return process, r
+
+    def test_least_squares_need_a_tenth_of_a_second(self):
+        self.check()
+        self.check("-P", "forgetting=0")
+
+    def test_the_kalman_filter(self):
+        self.check("-P", "forgetting=0", "-P", "drift=1e-9")
+
+    def test_paper_learns_to_its_own_floor(self):
+        self.check("--arithmetic", "paper", angle=1e-3)
+
+    def test_model_and_rtl_agree(self):
+        self.check("--coprocessor", "lockstep")
+
+    def test_a_reversed_shaft(self):
+        process, _ = self.check("-P", "frequency_hz=-0.05", after=None)
+        self.assertIn(b"reference turned round", process.stdout)
+
+    def test_a_processor_that_is_too_slow_says_so(self):
+        process, r = run(FIRMWARE / "recursive.elf", *self.SHORT, "-P", "rate_hz=2500", "-P", "frequency_hz=0.5")
+        self.assertRegex(process.stdout.decode(), r" [1-9]\d* samples missed")
+        self.assertTrue(r["verdict"] is None or r["verdict"]["bound_holds"] in (True, None))
+
+    def test_nothing_to_learn_from(self):
+        process, r = run(FIRMWARE / "recursive.elf", *self.SHORT, "-C", "sensor.samples=3000")
+        self.assertEqual((process.returncode, r["exit"]["reason"]), (1, "the firmware ended with status 1"))
+        self.assertIn(b"the signal ended", process.stdout)
+
+
 def in_folder(folder, *arguments):
     """The program with `folder` as its current folder."""
     clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
