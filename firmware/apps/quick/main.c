@@ -89,15 +89,24 @@ static bool drop_block(uint32_t control, uint32_t sample) {
   return more;
 }
 
-// Window by window, until so many were kept. Only good turns count, but for the first two: the
-// angle of coefficients that were never learnt need not go round, and the second turn has one more
-// sample with those. False if the signal ended before.
+// From coefficients of 0 the error is the sample itself, which no word is too short for: one turn
+// gives all of them exactly. From those of the reset the error of a large sensor would be cut off.
+static void start_from_nothing(void) {
+  for (int i = coefficient_a_u; i <= coefficient_c_v; ++i)
+    coprocessor_set_coefficient((enum coprocessor_coefficient)i, 0);
+}
+
+// Window by window, until so many were kept. From the first good turn on only good ones count, but
+// not before the third: the angle of coefficients that were never learnt need not go round, and the
+// second turn has one more sample with those. False if the signal ended before.
 static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
   struct judgement* const judgement = &state->judgement;
   uint32_t shown = 0;
   for (uint32_t sample = 1; shown < settings.turns; ++sample) {
     if (!sampling_wait(sample)) return false;
-    if (shown == 2) {  // the sample after the second turn: its block has been taken over
+    // The sample after a turn: its block has been taken over.
+    if (shown >= 2 && (control & COPROCESSOR_CTRL_GUARD_Msk) == 0 &&
+        (COPROCESSOR->TURN_FLAGS & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0) {
       control |= COPROCESSOR_CTRL_GUARD_Msk;
       COPROCESSOR->CTRL = control;
     }
@@ -141,6 +150,7 @@ int main(void) {
       return status_refused;
     }
     coprocessor_set_frequency(frequency);
+    start_from_nothing();
     turn = turn_of(frequency);
   }
   if (!sampling_start(settings.rate_hz)) {
