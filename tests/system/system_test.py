@@ -360,6 +360,12 @@ class Quick(unittest.TestCase):
     def test_model_and_rtl_agree(self):
         self.check("--coprocessor", "lockstep", "-P", "frequency_hz=0.05", "-P", "turns=4", bound=0.2)
 
+    def test_errors_of_a_large_sensor_do_not_saturate(self):
+        sensor = {"a1": 0.825, "a2": 0.95, "b1": -0.026, "b2": 0.025, "beta_rad": 1.013, "phi_rad": -2.513}
+        _, r = self.check("-P", "frequency_hz=0.05", *(word for key, value in sensor.items()
+                                                       for word in ("-C", f"sensor.{key}={value}")), bound=0.1)
+        self.assertAlmostEqual(r["convergence_s"], 20, delta=0.05)
+
     def test_a_reversed_shaft_is_learnt_from_its_mirror_image(self):
         process, _ = self.check("-P", "frequency_hz=-0.05", bound=0.1)
         self.assertIn(b"reference turned round", process.stdout)
