@@ -1,7 +1,7 @@
 """Faults of the coprocessor's model, made of its text: every place at which a small change could be an error of a reader.
 
 An operator is a pattern and what stands in its place; each occurrence in the code of models/coprocessor is one fault. One that
-changes nothing that software or a pin can see is none: EQUIVALENT lists such places, each with its reason.
+changes nothing that software or a pin can see is none: tests/third_reading/equivalent_faults.toml lists such places, with reasons.
 """
 
 import re

@@ -7,6 +7,9 @@
 
 #define BAUD_SETTING(NUMBER) NUMBER(uint32_t, baud, 115200, 300, 1500000, 1, "Bd", "of UART 0")
 #define RATE_SETTING(NUMBER) NUMBER(uint32_t, rate_hz, 250, 1, 100000, 1, "Hz", "samples a second")
+// Kept in 2^-48 Hz.
+#define SPEED_SETTING(NUMBER) \
+  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft")
 #define DEMODULATION_SETTING(NUMBER) \
   NUMBER(uint32_t, demodulation_samples, 100000, 1, 1e9, 1, "samples", "of demodulation")
 #define CALIBRATION_SETTING(NUMBER) \

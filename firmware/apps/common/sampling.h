@@ -5,6 +5,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "capsoc_device.h"
+
+// What a program that calibrates sample by sample has in CTRL: samples of the ADC, angles, and an
+// interrupt for each result.
+#define SAMPLING_CTRL \
+  (COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk)
+
 // Enables both interrupts, starts the ADC at `rate_hz` and counts results from 0. False if the ADC
 // refuses the rate.
 bool sampling_start(uint32_t rate_hz);

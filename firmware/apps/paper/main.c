@@ -31,7 +31,7 @@
 #define SETTINGS(NUMBER, TEXT)                                                                  \
   BAUD_SETTING(NUMBER)                                                                          \
   RATE_SETTING(NUMBER)                                                                          \
-  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft")        \
+  SPEED_SETTING(NUMBER)                                                                         \
   STEP(NUMBER, step_u_sine, 0.2, "W1, its first element")                                       \
   STEP(NUMBER, step_u_cosine, 0.2, "W1, its second")                                            \
   STEP(NUMBER, step_u_constant, 0.2, "W1, its third")                                           \
@@ -117,9 +117,7 @@ int main(void) {
     print_text("paper: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
     return status_refused;
   }
-  const uint32_t gates =
-      COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk;
-  COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
+  COPROCESSOR->CTRL = SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk;
   if (!sampling_start(settings.rate_hz)) {
     print_text("paper: the ADC refuses the sampling rate\n");
     return status_refused;
@@ -135,7 +133,7 @@ int main(void) {
   // Before anything is printed: the next sample is already one of the calibration.
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   const uint32_t demodulated = sampling_count();
-  COPROCESSOR->CTRL = gates;
+  COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&stored);
   judgement_disturbed(&state.judgement);
   if (!complete) {

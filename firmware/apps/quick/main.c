@@ -40,9 +40,7 @@ PROGRAM_SETTINGS(SETTINGS)
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
 
-#define GATES \
-  (COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk)
-#define LEARNING (GATES | COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk)
+#define LEARNING (SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk)
 
 // Samples of a turn; at least 22, for fewer are never judged good.
 static uint32_t turn_of(int64_t frequency) {

@@ -24,27 +24,24 @@
 #include "sampling.h"
 #include "supervision.h"
 
-#define SETTINGS(NUMBER, TEXT)                                                           \
-  BAUD_SETTING(NUMBER)                                                                   \
-  RATE_SETTING(NUMBER)                                                                   \
-  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft") \
-  NUMBER(uint32_t, forgetting, 0.0001, 0, 0.5, 0x1p31, "",                               \
-         "least squares: share of its knowledge that a sample ends")                     \
-  NUMBER(uint64_t, drift, 0, 0, 1000, 0x1p48, "",                                        \
-         "Kalman: variance of a coefficient's step, noise = 1")                          \
-  DEMODULATION_SETTING(NUMBER)                                                           \
-  CALIBRATION_SETTING(NUMBER)                                                            \
-  PROGRESS_SETTING(NUMBER)                                                               \
-  MIRROR_SETTING(NUMBER)                                                                 \
-  LIMIT_SETTING(NUMBER)                                                                  \
+#define SETTINGS(NUMBER, TEXT)                                       \
+  BAUD_SETTING(NUMBER)                                               \
+  RATE_SETTING(NUMBER)                                               \
+  SPEED_SETTING(NUMBER)                                              \
+  NUMBER(uint32_t, forgetting, 0.0001, 0, 0.5, 0x1p31, "",           \
+         "least squares: share of its knowledge that a sample ends") \
+  NUMBER(uint64_t, drift, 0, 0, 1000, 0x1p48, "",                    \
+         "Kalman: variance of a coefficient's step, noise = 1")      \
+  DEMODULATION_SETTING(NUMBER)                                       \
+  CALIBRATION_SETTING(NUMBER)                                        \
+  PROGRESS_SETTING(NUMBER)                                           \
+  MIRROR_SETTING(NUMBER)                                             \
+  LIMIT_SETTING(NUMBER)                                              \
   ANGLE_STRIDE_SETTING(NUMBER)
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
-
-#define GATES \
-  (COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk)
 
 struct cost {
   uint64_t cycles;
@@ -134,7 +131,7 @@ int main(void) {
   CoreDebug->DEMCR |= CoreDebug_DEMCR_TRCENA_Msk;
   DWT->CTRL |= DWT_CTRL_CYCCNTENA_Msk;
   // The stages keep the weights; the parameters follow what is written.
-  COPROCESSOR->CTRL = GATES | COPROCESSOR_CTRL_DEMOD_Msk;
+  COPROCESSOR->CTRL = SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk;
   if (!sampling_start(settings.rate_hz)) {
     print_text("recursive: the ADC refuses the sampling rate\n");
     return status_refused;
@@ -154,7 +151,7 @@ int main(void) {
   const bool more = complete && sampling_wait(sampling_count() + 1);
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   const uint32_t learnt = sampling_count();
-  COPROCESSOR->CTRL = GATES;
+  COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&stored);
   judgement_disturbed(&supervised.judgement);
   print_cost(&cost);

@@ -23,17 +23,17 @@
 #include "supervision.h"
 
 // frequency_hz is kept in 2^-48 Hz, step as Q1.31.
-#define SETTINGS(NUMBER, TEXT)                                                           \
-  BAUD_SETTING(NUMBER)                                                                   \
-  RATE_SETTING(NUMBER)                                                                   \
-  NUMBER(int64_t, frequency_hz, 0.05, -10000, 10000, 0x1p48, "Hz", "speed of the shaft") \
-  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",                           \
-         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it")             \
-  DEMODULATION_SETTING(NUMBER)                                                           \
-  CALIBRATION_SETTING(NUMBER)                                                            \
-  PROGRESS_SETTING(NUMBER)                                                               \
-  MIRROR_SETTING(NUMBER)                                                                 \
-  LIMIT_SETTING(NUMBER)                                                                  \
+#define SETTINGS(NUMBER, TEXT)                                               \
+  BAUD_SETTING(NUMBER)                                                       \
+  RATE_SETTING(NUMBER)                                                       \
+  SPEED_SETTING(NUMBER)                                                      \
+  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",               \
+         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it") \
+  DEMODULATION_SETTING(NUMBER)                                               \
+  CALIBRATION_SETTING(NUMBER)                                                \
+  PROGRESS_SETTING(NUMBER)                                                   \
+  MIRROR_SETTING(NUMBER)                                                     \
+  LIMIT_SETTING(NUMBER)                                                      \
   ANGLE_STRIDE_SETTING(NUMBER)
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
@@ -97,9 +97,7 @@ int main(void) {
     print_text("selfcal: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
     return status_refused;
   }
-  const uint32_t gates =
-      COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk;
-  COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
+  COPROCESSOR->CTRL = SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk;
   if (!sampling_start(settings.rate_hz)) {
     print_text("selfcal: the ADC refuses the sampling rate\n");
     return status_refused;
@@ -115,7 +113,7 @@ int main(void) {
   // Before anything is printed: the next sample is already one of the calibration.
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   const uint32_t demodulated = sampling_count();
-  COPROCESSOR->CTRL = gates;
+  COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&stored);
   judgement_disturbed(&state.judgement);
   if (!complete) {
