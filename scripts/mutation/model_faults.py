@@ -42,7 +42,7 @@ def blanked(text):
     for pattern in (r"//[^\n]*", r'"[^"\n]*"', r"(?m)^#.*$", r"(?m)^using .*$", r"(?m)^static_assert.*$", r"(?m)^template .*$"):
         text = re.sub(pattern, blank, text)
     for name in UNSEEN_WORDS:
-        text = re.sub(rf"(?m)^[^\n;]*\b{name}\b[^;]*;", blank, text)
+        text = re.sub(rf"(?m)^[^\n;]*\.{name}\b[^;]*;", blank, text)
     for name in UNSEEN:
         text = re.sub(rf"(?ms)^[^\n]*\b{name}\(.*?^}}", blank, text)
     return text
