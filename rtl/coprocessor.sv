@@ -10,7 +10,8 @@ module coprocessor #(
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads the data
   parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
-  parameter int Block         = 1    // precise: block learning, CTRL.BLOCK and GUARD
+  parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
+  parameter int Harmonics     = 1    // precise: harmonic correction, CTRL.CORRECT and CORRECTION
 ) (
   input  logic        pclk_i,
   input  logic        presetn_i,
@@ -39,12 +40,13 @@ module coprocessor #(
   logic [31:0] soft_u;
 
   // Sequencer
-  logic    place_free, stream_early, soft_early, busy;
+  logic    place_free, stream_early, soft_early, busy, busy_next;
   tick_t   tick;
   sample_t stream, held;
 
   // Settings and state; updates and results of the datapath
   settings_t   settings;
+  correction_t correction;
   state_t      state, state_next;
   state_we_t   state_we;
   logic        frozen, commit;
@@ -73,6 +75,7 @@ module coprocessor #(
     .stream_early_o (stream_early),
     .soft_early_o   (soft_early),
     .busy_o         (busy),
+    .busy_next_o    (busy_next),
     .tick_o         (tick),
     .held_o         (held)
   );
@@ -83,7 +86,8 @@ module coprocessor #(
     .ReferenceLead   (ReferenceLead),
     .StepShift       (StepShift),
     .PlainArctangent (PlainArctangent),
-    .Block           (Block)
+    .Block           (Block),
+    .Harmonics       (Harmonics)
   ) u_datapath (
     .clk_i           (pclk_i),
     .rst_ni          (presetn_i),
@@ -91,6 +95,7 @@ module coprocessor #(
     .tick_i          (tick),
     .held_i          (held),
     .settings_i      (settings),
+    .correction_i    (correction),
     .frozen_i        (frozen),
     .state_i         (state),
     .state_we_o      (state_we),
@@ -105,7 +110,8 @@ module coprocessor #(
 
   register_bank #(
     .Paper (Paper),
-    .Block (Block)
+    .Block (Block),
+    .Harmonics (Harmonics)
   ) u_register_bank (
     .clk_i           (pclk_i),
     .rst_ni          (presetn_i),
@@ -116,9 +122,11 @@ module coprocessor #(
     .soft_u_o        (soft_u),
     .load_o          (load_command),
     .busy_i          (busy),
+    .busy_next_i     (busy_next),
     .stream_early_i  (stream_early),
     .soft_early_i    (soft_early),
     .settings_o      (settings),
+    .correction_o    (correction),
     .frozen_o        (frozen),
     .state_o         (state),
     .boundary_i      (tick.boundary),

@@ -40,6 +40,7 @@ typedef struct packed {
 typedef struct packed {
   logic        demod, calib;
   logic        block, guard;
+  logic        correct;
   logic [1:0]  source;             // CTRL.REF
   logic [4:0]  kp, ki;
   steps_t      steps;
@@ -54,6 +55,13 @@ typedef struct packed {
   logic update, sum;
   logic from_sums;  // they are added to the sums, else to the coefficients
 } learning_t;
+
+// A write of CORRECTION: node 0 to 127; value s20, 2^-24 turn
+typedef struct packed {
+  logic        write;
+  logic [6:0]  node;
+  logic [19:0] value;
+} correction_t;
 
 // Interrupt enables, in CTRL's order
 typedef struct packed {
@@ -103,7 +111,7 @@ typedef struct packed {
   logic [31:0] error;
   logic        weight_valid;      // a coefficient as T3 leaves it, in this cycle
   logic [47:0] weight;            // s48, Q2.46
-  logic [31:0] relative;          // of T1, in cycle 31; 2^-32 turn
+  logic [31:0] relative;          // of T1, not corrected, in cycle 31 (precise: from 11 on); 2^-32 turn
   logic [31:0] angle;             // of T4, in cycle 31; 2^-32 turn
   logic        zero, mirror;      // of T1, of T0, in cycle 31
   logic        unsettled1;        // in cycle 31: the arctangent of T1, of T4 has not converged

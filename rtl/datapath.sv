@@ -14,12 +14,14 @@ module datapath #(
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads its data
   parameter int StepShift = 0,       // paper: right shift of the step behind its register
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
-  parameter int Block = 1            // precise: with block learning
+  parameter int Block = 1,           // precise: with block learning
+  parameter int Harmonics = 1        // precise: with the harmonic correction
 ) (
   input  logic        clk_i, rst_ni, clear_i,
   input  tick_t       tick_i,
   input  sample_t     held_i,           // enters T0
   input  settings_t   settings_i,
+  input  correction_t correction_i,
   input  logic        frozen_i,
   input  state_t      state_i,
   output state_we_t   state_we_o,
@@ -103,8 +105,24 @@ module datapath #(
   logic signed [31:0] sine, cosine;
   logic turn;
   logic [4:0] saturated;
-  // T4 of the last sample may end where a LOAD begins.
+  // T4 of the last sample may end where a LOAD or a T1 begins.
   assign phi_now = state_we_o.parameters ? parameters.phi : parameters_now.phi;
+  logic [31:0] relative;
+  harmonic_correction #(
+    .Present(Paper == 0 && Harmonics != 0 ? 1 : 0)
+  ) u_harmonic_correction (
+    .clk_i,
+    .boundary_i(boundary),
+    .cycle_i   (cycle),
+    .correct_i (settings_i.correct),
+    .phi_i     (phi_now),
+    .write_i   (correction_i.write),
+    .node_i    (correction_i.node),
+    .value_i   (correction_i.value),
+    .relative_i(core.relative),
+    .relative_o(relative)
+  );
+
   reference_generator #(
     .Paper(Paper),
     .ReferenceLead(ReferenceLead)
@@ -122,7 +140,7 @@ module datapath #(
     .ki_i             (settings_i.ki),
     .phase_i          (state_i.phase),
     .freq_i           (state_i.freq),
-    .relative_i       (core.relative),
+    .relative_i       (relative),
     .zero_i           (core.zero),
     .phase_we_o       (state_we_o.phase),
     .phase_o          (state_o.phase),
@@ -143,7 +161,7 @@ module datapath #(
     .keep_i(state_we_o), .learning_i(learning), .sum_i(sum), \
     .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
     .steps_i(steps), .slew_i(settings_i.judge[21:19]), \
-    .weights_i(weights_now), .parameters_i(parameters_now), \
+    .weights_i(weights_now), .parameters_i(parameters_now), .relative_i(relative), \
     .core_o(core), .weights_o(weights), .parameters_o(parameters)
   logic signed [31:0] data;
   logic [31:0] angle;

@@ -27,6 +27,7 @@ module paper_core #(
   input  logic        [ 2:0] slew_i,
   input  weights_t           weights_i,
   input  parameters_t        parameters_i,
+  input  logic        [31:0] relative_i,    // core_o.relative corrected, in cycle 31
   output core_t              core_o,
   output weights_t           weights_o,
   output parameters_t        parameters_o
@@ -187,6 +188,6 @@ module paper_core #(
       stage[0] && calibrator_saturated};
 
   logic unused_bits;
-  assign unused_bits = ^{data_i, sum_i, learning_i, load[0], tick_i.enter, tick_i.load_start, keep_i.phase, keep_i.freq};
+  assign unused_bits = ^{data_i, sum_i, relative_i, learning_i, load[0], tick_i.enter, tick_i.load_start, keep_i.phase, keep_i.freq};
 
 endmodule

@@ -23,6 +23,7 @@ module precise_core (
   input  logic        [ 2:0] slew_i,
   input  weights_t           weights_i,
   input  parameters_t        parameters_i,
+  input  logic        [31:0] relative_i,    // core_o.relative corrected, in cycle 31
   output core_t              core_o,
   output weights_t           weights_o,
   output parameters_t        parameters_o
@@ -175,7 +176,7 @@ module precise_core (
     if (offset_taken && !cycle[2]) b1_q <= offset;
     if (offset_taken && cycle[2]) b2_q <= offset;
     if (boundary) begin
-      relative2_q <= relative;
+      relative2_q <= relative_i;
       relative3_q <= relative2_q;
       relative4_q <= relative3_q;
     end

@@ -7,7 +7,8 @@
 // steps u31 and thresholds u32, Q1.31.
 module register_bank #(
   parameter int Paper = 0,
-  parameter int Block = 1
+  parameter int Block = 1,
+  parameter int Harmonics = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -29,10 +30,12 @@ module register_bank #(
   output logic [31:0] soft_u_o,
   output logic        load_o,        // CMD.LOAD
   input  logic        busy_i,
+  input  logic        busy_next_i,   // as this edge leaves it
   input  logic        stream_early_i,
   input  logic        soft_early_i,
   // Settings
   output settings_t   settings_o,
+  output correction_t correction_o,
   output logic        frozen_o,      // with what this edge commits
   // State, and what the pipeline writes at a tick's boundary
   output state_t      state_o,
@@ -86,6 +89,14 @@ module register_bank #(
   logic beyond, reserved_ref;
   assign beyond = pwdata_i[31] & (is_step | select.A1 | select.A2);
 
+  // The correction's nodes change between samples only.
+  localparam int HasHarmonics = Paper == 0 && Harmonics != 0 ? 1 : 0;
+  logic correction_refused;
+  assign correction_refused = write & select.CORRECTION & (busy_next_i | HasHarmonics == 0);
+  assign correction_o.write = write & select.CORRECTION & ~correction_refused;
+  assign correction_o.node  = pwdata_i[30:24];
+  assign correction_o.value = pwdata_i[19:0];
+
   // Words of the memory stand at their own address, SOFT_U at 0, JUDGE and TURN_LIMIT at 2 and 3. The
   // word of a LO is its stage, the one of a HI its read latch: a write of LO and a read of HI fill
   // their own word, a write of HI and a read of LO take the other's, which the write leaves at 0.
@@ -118,7 +129,8 @@ module register_bank #(
   enables_t  enables;
   settings_t settings;
   setting_registers #(
-    .Block (Paper == 0 && Block != 0 ? 1 : 0)
+    .Block (Paper == 0 && Block != 0 ? 1 : 0),
+    .Harmonics (HasHarmonics)
   ) u_settings (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
@@ -152,7 +164,7 @@ module register_bank #(
   logic [11:0] events, flags;
   assign commit = commit_i & boundary_i;
   assign events = {{flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit}},
-                   (write & beyond) | reserved_ref,
+                   (write & beyond) | reserved_ref | correction_refused,
                    {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit}},
                    stream_early_i | soft_early_i,
                    {flags_i.zero, flags_i.sat, flags_i.clip} & {3{commit}}, commit};
@@ -203,7 +215,7 @@ module register_bank #(
   assign column    = {select.A2 | select.BETA | select.EARLY_COUNT, select.A1 | select.B2 | select.SAMPLES} & {2{mapped}};
   assign row       = {select.PHI | select.SAMPLES | select.EARLY_COUNT, select.B1 | select.B2 | select.BETA} & {2{mapped}};
   assign kind      = {is_result | (is_memory & ~is_high), is_result | is_high} & {2{mapped}};
-  assign ctrl         = {19'd0, enables, settings.guard, settings.block, freeze, adc_enable_o, settings.source, settings.calib,
+  assign ctrl         = {18'd0, settings.correct, enables, settings.guard, settings.block, freeze, adc_enable_o, settings.source, settings.calib,
                          settings.demod};
   assign loop         = {19'd0, settings.ki, 3'd0, settings.kp};
   assign status       = {18'd0, status_i.good_turns, 3'd0, Paper != 0, 1'b0, freeze & flags[AlarmFlag],

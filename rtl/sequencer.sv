@@ -20,6 +20,7 @@ module sequencer (
   output logic        stream_early_o,  // a sample of this edge is lost
   output logic        soft_early_o,
   output logic        busy_o,
+  output logic        busy_next_o,     // as this edge leaves it
   // To the datapath
   output tick_t       tick_o,
   output sample_t     held_o
@@ -102,6 +103,7 @@ module sequencer (
     end
   end
 
+  assign busy_next_o = held_d | load_pending_d | (|stage_d) | (|load_d);
   assign busy_o = running | held_q | load_pending_q;
   assign tick_o.boundary   = boundary;
   assign tick_o.enter      = enter;

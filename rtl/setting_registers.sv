@@ -3,7 +3,8 @@
 //
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
 module setting_registers #(
-  parameter int Block = 1  // CTRL.BLOCK and GUARD are there
+  parameter int Block = 1,     // CTRL.BLOCK and GUARD are there
+  parameter int Harmonics = 1  // CTRL.CORRECT is there
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -11,7 +12,7 @@ module setting_registers #(
   input  logic        write_i,    // of any register, but no step of 1.0 or more
   input  capsoc_coprocessor_selects_t select_i,
   input  logic [31:0] pwdata_i,
-  output logic        reserved_o,    // CTRL.REF = 3, CTRL.BLOCK that is not there
+  output logic        reserved_o,    // CTRL.REF = 3, CTRL.BLOCK or CORRECT that is not there
   output logic        adc_enable_o,
   output logic        freeze_o,
   output enables_t    enables_o,
@@ -23,7 +24,7 @@ module setting_registers #(
   localparam int RefHigh = capsoc_coprocessor_pkg::CTRL_REF_MSB;
 
   logic       demod_q, calib_q, adc_q, ie_result_q, ie_lock_q, ie_error_q;
-  logic       ie_turn_q, ie_alarm_q, freeze_q, block_q, guard_q;
+  logic       ie_turn_q, ie_alarm_q, freeze_q, block_q, guard_q, correct_q;
   logic [1:0] ref_q;
 
   logic write_ctrl;
@@ -33,7 +34,8 @@ module setting_registers #(
   logic reserved_ref;
   assign reserved_ref = &pwdata_i[RefHigh:RefLow];
   assign reserved_o = write_ctrl & ~clear_i &
-      (reserved_ref | (Block == 0 & pwdata_i[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB]));
+      (reserved_ref | (Block == 0 & pwdata_i[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB]) |
+       (Harmonics == 0 & pwdata_i[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB]));
 
   logic [31:0] ctrl_data;
   assign ctrl_data = clear_i ? CtrlReset : pwdata_i;
@@ -51,6 +53,7 @@ module setting_registers #(
       freeze_q    <= CtrlReset[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
       block_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB];
       guard_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_GUARD_LSB];
+      correct_q   <= CtrlReset[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB];
     end else if (write_ctrl) begin
       demod_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_DEMOD_LSB];
       calib_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_CALIB_LSB];
@@ -64,6 +67,7 @@ module setting_registers #(
       freeze_q    <= ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
       block_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0;
       guard_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0;
+      correct_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB] & Harmonics != 0;
     end
   end
   assign adc_enable_o = adc_q;
@@ -148,6 +152,7 @@ module setting_registers #(
   assign settings_o.calib             = calib_q;
   assign settings_o.block             = block_q;
   assign settings_o.guard             = guard_q;
+  assign settings_o.correct           = correct_q;
   assign settings_o.source            = ref_q;
   assign settings_o.kp                = kp_q;
   assign settings_o.ki                = ki_q;

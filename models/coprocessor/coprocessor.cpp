@@ -34,7 +34,8 @@ Options checked(Options options) {
   options.paper_operand_bits = std::clamp(options.paper_operand_bits, 2, 32);
   options.paper_reference_lead = std::clamp(options.paper_reference_lead, -1024, 1024);
   options.paper_step_shift = std::clamp(options.paper_step_shift, 0, 31);
-  if (options.arithmetic == Arithmetic::paper) options.block_learning = false;
+  if (options.arithmetic == Arithmetic::paper)
+    options.block_learning = options.harmonic_correction = false;
   return options;
 }
 
@@ -114,6 +115,9 @@ void Coprocessor::start_tick() {
   }
   if (sequencer_.occupied(1)) {
     datapath_.relative_angle(pipe_[1]);
+    if (settings_.correct)
+      pipe_[1].relative =
+          corrected_angle(corrections_, pipe_[1].relative, state_.parameters.phi);
     pipe_[1].saturated_after[1] = pipe_[1].saturated;
   }
   if (sequencer_.occupied(2)) {

@@ -9,6 +9,7 @@
 
 #include "coprocessor/datapath.h"
 #include "coprocessor/device.h"
+#include "coprocessor/harmonic_correction.h"
 #include "coprocessor/idle_state.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
@@ -78,6 +79,7 @@ class Coprocessor final : public Device {
   bool write_parameter(uint32_t offset, uint32_t value);
   bool write_pair(uint32_t offset, uint32_t value);
   void write_ctrl(uint32_t value);
+  void write_correction(uint32_t value);
   void write_command(uint64_t cycle, uint32_t value);
   uint32_t status() const;
   uint32_t turn_flags() const;
@@ -107,6 +109,7 @@ class Coprocessor final : public Device {
   // Low words of the 48-bit registers: FREQ, PHASE, AU, BU, CU, AV, BV, CV.
   std::array<uint32_t, 8> staged_low_{};
   std::array<uint32_t, 8> latched_low_{};
+  CorrectionTable corrections_{};  // outlives a reset
 
   // Pipeline
   Packet held_;

@@ -61,6 +61,7 @@ struct Settings {
   unsigned slew = 0;  // JUDGE.SLEW, 0..7
   bool block = false;
   bool guard = false;
+  bool correct = false;
 
   void visit(kit::Archive& archive);
 };

@@ -6,6 +6,7 @@
 
 #include "coprocessor/datapath.h"
 #include "coprocessor/device.h"
+#include "coprocessor/harmonic_correction.h"
 #include "coprocessor/turn_judge.h"
 
 namespace capsoc::coprocessor {
@@ -38,6 +39,7 @@ struct IdleState {
   // Low words of the 48-bit registers: FREQ, PHASE, AU, BU, CU, AV, BV, CV.
   std::array<uint32_t, 8> staged_low{};
   std::array<uint32_t, 8> latched_low{};
+  CorrectionTable corrections{};
   Nodes nodes;  // of the last result
 
   void visit(kit::Archive& archive);

@@ -87,7 +87,7 @@ bool is_read_only(uint32_t offset) {
 }
 
 bool is_write_only(uint32_t offset) {
-  return offset == reg_cmd || offset == reg_soft_v;
+  return offset == reg_cmd || offset == reg_soft_v || offset == reg_correction;
 }
 
 bool is_setting(uint32_t offset) {
@@ -130,6 +130,10 @@ std::string_view write_complaint(uint32_t offset, uint32_t value) {
       return value & ~ctrl_writable ? "reserved bits of CTRL are ignored" : "";
     case reg_cmd:
       return value & ~(cmd_load | cmd_clear | cmd_phase0) ? "reserved bits of CMD are ignored" : "";
+    case reg_correction:
+      return value & ~(correction_node_mask | correction_value_mask)
+                 ? "reserved bits of CORRECTION are ignored"
+                 : "";
     case reg_loop:
       return value & ~0x1F1Fu ? "reserved bits of LOOP are ignored" : "";
     case reg_judge:
@@ -228,6 +232,7 @@ std::optional<uint32_t> Coprocessor::peek(uint32_t offset) const {
     case reg_soft_u:
       return soft_u_;
     case reg_soft_v:
+    case reg_correction:
       return 0;
     case reg_raw_u:
       return results_.raw_u;
@@ -317,6 +322,9 @@ bool Coprocessor::write_control(uint64_t cycle, uint32_t offset, uint32_t value)
     case reg_soft_u:
       soft_u_ = value;
       return true;
+    case reg_correction:
+      write_correction(value);
+      return true;
     case reg_soft_v:
       latch(cycle, static_cast<int32_t>(soft_u_), static_cast<int32_t>(value), false);
       return true;
@@ -337,11 +345,24 @@ void Coprocessor::write_ctrl(uint32_t value) {
   }
   if ((value & ctrl_block) != 0 && !options_.block_learning) flags_ |= flag_config;
   if (!options_.block_learning) value &= ~(ctrl_block | ctrl_guard);
+  if ((value & ctrl_correct) != 0 && !options_.harmonic_correction) flags_ |= flag_config;
+  if (!options_.harmonic_correction) value &= ~ctrl_correct;
   ctrl_ = (value & ctrl_writable & ~ctrl_ref_mask) | (source << ctrl_ref_shift);
   settings_.block = (ctrl_ & ctrl_block) != 0;
   settings_.guard = (ctrl_ & ctrl_guard) != 0;
+  settings_.correct = (ctrl_ & ctrl_correct) != 0;
   settings_.demodulate = (ctrl_ & ctrl_demod) != 0;
   settings_.source = static_cast<ReferenceSource>(source);
+}
+
+void Coprocessor::write_correction(uint32_t value) {
+  if (sequencer_.busy() || !options_.harmonic_correction) {
+    flags_ |= flag_config;
+    return;
+  }
+  const uint32_t word = field(value, correction_value_mask);
+  corrections_[field(value, correction_node_mask)] = 
+      static_cast<int32_t>(fixed::sign_extend<20>(word));
 }
 
 void Coprocessor::write_command(uint64_t cycle, uint32_t value) {

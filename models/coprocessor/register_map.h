@@ -40,6 +40,7 @@ enum Offset : uint32_t {
   reg_turn_limit = description::TURN_LIMIT_offset,
   reg_soft_u = description::SOFT_U_offset,
   reg_soft_v = description::SOFT_V_offset,
+  reg_correction = description::CORRECTION_offset,
   reg_raw_u = description::RAW_U_offset,
   reg_raw_v = description::RAW_V_offset,
   reg_cal_s = description::CAL_S_offset,
@@ -79,10 +80,11 @@ inline constexpr uint32_t ctrl_ie_lock = description::CTRL_IE_LOCK_mask;
 inline constexpr uint32_t ctrl_ie_error = description::CTRL_IE_ERROR_mask;
 inline constexpr uint32_t ctrl_ie_turn = description::CTRL_IE_TURN_mask;
 inline constexpr uint32_t ctrl_ie_alarm = description::CTRL_IE_ALARM_mask;
+inline constexpr uint32_t ctrl_correct = description::CTRL_CORRECT_mask;
 inline constexpr uint32_t ctrl_srst = description::CTRL_SRST_mask;
 inline constexpr uint32_t ctrl_writable =
     ctrl_demod | ctrl_calib | ctrl_ref_mask | ctrl_adc | ctrl_freeze | ctrl_block | ctrl_guard |
-    ctrl_ie_result | ctrl_ie_lock | ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm;
+    ctrl_ie_result | ctrl_ie_lock | ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm | ctrl_correct;
 
 // STATUS
 inline constexpr uint32_t status_busy = description::STATUS_BUSY_mask;
@@ -139,6 +141,10 @@ inline constexpr uint32_t judge_writable =
 inline constexpr uint32_t cmd_load = description::CMD_LOAD_mask;
 inline constexpr uint32_t cmd_clear = description::CMD_CLEAR_mask;
 inline constexpr uint32_t cmd_phase0 = description::CMD_PHASE0_mask;
+
+// CORRECTION
+inline constexpr uint32_t correction_value_mask = description::CORRECTION_VALUE_mask;
+inline constexpr uint32_t correction_node_mask = description::CORRECTION_NODE_mask;
 
 // What a word has in the field at a mask.
 constexpr uint32_t field(uint32_t word, uint32_t mask) {

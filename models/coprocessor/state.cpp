@@ -1,4 +1,5 @@
 // The state of the coprocessor's model, value by value (kit/archive.h).
+#include <algorithm>
 #include <tuple>
 
 #include "coprocessor/coprocessor.h"
@@ -122,6 +123,7 @@ void Settings::visit(Archive& archive) {
   archive.at_most("slew", slew, 7u);
   archive("block", block);
   archive("guard", guard);
+  archive("correct", correct);
 }
 
 void State::visit(Archive& archive) {
@@ -206,6 +208,10 @@ void IdleState::visit(Archive& archive) {
   archive.at_most("settled", settled, 64u);
   archive("staged_low", staged_low);
   archive("latched_low", latched_low);
+  archive("corrections", corrections);
+  const auto fits = [](int32_t value) { return fixed::sign_extend<20>(static_cast<uint32_t>(value)) == value; };
+  if (!std::all_of(corrections.begin(), corrections.end(), fits))
+    archive.refuse("has a correction that does not fit 20 bits");
   archive("nodes", nodes);
 }
 
@@ -214,7 +220,7 @@ namespace {
 auto members_of(IdleState& s) {
   return std::tie(s.cycle, s.ctrl, s.flags, s.settings, s.state, s.results, s.judge_settings,
                   s.judge, s.lock_threshold, s.diverge_threshold, s.soft_u, s.samples,
-                  s.early_count, s.settled, s.staged_low, s.latched_low, s.nodes);
+                  s.early_count, s.settled, s.staged_low, s.latched_low, s.corrections, s.nodes);
 }
 
 }  // namespace
@@ -223,7 +229,7 @@ template <typename Self>
 auto Coprocessor::members_of(Self& c) {
   return std::tie(c.cycle_, c.ctrl_, c.flags_, c.settings_, c.state_, c.results_, c.judge_settings_,
                   c.judge_, c.lock_threshold_, c.diverge_threshold_, c.soft_u_, c.samples_,
-                  c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.nodes_);
+                  c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.corrections_, c.nodes_);
 }
 
 void Coprocessor::visit(Archive& archive) {

@@ -21,6 +21,8 @@ struct Options {
   bool paper_plain_arctangent = false;
   // CTRL.BLOCK exists; never in `paper`.
   bool block_learning = true;
+  // CTRL.CORRECT and CORRECTION exist; never in `paper`.
+  bool harmonic_correction = true;
 };
 
 // One channel's weights of Eq (7): sine, cosine and constant, Q2.46 in 48 bits.

@@ -381,6 +381,40 @@ class Quick(unittest.TestCase):
         self.assertIn(b"no block learning", process.stdout)
 
 
+class Harmonics(unittest.TestCase):
+    """The application that learns the sensor's harmonics, too."""
+
+    SHORT = ("-P", "calibration_samples=1000", "-P", "angle_stride=1000")
+
+    def check(self, *options, angle, bound):
+        process, r = run(FIRMWARE / "harmonics.elf", *self.SHORT, *options)
+        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+        self.assertTrue(r["verdict"]["bound_holds"])
+        self.assertLess(r["verdict"]["bound_deg"], bound)
+        self.assertLessEqual(r["angle_error_deg"]["calibration_mode_max"], angle)
+        return r
+
+    def test_the_papers_experiment_without_its_harmonics(self):
+        # The shaft turns backwards, at a speed that nobody told.
+        self.check("--sensor", TRACES / "soc_experiment.toml", "-P", "ripple_deg=0.001", angle=0.01, bound=0.1)
+
+    def test_nothing_known_of_the_shaft_leaves_the_bound_as_wide_as_the_table(self):
+        r = self.check("--sensor", TRACES / "soc_experiment.toml", angle=0.01, bound=3)
+        self.assertGreater(r["verdict"]["bound_deg"], 0.8)
+
+    def test_a_sensor_without_harmonics_keeps_its_accuracy(self):
+        self.check("-P", "ripple_deg=0.001", angle=5e-7, bound=0.1)
+
+    def test_model_and_rtl_agree(self):
+        self.check("--coprocessor", "lockstep", "-C", "sensor.motion.frequency_hz=1", "-P", "calibration_samples=300",
+                   angle=1e-4, bound=6)
+
+    def test_paper_has_no_correction(self):
+        process, r = run(FIRMWARE / "harmonics.elf", "--arithmetic", "paper")
+        self.assertEqual((process.returncode, r["exit"]["reason"]), (1, "the firmware ended with status 3"))
+        self.assertIn(b"corrects none", process.stdout)
+
+
 class Recursive(unittest.TestCase):
     """The application whose processor learns: recursive least squares, a Kalman filter."""
 

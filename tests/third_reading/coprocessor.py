@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import registers as names
 from calibrator import calibrate
+from harmonic_correction import HarmonicCorrection
 from lms_demodulator import demodulate
 from notation import TURN_32, Arithmetic, clamp, rounded, signed
 from polar_unit import find_parameters, find_relative, found_angle
@@ -39,6 +40,7 @@ class Coprocessor:
 
     def __init__(self, arithmetic: Arithmetic):
         self.arithmetic = arithmetic
+        self.correction = HarmonicCorrection()
         self.reset()
 
     def reset(self):
@@ -101,6 +103,8 @@ class Coprocessor:
 
     def start_t1(self, sample):
         find_relative(self.arithmetic, sample)
+        if self.registers.correct:
+            sample.relative = self.correction.correct(sample.relative, self.registers.phi)
 
     def start_t2(self, sample):
         refer(self.arithmetic, sample, self.registers)
@@ -218,6 +222,9 @@ class Coprocessor:
         if name == "CTRL" and value & names.SRST:
             self.reset()
             return True
+        if name == "CORRECTION":
+            self.write_correction(value)
+            return True
         self.registers.write(offset, value)
         if name == "CMD" and value & names.LOAD:
             self.load_waits = True
@@ -225,3 +232,10 @@ class Coprocessor:
         if name == "SOFT_V":
             self.latch(edge, self.registers.soft_u, value, False)
         return True
+
+    def write_correction(self, value):
+        """With BUSY as the write's edge leaves it."""
+        if self.busy or self.arithmetic.paper:
+            self.registers.flags |= names.CONFIG
+        else:
+            self.correction.write(value)

@@ -14,7 +14,8 @@ NAMES = {
     0x050: "AU_LO", 0x054: "AU_HI", 0x058: "BU_LO", 0x05C: "BU_HI", 0x060: "CU_LO", 0x064: "CU_HI",
     0x068: "AV_LO", 0x06C: "AV_HI", 0x070: "BV_LO", 0x074: "BV_HI", 0x078: "CV_LO", 0x07C: "CV_HI",
     0x080: "A1", 0x084: "A2", 0x088: "B1", 0x08C: "B2", 0x090: "BETA", 0x094: "PHI",
-    0x098: "JUDGE", 0x09C: "TURN_LIMIT", 0x0A0: "SOFT_U", 0x0A4: "SOFT_V", 0x0B0: "RAW_U", 0x0B4: "RAW_V",
+    0x098: "JUDGE", 0x09C: "TURN_LIMIT", 0x0A0: "SOFT_U", 0x0A4: "SOFT_V", 0x0A8: "CORRECTION",
+    0x0B0: "RAW_U", 0x0B4: "RAW_V",
     0x0B8: "CAL_S", 0x0BC: "CAL_C", 0x0C0: "ANGLE", 0x0C4: "ERR_U", 0x0C8: "ERR_V", 0x0CC: "RESIDUE",
     0x0D0: "SAMPLES", 0x0D4: "EARLY_COUNT", 0x0D8: "REF_PHASE", 0x0DC: "AMPLITUDE", 0x0E0: "LATENCY",
     0x0E4: "TURN_FLAGS", 0x0EC: "RADIUS_MAX", 0x0F0: "RESIDUE_MAX", 0x0F4: "WINDING", 0x0F8: "TURN_SAMPLES",
@@ -32,8 +33,8 @@ FLAGS_ALL = (1 << 12) - 1
 # CTRL
 IE_RESULT, IE_LOCK, IE_ERROR, IE_TURN, IE_ALARM = (1 << bit for bit in range(8, 13))
 SRST = 1 << 31
-CTRL_BITS = 0x1FFF
-BLOCK, GUARD = 1 << 6, 1 << 7
+CTRL_BITS = 0x3FFF
+BLOCK, GUARD, CORRECT = 1 << 6, 1 << 7, 1 << 13
 INTERRUPTS = ((IE_RESULT, RESULT), (IE_LOCK, LOCKCHG), (IE_TURN, TURN), (IE_ALARM, ALARM),
               (IE_ERROR, CLIP | SAT | ZERO | EARLY | DIVERGED | CONFIG | UNSETTLED))
 # CMD
@@ -79,6 +80,7 @@ class Registers:
     frozen = property(lambda self: bool(self.ctrl & 32 and self.flags & ALARM))
     block = property(lambda self: bool(self.ctrl & BLOCK))
     guard = property(lambda self: bool(self.ctrl & GUARD))
+    correct = property(lambda self: bool(self.ctrl & CORRECT))
     kp = property(lambda self: self.loop & 31)
     ki = property(lambda self: self.loop >> 8 & 31)
     radius_limit = property(lambda self: self.judge_word & 0xFF)
@@ -161,9 +163,9 @@ class Registers:
             self.flags |= CONFIG
             value = value & ~0xC | self.ctrl & 0xC
         if self.arithmetic.paper:
-            if value & BLOCK:
+            if value & (BLOCK | CORRECT):
                 self.flags |= CONFIG
-            value &= ~(BLOCK | GUARD)
+            value &= ~(BLOCK | GUARD | CORRECT)
         self.ctrl = value & CTRL_BITS
 
     def write_fraction(self, name, value):
@@ -176,7 +178,7 @@ class Registers:
             setattr(self, name.lower(), value)
 
 
-CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010002, "LATENCY": 161, "CMD": 0, "SOFT_V": 0}
+CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010003, "LATENCY": 161, "CMD": 0, "SOFT_V": 0, "CORRECTION": 0}
 JUDGE_RECORD = ("TURN_FLAGS", "RADIUS_MAX", "RESIDUE_MAX", "WINDING", "TURN_SAMPLES", "TURN_DET")
 MASKS = {"LOOP": 0x1F1F, "LOCK_THRESHOLD": TURN_32 - 1, "DIVERGE_THRESHOLD": TURN_32 - 1, "BETA": TURN_32 - 1,
          "PHI": TURN_32 - 1, "JUDGE": 0x3FFFFF, "TURN_LIMIT": TURN_32 - 1, "SOFT_U": TURN_32 - 1}

@@ -151,7 +151,9 @@ uint32_t judgement_bound(const struct judgement* judgement) {
     if (turn == NULL || objection_to(judgement, turn) != NULL) break;
     const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
     const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
-    const uint64_t error = by_radius > by_residue ? by_radius : by_residue;
+    const bool by_residue_alone = judgement->corrected && judgement->numeric;
+    const uint64_t error =
+        by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
     const uint64_t total = error + turn->drift + turn->motion + judgement->unseen;
     if (total > worst) worst = total;
   }

@@ -27,6 +27,9 @@ struct judgement {
   uint32_t limit;   // largest bound that may pass, 2^-32 turn
   bool numeric;     // the reference is numeric: RESIDUE is the angle's error, at constant speed
   uint32_t unseen;  // error that no evidence can show, from the data sheet, 2^-32 turn
+  // The harmonic correction works, so the radius is what the sensor has, and RESIDUE what is left:
+  // the radius bounds nothing then. Numeric reference only.
+  bool corrected;
   bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
   // The rest starts at 0.
   uint32_t zeros;    // sampling_zeros() at the end of the window before

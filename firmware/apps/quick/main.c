@@ -10,6 +10,7 @@
 
 #include "adc.h"
 #include "angle_report.h"
+#include "blocks.h"
 #include "capsoc_device.h"
 #include "clock.h"
 #include "common_settings.h"
@@ -20,7 +21,6 @@
 #include "program_settings.h"
 #include "program_verdict.h"
 #include "sampling.h"
-#include "start_range.h"
 #include "supervision.h"
 
 #define SETTINGS(NUMBER, TEXT)                                                                \
@@ -47,36 +47,6 @@ static uint32_t turn_of(int64_t frequency) {
   const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
   const uint64_t samples = ((UINT64_C(1) << 48) + speed / 2) / speed;
   return samples < 22 ? 22 : samples > 1u << 30 ? 1u << 30 : (uint32_t)samples;
-}
-
-// Steps that solve the normal equations of a turn: 2 / N for sine and cosine, 1 / N for the
-// constant. With the angle as its own reference they find what moves samples off their circle, and
-// half of what moves them along it; `gain` 2 finds all of that and the other's double. So the gains
-// take turns.
-static void set_steps(uint32_t turn, uint32_t gain) {
-  const uint32_t step = (uint32_t)((gain * (UINT64_C(1) << 32) + turn / 2) / turn);
-  coprocessor_set_steps(step);
-  COPROCESSOR->STEP_CU = step / 2;
-  COPROCESSOR->STEP_CV = step / 2;
-}
-
-// The first turn, and coefficients of its range. 0 if the signal ended or no turn was seen.
-static uint32_t measure_turn(void) {
-  struct start_range range = {0};
-  sampling_listen(true);
-  while (range.turn == 0 && range.samples < settings.measuring_seconds * settings.rate_hz) {
-    int32_t u = 0, v = 0;
-    if (!sampling_next(&u, &v)) return 0;
-    start_range_feed(&range, u, v);
-  }
-  sampling_listen(false);
-  if (range.turn != 0) start_range_load_with_phase(&range);
-  return range.turn;
-}
-
-// The watchdog of a shaft that rests: one and a half turns.
-static void watch(uint32_t turn) {
-  COPROCESSOR->TURN_LIMIT = turn + turn / 2 + 1;
 }
 
 // One sample without BLOCK ends the block under way.
@@ -116,7 +86,7 @@ static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
     shown = judgement->judged;
     if (!judgement->numeric && (COPROCESSOR->TURN_FLAGS & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0)
       turn = COPROCESSOR->TURN_SAMPLES;
-    if (!judgement->numeric) set_steps(turn, shown % 2 == 0 ? 2 : 1);
+    if (!judgement->numeric) blocks_set_steps(turn, shown % 2 == 0 ? 2 : 1);
     const struct coprocessor_parameters parameters = coprocessor_read_parameters();
     print_progress(sample / settings.rate_hz, &parameters);
   }
@@ -133,8 +103,7 @@ int main(void) {
   print_text("quick: self-calibration by blocks of a turn\n");
   console_start_buffering();
   coprocessor_reset();
-  COPROCESSOR->CTRL = COPROCESSOR_CTRL_BLOCK_Msk;
-  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_BLOCK_Msk) == 0) {
+  if (!blocks_present()) {
     print_text("quick: this coprocessor has no block learning (the arithmetic paper has none)\n");
     return status_no_coprocessor;
   }
@@ -155,11 +124,11 @@ int main(void) {
     print_text("quick: the ADC refuses the sampling rate\n");
     return status_refused;
   }
-  if (!known) turn = measure_turn();
+  if (!known) turn = blocks_measure_turn(settings.measuring_seconds * settings.rate_hz);
   if (turn == 0) return fail_because("quick", "no turn seen");
   coprocessor_lock_by_turns();
-  watch(turn);
-  set_steps(turn, known ? 1 : 2);
+  blocks_watch(turn);
+  blocks_set_steps(turn, known ? 1 : 2);
   const uint32_t control =
       LEARNING | (known ? 0 : COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos);
   COPROCESSOR->CTRL = control;

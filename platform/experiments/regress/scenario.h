@@ -87,6 +87,11 @@ void run_block_windows(Bench& bench, Random& random, const Budget&);
 void run_block_sums(Bench& bench, Random& random, const Budget&);
 void run_block_changes(Bench& bench, Random& random, const Budget&);
 
+// scenarios_harmonics.cpp
+void run_corrections(Bench& bench, Random& random, const Budget&);
+void run_correction_nodes(Bench& bench, Random& random, const Budget&);
+void run_correction_moments(Bench& bench, Random& random, const Budget&);
+
 // scenarios_clamps.cpp
 void run_lone_clamps(Bench& bench, Random& random, const Budget&);
 

@@ -85,6 +85,7 @@ void Metrics::result(const CoprocessorResult& result) {
       if (inside && !converged_since_s_) converged_since_s_ = sample.time_s;
     }
   }
+  follow_correction(result.correcting);
   if (!sample.has_truth) return;
   errors_.angle_known = true;
 
@@ -106,6 +107,16 @@ void Metrics::result(const CoprocessorResult& result) {
   } else {
     keep_larger(errors_.calibration_mode_max, error);
   }
+}
+
+/// Angles with and without the correction are two things: the largest error is that of the last.
+void Metrics::follow_correction(bool correcting) {
+  constexpr unsigned pipeline_depth = 5;
+  if (correcting != correcting_) in_change_ = pipeline_depth;
+  correcting_ = correcting;
+  if (in_change_ == 0) return;
+  --in_change_;
+  errors_.calibration_mode_max.reset();
 }
 
 void Metrics::keep_last_revolution(TimedError newest) {
@@ -168,6 +179,8 @@ void Metrics::visit(kit::Archive& archive) {
   archive("words", words_);
   archive("has_demodulated", has_demodulated_);
   archive("phi_shifted", phi_shifted_);
+  archive("correcting", correcting_);
+  archive("in_change", in_change_);
   archive("converged_since_s", converged_since_s_);
   archive.sequence("last_revolution", last_revolution_, longest_revolution + 1);
   archive("errors", errors_);

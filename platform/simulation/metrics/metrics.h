@@ -48,6 +48,7 @@ struct CoprocessorResult {
   bool angle_valid = false;
   bool demodulating = false;
   bool numeric_reference = true;
+  bool correcting = false;  ///< harmonics: CTRL.CORRECT
   ParameterWords words;
 };
 
@@ -71,7 +72,8 @@ struct AngleErrors {
   std::optional<double>
       uncalibrated_max_paper;  ///< atan2(U, V) against omega k, as the paper counts
   std::optional<double> calibrated_max_last_revolution;  ///< last revolution of demodulation
-  std::optional<double> calibration_mode_max;            ///< all of calibration mode
+  /// all of calibration mode; since CTRL.CORRECT changed, if it did
+  std::optional<double> calibration_mode_max;
 
   void visit(kit::Archive& archive);
 };
@@ -113,6 +115,7 @@ class Metrics {
   static constexpr std::size_t longest_revolution = 10'000'000;  ///< samples
 
   bool within_one_percent(const ParameterWords& words) const;
+  void follow_correction(bool correcting);
   void keep_last_revolution(TimedError newest);
 
   std::optional<Parameters> truth_;
@@ -122,6 +125,8 @@ class Metrics {
   ParameterWords words_;
   bool has_demodulated_ = false;
   bool phi_shifted_ = false;
+  bool correcting_ = false;
+  unsigned in_change_ = 0;  ///< results of samples that may have entered before CORRECT changed
   std::optional<double> converged_since_s_;
   std::deque<TimedError> last_revolution_;  ///< of demodulation, the newest last
   AngleErrors errors_;

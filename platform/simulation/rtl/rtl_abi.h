@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 3
+#define CAPSOC_RTL_ABI_VERSION 4
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
 
 /* Pins of one instance. The caller writes the inputs and calls eval(), which puts them on the

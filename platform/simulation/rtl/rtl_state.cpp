@@ -47,13 +47,14 @@ struct Bit {
   uint32_t mask;
   uint64_t capsoc_rtl_state::*value;
 };
-constexpr std::array<Bit, 11> ctrl_bits = {
+constexpr std::array<Bit, 12> ctrl_bits = {
     {{coprocessor::ctrl_demod, &capsoc_rtl_state::demod},
      {coprocessor::ctrl_calib, &capsoc_rtl_state::calib},
      {coprocessor::ctrl_adc, &capsoc_rtl_state::adc},
      {coprocessor::ctrl_freeze, &capsoc_rtl_state::freeze},
      {coprocessor::ctrl_block, &capsoc_rtl_state::block},
      {coprocessor::ctrl_guard, &capsoc_rtl_state::guard},
+     {coprocessor::ctrl_correct, &capsoc_rtl_state::correct},
      {coprocessor::ctrl_ie_result, &capsoc_rtl_state::ie_result},
      {coprocessor::ctrl_ie_lock, &capsoc_rtl_state::ie_lock},
      {coprocessor::ctrl_ie_error, &capsoc_rtl_state::ie_error},
@@ -294,6 +295,8 @@ capsoc_rtl_state to_rtl(const IdleState& state) {
   r.samples = state.samples;
   r.early = state.early_count;
   r.settled = std::min(state.settled, 63u);
+  for (std::size_t i = 0; i < state.corrections.size(); ++i)
+    r.corrections[i] = word(state.corrections[i]);
   return r;
 }
 
@@ -309,6 +312,8 @@ IdleState to_model(const capsoc_rtl_state& registers, const Nodes& nodes) {
   // 63 stands for more, too.
   state.settled = static_cast<unsigned>(registers.settled) +
                   (registers.settled == 63 && nodes.commits > 63 ? 1 : 0);
+  for (std::size_t i = 0; i < state.corrections.size(); ++i)
+    state.corrections[i] = static_cast<int32_t>(fixed::sign_extend<20>(registers.corrections[i]));
   state.nodes = nodes;
   return state;
 }

@@ -82,6 +82,7 @@ void Observation::result(const coprocessor::Nodes& nodes) {
   r.demodulating = (control & cop::CTRL_DEMOD_mask) != 0;
   const uint32_t reference = (control & cop::CTRL_REF_mask) >> cop::CTRL_REF_shift;
   r.numeric_reference = reference == cop::CTRL_REF_numeric;
+  r.correcting = (control & cop::CTRL_CORRECT_mask) != 0;
   r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
              static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
              static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};

@@ -8,6 +8,7 @@
 
 #include "Vdatapath.h"
 #include "coprocessor/datapath.h"
+#include "coprocessor/harmonic_correction.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/turn_judge.h"
 #include "coprocessor/types.h"
@@ -68,6 +69,7 @@ class Bench {
     top_.calib_i = r.calibrate;
     top_.block_i = r.settings.block;
     top_.guard_i = r.settings.guard;
+    top_.correct_i = r.settings.correct;
     top_.ref_i = static_cast<uint8_t>(r.settings.source);
     top_.kp_i = static_cast<uint8_t>(r.settings.kp);
     top_.ki_i = static_cast<uint8_t>(r.settings.ki);
@@ -110,6 +112,13 @@ class Bench {
     top_.stage_i = static_cast<uint8_t>(t.stage);
     top_.load_i = static_cast<uint8_t>(t.load);
     top_.load_start_i = static_cast<uint8_t>(t.load_start);
+  }
+
+  // A write of CORRECTION: value s20, 2^-24 turn.
+  void correct(bool write, unsigned node, int32_t value) {
+    top_.correction_write_i = write;
+    top_.correction_node_i = static_cast<uint8_t>(node);
+    top_.correction_value_i = static_cast<uint32_t>(value) & coprocessor::correction_value_mask;
   }
 
   void hold(int32_t u, int32_t v, bool clip) {

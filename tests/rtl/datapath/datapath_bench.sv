@@ -12,12 +12,15 @@ module datapath_bench #(
   input  logic [4:0]         stage_i,
   input  logic [2:0]         load_i, load_start_i,
   input  logic signed [31:0] held_u_i, held_v_i,
-  input  logic               held_clip_i, demod_i, frozen_i, calib_i, block_i, guard_i,
+  input  logic               held_clip_i, demod_i, frozen_i, calib_i, block_i, guard_i, correct_i,
   input  logic [1:0]         ref_i,
   input  logic [4:0]         kp_i, ki_i,
   input  logic [30:0]        step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i,
   input  logic [31:0]        lock_threshold_i, diverge_threshold_i, turn_limit_i,
   input  logic [21:0]        judge_i,
+  input  logic               correction_write_i,
+  input  logic [6:0]         correction_node_i,
+  input  logic [19:0]        correction_value_i,
   input  logic [47:0]        phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
   input  logic [31:0]        a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
   output logic               phase_we_o,
@@ -51,7 +54,7 @@ module datapath_bench #(
   status_t     status;
   assign tick = {boundary_i, enter_i, cycle_i, stage_i, load_i, load_start_i};
   assign steps = {step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i};
-  assign settings = {demod_i, calib_i, block_i, guard_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
+  assign settings = {demod_i, calib_i, block_i, guard_i, correct_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
                      judge_i, turn_limit_i};
   assign weights = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
   assign parameters = {a1_i, a2_i, b1_i, b2_i, beta_i, phi_i};
@@ -62,7 +65,8 @@ module datapath_bench #(
     .PlainArctangent(PlainArctangent)
   ) dut (
     .clk_i, .rst_ni, .clear_i, .frozen_i,
-    .tick_i(tick), .held_i({held_u_i, held_v_i, held_clip_i}), .settings_i(settings), .state_i(state),
+    .tick_i(tick), .held_i({held_u_i, held_v_i, held_clip_i}), .settings_i(settings),
+    .correction_i({correction_write_i, correction_node_i, correction_value_i}), .state_i(state),
     .state_we_o(state_we), .state_o(state_next), .commit_o, .flags_o(flags), .status_o(status),
     .turn_flags_o, .result_select_i, .result_o
   );

@@ -122,6 +122,7 @@ Registers random_registers(Words& w) {
   r.settings.slew = w.one_in(4) ? 0 : w.below(8);
   r.settings.block = w.one_in(2);
   r.settings.guard = w.one_in(2);
+  r.settings.correct = w.one_in(2);
   r.calibrate = !w.one_in(4);
   r.lock_threshold = static_cast<uint32_t>(w.bits() >> 32);
   r.diverge_threshold = static_cast<uint32_t>(w.bits() >> 32);
@@ -183,6 +184,11 @@ class Pipeline {
     const bool clip = words_.one_in(2);
     bench_.drive(r);
     bench_.hold(u, v, clip);
+    const bool write = words_.one_in(2);
+    const unsigned node = words_.below(coprocessor::correction_nodes);
+    const int32_t value = words_.word32() >> 12;
+    bench_.correct(write, node, value);
+    if (write) corrections_[node] = value;
     Timing t;
     t.boundary = true;
     t.enter = enter;
@@ -196,6 +202,7 @@ class Pipeline {
     apply_ends(r);
     start(r, enter, u, v, clip, load_start);
     bench_.edge();
+    bench_.correct(false, 0, 0);
     check_results();
   }
 
@@ -336,7 +343,14 @@ class Pipeline {
       datapath_.products(pipe_[0], state);
       ++vectors_;
     }
-    if (occupied(1)) datapath_.relative_angle(pipe_[1]), ++vectors_;
+    if (occupied(1)) {
+      Packet& p = pipe_[1];
+      datapath_.relative_angle(p);
+      if (r.settings.correct && !CAPSOC_PAPER)
+        p.relative =
+            coprocessor::corrected_angle(corrections_, p.relative, state.parameters.phi);
+      ++vectors_;
+    }
     if (occupied(2)) {
       datapath_.reference(pipe_[2], r.settings, state, reference_);
       tracking_ = r.settings.source == ReferenceSource::tracking;
@@ -448,6 +462,7 @@ class Pipeline {
   uint64_t vectors_ = 0;
   coprocessor::BlockLearning block_ = {{}, false, false, true};
   bool blocks_ = false;
+  coprocessor::CorrectionTable corrections_{};
   uint64_t blocks_committed_ = 0;
 };
 

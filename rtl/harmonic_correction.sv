@@ -1,0 +1,76 @@
+// Harmonic correction (docs/coprocessor.md): what a table of 128 nodes over the sensor's angle, with straight lines between
+// them, says that T1's relative angle is too large by.
+//
+//   phi_i         u32, 2^-32 turn: PHI, with boundary_i
+//   relative_i    u32, 2^-32 turn: T1's, from cycle 11 on
+//   value_i       s20, 2^-24 turn: becomes the node's at the edge of write_i, which comes while nothing is in the pipeline
+//   relative_o    u32, 2^-32 turn: the corrected angle, in cycle 31 of T1 (from 30 on)
+//
+// The fraction's bits, the lowest first, choose the node on the right (1) or on the left (0), whose value is added to half of
+// the sum so far. Sixteen times that is exact: floor((T[j] (2^16 - f) + T[j + 1] f) / 2^16), if the sum begins with T[j].
+//   12        the memory is asked for T[j]         13        sum = T[j]; asked for bit 0's
+//   14 .. 29  sum = sum / 2 + word, and the last halving is a wire; in 14 sum + word
+// With Present = 0 the angle passes as it is.
+module harmonic_correction #(
+  parameter int Present = 1
+) (
+  input  logic        clk_i,
+  input  logic        boundary_i,
+  input  logic [ 4:0] cycle_i,
+  input  logic        correct_i,   // CTRL.CORRECT, with boundary_i
+  input  logic [31:0] phi_i,
+  input  logic        write_i,
+  input  logic [ 6:0] node_i,
+  input  logic [19:0] value_i,
+  input  logic [31:0] relative_i,
+  output logic [31:0] relative_o
+);
+
+  // Registers as they were at the tick's start.
+  logic correct_q;
+  logic [31:9] phi_q;
+  always_ff @(posedge clk_i) begin
+    if (boundary_i) begin
+      correct_q <= correct_i && Present != 0;
+      phi_q <= phi_i[31:9];
+    end
+  end
+
+  // Node and fraction; the bit that chooses a node is looked at a cycle before its value is there.
+  logic [22:0] position;
+  logic [15:0] fraction;
+  logic [3:0] number;
+  logic right;
+  logic [6:0] address;
+  assign position = relative_i[31:9] + phi_q;
+  assign fraction = position[15:0];
+  assign number = cycle_i[3:0] - 4'd13;
+  assign right = cycle_i != 5'd12 && fraction[number];
+  assign address = position[22:16] + 7'(right);
+
+  logic signed [19:0] table_memory[0:127];
+  logic signed [19:0] word_q;
+`ifndef SYNTHESIS
+  // A block memory has this at power-up; a reset leaves it alone.
+  initial for (int i = 0; i < 128; i = i + 1) table_memory[i] = '0;
+`endif
+  always_ff @(posedge clk_i) begin
+    if (write_i) table_memory[node_i] <= value_i;
+    word_q <= table_memory[address];
+  end
+
+  logic signed [20:0] sum_q, halved;
+  assign halved = cycle_i == 5'd14 ? sum_q : sum_q >>> 1;
+  always_ff @(posedge clk_i) begin
+    if (boundary_i) sum_q <= '0;
+    else if (correct_q && cycle_i >= 5'd13 && cycle_i <= 5'd29) sum_q <= halved + 21'(word_q);
+  end
+
+  logic [23:0] correction;
+  assign correction = 24'($signed(sum_q[20:1]));
+  assign relative_o = {relative_i[31:8] - correction, relative_i[7:0]};
+
+  logic unused_phi;
+  assign unused_phi = ^phi_i[8:0];
+
+endmodule
