@@ -73,4 +73,14 @@ module harmonic_correction #(
   logic unused_phi;
   assign unused_phi = ^phi_i[8:0];
 
+`ifdef FORMAL
+  // Two more reading ports, so that a proof can relate a node and its neighbour to their shadows.
+  (* anyconst *) logic [6:0] probe;
+  logic [6:0]  probe_right;
+  logic [19:0] probed, probed_right;
+  assign probe_right = probe + 7'd1;
+  assign probed = table_memory[probe];
+  assign probed_right = table_memory[probe_right];
+`endif
+
 endmodule

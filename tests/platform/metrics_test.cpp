@@ -93,6 +93,20 @@ TEST(Metrics, CalibrationModeFromTheStartHasItsErrorsAndKeepsThePresetWords) {
   EXPECT_LT(*metrics.angle_errors().uncalibrated_max, 90) << "after demodulation it stays";
 }
 
+TEST(Metrics, CalibrationModeCountsFromWhenItsHarmonicsWereCorrected) {
+  metrics::Metrics metrics(truth, 5 / rate_hz);
+  for (uint64_t k = 0; k < 40; ++k) {
+    metrics.accepted(sample(k, 0.25));
+    // Five samples may have been on their way when CORRECT was written.
+    metrics::CoprocessorResult result = answer(k < 25 ? 0.5 : 0.25 + 1.0 / 360, truth, k < 10);
+    result.correcting = k >= 20;
+    metrics.result(result);
+    if (k == 19) EXPECT_NEAR(*metrics.angle_errors().calibration_mode_max, 90, 1e-6);
+    if (k == 24) EXPECT_FALSE(metrics.angle_errors().calibration_mode_max);
+  }
+  EXPECT_NEAR(*metrics.angle_errors().calibration_mode_max, 1, 1e-6);
+}
+
 TEST(Metrics, WithoutATruthThereIsNoError) {
   metrics::Metrics metrics(std::nullopt, 5 / rate_hz);
   metrics.accepted({0, 0.1, 0.2, 0.0, false});

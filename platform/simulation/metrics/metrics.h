@@ -48,8 +48,8 @@ struct CoprocessorResult {
   bool angle_valid = false;
   bool demodulating = false;
   bool numeric_reference = true;
-  bool correcting = false;  ///< harmonics: CTRL.CORRECT
-  ParameterWords words;
+  ParameterWords words = {};
+  bool correcting = false;  ///< CTRL.CORRECT
 };
 
 /// When all six parameters are within 1 % of the truth.
