@@ -91,6 +91,25 @@ TEST(ErrorTable, RefusesWhatDoesNotFit) {
   EXPECT_NE(std::string(reason).find("larger than the table"), std::string::npos);
 }
 
+TEST(ErrorTable, TwoSpeedsTellInertiaFromTheSensor) {
+  // A sensor's error, and a shaft's that is a quarter at twice the speed, or four times at half.
+  for (const double ratio : {2.0, 0.5}) {
+    int32_t first[error_nodes], second[error_nodes];
+    double worst = 0;
+    for (int j = 0; j < error_nodes; ++j) {
+      const double sensor = 20000 * std::sin(turn * 2 * j / 128), shaft = 9000 * std::cos(turn * j / 128);
+      first[j] = static_cast<int32_t>(std::lround(sensor + shaft));
+      second[j] = static_cast<int32_t>(std::lround(sensor + shaft / (ratio * ratio)));
+    }
+    ASSERT_EQ(error_table_without_inertia(first, second, ratio * ratio), nullptr);
+    for (int j = 0; j < error_nodes; ++j)
+      worst = std::max(worst, std::fabs(second[j] - 20000 * std::sin(turn * 2 * j / 128)));
+    EXPECT_LT(worst, 2);
+  }
+  int32_t first[error_nodes] = {500000}, second[error_nodes] = {-500000};
+  EXPECT_NE(error_table_without_inertia(first, second, 2), nullptr);
+}
+
 TEST(ErrorTable, ANodeTakesTheSamplesOnBothOfItsSides) {
   error_table table{};
   error_table_add(&table, 0xFFFFFFFF, -3);

@@ -7,6 +7,8 @@
 
 enum { node_shift = 25, largest_value = (1 << 19) - 1 };
 
+static const char too_large[] = "the error is larger than the table can take";
+
 void error_table_add(struct error_table* table, uint32_t angle, int32_t residue) {
   const uint32_t node = (angle + (UINT32_C(1) << (node_shift - 1))) >> node_shift;
   table->sums[node % error_nodes] += residue;
@@ -36,8 +38,18 @@ const char* error_table_nodes(const struct error_table* table, int32_t nodes[err
                            odd * cosine[(order * j + 3 * error_nodes / 4) % error_nodes]);
   }
   for (int j = 0; j < error_nodes; ++j) {
-    if (fabs(value[j]) > largest_value) return "the error is larger than the table can take";
+    if (fabs(value[j]) > largest_value) return too_large;
     nodes[j] = (int32_t)rint(value[j]);
+  }
+  return NULL;
+}
+
+const char* error_table_without_inertia(const int32_t first[error_nodes],
+                                        int32_t second[error_nodes], double k) {
+  for (int j = 0; j < error_nodes; ++j) {
+    const double value = (k * second[j] - first[j]) / (k - 1);
+    if (fabs(value) > largest_value) return too_large;
+    second[j] = (int32_t)rint(value);
   }
   return NULL;
 }

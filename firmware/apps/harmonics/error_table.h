@@ -23,4 +23,10 @@ void error_table_add(struct error_table* table, uint32_t angle, int32_t residue)
 // value does not fit.
 const char* error_table_nodes(const struct error_table* table, int32_t nodes[error_nodes]);
 
+// Of the tables of two speeds, `second` at sqrt(k) times the speed of `first`, with the same
+// coefficients: what is left of `second` without the shaft's uneven motion by inertia, which falls
+// with the square of the speed: (k second - first) / (k - 1). Null, or a sentence: it does not fit.
+const char* error_table_without_inertia(const int32_t first[error_nodes],
+                                        int32_t second[error_nodes], double k);
+
 #endif

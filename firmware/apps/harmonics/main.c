@@ -4,7 +4,8 @@
 //
 // The table is the mean residue of whole turns. A shaft that runs unevenly in a way that repeats
 // with each turn puts its own error into it, which the sensor's signals do not show: `ripple_deg`
-// is what the user knows about that.
+// is what the user knows about that. What comes of inertia falls with the square of the speed, and
+// a second table at another speed (`second_speed_s`) tells it from the sensor's error.
 //
 // Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board, or one without block learning or harmonic correction.
@@ -36,6 +37,8 @@
   NUMBER(uint32_t, table_turns, 4, 1, 1e4, 1, "", "of learning the table")                    \
   NUMBER(uint32_t, ripple_deg, 180, 0, 180, WORDS_PER_DEGREE, "deg",                          \
          "uneven motion that repeats with each turn, at most; 180: not known")                \
+  NUMBER(uint32_t, second_speed_s, 0, 0, 40000, 1, "s",                                       \
+         "to wait for another speed of the shaft and learn there, too; 0: one speed")         \
   CALIBRATION_SETTING(NUMBER)                                                                 \
   LIMIT_SETTING(NUMBER)                                                                       \
   ANGLE_STRIDE_SETTING(NUMBER)
@@ -48,6 +51,8 @@ enum { status_refused = 2, status_no_coprocessor = 3, speed_rounds = 3, margin =
 #define LEARNING (SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk)
 
 static const char name[] = "harmonics";
+static const char ended[] = "the signal ended too early";
+static const char no_turn[] = "no turn seen, or fewer than 22 samples in it";
 
 static uint32_t windows(void) {
   return (COPROCESSOR->TURN_FLAGS & COPROCESSOR_TURN_FLAGS_TURN_COUNT_Msk) >>
@@ -97,14 +102,14 @@ static uint32_t learn_by_angle(struct supervision* state, uint32_t turn) {
 
 // The numeric reference goes on where the angle is, with the speed of the last turn. Samples of a
 // turn; 0 if there was no turn.
-static uint32_t to_numeric_reference(struct supervision* state) {
+static uint32_t to_numeric_reference(struct supervision* state, uint32_t control) {
   const int64_t travel = (int64_t)COPROCESSOR->WINDING * (1 << 18);
   const uint32_t samples = COPROCESSOR->TURN_SAMPLES;
   if (samples < 22 || magnitude(COPROCESSOR->WINDING) < UINT32_C(1) << 29) return 0;
   const int64_t frequency = travel / (int64_t)samples;
   coprocessor_set_frequency(frequency);
   coprocessor_set_phase(((uint64_t)COPROCESSOR->REF_PHASE << 16) + (uint64_t)frequency);
-  COPROCESSOR->CTRL = LEARNING;
+  COPROCESSOR->CTRL = control;
   blocks_watch(samples);
   blocks_set_steps(samples, 1);
   state->judgement.numeric = true;
@@ -145,13 +150,52 @@ static bool correct_speed(struct supervision* state, uint32_t turn) {
   return true;
 }
 
-static bool learn_table(struct supervision* state, uint32_t turn, struct error_table* table) {
+// Null, or why there are none.
+static const char* learn_nodes(struct supervision* state, uint32_t turn,
+                               int32_t nodes[error_nodes]) {
+  static struct error_table table;
+  table = (struct error_table){0};
   bool more = true;
   for (uint32_t i = 0; i < turn * settings.table_turns; ++i) {
-    if (!next_sample(state, &more)) return false;
-    error_table_add(table, COPROCESSOR->ANGLE, COPROCESSOR->RESIDUE);
+    if (!next_sample(state, &more)) return ended;
+    error_table_add(&table, COPROCESSOR->ANGLE, COPROCESSOR->RESIDUE);
   }
-  return true;
+  return error_table_nodes(&table, nodes);
+}
+
+// With the angle as reference, until two turns have the same length, and not that of before: a
+// quarter more or less. False if that did not happen in time.
+static bool wait_for_another_speed(struct supervision* state, uint32_t turn) {
+  const uint32_t begin = sampling_count();
+  COPROCESSOR->CTRL = FROZEN | COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
+  COPROCESSOR->TURN_LIMIT = 0;
+  for (uint32_t before = 0;;) {
+    if (!wait_window(state)) return false;
+    if ((sampling_count() - begin) / settings.rate_hz >= settings.second_speed_s) return false;
+    const uint32_t now = COPROCESSOR->TURN_SAMPLES;
+    const uint32_t change = now > before ? now - before : before - now;
+    const bool another = now / 5 > turn / 4 || now / 4 < turn / 5;
+    if (another && change <= now / 100) return true;
+    before = now;
+  }
+}
+
+// The table once more, of the same coefficients. With k the square of the speeds' ratio the first
+// has k times the second's share of inertia.
+static const char* learn_again(struct supervision* state, uint32_t turn,
+                               int32_t nodes[error_nodes]) {
+  static int32_t first[error_nodes];
+  const double speed = (double)coprocessor_frequency();
+  for (int i = 0; i < error_nodes; ++i) first[i] = nodes[i];
+  if (!wait_for_another_speed(state, turn)) return "the shaft did not come to another speed in time";
+  turn = to_numeric_reference(state, FROZEN);
+  if (turn == 0) return no_turn;
+  for (int round = 0; round < speed_rounds; ++round)
+    if (!correct_speed(state, turn)) return ended;
+  const char* const objection = learn_nodes(state, turn, nodes);
+  if (objection != NULL) return objection;
+  const double ratio = (double)coprocessor_frequency() / speed, k = ratio * ratio;
+  return error_table_without_inertia(first, nodes, k);
 }
 
 // Between two samples; what meets one is refused and comes again.
@@ -190,20 +234,18 @@ static uint32_t unseen(const struct judgement* judgement, uint32_t table) {
 
 // Everything up to the corrected angle. Null, or why there is none.
 static const char* calibrate(struct supervision* state, uint32_t turn) {
-  static struct error_table table;
   static int32_t nodes[error_nodes];
-  static const char ended[] = "the signal ended too early";
   if (learn_by_angle(state, turn) == 0) return ended;
-  turn = to_numeric_reference(state);
-  if (turn == 0) return "no turn seen, or fewer than 22 samples in it";
+  turn = to_numeric_reference(state, LEARNING);
+  if (turn == 0) return no_turn;
   for (int round = 0; round < speed_rounds; ++round)
     if (!learn_block(state) || !correct_speed(state, turn)) return ended;
   if (!learn_block(state)) return ended;
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   coprocessor_load_parameters(&stored);
   print_parameter_table(&stored);
-  if (!learn_table(state, turn, &table)) return ended;
-  const char* const objection = error_table_nodes(&table, nodes);
+  const char* objection = learn_nodes(state, turn, nodes);
+  if (objection == NULL && settings.second_speed_s != 0) objection = learn_again(state, turn, nodes);
   if (objection != NULL) return objection;
   if (!write_nodes(nodes)) return "the samples leave no time to write the table";
   print_text("harmonics: the table takes off up to ");
