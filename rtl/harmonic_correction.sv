@@ -17,6 +17,7 @@ module harmonic_correction #(
   input  logic        clk_i,
   input  logic        boundary_i,
   input  logic [ 4:0] cycle_i,
+  input  logic        active_i,    // T1 holds a sample
   input  logic        correct_i,   // CTRL.CORRECT, with boundary_i
   input  logic [31:0] phi_i,
   input  logic        write_i,
@@ -56,14 +57,14 @@ module harmonic_correction #(
 `endif
   always_ff @(posedge clk_i) begin
     if (write_i) table_memory[node_i] <= value_i;
-    word_q <= table_memory[address];
+    if (active_i) word_q <= table_memory[address];
   end
 
   logic signed [20:0] sum_q, halved;
   assign halved = cycle_i == 5'd14 ? sum_q : sum_q >>> 1;
   always_ff @(posedge clk_i) begin
     if (boundary_i) sum_q <= '0;
-    else if (correct_q && cycle_i >= 5'd13 && cycle_i <= 5'd29) sum_q <= halved + 21'(word_q);
+    else if (active_i && correct_q && cycle_i >= 5'd13 && cycle_i <= 5'd29) sum_q <= halved + 21'(word_q);
   end
 
   logic [23:0] correction;

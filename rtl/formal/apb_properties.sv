@@ -7,7 +7,7 @@ module apb_properties (
   input logic [11:0] paddr_i,
   input logic [31:0] pwdata_i,
   input logic [3:0]  pstrb_i,
-  input logic        busy_i, stream_early_i, soft_early_i, boundary_i,
+  input logic        busy_i, busy_next_i, stream_early_i, soft_early_i, boundary_i,
   input state_we_t   state_we_i,
   input state_t      state_i,
   input logic        commit_i,
@@ -24,14 +24,15 @@ module apb_properties (
   logic [31:0] prdata, soft_u;
   logic [3:0]  result_select;
   settings_t   settings;
+  correction_t correction;
   state_t      state;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr), .irq_o (irq),
     .clear_o (clear), .adc_enable_o (adc_enable), .soft_valid_o (soft_valid), .soft_u_o (soft_u),
-    .load_o (load), .busy_i, .stream_early_i, .soft_early_i,
-    .settings_o (settings), .frozen_o (frozen),
+    .load_o (load), .busy_i, .busy_next_i, .stream_early_i, .soft_early_i,
+    .settings_o (settings), .correction_o (correction), .frozen_o (frozen),
     .state_o (state), .boundary_i, .state_we_i, .state_i,
     .commit_i, .flags_i, .status_i, .turn_flags_i,
     .result_select_o (result_select), .result_i
@@ -41,7 +42,7 @@ module apb_properties (
   logic [9:0] word;
   logic       listed, access, error, pair_high;
   assign word      = paddr_i[11:2];
-  assign listed    = paddr_i[1:0] == 2'd0 & (word <= 10'h029 | (word >= 10'h02C & word <= 10'h03F &
+  assign listed    = paddr_i[1:0] == 2'd0 & (word <= 10'h02A | (word >= 10'h02C & word <= 10'h03F &
                                                                 word != 10'h03A));
   assign access    = psel_i & penable_i;
   assign error     = ~listed | (pwrite_i & pstrb_i != 4'hF);
@@ -64,6 +65,7 @@ module apb_properties (
     if (~access | error | ~pwrite_i) assert (~clear & ~soft_valid & ~load);
     if (soft_valid) assert (paddr_i == capsoc_coprocessor_pkg::SOFT_V_OFFSET);
     if (load) assert (paddr_i == capsoc_coprocessor_pkg::CMD_OFFSET & pwdata_i[capsoc_coprocessor_pkg::CMD_LOAD_LSB]);
+    if (correction.write) assert (access & pwrite_i & ~error & paddr_i == capsoc_coprocessor_pkg::CORRECTION_OFFSET);
     if (clear) assert (paddr_i == capsoc_coprocessor_pkg::CTRL_OFFSET & pwdata_i[capsoc_coprocessor_pkg::CTRL_SRST_LSB]);
     if (access & pwrite_i & ~error & paddr_i == capsoc_coprocessor_pkg::SOFT_V_OFFSET) assert (soft_valid);
     if (access & pwrite_i & ~error & paddr_i == capsoc_coprocessor_pkg::CMD_OFFSET) assert (load == pwdata_i[capsoc_coprocessor_pkg::CMD_LOAD_LSB]);

@@ -20,8 +20,8 @@ module harmonic_correction_properties (
 
   logic [31:0] relative;
   harmonic_correction dut (
-    .clk_i, .boundary_i (boundary), .cycle_i (cycle), .correct_i, .phi_i, .write_i, .node_i, .value_i, .relative_i,
-    .relative_o (relative)
+    .clk_i, .boundary_i (boundary), .cycle_i (cycle), .active_i (running), .correct_i, .phi_i, .write_i, .node_i, .value_i,
+    .relative_i, .relative_o (relative)
   );
   (* hierconn *) logic [6:0]  \dut.probe ;
   (* hierconn *) logic [6:0]  \dut.probe_right ;

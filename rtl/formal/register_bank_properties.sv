@@ -7,7 +7,7 @@ module register_bank_properties (
   input logic [11:0] paddr_i,
   input logic [31:0] pwdata_i,
   input logic [3:0]  pstrb_i,
-  input logic        busy_i, stream_early_i, soft_early_i, boundary_i,
+  input logic        busy_i, busy_next_i, stream_early_i, soft_early_i, boundary_i,
   input state_we_t   state_we_i,
   input state_t      state_i,
   input logic        commit_i,
@@ -24,14 +24,15 @@ module register_bank_properties (
   logic [31:0] prdata, soft_u;
   logic [3:0]  result_select;
   settings_t   settings;
+  correction_t correction;
   state_t      state;
   register_bank dut (
     .clk_i, .rst_ni (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr), .irq_o (irq),
     .clear_o (clear), .adc_enable_o (adc_enable), .soft_valid_o (soft_valid), .soft_u_o (soft_u),
-    .load_o (load), .busy_i, .stream_early_i, .soft_early_i,
-    .settings_o (settings), .frozen_o (frozen),
+    .load_o (load), .busy_i, .busy_next_i, .stream_early_i, .soft_early_i,
+    .settings_o (settings), .correction_o (correction), .frozen_o (frozen),
     .state_o (state), .boundary_i, .state_we_i, .state_i,
     .commit_i, .flags_i, .status_i, .turn_flags_i,
     .result_select_o (result_select), .result_i
@@ -89,7 +90,7 @@ module register_bank_properties (
     start = 48'd0;
     gives = 1'b0;
     case (watched)
-      6'h02: now = {35'd0, enables, settings.guard, settings.block, \dut.freeze , adc_enable, settings.source, settings.calib,
+      6'h02: now = {34'd0, settings.correct, enables, settings.guard, settings.block, \dut.freeze , adc_enable, settings.source, settings.calib,
                     settings.demod};
       6'h04: now = {36'd0, flags};
       6'h06, 6'h07: begin now = state.freq; given = state_i.freq; gives = state_we_i.freq; end
@@ -140,7 +141,8 @@ module register_bank_properties (
   logic       refused;
   logic [11:0] set;
   assign refused = write & ((pwdata_i[31] & (word >= 6'h0A & word <= 6'h0F | word[5:1] == 5'h10)) |
-                            (word == 6'h02 & ~pwdata_i[31] & pwdata_i[3:2] == 2'd3));
+                            (word == 6'h02 & ~pwdata_i[31] & pwdata_i[3:2] == 2'd3) |
+                            (word == 6'h2A & busy_next_i));
   assign set = {{flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit_i & boundary_i}},
                 refused,
                 {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit_i & boundary_i}},
@@ -159,7 +161,7 @@ module register_bank_properties (
   always @* begin
     plain = {16'd0, pwdata_i};
     if (watched == 6'h02) begin
-      plain = {35'd0, pwdata_i[12:0]};
+      plain = {34'd0, pwdata_i[13:0]};
       if (pwdata_i[3:2] == 2'd3) plain[3:2] = now[3:2];
     end
     if (watched == 6'h26) plain = {26'd0, pwdata_i[21:0]};
@@ -213,7 +215,7 @@ module register_bank_properties (
     if (watched == 6'h34) seen = \dut.samples ;
     if (watched == 6'h35) seen = \dut.early_count ;
     if (watched == 6'h38) seen = capsoc_coprocessor_pkg::LATENCY_RESET;
-    if (watched == 6'h05 | watched == 6'h29) seen = 32'd0;
+    if (watched == 6'h05 | watched == 6'h29 | watched == 6'h2A) seen = 32'd0;
   end
   logic is_result;
   assign is_result = watched == 6'h13 | (watched >= 6'h2C & watched <= 6'h33) |
@@ -237,6 +239,9 @@ module register_bank_properties (
       assert (irq == ((flags[0] & enables.result) | (flags[5] & enables.lock) |
                       (|(flags & 12'h95E) & enables.error) | (flags[9] & enables.turn) |
                       (flags[10] & enables.alarm)));
+      // A node's write.
+      assert (correction.write == (write & word == 6'h2A & ~busy_next_i));
+      if (correction.write) assert (correction.node == pwdata_i[30:24] & correction.value == pwdata_i[19:0]);
       assert (frozen == (\dut.freeze & (flags[10] | set[10])));
     end
   end

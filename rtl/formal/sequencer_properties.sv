@@ -26,13 +26,18 @@ module sequencer_properties (
     .stream_valid_i, .stream_i,
     .soft_valid_i, .soft_u_i, .soft_v_i, .load_i,
     .place_free_o (place_free), .stream_early_o (stream_early), .soft_early_o (soft_early),
-    .busy_o (busy), .tick_o (tick), .held_o (sample)
+    .busy_o (busy), .busy_next_o (busy_next), .tick_o (tick), .held_o (sample)
   );
   (* hierconn *) logic \dut.held_q ;
   (* hierconn *) logic \dut.load_pending_q ;
   logic held, load_pending;
   assign held = \dut.held_q ;
   assign load_pending = \dut.load_pending_q ;
+
+  // BUSY, as the edge before said.
+  logic busy_next, expected_busy;
+  always @(posedge clk_i) expected_busy <= in_reset ? 1'b0 : busy_next;
+  always @* if (~in_reset) assert (busy == expected_busy);
 
   // What happens at the coming edge.
   logic stream_latch, soft_latch, latch, commit;

@@ -1,5 +1,5 @@
-// The harmonic correction (CTRL.CORRECT, CORRECTION): the table's nodes and lines against numbers in
-// double, what it takes off a sensor with harmonics, and the rules of its registers.
+// The harmonic correction (CTRL.CORRECT, CORRECTION): the table's nodes and lines against numbers
+// in double, what it takes off a sensor with harmonics, and the rules of its registers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,9 +67,9 @@ TEST(HarmonicCorrection, TakesAKnownErrorOffTheAngle) {
     return (1.2 * std::sin(2 * angle + 0.3) + 0.8 * std::cos(5 * angle)) / 360;
   };
   for (unsigned node = 0; node < correction_nodes; ++node)
-    bench.write(reg_correction,
-                node_word(node, static_cast<int32_t>(
-                                    std::lround(error_turns(tau * node / 128) * 0x1p24))));
+    bench.write(
+        reg_correction,
+        node_word(node, static_cast<int32_t>(std::lround(error_turns(tau * node / 128) * 0x1p24))));
   EXPECT_EQ(bench.read(reg_flags) & flag_config, 0u);
   double before = 0, after = 0;
   for (uint32_t ctrl : {calibrating, calibrating | ctrl_correct}) {

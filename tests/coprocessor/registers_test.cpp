@@ -45,7 +45,7 @@ TEST_F(Registers, AreMappedAsListedAndNowhereElse) {
   for (uint32_t r = 0x000; r <= 0x09C; r += 4) mapped.insert(r);
   for (uint32_t r = 0x0B0; r <= 0x0E4; r += 4) mapped.insert(r);
   for (uint32_t r = 0x0EC; r <= 0x0FC; r += 4) mapped.insert(r);
-  mapped.insert({0x0A0u, 0x0A4u});
+  mapped.insert({0x0A0u, 0x0A4u, 0x0A8u});
   for (uint32_t r = 0; r < 0x1000; ++r) {
     EXPECT_EQ(dut.read(0, r, false).ok, mapped.count(r) != 0) << r;
     EXPECT_EQ(dut.read(0, r, true).ok, mapped.count(r) != 0) << r;

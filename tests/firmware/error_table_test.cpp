@@ -52,8 +52,8 @@ TEST(ErrorTable, HasTheErrorThatItWasLearntFrom) {
   const error_table table = learnt(5000, 4);
   int32_t nodes[error_nodes];
   ASSERT_EQ(error_table_nodes(&table, nodes), nullptr);
-  // A chord of order h is a (pi h / 128)^2 / 2 off at most, 0.0060 + 0.0019 + 0.0003 degrees; half of
-  // that stands in the nodes. A node's mean is that of 39 places, not of all.
+  // A chord of order h is a (pi h / 128)^2 / 2 off at most, 0.0060 + 0.0019 + 0.0003 degrees; half
+  // of that stands in the nodes. A node's mean is that of 39 places, not of all.
   EXPECT_LT(deviation(nodes), 0.0055);
   EXPECT_GT(deviation(nodes), 0.0020);
 }
@@ -97,7 +97,8 @@ TEST(ErrorTable, TwoSpeedsTellInertiaFromTheSensor) {
     int32_t first[error_nodes], second[error_nodes];
     double worst = 0;
     for (int j = 0; j < error_nodes; ++j) {
-      const double sensor = 20000 * std::sin(turn * 2 * j / 128), shaft = 9000 * std::cos(turn * j / 128);
+      const double sensor = 20000 * std::sin(turn * 2 * j / 128),
+                   shaft = 9000 * std::cos(turn * j / 128);
       first[j] = static_cast<int32_t>(std::lround(sensor + shaft));
       second[j] = static_cast<int32_t>(std::lround(sensor + shaft / (ratio * ratio)));
     }

@@ -122,7 +122,7 @@ TEST_F(CoprocessorTlm, AFrequencySwitchKeepsTheLatencyInCycles) {
 
 TEST_F(CoprocessorTlm, AnythingButAWordAtARegisterIsABusError) {
   uint32_t value = 0;
-  EXPECT_ADDRESS_ERROR(bus.read(0x0A8, value));
+  EXPECT_ADDRESS_ERROR(bus.read(0x0AC, value));
   EXPECT_ADDRESS_ERROR(bus.write(0x0E8, 0));
   EXPECT_ADDRESS_ERROR(bus.read(0xFFC, value));
   EXPECT_ADDRESS_ERROR(bus.read(0x1000, value));

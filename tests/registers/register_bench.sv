@@ -69,6 +69,7 @@ module register_bench #(
   assign judge_o = settings.judge;
   assign turn_limit_o = settings.turn_limit;
 
+  logic busy_next;
   sequencer u_sequencer (
     .clk_i, .rst_ni,
     .clear_i        (clear),
@@ -82,11 +83,13 @@ module register_bench #(
     .stream_early_o (stream_early),
     .soft_early_o   (soft_early),
     .busy_o,
+    .busy_next_o    (busy_next),
     .tick_o         (tick),
     .held_o         (held)
   );
 
   state_t      state, unused_state;
+  correction_t unused_correction;
   weights_t    weights;
   parameters_t parameters;
   assign weights    = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
@@ -105,9 +108,11 @@ module register_bench #(
     .soft_u_o         (soft_u),
     .load_o           (load_command),
     .busy_i           (busy_o),
+    .busy_next_i      (busy_next),
     .stream_early_i   (stream_early),
     .soft_early_i     (soft_early),
     .settings_o       (settings),
+    .correction_o     (unused_correction),
     .frozen_o,
     .state_o          (unused_state),
     .boundary_i       (boundary_o),

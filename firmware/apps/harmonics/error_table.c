@@ -31,8 +31,8 @@ const char* error_table_nodes(const struct error_table* table, int32_t nodes[err
       odd += mean[j] * cosine[(order * j + 3 * error_nodes / 4) % error_nodes];
     }
     const double z = PI / error_nodes * order;
-    const double scale = order == 0 ? 1.0 / error_nodes
-                                    : 2.0 / error_nodes * z / sin(z) * (1 + z * z / 4);
+    const double scale =
+        order == 0 ? 1.0 / error_nodes : 2.0 / error_nodes * z / sin(z) * (1 + z * z / 4);
     for (int j = 0; j < error_nodes; ++j)
       value[j] += scale * (even * cosine[order * j % error_nodes] +
                            odd * cosine[(order * j + 3 * error_nodes / 4) % error_nodes]);

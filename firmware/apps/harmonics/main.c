@@ -137,8 +137,8 @@ static bool add_residues(struct supervision* state, uint32_t samples, int64_t* s
   return true;
 }
 
-// The residue drifts by what the speed is off: the same part of two turns, so that harmonics cancel.
-// It ends before the second turn does, and the next block begins with the third.
+// The residue drifts by what the speed is off: the same part of two turns, so that harmonics
+// cancel. It ends before the second turn does, and the next block begins with the third.
 static bool correct_speed(struct supervision* state, uint32_t turn) {
   const uint32_t part = turn - 2 * margin;
   int64_t first = 0, second = 0;
@@ -187,7 +187,8 @@ static const char* learn_again(struct supervision* state, uint32_t turn,
   static int32_t first[error_nodes];
   const double speed = (double)coprocessor_frequency();
   for (int i = 0; i < error_nodes; ++i) first[i] = nodes[i];
-  if (!wait_for_another_speed(state, turn)) return "the shaft did not come to another speed in time";
+  if (!wait_for_another_speed(state, turn))
+    return "the shaft did not come to another speed in time";
   turn = to_numeric_reference(state, FROZEN);
   if (turn == 0) return no_turn;
   for (int round = 0; round < speed_rounds; ++round)
@@ -245,7 +246,8 @@ static const char* calibrate(struct supervision* state, uint32_t turn) {
   coprocessor_load_parameters(&stored);
   print_parameter_table(&stored);
   const char* objection = learn_nodes(state, turn, nodes);
-  if (objection == NULL && settings.second_speed_s != 0) objection = learn_again(state, turn, nodes);
+  if (objection == NULL && settings.second_speed_s != 0)
+    objection = learn_again(state, turn, nodes);
   if (objection != NULL) return objection;
   if (!write_nodes(nodes)) return "the samples leave no time to write the table";
   print_text("harmonics: the table takes off up to ");

@@ -67,12 +67,13 @@ const std::vector<Scenario>& scenarios() {
        run_slew},
       {"settings", "settings that hold for one tick of a sample's way alone", 0, 0, run_settings},
       {"lone_clamps", "clamps whose flag nothing else of the sample raises", 0, 0, run_lone_clamps},
-      {"corrections", "tables of the harmonic correction, with every source, learning and not", 0, 0,
-       run_corrections},
+      {"corrections", "tables of the harmonic correction, with every source, learning and not", 0,
+       0, run_corrections},
       {"correction_nodes", "every node of the table, and the ends of the way to the next", 0, 0,
        run_correction_nodes},
-      {"correction_moments", "a node, CORRECT or PHI written at each edge of a sample's way; resets", 0,
-       0, run_correction_moments},
+      {"correction_moments",
+       "a node, CORRECT or PHI written at each edge of a sample's way; resets", 0, 0,
+       run_correction_moments},
   };
   return all;
 }

@@ -18,8 +18,8 @@ constexpr uint32_t correcting = ctrl_calib | ctrl_correct;
 constexpr uint32_t largest = correction_value_mask >> 1, smallest = largest + 1;
 
 void write_node(Bench& bench, unsigned node, uint32_t value) {
-  bench.write(reg_correction, node << description::CORRECTION_NODE_shift |
-                                  (value & correction_value_mask));
+  bench.write(reg_correction,
+              node << description::CORRECTION_NODE_shift | (value & correction_value_mask));
 }
 
 // Jumps between the ends of the word, slopes of all sizes, and zeros.
@@ -44,8 +44,8 @@ void write_table(Bench& bench, Random& random) {
 }
 
 void read_results(Bench& bench) {
-  for (uint32_t offset : {reg_angle, reg_residue, reg_ref_phase, reg_status, reg_flags, reg_ctrl,
-                          reg_correction})
+  for (uint32_t offset :
+       {reg_angle, reg_residue, reg_ref_phase, reg_status, reg_flags, reg_ctrl, reg_correction})
     bench.read(offset);
   bench.write(reg_flags, flags_all);
 }
@@ -56,7 +56,8 @@ void write_beside_a_sample(Bench& bench, Random& random, unsigned distance) {
   bench.drain();
   bench.sample(random.word32(), random.word32());
   bench.wait(distance);
-  for (unsigned i = 0; i < 3; ++i) write_node(bench, random.word32() % correction_nodes, any_value(random));
+  for (unsigned i = 0; i < 3; ++i)
+    write_node(bench, random.word32() % correction_nodes, any_value(random));
   bench.drain();
   read_results(bench);
   bench.sample(random.word32(), random.word32());

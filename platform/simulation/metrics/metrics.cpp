@@ -85,7 +85,7 @@ void Metrics::result(const CoprocessorResult& result) {
       if (inside && !converged_since_s_) converged_since_s_ = sample.time_s;
     }
   }
-  follow_correction(result.correcting);
+  const bool in_change = follow_correction(result.correcting);
   if (!sample.has_truth) return;
   errors_.angle_known = true;
 
@@ -104,19 +104,21 @@ void Metrics::result(const CoprocessorResult& result) {
       std::fabs(std::remainder(result.angle / q32 - turns, 1.0)) * degrees_per_turn;
   if (result.demodulating) {
     keep_last_revolution({sample.time_s, error});
-  } else {
+  } else if (!in_change) {
     keep_larger(errors_.calibration_mode_max, error);
   }
 }
 
 /// Angles with and without the correction are two things: the largest error is that of the last.
-void Metrics::follow_correction(bool correcting) {
+/// True for results of samples that may have entered before the change.
+bool Metrics::follow_correction(bool correcting) {
   constexpr unsigned pipeline_depth = 5;
   if (correcting != correcting_) in_change_ = pipeline_depth;
   correcting_ = correcting;
-  if (in_change_ == 0) return;
+  if (in_change_ == 0) return false;
   --in_change_;
   errors_.calibration_mode_max.reset();
+  return true;
 }
 
 void Metrics::keep_last_revolution(TimedError newest) {

@@ -115,7 +115,7 @@ class Metrics {
   static constexpr std::size_t longest_revolution = 10'000'000;  ///< samples
 
   bool within_one_percent(const ParameterWords& words) const;
-  void follow_correction(bool correcting);
+  bool follow_correction(bool correcting);
   void keep_last_revolution(TimedError newest);
 
   std::optional<Parameters> truth_;

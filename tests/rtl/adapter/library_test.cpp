@@ -35,7 +35,7 @@ TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
   expect_refusal(LIBRARIES "/rtl_library_wrong_version.so",
-                 "its interface has version 4 and this program wants 3");
+                 "its interface has version 5 and this program wants 4");
 }
 
 TEST(RtlLibrary, OtherRtlThanTheProgramsIsRefused) {

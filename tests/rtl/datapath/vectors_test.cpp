@@ -347,8 +347,7 @@ class Pipeline {
       Packet& p = pipe_[1];
       datapath_.relative_angle(p);
       if (r.settings.correct && !CAPSOC_PAPER)
-        p.relative =
-            coprocessor::corrected_angle(corrections_, p.relative, state.parameters.phi);
+        p.relative = coprocessor::corrected_angle(corrections_, p.relative, state.parameters.phi);
       ++vectors_;
     }
     if (occupied(2)) {
