@@ -61,29 +61,32 @@ std::optional<SensorValue> DescribedSource::sample(uint64_t k, double t_seconds)
     theta_u += turned * speed_gain_u_ * speed_u_.gaussian(k);
     theta_v += turned * speed_gain_v_ * speed_v_.gaussian(k);
   }
-  value.u = signal_u(theta_u);
-  value.v = signal_v(theta_v);
+  const double course = config_.drift.course(t_seconds);
+  value.u = signal_u(theta_u, course);
+  value.v = signal_v(theta_v, course);
   if (noise_gain_u_ != 0.0) value.u += noise_gain_u_ * noise_u_.gaussian(k);
   if (noise_gain_v_ != 0.0) value.v += noise_gain_v_ * noise_v_.gaussian(k);
   return value;
 }
 
-double DescribedSource::signal_u(double theta_turns) const {
+double DescribedSource::signal_u(double theta_turns, double course) const {
   double sum = sine_of_turns(theta_turns);
   for (const Harmonic& h : config_.harmonics) {
     if (h.channel != Channel::u) continue;
     sum += h.amplitude * sine_of_turns(h.order * theta_turns + h.phase_rad / two_pi);
   }
-  return config_.a1 * sum + config_.b1;
+  const DriftConfig& drift = config_.drift;
+  return config_.a1 * ((1 + drift.a1 * course) * sum + drift.b1 * course) + config_.b1;
 }
 
-double DescribedSource::signal_v(double theta_turns) const {
-  double sum = cosine_of_turns(theta_turns + config_.beta / two_pi);
+double DescribedSource::signal_v(double theta_turns, double course) const {
+  const DriftConfig& drift = config_.drift;
+  double sum = cosine_of_turns(theta_turns + (config_.beta + drift.beta * course) / two_pi);
   for (const Harmonic& h : config_.harmonics) {
     if (h.channel != Channel::v) continue;
     sum += h.amplitude * cosine_of_turns(h.order * theta_turns + h.phase_rad / two_pi);
   }
-  return config_.a2 * sum + config_.b2;
+  return config_.a2 * ((1 + drift.a2 * course) * sum + drift.b2 * course) + config_.b2;
 }
 
 }  // namespace capsoc::sensor

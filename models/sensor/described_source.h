@@ -19,8 +19,9 @@ class DescribedSource final : public Source {
   const Description& description() const override { return description_; }
 
  private:
-  double signal_u(double theta_turns) const;
-  double signal_v(double theta_turns) const;
+  /// `course`: DriftConfig::course of the sample's time.
+  double signal_u(double theta_turns, double course) const;
+  double signal_v(double theta_turns, double course) const;
 
   SignalConfig config_;
   Description description_;

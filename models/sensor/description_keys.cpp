@@ -20,7 +20,7 @@ const std::vector<DescriptionKey>& description_keys() {
       {"signal", "b2", Kind::number, "offset of V, full scale, -10 .. 10"},
       {"signal", "beta_rad", Kind::number, "phase shift of V, rad, -2 pi .. 2 pi"},
       {"signal", "phi_rad", Kind::number, "initial angle, rad, -2 pi .. 2 pi"},
-      {"motion", "kind", Kind::text, "constant, ripple, shuffled, walk or swing"},
+      {"motion", "kind", Kind::text, "constant, ripple, shuffled, walk, swing or profile"},
       {"motion", "frequency_hz", Kind::number, "constant, ripple: speed, negative backwards"},
       {"motion", "reference_hz", Kind::number, "constant, ripple: what firmware is told"},
       {"motion", "reverse_at_s", Kind::number, "constant, ripple: back from then on, s"},
@@ -31,6 +31,14 @@ const std::vector<DescriptionKey>& description_keys() {
       {"motion", "swing_hz", Kind::number, "swing: frequency"},
       {"motion", "amplitude_turns", Kind::number, "swing: 0 .. 1000"},
       {"motion", "centre_turns", Kind::number, "swing: -1 .. 1"},
+      {"motion", "speeds", Kind::list, "profile: [[0, Hz], [s, Hz], ...], lines between them"},
+      {"drift", "a1_per_s", Kind::number, "of the amplitude a second, -1 .. 1"},
+      {"drift", "a2_per_s", Kind::number, "of the amplitude a second, -1 .. 1"},
+      {"drift", "b1_per_s", Kind::number, "of the amplitude a second, -1 .. 1"},
+      {"drift", "b2_per_s", Kind::number, "of the amplitude a second, -1 .. 1"},
+      {"drift", "beta_rad_per_s", Kind::number, "rad a second, -1 .. 1"},
+      {"drift", "until_s", Kind::number, "a straight course until then, s; or period_s"},
+      {"drift", "period_s", Kind::number, "a sine as course, whose steepest slope the rates are"},
       {"noise", "sigma", Kind::number, "Gaussian, full scale, 0 .. 10; or peak"},
       {"noise", "peak", Kind::number, "largest value in the record, of each amplitude, 0 .. 10"},
       {"noise", "record_samples", Kind::integer, "with peak: 1 .. 1e7"},
@@ -55,6 +63,8 @@ std::vector<std::string> motion_keys(MotionKind kind) {
       return {"kind", "seed", "step_turns"};
     case MotionKind::swing:
       return {"kind", "swing_hz", "centre_turns", "amplitude_turns"};
+    case MotionKind::profile:
+      return {"kind", "speeds"};
     case MotionKind::recorded:
       break;
   }
@@ -63,7 +73,7 @@ std::vector<std::string> motion_keys(MotionKind kind) {
 
 std::optional<MotionKind> motion_kind(const std::string& word) {
   for (const MotionKind kind : {MotionKind::constant, MotionKind::ripple, MotionKind::shuffled,
-                                MotionKind::walk, MotionKind::swing})
+                                MotionKind::walk, MotionKind::swing, MotionKind::profile})
     if (word == name_of(kind)) return kind;
   return std::nullopt;
 }

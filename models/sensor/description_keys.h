@@ -20,7 +20,7 @@ struct KeyValue {
 /// One key. Keys of [signal] and [sampling] and those outside a table have their own name, others
 /// that of their table before it: "a1", "motion.frequency_hz".
 struct DescriptionKey {
-  enum class Kind { number, integer, text };
+  enum class Kind { number, integer, text, list };
   const char* table;  ///< "" outside a table
   const char* key;
   Kind kind;

@@ -1,5 +1,6 @@
 #include "sensor/motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/constants.h"
@@ -22,7 +23,16 @@ double product_modulo_turn(double a, double b) {
   return modulo_turn(modulo_turn(product) + rounding_error);
 }
 
-Motion::Motion(const MotionConfig& config) : config_(config), random_(config.seed, motion_stream) {}
+Motion::Motion(const MotionConfig& config) : config_(config), random_(config.seed, motion_stream) {
+  double angle = 0.0;
+  for (std::size_t i = 0; i < config_.speeds.size(); ++i) {
+    at_points_.push_back(angle);
+    if (i + 1 == config_.speeds.size()) break;
+    const SpeedPoint &from = config_.speeds[i], &to = config_.speeds[i + 1];
+    const double mean_hz = (from.speed_hz + to.speed_hz) / 2;
+    angle = modulo_turn(angle + product_modulo_turn(mean_hz, to.time_s - from.time_s));
+  }
+}
 
 double Motion::angle(uint64_t k, double t_seconds) {
   switch (config_.kind) {
@@ -40,6 +50,8 @@ double Motion::angle(uint64_t k, double t_seconds) {
       return modulo_turn(config_.centre_turns +
                          config_.amplitude_turns *
                              std::sin(two_pi * product_modulo_turn(config_.swing_hz, t_seconds)));
+    case MotionKind::profile:
+      return ran(t_seconds);
     case MotionKind::recorded:
       break;
   }
@@ -59,6 +71,20 @@ double Motion::turned(double t_seconds) const {
   const double depth =
       config_.frequency_hz * config_.ripple_amplitude / (two_pi * config_.ripple_hz);
   return modulo_turn(mean + depth * (1.0 - std::cos(phase)));
+}
+
+// The integral of straight lines: (speed + slope dt / 2) dt from the last point on.
+double Motion::ran(double t_seconds) const {
+  const std::vector<SpeedPoint>& points = config_.speeds;
+  const auto later = [](double t, const SpeedPoint& point) { return t < point.time_s; };
+  const auto next = std::upper_bound(points.begin(), points.end(), t_seconds, later);
+  if (next == points.begin()) return 0.0;
+  const SpeedPoint& from = *(next - 1);
+  const double dt = t_seconds - from.time_s;
+  const double slope =
+      next == points.end() ? 0.0 : (next->speed_hz - from.speed_hz) / (next->time_s - from.time_s);
+  const auto index = static_cast<std::size_t>(next - points.begin()) - 1;
+  return modulo_turn(at_points_[index] + product_modulo_turn(from.speed_hz + slope * dt / 2, dt));
 }
 
 double Motion::walked(uint64_t k) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "sensor/random.h"
 #include "sensor/signal_config.h"
@@ -28,11 +29,13 @@ class Motion {
  private:
   double turned(double t_seconds) const;
   double walked(uint64_t k);
+  double ran(double t_seconds) const;
 
   MotionConfig config_;
   RandomSequence random_;
   uint64_t walk_index_ = 0;
   double walk_angle_ = 0.0;
+  std::vector<double> at_points_;  ///< of a profile: the angle at each of its points, in [0, 1)
 };
 
 }  // namespace capsoc::sensor

@@ -31,6 +31,13 @@ std::optional<int64_t> integer_of(const std::string& text) {
   return static_cast<int64_t>(*number);
 }
 
+std::optional<toml::array> list_of(const std::string& text) {
+  const toml::parse_result parsed = toml::parse("list = " + text);
+  if (!parsed || parsed.table().size() != 1) return std::nullopt;
+  const toml::array* list = parsed.table()["list"].as_array();
+  return list != nullptr ? std::optional(*list) : std::nullopt;
+}
+
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -73,6 +80,10 @@ std::optional<Error> Overrides::apply(toml::table& root, const std::vector<KeyVa
     if (contains(set, "noise.sigma"))
       for (const char* key : {"peak", "record_samples"}) noise->erase(key);
     if (contains(set, "noise.peak")) noise->erase("sigma");
+  }
+  if (toml::table* drift = root["drift"].as_table()) {
+    if (contains(set, "drift.period_s")) drift->erase("until_s");
+    if (contains(set, "drift.until_s")) drift->erase("period_s");
   }
   if (contains(set, "motion.kind"))
     for (const KeyValue& value : values)
@@ -117,7 +128,7 @@ toml::table* Overrides::table_of(toml::table& root, const std::string& name,
   return root[name].as_table();
 }
 
-/// What is no number stays a text, which the reader refuses as it does in a file.
+/// What is no number or list stays a text, which the reader refuses as it does in a file.
 void Overrides::put(toml::table& table, const std::string& key, DescriptionKey::Kind kind,
                     const KeyValue& value) {
   const auto number = number_of(value.value);
@@ -126,9 +137,14 @@ void Overrides::put(toml::table& table, const std::string& key, DescriptionKey::
     table.insert_or_assign(key, *number);
   else if (kind == DescriptionKey::Kind::integer && integer)
     table.insert_or_assign(key, *integer);
+  else if (const auto list = list_of(value.value); kind == DescriptionKey::Kind::list && list)
+    table.insert_or_assign(key, *list);
   else
     table.insert_or_assign(key, value.value);
-  origins_[table.get(key)] = value.origin;
+  const toml::node* node = table.get(key);
+  origins_[node] = value.origin;
+  if (const toml::array* list = node->as_array())
+    for (const toml::node& element : *list) origins_[&element] = value.origin;
 }
 
 std::optional<Error> Overrides::apply_key(toml::table& root, const DescriptionKey& key,

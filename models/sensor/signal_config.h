@@ -9,6 +9,12 @@
 
 namespace capsoc::sensor {
 
+/// A point of a speed profile.
+struct SpeedPoint {
+  double time_s = 0.0;
+  double speed_hz = 0.0;  ///< turns a second, negative: backwards
+};
+
 /// How the shaft turns. Angles in turns, times in seconds.
 struct MotionConfig {
   MotionKind kind = MotionKind::constant;
@@ -22,6 +28,9 @@ struct MotionConfig {
   double centre_turns = 0.0;  ///< swing: centre + amplitude sin(2 pi hz t)
   double amplitude_turns = 0.0;
   double swing_hz = 0.0;
+  /// profile: not empty, from 0 s on with rising times; straight lines between the points, and the
+  /// last speed for ever.
+  std::vector<SpeedPoint> speeds;
 };
 
 enum class Channel { u, v };
@@ -53,17 +62,31 @@ struct SpeedDisturbanceConfig {
   uint64_t seed = 0;
 };
 
+/// Parameters that move, as with temperature: p + rate c(t), where c(t) is the smaller of t and
+/// until_s, or period_s / (2 pi) sin(2 pi t / period_s), whose steepest slope is 1. Amplitudes and
+/// offsets by parts of the channel's amplitude at 0 s (an offset may be 0), beta in radians.
+struct DriftConfig {
+  double a1 = 0.0, a2 = 0.0, b1 = 0.0, b2 = 0.0, beta = 0.0;  ///< rates, 1/s and rad/s
+  std::optional<double> until_s, period_s;                    ///< one of them where a rate is not 0
+
+  /// c(t) in seconds; 0 without until_s and period_s.
+  double course(double t_seconds) const;
+  /// The largest |c(t)|.
+  double extent_s() const;
+};
+
 /// Everything a described signal consists of. The defaults are the SoC paper's Eq (21).
 struct SignalConfig {
   std::string name = "soc_eq21";
   std::string origin;
-  double a1 = 0.6079, a2 = 0.6228;     ///< amplitudes, full scale = 1
+  double a1 = 0.6079, a2 = 0.6228;     ///< amplitudes, full scale = 1; all at 0 s if they drift
   double b1 = 0.1336, b2 = 0.1831;     ///< offsets
   double beta = 0.0629, phi = 0.0876;  ///< rad
   double sample_rate_hz = 250.0;
   std::optional<uint64_t> samples;  ///< the source ends after that many; absent: never
   int adc_bits = 32;
   MotionConfig motion;
+  DriftConfig drift;
   std::vector<Harmonic> harmonics;
   NoiseConfig noise;
   SpeedDisturbanceConfig speed_disturbance;

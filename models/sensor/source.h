@@ -16,12 +16,13 @@ struct SensorValue {
   double reference_turns = 0.0;  ///< theta without phi (omega k of the paper) in [0, 1)
 };
 
-enum class MotionKind { constant, ripple, shuffled, walk, swing, recorded };
+enum class MotionKind { constant, ripple, shuffled, walk, swing, profile, recorded };
 
 /// "constant", "ripple", ...: the word used in description files and reports.
 const char* name_of(MotionKind kind);
 
-/// What is known about a source before its first sample. Absent means unknown, never zero.
+/// What is known about a source before its first sample. Absent means unknown, never zero; a
+/// parameter that drifts has no one value and is absent, too.
 /// U = a1 sin(theta) + b1, V = a2 cos(theta + beta) + b2 (the SoC paper, Eq (1)); amplitudes and
 /// offsets in units of full scale, beta and phi in radians, theta = omega t + phi.
 struct Description {

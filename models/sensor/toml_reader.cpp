@@ -28,6 +28,8 @@ constexpr Range rate_range{1e-3, 1e7};
 constexpr Range frequency_range{-1e6, 1e6};
 constexpr Range positive_frequency_range{1e-6, 1e6};
 constexpr Range time_range{0.0, 1e9};
+constexpr Range drift_range{-1.0, 1.0};
+constexpr Range course_range{1e-3, 1e9};
 constexpr int64_t longest_record = 10'000'000;  // 0.6 s to find the peaks of both channels
 
 std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
@@ -189,14 +191,15 @@ class SignalReader {
 
   Result<SignalConfig> read() {
     TableReader top = reader(&root_, "",
-                             {"name", "origin", "sampling", "signal", "motion", "harmonics",
-                              "noise", "speed_disturbance"});
+                             {"name", "origin", "sampling", "signal", "motion", "drift",
+                              "harmonics", "noise", "speed_disturbance"});
     top.require({"name", "signal", "motion"});
     top.text("name", config_.name);
     top.text("origin", config_.origin);
     read_sampling(top.table("sampling"));
     read_signal(top.table("signal"));
     read_motion(top.table("motion"));
+    read_drift(top.table("drift"));
     read_harmonics(top.array_of_tables("harmonics"));
     read_noise(top.table("noise"));
     read_speed_disturbance(top.table("speed_disturbance"));
@@ -257,6 +260,8 @@ class SignalReader {
         in.number("centre_turns", motion.centre_turns, {-1.0, 1.0});
         return in.number("amplitude_turns", motion.amplitude_turns, {0.0, 1000.0});
       }
+      case MotionKind::profile:
+        return read_profile(table);
       case MotionKind::recorded:
         return;
     }
@@ -273,7 +278,8 @@ class SignalReader {
       kind = *known;
       return true;
     }
-    const std::vector<std::string> names = {"constant", "ripple", "shuffled", "walk", "swing"};
+    const std::vector<std::string> names = {"constant", "ripple", "shuffled",
+                                            "walk",     "swing",  "profile"};
     in.fail("kind", fmt::format("= '{}' is not known", printable(word)),
             fmt::format("the nearest known are {}", nearest_key(word, names)));
     return false;
@@ -297,6 +303,86 @@ class SignalReader {
     in.require({"ripple_amplitude", "ripple_hz"});
     in.number("ripple_amplitude", motion.ripple_amplitude, {0.0, 1.0});
     in.number("ripple_hz", motion.ripple_hz, positive_frequency_range);
+  }
+
+  void read_profile(const toml::table* table) {
+    TableReader in = reader(table, "motion", motion_keys(MotionKind::profile));
+    in.require({"speeds"});
+    const toml::node* node = table->get("speeds");
+    if (error_ || node == nullptr) return;
+    const toml::array* points = node->as_array();
+    if (points == nullptr || points->empty()) {
+      return in.fail(*node, "speeds", "is not a list of [seconds, Hz]", "write [[0, 1], [5, 100]]");
+    }
+    for (const toml::node& element : *points) {
+      if (!read_speed(in, element)) return;
+    }
+  }
+
+  /// The next point; false after an error.
+  bool read_speed(TableReader& in, const toml::node& element) {
+    const auto fail = [&](const std::string& wrong, const std::string& remedy) {
+      in.fail(element, "speeds", wrong, remedy);
+      return false;
+    };
+    const toml::array* pair = element.as_array();
+    const bool numbers =
+        pair != nullptr && pair->size() == 2 && pair->at(0).is_number() && pair->at(1).is_number();
+    if (!numbers) {
+      return fail("has a point that is not two numbers", "write [seconds, Hz]");
+    }
+    const SpeedPoint point{pair->at(0).value_or(0.0), pair->at(1).value_or(0.0)};
+    std::vector<SpeedPoint>& speeds = config_.motion.speeds;
+    const auto inside = [](double value, Range range) {  // NaN is not
+      return value >= range.least && value <= range.greatest;
+    };
+    if (!inside(point.time_s, time_range) || !inside(point.speed_hz, frequency_range)) {
+      return fail(
+          fmt::format("has a point [{}, {}] that is out of range", point.time_s, point.speed_hz),
+          fmt::format("times must lie between {} and {}, speeds between {} and {}",
+                      time_range.least, time_range.greatest, frequency_range.least,
+                      frequency_range.greatest));
+    }
+    if (speeds.empty() && point.time_s != 0.0) {
+      return fail(fmt::format("begins at {} s", point.time_s), "let its first point be at 0 s");
+    }
+    if (!speeds.empty() && point.time_s <= speeds.back().time_s) {
+      return fail(fmt::format("has {} s behind {} s", point.time_s, speeds.back().time_s),
+                  "put the points in order of time");
+    }
+    speeds.push_back(point);
+    return true;
+  }
+
+  void read_drift(const toml::table* table) {
+    if (!table) return;
+    DriftConfig& drift = config_.drift;
+    TableReader in = reader(
+        table, "drift",
+        {"a1_per_s", "a2_per_s", "b1_per_s", "b2_per_s", "beta_rad_per_s", "until_s", "period_s"});
+    if (in.has("until_s") && in.has("period_s")) {
+      in.fail("period_s", "stands beside 'until_s'", "keep one of the two");
+    }
+    if (!in.has("until_s")) in.require({"period_s"});
+    in.number("a1_per_s", drift.a1, drift_range);
+    in.number("a2_per_s", drift.a2, drift_range);
+    in.number("b1_per_s", drift.b1, drift_range);
+    in.number("b2_per_s", drift.b2, drift_range);
+    in.number("beta_rad_per_s", drift.beta, drift_range);
+    in.number("until_s", drift.until_s, course_range);
+    in.number("period_s", drift.period_s, course_range);
+    if (error_) return;
+    check_amplitude(in, "a1_per_s", drift.a1);
+    check_amplitude(in, "a2_per_s", drift.a2);
+  }
+
+  /// A sine takes an amplitude down with either sign of its rate, a straight course with one.
+  void check_amplitude(TableReader& in, const char* key, double rate) {
+    const DriftConfig& drift = config_.drift;
+    const double lost = (drift.period_s ? std::abs(rate) : -rate) * drift.extent_s();
+    if (lost < 1.0) return;
+    in.fail(key, fmt::format("= {} leaves nothing of the amplitude", rate),
+            "make it slower or its course shorter");
   }
 
   void read_harmonics(const toml::array* array) {

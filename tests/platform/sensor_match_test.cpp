@@ -118,8 +118,8 @@ TEST(SensorMatch, TheAngleReferenceNeedsNeitherRateNorSpeedNorOrder) {
 TEST(SensorMatch, TrackingFindsTheSpeedButNoOrder) {
   const metrics::SamplingState tracking = program(250, 0.05, Reference::tracking);
   EXPECT_TRUE(warnings(turning(0.051), {}, tracking).empty());
-  for (const auto kind :
-       {MotionKind::shuffled, MotionKind::walk, MotionKind::swing, MotionKind::ripple}) {
+  for (const auto kind : {MotionKind::shuffled, MotionKind::walk, MotionKind::swing,
+                          MotionKind::ripple, MotionKind::profile}) {
     sensor::Description description;
     description.motion = kind;
     EXPECT_EQ(warnings(description, {}, program()).size(), 1u) << name_of(kind);

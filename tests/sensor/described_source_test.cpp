@@ -123,6 +123,99 @@ TEST(DescribedSource, SwingsOverAnArc) {
   EXPECT_NEAR(at(config, 1875).angle_turns, 0.125, 1e-15);
 }
 
+SignalConfig on_profile(std::vector<SpeedPoint> speeds) {
+  SignalConfig config;
+  config.motion.kind = MotionKind::profile;
+  config.motion.speeds = std::move(speeds);
+  return config;
+}
+
+double turned(const SignalConfig& config, double t_seconds) {
+  return DescribedSource(config).sample(0, t_seconds)->reference_turns;
+}
+
+TEST(DescribedSource, TurnsByTheAreaUnderItsSpeeds) {
+  // Up to 100 turns/s in 5 s, two seconds of it, to -50 in 3 s, and that for ever.
+  const SignalConfig config = on_profile({{0, 0}, {5, 100}, {7, 100}, {10, -50}});
+  EXPECT_EQ(turned(config, 0), 0.0);
+  EXPECT_NEAR(turned(config, 0.1), 10.0 * 0.1 * 0.1, 1e-15);   // 20 turns/s^2
+  EXPECT_NEAR(turned(config, 5.001), 0.1, 1e-12);              // 250 whole turns
+  EXPECT_NEAR(turned(config, 7.003), 0.3 - 25 * 9e-6, 1e-12);  // -50 turns/s^2
+  // 450 turns, 75 more to the end of the slope, 50 back a second.
+  EXPECT_NEAR(turned(config, 10.5), 0.0, 1e-11);
+  EXPECT_NEAR(turned(config, 10.505), 0.75, 1e-11);
+  EXPECT_EQ(turned(on_profile({{0, 0.25}}), 3), 0.75);
+}
+
+TEST(DescribedSource, AProfileIsTheSumOfItsSpeedsInSmallSteps) {
+  const SignalConfig config = on_profile({{0, 1}, {1.5, -3}, {2, 0}, {4, 0}, {5, 7.5}});
+  const auto speed = [](double t) {  // written out again
+    if (t < 1.5) return 1 - 4 * t / 1.5;
+    if (t < 2) return -3 + 6 * (t - 1.5);
+    if (t < 4) return 0.0;
+    return t < 5 ? 7.5 * (t - 4) : 7.5;
+  };
+  constexpr int steps = 60000;
+  constexpr double dt = 6.0 / steps;
+  double sum = 0;  // the midpoint rule is exact on straight lines; every bend is on a step
+  for (int i = 0; i < steps; ++i) {
+    sum += speed((i + 0.5) * dt) * dt;
+    if (i % 777 != 0) continue;
+    EXPECT_NEAR(std::remainder(turned(config, (i + 1) * dt) - sum, 1.0), 0.0, 1e-10) << i;
+  }
+}
+
+TEST(DescribedSource, AProfileKeepsItsPrecisionAfterManyTurns) {
+  // 1,024 s at 96 turns/s are whole turns; what follows is as at the beginning.
+  const SignalConfig late = on_profile({{0, 96}, {1024, 96}, {1025, 0}});
+  const SignalConfig early = on_profile({{0, 96}, {1, 0}});
+  for (double t = 0; t < 1; t += 0.0625)
+    EXPECT_NEAR(std::remainder(turned(late, 1024 + t) - turned(early, t), 1.0), 0.0, 1e-14) << t;
+}
+
+TEST(DescribedSource, DriftsInAStraightLineUntilItsEnd) {
+  SignalConfig config;
+  config.drift = {1e-3, -2e-3, 3e-3, -4e-3, 5e-3, 10.0, {}};
+  DescribedSource source(config);
+  for (const double t : {0.0, 2.5, 10.0, 400.0}) {
+    const double moved = std::min(t, 10.0);
+    const double theta = two_pi * 0.05 * t + 0.0876;
+    const SensorValue value = *source.sample(0, t);
+    EXPECT_NEAR(value.u,
+                0.6079 * (1 + 1e-3 * moved) * std::sin(theta) + 0.1336 + 3e-3 * 0.6079 * moved,
+                1e-13);
+    EXPECT_NEAR(value.v,
+                0.6228 * (1 - 2e-3 * moved) * std::cos(theta + 0.0629 + 5e-3 * moved) + 0.1831 -
+                    4e-3 * 0.6228 * moved,
+                1e-13);
+    EXPECT_EQ(value.angle_turns, DescribedSource(SignalConfig()).sample(0, t)->angle_turns);
+  }
+}
+
+TEST(DescribedSource, DriftsAsASineWithTheRateAsItsSteepestSlope) {
+  SignalConfig config;
+  config.motion.frequency_hz = 0;
+  config.drift.b1 = 1e-3;
+  config.drift.period_s = 60.0;
+  DescribedSource source(config);
+  const double at_rest = 0.6079 * std::sin(0.0876) + 0.1336;
+  const auto offset = [&](double t) { return (source.sample(0, t)->u - at_rest) / 0.6079; };
+  EXPECT_EQ(offset(0), 0.0);
+  EXPECT_NEAR(offset(15), 1e-3 * 60 / two_pi, 1e-15);
+  EXPECT_NEAR(offset(45), -1e-3 * 60 / two_pi, 1e-15);
+  EXPECT_NEAR(offset(600.001) / 0.001, 1e-3, 1e-9);
+}
+
+TEST(DescribedSource, AParameterThatDriftsHasNoOneValue) {
+  SignalConfig config;
+  config.drift.b2 = 1e-3;
+  config.drift.until_s = 5;
+  EXPECT_FALSE(describe(config).b2);
+  EXPECT_TRUE(describe(config).a1);
+  EXPECT_TRUE(describe(config).beta);
+  EXPECT_FALSE(describe(on_profile({{0, 1}})).frequency_hz);
+}
+
 TEST(DescribedSource, AddsHarmonicsRelativeToTheChannel) {
   SignalConfig config;
   config.phi = 0.0;

@@ -105,6 +105,87 @@ TEST(TomlReader, ReadsEveryKindOfMotion) {
   EXPECT_EQ(swing.amplitude_turns, 0.2);
 }
 
+const std::string constant_motion = "kind = \"constant\"\nfrequency_hz = -2";
+
+std::string profile_error(const std::string& speeds) {
+  return error_with(constant_motion, "kind = \"profile\"\nspeeds = " + speeds);
+}
+
+TEST(TomlReader, ReadsASpeedProfile) {
+  const Result<SignalConfig> result = read_signal_toml(
+      replaced(minimal, constant_motion,
+               "kind = \"profile\"\nspeeds = [\n[0, 1], # comment\n[2.5, -100.0],\n]"),
+      "s.toml");
+  ASSERT_TRUE(result) << result.error();
+  const MotionConfig& motion = result.value().motion;
+  EXPECT_EQ(motion.kind, MotionKind::profile);
+  ASSERT_EQ(motion.speeds.size(), 2u);
+  EXPECT_EQ(motion.speeds[0].time_s, 0.0);
+  EXPECT_EQ(motion.speeds[0].speed_hz, 1.0);
+  EXPECT_EQ(motion.speeds[1].time_s, 2.5);
+  EXPECT_EQ(motion.speeds[1].speed_hz, -100.0);
+}
+
+TEST(TomlReader, SaysWhatIsWrongWithASpeedProfileInTheLineOfItsPoint) {
+  EXPECT_EQ(error_with(constant_motion, "kind = \"profile\""),
+            "s.toml:13: 'speeds' is missing in [motion]; add it");
+  for (const char* none : {"3", "[]", "\"fast\"", "{}"})
+    EXPECT_EQ(profile_error(none),
+              "s.toml:15: 'speeds' in [motion] is not a list of [seconds, Hz]; write [[0, 1], [5, "
+              "100]]");
+  for (const char* point : {"3", "[3]", "[3, 4, 5]", "[3, \"4\"]", "[true, 4]"})
+    EXPECT_EQ(profile_error("[\n[0, 1],\n" + std::string(point) + "]"),
+              "s.toml:17: 'speeds' in [motion] has a point that is not two numbers; write "
+              "[seconds, Hz]");
+  EXPECT_EQ(profile_error("[[1, 1]]"),
+            "s.toml:15: 'speeds' in [motion] begins at 1 s; let its first point be at 0 s");
+  EXPECT_EQ(profile_error("[[0, 1],\n[2, 1],\n[2, 3]]"),
+            "s.toml:17: 'speeds' in [motion] has 2 s behind 2 s; put the points in order of time");
+  EXPECT_EQ(profile_error("[[0, 1e7]]"),
+            "s.toml:15: 'speeds' in [motion] has a point [0, 10000000] that is out of range; times "
+            "must lie between 0 and 1000000000, speeds between -1000000 and 1000000");
+  EXPECT_NE(profile_error("[[0, nan]]").find("out of range"), std::string::npos);
+  EXPECT_NE(profile_error("[[0, 1], [-1, 1]]").find("out of range"), std::string::npos);
+}
+
+TEST(TomlReader, ReadsADrift) {
+  const Result<SignalConfig> result = read_signal_toml(
+      minimal +
+          "[drift]\na1_per_s = 1e-3\na2_per_s = -2e-3\nb1_per_s = 3e-3\nb2_per_s = -4e-3\n"
+          "beta_rad_per_s = 5e-3\nuntil_s = 60\n",
+      "s.toml");
+  ASSERT_TRUE(result) << result.error();
+  const DriftConfig& drift = result.value().drift;
+  EXPECT_EQ(drift.a1, 1e-3);
+  EXPECT_EQ(drift.a2, -2e-3);
+  EXPECT_EQ(drift.b1, 3e-3);
+  EXPECT_EQ(drift.b2, -4e-3);
+  EXPECT_EQ(drift.beta, 5e-3);
+  EXPECT_EQ(drift.until_s, 60.0);
+  EXPECT_FALSE(drift.period_s);
+}
+
+TEST(TomlReader, SaysWhatIsWrongWithADrift) {
+  const auto drift = [](const std::string& text) { return error_of(minimal + "[drift]\n" + text); };
+  EXPECT_EQ(drift("a1_per_s = 1e-3\n"), "s.toml:16: 'period_s' is missing in [drift]; add it");
+  EXPECT_EQ(drift("until_s = 1\nperiod_s = 1\n"),
+            "s.toml:18: 'period_s' in [drift] stands beside 'until_s'; keep one of the two");
+  EXPECT_EQ(drift("until_s = 1\na1_per_s = 2\n"),
+            "s.toml:18: 'a1_per_s' in [drift] = 2 is out of range; it must lie between -1 and 1");
+  EXPECT_EQ(drift("period_s = 0\n"),
+            "s.toml:17: 'period_s' in [drift] = 0 is out of range; it must lie between 0.001 and "
+            "1000000000");
+  EXPECT_EQ(drift("until_s = 100\na2_per_s = -0.01\n"),
+            "s.toml:18: 'a2_per_s' in [drift] = -0.01 leaves nothing of the amplitude; make it "
+            "slower or its course shorter");
+  EXPECT_EQ(drift("until_s = 100\na2_per_s = 0.01\n"), "no error");
+  // A sine goes 10 / (2 pi) s both ways.
+  EXPECT_NE(drift("period_s = 10\na1_per_s = 0.629\n").find("leaves nothing"), std::string::npos);
+  EXPECT_EQ(drift("period_s = 10\na1_per_s = 0.628\n"), "no error");
+  EXPECT_NE(drift("period_s = 10\nc1_per_s = 0.6\n").find("s.toml:18: unknown key 'c1_per_s'"),
+            std::string::npos);
+}
+
 TEST(TomlReader, NamesTheNearestKeysOfAnUnknownOne) {
   EXPECT_EQ(
       error_with("beta_rad", "betta_rad"),
@@ -224,18 +305,37 @@ TEST(TomlReader, KeysFromOutsideLieOverTheFile) {
 TEST(TomlReader, EveryKeyOfItsListIsOneOfADescription) {
   for (const DescriptionKey& key : description_keys()) {
     const bool text = key.kind == DescriptionKey::Kind::text;
-    const std::string error = overlaid_error({{key.name(), text ? "constant" : "1", "-C x"}});
+    // A drift needs a course.
+    std::vector<KeyValue> keys = {{key.name(), text ? "constant" : "1", "-C x"}};
+    if (std::string(key.table) == "drift") keys.push_back({"drift.until_s", "0.5", "-C y"});
+    const std::string error = overlaid_error(keys);
     // For another kind of motion it may be unknown, but it is none that no motion has.
     const bool unknown = error.find("unknown key") != std::string::npos;
     EXPECT_EQ(unknown && std::string(key.table) != "motion", false) << error;
   }
   for (const MotionKind kind : {MotionKind::constant, MotionKind::ripple, MotionKind::shuffled,
-                                MotionKind::walk, MotionKind::swing}) {
+                                MotionKind::walk, MotionKind::swing, MotionKind::profile}) {
     std::vector<KeyValue> keys = {{"motion.kind", name_of(kind), "-C kind"}};
     for (const std::string& key : motion_keys(kind))
-      if (key != "kind") keys.push_back({"motion." + key, "1", "-C " + key});
+      if (key != "kind")
+        keys.push_back({"motion." + key, key == "speeds" ? "[[0, 1]]" : "1", "-C " + key});
     EXPECT_EQ(overlaid_error(keys), "no error") << name_of(kind);
   }
+}
+
+TEST(TomlReader, AListFromOutsideIsReadAsInAFile) {
+  const auto result = overlaid(
+      {{"motion.kind", "profile", "-C x"}, {"motion.speeds", "[[0, 1], [5, -1e2]]", "-C y"}});
+  ASSERT_TRUE(result) << result.error();
+  ASSERT_EQ(result.value().motion.speeds.size(), 2u);
+  EXPECT_EQ(result.value().motion.speeds[1].speed_hz, -100.0);
+  for (const char* wrong : {"fast", "[[0, 1]", "[[0, 1]]\nother = 3", "1"})
+    EXPECT_EQ(
+        overlaid_error({{"motion.kind", "profile", "-C x"}, {"motion.speeds", wrong, "-C y"}}),
+        "-C y: 'speeds' in [motion] is not a list of [seconds, Hz]; write [[0, 1], [5, 100]]");
+  EXPECT_EQ(
+      overlaid_error({{"motion.kind", "profile", "-C x"}, {"motion.speeds", "[[1, 1]]", "-C y"}}),
+      "-C y: 'speeds' in [motion] begins at 1 s; let its first point be at 0 s");
 }
 
 TEST(TomlReader, WhatIsWrongWithAKeyFromOutsideNamesItsOrigin) {
@@ -270,6 +370,11 @@ TEST(TomlReader, AKeyThatBelongsToTheOtherKindGoesWithIt) {
       "no error");
   EXPECT_EQ(overlaid_error({{"motion.kind", "shuffled", "-C x"}, {"motion.seed", "7", "-C y"}}),
             "no error");
+  const std::string drift = "[drift]\nb1_per_s = 0.1\nuntil_s = 5\n";
+  const auto sine = overlaid({{"drift.period_s", "7", "-C x"}}, drift);
+  ASSERT_TRUE(sine) << sine.error();
+  EXPECT_EQ(sine.value().drift.period_s, 7.0);
+  EXPECT_FALSE(sine.value().drift.until_s);
   EXPECT_EQ(overlaid({{"noise.sigma", "", "-C x"}, {"noise.seed", "", "-C y"}}, sigma)
                 .value()
                 .noise.sigma,

@@ -101,13 +101,15 @@ void SensorMatch::judge_motion() {
     say("the sensor's angles come in random order and the program's reference turns steadily: take "
         "a program whose reference is the angle (unordered.elf)");
   if (state_.reference != Reference::numeric) return;
-  const bool ripples = motion == MotionKind::ripple;
-  if (ripples || motion == MotionKind::walk || motion == MotionKind::swing)
+  const bool ripples = motion == MotionKind::ripple, runs = motion == MotionKind::profile;
+  if (ripples || runs || motion == MotionKind::walk || motion == MotionKind::swing)
     say(
         fmt::format("the sensor does not turn at a constant speed (its motion is '{}') and the "
                     "program's reference does: take a program whose reference {}",
                     sensor::name_of(motion),
-                    ripples ? "follows it (track.elf)" : "is the angle (unordered.elf)"));
+                    ripples ? "follows it (track.elf)"
+                    : runs  ? "is the angle, at any speed (follow.elf)"
+                            : "is the angle (unordered.elf)"));
 }
 
 double SensorMatch::recorded_rate() const {
