@@ -143,18 +143,28 @@ static const struct turn_evidence* turn_before(const struct judgement* judgement
   return &judgement->turns[(judgement->judged - 1 - back) % judgement_turns];
 }
 
+static uint64_t bound_of(const struct judgement* judgement, const struct turn_evidence* turn) {
+  const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
+  const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
+  const bool by_residue_alone = judgement->corrected && judgement->numeric;
+  const uint64_t error =
+      by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
+  return error + turn->drift + turn->motion + judgement->unseen;
+}
+
+uint32_t judgement_bound_of_last(const struct judgement* judgement) {
+  const struct turn_evidence* const turn = turn_before(judgement, 0);
+  if (turn == NULL || (turn->flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) == 0) return HALF_TURN;
+  return capped(bound_of(judgement, turn));
+}
+
 uint32_t judgement_bound(const struct judgement* judgement) {
   uint64_t worst = 0;
   uint32_t good_turns = 0;
   for (;; ++good_turns) {
     const struct turn_evidence* const turn = turn_before(judgement, good_turns);
     if (turn == NULL || objection_to(judgement, turn) != NULL) break;
-    const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
-    const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
-    const bool by_residue_alone = judgement->corrected && judgement->numeric;
-    const uint64_t error =
-        by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
-    const uint64_t total = error + turn->drift + turn->motion + judgement->unseen;
+    const uint64_t total = bound_of(judgement, turn);
     if (total > worst) worst = total;
   }
   return good_turns == 0 ? HALF_TURN : capped(worst);

@@ -61,6 +61,10 @@ bool judgement_wait(struct judgement* judgement, uint32_t most);
 // no better.
 uint32_t judgement_bound(const struct judgement* judgement);
 
+// The same of the last window alone, whatever the parameters moved by in it; half a turn if it was
+// not good.
+uint32_t judgement_bound_of_last(const struct judgement* judgement);
+
 // Null if the last `fewest` turns are good and nothing speaks against the last sample; else one
 // sentence.
 const char* judgement_objection(const struct judgement* judgement);

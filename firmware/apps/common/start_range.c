@@ -1,7 +1,5 @@
 #include "start_range.h"
 
-#include "coprocessor.h"
-
 static int32_t half_width(int32_t least, int32_t greatest) {
   return (int32_t)(((int64_t)greatest - least) / 2);
 }
@@ -52,19 +50,6 @@ void start_range_feed(struct start_range* range, int32_t u, int32_t v) {
   if (range->turn == 0 && is_closed(range, u, v)) range->turn = range->samples;
 }
 
-static struct coprocessor_parameters parameters_of(const struct start_range* range) {
-  const struct coprocessor_parameters start = {.a1 = half_width(range->u_least, range->u_greatest),
-                                               .a2 = half_width(range->v_least, range->v_greatest),
-                                               .b1 = middle(range->u_least, range->u_greatest),
-                                               .b2 = middle(range->v_least, range->v_greatest)};
-  return start;
-}
-
-void start_range_load(const struct start_range* range) {
-  const struct coprocessor_parameters start = parameters_of(range);
-  coprocessor_load_parameters(&start);
-}
-
 // floor(sqrt(value)), bit by bit.
 static uint32_t root(uint64_t value) {
   uint64_t result = 0;
@@ -79,22 +64,27 @@ static uint32_t root(uint64_t value) {
   return (uint32_t)result;
 }
 
-static void set_word(enum coprocessor_coefficient which, int64_t q31) {
-  coprocessor_set_coefficient(which, q31 * 32768);
+struct start_values start_range_values(const struct start_range* range) {
+  struct start_values values;
+  values.a1 = half_width(range->u_least, range->u_greatest);
+  values.a2 = half_width(range->v_least, range->v_greatest);
+  values.b1 = middle(range->u_least, range->u_greatest);
+  values.b2 = middle(range->v_least, range->v_greatest);
+  return values;
 }
 
 // V = a_v sin + b_v cos + c_v is a_v + c_v where U = a_u sin + c_u is greatest, and -a_v + c_v
 // where it is least. The phase error is less than a quarter turn: b_v is positive.
-void start_range_load_with_phase(const struct start_range* range) {
-  const struct coprocessor_parameters start = parameters_of(range);
+void start_range_coefficients(const struct start_range* range, int32_t coefficients[6]) {
+  const struct start_values start = start_range_values(range);
   const int64_t a2 = start.a2, most = a2 * 31 / 32;
   int64_t a_v = ((int64_t)range->v_at_greatest - range->v_at_least) / 2;
   if (a_v > most) a_v = most;
   if (a_v < -most) a_v = -most;
-  set_word(coefficient_a_u, start.a1);
-  set_word(coefficient_b_u, 0);
-  set_word(coefficient_c_u, start.b1);
-  set_word(coefficient_a_v, a_v);
-  set_word(coefficient_b_v, root((uint64_t)(a2 * a2 - a_v * a_v)));
-  set_word(coefficient_c_v, start.b2);
+  coefficients[0] = start.a1;
+  coefficients[1] = 0;
+  coefficients[2] = start.b1;
+  coefficients[3] = (int32_t)a_v;
+  coefficients[4] = (int32_t)root((uint64_t)(a2 * a2 - a_v * a_v));
+  coefficients[5] = start.b2;
 }

@@ -22,9 +22,16 @@ struct start_range {
 void start_range_feed(struct start_range* range, int32_t u, int32_t v);
 
 // Amplitudes and offsets, without a phase error.
-void start_range_load(const struct start_range* range);
+struct start_values {
+  int32_t a1, a2, b1, b2;
+};
+struct start_values start_range_values(const struct start_range* range);
+// The coefficients a_u, b_u, c_u, a_v, b_v, c_v, with the phase error from V at the extremes of U.
+// For samples of a whole turn.
+void start_range_coefficients(const struct start_range* range, int32_t coefficients[6]);
 
-// With the phase error, too, from V at the extremes of U. For samples of a whole turn.
+// Either into the coprocessor (start_load.c): without and with the phase error.
+void start_range_load(const struct start_range* range);
 void start_range_load_with_phase(const struct start_range* range);
 
 #endif
