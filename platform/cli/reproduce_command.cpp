@@ -15,7 +15,7 @@ namespace capsoc::cli {
 
 namespace {
 
-int reproduce_command(TableOutput& output) {
+int reproduce_command(TableOutput& output, const std::string& synthesis_file) {
   if (output.listed()) return run::exit_code::pass;
   const std::string traces = host::data_path("traces");
   std::vector<host::FileUse> inputs;
@@ -26,10 +26,18 @@ int reproduce_command(TableOutput& output) {
           fmt::format("{}: there is no such trace; keep the folder traces/ beside capsoc", path));
     inputs.push_back({host::FileUse::Kind::input, "the trace", path});
   }
+  if (!synthesis_file.empty())
+    inputs.push_back({host::FileUse::Kind::input, "--synthesis", synthesis_file});
   if (auto error = output.check(inputs)) return refuse(error->text);
+  reproduce::Synthesis synthesis;
+  if (!synthesis_file.empty()) {
+    auto read = reproduce::read_synthesis(synthesis_file);
+    if (!read) return refuse(read.error());
+    synthesis = std::move(read.value());
+  }
   std::vector<DataTable> tables;
   const int unexpected =
-      reproduce::reproduce_tables(output.text(), traces, output.chosen(), &tables);
+      reproduce::reproduce_tables(output.text(), traces, output.chosen(), &tables, synthesis);
   return output.finish(tables, "capsoc reproduce",
                        unexpected == 0 ? run::exit_code::pass : run::exit_code::failed);
 }
@@ -38,10 +46,15 @@ int reproduce_command(TableOutput& output) {
 
 void add_reproduce(CLI::App& app, int& code) {
   auto output = std::make_shared<TableOutput>();
+  auto synthesis = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("reproduce", "Print every row of both papers' tables beside our figures");
   output->add_to(*command, reproduce::table_names());
-  command->callback([output, &code] { code = reproduce_command(*output); });
+  command
+      ->add_option("--synthesis", *synthesis,
+                   "Our side of Table 7: what scripts/synth --json FILE wrote")
+      ->type_name("FILE");
+  command->callback([output, synthesis, &code] { code = reproduce_command(*output, *synthesis); });
 }
 
 }  // namespace capsoc::cli

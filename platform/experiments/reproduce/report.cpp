@@ -101,6 +101,10 @@ void Report::point(const std::string& label, const Figure& here) {
   add({label, "", here, {}, std::nullopt, Row::Verdict::none, "", ""});
 }
 
+void Report::stated(const std::string& label, const Figure& paper, const Figure& here) {
+  add({label, paper, here, {}, std::nullopt, Row::Verdict::none, "", ""});
+}
+
 void Report::failure(const std::string& what, const std::string& reason) {
   shown_ = true;
   add({what, "", reason, {}, std::nullopt, Row::Verdict::unexpected, "when it is made", ""});
@@ -196,6 +200,7 @@ const std::vector<std::pair<std::string, std::string>>& table_names() {
       {"5", "Table 5: speed disturbance of Eq (22), peak 10^m of the frequency, 400 s"},
       {"6", "Table 6: the same, largest angle errors"},
       {"figure-10", "Figure 10: the gain cos(mu(k) k) of Eq (23) within 400 s"},
+      {"7", "Table 7: resources, and the frequency of section 4.3"},
       {"8", "Table 8: the paper's arithmetic in the coprocessor model, machine values at 400 s"},
       {"figure-13", "Figures 13 and 14: the same, errors"},
       {"figure-12", "Figure 12: its learning curves"},

@@ -130,6 +130,9 @@ class Report {
   /// A figure that the paper does not have, with what it may be. Out of the bound it is counted.
   void ours(const std::string& label, const Figure& here, const Bound& bound);
 
+  /// A figure of the paper beside one that is not compared with it.
+  void stated(const std::string& label, const Figure& paper, const Figure& here);
+
   /// A point of a curve that the paper draws without numbers.
   void point(const std::string& label, const Figure& here);
 

@@ -345,7 +345,8 @@ void table_11(Report& report) {
 }  // namespace
 
 int reproduce_tables(std::ostream& out, const std::string& traces,
-                     const std::vector<std::string>& chosen, std::vector<DataTable>* tables) {
+                     const std::vector<std::string>& chosen, std::vector<DataTable>* tables,
+                     const Synthesis& synthesis) {
   Report report(out, chosen);
   out << "The SoC paper: Tables 1 to 6 by the LMSED in double precision, Table 8, Figures 12 to "
          "14\n"
@@ -362,6 +363,7 @@ int reproduce_tables(std::ostream& out, const std::string& traces,
   if (report.wants({"3", "4"})) tables_3_and_4(report);
   if (report.wants({"5", "6"})) tables_5_and_6(report);
   figure_10(report);
+  table_7(report, synthesis);
   if (report.wants({"8", "figure-13"})) table_8(report);
   figure_12(report);
   soc_experiment_tables(report, traces);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reproduce/report.h"
+#include "reproduce/synthesis.h"
 
 namespace capsoc::reproduce {
 
@@ -19,9 +20,10 @@ inline constexpr std::array needed_traces = {"soc_experiment.toml", "csfn_eq.tom
 /// traces of the folder `traces`, with a sentence wherever the two differ. Every random record has
 /// a fixed seed, so the text is the same on every run. Returns the number of rows that should agree
 /// with the paper, by what is known about it, and do not: 0 is the expected result. `chosen`: only
-/// the tables with these ids of table_names(), empty: all. `tables` takes the rows.
+/// the tables with these ids of table_names(), empty: all. `tables` takes the rows. `synthesis`:
+/// our side of Table 7.
 int reproduce_tables(std::ostream& out, const std::string& traces,
                      const std::vector<std::string>& chosen = {},
-                     std::vector<DataTable>* tables = nullptr);
+                     std::vector<DataTable>* tables = nullptr, const Synthesis& synthesis = {});
 
 }  // namespace capsoc::reproduce
