@@ -346,6 +346,49 @@ class Tables(Case):
         self.assertLessEqual(abs(float(word["here_least"]) - 1305449920), 10737)
         self.assertNotIn("Table 2", text)
 
+    def test_table_7_takes_what_the_synthesis_wrote(self):
+        rows, _, _ = self.data("reproduce", "--table", "7")
+        self.assertEqual([(row["quantity"], row["paper"], row["here"], row["verdict"]) for row in rows],
+                         [("ALMs", "12192", "-", ""), ("registers", "7106", "-", ""), ("DSP blocks", "125", "-", ""),
+                          ("pins", "233", "-", ""), ("thermal power, mW", "361.875", "-", "")])
+        area = self.folder / "area.json"
+
+        def figures(**changes):
+            found = {"alm": 3950, "registers": 3505, "dsp": 12, **changes}
+            area.write_text(json.dumps({"precise": {"area": found, "f_max_mhz": [37.0, 46.3]},
+                                        "paper": {"area": {"alm": 9150, "registers": 3616, "dsp": 53}}}))
+        figures()
+        rows, _, text = self.data("reproduce", "--table", "7", "--synthesis", area)
+        verdicts = {row["quantity"]: (row["here"], row["verdict"]) for row in rows}
+        self.assertEqual(verdicts["ALMs, precise"], ("3950", "known"))
+        self.assertEqual(verdicts["DSP blocks, paper"], ("53", "agrees"))
+        self.assertEqual(verdicts["largest frequency, precise, MHz"], ("37.0 .. 46.3", "known"))
+        self.assertNotIn("largest frequency, paper, MHz", verdicts)
+        for changes in ({"alm": 4065}, {"registers": 3554}, {"dsp": 13}):
+            figures(**changes)
+            process = capsoc("reproduce", "--table", "7", "--synthesis", area)
+            self.assertEqual(process.returncode, 1)
+            self.assertIn("1 rows differ that should agree", process.stdout.decode())
+        for damage, sentence in (("[]", "is not a JSON object"), ("{", "is not a JSON object"),
+                                 ("{}", "has neither precise nor paper"),
+                                 ('{"paper": {"area": {"alm": 1}}}', "paper.area has no numbers"),
+                                 ('{"paper": {"area": {"alm": -1, "registers": 2, "dsp": 3}}}', "paper.area has no numbers")):
+            area.write_text(damage)
+            self.refuse(sentence, "reproduce", "--table", "7", "--synthesis", area)
+        self.refuse("cannot be read", "reproduce", "--synthesis", self.folder / "none.json")
+
+    def test_accuracy_of_drift_and_peers(self):
+        rows, results, _ = self.data("accuracy", "--table", "peers")
+        self.check_same(rows, results)
+        found = {row["quantity"]: row for row in rows}
+        for method in ("adam", "lm", "heydemann", "taubin", "direct", "sgd", "momentum", "rls", "fourier", "observer", "two-step"):
+            self.assertIn(f"Eq (21): {method}", found)
+        self.assertEqual(found["random: fourier"]["precise"], "")  # needs an order
+        self.assertLess(float(found["Eq (21): taubin"]["precise"]), 1e-8)
+        for record in ("Eq (21)", "12 bit", "noise", "3rd 1 %", "beta 1", "ripple", "random", "drift"):
+            self.assertEqual(found[f"{record}: LMS"]["verdict"], "holds")
+            self.assertNotEqual(found[f"{record}: LMS"]["paper"], "")
+
     def test_accuracy(self):
         rows, results, text = self.data("accuracy", "--table", "widths", "--table", "ripple")
         self.check_same(rows, results)
@@ -377,7 +420,7 @@ class Tables(Case):
             self.assertIn(expected, [line.split()[0] for line in process.stdout.decode().splitlines()])
 
     def test_wrong_uses_are_a_sentence(self):
-        self.refuse("there is no such table; choose from 1, figure-7, 2,", "reproduce", "--table", "7")
+        self.refuse("there is no such table; choose from 1, figure-7, 2,", "reproduce", "--table", "99")
         self.refuse("cannot both be -", "accuracy", "--csv", "-", "--json", "-")
         self.refuse("t.csv", "accuracy", "--csv", self.folder / "t.csv", "--json", self.folder / "t.csv")
         program = self.folder / "p.elf"

@@ -415,6 +415,73 @@ class Harmonics(unittest.TestCase):
         self.assertIn(b"corrects none", process.stdout)
 
 
+class Follow(unittest.TestCase):
+    """The application that follows a sensor that drifts, at any speed."""
+
+    def follow(self, *options):
+        """Process, result and the largest error of all samples after the lock."""
+        with tempfile.TemporaryDirectory() as folder:
+            record = Path(folder) / "r.csv"
+            process, r = run(FIRMWARE / "follow.elf", "--record", record, "--record-columns", "t,error_deg",
+                             "-P", "harmonics_deg=0", *options)
+            rows = [line.split(",") for line in record.read_text(encoding="ascii").splitlines() if line[:1].isdigit()]
+        lock = re.search(rb"^t +(\d+) s: lock$", process.stdout, re.MULTILINE)
+        if not lock:
+            return process, r, None
+        # What it counts as seconds begins behind the turn that it measured; one more is more than enough for that.
+        begin = int(lock.group(1)) + 2
+        return process, r, max((abs(float(error)) for t, error in rows if error and float(t) > begin), default=0.0)
+
+    def test_every_angle_since_the_lock_is_within_the_bound(self):
+        process, r, error = self.follow("--sensor", TRACES / "drift_all.toml")
+        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+        self.assertLess(error, r["verdict"]["bound_deg"])
+        # As `capsoc accuracy --table drift` has it for the same sensor and shaft.
+        table = capsoc("accuracy", "--table", "drift", "--csv", "-").stdout.decode()
+        row = next(line for line in table.splitlines() if '"drift, 0 .. 100 turns/s, reversals, 5 s at rest"' in line)
+        self.assertAlmostEqual(error, float(row.split('",')[1].split(",")[1]), places=2)
+
+    STILL = [word for key in ("a1", "a2", "b1", "b2", "beta_rad") for word in ("-C", f"sensor.drift.{key}_per_s=0")]
+
+    def profile(self, speeds, seconds):
+        return ("--sensor", TRACES / "drift_all.toml", "-C", f"sensor.motion.speeds={speeds}", "-P", f"seconds={seconds}")
+
+    def test_a_rest_leaves_the_parameters_as_they_are(self):
+        process, r, error = self.follow(*self.profile("[[0, 1], [9, 1], [9.1, 0], [19, 0], [19.1, 1]]", 22), *self.STILL,
+                                        "-P", "drift_per_s=0")
+        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+        self.assertLess(error, 2e-4)
+        self.assertLess(r["verdict"]["bound_deg"], 0.4)  # a sample of motion is 0.072 degrees
+
+    def test_drift_that_is_reckoned_with_widens_the_bound_by_the_rest(self):
+        bounds = []
+        for drift in (0, 0.001):
+            process, r, _ = self.follow(*self.profile("[[0, 1], [9, 1], [9.1, 0], [19, 0], [19.1, 1]]", 22), *self.STILL,
+                                        "-P", f"drift_per_s={drift}")
+            self.assertEqual(process.returncode, 0, process.stderr.decode())
+            bounds.append(r["verdict"]["bound_deg"])
+        # Six times 0.1 % a second for the 10 to 11 s between two turns.
+        self.assertAlmostEqual(bounds[1] - bounds[0], 57.3 * 0.006 * 10.5, delta=57.3 * 0.006 * 1.2)
+
+    def test_what_cannot_be_followed_is_refused(self):
+        for speeds, sentence in (("[[0, 0]]", b"follow: fail: no turn seen"),
+                                 ("[[0, 1], [3, 1], [3.1, 0]]", b"follow: fail: too few good turns for a lock")):
+            process, r, _ = self.follow(*self.profile(speeds, 8), *self.STILL, "-P", "measuring_seconds=5")
+            self.assertEqual(process.returncode, 1, process.stdout)
+            self.assertIn(sentence, process.stdout)
+            self.assertFalse(r["verdict"]["pass"])
+        process, _, _ = self.follow(*self.profile("[[0, 1]]", 20), "-C", "sensor.b1=0.38")
+        self.assertIn(b"follow: fail: the ADC clipped samples", process.stdout)
+        process, _ = run(FIRMWARE / "follow.elf", "--arithmetic", "paper")
+        self.assertIn(b"no block learning", process.stdout)
+
+    def test_model_and_rtl_agree(self):
+        process, r, _ = self.follow(*self.profile("[[0, 10], [1, 10], [1.2, 0], [1.5, 0], [1.6, -10]]", 2),
+                                    "--coprocessor", "lockstep")
+        self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
+        self.assertTrue(r["verdict"]["bound_holds"])
+
+
 class Recursive(unittest.TestCase):
     """The application whose processor learns: recursive least squares, a Kalman filter."""
 
@@ -658,6 +725,7 @@ class Golden(unittest.TestCase):
         "csfn_h3.toml": ("unordered", 330_000, 480_000),
         "csfn_experiment.toml": ("unordered", 110_000, 22_000),
         "recorded_example.csv": ("unordered", 40_000_000, 36_000_000),
+        "drift_all.toml": ("follow", 73_000_000, 34_000_000),  # 5.5 % of drift, half of it behind the record's middle
     }
 
     # Refused, or of a bound beyond 10 degrees: the speed is another.

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "accuracy/drift.h"
 #include "accuracy/experiment.h"
+#include "accuracy/peers.h"
+#include "accuracy/report.h"
 
 namespace capsoc::accuracy {
 namespace {
@@ -48,106 +50,6 @@ std::vector<SignalConfig> sensors() {
   all.emplace_back().motion.frequency_hz = -0.05;
   return all;
 }
-
-/// A figure of one arithmetic as it is printed; no number for "not".
-struct Figure {
-  std::string text;
-  std::optional<double> value;
-};
-
-/// One line of a table.
-struct Row {
-  std::string label, unit;
-  Figure precise, paper;
-  std::optional<double> bound;  ///< of precise
-  enum class Verdict { none, holds, misses, clips } verdict = Verdict::none;
-};
-
-const char* verdict_name(Row::Verdict verdict) {
-  static constexpr const char* names[] = {"", "holds", "misses", "clips"};
-  return names[static_cast<int>(verdict)];
-}
-
-const char* verdict_text(Row::Verdict verdict) {
-  static constexpr const char* texts[] = {"", "  precise holds", "  precise MISSES ITS BOUND",
-                                          "  precise MISSES ITS BOUND: the signal clips"};
-  return texts[static_cast<int>(verdict)];
-}
-
-/// Beyond this an angle of `paper`, which has no bound of its own, is called wrong.
-constexpr double wrong_angle_deg = 1;
-
-class Report {
- public:
-  Report(std::ostream& out, std::vector<std::string> chosen)
-      : out_(out), chosen_(std::move(chosen)) {}
-
-  bool wants(const std::string& id) const {
-    return chosen_.empty() || std::count(chosen_.begin(), chosen_.end(), id) != 0;
-  }
-
-  template <typename... Values>
-  void line(fmt::format_string<Values...> format, Values&&... values) {
-    out_ << fmt::format(format, std::forward<Values>(values)...) << "\n";
-  }
-
-  void heading(const std::string& id, const std::string& title, const std::string& label,
-               const std::string& unit = ", deg") {
-    tables_.push_back({id, title, {}});
-    line("\n{}", title);
-    line("  {:<54} {:>12} {:>12}", label, "precise" + unit, "paper" + unit);
-  }
-
-  /// Text and data of a line.
-  void add(const Row& row) {
-    if (row.verdict == Row::Verdict::misses || row.verdict == Row::Verdict::clips) ++missed_;
-    const bool wrong = row.unit == "deg" && row.paper.value.value_or(0) > wrong_angle_deg;
-    const char* const word = verdict_text(row.verdict);
-    line("  {:<54} {:>12} {:>12}{}{}", row.label, row.precise.text, row.paper.text, word,
-         !wrong       ? ""
-         : *word != 0 ? ", paper is WRONG"
-                      : "  paper is WRONG");
-    const auto number = [](const std::optional<double>& value) {
-      return value ? Field(*value) : Field();
-    };
-    // The columns of a label stand under those of the heading; a name has single spaces.
-    std::string quantity;
-    for (const char c : row.label)
-      if (c != ' ' || (!quantity.empty() && quantity.back() != ' ')) quantity += c;
-    tables_.back().rows.push_back({{"quantity", quantity},
-                                   {"unit", row.unit},
-                                   {"precise", number(row.precise.value)},
-                                   {"paper", number(row.paper.value)},
-                                   {"bound", number(row.bound)},
-                                   {"verdict", std::string(verdict_name(row.verdict))}});
-  }
-
-  /// Both angle errors and, when there is a bound, whether `precise` holds it.
-  void row(const std::string& label, const Comparison& c,
-           std::optional<double> bound_deg = std::nullopt) {
-    Row row{label, "deg", error_of(c.precise), error_of(c.paper), bound_deg};
-    if (bound_deg) row.verdict = verdict(c.precise.error_deg <= *bound_deg);
-    if (c.precise.clipped) row.verdict = Row::Verdict::clips;
-    add(row);
-  }
-
-  static Row::Verdict verdict(bool holds) {
-    return holds ? Row::Verdict::holds : Row::Verdict::misses;
-  }
-
-  int missed() const { return missed_; }
-  const std::vector<DataTable>& tables() const { return tables_; }
-
- private:
-  static Figure error_of(const Outcome& outcome) {
-    return {fmt::format("{:.2e}", outcome.error_deg), outcome.error_deg};
-  }
-
-  std::ostream& out_;
-  std::vector<std::string> chosen_;
-  std::vector<DataTable> tables_;
-  int missed_ = 0;
-};
 
 void print_sensors(Report& report) {
   report.heading(
@@ -264,6 +166,8 @@ const std::vector<std::pair<std::string, std::string>>& table_names() {
       {"ripple", "Moving speed"},
       {"shuffled", "Random angles"},
       {"reference", "Wrong reference"},
+      {"drift", "Parameters and speeds that move"},
+      {"peers", "The methods that the papers name"},
   };
   return names;
 }
@@ -279,6 +183,8 @@ int print_accuracy(std::ostream& out, const std::vector<std::string>& chosen,
   if (report.wants("ripple")) print_ripple(report);
   if (report.wants("shuffled")) print_shuffled(report);
   if (report.wants("reference")) print_wrong_reference(report);
+  if (report.wants("drift")) print_drift(report);
+  if (report.wants("peers")) print_peers(report);
   report.line("\nRows that miss their bound: {}.", report.missed());
   if (tables != nullptr) *tables = report.tables();
   return report.missed();

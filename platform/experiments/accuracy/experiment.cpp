@@ -41,7 +41,8 @@ class Run {
       const auto step = static_cast<uint32_t>(std::llround(*experiment.step * 0x1p31));
       for (uint32_t r = reg_step_au; r <= reg_step_cv; r += 4) write(r, step);
     }
-    write(reg_ctrl, ctrl_demod | ctrl_calib | ctrl_adc |
+    if (experiment.blocks) prepare_blocks();
+    write(reg_ctrl, ctrl_demod | ctrl_calib | ctrl_adc | (experiment.blocks ? ctrl_block : 0) |
                         static_cast<uint32_t>(experiment.source) << ctrl_ref_shift);
   }
 
@@ -57,11 +58,24 @@ class Run {
       const double turns = part_of_turn(read(reg_angle) * 0x1p-32 - truth);
       outcome.error_deg = std::max(outcome.error_deg, 360.0 * std::abs(turns));
     }
+    outcome.parameters = {fraction(reg_a1), fraction(reg_a2), fraction(reg_b1), fraction(reg_b2),
+                          part_of_turn(read(reg_beta) * 0x1p-32) * two_pi};
     if (outside < count) outcome.settled_s = static_cast<double>(outside) / rate_hz_;
     return outcome;
   }
 
  private:
+  /// 2 / N for sine and cosine, 1 / N for the constant.
+  void prepare_blocks() {
+    const double turn = rate_hz_ / std::abs(experiment_.reference_hz);
+    const auto step = static_cast<uint32_t>(std::llround(0x1p32 / turn));
+    for (uint32_t i = 0; i < 6; ++i) {
+      write(reg_step_au + 4 * i, i == 2 || i == 5 ? step / 2 : step);
+      write(reg_au_lo + 8 * i, 0);
+      write(reg_au_lo + 8 * i + 4, 0);
+    }
+  }
+
   /// One sample through converter and coprocessor; the true angle in turns.
   double step(uint64_t k, Outcome& outcome) {
     const auto value = source_.sample(k, static_cast<double>(k) / rate_hz_);
@@ -84,10 +98,10 @@ class Run {
   }
 
   bool near(uint32_t offset, double truth) {
-    const double found = static_cast<int32_t>(read(offset)) * 0x1p-31;
-    return std::abs(found - truth) <= 0.01 * std::abs(truth);
+    return std::abs(fraction(offset) - truth) <= 0.01 * std::abs(truth);
   }
 
+  double fraction(uint32_t offset) { return static_cast<int32_t>(read(offset)) * 0x1p-31; }
   uint32_t read(uint32_t offset) { return device_.read(cycle_, offset, true).value; }
   void write(uint32_t offset, uint32_t value) { device_.write(cycle_, offset, value); }
 

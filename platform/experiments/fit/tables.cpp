@@ -6,18 +6,16 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include "coprocessor/coprocessor.h"
 #include "csfn/calibration.h"
-#include "csfn/ellipse_fit.h"
 #include "csfn/identify.h"
 #include "csfn/peers.h"
 #include "csfn/random.h"
-#include "csfn/training.h"
+#include "fit/contenders.h"
 #include "fit/drawn_records.h"
 #include "support/constants.h"
 
@@ -254,11 +252,10 @@ void print_harmonics(std::ostream& out, Judge& judge) {
   }
 }
 
-/// One method as the table of peers has it: its answer alone, without gates and intervals.
-struct Contender {
-  std::string name;
-  std::function<Result<Parameters>(const csfn::Samples&)> identify;
-  /// Of the clean record, the noisy one and that with harmonics, degrees peak to peak.
+/// A method and the bounds of its errors, degrees peak to peak: of the clean record, the noisy one
+/// and that with harmonics.
+struct Bounded {
+  Contender method;
   std::array<double, 3> bounds;
 };
 
@@ -296,55 +293,29 @@ Result<Parameters> demodulated(coprocessor::Arithmetic arithmetic, const csfn::S
       .parameters;
 }
 
-std::vector<Contender> contenders() {
-  const auto trained = [](const Result<csfn::Training>& training) -> Result<Parameters> {
-    if (!training) return Error{training.error()};
-    return training.value().parameters;
-  };
-  std::vector<Contender> all;
-  all.push_back({"adam",
-                 [trained](const csfn::Samples& s) {
-                   return trained(csfn::train_adam(s.u, s.v, csfn::paper_start(s.u, s.v),
-                                                   csfn::decaying_adam()));
-                 },
-                 {1e-6, 0.1, 4}});
-  all.push_back({"lm",
-                 [trained](const csfn::Samples& s) {
-                   return trained(
-                       csfn::train_levenberg_marquardt(s.u, s.v, csfn::paper_start(s.u, s.v)));
-                 },
-                 {1e-6, 0.1, 4}});
-  all.push_back({"heydemann",
-                 [](const csfn::Samples& s) { return csfn::fit_heydemann(s.u, s.v); },
-                 {1e-6, 0.1, 4}});
-  all.push_back({"taubin",
-                 [](const csfn::Samples& s) { return csfn::fit_taubin(s.u, s.v); },
-                 {1e-6, 0.1, 4}});
-  all.push_back({"direct",
-                 [](const csfn::Samples& s) { return csfn::fit_direct(s.u, s.v); },
-                 {1e-6, 0.1, 4}});
-  for (const auto arithmetic : {coprocessor::Arithmetic::precise, coprocessor::Arithmetic::paper}) {
-    const bool precise = arithmetic == coprocessor::Arithmetic::precise;
-    all.push_back({precise ? "lmsed" : "lmsed 32",
-                   [arithmetic](const csfn::Samples& s) { return demodulated(arithmetic, s); },
-                   // Its coefficients follow a harmonic within the turn, by some 0.4 degrees.
-                   {0.3, 0.5, 3}});
-  }
-  for (const csfn::Peer peer : csfn::all_peers) {
+std::vector<Bounded> bounded_contenders() {
+  std::vector<Bounded> all;
+  for (Contender& method : contenders()) {
     // The observer's start fades as exp(-x) (1 + x + x^2 / 2), x = 0.3 omega t: 1.2e-4 rad are
     // left.
-    std::array<double, 3> bounds = {1e-6, 1, 4};
-    if (peer == csfn::Peer::fourier) bounds = {0.2, 0.3, 2.5};
-    if (peer == csfn::Peer::observer) bounds = {0.02, 0.3, 2.5};
-    if (peer == csfn::Peer::two_step) bounds = {0.5, 1, 12};
-    all.push_back({csfn::to_string(peer),
-                   [peer](const csfn::Samples& s) -> Result<Parameters> {
-                     const auto found = csfn::identify_by(peer, s.u, s.v);
-                     if (!found) return Error{found.error()};
-                     return found.value().parameters;
-                   },
-                   bounds});
+    std::array<double, 3> bounds = {1e-6, method.of_the_papers ? 1 : 0.1, 4};
+    if (method.name == csfn::to_string(csfn::Peer::fourier)) bounds = {0.2, 0.3, 2.5};
+    if (method.name == csfn::to_string(csfn::Peer::observer)) bounds = {0.02, 0.3, 2.5};
+    if (method.name == csfn::to_string(csfn::Peer::two_step)) bounds = {0.5, 1, 12};
+    all.push_back({std::move(method), bounds});
   }
+  const auto first_of_the_papers = std::find_if(
+      all.begin(), all.end(), [](const Bounded& one) { return one.method.of_the_papers; });
+  std::vector<Bounded> lmsed;
+  for (const auto arithmetic : {coprocessor::Arithmetic::precise, coprocessor::Arithmetic::paper}) {
+    const bool precise = arithmetic == coprocessor::Arithmetic::precise;
+    lmsed.push_back(
+        {{precise ? "lmsed" : "lmsed 32",
+          [arithmetic](const csfn::Samples& s) { return demodulated(arithmetic, s); }, false},
+         // Its coefficients follow a harmonic within the turn, by some 0.4 degrees.
+         {0.3, 0.5, 3}});
+  }
+  all.insert(first_of_the_papers, lmsed.begin(), lmsed.end());
   return all;
 }
 
@@ -367,11 +338,11 @@ int print_peers(std::ostream& out) {
       record_length, recorded_turns);
   out << fmt::format("{:10} {:>10} {:>10} {:>10} {:>10} {:>12}\n", "method", "clean", "noise 1e-3",
                      "3rd 1 %", "time, us", "ns a sample");
-  for (const Contender& contender : contenders()) {
-    std::string line = fmt::format("{:10}", contender.name);
+  for (const Bounded& contender : bounded_contenders()) {
+    std::string line = fmt::format("{:10}", contender.method.name);
     bool good = true;
     for (std::size_t i = 0; i < recordings.size(); ++i) {
-      const auto found = contender.identify(record(recordings.at(i)));
+      const auto found = contender.method.identify(record(recordings.at(i)));
       if (!found) {
         line += fmt::format(" {:>10}", "none");
         good = false;
@@ -386,7 +357,7 @@ int print_peers(std::ostream& out) {
     double least_us = HUGE_VAL;
     for (int i = 0; i < 3; ++i) {
       const auto begin = Clock::now();
-      const auto found = contender.identify(samples);
+      const auto found = contender.method.identify(samples);
       const std::chrono::duration<double, std::micro> took = Clock::now() - begin;
       if (found) least_us = std::min(least_us, took.count());
     }

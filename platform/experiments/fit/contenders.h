@@ -1,0 +1,23 @@
+// The methods on a record, each by its answer alone: without gates and intervals.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "csfn/samples.h"
+#include "support/result.h"
+
+namespace capsoc::fit {
+
+struct Contender {
+  std::string name;  ///< as `capsoc fit --method` has it
+  /// Canonical parameters at the record's end, or why there are none.
+  std::function<Result<csfn::Parameters>(const csfn::Samples&)> identify;
+  bool of_the_papers;  ///< one of those that they name beside their own (csfn/peers.h)
+};
+
+/// The CSFN's trainings, the ellipse fits, and those that the papers name, in this order.
+std::vector<Contender> contenders();
+
+}  // namespace capsoc::fit
