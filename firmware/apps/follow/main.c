@@ -47,6 +47,11 @@ enum { status_refused = 2, status_no_coprocessor = 3 };
 // phase error is small, and 5.8 times where it is 0.8 rad.
 enum { worst_of_all = 6 };
 
+// A start may have raised them; the lock clears them, and then they count.
+#define ERRORS_SINCE_LOCK                                                                    \
+  (COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_DIVERGED_Msk | COPROCESSOR_FLAGS_CLIP_Msk | \
+   COPROCESSOR_FLAGS_ALARM_Msk)
+
 struct session {
   struct follower follower;
   struct judgement judgement;
@@ -109,8 +114,7 @@ static void turn_was_good(struct session* session, uint32_t sample, uint32_t sam
   session->learnt = sample;
   if (++session->turns == settings.turns) {
     session->locked_at = sample;
-    COPROCESSOR->FLAGS =
-        COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_DIVERGED_Msk | COPROCESSOR_FLAGS_ALARM_Msk;
+    COPROCESSOR->FLAGS = ERRORS_SINCE_LOCK;
     print_text("t ");
     print_unsigned(sample / settings.rate_hz, 4);
     print_text(" s: lock\n");
@@ -118,25 +122,23 @@ static void turn_was_good(struct session* session, uint32_t sample, uint32_t sam
   keep_worst(session, session->bound);
 }
 
-// True if a window of the turn judge ended with this sample.
-static bool look(struct session* session, uint32_t sample) {
+// Whether a window of the turn judge ended with this sample, and what follows.
+static void look(struct session* session, uint32_t sample) {
   const uint32_t flags = COPROCESSOR->TURN_FLAGS;
   const uint32_t ended =
       (flags & COPROCESSOR_TURN_FLAGS_TURN_COUNT_Msk) >> COPROCESSOR_TURN_FLAGS_TURN_COUNT_Pos;
-  if (ended == session->judgement.ended) return false;
+  if (ended == session->judgement.ended) return;
   const uint32_t samples = COPROCESSOR->TURN_SAMPLES;
   judgement_look(&session->judgement);
   if ((flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0) turn_was_good(session, sample, samples);
   const bool timed_out = (flags & COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk) != 0;
   carry_out(session, follower_turn_ended(&session->follower, samples, timed_out));
-  return true;
 }
 
 static void collect_errors(struct session* session) {
   const uint32_t always = COPROCESSOR_FLAGS_EARLY_Msk | COPROCESSOR_FLAGS_CONFIG_Msk;
-  const uint32_t locked = COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_DIVERGED_Msk |
-                          COPROCESSOR_FLAGS_CLIP_Msk | COPROCESSOR_FLAGS_ALARM_Msk;
-  session->errors |= COPROCESSOR->FLAGS & (session->locked_at != 0 ? always | locked : always);
+  const uint32_t counting = session->locked_at != 0 ? always | ERRORS_SINCE_LOCK : always;
+  session->errors |= COPROCESSOR->FLAGS & counting;
 }
 
 // The first turn, and coefficients of its range. 0 if the signal ended or no turn was seen.
