@@ -116,8 +116,7 @@ void Coprocessor::start_tick() {
   if (sequencer_.occupied(1)) {
     datapath_.relative_angle(pipe_[1]);
     if (settings_.correct)
-      pipe_[1].relative =
-          corrected_angle(corrections_, pipe_[1].relative, state_.parameters.phi);
+      pipe_[1].relative = corrected_angle(corrections_, pipe_[1].relative, state_.parameters.phi);
     pipe_[1].saturated_after[1] = pipe_[1].saturated;
   }
   if (sequencer_.occupied(2)) {

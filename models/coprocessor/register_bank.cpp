@@ -361,7 +361,7 @@ void Coprocessor::write_correction(uint32_t value) {
     return;
   }
   const uint32_t word = field(value, correction_value_mask);
-  corrections_[field(value, correction_node_mask)] = 
+  corrections_[field(value, correction_node_mask)] =
       static_cast<int32_t>(fixed::sign_extend<20>(word));
 }
 

@@ -209,7 +209,9 @@ void IdleState::visit(Archive& archive) {
   archive("staged_low", staged_low);
   archive("latched_low", latched_low);
   archive("corrections", corrections);
-  const auto fits = [](int32_t value) { return fixed::sign_extend<20>(static_cast<uint32_t>(value)) == value; };
+  const auto fits = [](int32_t value) {
+    return fixed::sign_extend<20>(static_cast<uint32_t>(value)) == value;
+  };
   if (!std::all_of(corrections.begin(), corrections.end(), fits))
     archive.refuse("has a correction that does not fit 20 bits");
   archive("nodes", nodes);
@@ -229,7 +231,8 @@ template <typename Self>
 auto Coprocessor::members_of(Self& c) {
   return std::tie(c.cycle_, c.ctrl_, c.flags_, c.settings_, c.state_, c.results_, c.judge_settings_,
                   c.judge_, c.lock_threshold_, c.diverge_threshold_, c.soft_u_, c.samples_,
-                  c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.corrections_, c.nodes_);
+                  c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.corrections_,
+                  c.nodes_);
 }
 
 void Coprocessor::visit(Archive& archive) {

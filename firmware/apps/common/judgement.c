@@ -147,8 +147,7 @@ static uint64_t bound_of(const struct judgement* judgement, const struct turn_ev
   const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
   const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
   const bool by_residue_alone = judgement->corrected && judgement->numeric;
-  const uint64_t error =
-      by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
+  const uint64_t error = by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
   return error + turn->drift + turn->motion + judgement->unseen;
 }
 
