@@ -49,11 +49,14 @@ void Core::visit(kit::Archive& archive) {
 
 void Core::set_executor(Executor executor) {
   executor_ = executor;
-  const bool blocks = executor == Executor::blocks && !machine_.listeners.sees_instructions;
-  if (blocks)
-    executing_ = &machine_.blocks;
-  else
+  if (executor == Executor::translator && translator_ == nullptr && no_translator_.empty())
+    translator_ = Translator::make(machine_, no_translator_);
+  if (executor == Executor::stepping || machine_.listeners.sees_instructions)
     executing_ = &machine_.blocks.stepping();
+  else if (executor == Executor::translator && translator_ != nullptr)
+    executing_ = translator_.get();
+  else
+    executing_ = &machine_.blocks;
 }
 
 void Core::set_observer(Observer* observer, bool instructions, bool accesses) {

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 
+#include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
 
 namespace capsoc::cortex_m3 {
@@ -18,9 +21,9 @@ enum class StopReason {
   attention,
   stuck
 };
-enum class Executor { stepping, blocks };
+enum class Executor { stepping, blocks, translator };
 
-/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 to 256 priorities. Both executors
+/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 to 256 priorities. The executors
 /// agree bit for bit and cycle for cycle. Nothing a guest does ends the host program.
 class Core {
  public:
@@ -76,7 +79,18 @@ class Core {
   void set_systick_reference(unsigned cycles_a_tick) {
     machine_.state.systick.set_reference(cycles(), cycles_a_tick);
   }
+  /// Where there can be no translator, it is blocks instead: see no_translator().
   void set_executor(Executor executor);
+  /// Why there is no translator though it was asked for; empty: nothing is missing.
+  const std::string& no_translator() const { return no_translator_; }
+  /// How often a block is executed before it is translated, 1 to 254; after set_executor().
+  void set_translation_threshold(uint8_t executions) {
+    if (translator_ != nullptr) translator_->set_threshold(executions);
+  }
+  /// What the translator has done; all zero without one.
+  TranslationCounts translation() const {
+    return translator_ != nullptr ? translator_->counts() : TranslationCounts{};
+  }
 
   // Wires
   void set_interrupt(unsigned line, bool level);
@@ -120,6 +134,8 @@ class Core {
   Machine machine_;
   uint32_t vector_table_ = 0;
   Executor executor_ = Executor::blocks;
+  std::unique_ptr<Translator> translator_;
+  std::string no_translator_;
   InstructionExecutor* executing_ = &machine_.blocks;  // stepping while somebody sees each one
 };
 

@@ -4,6 +4,7 @@
 #include "cortex_m3/event.h"
 #include "cortex_m3/exceptions.h"
 #include "cortex_m3/executors/blocks.h"
+#include "cortex_m3/executors/translator/host_context.h"
 #include "cortex_m3/listeners.h"
 #include "cortex_m3/memory/memory_access.h"
 #include "cortex_m3/state.h"
@@ -20,6 +21,7 @@ class Machine {
   Machine& operator=(const Machine&) = delete;
 
   State state;
+  HostContext host_context;
   Requests requests;
   Event event;
   MemoryAccess memory;

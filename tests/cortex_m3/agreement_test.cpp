@@ -1,10 +1,12 @@
-// The two executors against each other: random programs, random interrupts, random quanta.
+// The executors against each other: random programs, random interrupts, random quanta.
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <random>
 
 #include "bench.h"
+#include "board.h"
+#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
@@ -75,17 +77,22 @@ void expect_equal(Bench& a, Bench& b, uint32_t seed) {
 
 }  // namespace
 
-TEST(Agreement, BlocksAndSteppingAgreeOnRandomProgramsForEveryQuantum) {
-  uint64_t instructions = 0, faults = 0;
-  for (uint32_t seed = 1; seed <= 1500; ++seed) {
+class Agreement : public testing::TestWithParam<Executor> {};
+
+TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
+  const unsigned long programs = repetitions("CAPSOC_AGREEMENT", 1500);
+  uint64_t instructions = 0, faults = 0, translated = 0;
+  for (uint32_t seed = 1; seed <= programs; ++seed) {
     Bench a(seed % 3), b(seed % 3);
     a.core.set_executor(Executor::stepping);
+    choose(b.core, GetParam());
     prepare(a, seed);
     prepare(b, seed);
     std::mt19937 random(seed * 7919);
     for (unsigned slice = 0; slice < 12; ++slice) {
-      uint64_t until = a.core.cycles() + 1 + random() % 200,
-               middle = a.core.cycles() + random() % 200;
+      const uint64_t longest = seed % 2 == 0 ? 200 : 1500;
+      uint64_t until = a.core.cycles() + 1 + random() % longest,
+               middle = a.core.cycles() + random() % longest;
       a.core.run(until);
       if (middle < until) b.core.run(middle);  // one more cut must change nothing
       StopReason reason = b.core.run(until);
@@ -102,11 +109,18 @@ TEST(Agreement, BlocksAndSteppingAgreeOnRandomProgramsForEveryQuantum) {
     ASSERT_EQ(a.ram, b.ram) << "seed " << seed;
     instructions += b.core.instructions();
     faults += b.core.fault_count();
+    translated += b.core.translation().instructions;
   }
-  std::printf("agreement: 1500 programs, %llu instructions, %llu faults\n",
-              static_cast<unsigned long long>(instructions),
+  std::printf("agreement: %lu programs, %llu instructions (%llu translated), %llu faults\n",
+              programs, static_cast<unsigned long long>(instructions),
+              static_cast<unsigned long long>(translated),
               static_cast<unsigned long long>(faults));
-  EXPECT_GT(instructions, 100000u);
+  EXPECT_GT(instructions, programs * 66);
+  if (GetParam() == Executor::translator && has_translator()) {
+    EXPECT_GT(translated, programs);
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(Executors, Agreement, testing::ValuesIn(fast_executors), executor_name);
 
 }  // namespace capsoc::cortex_m3::test

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -18,7 +19,7 @@ constexpr uint32_t cfsr = 0xE000ED28, preciserr = 1u << 9, impreciserr = 1u << 1
 class BusFaults : public ::testing::TestWithParam<Executor> {
  protected:
   Bench b;
-  void SetUp() override { b.core.set_executor(GetParam()); }
+  void SetUp() override { choose(b.core, GetParam()); }
 
   void write(uint32_t address, uint32_t value) { b.core.debug_write(address, &value, 4); }
   /// str r1,[r0]; adds r2,#1; adds r2,#1; b .
@@ -157,10 +158,8 @@ TEST_P(BusFaults, AContinuedMultipleTransferStartsOver) {
   EXPECT_EQ(b.core.reg(1), 5u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, BusFaults, ::testing::Values(Executor::stepping, Executor::blocks),
-                         [](const auto& executor) {
-                           return executor.param == Executor::stepping ? "Stepping" : "Blocks";
-                         });
+INSTANTIATE_TEST_SUITE_P(Both, BusFaults, ::testing::ValuesIn(all_executors),
+                         executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -17,7 +18,7 @@ constexpr unsigned debug_monitor = 12;
 class DebugMonitor : public ::testing::TestWithParam<Executor> {
  protected:
   Bench b;
-  void SetUp() override { b.core.set_executor(GetParam()); }
+  void SetUp() override { choose(b.core, GetParam()); }
 
   void write(uint32_t address, uint32_t value) { b.core.debug_write(address, &value, 4); }
   void comparator(unsigned n, uint32_t value, uint32_t function, uint32_t mask = 0) {
@@ -194,10 +195,8 @@ TEST_P(DebugMonitor, TheProgramItselfSetsItsWatchpoints) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, DebugMonitor,
-                         ::testing::Values(Executor::stepping, Executor::blocks),
-                         [](const auto& executor) {
-                           return executor.param == Executor::stepping ? "Stepping" : "Blocks";
-                         });
+                         ::testing::ValuesIn(all_executors),
+                         executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

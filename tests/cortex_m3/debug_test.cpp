@@ -5,6 +5,7 @@
 #include <random>
 
 #include "bench.h"
+#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
@@ -13,9 +14,9 @@ namespace {
 constexpr uint64_t far = 1000;
 
 TEST(Debug, BreakpointStopsBeforeItsInstructionOnceForEveryArrival) {
-  for (const Executor executor : {Executor::stepping, Executor::blocks}) {
+  for (const Executor executor : all_executors) {
     Bench b;
-    b.core.set_executor(executor);
+    choose(b.core, executor);
     // 1: adds r0,#1; adds r1,#1; b 1
     b.start({0x3001, 0x3101, 0xE7FC});
     b.core.run(b.core.cycles() + 50);  // decoded by now
@@ -37,9 +38,9 @@ TEST(Debug, WatchpointsStopBehindTheAccessTheyNameOnly) {
   };
   // str r0,[r2]; ldr r1,[r2]; b .
   for (const Case& c : {Case{false, true, 2}, Case{true, false, 4}, Case{true, true, 2}}) {
-    for (const Executor executor : {Executor::stepping, Executor::blocks}) {
+    for (const Executor executor : all_executors) {
       Bench b;
-      b.core.set_executor(executor);
+      choose(b.core, executor);
       b.start({0x6010, 0x6811, 0xE7FE});
       b.core.set_reg(2, Bench::ram_base + 0x100);
       b.core.debugging().set_watchpoint({Bench::ram_base + 0x102, 1, c.on_read, c.on_write});

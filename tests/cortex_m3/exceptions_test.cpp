@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 
@@ -95,7 +96,7 @@ TEST(Exceptions, BreakpointsWithoutADebuggerAreHardFaults) {
 // A2.3.1: INVSTATE is the next instruction's, so that has to be fetched first (B3.2.15).
 TEST(Exceptions, WhatCannotBeFetchedFaultsSoAtAnEvenAddress) {
   constexpr uint32_t iaccviol = 1, ibuserr = 1U << 8, invstate = 1U << 17;
-  for (const Executor executor : {Executor::stepping, Executor::blocks})
+  for (const Executor executor : all_executors)
     for (const auto& [target, cfsr] : {std::pair{0x40000000U, iaccviol},
                                        {0xE0000000U, iaccviol},
                                        {0x60000000U, ibuserr},
@@ -103,7 +104,7 @@ TEST(Exceptions, WhatCannotBeFetchedFaultsSoAtAnEvenAddress) {
                                        {0x20000002U, invstate}})
       for (const uint16_t branch : {uint16_t{0x4700}, uint16_t{0x4780}}) {  // bx r0, blx r0
         Bench b;
-        b.core.set_executor(executor);
+        choose(b.core, executor);
         b.start({branch});
         b.core.set_reg(0, target);
         b.core.run(10);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "bench.h"
+#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
@@ -109,12 +110,12 @@ TEST(Instructions, CyclesFollowTheTable) {
 }
 
 TEST(Instructions, ADeviceAccessSeesItsExactCycle) {
-  for (Executor executor : {Executor::stepping, Executor::blocks}) {
+  for (Executor executor : all_executors) {
     Bench b;
     uint64_t seen = 0;
     b.on_write = [&](uint32_t) { seen = b.core.cycles(); };
     b.start({0x2001, 0x6811, 0x6018, 0xE7FE});  // movs; ldr r1,[r2]; str r0,[r3]
-    b.core.set_executor(executor);
+    choose(b.core, executor);
     b.core.set_reg(2, Bench::ram_base);
     b.core.set_reg(3, 0x40000000);
     b.core.run(20);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -19,7 +20,7 @@ constexpr uint32_t size_of(unsigned bits) {
 class Mpu : public ::testing::TestWithParam<Executor> {
  protected:
   Bench b;
-  void SetUp() override { b.core.set_executor(GetParam()); }
+  void SetUp() override { choose(b.core, GetParam()); }
 
   /// Executes a store of a word by a program: str r1,[r0].
   void write(uint32_t address, uint32_t value) {
@@ -185,10 +186,8 @@ TEST_P(Mpu, WithoutHfnmienaTheMpuIsOffWhileFaultmaskIsSet) {
   EXPECT_EQ(b.core.last_fault().frame[6], 0x2208u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Mpu, ::testing::Values(Executor::stepping, Executor::blocks),
-                         [](const auto& executor) {
-                           return executor.param == Executor::stepping ? "Stepping" : "Blocks";
-                         });
+INSTANTIATE_TEST_SUITE_P(Both, Mpu, ::testing::ValuesIn(all_executors),
+                         executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -65,10 +66,10 @@ TEST(Observer, SeesTailChains) {
 }
 
 TEST(Observer, SeesEveryDirectAccess) {
-  for (const Executor executor : {Executor::stepping, Executor::blocks}) {
+  for (const Executor executor : all_executors) {
     Bench b;
     Notes notes;
-    b.core.set_executor(executor);
+    choose(b.core, executor);
     // 1: strb r0,[r2]; ldrh r1,[r2]; ldr r3,[r4]; ldr r5,[r6]; b 1
     b.start({0x7010, 0x8811, 0x6823, 0x6835, 0xE7FA});
     b.core.set_reg(0, 0xA5);
@@ -98,13 +99,13 @@ TEST(Observer, SeesEveryDirectAccess) {
 }
 
 TEST(Observer, ChangesNoCycle) {
-  for (const Executor executor : {Executor::stepping, Executor::blocks}) {
+  for (const Executor executor : all_executors) {
     std::vector<std::string> states;
     for (const auto& [instructions, accesses] :
          {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
       Bench b(2);
       Notes notes;
-      b.core.set_executor(executor);
+      choose(b.core, executor);
       if (instructions || accesses) b.core.set_observer(&notes, instructions, accesses);
       // 1: push {r0-r3}; pop {r4-r7}; ldr r0,[r2]; ldr r1,[r2,#1]; str r0,[r3]; svc; b 1
       b.start({0xB40F, 0xBCF0, 0x6810, 0xF8D2, 0x1001, 0x6018, 0xDF00, 0xE7F7});

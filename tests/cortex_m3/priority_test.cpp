@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -25,7 +26,7 @@ class Priorities : public ::testing::TestWithParam<std::tuple<Executor, unsigned
   std::vector<Told> told;
 
   void SetUp() override {
-    b.core.set_executor(std::get<0>(GetParam()));
+    choose(b.core, std::get<0>(GetParam()));
     b.core.set_priority_bits(bits());
     b.core.listeners().priority = [this](const DroppedPriority& d) {
       told.push_back({d, b.core.reg(15)});
@@ -196,13 +197,11 @@ TEST_P(Priorities, WhatLosesNothingIsNotToldOf) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, Priorities,
-                         ::testing::Combine(::testing::Values(Executor::stepping, Executor::blocks),
+                         ::testing::Combine(::testing::ValuesIn(all_executors),
                                             ::testing::Range(3U, 9U)),
                          [](const auto& p) {
-                           return std::string(std::get<0>(p.param) == Executor::stepping
-                                                  ? "Stepping"
-                                                  : "Blocks") +
-                                  std::to_string(std::get<1>(p.param));
+                           const testing::TestParamInfo<Executor> executor(std::get<0>(p.param), 0);
+                           return executor_name(executor) + std::to_string(std::get<1>(p.param));
                          });
 
 TEST(PriorityBits, OtherNumbersCountAsTheNearest) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bench.h"
+#include "executors.h"
 #include "cortex_m3/system/registers.h"
 
 namespace capsoc::cortex_m3::test {
@@ -87,9 +88,9 @@ TEST(Rooms, AnExceptionNumberBeyondTheLastIsNoException) {
 }
 
 TEST(Rooms, AStackedExceptionNumberThatIsNoneIsAFaultOfTheReturn) {
-  for (const Executor executor : {Executor::stepping, Executor::blocks}) {
+  for (const Executor executor : all_executors) {
     Bench b;
-    b.core.set_executor(executor);
+    choose(b.core, executor);
     constexpr uint32_t svcall = 0x4000 + 32 * exception::svcall;
     // ldr r0, =ICSR; movs r1, #1; lsls r1, r1, #31; str r1, [r0]: NMI comes; bx lr
     b.code(svcall, {0x4802, 0x2101, 0x07C9, 0x6001, 0x4770});

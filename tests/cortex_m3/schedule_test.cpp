@@ -9,6 +9,7 @@
 
 #include "bench.h"
 #include "board.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -26,12 +27,16 @@ void expect_same_state(const Core& a, const Core& b, unsigned long schedule) {
 
 }  // namespace
 
-TEST(Schedules, BlocksTakeRandomInterruptsAtTheSameInstructionAndCycleAsStepping) {
+class Schedules : public testing::TestWithParam<Executor> {};
+class RandomFirmware : public testing::TestWithParam<Executor> {};
+
+TEST_P(Schedules, TakeRandomInterruptsAtTheSameInstructionAndCycleAsStepping) {
   const unsigned long schedules = repetitions("CAPSOC_SCHEDULES", 2000);
   const std::string elf = std::string(CAPSOC_BENCH_PROGRAMS) + "/bench_interrupts.elf";
   Board stepping(elf), blocks(elf);
   ASSERT_TRUE(stepping.loaded()) << elf;
   stepping.core.set_executor(Executor::stepping);
+  choose(blocks.core, GetParam());
   std::mt19937 random(1);
   auto run_both = [&](uint64_t until) {
     for (Board* board : {&stepping, &blocks}) {
@@ -75,11 +80,12 @@ TEST(Schedules, BlocksTakeRandomInterruptsAtTheSameInstructionAndCycleAsStepping
               static_cast<unsigned long long>(blocks.core.fault_count()));
 }
 
-TEST(RandomFirmware, RandomBytesEndInAFaultALimitOrAnExitAndBothExecutorsAgree) {
+TEST_P(RandomFirmware, RandomBytesEndInAFaultALimitOrAnExitAsWithStepping) {
   const unsigned long seeds = repetitions("CAPSOC_RANDOM_FIRMWARE", 400);
   unsigned long lockups = 0, limits = 0, asleep = 0, other = 0;
   Bench stepping, blocks;
   stepping.core.set_executor(Executor::stepping);
+  choose(blocks.core, GetParam());
   for (Bench* b : {&stepping, &blocks}) {
     b->core.listeners().semihosting = [](Core& core) { return core.reg(0) != 0x18; };
   }
@@ -125,5 +131,9 @@ TEST(RandomFirmware, RandomBytesEndInAFaultALimitOrAnExitAndBothExecutorsAgree) 
   std::printf("random firmware: %lu images: %lu lockups, %lu limits, %lu asleep, %lu others\n",
               seeds, lockups, limits, asleep, other);
 }
+
+INSTANTIATE_TEST_SUITE_P(Executors, Schedules, testing::ValuesIn(fast_executors), executor_name);
+INSTANTIATE_TEST_SUITE_P(Executors, RandomFirmware, testing::ValuesIn(fast_executors),
+                         executor_name);
 
 }  // namespace capsoc::cortex_m3::test

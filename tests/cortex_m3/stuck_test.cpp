@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -22,26 +23,27 @@ void poke(Bench& b, uint32_t address, uint32_t value) {
 
 /// A program that faults, with a handler that gives up.
 void prepare(Bench& b, Executor executor, unsigned number) {
-  b.core.set_executor(executor);
+  choose(b.core, executor);
   b.code(handler(number), {branch_to_self});
   b.core.listeners().hopeless = [] { return true; };
   b.start({0x2001, undefined, branch_to_self});
 }
 
 TEST(Stuck, AHandlerThatBranchesToItselfEndsTheRunAtTheSameCycle) {
-  uint64_t cycles[2] = {};
-  for (const Executor executor : {Executor::stepping, Executor::blocks}) {
+  uint64_t cycles[std::size(all_executors)] = {};
+  for (const Executor executor : all_executors) {
     Bench b;
     prepare(b, executor, hard_fault);
     ASSERT_EQ(b.core.run(far), StopReason::stuck);
     EXPECT_EQ(b.core.reg(15), handler(hard_fault));
     EXPECT_EQ(b.core.first_fault().exception, hard_fault);
-    cycles[executor == Executor::blocks ? 1 : 0] = b.core.cycles();
+    cycles[static_cast<unsigned>(executor)] = b.core.cycles();
     const uint64_t before = b.core.instructions();
     ASSERT_EQ(b.core.run(far), StopReason::stuck) << "it may go on, and is there again";
     EXPECT_EQ(b.core.instructions(), before + 1);
   }
   EXPECT_EQ(cycles[0], cycles[1]);
+  EXPECT_EQ(cycles[0], cycles[2]);
 }
 
 TEST(Stuck, TheWideBranchIsOne) {

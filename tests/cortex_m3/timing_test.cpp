@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -12,7 +13,7 @@ class Timing : public ::testing::TestWithParam<Executor> {
   /// Cycles until the program counter reaches the end of the code.
   uint64_t cycles_of(std::initializer_list<uint16_t> code, uint32_t r4 = 0, uint32_t r5 = 0) {
     Bench b;
-    b.core.set_executor(GetParam());
+    choose(b.core, GetParam());
     b.start(code);
     b.code(Bench::program + 2 * static_cast<uint32_t>(code.size()), {0xE7FE});
     for (unsigned n = 0; n < 4; ++n) b.core.set_reg(n, Bench::ram_base + 64 * n);
@@ -40,7 +41,7 @@ TEST_P(Timing, ThreeLoadsAreNormallyFourCycles) {
 }
 TEST_P(Timing, ALoadWhoseAddressIsLoadedDoesNotPipeline) {
   Bench b;
-  b.core.set_executor(GetParam());
+  choose(b.core, GetParam());
   b.start({0x6809, 0x680A, 0xE7FE});  // ldr r1,[r1]; ldr r2,[r1]
   b.core.set_reg(1, Bench::ram_base);
   const uint32_t pointer = Bench::ram_base + 8;
@@ -91,7 +92,7 @@ TEST_P(Timing, TheStateOfThePipelineDoesNotDependOnWhereARunEnds) {
   for (uint64_t cut = 1; cut < 40; ++cut) {
     Bench whole, pieces;
     for (Bench* b : {&whole, &pieces}) {
-      b->core.set_executor(GetParam());
+      choose(b->core, GetParam());
       b->start(code);
       for (unsigned n = 0; n < 4; ++n) b->core.set_reg(n, Bench::ram_base + 64 * n);
     }
@@ -105,7 +106,7 @@ TEST_P(Timing, TheStateOfThePipelineDoesNotDependOnWhereARunEnds) {
 
 TEST_P(Timing, AnExceptionIsEnteredInTwelveCyclesAndALateArrivalCostsNone) {
   Bench b;
-  b.core.set_executor(GetParam());
+  choose(b.core, GetParam());
   b.start({0x6025, 0x7037, 0xE7FE});  // str r5,[r4]; strb r7,[r6]; b .
   b.core.set_reg(4, 0xE000E100);
   b.core.set_reg(5, 3);
@@ -125,10 +126,8 @@ TEST_P(Timing, AnExceptionIsEnteredInTwelveCyclesAndALateArrivalCostsNone) {
   EXPECT_EQ(b.peek(0xE000E200) & 3, 1u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Timing, ::testing::Values(Executor::stepping, Executor::blocks),
-                         [](const auto& executor) {
-                           return executor.param == Executor::stepping ? "Stepping" : "Blocks";
-                         });
+INSTANTIATE_TEST_SUITE_P(Both, Timing, ::testing::ValuesIn(all_executors),
+                         executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench.h"
+#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3::test {
@@ -21,7 +22,7 @@ class Choices : public ::testing::TestWithParam<Executor> {
   std::vector<std::string> told;  ///< name and address of each report
 
   void SetUp() override {
-    b.core.set_executor(GetParam());
+    choose(b.core, GetParam());
     b.core.listeners().unpredictable = [this](Unpredictable which, uint32_t address) {
       told.push_back(std::string(describe(which).name) + "@" +
                      std::to_string(address - Bench::program));
@@ -248,10 +249,8 @@ TEST_P(Choices, DuringAnAccessToADeviceThePcIsTheInstructions) {
   EXPECT_EQ(pcs, (std::vector<uint32_t>{4, 10}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Choices, ::testing::Values(Executor::stepping, Executor::blocks),
-                         [](const auto& executor) {
-                           return executor.param == Executor::stepping ? "Stepping" : "Blocks";
-                         });
+INSTANTIATE_TEST_SUITE_P(Both, Choices, ::testing::ValuesIn(all_executors),
+                         executor_name);
 
 TEST(Unpredictable, EveryCaseHasASectionAReasonAndAChoice) {
   for (unsigned i = 0; i < static_cast<unsigned>(Unpredictable::count); ++i) {

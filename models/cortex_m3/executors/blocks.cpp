@@ -163,6 +163,10 @@ const Step* Blocks::resolve_link(Machine& cpu, const Step& branch) {
   return next(cpu);
 }
 
+uint64_t Blocks::machine_cycles() const {
+  return machine_.state.cycles;
+}
+
 void Blocks::run(uint64_t limit) {
   State& state = machine_.state;
   const bool between = state.it_state == 0 && state.trail == timing::no_trail;

@@ -30,11 +30,21 @@ class Blocks : public InstructionExecutor {
   /// Behind a branch within its page that has no link yet, or whose target may not fit any more.
   static const Step* resolve_link(Machine& cpu, const Step& branch);
 
- private:
+  // For the translator
+  void set_limit(uint64_t limit) { limit_ = limit; }
+  /// True if a block surely ends before the limit.
+  bool fits(const Step& first) const {
+    return machine_cycles() + first.block_cycles < limit_;
+  }
+  /// The block at the program counter, built on demand; null where there can be none.
   static const Step* find(Machine& cpu);
+  /// Executes from a step to the end of its block or to the limit.
+  void run_to_limit(const Step* first);
+
+ private:
+  uint64_t machine_cycles() const;
   static const Step* next(const Machine& cpu);
   std::unique_ptr<Step[]> build(uint32_t address, CodePage& page) const;
-  void run_to_limit(const Step* first);
 
   uint64_t limit_ = 0;
   Machine& machine_;

@@ -44,6 +44,10 @@ static_assert(sizeof(Step) == 64);
 struct CodePage {
   std::array<std::unique_ptr<Step[]>, 2048> blocks;
   uint64_t code_lines = 0;  // bit n: bytes 64n..64n+63 were decoded
+  // Of the translator: the host code of a block, by the halfword it starts at, and how often it was
+  // executed without.
+  std::array<const void*, 2048> entries{};
+  std::array<uint8_t, 2048> heat{};
 };
 
 }  // namespace capsoc::cortex_m3

@@ -77,6 +77,7 @@ const Memory::Region* Memory::find(uint32_t address) const {
 
 void Memory::refresh(uint32_t base, uint32_t size) {
   clear_views();
+  ++changes_;
   uint64_t first = base >> page_bits, last = (uint64_t{base} + size - 1) >> page_bits;
   for (uint64_t index = first; index <= last && index < (1u << 20); ++index) {
     uint32_t address = static_cast<uint32_t>(index << page_bits);
@@ -95,6 +96,7 @@ CodePage* Memory::code_page(uint32_t address) {
   if (p.read == nullptr) return nullptr;
   if (p.code == nullptr) {
     p.code = new CodePage;
+    ++changes_;
     p.write = nullptr;
     for (Page* view : views_) {
       if (view != nullptr) view[address >> page_bits].write = nullptr;
@@ -108,6 +110,7 @@ void Memory::retire(uint32_t page_index) {
   Page& p = pages_[page_index];
   if (p.code == nullptr) return;
   retired_.emplace_back(p.code);
+  ++changes_;
   p.code = nullptr;
   const Region* r = find(page_index << page_bits);
   p.write = r != nullptr && r->writable ? p.read : nullptr;
@@ -147,6 +150,14 @@ bool Memory::invalidate(uint32_t address, uint32_t size) {
   }
   if (found) code_pages_ = std::move(kept);
   return found;
+}
+
+void Memory::forget_entries() {
+  for (uint32_t index : code_pages_) {
+    CodePage& code = *pages_[index].code;
+    code.entries.fill(nullptr);
+    code.heat.fill(0);
+  }
 }
 
 void Memory::invalidate_all() {

@@ -63,6 +63,14 @@ class Memory {
 
   uint32_t largest_wait() const { return largest_wait_; }
 
+  const std::vector<Region>& regions() const { return regions_; }
+  /// The numbers of the pages with decoded code.
+  const std::vector<uint32_t>& code_pages() const { return code_pages_; }
+  /// Counts what changes the answer of one of these two.
+  uint64_t changes() const { return changes_; }
+  /// Host code was dropped, all of it.
+  void forget_entries();
+
  private:
   void refresh(uint32_t base, uint32_t size);
   void retire(uint32_t page_index);
@@ -74,6 +82,7 @@ class Memory {
   std::vector<uint32_t> code_pages_;
   std::vector<std::unique_ptr<CodePage>> retired_;
   uint32_t largest_wait_ = 0;
+  uint64_t changes_ = 0;
 };
 
 }  // namespace capsoc::cortex_m3

@@ -195,6 +195,10 @@ void MemoryAccess::fill_view(uint32_t address) {
   if (allows(address, true, false, privileged)) seen.write = page.write;
 }
 
+bool MemoryAccess::is_watched() const {
+  return machine_.debugging.watches_data() || machine_.listeners.sees_accesses;
+}
+
 CodePage* MemoryAccess::executable_page(uint32_t address) {
   if (never_executes(address)) return nullptr;
   if (pages_ == memory_.table()) return memory_.code_page(address);

@@ -49,6 +49,12 @@ class MemoryAccess {
   const Memory::Page& direct(uint32_t address) const {
     return pages_[address >> Memory::page_bits];
   }
+  /// The table of direct pages in use.
+  const Memory::Page* pages() const { return pages_; }
+  /// All memory can be reached directly: no MPU, no watchpoint and no observer applies.
+  bool is_whole_view() { return pages_ == memory_.table(); }
+  /// Somebody wants to see accesses that host code may make or leave out unseen.
+  bool is_watched() const;
   /// The record of a page that may be executed throughout, created on demand; null for the others.
   CodePage* executable_page(uint32_t address);
 

@@ -26,9 +26,11 @@ struct CpuSettings {
                .by({"--quantum", "NS", "How far the processor may run ahead; changes speed only"})};
   ChoiceField<cortex_m3::Executor> executor{
       all,
-      {{"blocks", cortex_m3::Executor::blocks}, {"stepping", cortex_m3::Executor::stepping}},
+      {{"blocks", cortex_m3::Executor::blocks},
+       {"translator", cortex_m3::Executor::translator},
+       {"stepping", cortex_m3::Executor::stepping}},
       setting("cpu.executor", SettingKind::choice, "blocks",
-              "blocks (fast) or stepping; same results")
+              "blocks (fast), translator (to x86-64) or stepping; same results")
           .is_host_side()};
   IntegerField priority_bits{
       all, setting("cpu.priority_bits", SettingKind::integer, "3",

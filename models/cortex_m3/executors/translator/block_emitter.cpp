@@ -1,0 +1,465 @@
+#include "cortex_m3/executors/translator/block_emitter.h"
+
+#include <cstring>
+
+#include "cortex_m3/executors/execute.h"
+#include "cortex_m3/isa/decoder.h"
+#include "cortex_m3/isa/unpredictable.h"
+
+namespace capsoc::cortex_m3 {
+
+using namespace asmjit;
+
+namespace {
+
+constexpr uint8_t not_pinned = 0xFF;
+// By guest register: the number of the host's. The first three need no prefix in 32-bit operations.
+constexpr uint8_t host_number[16] = {3,          6,          7,          8,  9,  10,
+                                     11,         12,         not_pinned, not_pinned,
+                                     not_pinned, not_pinned, not_pinned, 13, 14, not_pinned};
+constexpr unsigned literal_pc = 15;
+
+}  // namespace
+
+BlockEmitter::BlockEmitter(Machine& machine, HostContext& context, CodeBuffer& buffer)
+    : machine_(machine), context_(context), buffer_(buffer) {
+  forget();
+}
+
+void BlockEmitter::forget() {
+  exits_.clear();
+  recipes_.assign(1, {});
+  largest_bound_ = 0;
+}
+
+bool BlockEmitter::pinned(unsigned n) {
+  return n < 16 && host_number[n] != not_pinned;
+}
+
+x86::Gp BlockEmitter::host(unsigned n) {
+  return x86::gpd(host_number[n]);
+}
+
+x86::Mem BlockEmitter::in_state(unsigned n) const {
+  return x86::dword_ptr(x86::rbp, static_cast<int32_t>(4 * n));
+}
+
+Operand BlockEmitter::at(unsigned n) const {
+  return pinned(n) ? Operand(host(n)) : Operand(in_state(n));
+}
+
+/// A register's value, in `scratch` if it is not in a host register.
+x86::Gp BlockEmitter::read(unsigned n, Gp scratch) {
+  if (pinned(n)) return host(n);
+  read_to(scratch, n);
+  return scratch;
+}
+
+void BlockEmitter::read_to(Gp to, unsigned n) {
+  if (n == literal_pc) {
+    a_.mov(to, pc_of(*steps_[index_]));
+  } else if (!pinned(n)) {
+    a_.mov(to, in_state(n));
+  } else if (host(n) != to) {
+    a_.mov(to, host(n));
+  }
+}
+
+void BlockEmitter::write(unsigned n, Gp from) {
+  if (!pinned(n))
+    a_.mov(in_state(n), from);
+  else if (host(n) != from)
+    a_.mov(host(n), from);
+}
+
+namespace {
+
+int32_t distance(const void* from, const void* to) {
+  return static_cast<int32_t>(static_cast<const uint8_t*>(to) - static_cast<const uint8_t*>(from));
+}
+
+}  // namespace
+
+x86::Mem BlockEmitter::state_word(const void* member) const {
+  return x86::dword_ptr(x86::rbp, distance(&machine_.state, member));
+}
+x86::Mem BlockEmitter::state_byte(const void* member) const {
+  return x86::byte_ptr(x86::rbp, distance(&machine_.state, member));
+}
+x86::Mem BlockEmitter::context(const void* member, unsigned size) const {
+  return x86::ptr(x86::rbp, distance(&machine_.state, member), size);
+}
+
+x86::Mem BlockEmitter::constant(uint64_t value) {
+  for (const Constant& c : constants_)
+    if (c.value == value) return x86::qword_ptr(c.label);
+  constants_.push_back({a_.newLabel(), value});
+  return x86::qword_ptr(constants_.back().label);
+}
+
+Label BlockEmitter::stub(const BlockExit& exit) {
+  stubs_.push_back({a_.newLabel(), static_cast<uint32_t>(exits_.size())});
+  exits_.push_back(exit);
+  return stubs_.back().label;
+}
+
+/// The way out before a step, which is decoded and executed then, and the rest of the block.
+Label BlockEmitter::exit_at(const Step& step) {
+  if (!step_exits_.empty() && step_exits_.back().first == &step) return step_exits_.back().second;
+  BlockExit exit;
+  exit.step = &step;
+  exit.bound = head_->block_cycles;
+  exit.recipe = recipe_of(flags_before_);
+  step_exits_.emplace_back(&step, stub(exit));
+  return step_exits_.back().second;
+}
+
+/// Which registers an operation writes, a bit each.
+uint32_t BlockEmitter::written_by(const DecodedOp& op) {
+  const auto bit = [](unsigned n) { return n < 16 ? 1u << n : 0u; };
+  const bool indexed = op.writeback || op.addressing == Addressing::pre_indexed ||
+                       op.addressing == Addressing::post_indexed;
+  if (is(op, kind::transfer)) {
+    uint32_t set = indexed ? bit(op.rn) : 0;
+    if (is(op, kind::load | kind::dual_load | kind::exclusive_load)) set |= bit(op.rd);
+    if (is(op, kind::dual_load | kind::exclusive_store)) set |= bit(op.ra);
+    if (is(op, kind::multiple_load)) set |= op.list.bits;
+    return set;
+  }
+  if (op.operation == Operation::bl || op.operation == Operation::blx) return bit(14);
+  if (is(op, kind::compare | kind::any_branch | kind::none)) return 0;
+  if (is(op, kind::system)) return op.operation == Operation::mrs ? bit(op.rd) : 0;
+  return bit(op.rd) | (is(op, kind::long_multiply) ? bit(op.ra) : 0);
+}
+
+BlockEmitter::Effects BlockEmitter::effects_of(const DecodedOp& op) {
+  const auto effects = [&](uint8_t reads, uint8_t sets, uint8_t kills) {
+    return op.set_flags ? Effects{reads, sets, kills, false} : Effects{reads, 0, 0, false};
+  };
+  if (op.condition != condition_always) return {};
+  const uint8_t carry = c_bit, none = 0;
+  const uint8_t rrx = op.shift.type == ShiftType::rrx ? carry : none;
+  const uint8_t logical = nz_bit | (shifter_sets_carry(op) ? carry : none);
+  switch (traits(op.operation).flags) {
+    case FlagEffect::keeps:
+      return {0, 0, 0, false};
+    case FlagEffect::product:
+      return effects(0, nz_bit, nz_bit);
+    case FlagEffect::shift:
+      return effects(op.set_flags ? carry : none, nz_bit | c_bit, nz_bit);
+    case FlagEffect::logical:
+      return effects(rrx, logical, logical);
+    case FlagEffect::arithmetic:
+      return effects(rrx, all_flags, all_flags);
+    case FlagEffect::with_carry:
+      return effects(c_bit, all_flags, all_flags);
+    case FlagEffect::unknown:
+      break;
+  }
+  switch (op.operation) {
+    case Operation::cmp_high:
+      return {0, all_flags, all_flags, false};
+    case Operation::add_high:
+    case Operation::mov_high:
+      return op.rd == 15 ? Effects{} : Effects{0, 0, 0, op.rd == 13};
+    case Operation::nop:
+    case Operation::it:
+    case Operation::barrier:
+      return {0, 0, 0, false};
+    case Operation::sdiv:
+    case Operation::udiv:
+      return {0, 0, 0, true};
+    default:
+      break;
+  }
+  const bool to_pc = op.rd == 15 || op.list.has(15);
+  return is(op, kind::transfer) && !to_pc ? Effects{0, 0, 0, true} : Effects{};
+}
+
+bool BlockEmitter::writes_sp(const Step& step) const {
+  if (step.body != &both<Execute::align_sp> || step.rd != 13 || step.set_flags) return false;
+  switch (step.operation) {
+    case Operation::add_imm:
+    case Operation::sub_imm:
+    case Operation::add_reg:
+    case Operation::sub_reg:
+    case Operation::mov_reg:
+    case Operation::mov_high:
+    case Operation::add_high:
+      return step.shift.type != ShiftType::rrx;
+    default:
+      return false;
+  }
+}
+
+/// False for what is left to C++: what is rare, faults, changes the mode, or is UNPREDICTABLE.
+bool BlockEmitter::is_translated(const Step& step) const {
+  if (writes_sp(step)) return true;
+  if (step.body != Execute::unconditional(step)) return false;
+  const bool leaves = is(step, kind::any_branch) || step.rd == 15 || step.list.has(15);
+  if (leaves && step.it_after != 0) return false;
+  switch (step.operation) {
+    case Operation::b:
+      return pc_of(step) + step.imm != step.address;
+    case Operation::ssat:
+    case Operation::usat:
+      return false;
+    case Operation::nop:
+    case Operation::it:
+    case Operation::barrier:
+    case Operation::fall_through:
+      return true;
+    default:
+      break;
+  }
+  if (step.addressing == Addressing::unprivileged) return false;
+  if (is(step, kind::multiple)) return step.list.bits != 0 && !step.list.has(13);
+  return is(step, kind::data_processing | kind::any_branch | kind::load | kind::store |
+                      kind::dual_load | kind::dual_store);
+}
+
+/// Most cycles a translated step takes, without branching.
+uint32_t BlockEmitter::bound_of(const Step& step) const {
+  uint32_t bound = step.cycles;
+  const uint32_t wait = machine_.memory.map().largest_wait();
+  if (is(step, kind::transfer)) bound += wait * std::max(2u, step.list.count());
+  if (is(step, kind::divide)) bound += timing::divide_most;
+  if (is(step, kind::long_multiply)) bound += timing::long_multiply_most;
+  return bound;
+}
+
+void BlockEmitter::begin(const Step* head, CodePage& page) {
+  head_ = head;
+  page_ = &page;
+  code_.reset();
+  errors_.any = false;
+  code_.init(Environment::host());
+  code_.setErrorHandler(&errors_);
+  code_.attach(&a_);
+  index_ = 0;
+  serial_ = 0;
+  host_serial_ = 0;
+  flags_ = {};
+  flags_.nz.of = flags_.c.of = flags_.v.of = FlagSource::Of::inherited;
+  open_ = true;
+  for (unsigned n = 0; n < 16; ++n) values_[n] = machine_.state.r[n];
+  stubs_.clear();
+  constants_.clear();
+  slots_.clear();
+  slow_.clear();
+  taken_.clear();
+  step_exits_.clear();
+  collect_steps();
+  find_visible_flags();
+}
+
+/// The steps up to the first that is left to C++ for good, that one with them.
+void BlockEmitter::collect_steps() {
+  steps_.clear();
+  uint32_t bound = timing::pipeline_refill;
+  for (const Step* step = head_;; ++step) {
+    steps_.push_back(step);
+    bound += bound_of(*step);
+    if (step->operation == Operation::fall_through || bound > most_cycles) return;
+    if (step->condition == condition_always && !is_translated(*step)) return;
+  }
+}
+
+/// Backwards: the flags that are read, or may be seen where the block is left, before they are set.
+void BlockEmitter::find_visible_flags() {
+  visible_.assign(steps_.size(), all_flags);
+  uint8_t live = all_flags;
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    visible_[i] = live;
+    const Effects effects = effects_of(*steps_[i]);
+    const bool seen = effects.exits || !is_translated(*steps_[i]) || writes_sp(*steps_[i]);
+    live = static_cast<uint8_t>((live & ~effects.kills) | effects.reads);
+    if (seen) live = all_flags;
+  }
+}
+
+void BlockEmitter::emit_steps() {
+  uint32_t bound = timing::pipeline_refill;
+  for (index_ = 0; index_ < steps_.size() && open_; ++index_) {
+    const Step& step = *steps_[index_];
+    bound += bound_of(step);
+    if (bound > most_cycles) {
+      flags_before_ = flags_;
+      return give_up(step);
+    }
+    bound_ = bound;
+    if (step.condition != condition_always)
+      emit_conditional_group();
+    else
+      emit_step(step);
+  }
+}
+
+void BlockEmitter::emit_step(const Step& step) {
+  flags_before_ = flags_;
+  if (!is_translated(step)) return give_up(step);
+  const Effects effects = effects_of(step);
+  protect(written_by(step), effects.kills, visible_[index_]);
+  ++serial_;
+  host_kept_ = false;
+  emit_operation(step);
+  if (host_serial_ != serial_ && !host_kept_) host_serial_ = 0;
+  note_values(step);
+}
+
+void BlockEmitter::emit_operation(const Step& step) {
+  if (writes_sp(step)) return emit_sp(step);
+  const bool to_pc = is(step, kind::data) && step.rd == 15;
+  if (step.operation == Operation::fall_through) {
+    emit_close(step);
+  } else if (to_pc) {
+    emit_indirect(step);
+  } else if (is(step, kind::any_branch)) {
+    emit_branch(step);
+  } else if (is(step, kind::transfer)) {
+    emit_transfer(step);
+  } else if (is(step, kind::data_processing)) {
+    emit_data(step);
+  } else {
+    keep_host_flags();  // NOP, IT, barriers
+  }
+}
+
+/// Neighbours that obey one condition; one that sets flags is the last.
+std::size_t BlockEmitter::end_of_group() const {
+  std::size_t end = index_;
+  const uint8_t condition = steps_[index_]->condition;
+  while (end < steps_.size() && steps_[end]->condition == condition) {
+    const Step& step = *steps_[end++];
+    if (step.set_flags || step.operation == Operation::cmp_high || ends_block(step)) break;
+    if (!is_translated(step)) break;
+  }
+  return end;
+}
+
+/// Steps of an IT block under one jump. Behind it the flags are where they were before it.
+void BlockEmitter::emit_conditional_group() {
+  const std::size_t end = end_of_group();
+  const unsigned condition_code = steps_[index_]->condition;
+  uint32_t written = 0, saved = 0;
+  bool sets = false;
+  for (std::size_t i = index_; i < end; ++i) {
+    const Step& step = *steps_[i];
+    written |= written_by(step);
+    saved += step.cycles - 1u;
+    sets = sets || step.set_flags || step.operation == Operation::cmp_high;
+  }
+  protect(written, 0, all_flags);
+  if (sets) settle_all();
+  const bool always = condition_code >= condition_always;
+  const Label skip = a_.newLabel(), join = a_.newLabel();
+  if (!always) a_.j(x86::negateCond(condition(condition_code)), skip);
+  const FlagSources flags = flags_;
+  for (; index_ < end && open_; ++index_) emit_step(*steps_[index_]);
+  index_ = end - 1;
+  if (sets && open_) {
+    settle_all();
+  } else {
+    flags_ = flags;
+  }
+  host_serial_ = 0;
+  for (unsigned n = 0; n < 16; ++n)
+    if ((written >> n & 1) != 0 && n != 13) values_[n].reset();
+  if (always) return;
+  if (open_ && saved != 0) a_.jmp(join);
+  a_.bind(skip);
+  if (saved != 0) a_.add(x86::r15, constant(uint64_t{saved} << 32));
+  a_.bind(join);
+  open_ = true;
+}
+
+/// What is rarely executed, behind the block.
+void BlockEmitter::emit_cold() {
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    const TakenBranch branch = taken_[i];
+    a_.bind(branch.label);
+    flags_ = branch.flags;
+    host_serial_ = branch.host_serial;
+    host_flags_ = branch.host_flags;
+    emit_edge(*branch.step, pc_of(*branch.step) + branch.step->imm, true);
+  }
+  for (const SlowAccess& slow : slow_) emit_slow(slow);
+  for (const Stub& stub : stubs_) {
+    a_.bind(stub.label);
+    a_.mov(x86::eax, stub.exit);
+    a_.jmp(context(&context_.leave));
+  }
+}
+
+void BlockEmitter::emit_data_area() {
+  a_.align(AlignMode::kZero, 8);
+  for (const Constant& c : constants_) {
+    a_.bind(c.label);
+    a_.embedUInt64(c.value);
+  }
+  for (const Slot& slot : slots_) {
+    a_.bind(slot.label);
+    a_.embedUInt64(0);
+  }
+}
+
+/// Copies the code to its place and points its jumps to their ways out.
+const uint8_t* BlockEmitter::finish() {
+  const CodeBuffer& buffer = buffer_;
+  const std::size_t size = code_.textSection()->bufferSize(), start = buffer.used();
+  if (errors_.any || code_.hasUnresolvedLinks() || size > buffer.room()) return nullptr;
+  std::memcpy(buffer.writable(start), code_.textSection()->data(), size);
+  const auto place = [&](const Label& label) { return start + code_.labelOffset(label); };
+  for (const Slot& slot : slots_) {
+    const uint8_t* target = buffer.executable(place(slot.unlinked));
+    std::memcpy(buffer.writable(place(slot.label)), &target, sizeof target);
+    exits_[slot.exit].slot = static_cast<uint32_t>(place(slot.label));
+  }
+  buffer_.take((size + 15) & ~std::size_t{15});
+  largest_bound_ = std::max(largest_bound_, bound_);
+  return buffer.executable(start);
+}
+
+const uint8_t* BlockEmitter::emit(const Step* head, CodePage& page) {
+  if (full()) return nullptr;
+  begin(head, page);
+  if (!is_translated(*head)) return nullptr;
+  entry_ = a_.newLabel();
+  a_.bind(entry_);
+  emit_steps();
+  if (open_) return nullptr;
+  emit_cold();
+  emit_data_area();
+  return finish();
+}
+
+std::size_t BlockEmitter::emit_frame() {
+  code_.reset();
+  errors_.any = false;
+  code_.init(Environment::host());
+  code_.setErrorHandler(&errors_);
+  code_.attach(&a_);
+  const Gp saved[] = {x86::rbx, x86::rbp, x86::r12, x86::r13, x86::r14, x86::r15};
+  for (const Gp& r : saved) a_.push(r);
+  a_.mov(x86::rbp, x86::rdi);
+  a_.mov(x86::rax, x86::rsi);
+  a_.mov(x86::r15, context(&context_.budget));
+  for (unsigned n = 0; n < 16; ++n)
+    if (pinned(n)) a_.mov(host(n), in_state(n));
+  a_.jmp(x86::rax);
+  const Label leave = a_.newLabel();
+  a_.align(AlignMode::kCode, 16);
+  a_.bind(leave);
+  a_.mov(context(&context_.budget), x86::r15);
+  for (unsigned n = 0; n < 16; ++n)
+    if (pinned(n)) a_.mov(in_state(n), host(n));
+  for (std::size_t i = std::size(saved); i-- > 0;) a_.pop(saved[i]);
+  a_.ret();
+  const std::size_t start = buffer_.used(), size = code_.textSection()->bufferSize();
+  std::memcpy(buffer_.writable(start), code_.textSection()->data(), size);
+  context_.leave = buffer_.executable(start + code_.labelOffset(leave));
+  buffer_.take((size + 63) & ~std::size_t{63});
+  return start;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,266 @@
+#pragma once
+
+#include <asmjit/x86.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cortex_m3/executors/translator/block_exit.h"
+#include "cortex_m3/executors/translator/code_buffer.h"
+#include "cortex_m3/executors/translator/flag_sources.h"
+#include "cortex_m3/executors/translator/host_context.h"
+#include "cortex_m3/machine.h"
+
+namespace capsoc::cortex_m3 {
+
+/// Writes the host code of decoded blocks.
+///
+/// In it ten guest registers are in host registers (r0-r7, SP, LR), the others in the state, whose
+/// address is in rbp; r15 is HostContext::budget; rax, rcx and rdx are free. The code calls nothing:
+/// whatever it does not do itself it leaves to C++, by leaving with the number of a BlockExit.
+///
+/// Flags are not computed where they are set but where they are needed (FlagSources): a comparison
+/// becomes code at its branch, or at the way out of a block that somebody may see them at.
+class BlockEmitter {
+ public:
+  using Gp = asmjit::x86::Gp;
+  using Mem = asmjit::x86::Mem;
+  using Label = asmjit::Label;
+  using Cond = asmjit::x86::CondCode;
+
+  BlockEmitter(Machine& machine, HostContext& context, CodeBuffer& buffer);
+  BlockEmitter(const BlockEmitter&) = delete;
+  BlockEmitter& operator=(const BlockEmitter&) = delete;
+
+  /// The code that enters and leaves translated code; once, first in the buffer. Offset of the
+  /// entry: uint32_t (State*, const void* code), which returns the number of the exit.
+  std::size_t emit_frame();
+  /// The code of a block, or null if there is nothing to gain or no room.
+  const uint8_t* emit(const Step* head, CodePage& page);
+
+  const std::vector<BlockExit>& exits() const { return exits_; }
+  const FlagSources& recipe(uint32_t number) const { return recipes_[number]; }
+  /// Most cycles that translated code takes from one look at the budget to the next.
+  uint32_t largest_bound() const { return largest_bound_; }
+  /// All code was dropped.
+  void forget();
+  /// True if the buffer may be too full for another block.
+  bool full() const { return buffer_.room() < largest_block || exits_.size() > most_exits; }
+
+ private:
+  static constexpr uint32_t most_cycles = 256;  // of a block; what is longer is cut
+  static constexpr std::size_t largest_block = 64 << 10;
+  static constexpr std::size_t most_exits = 1u << 20;
+  struct Stub {
+    Label label;
+    uint32_t exit;
+  };
+  struct Constant {
+    Label label;
+    uint64_t value;
+  };
+  struct Slot {
+    Label label, unlinked;  // where it is, and where it leads at first
+    uint32_t exit;
+  };
+  /// A transfer to or from memory.
+  struct Access {
+    uint8_t size = 4;
+    bool is_signed = false, store = false;
+    bool aligned = false;  // known to be
+    uint8_t rd = 0;
+    uint8_t ra = FlagOperand::none;  // LDRD and STRD: the second register
+    uint16_t list = 0;               // of LDM and STM, instead
+    unsigned words() const;
+  };
+  /// Its address: base + (index << shift) + imm.
+  struct Address {
+    uint8_t base = FlagOperand::none, index = FlagOperand::none, shift = 0;
+    uint32_t imm = 0;
+  };
+  struct SlowAccess {
+    Label entry, back, exit;
+    Access access;
+    Address address;
+  };
+  enum class HostFlags : uint8_t { nz, sum, difference };
+  struct TakenBranch {
+    Label label;
+    const Step* step;
+    FlagSources flags;
+    uint32_t host_serial;
+    HostFlags host_flags;
+  };
+  enum FlagBit : uint8_t { nz_bit = 1, c_bit = 2, v_bit = 4, all_flags = 7 };
+  /// What a step does to the flags and whether the block may be left at it.
+  struct Effects {
+    uint8_t reads = all_flags, sets = 0, kills = 0;
+    bool exits = true;
+  };
+
+  // block_emitter.cpp: the block
+  void begin(const Step* head, CodePage& page);
+  const uint8_t* finish();
+  void collect_steps();
+  void find_visible_flags();
+  void emit_steps();
+  void emit_step(const Step& step);
+  void emit_operation(const Step& step);
+  void emit_conditional_group();
+  std::size_t end_of_group() const;
+  void emit_cold();
+  void emit_data_area();
+  bool writes_sp(const Step& step) const;
+  bool is_translated(const Step& step) const;
+  uint32_t bound_of(const Step& step) const;
+  static Effects effects_of(const DecodedOp& op);
+  static uint32_t written_by(const DecodedOp& op);
+  Label exit_at(const Step& step);
+  Label stub(const BlockExit& exit);
+  Mem constant(uint64_t value);
+  /// Leaves the rest of the block to C++.
+  void give_up(const Step& step) {
+    a_.jmp(exit_at(step));
+    open_ = false;
+  }
+
+  // block_emitter.cpp: registers
+  static bool pinned(unsigned n);
+  static Gp host(unsigned n);
+  Mem in_state(unsigned n) const;
+  asmjit::Operand at(unsigned n) const;
+  Gp read(unsigned n, Gp scratch);
+  void read_to(Gp to, unsigned n);
+  void write(unsigned n, Gp from);
+  Gp destination(unsigned n, Gp scratch) const { return pinned(n) ? host(n) : scratch; }
+  void written(unsigned n, Gp from) {
+    if (!pinned(n)) write(n, from);
+  }
+  Mem state_word(const void* member) const;
+  Mem state_byte(const void* member) const;
+  Mem context(const void* member, unsigned size = 8) const;
+
+  // emit_flags.cpp
+  void set_sources(uint8_t which, FlagSource source);
+  void in_host(HostFlags which);
+  void protect(uint32_t written, uint8_t killed, uint8_t visible);
+  void settle(uint8_t which);
+  void settle_all() { settle(all_flags); }
+  void settle_carries(uint8_t which);
+  void store_nz(Gp value);
+  void compute(const FlagSource& source, Gp result);
+  void compare(const FlagSource& source);
+  void operand_to(Gp to, const FlagOperand& operand);
+  asmjit::Operand simple_operand(const FlagOperand& operand, Gp scratch);
+  bool host_has(const FlagSource& source, HostFlags least) const;
+  Cond condition(unsigned guest_condition);
+  Cond condition_from_memory(unsigned guest_condition);
+  std::optional<Cond> condition_from_host(unsigned guest_condition);
+  uint32_t recipe_of(const FlagSources& flags);
+  FlagSources outgoing() const;
+  bool stays_recoverable(uint32_t target) const;
+  uint8_t wanted(const Step& step) const { return step.set_flags ? visible_[index_] : 0; }
+  void keep_host_flags() { host_kept_ = true; }
+
+  // emit_data.cpp
+  void emit_data(const Step& step);
+  void emit_logical(const Step& step);
+  void emit_test(const Step& step);
+  void emit_arithmetic(const Step& step);
+  void emit_compare(const Step& step);
+  void emit_difference(const Step& step, bool reversed);
+  void emit_sum(const Step& step);
+  void emit_with_carry(const Step& step);
+  void emit_high(const Step& step);
+  void emit_shift_by_register(const Step& step);
+  void emit_shift_with_carry(const Step& step);
+  void emit_extract(const Step& step);
+  void emit_extend(const Step& step);
+  void emit_insert(const Step& step);
+  void emit_reverse(const Step& step);
+  void emit_multiply(const Step& step);
+  void emit_long_multiply(const Step& step);
+  void emit_divide(const Step& step);
+  void emit_sp(const Step& step);
+  void charge(Gp cycles);
+  void carry_to_host(bool borrow);
+  bool store_shifter_carry(const Step& step) const;
+  asmjit::Operand second_operand(const Step& step, Gp scratch, bool carry);
+  void shift_constant(Gp to, unsigned rm, Shift shift, bool carry);
+  void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y, bool writes);
+  void settle_from_host(uint8_t which, Gp result, bool borrow);
+
+  // emit_memory.cpp
+  void emit_transfer(const Step& step);
+  void emit_single(const Step& step);
+  void emit_dual(const Step& step);
+  void emit_multiple(const Step& step);
+  void emit_literal(const Step& step, uint32_t address);
+  void emit_access(const Step& step, const Access& access, const Address& address);
+  unsigned through_window(const Address& address, const Access& access, const Label& otherwise);
+  void emit_slow(const SlowAccess& slow);
+  void emit_return(const Step& step, const Access& access, const Address& address,
+                   const asmjit::Imm& moved);
+  void look_up(const Address& address, const Access& access, const Label& exit);
+  void transfer(const Access& access, const Mem& place);
+  void move(const Access& access, unsigned n, const Mem& at);
+  void address_to(Gp to, const Address& address, uint32_t less);
+  int window_of(const Address& address, bool store) const;
+  std::optional<uint32_t> guess(const Address& address) const;
+  void note_values(const Step& step);
+
+  // emit_branch.cpp
+  void emit_branch(const Step& step);
+  void emit_conditional_branch(const Step& step, Cond taken);
+  void emit_edge(const Step& step, uint32_t target, bool taken);
+  void emit_indirect(const Step& step);
+  void emit_table_branch(const Step& step);
+  void find_entry(const Step& step);
+  void go_to_entry(const Step& step);
+  void emit_close(const Step& step);
+  uint64_t cost(const Step& step, bool taken) const;
+  int32_t entries_offset() const;
+
+  Machine& machine_;
+  HostContext& context_;
+  CodeBuffer& buffer_;
+  class Errors : public asmjit::ErrorHandler {
+   public:
+    void handleError(asmjit::Error, const char*, asmjit::BaseEmitter*) override { any = true; }
+    bool any = false;
+  };
+  Errors errors_;
+  asmjit::CodeHolder code_;
+  asmjit::x86::Assembler a_;
+  std::vector<BlockExit> exits_;
+  std::vector<FlagSources> recipes_;
+  uint32_t largest_bound_ = 0;
+
+  // Of the block that is being written
+  const Step* head_ = nullptr;
+  CodePage* page_ = nullptr;
+  std::vector<const Step*> steps_;
+  std::vector<uint8_t> visible_;  // of each step: flags that somebody may see behind it
+  std::size_t index_ = 0;
+  uint32_t bound_ = 0;  // cycles
+  bool open_ = false;  // execution reaches the end of what was written
+  FlagSources flags_;
+  FlagSources flags_before_;  // at the beginning of the step
+  uint32_t serial_ = 0;
+  // The operation whose flags are the host's, 0 for none, and which of them are.
+  uint32_t host_serial_ = 0;
+  HostFlags host_flags_ = HostFlags::nz;
+  bool host_kept_ = false;  // the present step leaves the host's flags alone
+  std::array<std::optional<uint32_t>, 16> values_;  // of registers, as far as they can be guessed
+  Label entry_;
+  std::vector<Stub> stubs_;
+  std::vector<Constant> constants_;
+  std::vector<Slot> slots_;
+  std::vector<SlowAccess> slow_;
+  std::vector<TakenBranch> taken_;
+  std::vector<std::pair<const Step*, Label>> step_exits_;
+};
+
+}  // namespace capsoc::cortex_m3

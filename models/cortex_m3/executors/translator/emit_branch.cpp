@@ -1,0 +1,200 @@
+#include <cstddef>
+
+#include "cortex_m3/executors/translator/block_emitter.h"
+
+namespace capsoc::cortex_m3 {
+
+using namespace asmjit;
+
+namespace {
+
+bool same_page(uint32_t a, uint32_t b) {
+  return a >> Memory::page_bits == b >> Memory::page_bits;
+}
+
+uint32_t target_of(const DecodedOp& op) {
+  return pc_of(op) + op.imm;
+}
+
+}  // namespace
+
+/// What a block comes to when it is left behind a step: to be subtracted from the budget.
+uint64_t BlockEmitter::cost(const Step& step, bool taken) const {
+  const uint64_t cycles = uint64_t{step.cycles_before} + step.cycles +
+                          (taken ? uint64_t{timing::pipeline_refill} : 0);
+  return (cycles << 32) - step.instructions_to;
+}
+
+void BlockEmitter::emit_branch(const Step& step) {
+  switch (step.operation) {
+    case Operation::bcond:
+      if (const unsigned condition = branch_condition(step); condition < condition_always)
+        return emit_conditional_branch(step, this->condition(condition));
+      emit_edge(step, target_of(step), true);
+      open_ = false;
+      return;
+    case Operation::cbz:
+    case Operation::cbnz:
+      if (pinned(step.rn))
+        a_.test(host(step.rn), host(step.rn));
+      else
+        a_.cmp(in_state(step.rn), 0);
+      host_serial_ = 0;
+      return emit_conditional_branch(step, step.operation == Operation::cbz
+                                               ? x86::CondCode::kZ
+                                               : x86::CondCode::kNZ);
+    case Operation::bl:
+      if (pinned(14)) a_.mov(host(14), next_address(step) | 1);
+      [[fallthrough]];
+    case Operation::b:
+      emit_edge(step, target_of(step), true);
+      open_ = false;
+      return;
+    case Operation::tbb:
+    case Operation::tbh:
+      return emit_table_branch(step);
+    default:
+      return emit_indirect(step);
+  }
+}
+
+/// A branch back is written where it stands, since it is taken mostly; one ahead behind the block.
+void BlockEmitter::emit_conditional_branch(const Step& step, Cond taken) {
+  keep_host_flags();
+  if (target_of(step) > step.address) {
+    const Label label = a_.newLabel();
+    a_.j(taken, label);
+    taken_.push_back({label, &step, flags_, host_serial_, host_flags_});
+    return;
+  }
+  const Label over = a_.newLabel();
+  a_.j(x86::negateCond(taken), over);
+  const FlagSources flags = flags_;
+  const uint32_t serial = host_serial_;
+  const HostFlags host_flags = host_flags_;
+  emit_edge(step, target_of(step), true);
+  flags_ = flags;
+  host_serial_ = serial;
+  host_flags_ = host_flags;
+  a_.bind(over);
+}
+
+/// The way to a known address, taken behind a step.
+void BlockEmitter::emit_edge(const Step& step, uint32_t target, bool taken) {
+  const bool here = same_page(target, step.address);
+  if (!here || !flags_.any_pending() || !stays_recoverable(target)) settle_all();
+  const FlagSources left = outgoing();
+  const uint32_t recipe = recipe_of(left);
+  if (!left.all_inherited()) a_.mov(context(&context_.recipe, 4), recipe);
+  BlockExit exit;
+  exit.kind = BlockExit::Kind::edge;
+  exit.pc = target;
+  exit.recipe = recipe;
+  a_.sub(x86::r15, constant(cost(step, taken)));
+  const Label out = stub(exit);
+  const auto number = static_cast<uint32_t>(exits_.size() - 1);
+  a_.js(out);
+  if (target == head_->address) {
+    a_.jmp(entry_);
+  } else if (here) {
+    slots_.push_back({a_.newLabel(), out, number});
+    a_.jmp(x86::qword_ptr(slots_.back().label));
+  } else {
+    // Another page: whether it may be executed hangs on the view.
+    const uint64_t record = uint64_t{target >> Memory::page_bits} * sizeof(Memory::Page);
+    a_.mov(x86::rcx, context(&context_.pages));
+    a_.mov(x86::rcx,
+           x86::ptr(x86::rcx, static_cast<int32_t>(record + offsetof(Memory::Page, code))));
+    a_.test(x86::rcx, x86::rcx);
+    a_.jz(out);
+    const uint32_t index = (target & (Memory::page_size - 1)) >> 1;
+    a_.mov(x86::rcx, x86::ptr(x86::rcx, entries_offset() + static_cast<int32_t>(8 * index)));
+    a_.test(x86::rcx, x86::rcx);
+    a_.jz(out);
+    a_.jmp(x86::rcx);
+  }
+}
+
+int32_t BlockEmitter::entries_offset() const {
+  return static_cast<int32_t>(reinterpret_cast<const uint8_t*>(page_->entries.data()) -
+                              reinterpret_cast<const uint8_t*>(page_));
+}
+
+/// BX, BLX, MOV and ADD to the PC.
+void BlockEmitter::emit_indirect(const Step& step) {
+  settle_all();
+  if (step.operation == Operation::add_high) {
+    read_to(x86::eax, step.rn);
+    a_.emit(x86::Inst::kIdAdd, x86::eax, at(step.rm));
+  } else {
+    read_to(x86::eax, step.rm);
+  }
+  const bool interworks = step.operation == Operation::bx || step.operation == Operation::blx;
+  if (!interworks) a_.or_(x86::eax, 1);
+  find_entry(step);
+  if (step.operation == Operation::blx) a_.mov(host(14), next_address(step) | 1);
+  go_to_entry(step);
+}
+
+/// rcx = the translated code at eax, whose bit 0 has to be set; leaves before the step if there is
+/// none. Addresses that return from exceptions never have some.
+void BlockEmitter::find_entry(const Step& step) {
+  const Label exit = exit_at(step);
+  a_.test(x86::al, 1);
+  a_.jz(exit);
+  a_.mov(x86::ecx, x86::eax);
+  a_.shr(x86::ecx, Memory::page_bits);
+  a_.shl(x86::ecx, 5);
+  a_.add(x86::rcx, context(&context_.pages));
+  a_.mov(x86::rcx, x86::ptr(x86::rcx, offsetof(Memory::Page, code)));
+  a_.test(x86::rcx, x86::rcx);
+  a_.jz(exit);
+  a_.mov(x86::edx, x86::eax);
+  a_.and_(x86::edx, Memory::page_size - 2);
+  a_.mov(x86::rcx, x86::ptr(x86::rcx, x86::rdx, 2, entries_offset()));
+  a_.test(x86::rcx, x86::rcx);
+  a_.jz(exit);
+  a_.and_(x86::eax, ~1);
+  a_.mov(state_word(&machine_.state.pc), x86::eax);
+}
+
+/// Accounts for the block and goes to the code at rcx; State::pc has its address.
+void BlockEmitter::go_to_entry(const Step& step) {
+  a_.mov(context(&context_.recipe, 4), 0);
+  a_.sub(x86::r15, constant(cost(step, true)));
+  BlockExit exit;
+  exit.kind = BlockExit::Kind::indirect;
+  a_.js(stub(exit));
+  a_.jmp(x86::rcx);
+  open_ = false;
+}
+
+/// TBB, TBH.
+void BlockEmitter::emit_table_branch(const Step& step) {
+  Access access;
+  access.size = step.operation == Operation::tbb ? 1 : 2;
+  Address address;
+  address.index = step.rm;
+  address.shift = step.operation == Operation::tbb ? 0 : 1;
+  if (step.rn == 15) {  // a base of zero and the table's address
+    address.imm = pc_of(step);
+  } else {
+    address.base = step.rn;
+  }
+  if (window_of(address, false) < 0) return give_up(step);
+  settle_all();
+  const unsigned shift = through_window(address, access, exit_at(step));
+  a_.movzx(x86::eax, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
+  a_.lea(x86::eax, x86::ptr(x86::rax, x86::rax, 0, static_cast<int32_t>(pc_of(step) | 1)));
+  find_entry(step);
+  go_to_entry(step);
+}
+
+/// The end of a block that runs into the next address.
+void BlockEmitter::emit_close(const Step& step) {
+  if (step.it_before != 0 || step.trail != timing::no_trail) return give_up(step);
+  emit_edge(step, step.address, false);
+  open_ = false;
+}
+
+}  // namespace capsoc::cortex_m3

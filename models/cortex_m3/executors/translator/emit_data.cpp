@@ -1,0 +1,776 @@
+#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/isa/timing.h"
+
+namespace capsoc::cortex_m3 {
+
+using namespace asmjit;
+using Of = FlagSource::Of;
+
+namespace {
+
+Imm number(uint32_t value) {
+  return Imm(static_cast<int32_t>(value));
+}
+
+bool is_immediate(Operation operation) {
+  switch (operation) {
+    case Operation::and_imm:
+    case Operation::bic_imm:
+    case Operation::orr_imm:
+    case Operation::orn_imm:
+    case Operation::eor_imm:
+    case Operation::add_imm:
+    case Operation::adc_imm:
+    case Operation::sbc_imm:
+    case Operation::sub_imm:
+    case Operation::rsb_imm:
+    case Operation::mov_imm:
+    case Operation::mvn_imm:
+    case Operation::tst_imm:
+    case Operation::teq_imm:
+    case Operation::cmp_imm:
+    case Operation::cmn_imm:
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool is_shifted(const DecodedOp& op) {
+  return !is_immediate(op.operation) && op.shift.amount != 0;
+}
+
+}  // namespace
+
+/// True if C is the carry of the shifter and somebody may see it.
+bool BlockEmitter::store_shifter_carry(const Step& step) const {
+  return shifter_sets_carry(step) && (wanted(step) & c_bit) != 0;
+}
+
+/// `to` = the shifted register; its carry goes to the state if asked for.
+void BlockEmitter::shift_constant(Gp to, unsigned rm, Shift shift, bool carry) {
+  const uint32_t n = shift.amount;
+  if (shift.type == ShiftType::rrx) {
+    carry_to_host(false);
+    read_to(to, rm);
+    a_.rcr(to, 1);
+  } else if (shift.type == ShiftType::ror) {
+    a_.rorx(to, read(rm, to), n & 31);
+    if (carry) a_.bt(to, 31);
+  } else if (shift.type == ShiftType::asr) {
+    read_to(to, rm);
+    a_.sar(to, n < 32 ? n : 31);
+    if (carry && n == 32) a_.bt(to, 31);
+  } else if (shift.type == ShiftType::lsr && n == 32) {
+    read_to(to, rm);
+    if (carry) a_.shl(to, 1);
+  } else if (shift.type == ShiftType::lsr) {
+    read_to(to, rm);
+    a_.shr(to, n);
+  } else {
+    read_to(to, rm);
+    a_.shl(to, n);
+  }
+  if (carry) a_.setc(state_byte(&machine_.state.c));
+  if (shift.type == ShiftType::lsr && n == 32) a_.mov(to, 0);
+}
+
+/// The second operand: a number, a register, or a shifted one in `scratch`.
+Operand BlockEmitter::second_operand(const Step& step, Gp scratch, bool carry) {
+  if (is_immediate(step.operation)) {
+    if (carry) a_.mov(state_byte(&machine_.state.c), static_cast<int>(step.imm >> 31));
+    return number(step.imm);
+  }
+  if (step.shift.amount == 0) return at(step.rm);
+  shift_constant(scratch, step.rm, step.shift, carry);
+  return scratch;
+}
+
+/// CF = C, or its inverse for a subtraction with borrow.
+void BlockEmitter::carry_to_host(bool borrow) {
+  const FlagSource& c = flags_.c;
+  if (!host_has(c, HostFlags::sum)) {
+    if (c.of == Of::difference || c.of == Of::sum) {
+      compare(c);
+    } else {
+      a_.cmp(state_byte(&machine_.state.c), 1);  // CF is C's inverse
+      if (!borrow) a_.cmc();
+      return;
+    }
+  }
+  if ((host_flags_ == HostFlags::difference) != borrow) a_.cmc();
+}
+
+void BlockEmitter::emit_data(const Step& step) {
+  switch (step.operation) {
+    case Operation::tst_imm:
+    case Operation::tst_reg:
+    case Operation::teq_imm:
+    case Operation::teq_reg:
+      return emit_test(step);
+    case Operation::cmp_imm:
+    case Operation::cmp_reg:
+    case Operation::cmp_high:
+      return emit_difference(step, false);
+    case Operation::sub_imm:
+    case Operation::sub_reg:
+      return emit_difference(step, false);
+    case Operation::rsb_imm:
+    case Operation::rsb_reg:
+      return emit_difference(step, true);
+    case Operation::add_imm:
+    case Operation::add_reg:
+    case Operation::cmn_imm:
+    case Operation::cmn_reg:
+      return emit_sum(step);
+    case Operation::adc_imm:
+    case Operation::adc_reg:
+    case Operation::sbc_imm:
+    case Operation::sbc_reg:
+      return emit_with_carry(step);
+    case Operation::add_high:
+    case Operation::mov_high:
+      return emit_high(step);
+    case Operation::lsl_reg:
+    case Operation::lsr_reg:
+    case Operation::asr_reg:
+    case Operation::ror_reg:
+      return emit_shift_by_register(step);
+    case Operation::sbfx:
+    case Operation::ubfx:
+      return emit_extract(step);
+    case Operation::bfi:
+    case Operation::bfc:
+    case Operation::movt:
+    case Operation::adr:
+      return emit_insert(step);
+    case Operation::sxtb:
+    case Operation::sxth:
+    case Operation::uxtb:
+    case Operation::uxth:
+      return emit_extend(step);
+    case Operation::rev:
+    case Operation::rev16:
+    case Operation::revsh:
+    case Operation::rbit:
+    case Operation::clz:
+      return emit_reverse(step);
+    case Operation::mul:
+    case Operation::mla:
+    case Operation::mls:
+      return emit_multiply(step);
+    case Operation::smull:
+    case Operation::umull:
+    case Operation::smlal:
+    case Operation::umlal:
+      return emit_long_multiply(step);
+    case Operation::sdiv:
+    case Operation::udiv:
+      return emit_divide(step);
+    default:
+      return emit_logical(step);
+  }
+}
+
+namespace {
+
+x86::Inst::Id logical_instruction(Operation operation) {
+  switch (operation) {
+    case Operation::and_imm:
+    case Operation::and_reg:
+    case Operation::bic_imm:
+      return x86::Inst::kIdAnd;
+    case Operation::eor_imm:
+    case Operation::eor_reg:
+      return x86::Inst::kIdXor;
+    default:
+      return x86::Inst::kIdOr;
+  }
+}
+
+}  // namespace
+
+/// AND, BIC, ORR, ORN, EOR, MOV, MVN.
+void BlockEmitter::emit_logical(const Step& step) {
+  const Operation operation = step.operation;
+  const uint8_t want = wanted(step);
+  const bool carry = store_shifter_carry(step);
+  const Gp to = destination(step.rd, x86::eax);
+  bool host = false;  // the host's N and Z are the result's
+  switch (operation) {
+    case Operation::mov_imm:
+    case Operation::mvn_imm: {
+      const uint32_t value = operation == Operation::mov_imm ? step.imm : ~step.imm;
+      if (carry) second_operand(step, x86::ecx, true);
+      keep_host_flags();
+      a_.mov(to, value);
+      break;
+    }
+    case Operation::mov_reg:
+    case Operation::mvn_reg:
+      if (is_shifted(step)) {
+        shift_constant(to, step.rm, step.shift, carry);
+      } else {
+        keep_host_flags();
+        read_to(to, step.rm);
+      }
+      if (operation == Operation::mvn_reg) a_.not_(to);
+      break;
+    case Operation::bic_reg: {
+      const Operand m = second_operand(step, x86::ecx, carry);
+      if (m.isMem()) a_.emit(x86::Inst::kIdMov, x86::ecx, m);
+      a_.emit(x86::Inst::kIdAndn, to, m.isMem() ? Operand(x86::ecx) : m, at(step.rn));
+      host = true;
+      break;
+    }
+    case Operation::bic_imm:
+    case Operation::orn_imm: {
+      if (carry) second_operand(step, x86::ecx, true);
+      read_to(to, step.rn);
+      a_.emit(logical_instruction(operation), to, number(~step.imm));
+      host = true;
+      break;
+    }
+    case Operation::orn_reg: {
+      const Operand m = second_operand(step, x86::ecx, carry);
+      if (!m.isReg() || m.as<Gp>() != x86::ecx) a_.emit(x86::Inst::kIdMov, x86::ecx, m);
+      a_.not_(x86::ecx);
+      a_.emit(x86::Inst::kIdOr, x86::ecx, at(step.rn));
+      a_.mov(to, x86::ecx);
+      host = true;
+      break;
+    }
+    default: {
+      const Operand m = second_operand(step, x86::ecx, carry);
+      const x86::Inst::Id id = logical_instruction(operation);
+      if (m.isReg() && m.as<Gp>() == to) {
+        a_.emit(id, to, at(step.rn));
+      } else {
+        read_to(to, step.rn);
+        a_.emit(id, to, m);
+      }
+      host = true;
+    }
+  }
+  written(step.rd, to);
+  if (carry) set_sources(c_bit, {});
+  if ((want & nz_bit) != 0) {
+    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+    if (host) in_host(HostFlags::nz);
+  }
+}
+
+/// TST, TEQ.
+void BlockEmitter::emit_test(const Step& step) {
+  const uint8_t want = wanted(step);
+  keep_host_flags();
+  if (want == 0) return;
+  const bool both = step.operation == Operation::tst_imm || step.operation == Operation::tst_reg;
+  const bool carry = store_shifter_carry(step);
+  const FlagOperand n = FlagOperand::reg(step.rn);
+  if (is_shifted(step)) {
+    host_kept_ = false;
+    shift_constant(x86::ecx, step.rm, step.shift, carry);
+    a_.emit(both ? x86::Inst::kIdAnd : x86::Inst::kIdXor, x86::ecx, at(step.rn));
+    store_nz(x86::ecx);
+    set_sources(nz_bit, {});
+    in_host(HostFlags::nz);
+  } else {
+    const bool immediate = is_immediate(step.operation);
+    if (carry) second_operand(step, x86::ecx, true);
+    const FlagOperand m =
+        immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
+    set_sources(nz_bit, {both ? Of::both : Of::either, n, m, 0});
+  }
+  if (carry) set_sources(c_bit, {});
+}
+
+namespace {
+
+/// What x was before rd became x - y or x + y.
+struct Sources {
+  FlagOperand x, y;
+  bool known;
+};
+
+Sources behind_difference(FlagOperand x, FlagOperand y, unsigned rd) {
+  const uint8_t d = static_cast<uint8_t>(rd);
+  if (x.base == d && y.base == d) return {FlagOperand::number(0), FlagOperand::number(0), true};
+  if (x.base == d) return {{d, y.base, FlagOperand::none, y.imm}, y, true};
+  if (y.base == d) return {x, {x.base, FlagOperand::none, d, x.imm}, true};
+  return {x, y, true};
+}
+
+Sources behind_sum(FlagOperand x, FlagOperand y, unsigned rd) {
+  const uint8_t d = static_cast<uint8_t>(rd);
+  if (x.base == d && y.base == d) return {x, y, false};
+  if (x.base == d) return {{d, FlagOperand::none, y.base, 0u - y.imm}, y, true};
+  if (y.base == d) return {x, {d, FlagOperand::none, x.base, 0u - x.imm}, true};
+  return {x, y, true};
+}
+
+}  // namespace
+
+/// The host has the flags of the present operation now: into the state.
+void BlockEmitter::settle_from_host(uint8_t which, Gp result, bool borrow) {
+  in_host(borrow ? HostFlags::difference : HostFlags::sum);
+  set_sources(which & (c_bit | v_bit), {Of::host, {}, {}, 0});
+  settle_carries(which & (c_bit | v_bit));
+  if ((which & nz_bit) == 0) return;
+  store_nz(result);
+  set_sources(nz_bit, {});
+}
+
+/// SUB, CMP; reversed: RSB.
+void BlockEmitter::emit_difference(const Step& step, bool reversed) {
+  const uint8_t want = wanted(step);
+  const bool writes = !is(step, kind::compare);
+  const bool immediate = is_immediate(step.operation);
+  const FlagOperand n = step.rn == 15 ? FlagOperand::number(pc_of(step)) : FlagOperand::reg(step.rn);
+  const FlagOperand m = immediate       ? FlagOperand::number(step.imm)
+                        : step.rm == 15 ? FlagOperand::number(pc_of(step))
+                                        : FlagOperand::reg(step.rm);
+  if (!writes && want == 0) return keep_host_flags();
+  if (!writes && !is_shifted(step)) {
+    keep_host_flags();
+    return set_sources(all_flags, {Of::difference, n, m, 0});
+  }
+  const Operand second = second_operand(step, x86::ecx, false);
+  const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
+  if (want == 0 && !reversed && immediate && pinned(step.rn) && pinned(step.rd)) {
+    keep_host_flags();
+    a_.lea(to, x86::ptr(host(step.rn).r64(), static_cast<int32_t>(0u - step.imm)));
+    return;
+  }
+  if (reversed) {
+    const bool negate = immediate && step.imm == 0;
+    if (negate) {
+      read_to(to, step.rn);
+      a_.neg(to);
+    } else {
+      a_.emit(x86::Inst::kIdMov, x86::eax, second);
+      a_.emit(x86::Inst::kIdSub, x86::eax, at(step.rn));
+      if (to != x86::eax) a_.mov(to, x86::eax);
+    }
+  } else if (second.isReg() && second.as<Gp>() == to && step.rm != step.rn) {
+    read_to(x86::eax, step.rn);
+    a_.emit(x86::Inst::kIdSub, x86::eax, second);
+    a_.mov(to, x86::eax);
+  } else {
+    read_to(to, step.rn);
+    a_.emit(x86::Inst::kIdSub, to, second);
+  }
+  if (writes) written(step.rd, to);
+  if (want == 0) return;
+  if (is_shifted(step)) return settle_from_host(want, to, true);
+  in_host(HostFlags::difference);
+  const Sources sources = reversed ? behind_difference(m, n, step.rd)
+                                   : behind_difference(n, m, step.rd);
+  set_sources(c_bit | v_bit, {Of::difference, sources.x, sources.y, 0});
+  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+}
+
+/// ADD, CMN.
+void BlockEmitter::emit_sum(const Step& step) {
+  const uint8_t want = wanted(step);
+  const bool writes = !is(step, kind::compare);
+  const bool immediate = is_immediate(step.operation);
+  const FlagOperand n = FlagOperand::reg(step.rn);
+  const FlagOperand m = immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
+  if (!writes && want == 0) return keep_host_flags();
+  if (!writes && !is_shifted(step)) {
+    keep_host_flags();
+    return set_sources(all_flags, {Of::sum, n, m, 0});
+  }
+  const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
+  if (want == 0 && pinned(step.rn) && pinned(step.rd) && !is_shifted(step) &&
+      (immediate || pinned(step.rm))) {
+    keep_host_flags();
+    const Gp base = host(step.rn).r64();
+    a_.lea(to, immediate ? x86::ptr(base, static_cast<int32_t>(step.imm))
+                         : x86::ptr(base, host(step.rm).r64()));
+    return;
+  }
+  const Operand second = second_operand(step, x86::ecx, false);
+  if (second.isReg() && second.as<Gp>() == to) {
+    a_.emit(x86::Inst::kIdAdd, to, at(step.rn));
+  } else {
+    read_to(to, step.rn);
+    a_.emit(x86::Inst::kIdAdd, to, second);
+  }
+  if (writes) written(step.rd, to);
+  if (want == 0) return;
+  const Sources sources = behind_sum(n, m, step.rd);
+  if (is_shifted(step) || !sources.known) return settle_from_host(want, to, false);
+  in_host(HostFlags::sum);
+  set_sources(c_bit | v_bit, {Of::sum, sources.x, sources.y, 0});
+  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+}
+
+/// ADC, SBC.
+void BlockEmitter::emit_with_carry(const Step& step) {
+  const uint8_t want = wanted(step);
+  const bool subtract =
+      step.operation == Operation::sbc_imm || step.operation == Operation::sbc_reg;
+  Operand second;
+  if (is_shifted(step)) {
+    settle(c_bit);
+    second = second_operand(step, x86::edx, false);
+    host_serial_ = 0;
+    carry_to_host(subtract);
+  } else {
+    carry_to_host(subtract);
+    second = second_operand(step, x86::edx, false);
+  }
+  read_to(x86::eax, step.rn);
+  a_.emit(subtract ? x86::Inst::kIdSbb : x86::Inst::kIdAdc, x86::eax, second);
+  write(step.rd, x86::eax);
+  if (want == 0) return;
+  in_host(subtract ? HostFlags::difference : HostFlags::sum);
+  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  set_sources(c_bit | v_bit, {Of::host, {}, {}, 0});
+  const Step* next = index_ + 1 < steps_.size() ? steps_[index_ + 1] : nullptr;
+  const bool chained = next != nullptr && effects_of(*next).kills == all_flags &&
+                       traits(next->operation).flags == FlagEffect::with_carry;
+  if (!chained) settle_carries(want & (c_bit | v_bit));
+  if (!chained && (want & (c_bit | v_bit)) != (c_bit | v_bit))
+    set_sources(static_cast<uint8_t>((c_bit | v_bit) & ~want), {});
+}
+
+/// ADD and MOV of all registers, not to the PC.
+void BlockEmitter::emit_high(const Step& step) {
+  keep_host_flags();
+  const bool add = step.operation == Operation::add_high;
+  const Gp to = destination(step.rd, x86::eax);
+  if (!add) {
+    read_to(to, step.rm);
+    return written(step.rd, to);
+  }
+  const Gp n = read(step.rn, x86::eax), m = read(step.rm, x86::ecx);
+  a_.lea(to, x86::ptr(n.r64(), m.r64()));
+  written(step.rd, to);
+}
+
+/// LSL, LSR, ASR and ROR by the bottom byte of a register.
+void BlockEmitter::emit_shift_by_register(const Step& step) {
+  const uint8_t want = wanted(step);
+  if ((want & c_bit) != 0) return emit_shift_with_carry(step);
+  read_to(x86::ecx, step.rm);
+  a_.movzx(x86::ecx, x86::cl);
+  const Gp n = read(step.rn, x86::eax);
+  const Gp to = destination(step.rd, x86::eax);
+  switch (step.operation) {
+    case Operation::lsl_reg:
+    case Operation::lsr_reg:
+      if (step.operation == Operation::lsl_reg)
+        a_.shlx(x86::eax, n, x86::ecx);
+      else
+        a_.shrx(x86::eax, n, x86::ecx);
+      a_.cmp(x86::ecx, 32);
+      a_.sbb(x86::ecx, x86::ecx);
+      a_.and_(x86::eax, x86::ecx);
+      break;
+    case Operation::asr_reg:
+      a_.mov(x86::edx, 31);
+      a_.cmp(x86::ecx, x86::edx);
+      a_.cmova(x86::ecx, x86::edx);
+      a_.sarx(x86::eax, n, x86::ecx);
+      break;
+    default:
+      if (n != x86::eax) a_.mov(x86::eax, n);
+      a_.ror(x86::eax, x86::cl);
+      break;
+  }
+  if (to != x86::eax) a_.mov(to, x86::eax);
+  written(step.rd, to);
+  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+}
+
+/// ... whose carry, kept where nothing is shifted, is stored. In 64 bits the last bit shifted out
+/// stays beside the result.
+void BlockEmitter::emit_shift_with_carry(const Step& step) {
+  settle(c_bit);
+  const Label unshifted = a_.newLabel();
+  read_to(x86::ecx, step.rm);
+  a_.movzx(x86::ecx, x86::cl);
+  read_to(x86::eax, step.rn);
+  unsigned carry = 31;
+  if (step.operation == Operation::ror_reg) {
+    a_.mov(x86::edx, x86::ecx);
+    a_.ror(x86::eax, x86::cl);
+    a_.test(x86::edx, x86::edx);
+  } else {
+    a_.mov(x86::edx, 63);
+    a_.cmp(x86::ecx, x86::edx);
+    a_.cmova(x86::ecx, x86::edx);
+    if (step.operation != Operation::lsl_reg) a_.shl(x86::rax, 32);
+    if (step.operation == Operation::lsl_reg)
+      a_.shlx(x86::rax, x86::rax, x86::rcx);
+    else if (step.operation == Operation::lsr_reg)
+      a_.shrx(x86::rax, x86::rax, x86::rcx);
+    else
+      a_.sarx(x86::rax, x86::rax, x86::rcx);
+    if (step.operation == Operation::lsl_reg) carry = 32;
+    a_.test(x86::ecx, x86::ecx);
+  }
+  a_.jz(unshifted);
+  a_.bt(x86::rax, carry);
+  a_.setc(state_byte(&machine_.state.c));
+  a_.bind(unshifted);
+  const bool upper = step.operation == Operation::lsr_reg || step.operation == Operation::asr_reg;
+  if (upper) a_.shr(x86::rax, 32);
+  write(step.rd, x86::eax);
+  set_sources(c_bit, {});
+  if ((wanted(step) & nz_bit) != 0)
+    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+}
+
+/// SBFX, UBFX.
+void BlockEmitter::emit_extract(const Step& step) {
+  const unsigned lsb = step.field.lsb, rest = 32 - lsb;
+  const unsigned width = std::min<unsigned>(static_cast<unsigned>(step.field.width), rest);
+  const Gp to = destination(step.rd, x86::eax);
+  read_to(to, step.rn);
+  if (step.operation == Operation::ubfx) {
+    if (lsb != 0) a_.shr(to, lsb);
+    if (width < rest) a_.and_(to, number((1u << width) - 1));
+  } else {
+    if (rest != width) a_.shl(to, rest - width);
+    if (width != 32) a_.sar(to, 32 - width);
+  }
+  written(step.rd, to);
+}
+
+void BlockEmitter::emit_extend(const Step& step) {
+  const Gp to = destination(step.rd, x86::eax);
+  keep_host_flags();
+  Gp from = read(step.rm, x86::eax);
+  if ((step.shift.amount & 31) != 0) {
+    a_.rorx(x86::eax, from, step.shift.amount & 31);
+    from = x86::eax;
+  }
+  switch (step.operation) {
+    case Operation::sxtb:
+      a_.movsx(to, from.r8());
+      break;
+    case Operation::sxth:
+      a_.movsx(to, from.r16());
+      break;
+    case Operation::uxtb:
+      a_.movzx(to, from.r8());
+      break;
+    default:
+      a_.movzx(to, from.r16());
+      break;
+  }
+  written(step.rd, to);
+}
+
+/// BFI, BFC, MOVT, ADR.
+void BlockEmitter::emit_insert(const Step& step) {
+  const Gp to = destination(step.rd, x86::eax);
+  if (step.operation == Operation::adr) {
+    keep_host_flags();
+    a_.mov(to, (pc_of(step) & ~3u) + step.imm);
+    return written(step.rd, to);
+  }
+  if (step.operation == Operation::movt) {
+    read_to(to, step.rd);
+    a_.and_(to, 0xFFFF);
+    if (step.imm != 0) a_.or_(to, number(step.imm << 16));
+    return written(step.rd, to);
+  }
+  if (step.field.width < 1) return keep_host_flags();
+  const auto width = static_cast<unsigned>(step.field.width);
+  const uint32_t low = width >= 32 ? ~0u : (1u << width) - 1;
+  const uint32_t mask = low << step.field.lsb;
+  if (step.operation == Operation::bfi) {
+    read_to(x86::ecx, step.rn);
+    if (step.field.lsb != 0) a_.shl(x86::ecx, step.field.lsb);
+    a_.and_(x86::ecx, number(mask));
+  }
+  read_to(to, step.rd);
+  a_.and_(to, number(~mask));
+  if (step.operation == Operation::bfi) a_.or_(to, x86::ecx);
+  written(step.rd, to);
+}
+
+/// REV, REV16, REVSH, RBIT, CLZ.
+void BlockEmitter::emit_reverse(const Step& step) {
+  const Gp to = destination(step.rd, x86::eax);
+  const auto exchange = [&](uint32_t mask, unsigned by) {
+    a_.mov(x86::ecx, x86::eax);
+    a_.shr(x86::ecx, by);
+    a_.and_(x86::ecx, number(mask));
+    a_.and_(x86::eax, number(mask));
+    a_.shl(x86::eax, by);
+    a_.or_(x86::eax, x86::ecx);
+  };
+  read_to(x86::eax, step.rm);
+  switch (step.operation) {
+    case Operation::clz:  // without LZCNT: BSR gives the highest bit, nothing for zero
+      a_.mov(x86::ecx, 63);
+      a_.bsr(x86::eax, x86::eax);
+      a_.cmovz(x86::eax, x86::ecx);
+      a_.xor_(x86::eax, 31);
+      break;
+    case Operation::rev:
+      a_.bswap(x86::eax);
+      break;
+    case Operation::rev16:
+      a_.bswap(x86::eax);
+      a_.rol(x86::eax, 16);
+      break;
+    case Operation::revsh:
+      a_.bswap(x86::eax);
+      a_.sar(x86::eax, 16);
+      break;
+    default:
+      a_.bswap(x86::eax);
+      exchange(0x0F0F0F0F, 4);
+      exchange(0x33333333, 2);
+      exchange(0x55555555, 1);
+      break;
+  }
+  if (to != x86::eax) a_.mov(to, x86::eax);
+  written(step.rd, to);
+}
+
+/// MUL, MLA, MLS.
+void BlockEmitter::emit_multiply(const Step& step) {
+  const Gp to = destination(step.rd, x86::eax);
+  if (step.operation == Operation::mul && (to == x86::eax || step.rd == step.rn)) {
+    read_to(to, step.rn);
+    a_.emit(x86::Inst::kIdImul, to, at(step.rm));
+  } else {
+    read_to(x86::eax, step.rn);
+    a_.emit(x86::Inst::kIdImul, x86::eax, at(step.rm));
+    if (step.operation == Operation::mul) {
+      a_.mov(to, x86::eax);
+    } else if (step.operation == Operation::mla) {
+      a_.emit(x86::Inst::kIdAdd, x86::eax, at(step.ra));
+      if (to != x86::eax) a_.mov(to, x86::eax);
+    } else {
+      read_to(x86::ecx, step.ra);
+      a_.sub(x86::ecx, x86::eax);
+      a_.mov(to, x86::ecx);
+    }
+  }
+  written(step.rd, to);
+  if ((wanted(step) & nz_bit) != 0)
+    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+}
+
+/// Takes cycles that depend on operands, in the lower half of a register that is cleared by it.
+void BlockEmitter::charge(Gp cycles) {
+  a_.shl(cycles.r64(), 32);
+  a_.sub(x86::r15, cycles.r64());
+}
+
+/// SMULL, UMULL, SMLAL, UMLAL.
+void BlockEmitter::emit_long_multiply(const Step& step) {
+  const bool is_signed =
+      step.operation == Operation::smull || step.operation == Operation::smlal;
+  const bool accumulate =
+      step.operation == Operation::smlal || step.operation == Operation::umlal;
+  // Cycles: one for each operand of more than 16 bits; edx counts.
+  a_.xor_(x86::edx, x86::edx);
+  for (const unsigned n : {unsigned{step.rn}, unsigned{step.rm}}) {
+    read_to(x86::eax, n);
+    if (is_signed) {
+      a_.mov(x86::ecx, x86::eax);
+      a_.neg(x86::ecx);
+      a_.cmovns(x86::eax, x86::ecx);
+    }
+    a_.cmp(x86::eax, 0x10000);
+    a_.sbb(x86::edx, -1);
+  }
+  if (accumulate) {  // 0, 1 or 3
+    a_.mov(x86::eax, x86::edx);
+    a_.shr(x86::eax, 1);
+    a_.add(x86::edx, x86::eax);
+  }
+  charge(x86::edx);
+  if (is_signed) {
+    a_.emit(x86::Inst::kIdMovsxd, x86::rax, at(step.rn));
+    a_.emit(x86::Inst::kIdMovsxd, x86::rcx, at(step.rm));
+  } else {
+    read_to(x86::eax, step.rn);
+    read_to(x86::ecx, step.rm);
+  }
+  a_.imul(x86::rax, x86::rcx);
+  if (accumulate) {
+    read_to(x86::ecx, step.ra);
+    a_.shl(x86::rcx, 32);
+    read_to(x86::edx, step.rd);
+    a_.or_(x86::rcx, x86::rdx);
+    a_.add(x86::rax, x86::rcx);
+  }
+  write(step.rd, x86::eax);
+  a_.shr(x86::rax, 32);
+  write(step.ra, x86::eax);
+}
+
+/// SDIV, UDIV. A divisor of zero is left to C++.
+void BlockEmitter::emit_divide(const Step& step) {
+  const bool is_signed = step.operation == Operation::sdiv;
+  const Label short_one = a_.newLabel();
+  const auto magnitude_to = [&](Gp to, Gp scratch, unsigned n) {
+    read_to(to, n);
+    if (!is_signed) return;
+    a_.mov(scratch, to);
+    a_.neg(scratch);
+    a_.cmovns(to, scratch);
+  };
+  magnitude_to(x86::ecx, x86::edx, step.rm);
+  a_.test(x86::ecx, x86::ecx);
+  a_.jz(exit_at(step));
+  magnitude_to(x86::eax, x86::edx, step.rn);
+  a_.cmp(x86::eax, x86::ecx);
+  a_.jb(short_one);
+  a_.bsr(x86::eax, x86::eax);
+  a_.bsr(x86::ecx, x86::ecx);
+  a_.sub(x86::eax, x86::ecx);
+  a_.shr(x86::eax, 2);
+  a_.inc(x86::eax);
+  charge(x86::eax);
+  a_.bind(short_one);
+  if (is_signed) {  // in 64 bits the smallest number by -1 wraps instead of raising an exception
+    a_.emit(x86::Inst::kIdMovsxd, x86::rax, at(step.rn));
+    a_.emit(x86::Inst::kIdMovsxd, x86::rcx, at(step.rm));
+    a_.cqo();
+    a_.idiv(x86::rcx);
+  } else {
+    read_to(x86::eax, step.rn);
+    read_to(x86::ecx, step.rm);
+    a_.xor_(x86::edx, x86::edx);
+    a_.div(x86::ecx);
+  }
+  write(step.rd, x86::eax);
+}
+
+/// Computes R13 from others: with bits that do not exist in it, it is left to C++.
+void BlockEmitter::emit_sp(const Step& step) {
+  const bool add = step.operation == Operation::add_reg || step.operation == Operation::add_high ||
+                   step.operation == Operation::add_imm;
+  const bool move = step.operation == Operation::mov_high || step.operation == Operation::mov_reg;
+  const Operand second =
+      is_immediate(step.operation) ? Operand(number(step.imm)) : Operand(Gp(x86::ecx));
+  if (!is_immediate(step.operation)) {
+    if (step.shift.amount != 0)
+      shift_constant(x86::ecx, step.rm, step.shift, false);
+    else
+      read_to(x86::ecx, step.rm);
+  }
+  if (move) {
+    a_.mov(x86::eax, x86::ecx);
+  } else {
+    read_to(x86::eax, step.rn);
+    a_.emit(add ? x86::Inst::kIdAdd : x86::Inst::kIdSub, x86::eax, second);
+  }
+  a_.test(x86::al, 3);
+  a_.jnz(exit_at(step));
+  write(13, x86::eax);
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,305 @@
+#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/isa/decoder.h"
+
+namespace capsoc::cortex_m3 {
+
+using namespace asmjit;
+using Of = FlagSource::Of;
+
+void BlockEmitter::set_sources(uint8_t which, FlagSource source) {
+  source.serial = serial_;
+  if (which & nz_bit) flags_.nz = source;
+  if (which & c_bit) flags_.c = source;
+  if (which & v_bit) flags_.v = source;
+}
+
+/// The host's flags are those of the present operation.
+void BlockEmitter::in_host(HostFlags which) {
+  host_serial_ = serial_;
+  host_flags_ = which;
+}
+
+bool BlockEmitter::host_has(const FlagSource& source, HostFlags least) const {
+  if (host_serial_ == 0 || source.serial != host_serial_) return false;
+  return least == HostFlags::nz || host_flags_ != HostFlags::nz;
+}
+
+/// Before a step writes registers: flags that are to be made from these, that the step does not set
+/// and that somebody may still see, are computed.
+void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
+  uint8_t lost = 0;
+  if ((flags_.nz.registers() & written) != 0) lost |= nz_bit;
+  if ((flags_.c.registers() & written) != 0) lost |= c_bit;
+  if ((flags_.v.registers() & written) != 0) lost |= v_bit;
+  lost &= static_cast<uint8_t>(~killed);
+  settle(lost & visible);
+  const uint8_t dropped = lost & static_cast<uint8_t>(~visible);
+  if (dropped != 0) {
+    ++serial_;
+    set_sources(dropped, {});
+  }
+}
+
+void BlockEmitter::operand_to(Gp to, const FlagOperand& operand) {
+  if (operand.base == FlagOperand::none) {
+    a_.mov(to, operand.imm);
+  } else {
+    read_to(to, operand.base);
+    if (operand.imm != 0) a_.add(to, operand.imm);
+  }
+  if (operand.plus != FlagOperand::none) a_.emit(x86::Inst::kIdAdd, to, at(operand.plus));
+  if (operand.minus != FlagOperand::none) a_.emit(x86::Inst::kIdSub, to, at(operand.minus));
+}
+
+/// A register or a number as an operand of the host; others are computed first.
+Operand BlockEmitter::simple_operand(const FlagOperand& operand, Gp scratch) {
+  if (operand.is_register()) return at(operand.base);
+  if (operand.is_number()) return Imm(static_cast<int32_t>(operand.imm));
+  operand_to(scratch, operand);
+  return scratch;
+}
+
+namespace {
+
+x86::Inst::Id instruction_of(Of of) {
+  switch (of) {
+    case Of::both:
+      return x86::Inst::kIdAnd;
+    case Of::either:
+      return x86::Inst::kIdXor;
+    case Of::sum:
+      return x86::Inst::kIdAdd;
+    default:
+      return x86::Inst::kIdSub;
+  }
+}
+
+}  // namespace
+
+/// The result of a pending operation, and its flags as the host's.
+void BlockEmitter::compute(const FlagSource& source, Gp result) {
+  const Operand y = source.of == Of::value ? Operand(Imm(0)) : simple_operand(source.y, x86::ecx);
+  operand_to(result, source.x);
+  host_serial_ = source.serial;
+  host_flags_ = source.of == Of::difference ? HostFlags::difference
+                : source.of == Of::sum      ? HostFlags::sum
+                                            : HostFlags::nz;
+  if (source.of == Of::value)
+    a_.test(result, result);
+  else
+    a_.emit(instruction_of(source.of), result, y);
+}
+
+/// The flags of a pending operation as the host's.
+void BlockEmitter::compare(const FlagSource& source) {
+  const bool plain = source.x.is_register() && pinned(source.x.base);
+  if (plain && source.of == Of::value) {
+    a_.test(host(source.x.base), host(source.x.base));
+    host_flags_ = HostFlags::nz;
+  } else if (plain && (source.of == Of::difference || source.of == Of::both)) {
+    const bool difference = source.of == Of::difference;
+    Operand y = simple_operand(source.y, x86::ecx);
+    if (difference)
+      a_.emit(x86::Inst::kIdCmp, host(source.x.base), y);
+    else if (y.isMem())
+      a_.emit(x86::Inst::kIdTest, y, host(source.x.base));
+    else
+      a_.emit(x86::Inst::kIdTest, host(source.x.base), y);
+    host_flags_ = difference ? HostFlags::difference : HostFlags::nz;
+  } else {
+    compute(source, x86::eax);
+  }
+  host_serial_ = source.serial;
+}
+
+void BlockEmitter::store_nz(Gp value) {
+  a_.mov(state_word(&machine_.state.n), value);
+  a_.mov(state_word(&machine_.state.z), value);
+}
+
+/// C and V from the host's flags, which are those of their operation.
+void BlockEmitter::settle_carries(uint8_t which) {
+  const bool borrow = host_flags_ == HostFlags::difference;
+  if (which & c_bit) {
+    const Mem c = state_byte(&machine_.state.c);
+    if (borrow)
+      a_.setae(c);
+    else
+      a_.setc(c);
+    flags_.c = {Of::memory, {}, {}, flags_.c.serial};
+  }
+  if (which & v_bit) {
+    a_.seto(state_byte(&machine_.state.v));
+    flags_.v = {Of::memory, {}, {}, flags_.v.serial};
+  }
+}
+
+/// Writes flags into the state.
+void BlockEmitter::settle(uint8_t which) {
+  const auto unsettled = [](const FlagSource& s) { return s.of > Of::inherited; };
+  if (!unsettled(flags_.nz)) which &= static_cast<uint8_t>(~nz_bit);
+  if (!unsettled(flags_.c)) which &= static_cast<uint8_t>(~c_bit);
+  if (!unsettled(flags_.v)) which &= static_cast<uint8_t>(~v_bit);
+  for (const uint8_t bit : {c_bit, v_bit}) {
+    if ((which & bit) == 0) continue;
+    const FlagSource source = bit == c_bit ? flags_.c : flags_.v;
+    uint8_t group = bit;
+    if ((which & c_bit) && (which & v_bit) && flags_.c.serial == flags_.v.serial)
+      group = c_bit | v_bit;
+    const bool with_nz = (which & nz_bit) && flags_.nz == source;
+    if (with_nz) {
+      compute(source, x86::eax);
+    } else if (!host_has(source, HostFlags::sum)) {
+      compare(source);
+    }
+    settle_carries(group);
+    if (with_nz) {
+      store_nz(x86::eax);
+      flags_.nz = {Of::memory, {}, {}, flags_.nz.serial};
+      which &= static_cast<uint8_t>(~nz_bit);
+    }
+    which &= static_cast<uint8_t>(~group);
+  }
+  if ((which & nz_bit) == 0) return;
+  const FlagSource nz = flags_.nz;
+  if (nz.of == Of::value && nz.x.is_register()) {
+    store_nz(read(nz.x.base, x86::eax));
+  } else {
+    compute(nz, x86::eax);
+    store_nz(x86::eax);
+  }
+  flags_.nz = {Of::memory, {}, {}, nz.serial};
+}
+
+namespace {
+
+// By the guest's condition: EQ NE CS CC MI PL VS VC HI LS GE LT GT LE.
+constexpr x86::CondCode behind_difference[14] = {
+    x86::CondCode::kZ, x86::CondCode::kNZ, x86::CondCode::kAE, x86::CondCode::kB,
+    x86::CondCode::kS, x86::CondCode::kNS, x86::CondCode::kO,  x86::CondCode::kNO,
+    x86::CondCode::kA, x86::CondCode::kBE, x86::CondCode::kGE, x86::CondCode::kL,
+    x86::CondCode::kG, x86::CondCode::kLE};
+
+struct Needs {
+  bool nz, c, v;
+};
+constexpr Needs needs[7] = {{true, false, false}, {false, true, false}, {true, false, false},
+                            {false, false, true}, {true, true, false},  {true, false, true},
+                            {true, false, true}};
+
+}  // namespace
+
+/// The condition as one of the host's, if one operation made all its flags.
+std::optional<x86::CondCode> BlockEmitter::condition_from_host(unsigned guest_condition) {
+  const Needs need = needs[guest_condition >> 1];
+  const bool only_nz = !need.c && !need.v;
+  const FlagSource& first = only_nz ? flags_.nz : need.c ? flags_.c : flags_.v;
+  if (need.nz && flags_.nz.serial != first.serial) return std::nullopt;
+  if (!host_has(first, only_nz ? HostFlags::nz : HostFlags::sum)) {
+    if (!first.pending()) return std::nullopt;
+    if (!only_nz && first.of != Of::difference && first.of != Of::sum) return std::nullopt;
+    compare(first);
+  }
+  const unsigned sort = guest_condition >> 1;
+  if (host_flags_ != HostFlags::difference) {
+    if (sort == 4) return std::nullopt;
+    if (sort == 1)
+      return (guest_condition & 1) != 0 ? x86::CondCode::kAE : x86::CondCode::kB;
+  }
+  return behind_difference[guest_condition];
+}
+
+x86::CondCode BlockEmitter::condition_from_memory(unsigned guest_condition) {
+  const State& state = machine_.state;
+  const bool inverse = (guest_condition & 1) != 0;
+  const auto unless = [&](x86::CondCode code) { return inverse ? x86::negateCond(code) : code; };
+  host_serial_ = 0;
+  switch (guest_condition >> 1) {
+    case 0:
+      a_.cmp(state_word(&state.z), 0);
+      return unless(x86::CondCode::kZ);
+    case 1:
+      a_.cmp(state_byte(&state.c), 0);
+      return unless(x86::CondCode::kNZ);
+    case 2:
+      a_.cmp(state_word(&state.n), 0);
+      return unless(x86::CondCode::kS);
+    case 3:
+      a_.cmp(state_byte(&state.v), 0);
+      return unless(x86::CondCode::kNZ);
+    case 4:  // C and not Z
+      a_.movzx(x86::eax, state_byte(&state.c));
+      a_.neg(x86::eax);
+      a_.test(state_word(&state.z), x86::eax);
+      return unless(x86::CondCode::kNZ);
+    default:
+      break;
+  }
+  a_.movzx(x86::eax, state_byte(&state.v));
+  a_.shl(x86::eax, 31);
+  a_.xor_(x86::eax, state_word(&state.n));
+  if (guest_condition >> 1 == 5) return unless(x86::CondCode::kNS);
+  a_.sar(x86::eax, 31);
+  a_.not_(x86::eax);
+  a_.test(state_word(&state.z), x86::eax);
+  return unless(x86::CondCode::kNZ);
+}
+
+/// Makes the host's flags tell a condition of the guest (not AL).
+x86::CondCode BlockEmitter::condition(unsigned guest_condition) {
+  if (const auto code = condition_from_host(guest_condition)) return *code;
+  const Needs need = needs[guest_condition >> 1];
+  settle(static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) |
+                              (need.v ? v_bit : 0)));
+  return condition_from_memory(guest_condition);
+}
+
+uint32_t BlockEmitter::recipe_of(const FlagSources& flags) {
+  if (!flags.any_pending() && !flags.all_inherited() && flags.nz.of == Of::memory &&
+      flags.c.of == Of::memory && flags.v.of == Of::memory)
+    return 0;
+  for (std::size_t i = recipes_.size(); i-- > 0 && i + 8 > recipes_.size();)
+    if (recipes_[i] == flags) return static_cast<uint32_t>(i);
+  recipes_.push_back(flags);
+  return static_cast<uint32_t>(recipes_.size() - 1);
+}
+
+/// What the next block inherits. Where this one still inherits, no flag is left uncomputed: the
+/// block before it has seen to that (stays_recoverable), unless it set no flags at all.
+FlagSources BlockEmitter::outgoing() const {
+  FlagSources flags = flags_;
+  if (flags.all_inherited()) return flags;
+  for (FlagSource* source : {&flags.nz, &flags.c, &flags.v})
+    if (source->of == Of::inherited) *source = {};
+  return flags;
+}
+
+/// True if the pending flags can be left uncomputed for the block at an address of the same page:
+/// it sets them all before it reads one, leaves or writes a register they are made from.
+bool BlockEmitter::stays_recoverable(uint32_t target) const {
+  constexpr unsigned furthest = 12;
+  if (machine_.debugging.has_breakpoints()) return false;
+  const Memory::Page& memory = machine_.memory.map().page(target);
+  const uint32_t registers = flags_.registers();
+  uint8_t pending = static_cast<uint8_t>((flags_.nz.pending() ? nz_bit : 0) |
+                                         (flags_.c.pending() ? c_bit : 0) |
+                                         (flags_.v.pending() ? v_bit : 0));
+  for (unsigned n = 0; n < furthest; ++n) {
+    const uint32_t offset = target & (Memory::page_size - 1);
+    if (target >> Memory::page_bits != head_->address >> Memory::page_bits) return false;
+    if (offset + 4 > Memory::page_size) return false;
+    uint16_t halfwords[2];
+    std::memcpy(halfwords, memory.read + offset, 4);
+    const DecodedOp op = decode(target, halfwords[0], halfwords[1], 0);
+    const Effects effects = effects_of(op);
+    if ((effects.reads & pending) != 0) return false;
+    pending &= static_cast<uint8_t>(~effects.kills);
+    if (pending == 0) return true;
+    if (ends_block(op) || is(op, kind::any_branch) || op.operation == Operation::it) return false;
+    if ((written_by(op) & registers) != 0) return false;
+    target = next_address(op);
+  }
+  return false;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,361 @@
+#include <cstddef>
+
+#include "cortex_m3/executors/translator/block_emitter.h"
+
+namespace capsoc::cortex_m3 {
+
+using namespace asmjit;
+
+namespace {
+
+constexpr uint8_t none = FlagOperand::none;
+
+unsigned log2_of(unsigned size) {
+  return size == 4 ? 2 : size == 2 ? 1 : 0;
+}
+
+bool is_store(const DecodedOp& op) {
+  return is(op, kind::store | kind::dual_store | kind::multiple_store);
+}
+
+}  // namespace
+
+unsigned BlockEmitter::Access::words() const {
+  if (list != 0) return static_cast<unsigned>(__builtin_popcount(list));
+  return ra != none ? 2 : 1;
+}
+
+/// `to` = the address, less a number.
+void BlockEmitter::address_to(Gp to, const Address& address, uint32_t less) {
+  const uint32_t offset = address.imm - less;
+  const auto displacement = static_cast<int32_t>(offset);
+  if (address.base == none) {
+    if (address.index == none) {
+      a_.mov(to, offset);
+      return;
+    }
+    read_to(to, address.index);
+    if (address.shift != 0) a_.shl(to, address.shift);
+    a_.add(to, displacement);
+    return;
+  }
+  const Gp base = read(address.base, x86::eax);
+  if (address.index == none) {
+    if (offset != 0 || base != to) a_.lea(to, x86::ptr(base.r64(), displacement));
+    return;
+  }
+  const Gp index = read(address.index, x86::ecx);
+  a_.lea(to, x86::ptr(base.r64(), index.r64(), address.shift, displacement));
+}
+
+/// One register to or from memory.
+void BlockEmitter::move(const Access& access, unsigned n, const Mem& at) {
+  if (access.store) {
+    const Gp from = read(n, x86::edx);
+    if (access.size == 4)
+      a_.mov(at, from);
+    else if (access.size == 2)
+      a_.mov(at, from.r16());
+    else
+      a_.mov(at, from.r8());
+    return;
+  }
+  const Gp to = destination(n, x86::edx);
+  if (access.size == 4)
+    a_.mov(to, at);
+  else if (access.is_signed)
+    a_.movsx(to, at);
+  else
+    a_.movzx(to, at);
+  written(n, to);
+}
+
+/// All registers of an access; `place` is the first word's.
+void BlockEmitter::transfer(const Access& access, const Mem& place) {
+  if (access.list == 0) {
+    move(access, access.rd, place);
+    if (access.ra != none) move(access, access.ra, place.cloneAdjusted(4));
+    return;
+  }
+  int64_t offset = 0;
+  for (uint32_t list = access.list & 0x7FFFu; list != 0; list &= list - 1, offset += 4)
+    move(access, static_cast<unsigned>(__builtin_ctz(list)), place.cloneAdjusted(offset));
+}
+
+/// What an address is likely to be.
+std::optional<uint32_t> BlockEmitter::guess(const Address& address) const {
+  if (address.base == none) return address.imm;
+  if (!values_[address.base]) return std::nullopt;
+  uint32_t value = *values_[address.base] + address.imm;
+  if (address.index == none) return value;
+  if (!values_[address.index]) return value;
+  return value + (*values_[address.index] << address.shift);
+}
+
+/// The window an access probably goes to; below zero if there is none. What is not known is taken
+/// to be where the stack is.
+int BlockEmitter::window_of(const Address& address, bool store) const {
+  const uint32_t place = guess(address).value_or(machine_.state.r[13] - 4);
+  const auto& windows = store ? context_.write : context_.read;
+  for (unsigned i = 0; i < HostContext::windows; ++i)
+    if (windows[i].host != nullptr && place - windows[i].base < windows[i].units[0])
+      return static_cast<int>(i);
+  return -1;
+}
+
+/// An access: through a window, or else through the page table, or else left to C++.
+void BlockEmitter::emit_access(const Step& step, const Access& access, const Address& address) {
+  const Label exit = exit_at(step);
+  if (window_of(address, access.store) < 0) return look_up(address, access, exit);
+  slow_.push_back({a_.newLabel(), a_.newLabel(), exit, access, address});
+  const SlowAccess slow = slow_.back();
+  const unsigned shift = through_window(address, access, slow.entry);
+  transfer(access, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
+  a_.bind(slow.back);
+}
+
+/// The place of an access that its window has, at rcx + (rax << result), or else to a label.
+unsigned BlockEmitter::through_window(const Address& address, const Access& access,
+                                      const Label& otherwise) {
+  const auto number = static_cast<unsigned>(window_of(address, access.store));
+  const MemoryWindow& window = (access.store ? context_.write : context_.read)[number];
+  const unsigned unit = access.aligned ? 0 : log2_of(access.size);
+  const unsigned words = access.words();
+  address_to(x86::eax, address, access.store ? 0 : window.base);
+  if (access.store) a_.sub(x86::eax, context(&window.base, 4));
+  if (unit != 0) a_.rorx(x86::eax, x86::eax, unit);
+  if (words == 1) {
+    a_.cmp(x86::eax, context(&window.units[unit], 4));
+  } else {
+    const auto last = static_cast<int32_t>(words - 1);
+    a_.lea(x86::rcx, x86::ptr(x86::rax, unit == 0 ? 4 * last : last));
+    a_.cmp(x86::rcx, context(&window.units[unit]));
+  }
+  a_.jae(otherwise);
+  a_.mov(x86::rcx, context(&window.host));
+  return unit;
+}
+
+/// An access through the page table, with its wait states. Leaves where the page is not mapped
+/// directly or the access not aligned or not within one page.
+void BlockEmitter::look_up(const Address& address, const Access& access, const Label& exit) {
+  static_assert(sizeof(Memory::Page) == 32);
+  address_to(x86::eax, address, 0);
+  if (access.size > 1) {
+    a_.test(x86::al, access.size - 1);
+    a_.jnz(exit);
+  }
+  a_.mov(x86::ecx, x86::eax);
+  a_.shr(x86::ecx, Memory::page_bits);
+  a_.shl(x86::ecx, 5);
+  a_.add(x86::rcx, context(&context_.pages));
+  const auto member = static_cast<int32_t>(access.store ? offsetof(Memory::Page, write)
+                                                        : offsetof(Memory::Page, read));
+  a_.mov(x86::rdx, x86::ptr(x86::rcx, member));
+  a_.test(x86::rdx, x86::rdx);
+  a_.jz(exit);
+  a_.and_(x86::eax, Memory::page_size - 1);
+  const unsigned words = access.words();
+  if (words > 1) {
+    a_.cmp(x86::eax, Memory::page_size - 4 * words);
+    a_.ja(exit);
+  }
+  a_.mov(x86::ecx, x86::dword_ptr(x86::rcx, offsetof(Memory::Page, wait_states)));
+  if (words > 1) a_.imul(x86::ecx, x86::ecx, words);
+  charge(x86::ecx);
+  a_.add(x86::rax, x86::rdx);
+  transfer(access, x86::ptr(x86::rax, 0, access.size));
+}
+
+void BlockEmitter::emit_slow(const SlowAccess& slow) {
+  a_.bind(slow.entry);
+  look_up(slow.address, slow.access, slow.exit);
+  a_.jmp(slow.back);
+}
+
+void BlockEmitter::emit_transfer(const Step& step) {
+  if (is(step, kind::multiple)) return emit_multiple(step);
+  if (is(step, kind::dual_load | kind::dual_store)) return emit_dual(step);
+  emit_single(step);
+}
+
+/// A load from a literal pool in the page of the code, whose bytes then are watched as code is.
+void BlockEmitter::emit_literal(const Step& step, uint32_t address) {
+  const Memory::Page& page = machine_.memory.map().page(address);
+  const uint32_t offset = address & (Memory::page_size - 1);
+  uint32_t value = 0;
+  std::memcpy(&value, page.read + offset, 4);
+  page_->code_lines |= 1ull << (offset / 64);
+  const Gp to = destination(step.rd, x86::eax);
+  keep_host_flags();
+  a_.mov(to, value);
+  written(step.rd, to);
+  if (page.wait_states != 0) {
+    host_kept_ = false;
+    a_.sub(x86::r15, constant(uint64_t{page.wait_states} << 32));
+  }
+}
+
+void BlockEmitter::emit_single(const Step& step) {
+  Access access;
+  access.store = is_store(step);
+  access.rd = step.rd;
+  switch (step.operation) {
+    case Operation::ldrsb:
+      access.is_signed = true;
+      [[fallthrough]];
+    case Operation::ldrb:
+    case Operation::strb:
+      access.size = 1;
+      break;
+    case Operation::ldrsh:
+      access.is_signed = true;
+      [[fallthrough]];
+    case Operation::ldrh:
+    case Operation::strh:
+      access.size = 2;
+      break;
+    default:
+      break;
+  }
+  Address address;
+  if (step.addressing == Addressing::literal) {
+    address.imm = (pc_of(step) & ~3u) + step.imm;
+    const bool here = address.imm >> Memory::page_bits == step.address >> Memory::page_bits;
+    if (here && access.size == 4 && (address.imm & 3) == 0 && step.rd != 15)
+      return emit_literal(step, address.imm);
+  } else {
+    address.base = step.rn;
+    if (step.addressing == Addressing::reg) {
+      address.index = step.rm;
+      address.shift = step.shift.amount;
+    } else if (step.addressing != Addressing::post_indexed) {
+      address.imm = step.imm;
+    }
+  }
+  access.aligned = address.base == 13 && address.index == none && (address.imm & 3) == 0;
+  const bool to_pc = step.rd == 15;
+  const bool indexed = step.addressing == Addressing::pre_indexed ||
+                       step.addressing == Addressing::post_indexed;
+  if (to_pc) {
+    if (window_of(address, false) < 0) return give_up(step);
+    settle_all();
+    const unsigned shift = through_window(address, access, exit_at(step));
+    a_.mov(x86::eax, x86::ptr(x86::rcx, x86::rax, shift, 0, 4));
+    find_entry(step);
+  } else {
+    emit_access(step, access, address);
+  }
+  if (indexed && (step.rn != step.rd || access.store))
+    a_.emit(x86::Inst::kIdAdd, at(step.rn), Imm(static_cast<int32_t>(step.imm)));
+  if (to_pc) go_to_entry(step);
+}
+
+/// LDRD, STRD.
+void BlockEmitter::emit_dual(const Step& step) {
+  Access access;
+  access.store = is_store(step);
+  access.rd = step.rd;
+  access.ra = step.ra;
+  Address address;
+  if (step.addressing == Addressing::literal) {
+    address.imm = (pc_of(step) & ~3u) + step.imm;
+  } else {
+    address.base = step.rn;
+    if (step.addressing != Addressing::post_indexed) address.imm = step.imm;
+  }
+  emit_access(step, access, address);
+  if (step.writeback)
+    a_.emit(x86::Inst::kIdAdd, at(step.rn), Imm(static_cast<int32_t>(step.imm)));
+}
+
+/// LDM, STM, PUSH, POP.
+void BlockEmitter::emit_multiple(const Step& step) {
+  const uint32_t bytes = 4 * step.list.count();
+  const bool down = step.operation == Operation::ldmdb || step.operation == Operation::stmdb;
+  Access access;
+  access.store = is_store(step);
+  access.list = step.list.bits;
+  access.aligned = step.rn == 13;
+  Address address;
+  address.base = step.rn;
+  if (down) address.imm = 0u - bytes;
+  const Imm moved(static_cast<int32_t>(down ? 0u - bytes : bytes));
+  const bool to_pc = !access.store && step.list.has(15);
+  if (to_pc) return emit_return(step, access, address, moved);
+  emit_access(step, access, address);
+  if (step.writeback && (access.store || !step.list.has(step.rn)))
+    a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
+}
+
+/// A load of several registers, the PC last, from a window. The target is read first: if it is not
+/// translated, nothing has happened yet.
+void BlockEmitter::emit_return(const Step& step, const Access& access, const Address& address,
+                               const Imm& moved) {
+  if (window_of(address, false) < 0) return give_up(step);
+  settle_all();
+  const unsigned shift = through_window(address, access, exit_at(step));
+  const auto last = static_cast<int32_t>(4 * (access.words() - 1));
+  a_.lea(x86::rax, x86::ptr(x86::rcx, x86::rax, shift));
+  a_.mov(context(&context_.place), x86::rax);
+  a_.mov(x86::eax, x86::dword_ptr(x86::rax, last));
+  find_entry(step);
+  a_.mov(context(&context_.target), x86::rcx);
+  a_.mov(x86::rcx, context(&context_.place));
+  transfer(access, x86::ptr(x86::rcx, 0, 4));
+  if (step.writeback && !step.list.has(step.rn)) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
+  a_.mov(x86::rcx, context(&context_.target));
+  go_to_entry(step);
+}
+
+/// Follows the values of registers as far as that is easy: a guess where accesses go, no more.
+void BlockEmitter::note_values(const Step& step) {
+  const uint32_t changed = written_by(step);
+  std::optional<uint32_t> value;
+  const auto known = [&](unsigned n) { return n < 16 ? values_[n] : std::nullopt; };
+  switch (step.operation) {
+    case Operation::mov_imm:
+      value = step.imm;
+      break;
+    case Operation::mov_reg:
+      if (step.shift.amount == 0) value = known(step.rm);
+      break;
+    case Operation::mov_high:
+      if (step.rm != 15) value = known(step.rm);
+      break;
+    case Operation::movt:
+      if (known(step.rd)) value = (*known(step.rd) & 0xFFFF) | step.imm << 16;
+      break;
+    case Operation::add_imm:
+      if (known(step.rn)) value = *known(step.rn) + step.imm;
+      break;
+    case Operation::sub_imm:
+      if (known(step.rn)) value = *known(step.rn) - step.imm;
+      break;
+    case Operation::add_reg:
+    case Operation::add_high:
+      if (step.rm != 15 && step.rn != 15 && known(step.rn))
+        value = *known(step.rn) + (known(step.rm) ? *known(step.rm) << step.shift.amount : 0);
+      break;
+    case Operation::adr:
+      value = (pc_of(step) & ~3u) + step.imm;
+      break;
+    case Operation::ldr:
+      if (step.addressing == Addressing::literal) {
+        uint32_t word = 0;
+        if (machine_.memory.debug_read((pc_of(step) & ~3u) + step.imm, &word, 4)) value = word;
+      }
+      break;
+    default:
+      break;
+  }
+  const bool moved_base = is(step, kind::transfer) && !is(step, kind::load);
+  if (moved_base) return;  // a base that moves stays where it is, roughly
+  for (unsigned n = 0; n < 16; ++n) {
+    if ((changed >> n & 1) == 0) continue;
+    if (is(step, kind::load) && n == step.rn && n != step.rd) continue;
+    values_[n] = n == step.rd ? value : std::nullopt;
+  }
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "cortex_m3/memory/memory.h"
+
+namespace capsoc::cortex_m3 {
+
+/// Memory that host code reaches with one comparison: pages in a row that are mapped directly,
+/// without wait states.
+struct MemoryWindow {
+  uint64_t units[3] = {};  ///< its size in bytes, halfwords, words; 0: closed
+  uint8_t* host = nullptr;
+  uint32_t base = 0;
+};
+
+/// What translated code uses beside the state, at a fixed distance from it.
+struct HostContext {
+  static constexpr unsigned windows = 8;
+
+  /// Upper half: cycles left, below zero when the budget is over. Lower half: instructions so far.
+  uint64_t budget = 0;
+  const Memory::Page* pages = nullptr;  ///< the view in use
+  const void* leave = nullptr;          ///< the code that returns to C++
+  uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
+  // Kept for a moment by a return.
+  uint64_t place = 0, target = 0;
+  std::array<MemoryWindow, windows> read, write;  ///< by region
+};
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,205 @@
+#include <asmjit/x86.h>
+
+#include <algorithm>
+
+#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/executors/translator/translator.h"
+#include "cortex_m3/machine.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr std::size_t buffer_bytes = 32u << 20;
+constexpr uint8_t never = 255;      // its first step is left to C++
+
+unsigned index_of(uint32_t address) {
+  return (address & (Memory::page_size - 1)) >> 1;
+}
+
+class HostTranslator : public Translator {
+ public:
+  explicit HostTranslator(Machine& machine)
+      : machine_(machine),
+        context_(machine.host_context),
+        buffer_(buffer_bytes),
+        emitter_(machine, context_, buffer_) {
+    if (!buffer_.good()) return;
+    frame_ = emitter_.emit_frame();
+    first_block_ = buffer_.used();
+  }
+
+  bool good() const { return buffer_.good(); }
+  TranslationCounts counts() const override { return counts_; }
+  void set_threshold(uint8_t executions) override { threshold_ = executions; }
+  void run(uint64_t limit) override;
+
+ private:
+  using Entry = uint32_t (*)(State*, const void*);
+
+  const Step* go_on(const Step* head);
+  const void* heat(const Step* head, CodePage& page);
+  const Step* execute(const void* entry, uint64_t left);
+  const Step* leave(const BlockExit& exit);
+  void refresh_windows();
+  void open_window(const Memory::Region& region, MemoryWindow& read, MemoryWindow& write);
+  void drop_all();
+
+  Machine& machine_;
+  HostContext& context_;
+  CodeBuffer buffer_;
+  BlockEmitter emitter_;
+  TranslationCounts counts_;
+  std::size_t frame_ = 0, first_block_ = 0;
+  uint8_t threshold_ = 100;
+  uint64_t limit_ = 0;
+  uint64_t windows_of_ = ~uint64_t{0};  // Memory::changes() that the windows show
+};
+
+void HostTranslator::run(uint64_t limit) {
+  const State& state = machine_.state;
+  const bool between = state.it_state == 0 && state.trail == timing::no_trail;
+  const Step* op = between ? Blocks::find(machine_) : nullptr;
+  if (op == nullptr) return machine_.blocks.stepping().run(limit);
+  limit_ = limit;
+  machine_.blocks.set_limit(limit);
+  if (!machine_.blocks.fits(*op)) return machine_.blocks.run_to_limit(op);
+  while (op != nullptr) op = go_on(op);
+}
+
+/// Executes from the first step of a block on; what comes next, or null for the run loop to decide.
+const Step* HostTranslator::go_on(const Step* head) {
+  CodePage* page = machine_.memory.direct(head->address).code;
+  if (page == nullptr || machine_.memory.is_watched()) return head->chain(machine_, head);
+  const void* entry = page->entries[index_of(head->address)];
+  if (entry == nullptr) entry = heat(head, *page);
+  const uint64_t used = machine_.state.cycles + emitter_.largest_bound();
+  if (entry == nullptr || used >= limit_) return head->chain(machine_, head);
+  return execute(entry, limit_ - used - 1);
+}
+
+/// Counts the executions of a block; its code when they are many.
+const void* HostTranslator::heat(const Step* head, CodePage& page) {
+  uint8_t& count = page.heat[index_of(head->address)];
+  if (count == never) return nullptr;
+  if (++count < threshold_) return nullptr;
+  if (emitter_.full()) drop_all();
+  refresh_windows();
+  const std::size_t before = buffer_.used();
+  const void* entry = emitter_.emit(head, page);
+  count = never;
+  if (entry == nullptr) return nullptr;
+  page.entries[index_of(head->address)] = entry;
+  ++counts_.blocks;
+  counts_.bytes += buffer_.used() - before;
+  return entry;
+}
+
+/// Runs translated code for so many cycles, and perhaps those of a block more.
+const Step* HostTranslator::execute(const void* entry, uint64_t left) {
+  constexpr uint64_t most = 0x7FFFFFFF;  // what the counters hold
+  State& state = machine_.state;
+  left = std::min(left, most);
+  refresh_windows();
+  context_.budget = left << 32;
+  context_.recipe = 0;
+  const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockEmitter
+      reinterpret_cast<uintptr_t>(buffer_.executable(frame_)));
+  const BlockExit& exit = emitter_.exits()[enter(&state, entry)];
+  const auto instructions = static_cast<uint32_t>(context_.budget);
+  const auto rest = static_cast<int32_t>(context_.budget >> 32);
+  state.cycles += static_cast<uint64_t>(static_cast<int64_t>(left) - rest);
+  state.instructions += instructions;
+  counts_.instructions += instructions;
+  emitter_.recipe(exit.recipe).settle(state, emitter_.recipe(context_.recipe));
+  return leave(exit);
+}
+
+const Step* HostTranslator::leave(const BlockExit& exit) {
+  State& state = machine_.state;
+  if (exit.kind == BlockExit::Kind::step) {
+    if (state.cycles + exit.bound < limit_) return exit.step->chain(machine_, exit.step);
+    machine_.blocks.run_to_limit(exit.step);
+    return nullptr;
+  }
+  if (exit.kind == BlockExit::Kind::edge) state.pc = exit.pc;
+  if (machine_.requests.any()) return nullptr;
+  const Step* next = Blocks::find(machine_);
+  if (next == nullptr || !machine_.blocks.fits(*next)) return nullptr;
+  if (exit.slot == BlockExit::no_slot) return next;
+  const CodePage* page = machine_.memory.direct(state.pc).code;
+  const void* entry = page != nullptr ? page->entries[index_of(state.pc)] : nullptr;
+  if (entry != nullptr) std::memcpy(buffer_.writable(exit.slot), &entry, sizeof entry);
+  return next;
+}
+
+/// What can be reached directly may have changed.
+void HostTranslator::refresh_windows() {
+  const Memory& memory = machine_.memory.map();
+  const Memory::Page* pages = machine_.memory.pages();
+  if (context_.pages == pages && windows_of_ == memory.changes()) return;
+  context_.pages = pages;
+  windows_of_ = memory.changes();
+  context_.read.fill({});
+  context_.write.fill({});
+  const auto& regions = memory.regions();
+  for (std::size_t i = 0; i < regions.size() && i < HostContext::windows; ++i)
+    open_window(regions[i], context_.read[i], context_.write[i]);
+  if (machine_.memory.is_whole_view()) return;
+  for (auto* windows : {&context_.read, &context_.write})
+    for (MemoryWindow& window : *windows) std::fill_n(window.units, 3, 0);
+}
+
+/// The whole pages of a region for reading; for writing the longest row of them without code.
+void HostTranslator::open_window(const Memory::Region& region, MemoryWindow& read,
+                                 MemoryWindow& write) {
+  const bool aligned = (region.base & (Memory::page_size - 1)) == 0;
+  const uint32_t size = region.size & ~(Memory::page_size - 1);
+  if (!aligned || region.wait_states != 0 || size == 0) return;
+  const auto open = [&](MemoryWindow& window, uint32_t from, uint32_t bytes) {
+    window = {{bytes, bytes / 2, bytes / 4}, region.host + (from - region.base), from};
+  };
+  open(read, region.base, size);
+  if (!region.writable) return;
+  std::vector<uint32_t> code = machine_.memory.map().code_pages();
+  std::sort(code.begin(), code.end());
+  uint32_t from = region.base, best = region.base, longest = 0;
+  const uint32_t end = region.base + size;  // 0 at the top of the address space
+  const auto row = [&](uint32_t until) {
+    if (until - from > longest) {
+      longest = until - from;
+      best = from;
+    }
+  };
+  for (const uint32_t index : code) {
+    const uint32_t page = index << Memory::page_bits;
+    if (page - region.base >= size) continue;
+    row(page);
+    from = page + Memory::page_size;
+  }
+  row(end);
+  if (longest != 0) open(write, best, longest);
+}
+
+/// The buffer is full: everything is translated anew where it is still hot.
+void HostTranslator::drop_all() {
+  machine_.memory.map().forget_entries();
+  buffer_.cut(first_block_);
+  emitter_.forget();
+  ++counts_.evictions;
+}
+
+}  // namespace
+
+std::unique_ptr<Translator> Translator::make(Machine& machine, std::string& reason) {
+  const auto& features = asmjit::CpuInfo::host().features().x86();
+  if (!features.hasBMI() || !features.hasBMI2()) {
+    reason = "this processor has no BMI1 and BMI2";
+    return nullptr;
+  }
+  auto translator = std::make_unique<HostTranslator>(machine);
+  if (translator->good()) return translator;
+  reason = "this system refuses executable memory";
+  return nullptr;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,10 @@
+#include "cortex_m3/executors/translator/translator.h"
+
+namespace capsoc::cortex_m3 {
+
+std::unique_ptr<Translator> Translator::make(Machine&, std::string& reason) {
+  reason = "it was built without asmjit or for another host than x86-64";
+  return nullptr;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "cortex_m3/executors/executor.h"
+
+namespace capsoc::cortex_m3 {
+
+class Machine;
+
+/// What a translator has done so far.
+struct TranslationCounts {
+  uint64_t blocks = 0;        ///< translated
+  uint64_t bytes = 0;         ///< of host code written
+  uint64_t evictions = 0;     ///< times that all code was dropped because the buffer was full
+  uint64_t instructions = 0;  ///< executed in translated code
+};
+
+/// The executor for long programs: decoded blocks that are executed often become code of the host
+/// (x86-64). Everything else is executed as Blocks does it, in the middle of a block if need be, so
+/// that the semantics of what is rare exist once.
+class Translator : public InstructionExecutor {
+ public:
+  /// Null where the host is another one, lacks BMI1 or BMI2, or refuses executable memory; `reason`
+  /// says which.
+  static std::unique_ptr<Translator> make(Machine& machine, std::string& reason);
+  virtual TranslationCounts counts() const = 0;
+  /// How often a block is executed before it is translated, 1 to 254.
+  virtual void set_threshold(uint8_t executions) = 0;
+};
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "cortex_m3/core.h"
+
+namespace capsoc::cortex_m3::test {
+
+inline constexpr Executor all_executors[] = {Executor::stepping, Executor::blocks,
+                                             Executor::translator};
+/// Those that are held against stepping.
+inline constexpr Executor fast_executors[] = {Executor::blocks, Executor::translator};
+
+/// The translator translates everything at once here.
+inline void choose(Core& core, Executor executor) {
+  core.set_executor(executor);
+  core.set_translation_threshold(1);
+}
+
+/// False on hosts where blocks stand in for it.
+inline bool has_translator() {
+#if defined(__x86_64__)
+  return true;
+#else
+  return false;
+#endif
+}
+
+inline std::string executor_name(const testing::TestParamInfo<Executor>& executor) {
+  return executor.param == Executor::stepping ? "Stepping"
+         : executor.param == Executor::blocks ? "Blocks"
+                                              : "Translator";
+}
+
+}  // namespace capsoc::cortex_m3::test
