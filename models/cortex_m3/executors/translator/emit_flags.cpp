@@ -33,11 +33,6 @@ void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
   if ((flags_.v.registers() & written) != 0) lost |= v_bit;
   lost &= static_cast<uint8_t>(~killed);
   settle(lost & visible);
-  const uint8_t dropped = lost & static_cast<uint8_t>(~visible);
-  if (dropped != 0) {
-    ++serial_;
-    set_sources(dropped, {});
-  }
 }
 
 void BlockEmitter::operand_to(Gp to, const FlagOperand& operand) {
