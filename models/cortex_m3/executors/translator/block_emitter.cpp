@@ -256,11 +256,16 @@ void BlockEmitter::begin(const Step* head, CodePage& page) {
 /// The steps up to the first that is left to C++ for good, that one with them.
 void BlockEmitter::collect_steps() {
   steps_.clear();
-  uint32_t bound = timing::pipeline_refill;
+  bound_ = timing::pipeline_refill;
   for (const Step* step = head_;; ++step) {
     steps_.push_back(step);
-    bound += bound_of(*step);
-    if (step->operation == Operation::fall_through || bound > most_cycles) return;
+    cut_ = steps_.size();
+    if (bound_ + bound_of(*step) > most_cycles) {
+      cut_ = steps_.size() - 1;
+      return;
+    }
+    bound_ += bound_of(*step);
+    if (step->operation == Operation::fall_through) return;
     if (step->condition == condition_always && !is_translated(*step)) return;
   }
 }
@@ -279,15 +284,12 @@ void BlockEmitter::find_visible_flags() {
 }
 
 void BlockEmitter::emit_steps() {
-  uint32_t bound = timing::pipeline_refill;
   for (index_ = 0; index_ < steps_.size() && open_; ++index_) {
     const Step& step = *steps_[index_];
-    bound += bound_of(step);
-    if (bound > most_cycles) {
+    if (index_ == cut_) {
       flags_before_ = flags_;
       return give_up(step);
     }
-    bound_ = bound;
     if (step.condition != condition_always)
       emit_conditional_group();
     else
@@ -329,7 +331,7 @@ void BlockEmitter::emit_operation(const Step& step) {
 std::size_t BlockEmitter::end_of_group() const {
   std::size_t end = index_;
   const uint8_t condition = steps_[index_]->condition;
-  while (end < steps_.size() && steps_[end]->condition == condition) {
+  while (end < cut_ && steps_[end]->condition == condition) {
     const Step& step = *steps_[end++];
     if (step.set_flags || step.operation == Operation::cmp_high || ends_block(step)) break;
     if (!is_translated(step)) break;

@@ -244,7 +244,8 @@ class BlockEmitter {
   std::vector<const Step*> steps_;
   std::vector<uint8_t> visible_;  // of each step: flags that somebody may see behind it
   std::size_t index_ = 0;
-  uint32_t bound_ = 0;  // cycles
+  uint32_t bound_ = 0;    // cycles it can take at most
+  std::size_t cut_ = 0;   // the step from which on it would take too many
   bool open_ = false;  // execution reaches the end of what was written
   FlagSources flags_;
   FlagSources flags_before_;  // at the beginning of the step
