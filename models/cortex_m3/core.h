@@ -87,9 +87,10 @@ class Core {
   void set_translation_threshold(uint8_t executions) {
     if (translator_ != nullptr) translator_->set_threshold(executions);
   }
-  /// What the translator has done; all zero without one.
-  TranslationCounts translation() const {
-    return translator_ != nullptr ? translator_->counts() : TranslationCounts{};
+  /// What the translator has done; none without one.
+  std::optional<TranslationCounts> translation() const {
+    if (translator_ == nullptr) return std::nullopt;
+    return translator_->counts();
   }
 
   // Wires

@@ -158,8 +158,7 @@ TEST_P(BusFaults, AContinuedMultipleTransferStartsOver) {
   EXPECT_EQ(b.core.reg(1), 5u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, BusFaults, ::testing::ValuesIn(all_executors),
-                         executor_name);
+INSTANTIATE_TEST_SUITE_P(Both, BusFaults, ::testing::ValuesIn(all_executors), executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

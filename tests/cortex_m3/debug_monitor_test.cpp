@@ -194,9 +194,7 @@ TEST_P(DebugMonitor, TheProgramItselfSetsItsWatchpoints) {
   EXPECT_EQ(stacked_pc(), Bench::program + 6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, DebugMonitor,
-                         ::testing::ValuesIn(all_executors),
-                         executor_name);
+INSTANTIATE_TEST_SUITE_P(Both, DebugMonitor, ::testing::ValuesIn(all_executors), executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

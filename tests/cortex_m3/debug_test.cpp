@@ -5,8 +5,8 @@
 #include <random>
 
 #include "bench.h"
-#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {

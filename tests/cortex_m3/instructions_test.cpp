@@ -3,8 +3,8 @@
 #include <string>
 
 #include "bench.h"
-#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 

@@ -186,8 +186,7 @@ TEST_P(Mpu, WithoutHfnmienaTheMpuIsOffWhileFaultmaskIsSet) {
   EXPECT_EQ(b.core.last_fault().frame[6], 0x2208u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Mpu, ::testing::ValuesIn(all_executors),
-                         executor_name);
+INSTANTIATE_TEST_SUITE_P(Both, Mpu, ::testing::ValuesIn(all_executors), executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

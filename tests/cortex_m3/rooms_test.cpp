@@ -5,8 +5,8 @@
 #include <string>
 
 #include "bench.h"
-#include "executors.h"
 #include "cortex_m3/system/registers.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {

@@ -126,8 +126,7 @@ TEST_P(Timing, AnExceptionIsEnteredInTwelveCyclesAndALateArrivalCostsNone) {
   EXPECT_EQ(b.peek(0xE000E200) & 3, 1u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Timing, ::testing::ValuesIn(all_executors),
-                         executor_name);
+INSTANTIATE_TEST_SUITE_P(Both, Timing, ::testing::ValuesIn(all_executors), executor_name);
 
 }  // namespace
 }  // namespace capsoc::cortex_m3::test

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "bench.h"
-#include "executors.h"
 #include "cortex_m3/isa/decoder.h"
+#include "executors.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -249,8 +249,7 @@ TEST_P(Choices, DuringAnAccessToADeviceThePcIsTheInstructions) {
   EXPECT_EQ(pcs, (std::vector<uint32_t>{4, 10}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Choices, ::testing::ValuesIn(all_executors),
-                         executor_name);
+INSTANTIATE_TEST_SUITE_P(Both, Choices, ::testing::ValuesIn(all_executors), executor_name);
 
 TEST(Unpredictable, EveryCaseHasASectionAReasonAndAChoice) {
   for (unsigned i = 0; i < static_cast<unsigned>(Unpredictable::count); ++i) {

@@ -52,7 +52,7 @@ class Priorities(unittest.TestCase):
         theirs = qemu("priority_bits")
         self.assertEqual(theirs.returncode, 0)
         self.assertIn(b"BASEPRI ff: 8 bits", theirs.stdout)
-        for executor in ("blocks", "stepping"):
+        for executor in ("blocks", "translator", "stepping"):
             ours, _ = run("priority_bits", "-C", "cpu.priority_bits=8", "-C", f"cpu.executor={executor}")
             self.assertEqual((ours.returncode, ours.stdout), (0, theirs.stdout))
             self.assertEqual(warnings(ours, "priority"), [])
@@ -61,7 +61,7 @@ class Priorities(unittest.TestCase):
         for bits in range(3, 8):
             mask = 0xFF & ~((1 << 8 - bits) - 1)
             outputs = set()
-            for executor in ("blocks", "stepping"):
+            for executor in ("blocks", "translator", "stepping"):
                 ours, _ = run("priority_bits", "-C", f"cpu.priority_bits={bits}", "-C", f"cpu.executor={executor}")
                 self.assertEqual(ours.returncode, 1, "it asks for 8")
                 outputs.add(ours.stdout)
@@ -111,7 +111,7 @@ class TaskStart(unittest.TestCase):
     """What schedulers do is worth a note and no warning: a return to a stacked PC with bit 0 set."""
 
     def test_is_told_at_level_info_with_the_instruction_that_returns(self):
-        for executor in ("blocks", "stepping"):
+        for executor in ("blocks", "translator", "stepping"):
             ours, _ = run("task_start", "-C", f"cpu.executor={executor}")
             self.assertEqual((ours.returncode, ours.stdout), (0, b"task_start: runs\n"))
             self.assertEqual(warnings(ours, ""), [])
@@ -127,7 +127,7 @@ class Overrun(unittest.TestCase):
     """A byte that a UART loses."""
 
     def test_is_one_warning_with_the_instruction_and_a_count(self):
-        for executor in ("blocks", "stepping"):
+        for executor in ("blocks", "translator", "stepping"):
             ours, _ = run("overrun", "-C", f"cpu.executor={executor}")
             self.assertEqual((ours.returncode, ours.stdout), (0, b"l\noverrun: done\n"))
             said = warnings(ours, "transmit overrun")
@@ -209,6 +209,7 @@ class Idle(unittest.TestCase):
         for result in (with_it, without):
             result["time"].pop("wall_s")
             result["cpu"].pop("mips")
+            result.pop("translator", None)
             result.pop("configuration")
             result.pop("command", None)
         self.assertEqual(with_it, without)

@@ -38,6 +38,7 @@ def without_wall_times(result):
     result = json.loads(json.dumps(result))
     result["time"].pop("wall_s")
     result["cpu"].pop("mips")
+    result.pop("translator", None)
     return result
 
 
@@ -81,7 +82,8 @@ class Determinism(unittest.TestCase):
         results = {}
         for name, options in {
                 "default": [], "again": [], "10 us": ["--quantum", 1e4], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
-                "stepping": ["-C", "cpu.executor=stepping"]}.items():
+                "stepping": ["-C", "cpu.executor=stepping"],
+                "translator": ["-C", "cpu.executor=translator"]}.items():
             process, r = run("--simlimit", 20, *options)
             self.assertEqual(process.returncode, 124)
             r = without_wall_times(r)
@@ -264,7 +266,7 @@ class Firmware(unittest.TestCase):
     def test_newlib_at_every_level_of_optimisation(self):
         outputs = set()
         for level in ("", "-O0", "-O2", "-O3"):
-            for executor in ("blocks", "stepping"):
+            for executor in ("blocks", "translator", "stepping"):
                 process = capsoc("run", FIRMWARE / f"newlib{level}.elf", "--simlimit", 10, "-C", f"cpu.executor={executor}")
                 self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
                 outputs.add(process.stdout)

@@ -36,6 +36,7 @@ class Traced(unittest.TestCase):
         result = json.loads(path.read_text())
         result["time"].pop("wall_s")
         result["cpu"].pop("mips")
+        result.pop("translator", None)
         return done.returncode, done.stdout, result
 
     def text(self, option, program, *options):
@@ -49,7 +50,7 @@ class Unchanged(Traced):
     """Tracing changes speed, nothing else."""
 
     def check(self, program, *more):
-        for executor in ("blocks", "stepping"):
+        for executor in ("blocks", "translator", "stepping"):
             common = ("-C", f"cpu.executor={executor}", *more)
             plain = self.run_with(program, *common)
             traces = {"--trace-instructions": "i.txt", "--trace-bus": "b.txt", "--profile": "p.out",

@@ -33,9 +33,7 @@ class Blocks : public InstructionExecutor {
   // For the translator
   void set_limit(uint64_t limit) { limit_ = limit; }
   /// True if a block surely ends before the limit.
-  bool fits(const Step& first) const {
-    return machine_cycles() + first.block_cycles < limit_;
-  }
+  bool fits(const Step& first) const { return machine_cycles() + first.block_cycles < limit_; }
   /// The block at the program counter, built on demand; null where there can be none.
   static const Step* find(Machine& cpu);
   /// Executes from a step to the end of its block or to the limit.

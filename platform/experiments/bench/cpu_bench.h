@@ -20,7 +20,8 @@ struct CpuBench {
 /// Prints a line for each program and the geometric means. 0, or 1 when a program failed, a
 /// checksum differs from QEMU's, or a mean ratio is below least_ratio. Times are processor time of
 /// the whole process, start-up included. `table` takes the rows: program, instructions, cpi, mips,
-/// qemu_mips, qemu_ratio, icount_mips, icount_ratio, verdict; the last row holds the means.
+/// qemu_mips, qemu_ratio, icount_mips, icount_ratio, translator_mips,
+/// translator_ratio, translator_icount_ratio, verdict; the last row holds the means.
 int run_cpu_bench(const CpuBench& bench, std::ostream& out, DataTable* table = nullptr);
 
 }  // namespace capsoc::bench

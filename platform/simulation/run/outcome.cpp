@@ -116,6 +116,7 @@ void take_figures(const soc::Soc& soc, const metrics::Metrics& metrics, const Ua
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.instructions = soc.cpu.core().instructions();
   result.cycles = soc.cpu.core().cycles();
+  result.translation = soc.cpu.core().translation();
   result.samples = metrics.samples();
   result.convergence = metrics.convergence();
   result.words = metrics.words();

@@ -188,6 +188,13 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   j["cpu"]["cycles"] = result.cycles;
   j["cpu"]["mips"] =
       result.wall_s > 0 ? static_cast<double>(result.instructions) / result.wall_s / 1e6 : 0.0;
+  if (result.translation) {
+    const auto& t = *result.translation;
+    j["translator"] = {{"blocks", t.blocks},
+                       {"bytes", t.bytes},
+                       {"evictions", t.evictions},
+                       {"instructions", t.instructions}};
+  }
   j["samples"] = result.samples;
   if (result.samples > 0) {
     add_sensor_results(result, j);

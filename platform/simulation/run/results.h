@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cortex_m3/executors/translator/translator.h"
 #include "golden/golden.h"
 #include "metrics/metrics.h"
 #include "metrics/program_verdict.h"
@@ -67,6 +68,7 @@ struct RunResult {
   double wall_s = 0;
   uint64_t instructions = 0;
   uint64_t cycles = 0;
+  std::optional<cortex_m3::TranslationCounts> translation;  ///< of the translator, if it was used
   uint64_t samples = 0;
   metrics::Convergence convergence;
   std::vector<std::string> sensor_warnings;  ///< where the program does not match the sensor

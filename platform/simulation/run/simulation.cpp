@@ -81,6 +81,8 @@ Simulation::~Simulation() {
 /// The program, and who is told of what it does.
 std::optional<Error> Simulation::load() {
   soc_.adc.fit_converter(inputs_.adc_bits);
+  if (const std::string& reason = soc_.cpu.core().no_translator(); !reason.empty())
+    spdlog::info("cpu.executor: blocks instead of the translator: {}", reason);
   watch_for_idle(settings_.limits.idle_s(), soc_);
   if (auto error = inputs_.load(settings_, soc_)) return error;
   if (settings_.stop_in_fault())

@@ -14,9 +14,9 @@ namespace {
 
 constexpr uint8_t not_pinned = 0xFF;
 // By guest register: the number of the host's. The first three need no prefix in 32-bit operations.
-constexpr uint8_t host_number[16] = {3,          6,          7,          8,  9,  10,
-                                     11,         12,         not_pinned, not_pinned,
-                                     not_pinned, not_pinned, not_pinned, 13, 14, not_pinned};
+constexpr uint8_t host_number[16] = {3,          6,  7,          8,          9,          10,
+                                     11,         12, not_pinned, not_pinned, not_pinned, not_pinned,
+                                     not_pinned, 13, 14,         not_pinned};
 constexpr unsigned literal_pc = 15;
 
 }  // namespace

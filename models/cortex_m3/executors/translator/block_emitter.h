@@ -18,8 +18,9 @@ namespace capsoc::cortex_m3 {
 /// Writes the host code of decoded blocks.
 ///
 /// In it ten guest registers are in host registers (r0-r7, SP, LR), the others in the state, whose
-/// address is in rbp; r15 is HostContext::budget; rax, rcx and rdx are free. The code calls nothing:
-/// whatever it does not do itself it leaves to C++, by leaving with the number of a BlockExit.
+/// address is in rbp; r15 is HostContext::budget; rax, rcx and rdx are free. The code calls
+/// nothing: whatever it does not do itself it leaves to C++, by leaving with the number of a
+/// BlockExit.
 ///
 /// Flags are not computed where they are set but where they are needed (FlagSources): a comparison
 /// becomes code at its branch, or at the way out of a block that somebody may see them at.
@@ -189,7 +190,8 @@ class BlockEmitter {
   bool store_shifter_carry(const Step& step) const;
   asmjit::Operand second_operand(const Step& step, Gp scratch, bool carry);
   void shift_constant(Gp to, unsigned rm, Shift shift, bool carry);
-  void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y, bool writes);
+  void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y,
+                     bool writes);
   void settle_from_host(uint8_t which, Gp result, bool borrow);
 
   // emit_memory.cpp
@@ -244,9 +246,9 @@ class BlockEmitter {
   std::vector<const Step*> steps_;
   std::vector<uint8_t> visible_;  // of each step: flags that somebody may see behind it
   std::size_t index_ = 0;
-  uint32_t bound_ = 0;    // cycles it can take at most
-  std::size_t cut_ = 0;   // the step from which on it would take too many
-  bool open_ = false;  // execution reaches the end of what was written
+  uint32_t bound_ = 0;   // cycles it can take at most
+  std::size_t cut_ = 0;  // the step from which on it would take too many
+  bool open_ = false;    // execution reaches the end of what was written
   FlagSources flags_;
   FlagSources flags_before_;  // at the beginning of the step
   uint32_t serial_ = 0;

@@ -16,11 +16,11 @@ struct BlockExit {
   static constexpr uint32_t no_slot = ~0u;
 
   Kind kind = Kind::step;
-  uint16_t bound = 0;         ///< Step::block_cycles of the step's block
+  uint16_t bound = 0;  ///< Step::block_cycles of the step's block
   const Step* step = nullptr;
   uint32_t pc = 0;
-  uint32_t recipe = 0;        ///< of the flags that are not in the state
-  uint32_t slot = no_slot;    ///< where in the code buffer the edge's jump finds its target
+  uint32_t recipe = 0;      ///< of the flags that are not in the state
+  uint32_t slot = no_slot;  ///< where in the code buffer the edge's jump finds its target
 };
 
 }  // namespace capsoc::cortex_m3

@@ -20,8 +20,8 @@ uint32_t target_of(const DecodedOp& op) {
 
 /// What a block comes to when it is left behind a step: to be subtracted from the budget.
 uint64_t BlockEmitter::cost(const Step& step, bool taken) const {
-  const uint64_t cycles = uint64_t{step.cycles_before} + step.cycles +
-                          (taken ? uint64_t{timing::pipeline_refill} : 0);
+  const uint64_t cycles =
+      uint64_t{step.cycles_before} + step.cycles + (taken ? uint64_t{timing::pipeline_refill} : 0);
   return (cycles << 32) - step.instructions_to;
 }
 
@@ -40,9 +40,8 @@ void BlockEmitter::emit_branch(const Step& step) {
       else
         a_.cmp(in_state(step.rn), 0);
       host_serial_ = 0;
-      return emit_conditional_branch(step, step.operation == Operation::cbz
-                                               ? x86::CondCode::kZ
-                                               : x86::CondCode::kNZ);
+      return emit_conditional_branch(
+          step, step.operation == Operation::cbz ? x86::CondCode::kZ : x86::CondCode::kNZ);
     case Operation::bl:
       if (pinned(14)) a_.mov(host(14), next_address(step) | 1);
       [[fallthrough]];

@@ -278,8 +278,7 @@ void BlockEmitter::emit_test(const Step& step) {
   } else {
     const bool immediate = is_immediate(step.operation);
     if (carry) second_operand(step, x86::ecx, true);
-    const FlagOperand m =
-        immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
+    const FlagOperand m = immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
     set_sources(nz_bit, {both ? Of::both : Of::either, n, m, 0});
   }
   if (carry) set_sources(c_bit, {});
@@ -326,7 +325,8 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   const uint8_t want = wanted(step);
   const bool writes = !is(step, kind::compare);
   const bool immediate = is_immediate(step.operation);
-  const FlagOperand n = step.rn == 15 ? FlagOperand::number(pc_of(step)) : FlagOperand::reg(step.rn);
+  const FlagOperand n =
+      step.rn == 15 ? FlagOperand::number(pc_of(step)) : FlagOperand::reg(step.rn);
   const FlagOperand m = immediate       ? FlagOperand::number(step.imm)
                         : step.rm == 15 ? FlagOperand::number(pc_of(step))
                                         : FlagOperand::reg(step.rm);
@@ -364,8 +364,8 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   if (want == 0) return;
   if (is_shifted(step)) return settle_from_host(want, to, true);
   in_host(HostFlags::difference);
-  const Sources sources = reversed ? behind_difference(m, n, step.rd)
-                                   : behind_difference(n, m, step.rd);
+  const Sources sources =
+      reversed ? behind_difference(m, n, step.rd) : behind_difference(n, m, step.rd);
   set_sources(c_bit | v_bit, {Of::difference, sources.x, sources.y, 0});
   set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
@@ -669,10 +669,8 @@ void BlockEmitter::charge(Gp cycles) {
 
 /// SMULL, UMULL, SMLAL, UMLAL.
 void BlockEmitter::emit_long_multiply(const Step& step) {
-  const bool is_signed =
-      step.operation == Operation::smull || step.operation == Operation::smlal;
-  const bool accumulate =
-      step.operation == Operation::smlal || step.operation == Operation::umlal;
+  const bool is_signed = step.operation == Operation::smull || step.operation == Operation::smlal;
+  const bool accumulate = step.operation == Operation::smlal || step.operation == Operation::umlal;
   // Cycles: one for each operand of more than 16 bits; edx counts.
   a_.xor_(x86::edx, x86::edx);
   for (const unsigned n : {unsigned{step.rn}, unsigned{step.rm}}) {

@@ -198,8 +198,7 @@ std::optional<x86::CondCode> BlockEmitter::condition_from_host(unsigned guest_co
   const unsigned sort = guest_condition >> 1;
   if (host_flags_ != HostFlags::difference) {
     if (sort == 4) return std::nullopt;
-    if (sort == 1)
-      return (guest_condition & 1) != 0 ? x86::CondCode::kAE : x86::CondCode::kB;
+    if (sort == 1) return (guest_condition & 1) != 0 ? x86::CondCode::kAE : x86::CondCode::kB;
   }
   return behind_difference[guest_condition];
 }
@@ -244,8 +243,8 @@ x86::CondCode BlockEmitter::condition_from_memory(unsigned guest_condition) {
 x86::CondCode BlockEmitter::condition(unsigned guest_condition) {
   if (const auto code = condition_from_host(guest_condition)) return *code;
   const Needs need = needs[guest_condition >> 1];
-  settle(static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) |
-                              (need.v ? v_bit : 0)));
+  settle(
+      static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) | (need.v ? v_bit : 0)));
   return condition_from_memory(guest_condition);
 }
 
@@ -276,9 +275,9 @@ bool BlockEmitter::stays_recoverable(uint32_t target) const {
   if (machine_.debugging.has_breakpoints()) return false;
   const Memory::Page& memory = machine_.memory.map().page(target);
   const uint32_t registers = flags_.registers();
-  uint8_t pending = static_cast<uint8_t>((flags_.nz.pending() ? nz_bit : 0) |
-                                         (flags_.c.pending() ? c_bit : 0) |
-                                         (flags_.v.pending() ? v_bit : 0));
+  uint8_t pending =
+      static_cast<uint8_t>((flags_.nz.pending() ? nz_bit : 0) | (flags_.c.pending() ? c_bit : 0) |
+                           (flags_.v.pending() ? v_bit : 0));
   for (unsigned n = 0; n < furthest; ++n) {
     const uint32_t offset = target & (Memory::page_size - 1);
     if (target >> Memory::page_bits != head_->address >> Memory::page_bits) return false;

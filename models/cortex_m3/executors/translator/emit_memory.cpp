@@ -235,8 +235,8 @@ void BlockEmitter::emit_single(const Step& step) {
   }
   access.aligned = address.base == 13 && address.index == none && (address.imm & 3) == 0;
   const bool to_pc = step.rd == 15;
-  const bool indexed = step.addressing == Addressing::pre_indexed ||
-                       step.addressing == Addressing::post_indexed;
+  const bool indexed =
+      step.addressing == Addressing::pre_indexed || step.addressing == Addressing::post_indexed;
   if (to_pc) {
     if (window_of(address, false) < 0) return give_up(step);
     settle_all();
@@ -265,8 +265,7 @@ void BlockEmitter::emit_dual(const Step& step) {
     if (step.addressing != Addressing::post_indexed) address.imm = step.imm;
   }
   emit_access(step, access, address);
-  if (step.writeback)
-    a_.emit(x86::Inst::kIdAdd, at(step.rn), Imm(static_cast<int32_t>(step.imm)));
+  if (step.writeback) a_.emit(x86::Inst::kIdAdd, at(step.rn), Imm(static_cast<int32_t>(step.imm)));
 }
 
 /// LDM, STM, PUSH, POP.

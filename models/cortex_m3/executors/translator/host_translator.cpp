@@ -10,7 +10,7 @@ namespace capsoc::cortex_m3 {
 namespace {
 
 constexpr std::size_t buffer_bytes = 32u << 20;
-constexpr uint8_t never = 255;      // its first step is left to C++
+constexpr uint8_t never = 255;  // its first step is left to C++
 
 unsigned index_of(uint32_t address) {
   return (address & (Memory::page_size - 1)) >> 1;
