@@ -250,6 +250,31 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
   }
 }
 
+/// A block leaves its flags uncomputed for one that sets them all, and that has not been executed
+/// when it is written anew and then reads them.
+TEST_P(HotCode, CodeThatABranchLeadsToMayChangeBeforeItIsExecuted) {
+  constexpr uint32_t start = Bench::ram_base + 0x100, target = start + 0x84;
+  std::vector<uint32_t> results;
+  for (const Executor executor : {Executor::stepping, GetParam()}) {
+    Bench b;
+    choose(b.core, executor);
+    b.core.reset();
+    // 0: cmp r0,r1; beq target; strh r3,[r4]; mov r0,r1; b 0
+    const uint16_t code[] = {0x4288, 0xD03F, 0x8023, 0x4608, 0xE7FA};
+    const uint16_t behind[] = {0x4292, 0xE7BB};  // cmp r2,r2, to be adcs r5,r5; b 0
+    std::memcpy(&b.ram[start - Bench::ram_base], code, sizeof code);
+    std::memcpy(&b.ram[target - Bench::ram_base], behind, sizeof behind);
+    b.core.set_reg(1, 5);
+    b.core.set_reg(3, 0x416D);
+    b.core.set_reg(4, target);
+    b.core.set_reg(15, start);
+    b.core.run(120);
+    results.push_back(b.core.reg(5));
+  }
+  EXPECT_GT(results[0], 3u);
+  EXPECT_EQ(results[0], results[1]);
+}
+
 INSTANTIATE_TEST_SUITE_P(Executors, HotCode, testing::ValuesIn(fast_executors), executor_name);
 
 }  // namespace capsoc::cortex_m3::test

@@ -285,6 +285,9 @@ bool BlockEmitter::stays_recoverable(uint32_t target) const {
     uint16_t halfwords[2];
     std::memcpy(halfwords, memory.read + offset, 4);
     const DecodedOp op = decode(target, halfwords[0], halfwords[1], 0);
+    // Who changes these bytes changes what this block does.
+    for (uint32_t at = offset; at < offset + op.size; at += 2)
+      page_->code_lines |= 1ull << (at / 64);
     const Effects effects = effects_of(op);
     if ((effects.reads & pending) != 0) return false;
     pending &= static_cast<uint8_t>(~effects.kills);

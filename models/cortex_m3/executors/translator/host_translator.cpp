@@ -69,7 +69,10 @@ void HostTranslator::run(uint64_t limit) {
 /// Executes from the first step of a block on; what comes next, or null for the run loop to decide.
 const Step* HostTranslator::go_on(const Step* head) {
   CodePage* page = machine_.memory.direct(head->address).code;
-  if (page == nullptr || machine_.memory.is_watched()) return head->chain(machine_, head);
+  // Translated code relies on the two bits of SP that are always zero; a restored state may not.
+  const bool odd_stack = (machine_.state.r[13] & 3) != 0;
+  if (page == nullptr || odd_stack || machine_.memory.is_watched())
+    return head->chain(machine_, head);
   const void* entry = page->entries[index_of(head->address)];
   if (entry == nullptr) entry = heat(head, *page);
   const uint64_t used = machine_.state.cycles + emitter_.largest_bound();
