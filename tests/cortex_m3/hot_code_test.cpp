@@ -275,6 +275,25 @@ TEST_P(HotCode, CodeThatABranchLeadsToMayChangeBeforeItIsExecuted) {
   EXPECT_EQ(results[0], results[1]);
 }
 
+/// ... and that changes what they are made from before somebody looks.
+TEST_P(HotCode, FlagsLeftToTheNextBlockAreSeenRightInIt) {
+  std::vector<uint32_t> seen[2];
+  for (const Executor executor : {Executor::stepping, GetParam()}) {
+    Bench b;
+    choose(b.core, executor);
+    std::vector<uint32_t>& words = seen[executor == Executor::stepping ? 0 : 1];
+    b.on_write = [&](uint32_t) { words.push_back(b.core.state().xpsr()); };
+    // 0: cmp r0,r1; b 1; nop; 1: mov r0,r2; str r2,[r7]; cmp r2,r3; mov r0,r3; b 0
+    b.start({0x4288, 0xE000, 0xBF00, 0x4610, 0x603A, 0x429A, 0x4618, 0xE7F7});
+    for (const unsigned n : {0u, 1u, 3u}) b.core.set_reg(n, 5);
+    b.core.set_reg(7, 0x40000000);
+    b.core.run(400);
+  }
+  EXPECT_GT(seen[0].size(), 10u);
+  EXPECT_EQ(seen[0], seen[1]);
+  EXPECT_EQ(seen[0].back() >> 28, 6u) << "equal: Z and C";
+}
+
 INSTANTIATE_TEST_SUITE_P(Executors, HotCode, testing::ValuesIn(fast_executors), executor_name);
 
 }  // namespace capsoc::cortex_m3::test
