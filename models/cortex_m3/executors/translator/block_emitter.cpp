@@ -36,6 +36,23 @@ bool BlockEmitter::pinned(unsigned n) {
   return n < 16 && host_number[n] != not_pinned;
 }
 
+Imm BlockEmitter::number(uint32_t value) {
+  return Imm(static_cast<int32_t>(value));
+}
+
+// clang's analyser does not follow how asmjit packs operands into words, and takes some for
+// uninitialised inside its headers.
+#ifndef __clang_analyzer__
+x86::Mem BlockEmitter::sum_of(const Gp& base, int32_t displacement) {
+  return x86::ptr(base.r64(), displacement);
+}
+
+x86::Mem BlockEmitter::sum_of(const Gp& base, const Gp& index, unsigned shift,
+                              int32_t displacement) {
+  return x86::ptr(base.r64(), index.r64(), shift, displacement);
+}
+#endif
+
 x86::Gp BlockEmitter::host(unsigned n) {
   return x86::gpd(host_number[n]);
 }
@@ -49,13 +66,13 @@ Operand BlockEmitter::at(unsigned n) const {
 }
 
 /// A register's value, in `scratch` if it is not in a host register.
-x86::Gp BlockEmitter::read(unsigned n, Gp scratch) {
+x86::Gp BlockEmitter::read(unsigned n, const Gp& scratch) {
   if (pinned(n)) return host(n);
   read_to(scratch, n);
   return scratch;
 }
 
-void BlockEmitter::read_to(Gp to, unsigned n) {
+void BlockEmitter::read_to(const Gp& to, unsigned n) {
   if (n == literal_pc) {
     a_.mov(to, pc_of(*steps_[index_]));
   } else if (!pinned(n)) {
@@ -65,7 +82,7 @@ void BlockEmitter::read_to(Gp to, unsigned n) {
   }
 }
 
-void BlockEmitter::write(unsigned n, Gp from) {
+void BlockEmitter::write(unsigned n, const Gp& from) {
   if (!pinned(n))
     a_.mov(in_state(n), from);
   else if (host(n) != from)

@@ -129,14 +129,18 @@ class BlockEmitter {
 
   // block_emitter.cpp: registers
   static bool pinned(unsigned n);
+  /// Operands as asmjit has them.
+  static asmjit::Imm number(uint32_t value);
+  static Mem sum_of(const Gp& base, int32_t displacement);
+  static Mem sum_of(const Gp& base, const Gp& index, unsigned shift = 0, int32_t displacement = 0);
   static Gp host(unsigned n);
   Mem in_state(unsigned n) const;
   asmjit::Operand at(unsigned n) const;
-  Gp read(unsigned n, Gp scratch);
-  void read_to(Gp to, unsigned n);
-  void write(unsigned n, Gp from);
-  Gp destination(unsigned n, Gp scratch) const { return pinned(n) ? host(n) : scratch; }
-  void written(unsigned n, Gp from) {
+  Gp read(unsigned n, const Gp& scratch);
+  void read_to(const Gp& to, unsigned n);
+  void write(unsigned n, const Gp& from);
+  Gp destination(unsigned n, const Gp& scratch) const { return pinned(n) ? host(n) : scratch; }
+  void written(unsigned n, const Gp& from) {
     if (!pinned(n)) write(n, from);
   }
   Mem state_word(const void* member) const;
@@ -150,11 +154,11 @@ class BlockEmitter {
   void settle(uint8_t which);
   void settle_all() { settle(all_flags); }
   void settle_carries(uint8_t which);
-  void store_nz(Gp value);
-  void compute(const FlagSource& source, Gp result);
+  void store_nz(const Gp& value);
+  void compute(const FlagSource& source, const Gp& result);
   void compare(const FlagSource& source);
-  void operand_to(Gp to, const FlagOperand& operand);
-  asmjit::Operand simple_operand(const FlagOperand& operand, Gp scratch);
+  void operand_to(const Gp& to, const FlagOperand& operand);
+  asmjit::Operand simple_operand(const FlagOperand& operand, const Gp& scratch);
   bool host_has(const FlagSource& source, HostFlags least) const;
   Cond condition(unsigned guest_condition);
   Cond condition_from_memory(unsigned guest_condition);
@@ -185,14 +189,14 @@ class BlockEmitter {
   void emit_long_multiply(const Step& step);
   void emit_divide(const Step& step);
   void emit_sp(const Step& step);
-  void charge(Gp cycles);
+  void charge(const Gp& cycles);
   void carry_to_host(bool borrow);
   bool store_shifter_carry(const Step& step) const;
-  asmjit::Operand second_operand(const Step& step, Gp scratch, bool carry);
-  void shift_constant(Gp to, unsigned rm, Shift shift, bool carry);
+  asmjit::Operand second_operand(const Step& step, const Gp& scratch, bool carry);
+  void shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry);
   void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y,
                      bool writes);
-  void settle_from_host(uint8_t which, Gp result, bool borrow);
+  void settle_from_host(uint8_t which, const Gp& result, bool borrow);
 
   // emit_memory.cpp
   void emit_transfer(const Step& step);
@@ -208,7 +212,7 @@ class BlockEmitter {
   void look_up(const Address& address, const Access& access, const Label& exit);
   void transfer(const Access& access, const Mem& place);
   void move(const Access& access, unsigned n, const Mem& at);
-  void address_to(Gp to, const Address& address, uint32_t less);
+  void address_to(const Gp& to, const Address& address, uint32_t less);
   int window_of(const Address& address, bool store) const;
   std::optional<uint32_t> guess(const Address& address) const;
   void note_values(const Step& step);

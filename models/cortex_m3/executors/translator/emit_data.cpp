@@ -8,10 +8,6 @@ using Of = FlagSource::Of;
 
 namespace {
 
-Imm number(uint32_t value) {
-  return Imm(static_cast<int32_t>(value));
-}
-
 bool is_immediate(Operation operation) {
   switch (operation) {
     case Operation::and_imm:
@@ -48,7 +44,7 @@ bool BlockEmitter::store_shifter_carry(const Step& step) const {
 }
 
 /// `to` = the shifted register; its carry goes to the state if asked for.
-void BlockEmitter::shift_constant(Gp to, unsigned rm, Shift shift, bool carry) {
+void BlockEmitter::shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry) {
   const uint32_t n = shift.amount;
   if (shift.type == ShiftType::rrx) {
     carry_to_host(false);
@@ -76,7 +72,7 @@ void BlockEmitter::shift_constant(Gp to, unsigned rm, Shift shift, bool carry) {
 }
 
 /// The second operand: a number, a register, or a shifted one in `scratch`.
-Operand BlockEmitter::second_operand(const Step& step, Gp scratch, bool carry) {
+Operand BlockEmitter::second_operand(const Step& step, const Gp& scratch, bool carry) {
   if (is_immediate(step.operation)) {
     if (carry) a_.mov(state_byte(&machine_.state.c), static_cast<int>(step.imm >> 31));
     return number(step.imm);
@@ -311,7 +307,7 @@ Sources behind_sum(FlagOperand x, FlagOperand y, unsigned rd) {
 }  // namespace
 
 /// The host has the flags of the present operation now: into the state.
-void BlockEmitter::settle_from_host(uint8_t which, Gp result, bool borrow) {
+void BlockEmitter::settle_from_host(uint8_t which, const Gp& result, bool borrow) {
   in_host(borrow ? HostFlags::difference : HostFlags::sum);
   set_sources(which & (c_bit | v_bit), {Of::host, {}, {}, 0});
   settle_carries(which & (c_bit | v_bit));
@@ -339,7 +335,7 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
   if (want == 0 && !reversed && immediate && pinned(step.rn) && pinned(step.rd)) {
     keep_host_flags();
-    a_.lea(to, x86::ptr(host(step.rn).r64(), static_cast<int32_t>(0u - step.imm)));
+    a_.lea(to, sum_of(host(step.rn), static_cast<int32_t>(0u - step.imm)));
     return;
   }
   if (reversed) {
@@ -386,9 +382,9 @@ void BlockEmitter::emit_sum(const Step& step) {
   if (want == 0 && pinned(step.rn) && pinned(step.rd) && !is_shifted(step) &&
       (immediate || pinned(step.rm))) {
     keep_host_flags();
-    const Gp base = host(step.rn).r64();
-    a_.lea(to, immediate ? x86::ptr(base, static_cast<int32_t>(step.imm))
-                         : x86::ptr(base, host(step.rm).r64()));
+    const Gp base = host(step.rn);
+    a_.lea(to,
+           immediate ? sum_of(base, static_cast<int32_t>(step.imm)) : sum_of(base, host(step.rm)));
     return;
   }
   const Operand second = second_operand(step, x86::ecx, false);
@@ -447,7 +443,7 @@ void BlockEmitter::emit_high(const Step& step) {
     return written(step.rd, to);
   }
   const Gp n = read(step.rn, x86::eax), m = read(step.rm, x86::ecx);
-  a_.lea(to, x86::ptr(n.r64(), m.r64()));
+  a_.lea(to, sum_of(n, m));
   written(step.rd, to);
 }
 
@@ -581,9 +577,9 @@ void BlockEmitter::emit_insert(const Step& step) {
     return written(step.rd, to);
   }
   if (step.field.width < 1) return keep_host_flags();
-  const auto width = static_cast<unsigned>(step.field.width);
+  const auto width = static_cast<unsigned>(static_cast<uint8_t>(step.field.width));
   const uint32_t low = width >= 32 ? ~0u : (1u << width) - 1;
-  const uint32_t mask = low << step.field.lsb;
+  const uint32_t mask = low << (static_cast<uint8_t>(step.field.lsb) & 31u);
   if (step.operation == Operation::bfi) {
     read_to(x86::ecx, step.rn);
     if (step.field.lsb != 0) a_.shl(x86::ecx, step.field.lsb);
@@ -662,7 +658,7 @@ void BlockEmitter::emit_multiply(const Step& step) {
 }
 
 /// Takes cycles that depend on operands, in the lower half of a register that is cleared by it.
-void BlockEmitter::charge(Gp cycles) {
+void BlockEmitter::charge(const Gp& cycles) {
   a_.shl(cycles.r64(), 32);
   a_.sub(x86::r15, cycles.r64());
 }
@@ -713,7 +709,7 @@ void BlockEmitter::emit_long_multiply(const Step& step) {
 void BlockEmitter::emit_divide(const Step& step) {
   const bool is_signed = step.operation == Operation::sdiv;
   const Label short_one = a_.newLabel();
-  const auto magnitude_to = [&](Gp to, Gp scratch, unsigned n) {
+  const auto magnitude_to = [&](const Gp& to, const Gp& scratch, unsigned n) {
     read_to(to, n);
     if (!is_signed) return;
     a_.mov(scratch, to);

@@ -35,7 +35,7 @@ void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
   settle(lost & visible);
 }
 
-void BlockEmitter::operand_to(Gp to, const FlagOperand& operand) {
+void BlockEmitter::operand_to(const Gp& to, const FlagOperand& operand) {
   if (operand.base == FlagOperand::none) {
     a_.mov(to, operand.imm);
   } else {
@@ -47,7 +47,7 @@ void BlockEmitter::operand_to(Gp to, const FlagOperand& operand) {
 }
 
 /// A register or a number as an operand of the host; others are computed first.
-Operand BlockEmitter::simple_operand(const FlagOperand& operand, Gp scratch) {
+Operand BlockEmitter::simple_operand(const FlagOperand& operand, const Gp& scratch) {
   if (operand.is_register()) return at(operand.base);
   if (operand.is_number()) return Imm(static_cast<int32_t>(operand.imm));
   operand_to(scratch, operand);
@@ -72,7 +72,7 @@ x86::Inst::Id instruction_of(Of of) {
 }  // namespace
 
 /// The result of a pending operation, and its flags as the host's.
-void BlockEmitter::compute(const FlagSource& source, Gp result) {
+void BlockEmitter::compute(const FlagSource& source, const Gp& result) {
   const Operand y = source.of == Of::value ? Operand(Imm(0)) : simple_operand(source.y, x86::ecx);
   operand_to(result, source.x);
   host_serial_ = source.serial;
@@ -107,7 +107,7 @@ void BlockEmitter::compare(const FlagSource& source) {
   host_serial_ = source.serial;
 }
 
-void BlockEmitter::store_nz(Gp value) {
+void BlockEmitter::store_nz(const Gp& value) {
   a_.mov(state_word(&machine_.state.n), value);
   a_.mov(state_word(&machine_.state.z), value);
 }

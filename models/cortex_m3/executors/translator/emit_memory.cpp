@@ -26,7 +26,7 @@ unsigned BlockEmitter::Access::words() const {
 }
 
 /// `to` = the address, less a number.
-void BlockEmitter::address_to(Gp to, const Address& address, uint32_t less) {
+void BlockEmitter::address_to(const Gp& to, const Address& address, uint32_t less) {
   const uint32_t offset = address.imm - less;
   const auto displacement = static_cast<int32_t>(offset);
   if (address.base == none) {
@@ -41,11 +41,11 @@ void BlockEmitter::address_to(Gp to, const Address& address, uint32_t less) {
   }
   const Gp base = read(address.base, x86::eax);
   if (address.index == none) {
-    if (offset != 0 || base != to) a_.lea(to, x86::ptr(base.r64(), displacement));
+    if (offset != 0 || base != to) a_.lea(to, sum_of(base, displacement));
     return;
   }
   const Gp index = read(address.index, x86::ecx);
-  a_.lea(to, x86::ptr(base.r64(), index.r64(), address.shift, displacement));
+  a_.lea(to, sum_of(base, index, address.shift, displacement));
 }
 
 /// One register to or from memory.
