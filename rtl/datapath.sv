@@ -114,7 +114,7 @@ module datapath #(
     .clk_i,
     .boundary_i(boundary),
     .cycle_i   (cycle),
-    .active_i  (stage[1]),
+    .start_i   (stage[0]),
     .correct_i (settings_i.correct),
     .phi_i     (phi_now),
     .write_i   (correction_i.write),

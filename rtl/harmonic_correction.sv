@@ -17,7 +17,7 @@ module harmonic_correction #(
   input  logic        clk_i,
   input  logic        boundary_i,
   input  logic [ 4:0] cycle_i,
-  input  logic        active_i,    // T1 holds a sample
+  input  logic        start_i,     // T1 begins with a sample, with boundary_i
   input  logic        correct_i,   // CTRL.CORRECT, with boundary_i
   input  logic [31:0] phi_i,
   input  logic        write_i,
@@ -32,21 +32,20 @@ module harmonic_correction #(
   logic [31:9] phi_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
-      correct_q <= correct_i && Present != 0;
+      correct_q <= correct_i && start_i && Present != 0;
       phi_q <= phi_i[31:9];
     end
   end
 
-  // Node and fraction; the bit that chooses a node is looked at a cycle before its value is there.
+  // Node and fraction; the bit that chooses a node is looked at a cycle before its value is there. Bit 0 stands at place 13,
+  // bit 3 at place 0: the cycle is the number of the place.
   logic [22:0] position;
   logic [15:0] fraction;
-  logic [3:0] number;
   logic right;
   logic [6:0] address;
   assign position = relative_i[31:9] + phi_q;
-  assign fraction = position[15:0];
-  assign number = cycle_i[3:0] - 4'd13;
-  assign right = cycle_i != 5'd12 && fraction[number];
+  assign fraction = {position[2:0], position[15:3]};
+  assign right = cycle_i != 5'd12 && fraction[cycle_i[3:0]];
   assign address = position[22:16] + 7'(right);
 
   logic signed [19:0] table_memory[0:127];
@@ -57,14 +56,14 @@ module harmonic_correction #(
 `endif
   always_ff @(posedge clk_i) begin
     if (write_i) table_memory[node_i] <= value_i;
-    if (active_i) word_q <= table_memory[address];
+    if (|cycle_i[4:3]) word_q <= table_memory[address];  // at rest nothing moves
   end
 
   logic signed [20:0] sum_q, halved;
-  assign halved = cycle_i == 5'd14 ? sum_q : sum_q >>> 1;
+  assign halved = cycle_i[3:0] == 4'd14 ? sum_q : sum_q >>> 1;
   always_ff @(posedge clk_i) begin
-    if (boundary_i) sum_q <= '0;
-    else if (active_i && correct_q && cycle_i >= 5'd13 && cycle_i <= 5'd29) sum_q <= halved + 21'(word_q);
+    if (boundary_i || !correct_q) sum_q <= '0;
+    else if (cycle_i >= 5'd13 && cycle_i <= 5'd29) sum_q <= halved + 21'(word_q);
   end
 
   logic [23:0] correction;

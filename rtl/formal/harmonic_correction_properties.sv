@@ -20,7 +20,7 @@ module harmonic_correction_properties (
 
   logic [31:0] relative;
   harmonic_correction dut (
-    .clk_i, .boundary_i (boundary), .cycle_i (cycle), .active_i (running), .correct_i, .phi_i, .write_i, .node_i, .value_i,
+    .clk_i, .boundary_i (boundary), .cycle_i (cycle), .start_i, .correct_i, .phi_i, .write_i, .node_i, .value_i,
     .relative_i, .relative_o (relative)
   );
   (* hierconn *) logic [6:0]  \dut.probe ;
@@ -41,7 +41,7 @@ module harmonic_correction_properties (
     relative_before <= relative_i;
     if (boundary) begin
       begun <= 1'b1;
-      correct <= correct_i;
+      correct <= correct_i & start_i;
       phi <= phi_i;
     end
     if (write_i & node_i == \dut.probe ) begin
