@@ -18,6 +18,11 @@ uint32_t node_word(unsigned node, int32_t value) {
          (static_cast<uint32_t>(value) & correction_value_mask);
 }
 
+void write_everywhere(Bench& bench, int32_t value) {
+  for (unsigned node = 0; node < correction_nodes; ++node)
+    bench.write(reg_correction, node_word(node, value));
+}
+
 void load(Bench& bench, const Sensor& s) {
   const auto turn_word = [](double radians) {
     return static_cast<uint32_t>(static_cast<int64_t>(std::llround(radians / tau * 0x1p32)));
@@ -96,8 +101,7 @@ TEST(HarmonicCorrection, EveryStageBehindWorksWithTheCorrectedAngle) {
   Bench bench;
   bench.write(reg_ctrl, ctrl_calib);
   load(bench, sensor);
-  for (unsigned node = 0; node < correction_nodes; ++node)
-    bench.write(reg_correction, node_word(node, 1000));  // 1000 2^-24 turn, everywhere
+  write_everywhere(bench, 1000);  // 2^-24 turn
   bench.write(reg_ctrl, calibrating);
   bench.sample(sensor, 0.25);
   const Nodes plain = bench.dut.nodes();
@@ -124,7 +128,7 @@ TEST(HarmonicCorrection, TakesANodeOnlyWhileThePipelineIsEmpty) {
   for (uint64_t at : {latched, latched + 1, latched + 100, latched + latency_cycles - 1}) {
     bench.dut.submit(latched, 0, 0, false);
     bench.dut.write(at, reg_flags, flags_all);
-    for (unsigned node = 0; node < 128; ++node)
+    for (unsigned node = 0; node < correction_nodes; ++node)
       bench.dut.write(at, reg_correction, node_word(node, 77));
     EXPECT_TRUE(bench.dut.read(at, reg_flags, true).value & flag_config) << at - latched;
     bench.dut.soft_reset();
@@ -134,7 +138,7 @@ TEST(HarmonicCorrection, TakesANodeOnlyWhileThePipelineIsEmpty) {
   bench.cycle = latched + 1000;
   EXPECT_EQ(angle(), before);
   bench.write(reg_flags, flags_all);
-  for (unsigned node = 0; node < 128; ++node) bench.write(reg_correction, node_word(node, 77));
+  write_everywhere(bench, 77);
   EXPECT_EQ(bench.read(reg_flags) & flag_config, 0u);
   EXPECT_EQ(before - angle(), 77u * 256);
   // The edge of the commit is free again.
@@ -147,7 +151,7 @@ TEST(HarmonicCorrection, TakesANodeOnlyWhileThePipelineIsEmpty) {
 TEST(HarmonicCorrection, OutlivesAResetAndTheStateOfADevice) {
   const Sensor sensor;
   Bench bench;
-  for (unsigned node = 0; node < 128; ++node) bench.write(reg_correction, node_word(node, -5));
+  write_everywhere(bench, -5);
   bench.write(reg_ctrl, ctrl_srst);
   EXPECT_EQ(bench.read(reg_ctrl), 0u);
   bench.write(reg_ctrl, calibrating);

@@ -10,6 +10,7 @@
 
 #include "adc.h"
 #include "angle_report.h"
+#include "blocks.h"
 #include "capsoc_device.h"
 #include "clock.h"
 #include "common_settings.h"
@@ -22,7 +23,6 @@
 #include "program_settings.h"
 #include "program_verdict.h"
 #include "sampling.h"
-#include "start_range.h"
 #include "supervision.h"
 
 // drift_per_s is kept as Q0.32. At the highest rate a sample leaves the processor 1,250 cycles.
@@ -141,20 +141,6 @@ static void collect_errors(struct session* session) {
   session->errors |= COPROCESSOR->FLAGS & counting;
 }
 
-// The first turn, and coefficients of its range. 0 if the signal ended or no turn was seen.
-static uint32_t measure_turn(void) {
-  struct start_range range = {0};
-  sampling_listen(true);
-  while (range.turn == 0 && range.samples < settings.measuring_seconds * settings.rate_hz) {
-    int32_t u = 0, v = 0;
-    if (!sampling_next(&u, &v)) return 0;
-    start_range_feed(&range, u, v);
-  }
-  sampling_listen(false);
-  if (range.turn != 0) start_range_load_with_phase(&range);
-  return range.turn;
-}
-
 // To the end of the time or of the signal; the samples that were seen.
 static uint32_t follow(struct session* session) {
   const uint32_t last = settings.seconds * settings.rate_hz;
@@ -213,8 +199,7 @@ int main(void) {
   print_text("follow: self-calibration of a sensor that drifts, at any speed\n");
   console_start_buffering();
   coprocessor_reset();
-  COPROCESSOR->CTRL = COPROCESSOR_CTRL_BLOCK_Msk;
-  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_BLOCK_Msk) == 0) {
+  if (!blocks_present()) {
     print_text("follow: this coprocessor has no block learning (the arithmetic paper has none)\n");
     return status_no_coprocessor;
   }
@@ -222,7 +207,7 @@ int main(void) {
     print_text("follow: the ADC refuses the sampling rate\n");
     return status_refused;
   }
-  const uint32_t turn = measure_turn();
+  const uint32_t turn = blocks_measure_turn(settings.measuring_seconds * settings.rate_hz);
   if (turn == 0) return fail_because("follow", "no turn seen");
   struct session session = {
       .follower = {.longest = settings.longest_turn_seconds * settings.rate_hz},

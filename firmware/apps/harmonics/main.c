@@ -63,19 +63,17 @@ static uint32_t magnitude(int32_t value) {
   return value < 0 ? 0 - (uint32_t)value : (uint32_t)value;
 }
 
-// The next result; true once a second: time to supervise. `more` is false if the signal ended.
-static bool next_sample(struct supervision* state, bool* more) {
-  const uint32_t next = sampling_count() + 1;
-  *more = sampling_wait(next);
-  if (*more && sampling_count() % state->rate_hz == 0) supervise(state, sampling_count());
-  return *more;
+// Sleeps until the next result, and supervises once a second. False if the signal ended.
+static bool next_sample(struct supervision* state) {
+  if (!sampling_wait(sampling_count() + 1)) return false;
+  if (sampling_count() % state->rate_hz == 0) supervise(state, sampling_count());
+  return true;
 }
 
 // Until one more window has ended.
 static bool wait_window(struct supervision* state) {
-  bool more = true;
   for (const uint32_t before = windows(); windows() == before;)
-    if (!next_sample(state, &more)) return false;
+    if (!next_sample(state)) return false;
   return true;
 }
 
@@ -119,19 +117,17 @@ static uint32_t to_numeric_reference(struct supervision* state, uint32_t control
 
 // A turn's block, whose result the coprocessor takes over with the samples after it.
 static bool learn_block(struct supervision* state) {
-  bool more = true;
   COPROCESSOR->CTRL = LEARNING;
   if (!wait_window(state) || !wait_window(state)) return false;
   for (int i = 0; i < 2; ++i)
-    if (!next_sample(state, &more)) return false;
+    if (!next_sample(state)) return false;
   COPROCESSOR->CTRL = FROZEN;
   return true;
 }
 
 static bool add_residues(struct supervision* state, uint32_t samples, int64_t* sum) {
-  bool more = true;
   for (uint32_t i = 0; i < samples; ++i) {
-    if (!next_sample(state, &more)) return false;
+    if (!next_sample(state)) return false;
     if (sum != NULL) *sum += COPROCESSOR->RESIDUE;
   }
   return true;
@@ -155,9 +151,8 @@ static const char* learn_nodes(struct supervision* state, uint32_t turn,
                                int32_t nodes[error_nodes]) {
   static struct error_table table;
   table = (struct error_table){0};
-  bool more = true;
   for (uint32_t i = 0; i < turn * settings.table_turns; ++i) {
-    if (!next_sample(state, &more)) return ended;
+    if (!next_sample(state)) return ended;
     error_table_add(&table, COPROCESSOR->ANGLE, COPROCESSOR->RESIDUE);
   }
   return error_table_nodes(&table, nodes);

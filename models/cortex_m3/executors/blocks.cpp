@@ -142,12 +142,17 @@ const Step* Blocks::find(Machine& cpu) {
   return slot.get();
 }
 
+bool Blocks::fits(const Step& first) const {
+  return machine_.state.cycles + first.block_cycles < limit_;
+}
+
 /// Where execution goes on at pc, if a block is there already and surely ends before the limit.
 inline const Step* Blocks::next(const Machine& cpu) {
   const State& state = cpu.state;
   const CodePage* code = cpu.memory.direct(state.pc).code;
   if (state.it_state != 0 || state.trail != timing::no_trail || code == nullptr) return nullptr;
   const Step* first = code->blocks[(state.pc & (Memory::page_size - 1)) >> 1].get();
+  // Blocks::fits, but for one pointer less on the way.
   return first != nullptr && state.cycles + first->block_cycles < cpu.blocks.limit_ ? first
                                                                                     : nullptr;
 }
@@ -163,17 +168,22 @@ const Step* Blocks::resolve_link(Machine& cpu, const Step& branch) {
   return next(cpu);
 }
 
-uint64_t Blocks::machine_cycles() const {
-  return machine_.state.cycles;
+const Step* Blocks::begin(uint64_t limit) {
+  const State& state = machine_.state;
+  const bool between = state.it_state == 0 && state.trail == timing::no_trail;
+  const Step* op = between ? find(machine_) : nullptr;
+  if (op == nullptr) {
+    stepping_.run(limit);
+    return nullptr;
+  }
+  limit_ = limit;
+  if (__builtin_expect(fits(*op), 1)) return op;
+  run_to_limit(op);
+  return nullptr;
 }
 
 void Blocks::run(uint64_t limit) {
-  State& state = machine_.state;
-  const bool between = state.it_state == 0 && state.trail == timing::no_trail;
-  const Step* op = between ? find(machine_) : nullptr;
-  if (op == nullptr) return stepping_.run(limit);
-  limit_ = limit;
-  if (__builtin_expect(state.cycles + op->block_cycles >= limit, 0)) return run_to_limit(op);
+  const Step* op = begin(limit);
   while (op != nullptr) op = op->chain(machine_, op);
 }
 

@@ -31,16 +31,17 @@ class Blocks : public InstructionExecutor {
   static const Step* resolve_link(Machine& cpu, const Step& branch);
 
   // For the translator
-  void set_limit(uint64_t limit) { limit_ = limit; }
+  /// The beginning of run(): the first step of a block that surely ends before the limit. Null:
+  /// there is none, and what could be executed has been.
+  const Step* begin(uint64_t limit);
   /// True if a block surely ends before the limit.
-  bool fits(const Step& first) const { return machine_cycles() + first.block_cycles < limit_; }
+  bool fits(const Step& first) const;
   /// The block at the program counter, built on demand; null where there can be none.
   static const Step* find(Machine& cpu);
   /// Executes from a step to the end of its block or to the limit.
   void run_to_limit(const Step* first);
 
  private:
-  uint64_t machine_cycles() const;
   static const Step* next(const Machine& cpu);
   std::unique_ptr<Step[]> build(uint32_t address, CodePage& page) const;
 

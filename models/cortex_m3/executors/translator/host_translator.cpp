@@ -56,13 +56,8 @@ class HostTranslator : public Translator {
 };
 
 void HostTranslator::run(uint64_t limit) {
-  const State& state = machine_.state;
-  const bool between = state.it_state == 0 && state.trail == timing::no_trail;
-  const Step* op = between ? Blocks::find(machine_) : nullptr;
-  if (op == nullptr) return machine_.blocks.stepping().run(limit);
   limit_ = limit;
-  machine_.blocks.set_limit(limit);
-  if (!machine_.blocks.fits(*op)) return machine_.blocks.run_to_limit(op);
+  const Step* op = machine_.blocks.begin(limit);
   while (op != nullptr) op = go_on(op);
 }
 
