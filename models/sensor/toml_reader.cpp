@@ -136,6 +136,16 @@ class TableReader {
     }
   }
 
+  /// Exactly one of two keys.
+  void require_one_of(const char* one, const char* other) {
+    if (has(one) && has(other)) {
+      return fail(other, fmt::format("stands beside '{}'", one), "keep one of the two");
+    }
+    if (has(one) || has(other)) return;
+    set(places_.error(table_, fmt::format("'{}' or '{}' is missing in {}; add one of them", one,
+                                          other, where())));
+  }
+
   void fail(const toml::node& node, std::string_view key, const std::string& wrong,
             const std::string& remedy) {
     set(places_.error(&node, fmt::format("'{}' in {} {}; {}", key, where(), wrong, remedy)));
@@ -360,10 +370,7 @@ class SignalReader {
     TableReader in = reader(
         table, "drift",
         {"a1_per_s", "a2_per_s", "b1_per_s", "b2_per_s", "beta_rad_per_s", "until_s", "period_s"});
-    if (in.has("until_s") && in.has("period_s")) {
-      in.fail("period_s", "stands beside 'until_s'", "keep one of the two");
-    }
-    if (!in.has("until_s")) in.require({"period_s"});
+    in.require_one_of("until_s", "period_s");
     in.number("a1_per_s", drift.a1, drift_range);
     in.number("a2_per_s", drift.a2, drift_range);
     in.number("b1_per_s", drift.b1, drift_range);

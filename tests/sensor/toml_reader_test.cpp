@@ -167,7 +167,8 @@ TEST(TomlReader, ReadsADrift) {
 
 TEST(TomlReader, SaysWhatIsWrongWithADrift) {
   const auto drift = [](const std::string& text) { return error_of(minimal + "[drift]\n" + text); };
-  EXPECT_EQ(drift("a1_per_s = 1e-3\n"), "s.toml:16: 'period_s' is missing in [drift]; add it");
+  EXPECT_EQ(drift("a1_per_s = 1e-3\n"),
+            "s.toml:16: 'until_s' or 'period_s' is missing in [drift]; add one of them");
   EXPECT_EQ(drift("until_s = 1\nperiod_s = 1\n"),
             "s.toml:18: 'period_s' in [drift] stands beside 'until_s'; keep one of the two");
   EXPECT_EQ(drift("until_s = 1\na1_per_s = 2\n"),
