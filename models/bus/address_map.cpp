@@ -16,10 +16,6 @@ constexpr uint64_t kib = 1024;
 constexpr uint64_t mib = 1024 * kib;
 constexpr uint64_t slot = 4 * kib;  // what one APB or GPIO device occupies
 
-// The PSRAM is a 16-bit device of 70 ns: two half-words of two 40 ns cycles each make a word,
-// three cycles more than a zero-wait transfer.
-constexpr unsigned psram_wait_states = 3;
-
 std::string describe(const MapEntry& entry) {
   return fmt::format("'{}' [0x{:08x}, 0x{:08x}]", entry.name, entry.base, entry.last());
 }
@@ -44,12 +40,14 @@ void append_line(std::string& text, const std::string& line) {
   text += line;
 }
 
-MapEntry memory_at(std::string name, std::string target, uint64_t base, uint64_t size) {
+MapEntry memory_at(std::string name, std::string target, uint64_t base, uint64_t size,
+                   unsigned wait_states) {
   MapEntry entry;
   entry.name = std::move(name);
   entry.target = std::move(target);
   entry.base = base;
   entry.size = size;
+  entry.wait_states = wait_states;
   entry.kind = TargetKind::memory;
   return entry;
 }
@@ -81,18 +79,17 @@ MapEntry hole(std::string name, uint64_t base, uint64_t size, BusKind bus = BusK
   return entry;
 }
 
-void add_memories(AddressMap& map) {
-  map.push_back(memory_at("code_sram", "code_sram", 0x00000000, 4 * mib));
-  map.push_back(memory_at("code_sram_alias", "code_sram", 0x00400000, 4 * mib));
+void add_memories(AddressMap& map, const MemoryWaits& waits) {
+  map.push_back(memory_at("code_sram", "code_sram", 0x00000000, 4 * mib, waits.code_sram));
+  map.push_back(memory_at("code_sram_alias", "code_sram", 0x00400000, 4 * mib, waits.code_sram));
   map.push_back(hole("reserved_1", 0x00800000, 8 * mib));
-  map.push_back(memory_at("block_ram", "block_ram", 0x01000000, 64 * kib));
+  map.push_back(memory_at("block_ram", "block_ram", 0x01000000, 64 * kib, waits.block_ram));
   map.back().wrap = 16 * kib;
   map.push_back(hole("reserved_2", 0x01010000, 0x1eff0000));
-  map.push_back(memory_at("data_sram", "data_sram", 0x20000000, 4 * mib));
-  map.push_back(memory_at("data_sram_alias", "data_sram", 0x20400000, 4 * mib));
+  map.push_back(memory_at("data_sram", "data_sram", 0x20000000, 4 * mib, waits.data_sram));
+  map.push_back(memory_at("data_sram_alias", "data_sram", 0x20400000, 4 * mib, waits.data_sram));
   map.push_back(hole("reserved_3", 0x20800000, 8 * mib));
-  map.push_back(memory_at("psram", "psram", 0x21000000, 16 * mib));
-  map.back().wait_states = psram_wait_states;
+  map.push_back(memory_at("psram", "psram", 0x21000000, 16 * mib, waits.psram));
 }
 
 void add_cmsdk_apb_devices(AddressMap& map) {
@@ -175,9 +172,9 @@ std::string validate(const AddressMap& map) {
   return faults;
 }
 
-AddressMap soc_address_map() {
+AddressMap soc_address_map(const MemoryWaits& waits) {
   AddressMap map;
-  add_memories(map);
+  add_memories(map, waits);
   add_cmsdk_apb_devices(map);
   add_gpio(map);
   add_board_devices(map);

@@ -21,18 +21,27 @@ const char* name_of(bus::TargetKind kind) {
   return "";
 }
 
+unsigned waits_of(const bus::MapEntry& entry) {
+  return entry.wait_states + (entry.bus == bus::BusKind::apb ? bus::apb_transfer_cycles : 0);
+}
+
 int info_command() {
   const auto versions = run::versions();
   for (const auto& [name, version] : versions.items())
     host::print("{:<16} {}\n", name, version.get<std::string>());
-  host::print("\n{:<12} {:<12} {:<24} {:<14} {}\n", "from", "to", "what", "kind", "interrupts");
+  host::print("\n{:<12} {:<12} {:<24} {:<14} {:>4}  {}\n", "from", "to", "what", "kind", "wait",
+              "interrupts");
   for (const bus::MapEntry& entry : bus::soc_address_map()) {
     std::string lines;
     for (const bus::InterruptWire& wire : entry.interrupts)
       lines += wire.line == bus::nmi_line ? " NMI" : fmt::format(" {}", wire.line);
-    host::print("{:#010x}   {:#010x}   {:<24} {:<14}{}\n", entry.base, entry.last(), entry.name,
-                name_of(entry.kind), lines);
+    host::print("{:#010x}   {:#010x}   {:<24} {:<14} {:>4} {}\n", entry.base, entry.last(),
+                entry.name, name_of(entry.kind), waits_of(entry), lines);
   }
+  host::print(
+      "\nwait: cycles of a transfer beyond its own. Of a memory: once a word, a setting of a run\n"
+      "(-C memory.psram.wait_states=3). On the APB: the {} cycles of the bridge among them.\n",
+      bus::apb_transfer_cycles);
   return run::exit_code::pass;
 }
 
