@@ -5,6 +5,7 @@
 
 #include "bus/payload.h"
 #include "bus/wait_states.h"
+#include "kit/steady_read.h"
 
 namespace capsoc::bus {
 
@@ -66,6 +67,8 @@ void AhbMatrix::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_
   const sc_core::sc_time begin = delay;
   transfer(payload, delay);
   transfers(payload, begin, delay);
+  // Each is to be seen, so none is to be left out.
+  if (auto* const told = payload.get_extension<kit::SteadyRead>()) told->steady = false;
 }
 
 void AhbMatrix::transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {

@@ -5,6 +5,7 @@
 
 #include "bus/payload.h"
 #include "bus/wait_states.h"
+#include "kit/steady_read.h"
 
 namespace capsoc::bus {
 namespace {
@@ -114,7 +115,9 @@ tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payl
     transfer.set_byte_enable_ptr(strobes.data());
     transfer.set_byte_enable_length(word);
   }
+  transfer.set_extension(payload.get_extension<kit::SteadyRead>());
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(transfer, delay);
+  transfer.clear_extension<kit::SteadyRead>();  // it is the initiator's
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
   if (transfer.get_response_status() == tlm::TLM_ADDRESS_ERROR_RESPONSE)
     return tlm::TLM_ADDRESS_ERROR_RESPONSE;

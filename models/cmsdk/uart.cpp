@@ -33,6 +33,7 @@ void Uart::connect_registers() {
   DATA.on_peek([this] { return uint32_t{rx_buffer_}; });
   DATA.on_read([this] { return uint32_t{read_data()}; });
   DATA.on_write([this](uint32_t value) { write_data(static_cast<uint8_t>(value)); });
+  for (kit::Register* each : {&STATE, &CTRL, &INTSTATUS, &BAUDDIV}) each->steady();
   STATE.on_write([this](uint32_t value) {
     STATE.store(value);
     update_interrupts();

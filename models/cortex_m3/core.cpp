@@ -146,9 +146,20 @@ StopReason Core::run(uint64_t until_cycle) {
     if (debugging.has_breakpoints() && debugging.at_breakpoint()) return StopReason::breakpoint;
     if (__builtin_expect(state.dwt.observes_steps(), 0))
       step_observed();
+    else if (one_instruction_)
+      machine_.blocks.stepping().run(until_cycle);
     else
       executing_->run(std::min(until_cycle, state.systick.event()));
+    if (__builtin_expect(one_instruction_, 0)) return StopReason::budget;
   }
+}
+
+/// The cycle alone does not tell instructions apart: one that is folded takes none.
+StopReason Core::step_instruction() {
+  one_instruction_ = true;
+  const StopReason reason = run(machine_.state.cycles + 1);
+  one_instruction_ = false;
+  return reason;
 }
 
 /// One instruction while a step, an instruction or a cycle is waited for.

@@ -67,7 +67,18 @@ class Core {
   /// Executes whole instructions while cycles() < until_cycle.
   StopReason run(uint64_t until_cycle);
   /// One instruction (or the entry of one exception).
-  StopReason step_instruction() { return run(machine_.state.cycles + 1); }
+  StopReason step_instruction();
+  /// What a turn of a loop takes.
+  struct Turn {
+    uint64_t cycles = 0, instructions = 0;
+  };
+  /// One turn of the loop the program is in, from here to here, by single steps. Nothing: it does
+  /// not come back soon, or not to the same registers and flags, or it writes or does anything but
+  /// compute and load; what was executed is as good as by run(). What its loads from the bus do is
+  /// the caller's to know.
+  std::optional<Turn> repeat_turn();
+  /// Executes as many whole turns, each like the one before, as end until `until_cycle`.
+  void skip_turns(const Turn& turn, uint64_t until_cycle);
   /// Cycles since construction; inside a bus access the cycle at which it happens.
   uint64_t cycles() const { return machine_.cycles(); }
   uint64_t instructions() const { return machine_.state.instructions; }
@@ -131,9 +142,11 @@ class Core {
   std::optional<StopReason> stop_wanted();
   void expire_systick();
   void step_observed();
+  bool is_interrupted() const;
 
   Machine machine_;
   uint32_t vector_table_ = 0;
+  bool one_instruction_ = false;
   Executor executor_ = Executor::blocks;
   std::unique_ptr<Translator> translator_;
   std::string no_translator_;

@@ -34,6 +34,8 @@ class Machine {
   Core& core() { return core_; }
   const Core& core() const { return core_; }
   /// Inside an access the cycle at which it happens.
+  /// Accesses to the private peripherals so far; of this program's run, no state.
+  uint64_t private_accesses = 0;
   uint64_t cycles() const { return state.cycles + memory.cycle_offset(); }
 
   // What an instruction comes to. False: the block is left.
@@ -53,6 +55,11 @@ class Machine {
     return false;
   }
   bool interwork_to(uint32_t target);
+  /// The time a branch takes beyond its own.
+  void refill(unsigned cycles) {
+    state.cycles += cycles;
+    state.refilling = cycles < timing::most_refill;
+  }
   void sleep(bool for_event);
   /// `b .` in a fault handler: how one that gives up ends.
   void spin_in_fault();
@@ -74,8 +81,10 @@ inline void Machine::account(const Step& op) {
   state.cycles += op.cycles_before + op.cycles;
   state.instructions += op.instructions_to;
   state.it_state = op.it_after;
-  state.trail = state.stalled ? timing::no_trail : op.trail;
-  state.stalled = false;
+  state.trail = state.refilling ? timing::trail_refill
+                : state.stalled ? timing::no_trail
+                                : op.trail;
+  state.stalled = state.refilling = false;
 }
 
 inline void Machine::conclude(const Step& op) {

@@ -31,6 +31,7 @@ void State::visit(kit::Archive& archive) {
   archive("instructions", instructions);
   archive("it_state", it_state);
   archive("stalled", stalled);
+  archive("refilling", refilling);
   archive("trail", trail);
   archive("entered_at", entered_at);
   archive("thumb", thumb);

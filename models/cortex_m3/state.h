@@ -30,7 +30,8 @@ struct State {
   uint32_t pc = 0;
   uint64_t cycles = 0, instructions = 0;
   uint8_t it_state = 0;
-  bool stalled = false;  ///< a device was accessed: the next instruction overlaps with nothing
+  bool stalled = false;    ///< a device was accessed: the next instruction overlaps with nothing
+  bool refilling = false;  ///< a branch was taken: the target's width and place count, too
   uint16_t trail = timing::no_trail;  ///< of the instruction executed last
   /// instructions at the last exception entry, while it can be displaced
   uint64_t entered_at = never;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "kit/guest_error.h"
 
@@ -126,18 +127,18 @@ void CortexM3Tlm::thread() {
     pause_if_due();
     if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
     if (reset_requested_) reset_system();
-    uint64_t until = horizon();
+    bool one = false;
     if (debugger_ != nullptr) {
-      const uint64_t bound = debugger_->before_run();
+      one = debugger_->before_run();
       if (debugger_->ended()) return end(EndReason::debugger);
       settle();  // what it wrote to a device
-      until = std::min(horizon(), bound);
     }
-    const uint64_t before = core_.cycles();
-    const StopReason reason = core_.run(until);
-    const bool advanced = core_.cycles() != before;
+    const uint64_t cycles = core_.cycles(), instructions = core_.instructions();
+    const StopReason reason = one ? core_.step_instruction() : core_.run(horizon());
+    const bool advanced = core_.cycles() != cycles || core_.instructions() != instructions;
     synchronise();
     catch_up();
+    if (reason == StopReason::attention && fast_forward_ && debugger_ == nullptr) skip_polling();
     if (debugger_ != nullptr && debugger_->after_run(reason, advanced)) continue;
     switch (reason) {
       case StopReason::sleeping:
@@ -215,6 +216,19 @@ void CortexM3Tlm::settle() {
   while (sc_core::sc_pending_activity_at_current_time()) wait(sc_core::SC_ZERO_TIME);
 }
 
+/// Behind an access: if the program only waits for a device, whole turns of its loop up to the next
+/// activity of the kernel take no time of the host.
+void CortexM3Tlm::skip_polling() {
+  const bool steady = std::exchange(steady_.steady, false);
+  if (!polling_.is_worth_a_look(core_.reg(15), steady) || idle_ || reset_requested_) return;
+  steady_until_ = Core::never;
+  const std::optional<Core::Turn> turn = core_.repeat_turn();
+  polling_.looked(turn && steady_until_ > core_.cycles());
+  synchronise();
+  catch_up();
+  if (turn && !reset_requested_) core_.skip_turns(*turn, steady_until_);
+}
+
 /// Lets the kernel catch up with the core.
 void CortexM3Tlm::synchronise() {
   const sc_core::sc_time local = clock_.time_of(core_.cycles());
@@ -286,10 +300,15 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   payload.set_data_length(size);
   payload.set_streaming_width(size);
   payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  steady_.steady = false;
+  payload.set_extension(&steady_);
   sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
   accessing_ = kind;
   socket->b_transport(payload, delay);
   accessing_.reset();
+  payload.clear_extension<kit::SteadyRead>();
+  // What comes behind it may change the status again, and be over when the turn is.
+  steady_until_ = steady_.steady ? std::min(steady_until_, horizon()) : 0;
   if (idle_ && idle_->is_work(address)) note_work();
   const bool ok = payload.is_response_ok();
   const sc_core::sc_time now = sc_core::sc_time_stamp();

@@ -19,8 +19,10 @@
 #include "cortex_m3/core.h"
 #include "cortex_m3_tlm/debugger.h"
 #include "cortex_m3_tlm/idle_watch.h"
+#include "cortex_m3_tlm/polling_watch.h"
 #include "kit/clock_domain.h"
 #include "kit/component.h"
+#include "kit/steady_read.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -40,6 +42,9 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
 
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
+  /// Whether the turns of a loop that only waits for a device are skipped as far as nothing can
+  /// happen. It changes nothing but the host's time.
+  void set_fast_forward(bool on) { fast_forward_ = on; }
   /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
   /// A level on an interrupt line.
@@ -95,6 +100,7 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   void catch_up();
   void settle();
   uint64_t horizon() const;
+  void skip_polling();
   void end(EndReason reason);
   bool begin();
   void pause_if_due();
@@ -117,6 +123,10 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   std::function<bool()> interrupted_;
   EndReason end_reason_ = EndReason::none;
   Debugger* debugger_ = nullptr;
+  kit::SteadyRead steady_;      // of the last access
+  uint64_t steady_until_ = 0;  // the cycle until which all reads of a turn stay as they are
+  PollingWatch polling_;
+  bool fast_forward_ = true;
   bool reset_requested_ = false;
   std::optional<AccessKind> accessing_;
   /// Direct memory that was granted: the first access to it went over the bus and took its time.

@@ -13,8 +13,8 @@ class Debugger {
  public:
   virtual ~Debugger() = default;
 
-  /// Before the core goes on: the cycle that it must not pass, Core::never for no bound.
-  virtual uint64_t before_run() = 0;
+  /// Before the core goes on. True: it is to execute one instruction.
+  virtual bool before_run() = 0;
   /// Behind a run that ended with `reason`; `advanced`: something was executed. True: the
   /// simulation goes on though the reason would end it.
   virtual bool after_run(StopReason reason, bool advanced) = 0;

@@ -118,6 +118,11 @@ bool RegisterBank::write_word(uint32_t offset, uint32_t value, uint32_t lanes) {
   return true;
 }
 
+bool RegisterBank::is_steady(uint32_t offset) const {
+  const Register* const target = by_word_[offset / 4];
+  return target != nullptr && target->steady_ && !target->read_;
+}
+
 void RegisterBank::visit(Archive& archive) {
   for (Register* each : in_order_) archive(each->description_.name, each->value_);
 }

@@ -45,6 +45,13 @@ class Register {
   /// on_peek's or the stored value.
   Register& on_read(std::function<uint32_t()> read);
 
+  /// A read does nothing, and its answer changes only when something is written or an event of this
+  /// device comes (kit::SteadyRead): no register that counts with time.
+  Register& steady() {
+    steady_ = true;
+    return *this;
+  }
+
   /// Runs instead of storing. The argument has what the guest wrote, the stored bits in byte lanes
   /// that it left out (write-1-to-clear bits there are 0), and 0 in bits that cannot be written.
   Register& on_write(std::function<void(uint32_t)> write);
@@ -62,6 +69,7 @@ class Register {
 
   registers::RegisterDescription description_;
   uint32_t value_;
+  bool steady_ = false;
   std::function<uint32_t()> peek_;
   std::function<uint32_t()> read_;
   std::function<void(uint32_t)> write_;
@@ -93,6 +101,7 @@ class RegisterBank : public RegisterTarget {
  protected:
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
+  bool is_steady(uint32_t offset) const override;
 
  private:
   friend class Register;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kit/guest_error.h"
+#include "kit/steady_read.h"
 
 namespace capsoc::kit {
 namespace {
@@ -95,6 +96,7 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
     if (byte_is_enabled(payload, i))
       data[i] = static_cast<unsigned char>(value >> (8 * (first + i)));
   }
+  if (auto* const told = payload.get_extension<SteadyRead>()) told->steady = is_steady(offset);
   return tlm::TLM_OK_RESPONSE;
 }
 

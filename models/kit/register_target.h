@@ -44,6 +44,9 @@ class RegisterTarget : public sc_core::sc_module, public Component {
   /// register at `offset`. False: bus error.
   virtual bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) = 0;
 
+  /// True: kit::SteadyRead holds for the register at `offset`.
+  virtual bool is_steady(uint32_t /*offset*/) const { return false; }
+
   /// The instant of the access in progress: simulated time plus the initiator's delay. Outside an
   /// access: simulated time.
   sc_core::sc_time access_time() const { return sc_core::sc_time_stamp() + delay_; }

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "bus/address_map.h"
-
 namespace capsoc::soc {
 namespace {
 
@@ -21,7 +19,7 @@ std::unique_ptr<coprocessor::Device> make_coprocessor(const Config& config) {
 Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
     : sc_module(name),
       cpu("cpu", clock),
-      ahb("ahb", bus::soc_address_map(), clock),
+      ahb("ahb", bus::soc_address_map(config.memory_waits), clock),
       apb("apb", bus::soc_address_map(), clock),
       code_sram("code_sram", 4 * mib),
       data_sram("data_sram", 4 * mib),
@@ -47,6 +45,7 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       clock_controller("clock_controller", clock) {
   cpu.set_quantum(config.quantum);
   cpu.core().set_executor(config.executor);
+  cpu.set_fast_forward(config.fast_forward);
   list_components();
   bind();
   make_others(config.devices);

@@ -9,6 +9,7 @@
 #include <systemc>
 #include <vector>
 
+#include "bus/address_map.h"
 #include "bus/ahb_matrix.h"
 #include "bus/apb_bridge.h"
 #include "bus/memory.h"
@@ -48,6 +49,8 @@ struct Config {
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
   cortex_m3::Executor executor = cortex_m3::Executor::blocks;
+  bool fast_forward = true;  ///< CortexM3Tlm::set_fast_forward
+  bus::MemoryWaits memory_waits;
   std::vector<OwnDevice> devices;
 };
 

@@ -175,11 +175,11 @@ TEST_P(DebugMonitor, AnInstructionAddressMatchesWhenItWasExecuted) {
   EXPECT_EQ(stacked_pc(), Bench::program + 4);
 }
 TEST_P(DebugMonitor, TheFirstComparatorMatchesTheCycleCounter) {
-  b.start({0x3001, 0xE7FD});  // adds r0,#1; b .-2: four cycles a turn
+  b.start({0x3001, 0xE7FD});  // adds r0,#1; b .-2: three cycles a turn
   write(demcr, trcena | mon_en);
   write(0xE0001004, 0);
   write(0xE0001000, 1);
-  comparator(0, 400, function_cycle);
+  comparator(0, 300, function_cycle);
   EXPECT_EQ(run(1000), debug_monitor);
   EXPECT_EQ(b.core.reg(0), 100u);
 }

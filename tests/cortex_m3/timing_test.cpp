@@ -82,7 +82,78 @@ TEST_P(Timing, DivisionTakesTwoToTwelve) {
   EXPECT_EQ(cycles_of(udiv, ~0u, 1), 10u);
 }
 TEST_P(Timing, AFailedConditionTakesOneCycle) {
-  EXPECT_EQ(cycles_of({0x2E01, 0xBF08, 0x6808}), 3u);  // cmp r6,#1; it eq; ldreq r0,[r1]
+  EXPECT_EQ(cycles_of({0xF1B6, 0x0F01, 0xBF08, 0x6808}), 3u);  // cmp.w r6,#1; it eq; ldreq r0,[r1]
+}
+
+// DDI 0337E, 18.1
+TEST_P(Timing, ABranchToANumberRefillsInOneCycle) {
+  EXPECT_EQ(cycles_of({0xE000, 0xBF00, 0xBF00}), 2u + 1u);          // b over a nop; nop
+  EXPECT_EQ(cycles_of({0xD100, 0xBF00, 0xBF00}), 2u + 1u);          // bne, taken: Z is clear
+  EXPECT_EQ(cycles_of({0xD000, 0xBF00, 0xBF00}), 1u + 2u);          // beq, not taken
+  EXPECT_EQ(cycles_of({0xB104, 0xBF00, 0xBF00}, 0), 2u + 1u);       // cbz r4
+  EXPECT_EQ(cycles_of({0xF000, 0xF801, 0xBF00, 0xBF00}), 2u + 1u);  // bl
+}
+TEST_P(Timing, ABranchToARegisterRefillsInTwoCycles) {
+  const uint32_t there = Bench::program + 4;
+  EXPECT_EQ(cycles_of({0x4720, 0xBF00, 0xBF00}, there | 1), 3u + 1u);  // bx r4
+  EXPECT_EQ(cycles_of({0x47A0, 0xBF00, 0xBF00}, there | 1), 3u + 1u);  // blx r4
+  EXPECT_EQ(cycles_of({0x46A7, 0xBF00, 0xBF00}, there), 3u + 1u);      // mov pc,r4
+  EXPECT_EQ(cycles_of({0x44A7, 0xBF00, 0xBF00}, 0), 3u + 1u);          // add pc,r4
+}
+// 3.3.2: LDR PC takes at least five cycles, TBB at least six.
+TEST_P(Timing, ATargetThatIsLoadedRefillsInThreeCycles) {
+  const uint16_t low = ((Bench::program + 8) & 0xFFFF) | 1, high = Bench::program >> 16;
+  EXPECT_EQ(cycles_of({0xF8DF, 0xF000, low, high, 0xBF00}), 5u + 1u);  // ldr pc,[pc]
+  EXPECT_EQ(cycles_of({0xE8DF, 0xF004, 0x0001, 0xBF00}, 0), 6u + 1u);  // tbb [pc,r4]
+  EXPECT_EQ(cycles_of({0xF8DF, 0x1004, 0xB402, 0xBD00, low + 4, high}), 2u + 2u + 5u);
+}
+// The halves of such a target are in two words.
+TEST_P(Timing, ARefillTakesACycleLongerToAWideInstructionThatIsNotAligned) {
+  EXPECT_EQ(cycles_of({0xE000, 0xBF00, 0xF3AF, 0x8000}), 2u + 1u);          // b to nop.w at 4
+  EXPECT_EQ(cycles_of({0xE7FF, 0xF3AF, 0x8000}), 3u + 1u);                  // b to nop.w at 2
+  EXPECT_EQ(cycles_of({0xE001, 0xBF00, 0xBF00, 0xF3AF, 0x8000}), 3u + 1u);  // b to nop.w at 6
+  const uint32_t there = Bench::program + 2;
+  EXPECT_EQ(cycles_of({0x4720, 0xF3AF, 0x8000}, there | 1), 4u + 1u);  // bx r4
+  EXPECT_EQ(cycles_of({0xBF00, 0xF3AF, 0x8000}), 2u);                  // nop: no refill
+}
+// The loop of many a delay function: three cycles a turn.
+TEST_P(Timing, ACountingLoopTakesThreeCyclesATurn) {
+  EXPECT_EQ(cycles_of({0x3C01, 0xD1FD}, 20), 20u * 3 - 1);  // subs r4,#1; bne .-2
+}
+
+TEST_P(Timing, ItIsFoldedBehindANarrowInstruction) {
+  EXPECT_EQ(cycles_of({0x2E01, 0xBF08, 0x6808}), 2u);  // cmp r6,#1; it eq; ldreq r0,[r1]
+  // Behind a wide one, a branch, and as the first instruction at all: a cycle of its own.
+  EXPECT_EQ(cycles_of({0xF3AF, 0x8000, 0xBF08, 0xBF00}), 3u);
+  EXPECT_EQ(cycles_of({0xE7FF, 0xBF08, 0xBF00}), 2u + 2u);
+  EXPECT_EQ(cycles_of({0xBF08, 0xBF00}), 2u);
+  // ldr r0,[r1]; it ne; ldrne r6,[r2]: what obeys a condition does not pair
+  EXPECT_EQ(cycles_of({0x6808, 0xBF18, 0x6816}), 4u);
+}
+TEST_P(Timing, FoldingStopsWithDisfold) {
+  Bench b;
+  choose(b.core, GetParam());
+  // str r5,[r4]; then twice: nop; it eq; nop
+  b.start({0xBF00, 0xBF08, 0xBF00, 0x6025, 0xBF00, 0xBF08, 0xBF00, 0xE7FE});
+  b.core.set_reg(4, 0xE000E008);  // ACTLR
+  b.core.set_reg(5, 1u << 2);
+  const auto run_to = [&b](uint32_t address) {
+    while (b.core.reg(15) != address && b.core.cycles() < 100) b.core.step_instruction();
+    return b.core.cycles();
+  };
+  EXPECT_EQ(run_to(Bench::program + 6), 2u);
+  const uint64_t behind_store = run_to(Bench::program + 8);
+  EXPECT_EQ(run_to(Bench::program + 14), behind_store + 3);
+}
+TEST_P(Timing, AStepIsOneInstructionEvenIfItIsFolded) {
+  Bench b;
+  choose(b.core, GetParam());
+  b.start({0xBF00, 0xBF08, 0xBF00, 0xE7FE});
+  for (unsigned n = 1; n <= 3; ++n) {
+    b.core.step_instruction();
+    EXPECT_EQ(b.core.reg(15), Bench::program + 2 * n);
+    EXPECT_EQ(b.core.instructions(), n);
+  }
 }
 
 TEST_P(Timing, TheStateOfThePipelineDoesNotDependOnWhereARunEnds) {

@@ -83,14 +83,29 @@ class Determinism(unittest.TestCase):
         for name, options in {
                 "default": [], "again": [], "10 us": ["--quantum", 1e4], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
                 "stepping": ["-C", "cpu.executor=stepping"],
-                "translator": ["-C", "cpu.executor=translator"]}.items():
+                "translator": ["-C", "cpu.executor=translator"],
+                "no fast forward": ["-C", "cpu.fast_forward=false"]}.items():
             process, r = run("--simlimit", 20, *options)
             self.assertEqual(process.returncode, 124)
             r = without_wall_times(r)
-            r.pop("command"), r["configuration"].pop("cpu.quantum_ns"), r["configuration"].pop("cpu.executor")
+            r.pop("command")
+            for setting in ("quantum_ns", "executor", "fast_forward"):
+                r["configuration"].pop("cpu." + setting)
             results[name] = (process.stdout, r)
         for name, outcome in results.items():
             self.assertEqual(outcome, results["10 us"], name)
+
+
+    def test_skipping_the_turns_of_polling_loops_changes_nothing(self):
+        # Their output waits for the transmitter in a loop; the first also waits for timers.
+        for program in ("drivers", "hello", "bench_polling"):
+            outcomes = []
+            for fast in ("true", "false"):
+                process, r = run(FIRMWARE / f"{program}.elf", "--simlimit", 1, "-C", f"cpu.fast_forward={fast}")
+                r = without_wall_times(r)
+                r.pop("command"), r["configuration"].pop("cpu.fast_forward")
+                outcomes.append((process.returncode, process.stdout, r))
+            self.assertEqual(outcomes[0], outcomes[1], program)
 
 
 class Crashes(unittest.TestCase):

@@ -73,8 +73,9 @@ Step closing_step(uint32_t address, const Step& last) {
 
 }  // namespace
 
-void Blocks::add_cycles(Step& step, uint16_t before, uint32_t wait_states) {
-  const int paired = step.cycles + timing::pairing(before, step);
+void Blocks::add_cycles(Step& step, uint16_t before, uint32_t wait_states) const {
+  const bool folded = timing::folds(before, step) && machine_.state.scb.folds_it();
+  const int paired = folded ? 0 : step.cycles + timing::pairing(before, step);
   const uint32_t fetch = wait_states * timing::words_fetched(step.address, step.size);
   step.cycles = static_cast<uint8_t>(static_cast<uint32_t>(paired) + fetch);
   step.trail = timing::trail_of(step);
@@ -86,9 +87,9 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
   const Memory::Page& memory = machine_.memory.map().page(address);
   const uint32_t wait = memory.wait_states, start = address & ~(Memory::page_size - 1);
   uint8_t it = 0;
-  uint32_t cycles = 0, most = 0;
-  timing::Trail trail = timing::no_trail;  // no block is entered with another one
-  while (steps.size() < usual_length || it != 0 || trail != timing::no_trail) {
+  uint32_t cycles = 0, most = timing::most_refill;
+  timing::Trail trail = timing::no_trail;  // no block is entered with one that pairs
+  while (true) {
     uint32_t offset = address - start;
     if (offset + 2 > Memory::page_size) break;
     if (debugging.has_breakpoints() && debugging.has_breakpoint(address)) break;
@@ -100,6 +101,9 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     }
     Step step;
     static_cast<DecodedOp&>(step) = decode(address, first, second, it);
+    const bool depends =
+        it != 0 || (trail & timing::trail_pairs) != 0 || timing::folds(trail, step);
+    if (steps.size() >= usual_length && !depends) break;
     add_cycles(step, trail, wait);
     uint32_t bound =
         step.cycles + Execute::most_extra_cycles(step, machine_.memory.map().largest_wait());
@@ -146,15 +150,23 @@ bool Blocks::fits(const Step& first) const {
   return machine_.state.cycles + first.block_cycles < limit_;
 }
 
+void Blocks::arrive(State& state, const DecodedOp& target) {
+  if ((state.trail & timing::trail_refill) != 0) state.cycles += timing::refill_beyond(target);
+  state.trail = timing::no_trail;
+}
+
 /// Where execution goes on at pc, if a block is there already and surely ends before the limit.
-inline const Step* Blocks::next(const Machine& cpu) {
-  const State& state = cpu.state;
+inline const Step* Blocks::next(Machine& cpu) {
+  State& state = cpu.state;
   const CodePage* code = cpu.memory.direct(state.pc).code;
-  if (state.it_state != 0 || state.trail != timing::no_trail || code == nullptr) return nullptr;
+  if (state.it_state != 0 || (state.trail & timing::trail_pairs) != 0 || code == nullptr)
+    return nullptr;
   const Step* first = code->blocks[(state.pc & (Memory::page_size - 1)) >> 1].get();
+  if (first == nullptr || timing::folds(state.trail, *first)) return nullptr;
   // Blocks::fits, but for one pointer less on the way.
-  return first != nullptr && state.cycles + first->block_cycles < cpu.blocks.limit_ ? first
-                                                                                    : nullptr;
+  if (state.cycles + first->block_cycles >= cpu.blocks.limit_) return nullptr;
+  arrive(state, *first);
+  return first;
 }
 
 const Step* Blocks::leave(Machine& cpu, const Step& op) {
@@ -169,15 +181,17 @@ const Step* Blocks::resolve_link(Machine& cpu, const Step& branch) {
 }
 
 const Step* Blocks::begin(uint64_t limit) {
-  const State& state = machine_.state;
-  const bool between = state.it_state == 0 && state.trail == timing::no_trail;
+  State& state = machine_.state;
+  const bool between = state.it_state == 0 && (state.trail & timing::trail_pairs) == 0;
   const Step* op = between ? find(machine_) : nullptr;
-  if (op == nullptr) {
+  if (op == nullptr || timing::folds(state.trail, *op)) {
     stepping_.run(limit);
     return nullptr;
   }
   limit_ = limit;
-  if (__builtin_expect(fits(*op), 1)) return op;
+  const bool fits_whole = fits(*op);
+  arrive(state, *op);
+  if (__builtin_expect(fits_whole, 1)) return op;
   run_to_limit(op);
   return nullptr;
 }

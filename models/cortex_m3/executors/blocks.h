@@ -10,6 +10,7 @@
 namespace capsoc::cortex_m3 {
 
 class Machine;
+struct State;
 
 /// The fast executor: basic blocks, cached by page and linked within it. What has no block (a page
 /// that may not be executed throughout, the middle of an IT block) is stepped.
@@ -20,7 +21,9 @@ class Blocks : public InstructionExecutor {
   Stepping& stepping() { return stepping_; }
 
   /// Completes the time of a decoded step by its predecessor and the wait states of its fetch.
-  static void add_cycles(Step& step, uint16_t before, uint32_t wait_states);
+  void add_cycles(Step& step, uint16_t before, uint32_t wait_states) const;
+  /// Ends the refill of a branch that led to an instruction.
+  static void arrive(State& state, const DecodedOp& target);
 
   // For the chains of steps, which know the machine: looking it up here costs 3 % of the speed.
   /// Blocks that may reach this cycle are not entered by a link.
@@ -42,7 +45,7 @@ class Blocks : public InstructionExecutor {
   void run_to_limit(const Step* first);
 
  private:
-  static const Step* next(const Machine& cpu);
+  static const Step* next(Machine& cpu);
   std::unique_ptr<Step[]> build(uint32_t address, CodePage& page) const;
 
   uint64_t limit_ = 0;

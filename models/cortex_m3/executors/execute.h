@@ -59,7 +59,7 @@ struct Execute {
   static bool store_exclusive(Machine&, const Step&);
   static bool load_multiple(Machine&, const Step&, uint32_t address, uint32_t written_back);
   static bool store_multiple(Machine&, const Step&, uint32_t address, uint32_t written_back);
-  static bool take_branch(Machine&, uint32_t target);
+  static bool take_branch(Machine&, uint32_t target, unsigned refill = timing::refill_immediate);
   static bool branch_to_self(Machine&, const Step&);
   static bool table_branch(Machine&, const Step&, uint32_t offset, Access access);
   static bool conditional(Machine&, const Step&);
@@ -97,13 +97,16 @@ const Step* Execute::chain(Machine& cpu, const Step* op) {
 
 /// Takes a branch within its page.
 inline const Step* Execute::follow(Machine& cpu, const Step* branch) {
-  cpu.state.cycles += branch->cycles_before + branch->cycles + timing::pipeline_refill;
+  cpu.state.cycles += branch->cycles_before + branch->cycles + timing::refill_immediate;
   cpu.state.instructions += branch->instructions_to;
   const Step* target = branch->link;
   if (__builtin_expect(
-          target != nullptr && cpu.state.cycles + target->block_cycles < cpu.blocks.limit(), 1))
+          target != nullptr && cpu.state.cycles + target->block_cycles < cpu.blocks.limit(), 1)) {
+    cpu.state.cycles += timing::refill_beyond(*target);
     return target;
+  }
   cpu.state.pc = pc_of(*branch) + branch->imm;
+  cpu.state.trail = timing::trail_refill;
   return Blocks::resolve_link(cpu, *branch);
 }
 

@@ -9,10 +9,9 @@ bool goes_to_itself(const DecodedOp& op) {
 
 }  // namespace
 
-bool Execute::take_branch(Machine& cpu, uint32_t target) {
-  cpu.branch_to(target);
-  cpu.state.cycles += timing::pipeline_refill;
-  return false;
+bool Execute::take_branch(Machine& cpu, uint32_t target, unsigned refill) {
+  cpu.refill(refill);
+  return cpu.branch_to(target);
 }
 
 bool Execute::b(Machine& cpu, const Step& op) {
@@ -120,7 +119,7 @@ bool Execute::bl(Machine& cpu, const Step& op) {
 }
 
 bool Execute::bx(Machine& cpu, const Step& op) {
-  cpu.state.cycles += timing::pipeline_refill;
+  cpu.refill(timing::refill_register);
   return cpu.interwork_to(read(cpu, op, op.rm));
 }
 
@@ -130,7 +129,7 @@ bool Execute::blx(Machine& cpu, const Step& op) {
   cpu.state.r[14] = next_address(op) | 1;
   cpu.state.thumb = (target & 1) != 0;
   if (!cpu.state.thumb) cpu.requests.raise(Requests::changed);
-  return take_branch(cpu, target);
+  return take_branch(cpu, target, timing::refill_register);
 }
 
 bool Execute::cbz(Machine& cpu, const Step& op) {
@@ -156,7 +155,7 @@ bool Execute::tbh(Machine& cpu, const Step& op) {
 
 bool Execute::table_branch(Machine& cpu, const Step& op, uint32_t offset, Access access) {
   if (access == Access::fault) return false;
-  return take_branch(cpu, pc_of(op) + 2 * offset);
+  return take_branch(cpu, pc_of(op) + 2 * offset, timing::refill_loaded);
 }
 
 }  // namespace capsoc::cortex_m3

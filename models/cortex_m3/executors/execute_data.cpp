@@ -225,9 +225,8 @@ static bool write_high(Machine& cpu, const Step& op, uint32_t value) {
     cpu.state.r[op.rd] = value;
     return true;
   }
-  cpu.branch_to(value);
-  cpu.state.cycles += timing::pipeline_refill;
-  return false;
+  cpu.refill(timing::refill_register);
+  return cpu.branch_to(value);
 }
 
 bool Execute::add_high(Machine& cpu, const Step& op) {

@@ -28,7 +28,8 @@ void Stepping::run(uint64_t) {
     return faulted();
   }
   const Memory::Region* region = machine_.memory.map().find(address);
-  Blocks::add_cycles(step, state.trail, region != nullptr ? region->wait_states : 0);
+  machine_.blocks.add_cycles(step, state.trail, region != nullptr ? region->wait_states : 0);
+  Blocks::arrive(state, step);
   step.instructions_to = 1;
   Execute::bind(step);
   const Listeners& listeners = machine_.listeners;

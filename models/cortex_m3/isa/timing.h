@@ -33,32 +33,50 @@ enum class CycleClass : uint8_t {
 /// | TRM, table 3-1            | there          | here                                            |
 /// |---------------------------|----------------|-------------------------------------------------|
 /// | move, add, shift, logical | 1              | 1                                               |
-/// | ... to the PC             | 1 + P          | 1 + P                                           |
+/// | ... to the PC             | 1 + P          | 1 + 2 (P, below)                                |
 /// | MUL                       | 1              | 1                                               |
 /// | MLA, MLS                  | 2              | 2                                               |
 /// | SMULL, UMULL              | 3 to 5         | 3, and 1 for each operand beyond 16 bits        |
 /// | SMLAL, UMLAL              | 4 to 7         | 4, and 1 each, and 1 if both are                |
 /// | SDIV, UDIV                | 2 to 12        | 2, and 1 for every 4 bits of quotient           |
 /// | LDR, LDREX, STREX         | 2              | 2; 1 behind a load (pairing, below)             |
-/// | LDR PC                    | 2 + P          | 2 + P                                           |
+/// | LDR PC                    | 2 + P, above 4 | 2 + 3                                           |
 /// | STR [Rn, #imm]            | 2, "always 1"  | 1: it goes to the write buffer                  |
 /// | STR [Rn, Rm]              | 2              | 2; 1 behind a load                              |
 /// | LDRD, STRD                | 1 + N          | 3                                               |
-/// | LDM, STM, PUSH, POP       | 1 + N          | 1 + N, and P with the PC                        |
-/// | B<c>, CBZ                 | 1 or 1 + P     | 1, 1 + P when taken                             |
-/// | B, BL, BX, BLX            | 1 + P          | 1 + P                                           |
-/// | TBB, TBH                  | 2 + P          | 2 + P                                           |
+/// | LDM, STM, PUSH, POP       | 1 + N          | 1 + N, and 3 with the PC                        |
+/// | B<c>, CBZ                 | 1 or 1 + P     | 1, 1 + 1 when taken                             |
+/// | B, BL                     | 1 + P          | 1 + 1                                           |
+/// | BX, BLX                   | 1 + P          | 1 + 2                                           |
+/// | TBB, TBH                  | 2 + P, above 5 | 2 + 1 + 3: the load, the sum, the refill        |
 /// | CPS, MRS, MSR             | 1 or 2         | 2                                               |
 /// | DMB, DSB, ISB             | 1 + B          | 2                                               |
-/// | NOP, SEV, CLREX, IT       | 1              | 1 (IT is never folded into its predecessor)     |
+/// | NOP, SEV, CLREX           | 1              | 1                                               |
+/// | IT                        | 1, or folded   | 1; 0 behind a 16-bit instruction (folding)      |
 /// | WFI, WFE                  | 1 + W          | 1 + the sleep                                   |
 /// | failed condition          | 1              | 1                                               |
 ///
-/// P, the refill of the pipeline, is 1 to 3 there and 2 here. Wait states come on top: of a data
-/// access once an access, of a fetch once a word that the instruction begins in. The parts of an
-/// unaligned access beyond the first take a cycle each.
+/// P, the refill of the pipeline, is "1 to 3 depending on the alignment and width of the target
+/// instruction, and whether the processor manages to speculate the address early" (3.3.1). An
+/// earlier issue (DDI 0337E, 18.1) says more: one cycle where the branch holds its target as a
+/// number, two where it is in a register, and longer to a 32-bit instruction that is not aligned,
+/// since its halves are in two words: a cycle more here. Where the target is loaded it is three
+/// whatever the target (3.3.2, of LDR PC, TBB and TBH). Wait states come on top: of a data access
+/// once an access, of a fetch once a word that the instruction begins in. The parts of an unaligned
+/// access beyond the first take a cycle each.
+///
+/// Not known, and not modelled: when LDR Rx, [PC, #imm] pays its cycle for contention with the
+/// fetch (3.3.2: "might"), how far the prefetch buffer of three words hides the wait states of
+/// fetches and what rows of unaligned 32-bit instructions cost in it, when a full write buffer
+/// delays a store, and which instructions IT does not fold behind.
 namespace timing {
-constexpr unsigned pipeline_refill = 2;
+constexpr unsigned refill_immediate = 1, refill_register = 2, refill_loaded = 3;
+constexpr unsigned most_refill = 3;
+
+/// What a refill of one or two cycles takes longer because of the instruction it leads to.
+inline unsigned refill_beyond(const DecodedOp& target) {
+  return (target.size >> 2) & (target.address >> 1) & 1;
+}
 
 // Exceptions (TRM, chapter 5): 12 cycles to the first instruction of the handler, 10 back to the
 // interrupted program, 6 from one handler to the next. A late arrival of higher priority takes over
@@ -89,7 +107,7 @@ constexpr unsigned cycles(CycleClass kind) {
     case CycleClass::multiple:
       return 1;  // and one a register
     case CycleClass::table:
-      return 2;
+      return 3;
     case CycleClass::barrier:
       return 2;
     case CycleClass::system:
@@ -128,15 +146,19 @@ constexpr unsigned words_fetched(uint32_t address, unsigned size) {
   return ((address & 2) == 0 || size == 4) ? 1 : 0;
 }
 
-// Pairing (TRM, 3.3.2 "Load/store timings").
+// Pairing (TRM, 3.3.2 "Load/store timings") and folding.
 //
 // What an instruction leaves for its successor: nothing (0), or the registers it has just loaded
-// or computed. Conditional instructions, branches, exceptions, accesses to devices and faults leave
-// nothing.
+// or computed, that it was a 16-bit one, that it has branched and the pipeline is still refilled.
+// Conditional instructions and branches leave no registers, exceptions, accesses to devices and
+// faults nothing at all.
 using Trail = uint16_t;
-constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200;
+constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200, trail_refill = 0x400,
+                trail_narrow = 0x800;
+/// Those that a block cannot be entered with: its operations are timed as if there were none.
+constexpr Trail trail_pairs = trail_load | trail_data;
 
-inline Trail trail_of(const DecodedOp& op) {
+inline Trail registers_left_by(const DecodedOp& op) {
   if (op.condition != condition_always) return no_trail;
   if (is(op, kind::single_transfer)) {
     // Nothing pipelines behind a store or behind a base update, and a load to the PC branches.
@@ -152,6 +174,19 @@ inline Trail trail_of(const DecodedOp& op) {
   return static_cast<Trail>(trail_data | second << 4 | op.rd);
 }
 
+inline Trail trail_of(const DecodedOp& op) {
+  const bool loads_pc = is(op, kind::multiple_load) && op.list.has(15);
+  const Trail width = op.size == 2 && !loads_pc ? trail_narrow : no_trail;
+  return static_cast<Trail>(registers_left_by(op) | width);
+}
+
+/// IT can be folded onto a 16-bit instruction in front of it and takes no time then (Cortex-M4 TRM,
+/// ARM DDI 0439, table 3-1; of the M3 the TRM says that there is folding and that ACTLR.DISFOLD
+/// switches it off).
+inline bool folds(Trail before, const DecodedOp& op) {
+  return op.operation == Operation::it && (before & trail_narrow) != 0;
+}
+
 /// True when the address of a transfer is made from a register of the trail.
 inline bool address_uses(const DecodedOp& op, Trail trail) {
   const unsigned one = trail & 15, other = trail >> 4 & 15;
@@ -163,7 +198,8 @@ inline bool address_uses(const DecodedOp& op, Trail trail) {
 /// Cycles to add to an instruction for what was executed right before it.
 inline int pairing(Trail before, const DecodedOp& op) {
   const bool transfer = is(op, kind::transfer | kind::table_branch);
-  if (before == no_trail || !transfer || op.condition != condition_always) return 0;
+  const bool pairs = (before & trail_pairs) != 0;
+  if (!pairs || !transfer || op.condition != condition_always) return 0;
   // The register bank has no forwarding path to the address generation.
   if ((before & trail_data) != 0) return address_uses(op, before) ? 1 : 0;
   const bool pipelines = is(op, kind::single_transfer) && !op.writeback &&

@@ -37,6 +37,7 @@ class Scb {
   // SCR, ACTLR
   bool sends_event_on_pend() const { return (scr_ & 1u << 4) != 0; }
   bool sleeps_on_exit() const { return (scr_ & 1u << 1) != 0; }
+  bool folds_it() const { return (actlr_ & 1u << 2) == 0; }             ///< DISFOLD is clear
   bool write_buffer_is_off() const { return (actlr_ & 1u << 1) != 0; }  ///< DISDEFWBUF
 
   /// MemManage, BusFault and UsageFault (SHCSR).

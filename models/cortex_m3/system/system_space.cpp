@@ -68,6 +68,7 @@ uint32_t SystemSpace::peek(uint32_t address) const {
 
 BusResult SystemSpace::read(uint32_t address, unsigned size, uint32_t& value, bool privileged) {
   State& state = machine_.state;
+  ++machine_.private_accesses;
   value = 0;
   state.stalled = true;
   if (!privileged && !open_to_user(address, false)) return BusResult::bus_error;
@@ -82,6 +83,7 @@ BusResult SystemSpace::read(uint32_t address, unsigned size, uint32_t& value, bo
 
 BusResult SystemSpace::write(uint32_t address, unsigned size, uint32_t value, bool privileged) {
   if (!privileged && !open_to_user(address, true)) return BusResult::bus_error;
+  ++machine_.private_accesses;
   machine_.state.stalled = true;
   if (in_itm(address)) {
     write_itm(word_of(address), size, value);
@@ -109,9 +111,13 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
     case Room::nvic:
       write_interrupts(address, write);
       break;
-    case Room::scb:
+    case Room::scb: {
+      const bool folded = state.scb.folds_it();
       if (state.scb.write(address, write, state.nvic)) state.reset_request = true;
+      // Blocks hold the time of each instruction.
+      if (state.scb.folds_it() != folded) machine_.memory.invalidate_all_code();
       break;
+    }
     case Room::mpu:
       state.mpu.write(address, write.value);
       machine_.memory.regions_changed();

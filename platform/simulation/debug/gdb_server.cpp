@@ -24,14 +24,14 @@ GdbServer::~GdbServer() {
   soc_.cpu.set_debugger(nullptr);
 }
 
-uint64_t GdbServer::before_run() {
+bool GdbServer::before_run() {
   if (connections_->any()) serve();
   while (halted_ && !ended_) {
     if (give_up_()) ended_ = true;
     connections_->wait(patience);
     serve();
   }
-  return how_.kind == Resume::Kind::run ? cortex_m3::Core::never : soc_.cpu.core().cycles() + 1;
+  return how_.kind != Resume::Kind::run;
 }
 
 bool GdbServer::step_is_over() const {

@@ -35,7 +35,7 @@ class GdbServer : public cortex_m3::Debugger {
   /// Tells the clients that the run is over.
   void finish(int exit_code);
 
-  uint64_t before_run() override;
+  bool before_run() override;
   bool after_run(cortex_m3::StopReason reason, bool advanced) override;
   bool asleep_for_good() override;
   bool wants_attention() const override { return halted_ || connections_->any(); }

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "bus/address_map.h"
 #include "cortex_m3/core.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
@@ -32,10 +33,33 @@ struct CpuSettings {
       setting("cpu.executor", SettingKind::choice, "blocks",
               "blocks (fast), translator (to x86-64) or stepping; same results")
           .is_host_side()};
+  FlagField fast_forward{
+      all, setting("cpu.fast_forward", SettingKind::flag, "true",
+                   "skip the turns of a loop that only waits for a device; same results")
+               .is_host_side()};
   IntegerField priority_bits{
       all, setting("cpu.priority_bits", SettingKind::integer, "3",
                    "implemented bits of each priority: 3 as the AN385, 8 as QEMU's board")
                .in(3, 8)};
+};
+
+/// How slow the memories are.
+struct MemorySettings {
+  Settings& all;
+  IntegerField code_sram{all, wait_states("code_sram", "0")};
+  IntegerField block_ram{all, wait_states("block_ram", "0")};
+  IntegerField data_sram{all, wait_states("data_sram", "0")};
+  IntegerField psram{all, wait_states("psram", "3")};
+
+  bus::MemoryWaits waits() const {
+    const auto of = [](const IntegerField& field) { return static_cast<unsigned>(field()); };
+    return {of(code_sram), of(block_ram), of(data_sram), of(psram)};
+  }
+  static Setting wait_states(const std::string& memory, const char* cycles) {
+    return setting("memory." + memory + ".wait_states", SettingKind::integer, cycles,
+                   "cycles that each word of the " + memory + " waits for beyond its own")
+        .in(0, 255);
+  }
 };
 
 /// When a run ends by itself.
@@ -68,6 +92,7 @@ class RunSettings : public Settings {
   CoprocessorSettings coprocessor{*this};
   TraceSettings trace{*this};
   CpuSettings cpu{*this};
+  MemorySettings memory{*this};
   LimitSettings limits{*this};
   UartSettings uarts{*this};
   SemihostingSettings semihosting{*this};

@@ -24,6 +24,8 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   config.coprocessor = settings.coprocessor.options();
   config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
   config.executor = settings.cpu.executor();
+  config.fast_forward = settings.cpu.fast_forward();
+  config.memory_waits = settings.memory.waits();
   config.make_coprocessor = [&backend] { return std::move(backend.device); };
   return config;
 }

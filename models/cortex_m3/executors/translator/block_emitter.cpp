@@ -273,7 +273,7 @@ void BlockEmitter::begin(const Step* head, CodePage& page) {
 /// The steps up to the first that is left to C++ for good, that one with them.
 void BlockEmitter::collect_steps() {
   steps_.clear();
-  bound_ = timing::pipeline_refill;
+  bound_ = timing::most_refill;
   for (const Step* step = head_;; ++step) {
     steps_.push_back(step);
     cut_ = steps_.size();
@@ -400,7 +400,7 @@ void BlockEmitter::emit_cold() {
     flags_ = branch.flags;
     host_serial_ = branch.host_serial;
     host_flags_ = branch.host_flags;
-    emit_edge(*branch.step, pc_of(*branch.step) + branch.step->imm, true);
+    emit_edge(*branch.step, pc_of(*branch.step) + branch.step->imm, timing::refill_immediate);
   }
   for (const SlowAccess& slow : slow_) emit_slow(slow);
   for (const Stub& stub : stubs_) {
@@ -436,15 +436,30 @@ const uint8_t* BlockEmitter::finish() {
   }
   buffer_.take((size + 15) & ~std::size_t{15});
   largest_bound_ = std::max(largest_bound_, bound_);
-  return buffer.executable(start);
+  return buffer.executable(start + refill_bytes);
+}
+
+/// In front of the block what it costs to be led to it by a branch.
+void BlockEmitter::emit_entries() {
+  static constexpr uint8_t nothing[refill_bytes] = {0x0F, 0x1F, 0x84};  // NOP of eight bytes
+  refilled_entry_ = a_.newLabel();
+  a_.bind(refilled_entry_);
+  if (const uint64_t beyond = timing::refill_beyond(*head_)) {
+    a_.sub(x86::r15, constant(beyond << 32));
+    a_.nop();
+  } else {
+    a_.embed(nothing, sizeof nothing);
+  }
+  if (a_.offset() != refill_bytes) errors_.any = true;
+  entry_ = a_.newLabel();
+  a_.bind(entry_);
 }
 
 const uint8_t* BlockEmitter::emit(const Step* head, CodePage& page) {
   if (full()) return nullptr;
   begin(head, page);
   if (!is_translated(*head)) return nullptr;
-  entry_ = a_.newLabel();
-  a_.bind(entry_);
+  emit_entries();
   emit_steps();
   if (open_) return nullptr;
   emit_cold();

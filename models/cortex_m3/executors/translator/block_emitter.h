@@ -43,6 +43,9 @@ class BlockEmitter {
 
   const std::vector<BlockExit>& exits() const { return exits_; }
   const FlagSources& recipe(uint32_t number) const { return recipes_[number]; }
+  /// How far in front of a block's code those enter it who came by a branch that is still refilled
+  /// (timing::refill_beyond).
+  static constexpr int refill_bytes = 8;
   /// Most cycles that translated code takes from one look at the budget to the next.
   uint32_t largest_bound() const { return largest_bound_; }
   /// All code was dropped.
@@ -220,13 +223,14 @@ class BlockEmitter {
   // emit_branch.cpp
   void emit_branch(const Step& step);
   void emit_conditional_branch(const Step& step, Cond taken);
-  void emit_edge(const Step& step, uint32_t target, bool taken);
+  void emit_edge(const Step& step, uint32_t target, unsigned refill);
   void emit_indirect(const Step& step);
   void emit_table_branch(const Step& step);
   void find_entry(const Step& step);
-  void go_to_entry(const Step& step);
+  void go_to_entry(const Step& step, unsigned refill);
   void emit_close(const Step& step);
-  uint64_t cost(const Step& step, bool taken) const;
+  static uint64_t cost(const Step& step, unsigned refill);
+  void emit_entries();
   int32_t entries_offset() const;
 
   Machine& machine_;
@@ -261,7 +265,7 @@ class BlockEmitter {
   HostFlags host_flags_ = HostFlags::nz;
   bool host_kept_ = false;  // the present step leaves the host's flags alone
   std::array<std::optional<uint32_t>, 16> values_;  // of registers, as far as they can be guessed
-  Label entry_;
+  Label refilled_entry_, entry_;
   std::vector<Stub> stubs_;
   std::vector<Constant> constants_;
   std::vector<Slot> slots_;

@@ -16,6 +16,7 @@ struct BlockExit {
   static constexpr uint32_t no_slot = ~0u;
 
   Kind kind = Kind::step;
+  uint16_t trail = 0;  ///< timing::Trail behind an edge
   uint16_t bound = 0;  ///< Step::block_cycles of the step's block
   const Step* step = nullptr;
   uint32_t pc = 0;

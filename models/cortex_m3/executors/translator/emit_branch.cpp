@@ -19,9 +19,8 @@ uint32_t target_of(const DecodedOp& op) {
 }  // namespace
 
 /// What a block comes to when it is left behind a step: to be subtracted from the budget.
-uint64_t BlockEmitter::cost(const Step& step, bool taken) const {
-  const uint64_t cycles =
-      uint64_t{step.cycles_before} + step.cycles + (taken ? uint64_t{timing::pipeline_refill} : 0);
+uint64_t BlockEmitter::cost(const Step& step, unsigned refill) {
+  const uint64_t cycles = uint64_t{step.cycles_before} + step.cycles + refill;
   return (cycles << 32) - step.instructions_to;
 }
 
@@ -30,7 +29,7 @@ void BlockEmitter::emit_branch(const Step& step) {
     case Operation::bcond:
       if (const unsigned condition = branch_condition(step); condition < condition_always)
         return emit_conditional_branch(step, this->condition(condition));
-      emit_edge(step, target_of(step), true);
+      emit_edge(step, target_of(step), timing::refill_immediate);
       open_ = false;
       return;
     case Operation::cbz:
@@ -46,7 +45,7 @@ void BlockEmitter::emit_branch(const Step& step) {
       if (pinned(14)) a_.mov(host(14), next_address(step) | 1);
       [[fallthrough]];
     case Operation::b:
-      emit_edge(step, target_of(step), true);
+      emit_edge(step, target_of(step), timing::refill_immediate);
       open_ = false;
       return;
     case Operation::tbb:
@@ -71,15 +70,15 @@ void BlockEmitter::emit_conditional_branch(const Step& step, Cond taken) {
   const FlagSources flags = flags_;
   const uint32_t serial = host_serial_;
   const HostFlags host_flags = host_flags_;
-  emit_edge(step, target_of(step), true);
+  emit_edge(step, target_of(step), timing::refill_immediate);
   flags_ = flags;
   host_serial_ = serial;
   host_flags_ = host_flags;
   a_.bind(over);
 }
 
-/// The way to a known address, taken behind a step.
-void BlockEmitter::emit_edge(const Step& step, uint32_t target, bool taken) {
+/// The way to a known address behind a step, by a branch or, without a refill, without one.
+void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill) {
   const bool here = same_page(target, step.address);
   if (!here || !flags_.any_pending() || !stays_recoverable(target)) settle_all();
   const FlagSources left = outgoing();
@@ -89,12 +88,13 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, bool taken) {
   exit.kind = BlockExit::Kind::edge;
   exit.pc = target;
   exit.recipe = recipe;
-  a_.sub(x86::r15, constant(cost(step, taken)));
+  exit.trail = refill != 0 ? timing::trail_refill : static_cast<timing::Trail>(step.trail);
+  a_.sub(x86::r15, constant(cost(step, refill)));
   const Label out = stub(exit);
   const auto number = static_cast<uint32_t>(exits_.size() - 1);
   a_.js(out);
   if (target == head_->address) {
-    a_.jmp(entry_);
+    a_.jmp(timing::refill_beyond(*head_) != 0 ? refilled_entry_ : entry_);
   } else if (here) {
     slots_.push_back({a_.newLabel(), out, number});
     a_.jmp(x86::qword_ptr(slots_.back().label));
@@ -110,6 +110,7 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, bool taken) {
     a_.mov(x86::rcx, x86::ptr(x86::rcx, entries_offset() + static_cast<int32_t>(8 * index)));
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
+    if (refill != 0) a_.sub(x86::rcx, refill_bytes);
     a_.jmp(x86::rcx);
   }
 }
@@ -132,7 +133,7 @@ void BlockEmitter::emit_indirect(const Step& step) {
   if (!interworks) a_.or_(x86::eax, 1);
   find_entry(step);
   if (step.operation == Operation::blx) a_.mov(host(14), next_address(step) | 1);
-  go_to_entry(step);
+  go_to_entry(step, timing::refill_register);
 }
 
 /// rcx = the translated code at eax, whose bit 0 has to be set; leaves before the step if there is
@@ -158,12 +159,15 @@ void BlockEmitter::find_entry(const Step& step) {
 }
 
 /// Accounts for the block and goes to the code at rcx; State::pc has its address.
-void BlockEmitter::go_to_entry(const Step& step) {
+void BlockEmitter::go_to_entry(const Step& step, unsigned refill) {
   a_.mov(context(&context_.recipe, 4), 0);
-  a_.sub(x86::r15, constant(cost(step, true)));
+  a_.sub(x86::r15, constant(cost(step, refill)));
+  const bool to_be_completed = refill < timing::most_refill;
   BlockExit exit;
   exit.kind = BlockExit::Kind::indirect;
+  exit.trail = to_be_completed ? timing::trail_refill : timing::no_trail;
   a_.js(stub(exit));
+  if (to_be_completed) a_.sub(x86::rcx, refill_bytes);
   a_.jmp(x86::rcx);
   open_ = false;
 }
@@ -186,13 +190,17 @@ void BlockEmitter::emit_table_branch(const Step& step) {
   a_.movzx(x86::eax, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
   a_.lea(x86::eax, x86::ptr(x86::rax, x86::rax, 0, static_cast<int32_t>(pc_of(step) | 1)));
   find_entry(step);
-  go_to_entry(step);
+  go_to_entry(step, timing::refill_loaded);
 }
 
 /// The end of a block that runs into the next address.
 void BlockEmitter::emit_close(const Step& step) {
-  if (step.it_before != 0 || step.trail != timing::no_trail) return give_up(step);
-  emit_edge(step, step.address, false);
+  // In another page IT may fold behind this block.
+  const bool timed_here =
+      step.trail == timing::no_trail ||
+      (step.trail == timing::trail_narrow && same_page(step.address, head_->address));
+  if (step.it_before != 0 || !timed_here) return give_up(step);
+  emit_edge(step, step.address, 0);
   open_ = false;
 }
 

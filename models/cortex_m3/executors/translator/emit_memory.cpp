@@ -248,7 +248,7 @@ void BlockEmitter::emit_single(const Step& step) {
   }
   if (indexed && (step.rn != step.rd || access.store))
     a_.emit(x86::Inst::kIdAdd, at(step.rn), Imm(static_cast<int32_t>(step.imm)));
-  if (to_pc) go_to_entry(step);
+  if (to_pc) go_to_entry(step, timing::refill_loaded);
 }
 
 /// LDRD, STRD.
@@ -304,7 +304,7 @@ void BlockEmitter::emit_return(const Step& step, const Access& access, const Add
   transfer(access, x86::ptr(x86::rcx, 0, 4));
   if (step.writeback && !step.list.has(step.rn)) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
   a_.mov(x86::rcx, context(&context_.target));
-  go_to_entry(step);
+  go_to_entry(step, timing::refill_loaded);
 }
 
 /// Follows the values of registers as far as that is easy: a guess where accesses go, no more.

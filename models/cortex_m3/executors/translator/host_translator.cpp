@@ -120,13 +120,20 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
     return nullptr;
   }
   if (exit.kind == BlockExit::Kind::edge) state.pc = exit.pc;
+  state.trail = exit.trail;
   if (machine_.requests.any()) return nullptr;
   const Step* next = Blocks::find(machine_);
-  if (next == nullptr || !machine_.blocks.fits(*next)) return nullptr;
+  if (next == nullptr || timing::folds(state.trail, *next) || !machine_.blocks.fits(*next))
+    return nullptr;
+  const bool completes = (state.trail & timing::trail_refill) != 0;
+  Blocks::arrive(state, *next);
   if (exit.slot == BlockExit::no_slot) return next;
   const CodePage* page = machine_.memory.direct(state.pc).code;
-  const void* entry = page != nullptr ? page->entries[index_of(state.pc)] : nullptr;
-  if (entry != nullptr) std::memcpy(buffer_.writable(exit.slot), &entry, sizeof entry);
+  const auto* entry =
+      static_cast<const uint8_t*>(page != nullptr ? page->entries[index_of(state.pc)] : nullptr);
+  if (entry == nullptr) return next;
+  if (completes) entry -= BlockEmitter::refill_bytes;
+  std::memcpy(buffer_.writable(exit.slot), &entry, sizeof entry);
   return next;
 }
 

@@ -1,0 +1,74 @@
+// Loops that only wait: Core::repeat_turn, Core::skip_turns.
+#include <algorithm>
+
+#include "cortex_m3/core.h"
+#include "cortex_m3/isa/decoder.h"
+
+namespace capsoc::cortex_m3 {
+namespace {
+
+constexpr unsigned longest_turn = 64;  // instructions
+
+/// Operations that leave nothing behind but registers and flags.
+bool only_computes(const DecodedOp& op) {
+  constexpr uint32_t kinds =
+      kind::data_processing | kind::load | kind::dual_load | kind::multiple_load | kind::any_branch;
+  return is(op, kinds) || op.operation == Operation::nop || op.operation == Operation::it ||
+         op.operation == Operation::barrier;
+}
+
+/// What decides on everything that follows, as long as no memory is written.
+struct Place {
+  explicit Place(const State& state)
+      : r(state.r), pc(state.pc), xpsr(state.xpsr()), trail(state.trail) {}
+  bool operator==(const Place& other) const {
+    return r == other.r && pc == other.pc && xpsr == other.xpsr && trail == other.trail;
+  }
+  decltype(State::r) r;
+  uint32_t pc, xpsr;
+  uint16_t trail;
+};
+
+}  // namespace
+
+std::optional<Core::Turn> Core::repeat_turn() {
+  State& state = machine_.state;
+  const Listeners& listeners = machine_.listeners;
+  const bool is_seen = listeners.sees_instructions || listeners.sees_accesses ||
+                       machine_.debugging.has_breakpoints() || machine_.memory.is_watched() ||
+                       state.dwt.observes_steps();
+  if (is_seen || state.sleeping || state.locked_up || !state.thumb) return std::nullopt;
+  const Place before(state);
+  const uint64_t cycles = state.cycles, instructions = state.instructions,
+                 accesses = machine_.private_accesses;
+  for (unsigned n = 0; n < longest_turn; ++n) {
+    if (is_interrupted()) return std::nullopt;
+    uint16_t first = 0, second = 0;
+    if (!debug_read(state.pc, &first, 2)) return std::nullopt;
+    if (is_wide(first) && !debug_read(state.pc + 2, &second, 2)) return std::nullopt;
+    if (!only_computes(decode(state.pc, first, second, state.it_state))) return std::nullopt;
+    machine_.blocks.stepping().run(never);
+    if (machine_.private_accesses != accesses) return std::nullopt;
+    if (Place(state) == before)
+      return Turn{state.cycles - cycles, state.instructions - instructions};
+  }
+  return std::nullopt;
+}
+
+/// True if something else than the next instruction comes first.
+bool Core::is_interrupted() const {
+  const Exceptions& exceptions = machine_.exceptions;
+  return machine_.state.cycles >= machine_.state.systick.event() ||
+         exceptions.highest_pending(exceptions.execution_priority()) != 0;
+}
+
+void Core::skip_turns(const Turn& turn, uint64_t until_cycle) {
+  State& state = machine_.state;
+  const uint64_t until = std::min(until_cycle, state.systick.event());
+  if (turn.cycles == 0 || until <= state.cycles || is_interrupted()) return;
+  const uint64_t turns = (until - state.cycles) / turn.cycles;
+  state.cycles += turns * turn.cycles;
+  state.instructions += turns * turn.instructions;
+}
+
+}  // namespace capsoc::cortex_m3

@@ -1,0 +1,21 @@
+// What a device says of a read beside its answer.
+#pragma once
+
+#include <tlm>
+
+namespace capsoc::kit {
+
+/// On a read's payload: a device says by it that the same read gives the same answer, and does
+/// nothing, until something else happens: a write, an event of the kernel, another device's turn.
+/// So an initiator that only waits there need not ask again before. Belongs to the initiator, who
+/// takes it off the payload before the payload ends. Devices that do not know it are right, too.
+struct SteadyRead : tlm::tlm_extension<SteadyRead> {
+  bool steady = false;
+
+  tlm::tlm_extension_base* clone() const override { return new SteadyRead(*this); }
+  void copy_from(const tlm::tlm_extension_base& other) override {
+    steady = static_cast<const SteadyRead&>(other).steady;
+  }
+};
+
+}  // namespace capsoc::kit

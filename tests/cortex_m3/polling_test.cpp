@@ -1,0 +1,100 @@
+// Loops that only wait: a turn is measured and repeated exactly, and nothing else is taken for one.
+#include <gtest/gtest.h>
+
+#include "bench.h"
+#include "executors.h"
+
+namespace capsoc::cortex_m3::test {
+namespace {
+
+class Polling : public testing::Test {
+ protected:
+  /// Starts a program with r4 at the device and r5 in RAM, and runs it into its loop.
+  void start(std::initializer_list<uint16_t> code) {
+    b.start(code);
+    b.core.set_reg(4, 0x40000000);
+    b.core.set_reg(5, Bench::ram_base);
+    b.core.run(40);
+  }
+  Bench b;
+};
+
+// ldr r0,[r4]; lsls r0,#31; bpl .-4: (1 + 1 + 3 waits) + 1 + 2 cycles
+constexpr std::initializer_list<uint16_t> waits_for_bit_0 = {0x6820, 0x07C0, 0xD5FC, 0xE7FE};
+
+TEST_F(Polling, ATurnIsMeasuredAndRepeatedExactly) {
+  for (const uint64_t until : {100u, 101u, 107u, 108u, 5000u}) {
+    Bench skipping, plain;
+    for (Bench* bench : {&skipping, &plain}) {
+      bench->start(waits_for_bit_0);
+      bench->core.set_reg(4, 0x40000000);
+      bench->core.run(40);
+    }
+    const auto turn = skipping.core.repeat_turn();
+    ASSERT_TRUE(turn);
+    EXPECT_EQ(turn->cycles, 8u);
+    EXPECT_EQ(turn->instructions, 3u);
+    skipping.core.skip_turns(*turn, until);
+    EXPECT_LE(skipping.core.cycles(), until);
+    EXPECT_GT(skipping.core.cycles() + turn->cycles, until);
+    for (Bench* bench : {&skipping, &plain}) {
+      bench->core.run(until);
+      bench->device = 1;
+      bench->core.run(until + 100);
+      EXPECT_EQ(bench->core.reg(15), Bench::program + 6);
+    }
+    EXPECT_EQ(skipping.core.cycles(), plain.core.cycles());
+    EXPECT_EQ(skipping.core.instructions(), plain.core.instructions());
+  }
+}
+TEST_F(Polling, ALoopThatCallsAFunctionIsOne) {
+  // bl +4; beq .-4; b .; ldr r0,[r4]; tst r0,r0; bx lr
+  start({0xF000, 0xF802, 0xD0FC, 0xE7FE, 0x6820, 0x4200, 0x4770});
+  EXPECT_TRUE(b.core.repeat_turn());
+}
+TEST_F(Polling, ALoopThatCountsIsNone) {
+  start({0x6820, 0x3101, 0x07C0, 0xD5FB, 0xE7FE});  // adds r1,#1 in it
+  EXPECT_FALSE(b.core.repeat_turn());
+}
+TEST_F(Polling, ALoopThatWritesIsNone) {
+  start({0x6820, 0x6028, 0x07C0, 0xD5FB, 0xE7FE});  // str r0,[r5] in it, the same each time
+  EXPECT_FALSE(b.core.repeat_turn());
+}
+TEST_F(Polling, ALoopThatReadsTheCoresOwnRegistersIsNone) {
+  b.start(waits_for_bit_0);
+  b.core.set_reg(4, 0xE000E010);  // SYST_CSR: reading clears COUNTFLAG
+  b.core.run(40);
+  EXPECT_FALSE(b.core.repeat_turn());
+}
+TEST_F(Polling, ALoopIsLeftForAnInterruptThatIsPending) {
+  start(waits_for_bit_0);
+  const auto turn = b.core.repeat_turn();
+  ASSERT_TRUE(turn);
+  const uint32_t enable = 1;
+  b.core.debug_write(0xE000E100, &enable, 4);
+  b.core.set_interrupt(0, true);
+  const uint64_t before = b.core.cycles();
+  b.core.skip_turns(*turn, before + 1000);
+  EXPECT_EQ(b.core.cycles(), before);
+  EXPECT_FALSE(b.core.repeat_turn());
+}
+TEST_F(Polling, NoTurnIsSkippedPastSysTick) {
+  start(waits_for_bit_0);
+  const auto turn = b.core.repeat_turn();
+  ASSERT_TRUE(turn);
+  const uint32_t load = 500, on = 7;
+  b.core.debug_write(0xE000E014, &load, 4);
+  b.core.debug_write(0xE000E010, &on, 4);
+  const uint64_t before = b.core.cycles();
+  b.core.skip_turns(*turn, before + 100000);
+  EXPECT_LE(b.core.cycles(), before + 502);
+  EXPECT_GT(b.core.cycles(), before + 490);
+}
+TEST_F(Polling, ALoopWithABreakpointOrAnObserverIsNotSkipped) {
+  start(waits_for_bit_0);
+  b.core.debugging().set_breakpoint(Bench::program + 6);
+  EXPECT_FALSE(b.core.repeat_turn());
+}
+
+}  // namespace
+}  // namespace capsoc::cortex_m3::test
