@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "cortex_m3/core.h"
-#include "cortex_m3/isa/decoder.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -43,11 +42,7 @@ std::optional<Core::Turn> Core::repeat_turn() {
                  accesses = machine_.private_accesses;
   for (unsigned n = 0; n < longest_turn; ++n) {
     if (is_interrupted()) return std::nullopt;
-    uint16_t first = 0, second = 0;
-    if (!debug_read(state.pc, &first, 2)) return std::nullopt;
-    if (is_wide(first) && !debug_read(state.pc + 2, &second, 2)) return std::nullopt;
-    if (!only_computes(decode(state.pc, first, second, state.it_state))) return std::nullopt;
-    machine_.blocks.stepping().run(never);
+    if (!machine_.blocks.stepping().step(only_computes)) return std::nullopt;
     if (machine_.private_accesses != accesses) return std::nullopt;
     if (Place(state) == before)
       return Turn{state.cycles - cycles, state.instructions - instructions};

@@ -222,7 +222,9 @@ void CortexM3Tlm::skip_polling() {
   const bool steady = std::exchange(steady_.steady, false);
   if (!polling_.is_worth_a_look(core_.reg(15), steady) || idle_ || reset_requested_) return;
   steady_until_ = Core::never;
+  measuring_ = true;
   const std::optional<Core::Turn> turn = core_.repeat_turn();
+  measuring_ = false;
   polling_.looked(turn && steady_until_ > core_.cycles());
   synchronise();
   catch_up();
@@ -293,9 +295,10 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   if (command == tlm::TLM_WRITE_COMMAND)
     for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
 
-  tlm::tlm_generic_payload payload;
+  tlm::tlm_generic_payload& payload = payload_;
   payload.set_command(command);
   payload.set_address(address);
+  payload.set_dmi_allowed(false);
   payload.set_data_ptr(bytes);
   payload.set_data_length(size);
   payload.set_streaming_width(size);
@@ -308,7 +311,7 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   accessing_.reset();
   payload.clear_extension<kit::SteadyRead>();
   // What comes behind it may change the status again, and be over when the turn is.
-  steady_until_ = steady_.steady ? std::min(steady_until_, horizon()) : 0;
+  if (measuring_) steady_until_ = steady_.steady ? std::min(steady_until_, horizon()) : 0;
   if (idle_ && idle_->is_work(address)) note_work();
   const bool ok = payload.is_response_ok();
   const sc_core::sc_time now = sc_core::sc_time_stamp();

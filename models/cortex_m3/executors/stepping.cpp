@@ -17,16 +17,25 @@ void Stepping::faulted() {
 }
 
 void Stepping::run(uint64_t) {
+  step(nullptr);
+}
+
+bool Stepping::step(bool (*permits)(const DecodedOp&)) {
   State& state = machine_.state;
   uint16_t first = 0, second = 0;
   const uint32_t address = state.pc;
-  if (!fetch(address, first) || (is_wide(first) && !fetch(address + 2, second))) return faulted();
+  if (!fetch(address, first) || (is_wide(first) && !fetch(address + 2, second))) {
+    faulted();
+    return true;
+  }
   Step step;
   static_cast<DecodedOp&>(step) = decode(address, first, second, state.it_state);
   if (Execute::cannot_continue(step)) {
     machine_.fault(step, Cause::invalid_state);
-    return faulted();
+    faulted();
+    return true;
   }
+  if (permits != nullptr && !permits(step)) return false;
   const Memory::Region* region = machine_.memory.map().find(address);
   machine_.blocks.add_cycles(step, state.trail, region != nullptr ? region->wait_states : 0);
   Blocks::arrive(state, step);
@@ -38,6 +47,7 @@ void Stepping::run(uint64_t) {
   machine_.account(step);
   if (listeners.sees_instructions) listeners.observer->retired(machine_.core(), step);
   machine_.conclude(step);
+  return true;
 }
 
 void Stepping::without_thumb() {

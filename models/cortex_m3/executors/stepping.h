@@ -7,12 +7,15 @@
 namespace capsoc::cortex_m3 {
 
 class Machine;
+struct DecodedOp;
 
 /// The reference: fetches, decodes and executes one instruction, and tells the observer.
 class Stepping : public InstructionExecutor {
  public:
   explicit Stepping(Machine& machine) : machine_(machine) {}
   void run(uint64_t limit) override;
+  /// Executes the next instruction if it is permitted; null permits all. False: it was not.
+  bool step(bool (*permits)(const DecodedOp&));
   /// INVSTATE belongs to the instruction at the target (A2.3.1, BXWritePC: "on the next
   /// instruction"). It is raised by executing that one, and what cannot be fetched is not executed:
   /// a fault of the fetch comes first (B3.2.15, IACCVIOL and IBUSERR).
