@@ -124,9 +124,9 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   EndReason end_reason_ = EndReason::none;
   Debugger* debugger_ = nullptr;
   tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
-  kit::SteadyRead steady_;     // of the last access
-  bool measuring_ = false;      // a turn of a loop
-  uint64_t steady_until_ = 0;  // the cycle until which all reads of a turn stay as they are
+  kit::SteadyRead steady_;            // of the last access
+  bool measuring_ = false;            // a turn of a loop
+  uint64_t steady_until_ = 0;         // the cycle until which all reads of a turn stay as they are
   PollingWatch polling_;
   bool fast_forward_ = true;
   bool reset_requested_ = false;
