@@ -115,6 +115,8 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
 const Step* HostTranslator::leave(const BlockExit& exit) {
   State& state = machine_.state;
   if (exit.kind == BlockExit::Kind::step) {
+    const bool closes = exit.step->operation == Operation::fall_through;
+    counts_.instructions += exit.step->instructions_to - (closes ? 0u : 1u);
     if (state.cycles + exit.bound < limit_) return exit.step->chain(machine_, exit.step);
     machine_.blocks.run_to_limit(exit.step);
     return nullptr;
