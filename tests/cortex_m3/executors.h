@@ -19,6 +19,13 @@ inline void choose(Core& core, Executor executor) {
   core.set_translation_threshold(1);
 }
 
+/// A buffer for some dozens of blocks, so that they are dropped all the time.
+inline TranslatorLimits smallest_translator() {
+  TranslatorLimits limits;
+  limits.buffer_bytes = TranslatorLimits::least_buffer;
+  return limits;
+}
+
 /// False on hosts where blocks stand in for it.
 inline bool has_translator() {
 #if defined(__x86_64__)

@@ -1,26 +1,24 @@
 #include "cortex_m3/executors/translator/code_buffer.h"
 
 #include <sys/mman.h>
-#include <unistd.h>
 
 namespace capsoc::cortex_m3 {
-namespace {
 
-uint8_t* map(int file, std::size_t size, int protection) {
-  void* address = mmap(nullptr, size, protection, MAP_SHARED, file, 0);
-  return address == MAP_FAILED ? nullptr : static_cast<uint8_t*>(address);
-}
-
-}  // namespace
-
+/// Shared memory without a name, which mremap maps once more (an old size of 0). A memfd would be
+/// subject to the limit of file sizes, and perf takes its pages for those of a program on disk. It
+/// begins executable and one mapping of it ceases to be, since kernels that are hardened
+/// (PR_SET_MDWE) let no page become executable later.
 CodeBuffer::CodeBuffer(std::size_t bytes) : size_(bytes) {
-  const int file = memfd_create("capsoc-code", MFD_CLOEXEC);
-  if (file < 0) return;
-  if (ftruncate(file, static_cast<off_t>(size_)) == 0) {
-    writable_ = map(file, size_, PROT_READ | PROT_WRITE);
-    if (writable_ != nullptr) executable_ = map(file, size_, PROT_READ | PROT_EXEC);
-  }
-  close(file);
+  void* first = mmap(nullptr, size_, PROT_READ | PROT_EXEC,
+                     MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (first == MAP_FAILED) return;
+  writable_ = static_cast<uint8_t*>(first);
+  void* second = mremap(first, 0, size_, MREMAP_MAYMOVE);
+  if (second == MAP_FAILED) return;
+  if (mprotect(first, size_, PROT_READ | PROT_WRITE) == 0)
+    executable_ = static_cast<uint8_t*>(second);
+  else
+    munmap(second, size_);
 }
 
 CodeBuffer::~CodeBuffer() {
