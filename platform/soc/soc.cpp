@@ -46,6 +46,7 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       adc("adc_front_end", clock),
       clock_controller("clock_controller", clock) {
   cpu.set_quantum(config.quantum);
+  cpu.core().limit_translator(config.translator);
   cpu.core().set_executor(config.executor);
   list_components();
   bind();

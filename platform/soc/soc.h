@@ -48,6 +48,7 @@ struct Config {
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
   cortex_m3::Executor executor = cortex_m3::Executor::blocks;
+  cortex_m3::TranslatorLimits translator;
   std::vector<OwnDevice> devices;
 };
 

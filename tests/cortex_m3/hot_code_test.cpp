@@ -214,8 +214,7 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
   for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
     Bench a(seed % 3), b(seed % 3);
     a.core.set_executor(Executor::stepping);
-    if (seed % 11 == 0) b.core.limit_translator(smallest_translator());
-    choose(b.core, GetParam());
+    choose(b.core, GetParam(), seed % 11 == 0 ? smallest_translator() : TranslatorLimits{});
     if (seed % 7 == 0) b.core.set_translation_threshold(20);
     prepare_loops(a, seed);
     prepare_loops(b, seed);

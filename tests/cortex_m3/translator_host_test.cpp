@@ -71,8 +71,7 @@ void refuse_executable_memory() {
 bool blocks_stand_in(const TranslatorLimits& limits, const std::string& reason) {
   Bench stepping, other;
   stepping.core.set_executor(Executor::stepping);
-  other.core.limit_translator(limits);
-  choose(other.core, Executor::translator);
+  choose(other.core, Executor::translator, limits);
   for (Bench* b : {&stepping, &other}) {
     prepare_many_blocks(*b);
     b->core.run(20000);
@@ -90,10 +89,8 @@ TEST(TranslatorHost, AFullBufferIsEmptiedAndChangesNothing) {
     SCOPED_TRACE(static_cast<unsigned>(threshold));
     Bench stepping, translated;
     stepping.core.set_executor(Executor::stepping);
-    TranslatorLimits limits = smallest_translator();
-    limits.threshold = threshold;
-    translated.core.limit_translator(limits);
-    translated.core.set_executor(Executor::translator);
+    choose(translated.core, Executor::translator, smallest_translator());
+    translated.core.set_translation_threshold(threshold);
     for (Bench* b : {&stepping, &translated}) prepare_many_blocks(*b);
     for (unsigned slice = 1; slice <= 100; ++slice) {
       for (Bench* b : {&stepping, &translated}) b->core.run(slice * 1501);

@@ -32,6 +32,16 @@ struct CpuSettings {
       setting("cpu.executor", SettingKind::choice, "blocks",
               "blocks (fast), translator (to x86-64) or stepping; same results")
           .is_host_side()};
+  IntegerField translate_after{
+      all, setting("cpu.translate_after", SettingKind::integer, "100",
+                   "how often the translator executes a block before it translates it")
+               .in(1, 254)
+               .is_host_side()};
+  IntegerField code_buffer_kib{
+      all, setting("cpu.code_buffer_kib", SettingKind::integer, "32768",
+                   "memory for the translator's code; all of it is dropped when that is full, KiB")
+               .in(72, 65536)
+               .is_host_side()};
   IntegerField priority_bits{
       all, setting("cpu.priority_bits", SettingKind::integer, "3",
                    "implemented bits of each priority: 3 as the AN385, 8 as QEMU's board")

@@ -24,6 +24,8 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   config.coprocessor = settings.coprocessor.options();
   config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
   config.executor = settings.cpu.executor();
+  config.translator.threshold = static_cast<uint8_t>(settings.cpu.translate_after());
+  config.translator.buffer_bytes = static_cast<std::size_t>(settings.cpu.code_buffer_kib()) << 10;
   config.make_coprocessor = [&backend] { return std::move(backend.device); };
   return config;
 }

@@ -22,11 +22,8 @@ class HostTranslator : public Translator {
         context_(machine.host_context),
         buffer_(std::max(limits.buffer_bytes, TranslatorLimits::least_buffer)),
         emitter_(machine, context_, buffer_),
-        threshold_(limits.threshold) {
-    if (!buffer_.good()) return;
-    frame_ = emitter_.emit_frame();
-    first_block_ = buffer_.used();
-  }
+        threshold_(limits.threshold),
+        warm_up_(limits.warm_up) {}
 
   bool good() const { return buffer_.good(); }
   TranslationCounts counts() const override;
@@ -51,16 +48,22 @@ class HostTranslator : public Translator {
   TranslationCounts counts_;
   std::size_t frame_ = 0, first_block_ = 0;
   uint8_t threshold_;
+  uint64_t warm_up_;
   uint64_t limit_ = 0;
   uint64_t windows_of_ = ~uint64_t{0};  // Memory::changes() that the windows show
 };
 
 void HostTranslator::run(uint64_t limit) {
   limit_ = limit;
-  const uint64_t before = machine_.state.instructions;
-  const Step* op = machine_.blocks.begin(limit);
-  while (op != nullptr) op = go_on(op);
-  counts_.executed += machine_.state.instructions - before;
+  const State& state = machine_.state;
+  const uint64_t before = state.instructions;
+  if (counts_.executed < warm_up_) {
+    machine_.blocks.run(std::min(limit, state.cycles + warm_up_));
+  } else {
+    const Step* op = machine_.blocks.begin(limit);
+    while (op != nullptr) op = go_on(op);
+  }
+  counts_.executed += state.instructions - before;
 }
 
 TranslationCounts HostTranslator::counts() const {
@@ -88,6 +91,10 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   uint8_t& count = page.heat[index_of(head->address)];
   if (count == never) return nullptr;
   if (++count < threshold_) return nullptr;
+  if (buffer_.used() == 0) {
+    frame_ = emitter_.emit_frame();
+    first_block_ = buffer_.used();
+  }
   if (emitter_.full()) drop_all();
   refresh_windows();
   const std::size_t before = buffer_.used();
@@ -204,8 +211,8 @@ void HostTranslator::drop_all() {
 
 std::unique_ptr<Translator> Translator::make(Machine& machine, const TranslatorLimits& limits,
                                              std::string& reason) {
-  const auto& features = asmjit::CpuInfo::host().features().x86();
-  if (!limits.bit_manipulation || !features.hasBMI() || !features.hasBMI2()) {
+  const bool bmi = __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (!limits.bit_manipulation || !bmi) {
     reason = "this processor has no BMI1 and BMI2";
     return nullptr;
   }

@@ -17,7 +17,9 @@ struct TranslatorLimits {
 
   std::size_t buffer_bytes = 32u << 20;  ///< for host code; no less than least_buffer
   uint8_t threshold = 100;               ///< see Translator::set_threshold()
-  bool bit_manipulation = true;          ///< BMI1 and BMI2, where the host has them
+  /// Instructions before the first look at what is hot, which a short program shall not pay for.
+  uint64_t warm_up = 100'000;
+  bool bit_manipulation = true;  ///< BMI1 and BMI2, where the host has them
 };
 
 /// What a translator has done so far.
