@@ -47,7 +47,7 @@ struct Config {
   /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
-  cortex_m3::Executor executor = cortex_m3::Executor::blocks;
+  cortex_m3::Executor executor = cortex_m3::Executor::translator;
   cortex_m3::TranslatorLimits translator;
   std::vector<OwnDevice> devices;
 };

@@ -169,6 +169,121 @@ TEST(Literals, ALiteralThatIsWrittenIsReadAnew) {
   }
 }
 
+/// A store that runs from a page without code into one with code, beside the window.
+TEST(OverTheEndOfAPage, AnStmThatWritesTheCodeOfTheNextPageIsSeen) {
+  constexpr uint32_t start = Bench::ram_base + 0x3000;
+  const Outcome outcome = agreed([&](Bench& b) {
+    // adds r3,#1, to be adds r3,#2; nop; stm.w r0,{r1,r2}; b
+    const uint16_t code[] = {0x3301, 0xBF00, 0xE880, 0x0006, 0xE7FA};
+    b.start({});
+    std::memcpy(&b.ram[start - Bench::ram_base], code, sizeof code);
+    b.core.set_reg(15, start);
+    b.core.set_reg(0, start - 4);
+    b.core.set_reg(2, 0xBF003302);
+    b.core.set_reg(3, 0);
+    b.core.run(20);
+  });
+  EXPECT_EQ(outcome.registers[3] % 2, 1u) << "one by one, then two by two";
+}
+
+/// ... and a load from memory with wait states, which has no window, over its end.
+TEST(OverTheEndOfAPage, AnLdmBehindTheEndOfSlowMemoryIsAFault) {
+  const Outcome outcome = agreed([](Bench& b) {
+    b.core.unmap_memory(Bench::ram_base, 65536);
+    b.core.map_memory(Bench::ram_base, 0x8000, b.ram.data(), true, 2);
+    b.start({0xE890, 0x0006, 0x3004, 0xE7FB});  // ldm.w r0,{r1,r2}; adds r0,#4; b
+    b.core.set_reg(0, end_of_ram - 40);
+  });
+  EXPECT_GT(outcome.faults, 0u);
+}
+
+/// What nobody reads is still seen by a fault between.
+TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
+  const Outcome outcome = agreed([](Bench& b) {
+    // cmp r0,r1; sdiv r2,r3,r4; cmp r5,r6; b
+    b.start({0x4288, 0xFB93, 0xF2F4, 0x42B5, 0xE7FA});
+    const uint32_t divide_by_zero_traps = 1u << 4;
+    b.core.debug_write(0xE000ED14, &divide_by_zero_traps, 4);
+    for (const unsigned n : {0u, 1u, 4u, 5u, 6u}) b.core.set_reg(n, n == 4 ? 2 : n / 5 + 5);
+    b.core.run(60);
+    b.core.set_reg(4, 0);
+  });
+  EXPECT_GT(outcome.faults, 0u);
+}
+
+TEST(Branches, BxToAnEvenAddressIsAFaultThoughItsCodeIsTranslated) {
+  const Outcome outcome = agreed([](Bench& b) {
+    b.start({0x3101, 0x4708});  // adds r1,#1; bx r1: odd and even by turns
+    b.core.set_reg(1, Bench::program);
+  });
+  EXPECT_GT(outcome.faults, 0u);
+}
+
+/// A state may be set, or restored, with bits in SP that no instruction can put there.
+TEST(StackPointer, AStateWithOddBitsInItGoesOnAsInterpreted) {
+  agreed([](Bench& b) {
+    b.start({0x9101, 0x9A01, 0x3101, 0xE7FB});  // str r1,[sp,#4]; ldr r2,[sp,#4]; adds r1,#1; b
+    b.core.run(100);
+    b.core.edit().r[13] += 2;
+  });
+}
+
+/// Operands that random ones hardly ever are.
+TEST(Operands, AtTheirBordersGiveTheSameResultsFlagsAndCycles) {
+  const std::vector<uint16_t> operations[] = {
+      {0xFBA0, 0x2301},                                  // umull r2,r3,r0,r1
+      {0xFB80, 0x2301},                                  // smull
+      {0xFBE0, 0x2301},                                  // umlal
+      {0xFBC0, 0x2301},                                  // smlal
+      {0xFBB0, 0xF2F1},                                  // udiv r2,r0,r1
+      {0xFB90, 0xF2F1},                                  // sdiv
+      {0xFAB0, 0xF280},                                  // clz r2,r0
+      {0xFA10, 0xF201},                                  // lsls r2,r0,r1
+      {0xFA30, 0xF201},                                  // lsrs
+      {0xFA50, 0xF201},                                  // asrs
+      {0xFA70, 0xF201},                                  // rors
+      {0xFA00, 0xF201},                                  // lsl
+      {0xFA20, 0xF201},                                  // lsr
+      {0xFA40, 0xF201},                                  // asr
+      {0xFA60, 0xF201},                                  // ror
+      {0x4602, 0x1892},                                  // mov r2,r0; adds r2,r2,r2
+      {0x4602, 0x1A92},                                  // mov r2,r0; subs r2,r2,r2
+      {0x1843, 0xEB50, 0x0201, 0xEB42, 0x0401, 0x4162},  // adds, adcs, adc, adcs
+      {0x1A43, 0xEB70, 0x0201, 0xEB62, 0x0401, 0x41A2},  // subs, sbcs, sbc, sbcs
+      {0xF05F, 0x4200},                                  // movs r2,#0x80000000
+      {0xEA5F, 0x0230},                                  // movs r2,r0,rrx
+  };
+  constexpr uint32_t values[] = {
+      0,      1,      31,      32,      33,         63,         64,         256,        0x7FFF,
+      0x8000, 0xFFFF, 0x10000, 0x1FFFF, 0x7FFFFFFF, 0x80000000, 0xFFFF0000, 0xFFFF8000, 0xFFFFFFFF};
+  for (const std::vector<uint16_t>& operation : operations) {
+    Bench stepping, translated;
+    stepping.core.set_executor(Executor::stepping);
+    choose(translated.core, Executor::translator);
+    for (Bench* b : {&stepping, &translated}) {
+      b->start({0x4288});  // cmp r0,r1
+      uint32_t at = Bench::program + 2;
+      for (const uint16_t halfword : operation) b->code(at, {halfword}), at += 2;
+      // adc.w r6,r6,r2; mrs r7,apsr; adds r5,r5,r7; adds r5,r5,r3; b
+      b->code(at, {0xEB46, 0x0602, 0xF3EF, 0x8700, 0x19ED, 0x18ED});
+      at += 12;
+      b->code(at, {static_cast<uint16_t>(0xE000u | ((Bench::program - (at + 4)) / 2 & 0x7FF))});
+    }
+    for (const uint32_t x : values) {
+      for (const uint32_t y : values) {
+        for (Bench* b : {&stepping, &translated}) {
+          b->core.set_reg(0, x);
+          b->core.set_reg(1, y);
+          b->core.run(b->core.cycles() + 400);
+        }
+        ASSERT_EQ(outcome_of(stepping), outcome_of(translated))
+            << testing::PrintToString(operation) << " of " << x << " and " << y;
+      }
+    }
+    EXPECT_GT(translated.core.translation().value_or(TranslationCounts{}).instructions, 1000u);
+  }
+}
+
 /// SP<1:0> read as zero (B1.4.1), whatever writes SP.
 TEST(StackPointer, ItsTwoLowestBitsAreZeroWhateverIsWritten) {
   const std::vector<uint16_t> writes[] = {

@@ -83,11 +83,14 @@ class Determinism(unittest.TestCase):
         for name, options in {
                 "default": [], "again": [], "10 us": ["--quantum", 1e4], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
                 "stepping": ["-C", "cpu.executor=stepping"],
-                "translator": ["-C", "cpu.executor=translator"]}.items():
+                "blocks": ["-C", "cpu.executor=blocks"], "translator": ["-C", "cpu.executor=translator"],
+                "translated at once": ["-C", "cpu.translate_after=1"]}.items():
             process, r = run("--simlimit", 20, *options)
             self.assertEqual(process.returncode, 124)
             r = without_wall_times(r)
-            r.pop("command"), r["configuration"].pop("cpu.quantum_ns"), r["configuration"].pop("cpu.executor")
+            r.pop("command")
+            for setting in ("cpu.quantum_ns", "cpu.executor", "cpu.translate_after"):
+                r["configuration"].pop(setting)
             results[name] = (process.stdout, r)
         for name, outcome in results.items():
             self.assertEqual(outcome, results["10 us"], name)

@@ -54,7 +54,7 @@ class Unchanged(Traced):
             common = ("-C", f"cpu.executor={executor}", *more)
             plain = self.run_with(program, *common)
             traces = {"--trace-instructions": "i.txt", "--trace-bus": "b.txt", "--profile": "p.out",
-                      "--trace-waves": "w.fst"}
+                      "--trace-waves": "w.fst", "--trace-translation": "t.txt"}
             every = [part for option, name in traces.items() for part in (option, self.folder / name)]
             for options in ([every[i:i + 2] for i in range(0, len(every), 2)] + [every] +
                             [every[2:4] + ["-C", "trace.fetches=true"]] +
