@@ -197,6 +197,40 @@ TEST(OverTheEndOfAPage, AnLdmBehindTheEndOfSlowMemoryIsAFault) {
   EXPECT_GT(outcome.faults, 0u);
 }
 
+/// Who watches a literal sees its load, though the block has it as a constant.
+TEST(Literals, ALiteralThatIsWatchedIsLoaded) {
+  agreed([](Bench& b) {
+    b.start({0x4801, 0x1840, 0xE7FC, 0xBF00});  // ldr r0,[pc,#4]; adds r0,r0,r1; b
+    b.word(Bench::program + 8, 7);
+    b.core.run(200);
+    const auto write = [&b](uint32_t address, uint32_t value) {
+      b.core.debug_write(address, &value, 4);
+    };
+    write(0xE000EDFC, 1u << 24 | 1u << 16);  // DEMCR: DWT and DebugMonitor
+    write(0xE0001030, Bench::program + 8);   // comparator 1
+    write(0xE0001038, 5);                    // on reads
+  });
+}
+
+/// The window for stores is older than the code that a store changes.
+TEST(Windows, CodeThatIsDecodedLaterIsNotWrittenThroughAnOlderWindow) {
+  constexpr uint32_t start = Bench::ram_base + 0x1000, other = Bench::ram_base + 0x5000;
+  agreed([&](Bench& b) {
+    // adds r4,#1; blx r5; strh r6,[r7]; eors r6,r2; b   and   adds r3,#1 or #2; bx lr
+    const uint16_t code[] = {0x3401, 0x47A8, 0x803E, 0x4056, 0xE7FA};
+    const uint16_t called[] = {0x3301, 0x4770};
+    b.start({});
+    std::memcpy(&b.ram[start - Bench::ram_base], code, sizeof code);
+    std::memcpy(&b.ram[other - Bench::ram_base], called, sizeof called);
+    b.core.set_reg(15, start);
+    b.core.set_reg(2, 3);
+    b.core.set_reg(3, 0);
+    b.core.set_reg(5, other | 1);
+    b.core.set_reg(6, 0x3302);
+    b.core.set_reg(7, other);
+  });
+}
+
 /// What nobody reads is still seen by a fault between.
 TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
   const Outcome outcome = agreed([](Bench& b) {
@@ -204,7 +238,7 @@ TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
     b.start({0x4288, 0xFB93, 0xF2F4, 0x42B5, 0xE7FA});
     const uint32_t divide_by_zero_traps = 1u << 4;
     b.core.debug_write(0xE000ED14, &divide_by_zero_traps, 4);
-    for (const unsigned n : {0u, 1u, 4u, 5u, 6u}) b.core.set_reg(n, n == 4 ? 2 : n / 5 + 5);
+    for (const unsigned n : {0u, 1u, 4u, 6u}) b.core.set_reg(n, 5);  // equal, and then lower
     b.core.run(60);
     b.core.set_reg(4, 0);
   });

@@ -61,7 +61,9 @@ class Unchanged(Traced):
                             [every + ["-C", "trace.start=main", "-C", "trace.stop=1"]]):
                 self.assertEqual(self.run_with(program, *common, *options), plain, options)
                 for name in options[1:8:2]:
-                    if not str(name).startswith("trace."):
+                    if Path(name).name == "t.txt":  # empty where nothing is translated
+                        Path(name).unlink()
+                    elif not str(name).startswith("trace."):
                         self.assertGreater(Path(name).stat().st_size, 0, name)
                         Path(name).unlink()
 
