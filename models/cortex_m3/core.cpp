@@ -50,7 +50,7 @@ void Core::visit(kit::Archive& archive) {
 void Core::set_executor(Executor executor) {
   executor_ = executor;
   if (executor == Executor::translator && translator_ == nullptr && no_translator_.empty())
-    translator_ = Translator::make(machine_, no_translator_);
+    translator_ = Translator::make(machine_, translator_limits_, no_translator_);
   if (executor == Executor::stepping || machine_.listeners.sees_instructions)
     executing_ = &machine_.blocks.stepping();
   else if (executor == Executor::translator && translator_ != nullptr)

@@ -90,6 +90,8 @@ class Core {
   void set_systick_reference(unsigned cycles_a_tick) {
     machine_.state.systick.set_reference(cycles(), cycles_a_tick);
   }
+  /// Before set_executor().
+  void limit_translator(const TranslatorLimits& limits) { translator_limits_ = limits; }
   /// Where there can be no translator, it is blocks instead: see no_translator().
   void set_executor(Executor executor);
   /// Why there is no translator though it was asked for; empty: nothing is missing.
@@ -148,6 +150,7 @@ class Core {
   uint32_t vector_table_ = 0;
   bool one_instruction_ = false;
   Executor executor_ = Executor::blocks;
+  TranslatorLimits translator_limits_;
   std::unique_ptr<Translator> translator_;
   std::string no_translator_;
   InstructionExecutor* executing_ = &machine_.blocks;  // stepping while somebody sees each one

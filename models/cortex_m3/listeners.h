@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "cortex_m3/isa/unpredictable.h"
 #include "cortex_m3/observer.h"
@@ -13,6 +15,15 @@ struct DroppedPriority {
   uint32_t address = 0;   ///< of the NVIC's or SCB's word; 0: BASEPRI
   uint32_t value = 0;     ///< as written, at its place in the word
   bool all_ones = false;  ///< they all are: the program means any number of bits (0xFF, 191)
+};
+
+/// A block that was translated.
+struct Translation {
+  uint32_t address = 0;               ///< of its first instruction
+  const void* code = nullptr;         ///< of the host, `bytes` long
+  std::size_t offset = 0, bytes = 0;  ///< in the buffer for code
+  uint64_t evictions = 0;             ///< so far; what was translated before the last one is gone
+  std::string listing;                ///< each instruction with its host code below it
 };
 
 /// Who is told of what a program does. Empty: nobody.
@@ -31,6 +42,9 @@ struct Listeners {
   /// handlers of CMSIS) and no enabled exception can preempt: true if nothing outside can, either
   /// (NMI, reset). Then run() ends with `stuck`. Empty: it never does.
   std::function<bool()> hopeless;
+
+  /// Each block that is translated. Costs a text of each.
+  std::function<void(const Translation&)> translated;
 
   /// Set by Core::set_observer.
   Observer* observer = nullptr;

@@ -44,6 +44,7 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       adc("adc_front_end", clock),
       clock_controller("clock_controller", clock) {
   cpu.set_quantum(config.quantum);
+  cpu.core().limit_translator(config.translator);
   cpu.core().set_executor(config.executor);
   cpu.set_fast_forward(config.fast_forward);
   list_components();

@@ -48,7 +48,8 @@ struct Config {
   /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
-  cortex_m3::Executor executor = cortex_m3::Executor::blocks;
+  cortex_m3::Executor executor = cortex_m3::Executor::translator;
+  cortex_m3::TranslatorLimits translator;
   bool fast_forward = true;  ///< CortexM3Tlm::set_fast_forward
   bus::MemoryWaits memory_waits;
   std::vector<OwnDevice> devices;

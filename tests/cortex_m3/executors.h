@@ -14,9 +14,18 @@ inline constexpr Executor all_executors[] = {Executor::stepping, Executor::block
 inline constexpr Executor fast_executors[] = {Executor::blocks, Executor::translator};
 
 /// The translator translates everything at once here.
-inline void choose(Core& core, Executor executor) {
+inline void choose(Core& core, Executor executor, TranslatorLimits limits = {}) {
+  limits.warm_up = 0;
+  core.limit_translator(limits);
   core.set_executor(executor);
   core.set_translation_threshold(1);
+}
+
+/// A buffer for some dozens of blocks, so that they are dropped all the time.
+inline TranslatorLimits smallest_translator() {
+  TranslatorLimits limits;
+  limits.buffer_bytes = TranslatorLimits::least_buffer;
+  return limits;
 }
 
 /// False on hosts where blocks stand in for it.

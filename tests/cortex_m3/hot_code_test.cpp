@@ -210,11 +210,11 @@ class HotCode : public testing::TestWithParam<Executor> {};
 TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
   const unsigned long programs = repetitions("CAPSOC_HOT_CODE", 1000);
   const unsigned long first = repetitions("CAPSOC_HOT_CODE_SEED", 1);
-  uint64_t instructions = 0, translated = 0, faults = 0;
+  uint64_t instructions = 0, translated = 0, evictions = 0, faults = 0;
   for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
     Bench a(seed % 3), b(seed % 3);
     a.core.set_executor(Executor::stepping);
-    choose(b.core, GetParam());
+    choose(b.core, GetParam(), seed % 11 == 0 ? smallest_translator() : TranslatorLimits{});
     if (seed % 7 == 0) b.core.set_translation_threshold(20);
     prepare_loops(a, seed);
     prepare_loops(b, seed);
@@ -238,15 +238,22 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
     ASSERT_EQ(differs - a.ram.begin(), static_cast<std::ptrdiff_t>(a.ram.size()))
         << "first byte of RAM that differs, seed " << seed;
     instructions += b.core.instructions();
-    translated += b.core.translation().value_or(TranslationCounts{}).instructions;
+    const TranslationCounts counts = b.core.translation().value_or(TranslationCounts{});
+    translated += counts.instructions;
+    evictions += counts.evictions;
     faults += b.core.fault_count();
   }
-  std::printf("hot code: %lu programs, %llu instructions (%llu translated), %llu faults\n",
-              programs, static_cast<unsigned long long>(instructions),
-              static_cast<unsigned long long>(translated), static_cast<unsigned long long>(faults));
+  std::printf(
+      "hot code: %lu programs, %llu instructions (%llu translated), %llu evictions, %llu faults\n",
+      programs, static_cast<unsigned long long>(instructions),
+      static_cast<unsigned long long>(translated), static_cast<unsigned long long>(evictions),
+      static_cast<unsigned long long>(faults));
   EXPECT_GT(instructions, programs * 1000);
   if (GetParam() == Executor::translator && has_translator()) {
     EXPECT_GT(translated, instructions / 3);
+    if (programs >= 1000) {
+      EXPECT_GT(evictions, programs / 100);
+    }
   }
 }
 

@@ -83,14 +83,15 @@ class Determinism(unittest.TestCase):
         for name, options in {
                 "default": [], "again": [], "10 us": ["--quantum", 1e4], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
                 "stepping": ["-C", "cpu.executor=stepping"],
-                "translator": ["-C", "cpu.executor=translator"],
+                "blocks": ["-C", "cpu.executor=blocks"], "translator": ["-C", "cpu.executor=translator"],
+                "translated at once": ["-C", "cpu.translate_after=1"],
                 "no fast forward": ["-C", "cpu.fast_forward=false"]}.items():
             process, r = run("--simlimit", 20, *options)
             self.assertEqual(process.returncode, 124)
             r = without_wall_times(r)
             r.pop("command")
-            for setting in ("quantum_ns", "executor", "fast_forward"):
-                r["configuration"].pop("cpu." + setting)
+            for setting in ("cpu.quantum_ns", "cpu.executor", "cpu.translate_after", "cpu.fast_forward"):
+                r["configuration"].pop(setting)
             results[name] = (process.stdout, r)
         for name, outcome in results.items():
             self.assertEqual(outcome, results["10 us"], name)

@@ -185,7 +185,9 @@ const Step* Blocks::begin(uint64_t limit) {
   const bool between = state.it_state == 0 && (state.trail & timing::trail_pairs) == 0;
   const Step* op = between ? find(machine_) : nullptr;
   if (op == nullptr || timing::folds(state.trail, *op)) {
+    const uint64_t before = state.instructions;
     stepping_.run(limit);
+    stepped_ += state.instructions - before;
     return nullptr;
   }
   limit_ = limit;

@@ -19,6 +19,8 @@ class Blocks : public InstructionExecutor {
   explicit Blocks(Machine& machine) : machine_(machine), stepping_(machine) {}
   void run(uint64_t limit) override;
   Stepping& stepping() { return stepping_; }
+  /// Instructions that were stepped because there was no block.
+  uint64_t stepped() const { return stepped_; }
 
   /// Completes the time of a decoded step by its predecessor and the wait states of its fetch.
   void add_cycles(Step& step, uint16_t before, uint32_t wait_states) const;
@@ -49,6 +51,7 @@ class Blocks : public InstructionExecutor {
   std::unique_ptr<Step[]> build(uint32_t address, CodePage& page) const;
 
   uint64_t limit_ = 0;
+  uint64_t stepped_ = 0;
   Machine& machine_;
   Stepping stepping_;
 };

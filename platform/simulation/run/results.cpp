@@ -167,6 +167,22 @@ bool is_set(const Setting& setting) {
   return !setting.optional || setting.source != SettingSource::built_in;
 }
 
+ordered_json translator_json(const cortex_m3::TranslationCounts& counts) {
+  const auto share = [&](uint64_t instructions) {
+    return counts.executed == 0
+               ? 0.0
+               : static_cast<double>(instructions) / static_cast<double>(counts.executed);
+  };
+  return {{"blocks", counts.blocks},
+          {"bytes", counts.bytes},
+          {"evictions", counts.evictions},
+          {"instructions", counts.instructions},
+          {"share",
+           {{"translator", share(counts.instructions)},
+            {"blocks", share(counts.executed - counts.instructions - counts.stepped)},
+            {"stepping", share(counts.stepped)}}}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
@@ -188,13 +204,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   j["cpu"]["cycles"] = result.cycles;
   j["cpu"]["mips"] =
       result.wall_s > 0 ? static_cast<double>(result.instructions) / result.wall_s / 1e6 : 0.0;
-  if (result.translation) {
-    const auto& t = *result.translation;
-    j["translator"] = {{"blocks", t.blocks},
-                       {"bytes", t.bytes},
-                       {"evictions", t.evictions},
-                       {"instructions", t.instructions}};
-  }
+  if (result.translation) j["translator"] = translator_json(*result.translation);
   j["samples"] = result.samples;
   if (result.samples > 0) {
     add_sensor_results(result, j);

@@ -27,15 +27,25 @@ struct CpuSettings {
                .by({"--quantum", "NS", "How far the processor may run ahead; changes speed only"})};
   ChoiceField<cortex_m3::Executor> executor{
       all,
-      {{"blocks", cortex_m3::Executor::blocks},
-       {"translator", cortex_m3::Executor::translator},
+      {{"translator", cortex_m3::Executor::translator},
+       {"blocks", cortex_m3::Executor::blocks},
        {"stepping", cortex_m3::Executor::stepping}},
-      setting("cpu.executor", SettingKind::choice, "blocks",
-              "blocks (fast), translator (to x86-64) or stepping; same results")
+      setting("cpu.executor", SettingKind::choice, "translator",
+              "translator (to x86-64; elsewhere blocks), blocks or stepping; same results")
           .is_host_side()};
   FlagField fast_forward{
       all, setting("cpu.fast_forward", SettingKind::flag, "true",
                    "skip the turns of a loop that only waits for a device; same results")
+               .is_host_side()};
+  IntegerField translate_after{
+      all, setting("cpu.translate_after", SettingKind::integer, "200",
+                   "how often the translator executes a block before it translates it")
+               .in(1, 254)
+               .is_host_side()};
+  IntegerField code_buffer_kib{
+      all, setting("cpu.code_buffer_kib", SettingKind::integer, "32768",
+                   "memory for the translator's code; all of it is dropped when that is full, KiB")
+               .in(72, 65536)
                .is_host_side()};
   IntegerField priority_bits{
       all, setting("cpu.priority_bits", SettingKind::integer, "3",

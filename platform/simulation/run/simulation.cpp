@@ -26,6 +26,8 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   config.executor = settings.cpu.executor();
   config.fast_forward = settings.cpu.fast_forward();
   config.memory_waits = settings.memory.waits();
+  config.translator.threshold = static_cast<uint8_t>(settings.cpu.translate_after());
+  config.translator.buffer_bytes = static_cast<std::size_t>(settings.cpu.code_buffer_kib()) << 10;
   config.make_coprocessor = [&backend] { return std::move(backend.device); };
   return config;
 }

@@ -11,6 +11,8 @@ trace::TraceOptions trace_options(const RunSettings& settings) {
   options.bus = settings.trace.bus();
   options.profile = settings.trace.profile();
   options.waves = settings.trace.waves();
+  options.translation = settings.trace.translation();
+  options.perf_map = settings.trace.perf_map();
   if (options.waves.empty() && settings.coprocessor.backend() == Backend::model)
     options.waves = settings.coprocessor.waves();
   options.start = settings.trace.start();

@@ -39,6 +39,15 @@ struct TraceSettings {
                .by({"--trace-waves", "FILE.fst",
                     "Waves of the SoC, whatever the coprocessor is: interrupts, bus, nodes; and "
                     "FILE.gtkw"})};
+  TextField translation{
+      all, setting("trace.translation", SettingKind::output, "",
+                   "where the translator's code goes, beside the program's; empty: nowhere")
+               .is_place()
+               .by({"--trace-translation", "FILE",
+                    "Each block that the translator makes code of: instructions and host code"})};
+  FlagField perf_map{all, setting("trace.perf_map", SettingKind::flag, "false",
+                                  "/tmp/perf-PID.map: what perf calls translated code")
+                              .is_place()};
   TextField start{all, setting("trace.start", SettingKind::text, "",
                                "traces begin at a function, an address (0x...) or a time in s")
                            .is_place()};

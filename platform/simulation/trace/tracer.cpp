@@ -60,12 +60,21 @@ std::optional<Error> Tracer::open() {
     waves_ = std::make_unique<Waves>(std::move(file.value()), options_.waves, soc_);
     waves_->open(window_->open(), 0);
   }
+  if (!options_.translation.empty() || options_.perf_map) {
+    auto trace = TranslationTrace::open(options_.translation, options_.perf_map, functions_);
+    if (!trace) return Error{trace.error()};
+    translation_ = std::move(trace.value());
+  }
   return std::nullopt;
 }
 
 void Tracer::connect() {
   const bool stepping = instructions_ != nullptr || calls_ != nullptr || window_->has_addresses() ||
                         (bus_ != nullptr && options_.fetches);
+  if (translation_ != nullptr)
+    soc_.cpu.core().listeners().translated = [this](const cortex_m3::Translation& translation) {
+      translation_->put(translation);
+    };
   soc_.cpu.core().set_observer(this, stepping, bus_ != nullptr);
   if (bus_ != nullptr || waves_ != nullptr)
     transfers_ = soc_.ahb.transfers.listen(
@@ -77,6 +86,7 @@ void Tracer::connect() {
 }
 
 Tracer::~Tracer() {
+  soc_.cpu.core().listeners().translated = nullptr;
   soc_.cpu.core().set_observer(nullptr, false, false);
 }
 
@@ -215,6 +225,7 @@ std::vector<Error> Tracer::finish() {
                                                  : to_callgrind(*calls_, functions_, program_)));
   }
   if (waves_ != nullptr) keep(waves_->finish(picoseconds(sc_core::sc_time_stamp())));
+  if (translation_ != nullptr) keep(translation_->finish());
   return errors;
 }
 

@@ -15,6 +15,7 @@
 #include "trace/call_tree.h"
 #include "trace/functions.h"
 #include "trace/instruction_trace.h"
+#include "trace/translation_trace.h"
 #include "trace/waves.h"
 #include "trace/window.h"
 
@@ -22,13 +23,15 @@ namespace capsoc::trace {
 
 /// What is traced and where it goes; an empty file: not at all.
 struct TraceOptions {
-  std::string instructions, bus, profile, waves;
+  std::string instructions, bus, profile, waves, translation;
   std::string start, stop;  ///< see Bound::parse()
   std::size_t depth = 0;    ///< instruction and bus trace: the last lines only; 0: all
   bool fetches = false;     ///< instruction fetches in the bus trace
+  bool perf_map = false;    ///< names of translated code for perf, see TranslationTrace
 
   bool any() const {
-    return !instructions.empty() || !bus.empty() || !profile.empty() || !waves.empty();
+    return !instructions.empty() || !bus.empty() || !profile.empty() || !waves.empty() ||
+           !translation.empty() || perf_map;
   }
 };
 
@@ -76,6 +79,7 @@ class Tracer : private cortex_m3::Observer {
   std::unique_ptr<BusTrace> bus_;
   std::unique_ptr<CallTree> calls_;
   std::unique_ptr<Waves> waves_;
+  std::unique_ptr<TranslationTrace> translation_;
   kit::Listening transfers_, results_;
   std::string program_;
 };

@@ -253,6 +253,7 @@ void BlockEmitter::begin(const Step* head, CodePage& page) {
   code_.init(Environment::host());
   code_.setErrorHandler(&errors_);
   code_.attach(&a_);
+  begin_listing();
   index_ = 0;
   serial_ = 0;
   host_serial_ = 0;
@@ -316,6 +317,7 @@ void BlockEmitter::emit_steps() {
 
 void BlockEmitter::emit_step(const Step& step) {
   flags_before_ = flags_;
+  list_step(step);
   if (!is_translated(step)) return give_up(step);
   const Effects effects = effects_of(step);
   protect(written_by(step), effects.kills, visible_[index_]);
@@ -396,13 +398,16 @@ void BlockEmitter::emit_conditional_group() {
 void BlockEmitter::emit_cold() {
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     const TakenBranch branch = taken_[i];
+    list_line("taken");
     a_.bind(branch.label);
     flags_ = branch.flags;
     host_serial_ = branch.host_serial;
     host_flags_ = branch.host_flags;
     emit_edge(*branch.step, pc_of(*branch.step) + branch.step->imm, timing::refill_immediate);
   }
+  if (!slow_.empty()) list_line("outside the window");
   for (const SlowAccess& slow : slow_) emit_slow(slow);
+  list_line("ways out");
   for (const Stub& stub : stubs_) {
     a_.bind(stub.label);
     a_.mov(x86::eax, stub.exit);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cortex_m3/executors/translator/block_exit.h"
@@ -50,6 +51,9 @@ class BlockEmitter {
   uint32_t largest_bound() const { return largest_bound_; }
   /// All code was dropped.
   void forget();
+  /// Whether emit() writes a listing, too; the last block's.
+  void list(bool wanted) { listing_wanted_ = wanted; }
+  std::string listing() const { return {log_.data(), log_.dataSize()}; }
   /// True if the buffer may be too full for another block.
   bool full() const { return buffer_.room() < largest_block || exits_.size() > most_exits; }
 
@@ -129,6 +133,11 @@ class BlockEmitter {
     a_.jmp(exit_at(step));
     open_ = false;
   }
+
+  // emit_listing.cpp
+  void begin_listing();
+  void list_step(const Step& step);
+  void list_line(const char* text);
 
   // block_emitter.cpp: registers
   static bool pinned(unsigned n);
@@ -243,6 +252,8 @@ class BlockEmitter {
   };
   Errors errors_;
   asmjit::CodeHolder code_;
+  asmjit::StringLogger log_;
+  bool listing_wanted_ = false;
   asmjit::x86::Assembler a_;
   std::vector<BlockExit> exits_;
   std::vector<FlagSources> recipes_;

@@ -1,31 +1,33 @@
 #include "cortex_m3/executors/translator/code_buffer.h"
 
 #include <sys/mman.h>
-#include <unistd.h>
 
 namespace capsoc::cortex_m3 {
-namespace {
 
-uint8_t* map(int file, std::size_t size, int protection) {
-  void* address = mmap(nullptr, size, protection, MAP_SHARED, file, 0);
-  return address == MAP_FAILED ? nullptr : static_cast<uint8_t*>(address);
-}
-
-}  // namespace
-
+/// Shared memory without a name, which mremap maps once more (an old size of 0). A memfd would be
+/// subject to the limit of file sizes, and perf takes its pages for those of a program on disk.
+/// Both are executable at first and the second one ceases to be, since kernels that are hardened
+/// (PR_SET_MDWE) let no page become executable later. perf learns of mmap, not of mremap.
 CodeBuffer::CodeBuffer(std::size_t bytes) : size_(bytes) {
-  const int file = memfd_create("capsoc-code", MFD_CLOEXEC);
-  if (file < 0) return;
-  if (ftruncate(file, static_cast<off_t>(size_)) == 0) {
-    writable_ = map(file, size_, PROT_READ | PROT_WRITE);
-    if (writable_ != nullptr) executable_ = map(file, size_, PROT_READ | PROT_EXEC);
+  void* first = mmap(nullptr, size_, PROT_READ | PROT_EXEC,
+                     MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (first == MAP_FAILED) return;
+  void* second = mremap(first, 0, size_, MREMAP_MAYMOVE);
+  if (second != MAP_FAILED) {
+    if (mprotect(second, size_, PROT_READ | PROT_WRITE) == 0) {
+      executable_ = static_cast<uint8_t*>(first);
+      writable_ = static_cast<uint8_t*>(second);
+      return;
+    }
+    munmap(second, size_);
   }
-  close(file);
+  munmap(first, size_);
 }
 
 CodeBuffer::~CodeBuffer() {
-  if (writable_ != nullptr) munmap(writable_, size_);
-  if (executable_ != nullptr) munmap(const_cast<uint8_t*>(executable_), size_);
+  if (!good()) return;
+  munmap(writable_, size_);
+  munmap(const_cast<uint8_t*>(executable_), size_);
 }
 
 }  // namespace capsoc::cortex_m3

@@ -9,7 +9,6 @@
 namespace capsoc::cortex_m3 {
 namespace {
 
-constexpr std::size_t buffer_bytes = 32u << 20;
 constexpr uint8_t never = 255;  // its first step is left to C++
 
 unsigned index_of(uint32_t address) {
@@ -18,18 +17,16 @@ unsigned index_of(uint32_t address) {
 
 class HostTranslator : public Translator {
  public:
-  explicit HostTranslator(Machine& machine)
+  HostTranslator(Machine& machine, const TranslatorLimits& limits)
       : machine_(machine),
         context_(machine.host_context),
-        buffer_(buffer_bytes),
-        emitter_(machine, context_, buffer_) {
-    if (!buffer_.good()) return;
-    frame_ = emitter_.emit_frame();
-    first_block_ = buffer_.used();
-  }
+        buffer_(std::max(limits.buffer_bytes, TranslatorLimits::least_buffer)),
+        emitter_(machine, context_, buffer_),
+        threshold_(limits.threshold),
+        warm_up_(limits.warm_up) {}
 
   bool good() const { return buffer_.good(); }
-  TranslationCounts counts() const override { return counts_; }
+  TranslationCounts counts() const override;
   void set_threshold(uint8_t executions) override { threshold_ = executions; }
   void run(uint64_t limit) override;
 
@@ -50,15 +47,29 @@ class HostTranslator : public Translator {
   BlockEmitter emitter_;
   TranslationCounts counts_;
   std::size_t frame_ = 0, first_block_ = 0;
-  uint8_t threshold_ = 100;
+  uint8_t threshold_;
+  uint64_t warm_up_;
   uint64_t limit_ = 0;
   uint64_t windows_of_ = ~uint64_t{0};  // Memory::changes() that the windows show
 };
 
 void HostTranslator::run(uint64_t limit) {
   limit_ = limit;
-  const Step* op = machine_.blocks.begin(limit);
-  while (op != nullptr) op = go_on(op);
+  const State& state = machine_.state;
+  const uint64_t before = state.instructions;
+  if (counts_.executed < warm_up_) {
+    machine_.blocks.run(std::min(limit, state.cycles + warm_up_));
+  } else {
+    const Step* op = machine_.blocks.begin(limit);
+    while (op != nullptr) op = go_on(op);
+  }
+  counts_.executed += state.instructions - before;
+}
+
+TranslationCounts HostTranslator::counts() const {
+  TranslationCounts counts = counts_;
+  counts.stepped = machine_.blocks.stepped();
+  return counts;
 }
 
 /// Executes from the first step of a block on; what comes next, or null for the run loop to decide.
@@ -80,15 +91,23 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   uint8_t& count = page.heat[index_of(head->address)];
   if (count == never) return nullptr;
   if (++count < threshold_) return nullptr;
+  if (buffer_.used() == 0) {
+    frame_ = emitter_.emit_frame();
+    first_block_ = buffer_.used();
+  }
   if (emitter_.full()) drop_all();
   refresh_windows();
   const std::size_t before = buffer_.used();
+  emitter_.list(static_cast<bool>(machine_.listeners.translated));
   const void* entry = emitter_.emit(head, page);
   count = never;
   if (entry == nullptr) return nullptr;
   page.entries[index_of(head->address)] = entry;
   ++counts_.blocks;
   counts_.bytes += buffer_.used() - before;
+  if (machine_.listeners.translated)
+    machine_.listeners.translated({head->address, buffer_.executable(before), before,
+                                   buffer_.used() - before, counts_.evictions, emitter_.listing()});
   return entry;
 }
 
@@ -115,6 +134,8 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
 const Step* HostTranslator::leave(const BlockExit& exit) {
   State& state = machine_.state;
   if (exit.kind == BlockExit::Kind::step) {
+    const bool closes = exit.step->operation == Operation::fall_through;
+    counts_.instructions += exit.step->instructions_to - (closes ? 0u : 1u);
     if (state.cycles + exit.bound < limit_) return exit.step->chain(machine_, exit.step);
     machine_.blocks.run_to_limit(exit.step);
     return nullptr;
@@ -195,13 +216,14 @@ void HostTranslator::drop_all() {
 
 }  // namespace
 
-std::unique_ptr<Translator> Translator::make(Machine& machine, std::string& reason) {
-  const auto& features = asmjit::CpuInfo::host().features().x86();
-  if (!features.hasBMI() || !features.hasBMI2()) {
+std::unique_ptr<Translator> Translator::make(Machine& machine, const TranslatorLimits& limits,
+                                             std::string& reason) {
+  const bool bmi = __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (!limits.bit_manipulation || !bmi) {
     reason = "this processor has no BMI1 and BMI2";
     return nullptr;
   }
-  auto translator = std::make_unique<HostTranslator>(machine);
+  auto translator = std::make_unique<HostTranslator>(machine, limits);
   if (translator->good()) return translator;
   reason = "this system refuses executable memory";
   return nullptr;
