@@ -58,8 +58,8 @@ bool Debugging::watches_page(uint32_t address) const {
 
 bool Debugging::watched(uint32_t address, unsigned size, bool write) {
   Dwt& dwt = machine_.state.dwt;
-  if (dwt.watches_data() && dwt.match_data(address, size, write))
-    machine_.exceptions.debug_event(Scb::DebugReason::dwttrap);
+  const bool matches = dwt.watches_data() && dwt.match_data(address, size, write);
+  if (matches) machine_.exceptions.debug_event(Scb::DebugReason::dwttrap);
   if (machine_.requests.has(Requests::watchpoint))
     return true;  // the first of an instruction counts
   for (const Watchpoint& w : watchpoints_) {
@@ -69,7 +69,7 @@ bool Debugging::watched(uint32_t address, unsigned size, bool write) {
     machine_.requests.raise(Requests::watchpoint);
     return true;
   }
-  return false;
+  return matches;
 }
 
 }  // namespace capsoc::cortex_m3

@@ -30,7 +30,8 @@ class BusFaults : public ::testing::TestWithParam<Executor> {
   }
   unsigned run(unsigned cycles = 40) {
     const uint64_t end = b.core.cycles() + cycles;
-    while (b.core.cycles() < end && (b.core.state().xpsr() & 0x1FF) == 0) b.core.step_instruction();
+    while (b.core.cycles() < end && (b.core.state().xpsr() & 0x1FF) == 0)
+      b.core.run(b.core.cycles() + 1);
     return b.core.state().xpsr() & 0x1FF;
   }
   uint32_t stacked_pc() { return b.peek(b.core.state().msp() + 24); }
@@ -71,7 +72,7 @@ TEST_P(BusFaults, WithoutBfhfnmignAFaultUnderFaultmaskLocksUp) {
   start();
   b.code(Bench::program, {0x6801});
   b.core.edit().set_faultmask(true);
-  b.core.step_instruction();
+  b.core.run(b.core.cycles() + 1);
   EXPECT_TRUE(b.core.locked_up());
 }
 TEST_P(BusFaults, DisdefwbufMakesStoresPrecise) {

@@ -30,7 +30,8 @@ class DebugMonitor : public ::testing::TestWithParam<Executor> {
   /// Runs to the first exception or for some cycles; its number.
   unsigned run(unsigned cycles = 60) {
     const uint64_t end = b.core.cycles() + cycles;
-    while (b.core.cycles() < end && (b.core.state().xpsr() & 0x1FF) == 0) b.core.step_instruction();
+    while (b.core.cycles() < end && (b.core.state().xpsr() & 0x1FF) == 0)
+      b.core.run(b.core.cycles() + 1);
     return b.core.state().xpsr() & 0x1FF;
   }
   uint32_t stacked_pc() { return b.peek(b.core.state().msp() + 24); }
@@ -165,6 +166,18 @@ TEST_P(DebugMonitor, NothingMatchesWithoutTrcena) {
   comparator(0, Bench::ram_base + 0x100, function_write);
   EXPECT_EQ(run(), 0u);
   EXPECT_EQ(function(0), function_write);
+}
+TEST_P(DebugMonitor, AWatchedWordInALoopMatchesEachTurn) {
+  // ldr r0,[pc]; adds r0,r0,r1; b .-4; the word that is loaded: the loop never leaves its page
+  b.start({0x4801, 0x1840, 0xE7FC, 0xBF00});
+  b.word(Bench::program + 8, 7);
+  b.core.run(200);  // hot
+  write(demcr, trcena | mon_en);
+  comparator(1, Bench::program + 8, function_read);
+  const uint64_t cycles = b.core.cycles(), instructions = b.core.instructions();
+  b.core.run(cycles + 3000);
+  // A turn of the loop and of the monitor: 2 + 1 + 2 and 12 + 3 + 10 cycles, four instructions.
+  EXPECT_NEAR(static_cast<double>(b.core.instructions() - instructions), 4 * 3000 / 30, 4);
 }
 TEST_P(DebugMonitor, AnInstructionAddressMatchesWhenItWasExecuted) {
   b.start({0x3001, 0x3001, 0x3001, 0xE7FE});

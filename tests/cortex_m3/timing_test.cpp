@@ -138,7 +138,7 @@ TEST_P(Timing, FoldingStopsWithDisfold) {
   b.core.set_reg(4, 0xE000E008);  // ACTLR
   b.core.set_reg(5, 1u << 2);
   const auto run_to = [&b](uint32_t address) {
-    while (b.core.reg(15) != address && b.core.cycles() < 100) b.core.step_instruction();
+    while (b.core.reg(15) != address && b.core.cycles() < 100) b.core.run(b.core.cycles() + 1);
     return b.core.cycles();
   };
   EXPECT_EQ(run_to(Bench::program + 6), 2u);
