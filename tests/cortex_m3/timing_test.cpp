@@ -175,6 +175,20 @@ TEST_P(Timing, TheStateOfThePipelineDoesNotDependOnWhereARunEnds) {
   }
 }
 
+TEST_P(Timing, WhatADebuggerWritesTakesNoTime) {
+  Bench b;
+  choose(b.core, GetParam());
+  b.start({0x6808, 0x6813, 0x6808, 0x6813, 0xE7FE});  // four loads: 2 + 1 + 1 + 1
+  b.core.set_reg(1, Bench::ram_base);
+  b.core.set_reg(2, Bench::ram_base);
+  const uint32_t aligned = 1u << 9;
+  b.core.debug_write(0xE000ED14, &aligned, 4);
+  b.core.run(4);
+  b.core.debug_write(0xE000ED14, &aligned, 4);
+  b.core.run(5);
+  EXPECT_EQ(b.core.cycles(), 5u);
+  EXPECT_EQ(b.core.reg(15), Bench::program + 8);
+}
 TEST_P(Timing, AnExceptionIsEnteredInTwelveCyclesAndALateArrivalCostsNone) {
   Bench b;
   choose(b.core, GetParam());

@@ -125,8 +125,30 @@ INSTANTIATE_TEST_SUITE_P(
                     Walk{"StmOfThree", {0xE880, 0x000E}, 4}, Walk{"Strd", {0xE9C0, 0x1200}, 8},
                     Walk{"Ldrd", {0xE9D0, 0x1200}, 8}, Walk{"StmdbDown", {0xE900, 0x0006}, -8},
                     Walk{"LdmdbDown", {0xE910, 0x0006}, -8}, Walk{"Str", {0x6001}, 8},
-                    Walk{"Ldrh", {0x8801}, 2}),
+                    Walk{"Ldrh", {0x8801}, 2}, Walk{"StrUnaligned", {0x6001}, 3},
+                    Walk{"LdrUnaligned", {0x6801}, 3}, Walk{"StrhUnaligned", {0x8001}, 3},
+                    Walk{"LdrshUnaligned", {0xF9B0, 0x1000}, 3},
+                    Walk{"StrUnalignedDown", {0x6001}, -3}),
     [](const auto& walk) { return walk.param.name; });
+
+TEST(Unaligned, AccessesTakeACycleMoreForEachPart) {
+  // ldr r1,[r0]; strh r1,[r0,#8]; adds r0,#1; b .-6
+  const Outcome outcome = agreed([](Bench& b) {
+    b.start({0x6801, 0x8101, 0x3001, 0xE7FB});
+    b.core.set_reg(0, Bench::ram_base);
+  });
+  EXPECT_EQ(outcome.faults, 0u);
+}
+TEST(Unaligned, AccessesAreFaultsAsSoonAsTheyAreTrapped) {
+  const Outcome outcome = agreed([](Bench& b) {
+    b.start({0x6801, 0x8101, 0x3001, 0xE7FB});
+    b.core.set_reg(0, Bench::ram_base);
+    b.core.run(500);  // hot
+    const uint32_t ccr = 1u << 9 | 1u << 3;
+    b.core.debug_write(0xE000ED14, &ccr, 4);
+  });
+  EXPECT_GT(outcome.faults, 0u);
+}
 
 /// The same where SP is the base, whose bits the code does not look at.
 TEST(OverTheEndBySp, APushBelowTheMemoryIsAFault) {

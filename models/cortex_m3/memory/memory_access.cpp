@@ -396,7 +396,9 @@ bool MemoryAccess::debug_write(uint32_t address, const void* data, uint32_t size
   if (in_private_peripherals(address) && word_or_part && (address & (size - 1)) == 0) {
     uint32_t value = 0;
     std::memcpy(&value, bytes, size);
-    return succeeded(machine_.system.write(address, size, value, true));
+    const bool good = succeeded(machine_.system.write(address, size, value, true));
+    machine_.state.stalled = false;  // the program's next instruction overlaps as it would have
+    return good;
   }
   for (uint32_t i = 0; i < size; ++i) {
     const Memory::Region* r = memory_.find(address + i);

@@ -29,7 +29,10 @@ class Scb {
 
   // CCR
   bool traps_division_by_zero() const { return (ccr_ & 1u << 4) != 0; }
-  bool traps_unaligned() const { return (ccr_ & 1u << 3) != 0; }
+  bool traps_unaligned() const { return (ccr_ & unalign_trp) != 0; }
+  /// The register that has it, for the host's code that a translator writes.
+  const uint32_t& word_with_unalign_trp() const { return ccr_; }
+  static constexpr uint32_t unalign_trp = 1u << 3;
   bool aligns_stack() const { return (ccr_ & 1u << 9) != 0; }
   bool ignores_bus_faults() const { return (ccr_ & 1u << 8) != 0; }  ///< BFHFNMIGN
   bool allows_nonbase_thread() const { return (ccr_ & 1u << 0) != 0; }

@@ -18,6 +18,7 @@ constexpr uint8_t host_number[16] = {3,          6,  7,          8,          9, 
                                      11,         12, not_pinned, not_pinned, not_pinned, not_pinned,
                                      not_pinned, 13, 14,         not_pinned};
 constexpr unsigned literal_pc = 15;
+constexpr uint32_t unaligned_most = 2;  // cycles of the parts of an access beyond the first
 
 }  // namespace
 
@@ -239,7 +240,7 @@ bool BlockEmitter::is_translated(const Step& step) const {
 uint32_t BlockEmitter::bound_of(const Step& step) const {
   uint32_t bound = step.cycles;
   const uint32_t wait = machine_.memory.map().largest_wait();
-  if (is(step, kind::transfer)) bound += wait * std::max(2u, step.list.count());
+  if (is(step, kind::transfer)) bound += wait * std::max(2u, step.list.count()) + unaligned_most;
   if (is(step, kind::divide)) bound += timing::divide_most;
   if (is(step, kind::long_multiply)) bound += timing::long_multiply_most;
   return bound;

@@ -92,6 +92,7 @@ class BlockEmitter {
     Label entry, back, exit;
     Access access;
     Address address;
+    int window = -1;
   };
   enum class HostFlags : uint8_t { nz, sum, difference };
   struct TakenBranch {
@@ -219,6 +220,7 @@ class BlockEmitter {
   void emit_access(const Step& step, const Access& access, const Address& address);
   unsigned through_window(const Address& address, const Access& access, const Label& otherwise);
   void emit_slow(const SlowAccess& slow);
+  void emit_unaligned(const SlowAccess& slow);
   void emit_return(const Step& step, const Access& access, const Address& address,
                    const asmjit::Imm& moved);
   void look_up(const Address& address, const Access& access, const Label& exit);

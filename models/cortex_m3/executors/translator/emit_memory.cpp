@@ -106,8 +106,9 @@ int BlockEmitter::window_of(const Address& address, bool store) const {
 /// An access: through a window, or else through the page table, or else left to C++.
 void BlockEmitter::emit_access(const Step& step, const Access& access, const Address& address) {
   const Label exit = exit_at(step);
-  if (window_of(address, access.store) < 0) return look_up(address, access, exit);
-  slow_.push_back({a_.newLabel(), a_.newLabel(), exit, access, address});
+  const int window = window_of(address, access.store);
+  if (window < 0) return look_up(address, access, exit);
+  slow_.push_back({a_.newLabel(), a_.newLabel(), exit, access, address, window});
   const SlowAccess slow = slow_.back();
   const unsigned shift = through_window(address, access, slow.entry);
   transfer(access, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
@@ -169,8 +170,41 @@ void BlockEmitter::look_up(const Address& address, const Access& access, const L
 
 void BlockEmitter::emit_slow(const SlowAccess& slow) {
   a_.bind(slow.entry);
+  const bool may_be_unaligned = slow.access.words() == 1 && slow.access.list == 0 &&
+                                slow.access.size > 1 && !slow.access.aligned;
+  if (may_be_unaligned) emit_unaligned(slow);
   look_up(slow.address, slow.access, slow.exit);
   a_.jmp(slow.back);
+}
+
+/// An access of one register that is not aligned, inside its window: each part beyond the first
+/// takes a cycle (a halfword at an odd address two parts, a word two or three). Goes on behind this
+/// if it is aligned; leaves where it may be a fault.
+void BlockEmitter::emit_unaligned(const SlowAccess& slow) {
+  const MemoryWindow& window =
+      (slow.access.store ? context_.write : context_.read)[static_cast<unsigned>(slow.window)];
+  const Label aligned = a_.newLabel();
+  address_to(x86::eax, slow.address, 0);
+  a_.test(x86::al, slow.access.size - 1);
+  a_.jz(aligned);
+  a_.test(state_word(&machine_.state.scb.word_with_unalign_trp()), Scb::unalign_trp);
+  a_.jnz(slow.exit);
+  a_.mov(x86::ecx, x86::eax);
+  a_.sub(x86::ecx, context(&window.base, 4));
+  a_.lea(x86::rdx, x86::ptr(x86::rcx, slow.access.size));
+  a_.cmp(x86::rdx, context(&window.units[0]));
+  a_.ja(slow.exit);
+  if (slow.access.size == 4) {
+    a_.and_(x86::eax, 1);
+    a_.inc(x86::eax);
+    charge(x86::eax);
+  } else {
+    a_.sub(x86::r15, constant(uint64_t{1} << 32));
+  }
+  a_.add(x86::rcx, context(&window.host));
+  transfer(slow.access, x86::ptr(x86::rcx, 0, slow.access.size));
+  a_.jmp(slow.back);
+  a_.bind(aligned);
 }
 
 void BlockEmitter::emit_transfer(const Step& step) {
