@@ -82,7 +82,8 @@ class Agreement : public testing::TestWithParam<Executor> {};
 TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
   const unsigned long programs = repetitions("CAPSOC_AGREEMENT", 1500);
   uint64_t instructions = 0, faults = 0, translated = 0;
-  for (uint32_t seed = 1; seed <= programs; ++seed) {
+  const unsigned long first = repetitions("CAPSOC_AGREEMENT_SEED", 1);
+  for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
     Bench a(seed % 3), b(seed % 3);
     a.core.set_executor(Executor::stepping);
     choose(b.core, GetParam());
