@@ -7,6 +7,7 @@
 
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
+#include "cortex_m3/observers.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -120,10 +121,12 @@ class Core {
 
   // Onlookers
   Listeners& listeners() { return machine_.listeners; }
-  /// Who looks on; null: nobody. It stays the caller's. `instructions`: at each one, the executor
-  /// is stepping meanwhile. `accesses`: at each data access, direct memory is reached the slow way
-  /// meanwhile. Exceptions are told either way.
-  void set_observer(Observer* observer, bool instructions, bool accesses);
+  /// One more that looks on, behind those before it, until it is removed. It stays the caller's.
+  /// `instructions`: at each one, the executor is stepping meanwhile. `accesses`: at each data
+  /// access, direct memory is reached the slow way meanwhile. Exceptions are told either way. An
+  /// observer that was added before is added anew.
+  void add_observer(Observer& observer, bool instructions, bool accesses);
+  void remove_observer(Observer& observer);
   Debugging& debugging() { return machine_.debugging; }
 
  private:
@@ -131,8 +134,10 @@ class Core {
   std::optional<StopReason> stop_wanted();
   void expire_systick();
   void step_observed();
+  void observers_changed();
 
   Machine machine_;
+  Observers observers_;
   uint32_t vector_table_ = 0;
   Executor executor_ = Executor::blocks;
   std::unique_ptr<Translator> translator_;

@@ -84,6 +84,8 @@ class MemoryAccess {
   BusResult observe(const DirectAccess& access, BusResult result) const;
   /// observe(), if there is somebody.
   BusResult shown(const DirectAccess& access, BusResult result) const;
+  /// In the vector table.
+  bool is_vector(uint32_t address) const;
   bool mpu_applies() const;
   bool allows(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);

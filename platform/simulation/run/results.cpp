@@ -210,6 +210,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   if (!result.lost.empty()) j["lost"] = result.lost;
   if (!result.divergence.empty()) j["divergence"] = result.divergence;
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
+  if (!result.place_report.empty()) j["place_report"] = result.place_report;
   return j;
 }
 

@@ -85,6 +85,7 @@ struct RunResult {
   std::vector<std::string> lost;         ///< a sentence for each output that is not whole
   std::string divergence;                ///< "" unless model and RTL of the coprocessor differ
   std::string fault_report;              ///< "" unless the firmware crashed
+  std::string place_report;              ///< "" unless it was ended where it should not have been
   std::optional<golden::Golden> golden;  ///< only when it was asked for
 };
 

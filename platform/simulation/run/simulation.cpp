@@ -61,6 +61,7 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
       restore_(std::move(restore)),
       backend_(std::move(backend)),
       soc_("soc", soc_config(settings, backend_)),
+      view_(soc_, inputs_),
       metrics_(inputs_.make_metrics()),
       match_(inputs_.sensor_file, inputs_.source->description(), inputs_.recorded_speed,
              [this](const std::string& sentence) {
@@ -88,10 +89,7 @@ std::optional<Error> Simulation::load() {
   if (settings_.stop_in_fault())
     soc_.cpu.core().listeners().hopeless = [this] { return soc_.watchdog_is_off(); };
   if (backend_.lockstep != nullptr) backend_.lockstep->on_difference([] { sc_core::sc_stop(); });
-  kit::set_guest_error_context([this] {
-    const uint32_t pc = soc_.cpu.core().reg(15);
-    return fmt::format("pc {:#010x} {}", pc, inputs_.program.symbolise(pc));
-  });
+  kit::set_guest_error_context([this] { return view_.here(); });
   return std::nullopt;
 }
 
@@ -225,7 +223,9 @@ RunResult Simulation::finish() {
   for (const loader::ProgramSetting& setting : inputs_.program_settings.all())
     result_.program_settings.push_back({setting.name, inputs_.program_settings.value(setting)});
   if (result_.code == exit_code::crashed)
-    result_.fault_report = describe_fault(soc_.cpu.core(), inputs_.program);
+    result_.fault_report = describe_fault(view_);
+  else if (result_.code == exit_code::limit)
+    result_.place_report = describe_place(view_);
   return std::move(result_);
 }
 

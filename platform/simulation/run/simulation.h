@@ -11,6 +11,7 @@
 #include "run/host_ports.h"
 #include "run/observation.h"
 #include "run/priority_report.h"
+#include "run/program_view.h"
 #include "run/progress.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
@@ -75,6 +76,7 @@ class Simulation {
   std::optional<Error> not_restored_;
   CoprocessorBackend backend_;  // its device is the SoC's
   soc::Soc soc_;
+  ProgramView view_;
   RunResult result_;
   metrics::Metrics metrics_;
   metrics::SensorMatch match_;

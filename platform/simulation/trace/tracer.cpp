@@ -66,7 +66,7 @@ std::optional<Error> Tracer::open() {
 void Tracer::connect() {
   const bool stepping = instructions_ != nullptr || calls_ != nullptr || window_->has_addresses() ||
                         (bus_ != nullptr && options_.fetches);
-  soc_.cpu.core().set_observer(this, stepping, bus_ != nullptr);
+  soc_.cpu.core().add_observer(*this, stepping, bus_ != nullptr);
   if (bus_ != nullptr || waves_ != nullptr)
     transfers_ = soc_.ahb.transfers.listen(
         [this](const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
@@ -77,7 +77,7 @@ void Tracer::connect() {
 }
 
 Tracer::~Tracer() {
-  soc_.cpu.core().set_observer(nullptr, false, false);
+  soc_.cpu.core().remove_observer(*this);
 }
 
 uint64_t Tracer::picoseconds_of(uint64_t cycle) const {
