@@ -51,14 +51,26 @@ std::string about_address(const ProgramView& view, const cortex_m3::FaultReport&
                      object.empty() ? view.location(report.address) : object);
 }
 
-/// What a fault became a HardFault for.
+/// The exception that a fault is of by its status: MemManage, BusFault or UsageFault; SVCall leaves
+/// none.
+unsigned exception_of(uint32_t cfsr) {
+  namespace exception = cortex_m3::exception;
+  if (cfsr == 0) return exception::svcall;
+  if ((cfsr & 0xFF) != 0) return exception::mem_manage;
+  return (cfsr & 0xFF00) != 0 ? exception::bus_fault : exception::usage_fault;
+}
+
+/// Why something became a HardFault.
 std::string escalation(const ProgramView& view, const cortex_m3::FaultReport& report) {
   constexpr uint32_t forced = 1u << 30;
-  if (report.hfsr != forced || report.cfsr != 0) return "";
+  if (report.hfsr != forced) return "";
   const cortex_m3::State& state = view.soc().cpu.core().state();
-  const int priority = state.nvic.priority(cortex_m3::exception::svcall);
-  return fmt::format("SVCall has the priority {:#x}, which does not preempt: {}", priority,
-                     describe_priority(view.soc()));
+  const unsigned number = exception_of(report.cfsr);
+  const std::string name = trace::exception_name(number);
+  if (number != cortex_m3::exception::svcall && !state.scb.fault_enabled(number))
+    return name + " is not enabled (SHCSR)";
+  return fmt::format("{} has the priority {:#x}, which does not preempt: {}", name,
+                     state.nvic.priority(number), describe_priority(view.soc()));
 }
 
 void add_lost_write(const ProgramView& view, const cortex_m3::FaultReport& report, Lines& lines) {
@@ -69,9 +81,14 @@ void add_lost_write(const ProgramView& view, const cortex_m3::FaultReport& repor
   lines.add("by", fmt::format("{}, in cycle {}", view.place(write.instruction), write.cycle));
 }
 
+void add_findings(const Findings& findings, Lines& lines) {
+  if (!findings.vectors.empty()) lines.add("  written into the vector table:\n" + findings.vectors);
+  if (!findings.stacks.empty()) lines.add("  the stacks so far:\n" + findings.stacks);
+}
+
 }  // namespace
 
-std::string describe_fault(const ProgramView& view) {
+std::string describe_fault(const ProgramView& view, const Findings& findings) {
   // A default handler that gives up faults again: what matters is the fault that it was called for.
   const cortex_m3::Core& core = view.soc().cpu.core();
   const cortex_m3::FaultReport& report = core.first_fault();
@@ -79,7 +96,7 @@ std::string describe_fault(const ProgramView& view) {
   lines.add(fmt::format("fault report: {} (exception {}, {} active before) at cycle {}\n",
                         name_of(report.kind), report.exception, report.nesting, report.cycle));
   lines.add("cause", cortex_m3::describe_cfsr(report.cfsr, report.hfsr));
-  if (const std::string why = escalation(view, report); !why.empty()) lines.add("because", why);
+  if (const std::string why = escalation(view, report); !why.empty()) lines.add("escalated", why);
   add_lost_write(view, report, lines);
   lines.add("at", view.place(report.registers.r[15]));
   if (report.address != report.registers.r[15]) lines.add("address", about_address(view, report));
@@ -101,6 +118,7 @@ std::string describe_fault(const ProgramView& view) {
                                   view.place(core.last_fault().frame[6]), core.last_fault().cycle,
                                   cortex_m3::describe_cfsr(core.last_fault().cfsr,
                                                            core.last_fault().hfsr)));
+  add_findings(findings, lines);
   if (const std::string pending = describe_pending(view.soc()); !pending.empty())
     lines.add("  pending and not taken:\n" + pending);
   lines.add("  the core now:\n");
@@ -112,7 +130,7 @@ std::string describe_fault(const ProgramView& view) {
   return lines.take();
 }
 
-std::string describe_place(const ProgramView& view) {
+std::string describe_place(const ProgramView& view, const Findings& findings) {
   const cortex_m3::Core& core = view.soc().cpu.core();
   const cortex_m3::State& state = core.state();
   Lines lines;
@@ -130,8 +148,15 @@ std::string describe_place(const ProgramView& view) {
   const std::string pending = describe_pending(view.soc());
   lines.add("pending", pending.empty() ? "nothing" : "and not taken:");
   lines.add(pending);
+  add_findings(findings, lines);
   lines.add(view.gaps());
   return lines.take();
+}
+
+std::string describe_line(const serial::SerialLine& uart, const ProgramView& view,
+                          const std::string& call_stack) {
+  return fmt::format("{} printed: {}\n  from here, innermost first:\n{}{}", uart.name(),
+                     uart.match()->line, call_stack, view.gaps());
 }
 
 }  // namespace capsoc::run

@@ -38,6 +38,12 @@ std::string name_of(const source::CallFrame& frame) {
   return source::to_text(frame.place) + (frame.place.inlined ? " (inlined)" : "");
 }
 
+/// The same place again, of another call.
+bool recurses(const source::CallFrame& outer, const source::CallFrame& inner) {
+  return outer.exception == 0 && outer.address == inner.address &&
+         outer.stack_pointer != inner.stack_pointer;
+}
+
 }  // namespace
 
 ProgramView::ProgramView(soc::Soc& soc, const RunInputs& inputs)
@@ -109,6 +115,7 @@ std::string ProgramView::text_at(uint32_t address) const {
 std::string ProgramView::location(uint32_t address) const {
   const bus::MapEntry* above = nullptr;
   for (const bus::MapEntry& entry : soc_.ahb.map()) {
+    if (entry.kind == bus::TargetKind::unimplemented) continue;
     if (address >= entry.base && address <= entry.last())
       return fmt::format("{}+{:#x}", entry.name, address - entry.base);
     if (entry.base > address && (above == nullptr || entry.base < above->base)) above = &entry;
@@ -163,11 +170,8 @@ std::string ProgramView::text_of(const source::CallStack& stack) const {
     }
     text += fmt::format("    #{:<3} {:#010x}  {}{}\n", number++, frame.address, name_of(frame),
                         frame.guessed ? "  (its caller by its code)" : "");
-    // A recursion: the same place again and again.
     const std::size_t first = i;
-    while (i + 1 < stack.frames.size() && stack.frames[i + 1].exception == 0 &&
-           stack.frames[i + 1].address == stack.frames[first].address)
-      ++i;
+    while (i + 1 < stack.frames.size() && recurses(stack.frames[i + 1], stack.frames[i])) ++i;
     number += i - first;
     if (i != first) text += fmt::format("         the same {} times more\n", i - first);
   }

@@ -11,6 +11,7 @@
 #include "run/host_ports.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
+#include "run/stack_marks.h"
 #include "run/trace_settings.h"
 #include "support/setting_fields.h"
 
@@ -68,6 +69,7 @@ class RunSettings : public Settings {
   CoprocessorSettings coprocessor{*this};
   TraceSettings trace{*this};
   CpuSettings cpu{*this};
+  StackSettings stacks{*this};
   LimitSettings limits{*this};
   UartSettings uarts{*this};
   SemihostingSettings semihosting{*this};

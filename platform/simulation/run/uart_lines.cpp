@@ -108,6 +108,12 @@ const serial::SerialLine* UartLines::matched() const {
   return found;
 }
 
+std::optional<std::size_t> UartLines::failed() const {
+  for (std::size_t n = 0; n < lines_.size(); ++n)
+    if (const auto& match = lines_[n]->match(); match && match->failed) return n;
+  return std::nullopt;
+}
+
 std::vector<std::string> UartLines::failures() const {
   std::vector<std::string> sentences;
   for (const auto& line : lines_)

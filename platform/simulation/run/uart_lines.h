@@ -55,6 +55,8 @@ class UartLines : public sc_core::sc_module {
 
   /// The line that ended the run by --until-uart or --fail-uart; null: none did.
   const serial::SerialLine* matched() const;
+  /// The UART that --fail-uart ended the run for.
+  std::optional<std::size_t> failed() const;
   const serial::SerialLine& line(std::size_t number) const { return *lines_[number]; }
   void visit(kit::Archive& archive);
 

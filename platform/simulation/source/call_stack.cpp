@@ -82,6 +82,19 @@ std::string Program::symbol_at(uint32_t address) const {
   return "";
 }
 
+std::optional<uint32_t> Program::address_of(const std::string& symbol) const {
+  for (const loader::ElfImage* image : images_)
+    if (const auto address = image->address_of(symbol)) return address;
+  return std::nullopt;
+}
+
+std::vector<std::string> Program::symbol_names() const {
+  std::vector<std::string> names;
+  for (const loader::ElfImage* image : images_)
+    for (const loader::Symbol& symbol : image->symbols) names.push_back(symbol.name);
+  return names;
+}
+
 const loader::Symbol* Program::function_at(uint32_t address) const {
   const loader::Symbol* symbol = object_at(address & ~1u);
   return symbol != nullptr && symbol->is_code ? symbol : nullptr;

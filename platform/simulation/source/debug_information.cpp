@@ -55,10 +55,16 @@ SourceLine call_of(Dwarf_Die* inlined, Dwarf_Die* unit) {
   return call;
 }
 
-/// What dwarf_getscopes() allocates.
+/// The entries around an address, the innermost first. Behind an inlined function dwarf_getscopes()
+/// goes on where that was defined; what it was inlined into are its parents.
 class Scopes {
  public:
-  Scopes(Dwarf_Die* unit, uint32_t address) : count_(dwarf_getscopes(unit, address, &dies_)) {}
+  Scopes(Dwarf_Die* unit, uint32_t address) {
+    Dwarf_Die* around = nullptr;
+    count_ = dwarf_getscopes(unit, address, &around);
+    if (count_ > 0) count_ = dwarf_getscopes_die(&around[0], &dies_);
+    std::free(around);
+  }
   ~Scopes() { std::free(dies_); }
   Scopes(const Scopes&) = delete;
   Scopes& operator=(const Scopes&) = delete;
@@ -68,7 +74,7 @@ class Scopes {
 
  private:
   Dwarf_Die* dies_ = nullptr;
-  int count_;
+  int count_ = 0;
 };
 
 }  // namespace
