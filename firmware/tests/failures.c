@@ -11,7 +11,6 @@
 
 #define SETTINGS(NUMBER, TEXT) NUMBER(uint32_t, failure, 1, 1, 9, 1, "", "which one")
 PROGRAM_SETTINGS(SETTINGS)
-#define settings (*program_settings_values())
 
 enum failure {
   NULL_WRITE = 1,
@@ -31,6 +30,7 @@ struct node {
 };
 
 static struct node* volatile last_node;
+static uint32_t failure;
 static volatile bool answered;
 static volatile uint32_t zero;
 static uint32_t process_stack[128];
@@ -69,9 +69,9 @@ NEVER_INLINE static void wait_for_answer(void) {
 void TIMER0_Handler(void) {
   timer_expired(TIMER0);
   timer_stop(TIMER0);
-  if (settings.failure == SVC_PRIORITY) call_kernel();
-  if (settings.failure == DEADLOCK) wait_for_answer();
-  if (settings.failure == FAULT_IN_HANDLER) __asm volatile("udf #1");  // fault in handler
+  if (failure == SVC_PRIORITY) call_kernel();
+  if (failure == DEADLOCK) wait_for_answer();
+  if (failure == FAULT_IN_HANDLER) __asm volatile("udf #1");  // fault in handler
 }
 
 void TIMER1_Handler(void) {
@@ -85,7 +85,7 @@ NEVER_INLINE static void start_timers(void) {
   NVIC_SetPriority(TIMER1_IRQn, 5);
   SCB->SHPR[7] = 2 << 5;  // SVCall
   NVIC_EnableIRQ(TIMER0_IRQn);
-  if (settings.failure != ASLEEP) NVIC_EnableIRQ(TIMER1_IRQn);
+  if (failure != ASLEEP) NVIC_EnableIRQ(TIMER1_IRQn);
   timer_start(TIMER0, 1000, true);
   timer_start(TIMER1, 1200, true);
 }
@@ -138,7 +138,8 @@ NEVER_INLINE static void warn(void) {
 }
 
 int main(void) {
-  switch ((enum failure)settings.failure) {
+  failure = program_settings_values()->failure;
+  switch ((enum failure)failure) {
     case NULL_WRITE:
       null_write();
       break;

@@ -22,6 +22,7 @@ void Core::reset() {
       memory.read_physical(state.scb.vector(0), 4, sp) <= BusResult::device &&
       memory.read_physical(state.scb.vector(exception::reset), 4, pc) <= BusResult::device;
   state.stalled = false;  // by these reads
+  memory.watch_vectors();
   state.r[13] = sp & ~3u;
   state.r[14] = 0xFFFFFFFF;
   state.pc = pc & ~1u;

@@ -34,8 +34,7 @@ struct Listeners {
   /// address of the instruction, which reg(15) is meanwhile.
   std::function<void(Unpredictable which, uint32_t address)> unpredictable;
   /// Writes of a program into its vector table (VTOR), while reg(15) is the instruction's address.
-  /// The first one is told for certain where code lies on the table's page (4 KiB), the others
-  /// while there is decoded code on it.
+  /// To be set before reset().
   std::function<void(const VectorWrite&)> vectors;
   /// Asked when a program spins in HardFault, MemManage, BusFault or UsageFault (`b .`, the default
   /// handlers of CMSIS) and no enabled exception can preempt: true if nothing outside can, either

@@ -80,8 +80,9 @@ TEST(DebugInformation, NamesTheLinesThatAddr2lineNames) {
     unsigned compared = 0, different = 0;
     for (std::size_t i = 0; i < addresses.size(); ++i) {
       const std::string found = ours(information, addresses[i]);
-      // Without debug information, or of assembly, addr2line has its own guesses.
-      if (found.empty() || expected[i].find('?') != std::string::npos) continue;
+      // Assembly has lines and no functions: which of several names is each one's choice.
+      const bool assembly = expected[i].find(".S:") != std::string::npos;
+      if (found.empty() || assembly || expected[i].find('?') != std::string::npos) continue;
       ++compared;
       if (found == expected[i]) continue;
       if (++different <= 5)

@@ -9,7 +9,7 @@
 namespace capsoc::source {
 namespace {
 
-constexpr uint32_t function = 0x1000, stack = 0x20001000;
+constexpr uint32_t function = 0x1000, frame_base = 0x20001000;
 
 class Memory {
  public:
@@ -42,48 +42,48 @@ Registers at(uint32_t address, uint32_t stack_pointer) {
 
 TEST(Prologue, ALeafReturnsByItsLink) {
   const Memory memory({0x2001, 0x4770});  // movs r0,#1; bx lr
-  Registers registers = at(function + 2, stack);
+  Registers registers = at(function + 2, frame_base);
   ASSERT_TRUE(unwind_by_prologue(function, function + 2, registers, memory.reader()));
   EXPECT_EQ(registers[15], 0x2000U);
-  EXPECT_EQ(registers[13], stack);
+  EXPECT_EQ(registers[13], frame_base);
 }
 
 TEST(Prologue, WhatWasPushedIsGivenBack) {
   Memory memory({0xB510, 0xB084, 0x2001, 0x2002});  // push {r4,lr}; sub sp,#16; movs; movs
-  memory.set(stack + 16, 44);
-  memory.set(stack + 20, 0x3001);
-  Registers registers = at(function + 6, stack);
+  memory.set(frame_base + 16, 44);
+  memory.set(frame_base + 20, 0x3001);
+  Registers registers = at(function + 6, frame_base);
   ASSERT_TRUE(unwind_by_prologue(function, function + 6, registers, memory.reader()));
   EXPECT_EQ(registers[4], 44U);
   EXPECT_EQ(registers[15], 0x3000U);
-  EXPECT_EQ(registers[13], stack + 24);
+  EXPECT_EQ(registers[13], frame_base + 24);
 }
 
 TEST(Prologue, InTheMidstOfItOnlyWhatWasDone) {
   Memory memory({0xB510, 0xB084, 0x2001});
-  memory.set(stack, 44);
-  memory.set(stack + 4, 0x3001);
-  Registers registers = at(function + 2, stack);
+  memory.set(frame_base, 44);
+  memory.set(frame_base + 4, 0x3001);
+  Registers registers = at(function + 2, frame_base);
   ASSERT_TRUE(unwind_by_prologue(function, function + 2, registers, memory.reader()));
   EXPECT_EQ(registers[15], 0x3000U);
-  EXPECT_EQ(registers[13], stack + 8);
+  EXPECT_EQ(registers[13], frame_base + 8);
 }
 
 TEST(Prologue, AFramePointerIsBelieved) {
   Memory memory({0xB580, 0xAF00, 0xB082, 0x2001});  // push {r7,lr}; add r7,sp,#0; sub sp,#8; movs
-  memory.set(stack, 77);
-  memory.set(stack + 4, 0x3001);
-  Registers registers = at(function + 6, stack - 64);  // the stack was moved meanwhile
-  registers[7] = stack;
+  memory.set(frame_base, 77);
+  memory.set(frame_base + 4, 0x3001);
+  Registers registers = at(function + 6, frame_base - 64);  // the stack was moved meanwhile
+  registers[7] = frame_base;
   ASSERT_TRUE(unwind_by_prologue(function, function + 6, registers, memory.reader()));
   EXPECT_EQ(registers[7], 77U);
   EXPECT_EQ(registers[15], 0x3000U);
-  EXPECT_EQ(registers[13], stack + 8);
+  EXPECT_EQ(registers[13], frame_base + 8);
 }
 
 TEST(Prologue, AStackThatCannotBeReadChangesNothing) {
   const Memory memory({0xB510, 0x2001});
-  Registers registers = at(function + 2, stack);
+  Registers registers = at(function + 2, frame_base);
   const Registers before = registers;
   EXPECT_FALSE(unwind_by_prologue(function, function + 2, registers, memory.reader()));
   EXPECT_EQ(registers, before);

@@ -380,6 +380,12 @@ void MemoryAccess::collect() {
   if (!code_dropped_) return;
   code_dropped_ = false;
   memory_.collect();
+  watch_vectors();
+}
+
+/// A page that may have decoded code is not stored to directly.
+void MemoryAccess::watch_vectors() {
+  if (machine_.listeners.vectors) memory_.code_page(machine_.state.scb.vector(0));
 }
 
 bool MemoryAccess::debug_read(uint32_t address, void* data, uint32_t size) const {

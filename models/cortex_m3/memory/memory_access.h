@@ -74,6 +74,8 @@ class MemoryAccess {
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.
   void collect();
+  /// Lets stores into the page of the vector table go the slow way, if somebody is told of them.
+  void watch_vectors();
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.
   bool debug_read(uint32_t address, void* data, uint32_t size) const;

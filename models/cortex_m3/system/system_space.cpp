@@ -111,6 +111,7 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
       break;
     case Room::scb:
       if (state.scb.write(address, write, state.nvic)) state.reset_request = true;
+      machine_.memory.watch_vectors();  // VTOR
       break;
     case Room::mpu:
       state.mpu.write(address, write.value);

@@ -51,6 +51,13 @@ std::string about_address(const ProgramView& view, const cortex_m3::FaultReport&
                      object.empty() ? view.location(report.address) : object);
 }
 
+constexpr uint32_t forced = 1u << 30;
+
+/// Only faults leave a status.
+bool is_escalated_svc(const cortex_m3::FaultReport& report) {
+  return report.hfsr == forced && report.cfsr == 0;
+}
+
 /// The exception that a fault is of by its status: MemManage, BusFault or UsageFault; SVCall leaves
 /// none.
 unsigned exception_of(uint32_t cfsr) {
@@ -62,7 +69,6 @@ unsigned exception_of(uint32_t cfsr) {
 
 /// Why something became a HardFault.
 std::string escalation(const ProgramView& view, const cortex_m3::FaultReport& report) {
-  constexpr uint32_t forced = 1u << 30;
   if (report.hfsr != forced) return "";
   const cortex_m3::State& state = view.soc().cpu.core().state();
   const unsigned number = exception_of(report.cfsr);
@@ -91,7 +97,9 @@ void add_findings(const Findings& findings, Lines& lines) {
 std::string describe_fault(const ProgramView& view, const Findings& findings) {
   // A default handler that gives up faults again: what matters is the fault that it was called for.
   const cortex_m3::Core& core = view.soc().cpu.core();
-  const cortex_m3::FaultReport& report = core.first_fault();
+  cortex_m3::FaultReport report = core.first_fault();
+  constexpr uint32_t svc_size = 2;  // its frame returns behind it
+  if (is_escalated_svc(report)) report.registers.r[15] -= svc_size;
   Lines lines;
   lines.add(fmt::format("fault report: {} (exception {}, {} active before) at cycle {}\n",
                         name_of(report.kind), report.exception, report.nesting, report.cycle));
@@ -99,7 +107,7 @@ std::string describe_fault(const ProgramView& view, const Findings& findings) {
   if (const std::string why = escalation(view, report); !why.empty()) lines.add("escalated", why);
   add_lost_write(view, report, lines);
   lines.add("at", view.place(report.registers.r[15]));
-  if (report.address != report.registers.r[15]) lines.add("address", about_address(view, report));
+  if (report.address != report.frame[6]) lines.add("address", about_address(view, report));
   if (const std::string lost = view.lost_stack(report.registers.r[13]); !lost.empty())
     lines.add("stack", lost);
   lines.add("CFSR", word(report.cfsr));

@@ -106,7 +106,8 @@ void DebugInformation::read_units() {
   while (count++ < most_units && (status = dwarf_nextcu(copy_->dwarf(), at, &next, &header, nullptr,
                                                         nullptr, nullptr)) == 0) {
     Dwarf_Die unit;
-    if (dwarf_offdie(copy_->dwarf(), at + header, &unit) == nullptr)
+    if (dwarf_offdie(copy_->dwarf(), at + header, &unit) == nullptr ||
+        dwarf_tag(&unit) == DW_TAG_invalid)
       complain(fmt::format("the unit at {:#x} of .debug_info: {}", at, why()));
     else if (dwarf_tag(&unit) == DW_TAG_compile_unit) {
       read_ranges(unit);
