@@ -54,6 +54,15 @@ struct LimitSettings {
           .in(0, 1e6)
           .is_host_side()
           .by({"--timelimit", "S", "End after so many seconds of the host with exit 124"})};
+  NumberField realtime{
+      all, setting("run.realtime", SettingKind::number, "0",
+                   "simulated seconds a second of the host, which waits where it is faster; 0: as "
+                   "fast as it can")
+               .in(0, 1e6)
+               .is_host_side()
+               .by({"--realtime", "[FACTOR]",
+                    "Pace simulated time to the host's (1; 0.1: ten times slower)",
+                    SettingOption::Form::optional_value, "1"})};
   NumberField idle_s{
       all, setting("run.end_on_idle", SettingKind::number, "0",
                    "end with 0 when only timers woke the program, and only to sleep again, for so "

@@ -73,7 +73,8 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
                    settings.golden() || !settings.results.record().empty()),
       priorities_(soc_, view_, static_cast<unsigned>(settings.cpu.priority_bits())),
       limit_("limit", settings.limits.simulated_s()),
-      host_limit_(settings.limits.host_s()) {}
+      host_limit_(settings.limits.host_s()),
+      real_time_(settings.limits.realtime()) {}
 
 Simulation::~Simulation() {
   kit::set_guest_error_context({});
@@ -95,7 +96,10 @@ std::optional<Error> Simulation::load() {
 
 /// What belongs to the host.
 std::optional<Error> Simulation::open() {
-  soc_.cpu.set_interrupted([this] { return interrupted(); });
+  soc_.cpu.set_interrupted([this] {
+    pace();
+    return interrupted();
+  });
   // Before anything is opened that a signal should close again.
   host::note_end_signals();
   auto tracer = attach_tracer(settings_, soc_, inputs_.program, inputs_.further_images);
@@ -106,6 +110,7 @@ std::optional<Error> Simulation::open() {
                                [this] { return interrupted(); });
   if (!ports) return Error{ports.error()};
   ports_ = std::move(ports.value());
+  if (real_time_.on()) ports_->pace_by([this] { pace(); });
   if (!settings_.uarts.fail.empty()) printed_lines_.begin();
   checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
   if (auto error = checkpoints_->plan()) return error;
@@ -145,6 +150,11 @@ bool Simulation::restore() {
   checkpoints_->restored();
   ports_->restored();
   return true;
+}
+
+void Simulation::pace() {
+  if (!soc_.cpu.waits_for_resume())
+    real_time_.pace(sc_core::sc_time_stamp(), [this] { return host_limit_.reached(); });
 }
 
 bool Simulation::interrupted() {
@@ -212,6 +222,10 @@ std::vector<std::string> Simulation::close() {
 
 RunResult Simulation::finish() {
   result_.command = reproducing_command(settings_);
+  pace();  // a sleep that the end of the run cut short
+  if (real_time_.lost_s() > 0)
+    spdlog::warn("realtime: the host was too slow, or stopped, for {:.3g} s in all",
+                 real_time_.lost_s());
   std::vector<std::string> lost = close();
   conclude(settings_, soc_, *ports_, stacks_, limit_, host_limit_.out_of_time(), result_);
   result_.errors = metrics_.angle_errors();

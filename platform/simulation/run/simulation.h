@@ -14,6 +14,7 @@
 #include "run/priority_report.h"
 #include "run/program_view.h"
 #include "run/progress.h"
+#include "run/real_time.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
 #include "run/run_limits.h"
@@ -69,6 +70,7 @@ class Simulation {
   std::optional<Error> plan_restore();
   bool restore();
   bool interrupted();
+  void pace();
   sc_core::sc_time pause(const sc_core::sc_time& now);
   std::vector<std::string> close();
 
@@ -91,6 +93,7 @@ class Simulation {
   StackMarks stacks_{view_};
   Limit limit_;
   HostLimit host_limit_;
+  RealTime real_time_;
   std::unique_ptr<trace::Tracer> tracer_;
   std::unique_ptr<HostPorts> ports_;
   std::unique_ptr<Checkpoints> checkpoints_;

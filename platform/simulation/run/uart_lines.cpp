@@ -76,6 +76,7 @@ void UartLines::connect(std::size_t number) {
 /// Runs while the host may have something to say; then it is what keeps a sleeping board alive.
 void UartLines::look() {
   flush();
+  if (pace_) pace_();
   const auto now = std::chrono::steady_clock::now();
   if (now - looked_ >= shortest_look) {
     looked_ = now;
@@ -83,7 +84,7 @@ void UartLines::look() {
     if (!soc_.cpu.waits_for_resume())
       for (peripherals::Uart* uart : soc_.uarts()) uart->look_for_input();
     // With nothing else to do, simulated time need not race.
-    if (!sc_core::sc_pending_activity()) std::this_thread::sleep_for(idle_nap);
+    if (!pace_ && !sc_core::sc_pending_activity()) std::this_thread::sleep_for(idle_nap);
     if (give_up_()) return sc_core::sc_stop();
   }
   if (std::any_of(lines_.begin(), lines_.end(), [](const auto& line) { return line->live(); }))
