@@ -94,10 +94,16 @@ NEVER_INLINE static void sleep_for_answer(void) {
   while (!answered) __WFI();  // asleep
 }
 
+static const char* volatile label = "a label";
+
 NEVER_INLINE static void lost_write(volatile uint32_t* place) {
+  const char* const text = label;
+  uint32_t* const top = process_stack + 128 - 4;
   place[2] = 0xABCD;  // lost write
   while (zero == 0) {
   }
+  *top = zero;
+  print_text(text);
 }
 
 NEVER_INLINE static void check(bool good, const char* what) {

@@ -126,7 +126,10 @@ class Explained(unittest.TestCase):
     def test_registers_with_what_they_point_at(self):
         report = fail(FAULT_IN_HANDLER, code=5)
         self.assertRegex(report, r"lr   0x[0-9a-f]{8}  TIMER0_Handler, firmware/tests/failures.c:\d+")
-        self.assertRegex(report, r"r\d  +0x[0-9a-f]{8}  program_settings\S* = 0x")
+        self.assertRegex(report, r"r\d   0x40000000  timer0\+0x0\n")
+        self.assertRegex(report, r"sp   0x2000ff[0-9a-f]{2}  data_sram\+0xff")
+        self.assertRegex(fail(LOST_WRITE, code=5), r'r\d   0x[0-9a-f]{8}  "a label"\n')
+        self.assertRegex(fail(NULL_WRITE, "-C", "cpu.stack_marks=true", code=5), r"MSP: \d+ bytes, 0x20010000 down to 0x2000ff")
 
     def test_without_debug_information_by_symbols(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -102,7 +102,7 @@ std::optional<Error> Simulation::open() {
   });
   // Before anything is opened that a signal should close again.
   host::note_end_signals();
-  auto tracer = attach_tracer(settings_, soc_, inputs_.program, inputs_.further_images);
+  auto tracer = attach_tracer(settings_, view_);
   if (!tracer) return Error{tracer.error()};
   tracer_ = std::move(tracer.value());
   if (auto error = stacks_.begin(settings_.stacks)) return error;

@@ -82,6 +82,12 @@ std::string Program::symbol_at(uint32_t address) const {
   return "";
 }
 
+std::optional<SourceLine> Program::line_at(uint32_t address) const {
+  for (const auto& information : debug_information())
+    if (auto line = information->line_at(address)) return line;
+  return std::nullopt;
+}
+
 std::optional<uint32_t> Program::address_of(const std::string& symbol) const {
   for (const loader::ElfImage* image : images_)
     if (const auto address = image->address_of(symbol)) return address;

@@ -39,6 +39,8 @@ class Program {
   std::string describe(uint32_t address, bool returns = false) const;
   /// Of data or code, "name+0x4", or "".
   std::string symbol_at(uint32_t address) const;
+  std::optional<SourceLine> line_at(uint32_t address) const;
+  const std::vector<const loader::ElfImage*>& images() const { return images_; }
   std::optional<uint32_t> address_of(const std::string& symbol) const;
   std::vector<std::string> symbol_names() const;
   /// The object or function that covers an address, null if none does.
