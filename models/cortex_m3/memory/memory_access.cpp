@@ -177,6 +177,7 @@ void MemoryAccess::views_changed() {
 }
 
 void MemoryAccess::select_view() {
+  watch_vectors();  // memory that was mapped anew is direct again
   if (mpu_applies()) {
     pages_ =
         memory_.view(machine_.state.privileged() ? Memory::View::privileged : Memory::View::user);
