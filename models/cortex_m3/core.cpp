@@ -22,6 +22,7 @@ void Core::reset() {
       memory.read_physical(state.scb.vector(0), 4, sp) <= BusResult::device &&
       memory.read_physical(state.scb.vector(exception::reset), 4, pc) <= BusResult::device;
   state.stalled = false;  // by these reads
+  memory.watch_vectors();
   state.r[13] = sp & ~3u;
   state.r[14] = 0xFFFFFFFF;
   state.pc = pc & ~1u;
@@ -59,10 +60,20 @@ void Core::set_executor(Executor executor) {
     executing_ = &machine_.blocks;
 }
 
-void Core::set_observer(Observer* observer, bool instructions, bool accesses) {
-  machine_.listeners.observer = observer;
-  machine_.listeners.sees_instructions = observer != nullptr && instructions;
-  machine_.listeners.sees_accesses = observer != nullptr && accesses;
+void Core::add_observer(Observer& observer, bool instructions, bool accesses) {
+  observers_.add(observer, instructions, accesses);
+  observers_changed();
+}
+
+void Core::remove_observer(Observer& observer) {
+  observers_.remove(observer);
+  observers_changed();
+}
+
+void Core::observers_changed() {
+  machine_.listeners.observer = observers_.all();
+  machine_.listeners.sees_instructions = observers_.see_instructions();
+  machine_.listeners.sees_accesses = observers_.see_accesses();
   set_executor(executor_);
   machine_.memory.views_changed();
 }

@@ -7,6 +7,7 @@
 
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
+#include "cortex_m3/observers.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -133,10 +134,12 @@ class Core {
 
   // Onlookers
   Listeners& listeners() { return machine_.listeners; }
-  /// Who looks on; null: nobody. It stays the caller's. `instructions`: at each one, the executor
-  /// is stepping meanwhile. `accesses`: at each data access, direct memory is reached the slow way
-  /// meanwhile. Exceptions are told either way.
-  void set_observer(Observer* observer, bool instructions, bool accesses);
+  /// One more that looks on, behind those before it, until it is removed. It stays the caller's.
+  /// `instructions`: at each one, the executor is stepping meanwhile. `accesses`: at each data
+  /// access, direct memory is reached the slow way meanwhile. Exceptions are told either way. An
+  /// observer that was added before is added anew.
+  void add_observer(Observer& observer, bool instructions, bool accesses);
+  void remove_observer(Observer& observer);
   Debugging& debugging() { return machine_.debugging; }
 
  private:
@@ -145,8 +148,10 @@ class Core {
   void expire_systick();
   void step_observed();
   bool is_interrupted() const;
+  void observers_changed();
 
   Machine machine_;
+  Observers observers_;
   uint32_t vector_table_ = 0;
   bool one_instruction_ = false;
   Executor executor_ = Executor::blocks;

@@ -118,8 +118,16 @@ void Exceptions::raise(unsigned number, uint32_t return_address) {
   enter(taken, return_address);
 }
 
+InterruptedRegisters Exceptions::interrupted(uint32_t return_address) const {
+  const State& state = machine_.state;
+  InterruptedRegisters registers{state.r, state.msp(), state.psp(), state.ipsr};
+  registers.r[15] = return_address;
+  return registers;
+}
+
 /// The report of a fault; number 0: of a lockup.
-void Exceptions::capture_fault(unsigned number, uint32_t return_address) {
+void Exceptions::capture_fault(unsigned number, uint32_t return_address,
+                               const InterruptedRegisters& registers) {
   State& state = machine_.state;
   FaultReport& f = state.last_fault;
   f.kind = kind_of(number);
@@ -133,6 +141,9 @@ void Exceptions::capture_fault(unsigned number, uint32_t return_address) {
   f.address = state.scb.fault_address(return_address);
   f.nesting = state.nvic.active_count();
   f.cycle = state.cycles;
+  f.registers = registers;
+  constexpr uint32_t imprecise = 1u << 10;
+  f.lost_write = (f.cfsr & imprecise) != 0 ? state.lost_write : LostWrite{};
   ++state.fault_count;
   constexpr uint64_t fault_exceptions = uint64_t{0xF} << exception::hard_fault;
   if ((state.nvic.active() & fault_exceptions) == 0) state.first_fault = f;
@@ -149,8 +160,11 @@ void Exceptions::lock_up() {
   machine_.requests.raise(Requests::changed);
 }
 
-void Exceptions::imprecise_bus_fault() {
+void Exceptions::imprecise_bus_fault(const LostWrite& write) {
   Scb& scb = machine_.state.scb;
+  constexpr uint64_t waiting = uint64_t{1} << exception::bus_fault | 1u << exception::hard_fault;
+  // One exception for all that fail before it is taken: it is for the first of them.
+  if ((machine_.state.nvic.pending() & waiting) == 0) machine_.state.lost_write = write;
   scb.record_imprecise();
   const bool taken = enabled(exception::bus_fault);
   if (!taken) scb.record_forced();
@@ -207,17 +221,21 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
                                                  : state.uses_psp() ? to_thread_process
                                                                     : to_thread_main);
   const int before = execution_priority();
+  const uint32_t sp = state.r[13];
   Cause cause{};
   if (!push_stack(return_address, cause)) {
+    InterruptedRegisters before_stacking = interrupted(return_address);
+    before_stacking.r[13] = sp;
+    (state.uses_psp() ? before_stacking.psp : before_stacking.msp) = sp;
     // A derived exception: the better of the two is taken, the other one stays pending.
     const unsigned derived = escalate(state.scb.record(cause, 0), before);
     if (derived == 0 && number != exception::nmi) {
-      capture_fault(0, return_address);
+      capture_fault(0, return_address, before_stacking);
       return lock_up();
     }
     if (derived != 0 && state.nvic.priority(derived) <= state.nvic.priority(number)) {
       if (derived != number) state.nvic.set_pending(number, true);
-      capture_fault(derived, return_address);
+      capture_fault(derived, return_address, before_stacking);
       number = derived;
     } else if (derived != 0) {
       state.nvic.set_pending(derived, true);

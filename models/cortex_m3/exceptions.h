@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "cortex_m3/event.h"
+#include "cortex_m3/fault_report.h"
 #include "cortex_m3/observer.h"
 #include "cortex_m3/system/scb.h"
 
@@ -41,8 +42,8 @@ class Exceptions {
   /// B1.5.15: the core stays at the lockup address until reset, or an NMI where that may preempt.
   void lock_up();
   /// A store that had left the instruction behind failed (B1.5.14): BusFault, or HardFault where
-  /// that is disabled, waits until its priority is sufficient. No address is kept.
-  void imprecise_bus_fault();
+  /// that is disabled, waits until its priority is sufficient. No register keeps the write.
+  void imprecise_bus_fault(const LostWrite& write);
 
   /// An event of the DWT or a step (C1.6.1): ignored unless the DebugMonitor is enabled and of
   /// sufficient priority.
@@ -56,7 +57,12 @@ class Exceptions {
   /// A fault that is disabled or cannot preempt becomes HardFault; 0 when even that cannot be
   /// taken.
   unsigned escalate(unsigned number, int priority);
-  void capture_fault(unsigned number, uint32_t return_address);
+  void capture_fault(unsigned number, uint32_t return_address) {
+    capture_fault(number, return_address, interrupted(return_address));
+  }
+  void capture_fault(unsigned number, uint32_t return_address,
+                     const InterruptedRegisters& registers);
+  InterruptedRegisters interrupted(uint32_t return_address) const;
   bool push_stack(uint32_t return_address, Cause& cause);
   bool pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cause);
   void take(unsigned number, uint32_t exc_return, Entry how, uint64_t since);

@@ -26,6 +26,12 @@ struct Translation {
   std::string listing;                ///< each instruction with its host code below it
 };
 
+/// A program's write to memory in its vector table, done already.
+struct VectorWrite {
+  uint32_t address = 0, value = 0;
+  unsigned size = 0;  ///< 1, 2 or 4 bytes
+};
+
 /// Who is told of what a program does. Empty: nobody.
 struct Listeners {
   /// BKPT 0xAB, with PC behind it; false ends run() with semihosting_exit.
@@ -38,6 +44,9 @@ struct Listeners {
   /// The first time a program runs into each UNPREDICTABLE case (unpredictable.def), with the
   /// address of the instruction, which reg(15) is meanwhile.
   std::function<void(Unpredictable which, uint32_t address)> unpredictable;
+  /// Writes of a program into its vector table (VTOR), while reg(15) is the instruction's address.
+  /// To be set before reset().
+  std::function<void(const VectorWrite&)> vectors;
   /// Asked when a program spins in HardFault, MemManage, BusFault or UsageFault (`b .`, the default
   /// handlers of CMSIS) and no enabled exception can preempt: true if nothing outside can, either
   /// (NMI, reset). Then run() ends with `stuck`. Empty: it never does.
@@ -46,7 +55,7 @@ struct Listeners {
   /// Each block that is translated. Costs a text of each.
   std::function<void(const Translation&)> translated;
 
-  /// Set by Core::set_observer.
+  /// Set by Core::add_observer.
   Observer* observer = nullptr;
   bool sees_instructions = false, sees_accesses = false;
 };

@@ -6,6 +6,21 @@
 
 namespace capsoc::cortex_m3 {
 
+void LostWrite::visit(kit::Archive& archive) {
+  archive("known", known);
+  archive("address", address);
+  archive("value", value);
+  archive("instruction", instruction);
+  archive("cycle", cycle);
+}
+
+void InterruptedRegisters::visit(kit::Archive& archive) {
+  archive("r", r);
+  archive("msp", msp);
+  archive("psp", psp);
+  archive("ipsr", ipsr);
+}
+
 void FaultReport::visit(kit::Archive& archive) {
   archive.at_most("kind", kind, Kind::lockup);
   archive("exception", exception);
@@ -17,6 +32,8 @@ void FaultReport::visit(kit::Archive& archive) {
   archive("address", address);
   archive("nesting", nesting);
   archive("cycle", cycle);
+  archive("registers", registers);
+  archive("lost_write", lost_write);
 }
 
 void State::visit(kit::Archive& archive) {
@@ -58,6 +75,7 @@ void State::visit(kit::Archive& archive) {
   archive("last_fault", last_fault);
   archive("first_fault", first_fault);
   archive("fault_count", fault_count);
+  archive("lost_write", lost_write);
   archive("unpredictable_seen", unpredictable_seen);
   archive("priority_told", priority_told);
   if ((pc & 1) != 0) archive.refuse("has an odd program counter");
@@ -76,6 +94,7 @@ void State::reset() {
   event_register = exclusive = false;
   last_fault = {};
   first_fault = {};
+  lost_write = {};
   nvic.reset();
   scb.reset();
   systick.reset(cycles);

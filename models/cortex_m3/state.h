@@ -51,6 +51,7 @@ struct State {
 
   FaultReport last_fault, first_fault;
   uint64_t fault_count = 0;
+  LostWrite lost_write;  ///< the one that an imprecise fault is pending for, or was
   // What was reported once.
   uint64_t unpredictable_seen = 0;      ///< bit n: case n of unpredictable.def
   std::array<bool, 2> priority_told{};  ///< of bits that were dropped, of nothing but ones

@@ -113,6 +113,7 @@ int run_command(const RunArguments& arguments) {
   const run::RunResult& r = result.value();
   if (!r.divergence.empty()) host::say("\n{}", r.divergence);
   if (!r.fault_report.empty()) host::say("\n{}", r.fault_report);
+  if (!r.place_report.empty()) host::say("\n{}", r.place_report);
   for (const std::string& sentence : r.lost) host::say("capsoc: {}\n", sentence);
   host::say("{}", run::to_table(r));
   if (const std::string& json = settings.results.json(); !json.empty())

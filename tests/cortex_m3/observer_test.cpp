@@ -41,7 +41,7 @@ class Notes : public Observer {
 TEST(Observer, SeesInstructionsAndExceptionsInTheirOrder) {
   Bench b;
   Notes notes;
-  b.core.set_observer(&notes, true, false);
+  b.core.add_observer(notes, true, false);
   b.start({0xDF00, 0x2301, 0xE7FE});  // svc; movs r3,#1; b .
   b.core.run(60);
   ASSERT_GE(notes.words.size(), 9U);
@@ -55,7 +55,7 @@ TEST(Observer, SeesInstructionsAndExceptionsInTheirOrder) {
 TEST(Observer, SeesTailChains) {
   Bench b;
   Notes notes;
-  b.core.set_observer(&notes, false, false);
+  b.core.add_observer(notes, false, false);
   b.code(0x4000 + 32 * 11, {0x6025, 0x4770});  // str r5,[r4]; bx lr
   b.start({0xDF00, 0xE7FE});
   b.core.set_reg(4, 0xE000ED04);
@@ -77,7 +77,7 @@ TEST(Observer, SeesEveryDirectAccess) {
     b.core.set_reg(4, 0xE000ED00);
     b.core.set_reg(6, 0x40000000);  // a bus sees this one
     b.core.run(200);
-    b.core.set_observer(&notes, false, true);
+    b.core.add_observer(notes, false, true);
     b.core.run(b.core.cycles() + 300);
     ASSERT_GT(notes.accesses.size(), 30U);
     unsigned writes = 0;
@@ -92,7 +92,7 @@ TEST(Observer, SeesEveryDirectAccess) {
     }
     EXPECT_GE(writes, 10U);
     notes.accesses.clear();
-    b.core.set_observer(nullptr, false, false);
+    b.core.remove_observer(notes);
     b.core.run(b.core.cycles() + 300);
     EXPECT_TRUE(notes.accesses.empty());
   }
@@ -106,7 +106,7 @@ TEST(Observer, ChangesNoCycle) {
       Bench b(2);
       Notes notes;
       choose(b.core, executor);
-      if (instructions || accesses) b.core.set_observer(&notes, instructions, accesses);
+      if (instructions || accesses) b.core.add_observer(notes, instructions, accesses);
       // 1: push {r0-r3}; pop {r4-r7}; ldr r0,[r2]; ldr r1,[r2,#1]; str r0,[r3]; svc; b 1
       b.start({0xB40F, 0xBCF0, 0x6810, 0xF8D2, 0x1001, 0x6018, 0xDF00, 0xE7F7});
       b.core.set_reg(2, Bench::ram_base + 0x100);

@@ -21,6 +21,7 @@
 #include "sensor/described_source.h"
 #include "sensor/recorded_source.h"
 #include "sensor/toml_reader.h"
+#include "source/debug_information.h"
 #include "support/setting_fields.h"
 
 namespace capsoc::test {
@@ -90,6 +91,43 @@ TEST(FileFuzz, DamagedElf) {
     image.value().overwrite("main", {1, 2, 3, 4});
     loader::find_vector_table({&image.value()}, "auto");
   }
+}
+
+/// Debug information is no reason to refuse a program: what of it cannot be read is missing, and is
+/// said to be.
+TEST(FileFuzz, DamagedDebugInformation) {
+  const std::string whole = content(HELLO_ELF);
+  const auto image = loader::load_elf(HELLO_ELF);
+  ASSERT_TRUE(image) << image.error();
+  const uint32_t main = image.value().address_of("main").value_or(0);
+  const source::ReadWord read = [](uint32_t address) -> std::optional<uint32_t> {
+    if (address >= 0x20001000) return std::nullopt;
+    return address ^ 0x20000101;
+  };
+  const uint64_t count = file_count(4000);
+  uint64_t told = 0, silent = 0;
+  for (uint64_t number = 0; number < count; ++number) {
+    const std::string damaged = Damage(number).binary(whole, whole.size() / 2, whole.size() / 2);
+    const source::DebugInformation information("f.elf", damaged);
+    for (const uint32_t address : {main, main + 8, 0U, 0x100U, 0x400U, 0xFFFFFFFEU}) {
+      for (const source::Place& place : information.places_at(address))
+        ASSERT_LT(place.function.size() + place.at.file.size(), 1000U) << number;
+      information.line_at(address);
+      source::Registers registers{};
+      registers[13] = 0x20000F00;
+      information.unwind(address, registers, read);
+    }
+    const std::vector<std::string> complaints = information.complaints();
+    ++(complaints.empty() ? silent : told);
+    for (const std::string& complaint : complaints) {
+      EXPECT_EQ(complaint.rfind("f.elf: cannot read ", 0), 0U) << number << ": " << complaint;
+      for (const char c : complaint) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << number;
+    }
+  }
+  std::printf("fuzz: debug information: %llu files, %llu with complaints\n",
+              static_cast<unsigned long long>(count), static_cast<unsigned long long>(told));
+  EXPECT_GT(told, count / 20);
+  EXPECT_GT(silent, count / 20);
 }
 
 TEST(FileFuzz, DamagedProgramSettings) {

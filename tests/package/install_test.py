@@ -86,7 +86,7 @@ class Installed(unittest.TestCase):
                 self.assertNotIn(str(BUILD), file.read_text(), file)
 
     def test_the_template_builds_with_what_is_installed(self):
-        expected = "angle: 300 tenths of a degree\n"
+        expected = "hello\nangle: 30.0000 degrees\n"
         # The tree's own path has blanks, the link's none; a link to the program alone may stand in the path, too.
         link = self.work / "capsoc"
         link.symlink_to(self.tree)
@@ -96,13 +96,13 @@ class Installed(unittest.TestCase):
                                            ("found", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
                                            ("linked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"})):
             app = self.work / name
-            shutil.copytree(self.share / "capsoc/template", app)
+            self.do(self.tree / "bin/capsoc", "new", app)
             self.assertEqual(self.do("make", "-s", "-C", app, *options, "run", environment=environment), expected)
         for name, options, environment in (("cnamed", [f"-DCAPSOC={self.tree}"], {}),
                                            ("cfound", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
                                            ("clinked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"})):
             app = self.work / name
-            shutil.copytree(self.share / "capsoc/template", app)
+            self.do(self.tree / "bin/capsoc", "new", app)
             self.do("cmake", "-S", app, "-B", app / "build", "--toolchain", app / "toolchain.cmake", *options,
                     environment=environment)
             self.assertIn(expected, self.do("cmake", "--build", app / "build", "--target", "run", environment=environment))

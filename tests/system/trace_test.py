@@ -252,7 +252,7 @@ class Profile(Traced):
             elif line.startswith("calls="):
                 count = int(line[6:].split()[0])
             elif line.startswith("0x"):
-                _, cycles, instructions = line.split()
+                _, _, cycles, instructions = line.split()
                 if count is None:
                     own[function] += int(cycles)
                     own["instructions"] += int(instructions)
@@ -292,10 +292,29 @@ class Profile(Traced):
         self.assertGreater(calls["[SysTick]", "SysTick_Handler"][0], 3)
         self.assertGreaterEqual(own["[SysTick]"], 12 * calls["[SysTick]", "SysTick_Handler"][0])
 
+    def test_costs_have_the_lines_that_addr2line_names(self):
+        place = self.folder / "p.out"
+        self.run_with("profiled", "--profile", place)
+        files, now, call, compared = {}, None, False, Counter()
+        for line in place.read_text().splitlines():
+            if found := re.match(r"(fl|fi|cfi)=(\(\d+\))(?: (.*))?", line):
+                file = files.setdefault(found.group(2), found.group(3))
+                now = now if found.group(1) == "cfi" else file
+            elif re.match(r"0x[1-9a-f]", line) and now != "???":
+                address, number, _, _ = line.split()
+                compared[address, f"{now.rsplit('/', 1)[-1]}:{number}"] += 1
+        addresses = sorted({address for address, _ in compared}, key=lambda a: int(a, 16))
+        elf = FIRMWARE / "profiled.elf"
+        told = subprocess.run(["arm-none-eabi-addr2line", "-e", elf, *addresses], capture_output=True, text=True, check=True).stdout
+        expected = {(a, re.sub(r" .*", "", t.rsplit("/", 1)[-1])) for a, t in zip(addresses, told.splitlines())}
+        self.assertGreater(len(expected), 300)
+        unknown = {a for a, t in expected if "?" in t}  # no line of its own
+        self.assertEqual({c for c in compared if c not in expected and c[0] not in unknown}, set())
+
     def test_sleep_is_waiting(self):
         place = self.folder / "p.out"
         _, _, result = self.run_with("selfcal", "--profile", place, "--simlimit", "0.2")
-        waiting = re.search(r"fn=\(\d+\) \[waiting\]\n0x0 (\d+) 0", place.read_text())
+        waiting = re.search(r"fn=\(\d+\) \[waiting\]\n0x0 0 (\d+) 0", place.read_text())
         self.assertGreater(int(waiting.group(1)), result["cpu"]["cycles"] // 2)
 
     def test_folded_stacks(self):

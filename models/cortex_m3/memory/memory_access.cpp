@@ -82,6 +82,8 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
     if (machine_.listeners.sees_accesses)
       observe({address, value, size, true, true}, BusResult::ok);
     add_cycles(r->wait_states);
+    if (machine_.listeners.vectors && is_vector(address))
+      machine_.listeners.vectors({address, value, size});
     if (!memory_.invalidate(address, size)) return BusResult::ok;
     code_dropped_ = true;  // the block that runs may be among them: leave it
     machine_.requests.raise(Requests::changed);
@@ -92,6 +94,10 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
   const bool good = bus_.write(address, size, value, wait);
   add_cycles(wait);
   return good ? BusResult::device : BusResult::bus_error;
+}
+
+bool MemoryAccess::is_vector(uint32_t address) const {
+  return address - machine_.state.scb.vector(0) < 4 * exception::count;
 }
 
 BusResult MemoryAccess::shown(const DirectAccess& access, BusResult result) const {
@@ -171,6 +177,7 @@ void MemoryAccess::views_changed() {
 }
 
 void MemoryAccess::select_view() {
+  watch_vectors();  // memory that was mapped anew is direct again
   if (mpu_applies()) {
     pages_ =
         memory_.view(machine_.state.privileged() ? Memory::View::privileged : Memory::View::user);
@@ -287,7 +294,8 @@ Access MemoryAccess::store_slow(const Step& op, uint32_t address, unsigned size,
     BusResult result =
         write(address + done, part, low_bytes(value >> (8 * done), part), privileged);
     if (result == BusResult::bus_error && buffered(op, address + done)) {
-      machine_.exceptions.imprecise_bus_fault();
+      machine_.exceptions.imprecise_bus_fault(
+          {true, address, value, op.address, machine_.cycles()});
       result = BusResult::device;
     }
     worst = std::max(worst, result);
@@ -373,6 +381,12 @@ void MemoryAccess::collect() {
   if (!code_dropped_) return;
   code_dropped_ = false;
   memory_.collect();
+  watch_vectors();
+}
+
+/// A page that may have decoded code is not stored to directly.
+void MemoryAccess::watch_vectors() {
+  if (machine_.listeners.vectors) memory_.code_page(machine_.state.scb.vector(0));
 }
 
 bool MemoryAccess::debug_read(uint32_t address, void* data, uint32_t size) const {

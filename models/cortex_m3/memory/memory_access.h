@@ -74,6 +74,8 @@ class MemoryAccess {
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.
   void collect();
+  /// Lets stores into the page of the vector table go the slow way, if somebody is told of them.
+  void watch_vectors();
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.
   bool debug_read(uint32_t address, void* data, uint32_t size) const;
@@ -84,6 +86,8 @@ class MemoryAccess {
   BusResult observe(const DirectAccess& access, BusResult result) const;
   /// observe(), if there is somebody.
   BusResult shown(const DirectAccess& access, BusResult result) const;
+  /// In the vector table.
+  bool is_vector(uint32_t address) const;
   bool mpu_applies() const;
   bool allows(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);

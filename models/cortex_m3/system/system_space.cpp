@@ -116,6 +116,7 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
       if (state.scb.write(address, write, state.nvic)) state.reset_request = true;
       // Blocks hold the time of each instruction.
       if (state.scb.folds_it() != folded) machine_.memory.invalidate_all_code();
+      machine_.memory.watch_vectors();  // VTOR
       break;
     }
     case Room::mpu:

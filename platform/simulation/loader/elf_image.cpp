@@ -71,7 +71,8 @@ std::vector<Symbol> read_symbols(Elf* elf) {
         continue;
       const auto address = static_cast<uint32_t>(symbol.st_value) & (type == STT_FUNC ? ~1u : ~0u);
       const bool weak = GELF_ST_BIND(symbol.st_info) == STB_WEAK;
-      symbols.push_back({address, static_cast<uint32_t>(symbol.st_size), name, weak});
+      const bool is_code = type == STT_FUNC || (type == STT_NOTYPE && symbol.st_size == 0);
+      symbols.push_back({address, static_cast<uint32_t>(symbol.st_size), name, weak, is_code});
     }
   }
   // Lookups find the last of equals first: weak aliases of one default handler stand before its own
@@ -84,7 +85,7 @@ std::vector<Symbol> read_symbols(Elf* elf) {
 
 }  // namespace
 
-std::string ElfImage::symbolise(uint32_t address) const {
+const Symbol* ElfImage::symbol_at(uint32_t address) const {
   address &= ~1u;
   auto next = std::upper_bound(symbols.begin(), symbols.end(), address,
                                [](uint32_t a, const Symbol& s) { return a < s.address; });
@@ -94,10 +95,16 @@ std::string ElfImage::symbolise(uint32_t address) const {
       if (address - it->address > 0x1000) break;
       continue;
     }
-    const uint32_t offset = address - it->address;
-    return offset == 0 ? it->name : fmt::format("{}+{:#x}", it->name, offset);
+    return &*it;
   }
-  return "";
+  return nullptr;
+}
+
+std::string ElfImage::symbolise(uint32_t address) const {
+  const Symbol* symbol = symbol_at(address);
+  if (symbol == nullptr) return "";
+  const uint32_t offset = (address & ~1u) - symbol->address;
+  return offset == 0 ? symbol->name : fmt::format("{}+{:#x}", symbol->name, offset);
 }
 
 std::optional<uint32_t> ElfImage::address_of(const std::string& name) const {
@@ -164,6 +171,7 @@ Result<ElfImage> parse_elf(const std::string& path, std::string bytes) {
   image.entry = static_cast<uint32_t>(header.e_entry);
   image.segments = std::move(segments.value());
   image.symbols = read_symbols(elf.get());
+  image.file = std::make_shared<const std::string>(std::move(bytes));
   return image;
 }
 

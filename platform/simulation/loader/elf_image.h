@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +23,8 @@ struct Symbol {
   uint32_t address;
   uint32_t size;
   std::string name;
-  bool weak = false;  ///< an alias that another definition may replace
+  bool weak = false;     ///< an alias that another definition may replace
+  bool is_code = false;  ///< a function, or a label of assembly
 };
 
 /// What an ELF file holds for a Cortex-M.
@@ -31,6 +33,11 @@ struct ElfImage {
   uint32_t entry = 0;
   std::vector<Segment> segments;
   std::vector<Symbol> symbols;  ///< sorted by address
+  /// The file's bytes, for its debug information; null for what is no ELF file.
+  std::shared_ptr<const std::string> file;
+
+  /// The symbol that covers the address (Thumb bit ignored), null if there is none.
+  const Symbol* symbol_at(uint32_t address) const;
 
   /// "name+0x12" of the symbol that covers the address (Thumb bit ignored), "" if there is none.
   std::string symbolise(uint32_t address) const;

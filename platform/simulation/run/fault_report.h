@@ -1,14 +1,29 @@
-// What a person reads when the firmware crashed.
+// What a person reads when the firmware crashed, or ended otherwise than it should.
 #pragma once
 
 #include <string>
 
-#include "cortex_m3/core.h"
-#include "loader/elf_image.h"
+#include "run/program_view.h"
+#include "serial/serial_line.h"
 
 namespace capsoc::run {
 
-/// Fault registers decoded, PC and LR with symbol names, the stacked frame, the address.
-std::string describe_fault(const cortex_m3::Core& core, const loader::ElfImage& image);
+/// What was kept during the run, as lines indented by four; "" where there is nothing.
+struct Findings {
+  std::string vectors;  ///< written into the vector table (VectorReport)
+  std::string stacks;   ///< how deep they have been (StackMarks)
+};
+
+/// The first fault of the chain: its cause in words, the address, the line, the call stack and the
+/// registers with what they point at; then where the processor is now.
+std::string describe_fault(const ProgramView& view, const Findings& findings);
+
+/// Of a program that did not crash: where it is, the call stack, and which exceptions wait for
+/// what.
+std::string describe_place(const ProgramView& view, const Findings& findings);
+
+/// Of a line that --fail-uart names: who printed it.
+std::string describe_line(const serial::SerialLine& uart, const ProgramView& view,
+                          const std::string& call_stack);
 
 }  // namespace capsoc::run

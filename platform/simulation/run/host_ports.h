@@ -69,6 +69,8 @@ class HostPorts {
   void on_save(debug::SocTarget::Saver saver) {
     if (gdb_ != nullptr) gdb_->on_save(std::move(saver));
   }
+  /// Called before the host is asked for bytes: it holds the host back (RealTime).
+  void pace_by(std::function<void()> pace) { uarts_.pace_by(std::move(pace)); }
   /// A restored simulation begins.
   void restored() { semihosting_->restored(); }
 

@@ -21,7 +21,7 @@ std::optional<Error> write_waves(const rtl::Lockstep& lockstep, const std::strin
 }  // namespace
 
 void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts& ports,
-              const Limit& limit, bool out_of_time, RunResult& result) {
+              const StackMarks& stacks, const Limit& limit, bool out_of_time, RunResult& result) {
   using cortex_m3::EndReason;
   const int status = ports.exit_status();
   const int caught_signal = host::noted_signal();
@@ -31,6 +31,8 @@ void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts&
   };
   if (!result.divergence.empty())
     return say(exit_code::diverged, "the coprocessor's model and RTL differ");
+  if (!stacks.overflow().empty())
+    return say(exit_code::crashed, "the firmware's stack overflowed: " + stacks.overflow());
   const serial::SerialLine* said = ports.uarts().matched();
   if (said != nullptr && said->match()->failed)
     return say(exit_code::failed, fmt::format("{} printed what --fail-uart names: {}", said->name(),

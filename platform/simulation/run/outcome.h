@@ -9,6 +9,7 @@
 #include "run/host_ports.h"
 #include "run/results.h"
 #include "run/run_limits.h"
+#include "run/stack_marks.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -21,7 +22,7 @@ std::string divergence_of(const RunSettings& settings, const rtl::Lockstep* lock
 
 /// Why the simulation is over, as an exit code and a sentence; the divergence is in the result.
 void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts& ports,
-              const Limit& limit, bool out_of_time, RunResult& result);
+              const StackMarks& stacks, const Limit& limit, bool out_of_time, RunResult& result);
 
 /// A pass whose bound the truth does not keep is none.
 void take_verdict(const loader::ElfImage& program, soc::Soc& soc, RunResult& result);

@@ -21,8 +21,8 @@ std::string register_name(uint32_t address) {
 
 }  // namespace
 
-PriorityReport::PriorityReport(soc::Soc& soc, const loader::ElfImage& program, unsigned bits)
-    : soc_(soc), program_(program), bits_(bits) {
+PriorityReport::PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits)
+    : soc_(soc), view_(view), bits_(bits) {
   soc_.cpu.core().set_priority_bits(bits);
   if (bits == most_bits) return;
   soc_.cpu.core().listeners().priority = [this](const cortex_m3::DroppedPriority& d) {
@@ -39,8 +39,7 @@ void PriorityReport::dropped(const cortex_m3::DroppedPriority& dropped) {
     warned_ = true;
     return kit::guest_error(source, text);
   }
-  const uint32_t pc = soc_.cpu.core().reg(15);
-  probe_ = fmt::format("{} (pc {:#010x} {})", text, pc, program_.symbolise(pc));
+  probe_ = fmt::format("{} ({})", text, view_.here());
   kit::guest_note(source, text);
 }
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "loader/elf_image.h"
+#include "run/program_view.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -15,7 +15,7 @@ namespace capsoc::run {
 /// found.
 class PriorityReport {
  public:
-  PriorityReport(soc::Soc& soc, const loader::ElfImage& program, unsigned bits);
+  PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits);
   PriorityReport(const PriorityReport&) = delete;
   PriorityReport& operator=(const PriorityReport&) = delete;
 
@@ -30,7 +30,7 @@ class PriorityReport {
   void dropped(const cortex_m3::DroppedPriority& dropped);
 
   soc::Soc& soc_;
-  const loader::ElfImage& program_;
+  const ProgramView& view_;
   unsigned bits_;
   bool warned_ = false;
   std::string probe_;  ///< what to say of ones, "" if there were none

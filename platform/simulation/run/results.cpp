@@ -219,7 +219,13 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   if (result.golden) j["golden"] = golden::to_json(*result.golden);
   if (!result.lost.empty()) j["lost"] = result.lost;
   if (!result.divergence.empty()) j["divergence"] = result.divergence;
+  for (const StackUse& stack : result.stacks)
+    j["stacks"].push_back({{"name", stack.name},
+                           {"bytes", stack.top - stack.lowest},
+                           {"top", stack.top},
+                           {"lowest", stack.lowest}});
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
+  if (!result.place_report.empty()) j["place_report"] = result.place_report;
   return j;
 }
 

@@ -60,6 +60,12 @@ struct ProgramValue {
   std::string name, value;
 };
 
+/// A stack of the program's and how deep it has been (cpu.stack_marks).
+struct StackUse {
+  std::string name;
+  uint32_t top, lowest;
+};
+
 /// Everything that a run has to say when it is over.
 struct RunResult {
   int code = exit_code::pass;
@@ -81,10 +87,12 @@ struct RunResult {
   std::string uart0_sha256;
   std::vector<Input> inputs;
   std::vector<ProgramValue> program_settings;
+  std::vector<StackUse> stacks;          ///< empty unless they were followed
   std::string command;                   ///< a command that reproduces the run
   std::vector<std::string> lost;         ///< a sentence for each output that is not whole
   std::string divergence;                ///< "" unless model and RTL of the coprocessor differ
   std::string fault_report;              ///< "" unless the firmware crashed
+  std::string place_report;              ///< "" unless it was ended where it should not have been
   std::optional<golden::Golden> golden;  ///< only when it was asked for
 };
 

@@ -12,6 +12,7 @@
 #include "run/host_ports.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
+#include "run/stack_marks.h"
 #include "run/trace_settings.h"
 #include "support/setting_fields.h"
 
@@ -87,6 +88,15 @@ struct LimitSettings {
           .in(0, 1e6)
           .is_host_side()
           .by({"--timelimit", "S", "End after so many seconds of the host with exit 124"})};
+  NumberField realtime{
+      all, setting("run.realtime", SettingKind::number, "0",
+                   "simulated seconds a second of the host, which waits where it is faster; 0: as "
+                   "fast as it can")
+               .in(0, 1e6)
+               .is_host_side()
+               .by({"--realtime", "[FACTOR]",
+                    "Pace simulated time to the host's (1; 0.1: ten times slower)",
+                    SettingOption::Form::optional_value, "1"})};
   NumberField idle_s{
       all, setting("run.end_on_idle", SettingKind::number, "0",
                    "end with 0 when only timers woke the program, and only to sleep again, for so "
@@ -103,6 +113,7 @@ class RunSettings : public Settings {
   TraceSettings trace{*this};
   CpuSettings cpu{*this};
   MemorySettings memory{*this};
+  StackSettings stacks{*this};
   LimitSettings limits{*this};
   UartSettings uarts{*this};
   SemihostingSettings semihosting{*this};

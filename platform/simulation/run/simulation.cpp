@@ -65,6 +65,7 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
       restore_(std::move(restore)),
       backend_(std::move(backend)),
       soc_("soc", soc_config(settings, backend_)),
+      view_(soc_, inputs_),
       metrics_(inputs_.make_metrics()),
       match_(inputs_.sensor_file, inputs_.source->description(), inputs_.recorded_speed,
              [this](const std::string& sentence) {
@@ -74,9 +75,10 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
       progress_(isatty(STDERR_FILENO) != 0),
       observation_(soc_, *inputs_.source, metrics_, match_, progress_,
                    settings.golden() || !settings.results.record().empty()),
-      priorities_(soc_, inputs_.program, static_cast<unsigned>(settings.cpu.priority_bits())),
+      priorities_(soc_, view_, static_cast<unsigned>(settings.cpu.priority_bits())),
       limit_("limit", settings.limits.simulated_s()),
-      host_limit_(settings.limits.host_s()) {}
+      host_limit_(settings.limits.host_s()),
+      real_time_(settings.limits.realtime()) {}
 
 Simulation::~Simulation() {
   kit::set_guest_error_context({});
@@ -92,25 +94,28 @@ std::optional<Error> Simulation::load() {
   if (settings_.stop_in_fault())
     soc_.cpu.core().listeners().hopeless = [this] { return soc_.watchdog_is_off(); };
   if (backend_.lockstep != nullptr) backend_.lockstep->on_difference([] { sc_core::sc_stop(); });
-  kit::set_guest_error_context([this] {
-    const uint32_t pc = soc_.cpu.core().reg(15);
-    return fmt::format("pc {:#010x} {}", pc, inputs_.program.symbolise(pc));
-  });
+  kit::set_guest_error_context([this] { return view_.here(); });
   return std::nullopt;
 }
 
 /// What belongs to the host.
 std::optional<Error> Simulation::open() {
-  soc_.cpu.set_interrupted([this] { return interrupted(); });
+  soc_.cpu.set_interrupted([this] {
+    pace();
+    return interrupted();
+  });
   // Before anything is opened that a signal should close again.
   host::note_end_signals();
-  auto tracer = attach_tracer(settings_, soc_, inputs_.program, inputs_.further_images);
+  auto tracer = attach_tracer(settings_, view_);
   if (!tracer) return Error{tracer.error()};
   tracer_ = std::move(tracer.value());
+  if (auto error = stacks_.begin(settings_.stacks)) return error;
   auto ports = HostPorts::open(settings_, soc_, inputs_.program, inputs_.program_file,
                                [this] { return interrupted(); });
   if (!ports) return Error{ports.error()};
   ports_ = std::move(ports.value());
+  if (real_time_.on()) ports_->pace_by([this] { pace(); });
+  if (!settings_.uarts.fail.empty()) printed_lines_.begin();
   checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
   if (auto error = checkpoints_->plan()) return error;
   soc_.cpu.set_pause(checkpoints_->next(),
@@ -129,6 +134,7 @@ std::vector<checkpoint::Part> Simulation::parts() {
                      archive("sensor_match", match_);
                      archive("sensor_warnings", result_.sensor_warnings);
                      archive("priorities", priorities_);
+                     archive("vectors", vectors_);
                    }});
   parts.push_back({"host", [this](kit::Archive& archive) { ports_->visit(archive); }});
   return parts;
@@ -148,6 +154,11 @@ bool Simulation::restore() {
   checkpoints_->restored();
   ports_->restored();
   return true;
+}
+
+void Simulation::pace() {
+  if (!soc_.cpu.waits_for_resume())
+    real_time_.pace(sc_core::sc_time_stamp(), [this] { return host_limit_.reached(); });
 }
 
 bool Simulation::interrupted() {
@@ -215,8 +226,12 @@ std::vector<std::string> Simulation::close() {
 
 RunResult Simulation::finish() {
   result_.command = reproducing_command(settings_);
+  pace();  // a sleep that the end of the run cut short
+  if (real_time_.lost_s() > 0)
+    spdlog::warn("realtime: the host was too slow, or stopped, for {:.3g} s in all",
+                 real_time_.lost_s());
   std::vector<std::string> lost = close();
-  conclude(settings_, soc_, *ports_, limit_, host_limit_.out_of_time(), result_);
+  conclude(settings_, soc_, *ports_, stacks_, limit_, host_limit_.out_of_time(), result_);
   result_.errors = metrics_.angle_errors();
   take_verdict(inputs_.program, soc_, result_);
   priorities_.finish(result_.code == exit_code::pass);
@@ -225,11 +240,19 @@ RunResult Simulation::finish() {
   take_losses(std::move(lost), result_);
   ports_->tell_debugger(result_.code);
   take_figures(soc_, metrics_, ports_->uarts(), result_);
+  for (const StackMark& mark : stacks_.marks())
+    result_.stacks.push_back({stacks_.name_of(mark), mark.top, mark.lowest});
   result_.inputs = inputs_.files(settings_);
   for (const loader::ProgramSetting& setting : inputs_.program_settings.all())
     result_.program_settings.push_back({setting.name, inputs_.program_settings.value(setting)});
-  if (result_.code == exit_code::crashed)
-    result_.fault_report = describe_fault(soc_.cpu.core(), inputs_.program);
+  const Findings findings{vectors_.text(), stacks_.text()};
+  if (!stacks_.overflow().empty() || result_.code == exit_code::limit)
+    result_.place_report = describe_place(view_, findings);
+  else if (result_.code == exit_code::crashed)
+    result_.fault_report = describe_fault(view_, findings);
+  else if (const auto uart = ports_->uarts().failed())
+    result_.place_report =
+        describe_line(ports_->uarts().line(*uart), view_, printed_lines_.call_stack(*uart));
   return std::move(result_);
 }
 

@@ -10,11 +10,16 @@
 #include "run/coprocessor_backend.h"
 #include "run/host_ports.h"
 #include "run/observation.h"
+#include "run/printed_lines.h"
 #include "run/priority_report.h"
+#include "run/program_view.h"
 #include "run/progress.h"
+#include "run/real_time.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
 #include "run/run_limits.h"
+#include "run/stack_marks.h"
+#include "run/vector_report.h"
 #include "soc/soc.h"
 #include "support/result.h"
 #include "trace/tracer.h"
@@ -65,6 +70,7 @@ class Simulation {
   std::optional<Error> plan_restore();
   bool restore();
   bool interrupted();
+  void pace();
   sc_core::sc_time pause(const sc_core::sc_time& now);
   std::vector<std::string> close();
 
@@ -75,14 +81,19 @@ class Simulation {
   std::optional<Error> not_restored_;
   CoprocessorBackend backend_;  // its device is the SoC's
   soc::Soc soc_;
+  ProgramView view_;
+  PrintedLines printed_lines_{view_};
   RunResult result_;
   metrics::Metrics metrics_;
   metrics::SensorMatch match_;
   Progress progress_;
   Observation observation_;
   PriorityReport priorities_;
+  VectorReport vectors_{soc_, view_};
+  StackMarks stacks_{view_};
   Limit limit_;
   HostLimit host_limit_;
+  RealTime real_time_;
   std::unique_ptr<trace::Tracer> tracer_;
   std::unique_ptr<HostPorts> ports_;
   std::unique_ptr<Checkpoints> checkpoints_;

@@ -24,18 +24,17 @@ trace::TraceOptions trace_options(const RunSettings& settings) {
 
 }  // namespace
 
-Result<std::unique_ptr<trace::Tracer>> attach_tracer(
-    const RunSettings& settings, soc::Soc& soc, const loader::ElfImage& program,
-    const std::vector<loader::ElfImage>& further_images) {
+Result<std::unique_ptr<trace::Tracer>> attach_tracer(const RunSettings& settings,
+                                                     const ProgramView& view) {
   const trace::TraceOptions options = trace_options(settings);
   if (settings.coprocessor.backend() == Backend::model && !settings.trace.waves().empty() &&
       !settings.coprocessor.waves().empty())
     return Error{
         "--waves and --trace-waves are the same waves with --coprocessor tlm; give one of them"};
   if (!options.any()) return std::unique_ptr<trace::Tracer>();
-  std::vector<const loader::ElfImage*> images = {&program};
-  for (const loader::ElfImage& further : further_images) images.push_back(&further);
-  return trace::Tracer::attach(soc, options, images);
+  const source::Program& program = view.program();
+  return trace::Tracer::attach(view.soc(), options, program.images(),
+                               [&program](uint32_t address) { return program.line_at(address); });
 }
 
 }  // namespace capsoc::run

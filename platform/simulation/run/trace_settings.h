@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "run/program_view.h"
 #include "support/result.h"
 #include "support/setting_fields.h"
 #include "trace/tracer.h"
@@ -66,8 +67,7 @@ struct TraceSettings {
 
 /// What they ask for, attached, or null. The waves of a run with the model alone are the SoC's, so
 /// results.waves names them, too. An Error as Tracer::attach() has it.
-Result<std::unique_ptr<trace::Tracer>> attach_tracer(
-    const RunSettings& settings, soc::Soc& soc, const loader::ElfImage& program,
-    const std::vector<loader::ElfImage>& further_images);
+Result<std::unique_ptr<trace::Tracer>> attach_tracer(const RunSettings& settings,
+                                                     const ProgramView& view);
 
 }  // namespace capsoc::run

@@ -76,6 +76,7 @@ void UartLines::connect(std::size_t number) {
 /// Runs while the host may have something to say; then it is what keeps a sleeping board alive.
 void UartLines::look() {
   flush();
+  if (pace_) pace_();
   const auto now = std::chrono::steady_clock::now();
   if (now - looked_ >= shortest_look) {
     looked_ = now;
@@ -83,7 +84,7 @@ void UartLines::look() {
     if (!soc_.cpu.waits_for_resume())
       for (peripherals::Uart* uart : soc_.uarts()) uart->look_for_input();
     // With nothing else to do, simulated time need not race.
-    if (!sc_core::sc_pending_activity()) std::this_thread::sleep_for(idle_nap);
+    if (!pace_ && !sc_core::sc_pending_activity()) std::this_thread::sleep_for(idle_nap);
     if (give_up_()) return sc_core::sc_stop();
   }
   if (std::any_of(lines_.begin(), lines_.end(), [](const auto& line) { return line->live(); }))
@@ -106,6 +107,12 @@ const serial::SerialLine* UartLines::matched() const {
   for (const auto& line : lines_)
     if (line->match() && (found == nullptr || line->match()->failed)) found = line.get();
   return found;
+}
+
+std::optional<std::size_t> UartLines::failed() const {
+  for (std::size_t n = 0; n < lines_.size(); ++n)
+    if (const auto& match = lines_[n]->match(); match && match->failed) return n;
+  return std::nullopt;
 }
 
 std::vector<std::string> UartLines::failures() const {

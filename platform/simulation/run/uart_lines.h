@@ -48,6 +48,10 @@ class UartLines : public sc_core::sc_module {
   /// Opens what the settings name. An Error is a wrong setting; nothing was sent.
   std::optional<Error> open(const UartSettings& settings);
 
+  /// Called once a simulated millisecond while the host decides when bytes come, before it is asked
+  /// for them: then it is who decides how fast simulated time goes.
+  void pace_by(std::function<void()> pace) { pace_ = std::move(pace); }
+
   /// What the UARTs sent is with the host, as far as the host takes it.
   void flush();
   /// At the end of the run: what is on the lines, too, and everything delivered.
@@ -55,6 +59,8 @@ class UartLines : public sc_core::sc_module {
 
   /// The line that ended the run by --until-uart or --fail-uart; null: none did.
   const serial::SerialLine* matched() const;
+  /// The UART that --fail-uart ended the run for.
+  std::optional<std::size_t> failed() const;
   const serial::SerialLine& line(std::size_t number) const { return *lines_[number]; }
   void visit(kit::Archive& archive);
 
@@ -67,6 +73,7 @@ class UartLines : public sc_core::sc_module {
 
   soc::Soc& soc_;
   serial::GiveUp give_up_;
+  std::function<void()> pace_;  ///< empty: nobody paces
   std::array<std::unique_ptr<serial::SerialLine>, soc::Soc::uart_count> lines_;
   std::array<kit::Listening, soc::Soc::uart_count> transmitted_;
   std::chrono::steady_clock::time_point looked_;

@@ -18,8 +18,10 @@ bool ends_with(const std::string& text, const std::string& end) {
 }  // namespace
 
 Result<std::unique_ptr<Tracer>> Tracer::attach(soc::Soc& soc, const TraceOptions& options,
-                                               const std::vector<const loader::ElfImage*>& images) {
+                                               const std::vector<const loader::ElfImage*>& images,
+                                               LineOf line_of) {
   std::unique_ptr<Tracer> tracer(new Tracer(soc, options));
+  tracer->line_of_ = std::move(line_of);
   for (const loader::ElfImage* image : images) tracer->functions_.add(*image);
   if (!images.empty())
     tracer->program_ = std::filesystem::path(images.front()->path).filename().string();
@@ -75,7 +77,7 @@ void Tracer::connect() {
     soc_.cpu.core().listeners().translated = [this](const cortex_m3::Translation& translation) {
       translation_->put(translation);
     };
-  soc_.cpu.core().set_observer(this, stepping, bus_ != nullptr);
+  soc_.cpu.core().add_observer(*this, stepping, bus_ != nullptr);
   if (bus_ != nullptr || waves_ != nullptr)
     transfers_ = soc_.ahb.transfers.listen(
         [this](const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
@@ -87,7 +89,7 @@ void Tracer::connect() {
 
 Tracer::~Tracer() {
   soc_.cpu.core().listeners().translated = nullptr;
-  soc_.cpu.core().set_observer(nullptr, false, false);
+  soc_.cpu.core().remove_observer(*this);
 }
 
 uint64_t Tracer::picoseconds_of(uint64_t cycle) const {
@@ -220,9 +222,10 @@ std::vector<Error> Tracer::finish() {
   if (bus_ != nullptr) keep(bus_->finish());
   if (calls_ != nullptr) {
     calls_->finish(core);
-    keep(host::write_whole(options_.profile, ends_with(options_.profile, ".folded")
-                                                 ? to_folded(*calls_, functions_)
-                                                 : to_callgrind(*calls_, functions_, program_)));
+    keep(host::write_whole(options_.profile,
+                           ends_with(options_.profile, ".folded")
+                               ? to_folded(*calls_, functions_)
+                               : to_callgrind(*calls_, functions_, program_, line_of_)));
   }
   if (waves_ != nullptr) keep(waves_->finish(picoseconds(sc_core::sc_time_stamp())));
   if (translation_ != nullptr) keep(translation_->finish());

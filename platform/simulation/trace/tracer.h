@@ -15,6 +15,7 @@
 #include "trace/call_tree.h"
 #include "trace/functions.h"
 #include "trace/instruction_trace.h"
+#include "trace/profile.h"
 #include "trace/translation_trace.h"
 #include "trace/waves.h"
 #include "trace/window.h"
@@ -39,10 +40,11 @@ struct TraceOptions {
 /// simulation's speed and nothing else.
 class Tracer : private cortex_m3::Observer {
  public:
-  /// `images`: where the symbols are. An Error: a file that cannot be written or a wrong bound;
-  /// nothing is left behind. `soc` must outlive it.
+  /// `images`: where the symbols are; `line_of` is asked at the end, for the profile. An Error: a
+  /// file that cannot be written or a wrong bound; nothing is left behind. `soc` must outlive it.
   static Result<std::unique_ptr<Tracer>> attach(soc::Soc& soc, const TraceOptions& options,
-                                                const std::vector<const loader::ElfImage*>& images);
+                                                const std::vector<const loader::ElfImage*>& images,
+                                                LineOf line_of);
   ~Tracer() override;
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
@@ -82,6 +84,7 @@ class Tracer : private cortex_m3::Observer {
   std::unique_ptr<TranslationTrace> translation_;
   kit::Listening transfers_, results_;
   std::string program_;
+  LineOf line_of_;
 };
 
 }  // namespace capsoc::trace

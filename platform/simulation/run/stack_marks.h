@@ -1,0 +1,86 @@
+// How deep the program's stacks have been, and whether one went too deep.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run/program_view.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "support/setting_fields.h"
+
+namespace capsoc::run {
+
+struct StackSettings {
+  Settings& all;
+  FlagField marks{
+      all,
+      setting("cpu.stack_marks", SettingKind::flag, "false",
+              "how deep each stack has been, in reports and results; each instruction is looked "
+              "at, which takes several times as long")
+          .is_host_side()};
+  TextField limit{
+      all,
+      setting("cpu.stack_limit", SettingKind::text, "",
+              "a stack that goes below this address (0x...) or symbol from above it ends the run "
+              "with 5; several, separated by commas; with cpu.stack_marks' cost")};
+};
+
+/// A stack that was seen: the main one, or one that PSP pointed into.
+struct StackMark {
+  bool process = false;
+  uint32_t top = 0, lowest = 0;  ///< greatest and least stack pointer
+  uint32_t instruction = 0;      ///< that made it the least
+  uint32_t suspended_at = 0;     ///< of a process stack: PSP when it was left
+};
+
+/// Follows both stack pointers, instruction by instruction. A process stack is a new one when
+/// Thread mode goes on at a PSP at which none was left.
+class StackMarks : private cortex_m3::Observer {
+ public:
+  explicit StackMarks(const ProgramView& view) : view_(view) {}
+  ~StackMarks() override;
+  StackMarks(const StackMarks&) = delete;
+  StackMarks& operator=(const StackMarks&) = delete;
+
+  /// Looks on from now on, if the settings ask for it. An Error: a limit that is neither a symbol
+  /// nor an address.
+  std::optional<Error> begin(const StackSettings& settings);
+
+  /// A sentence on the stack that went below a limit, "" if none did.
+  const std::string& overflow() const { return overflow_; }
+  const std::vector<StackMark>& marks() const { return stacks_; }
+  /// A line for each stack, indented by four; "" without marks.
+  std::string text() const;
+  /// "MSP" or "PSP", and the object that the stack lies in, if there is one.
+  std::string name_of(const StackMark& mark) const;
+
+ private:
+  struct Limit {
+    uint32_t address;
+    std::string name;
+  };
+  std::optional<Error> add_limit(const std::string& text);
+
+  void issued(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
+  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
+  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+               uint64_t since) override;
+  void returned(const cortex_m3::Core& core, unsigned exception) override;
+  void accessed(const cortex_m3::Core&, const cortex_m3::DirectAccess&) override {}
+  void started(const cortex_m3::Core& core) override;
+
+  StackMark& main_stack();
+  StackMark& process_stack(uint32_t psp);
+  void look(StackMark& stack, uint32_t stack_pointer, uint32_t instruction);
+
+  const ProgramView& view_;
+  std::vector<Limit> limits_;
+  std::vector<StackMark> stacks_;  ///< the first one is MSP's
+  std::size_t process_ = 0;        ///< PSP's present one; 0: none
+  std::string overflow_;
+};
+
+}  // namespace capsoc::run
