@@ -252,6 +252,36 @@ TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
   EXPECT_GT(outcome.faults, 0u);
 }
 
+TEST(Flags, GoFromOneAdditionWithCarryToTheNextThoughTheBlockIsCutBetweenThem) {
+  for (unsigned divisions = 0; divisions <= 20; ++divisions) {
+    SCOPED_TRACE(divisions);
+    agreed([divisions](Bench& b) {
+      uint32_t at = Bench::program;
+      b.start({});
+      for (unsigned n = 0; n < divisions; ++n, at += 4) b.code(at, {0xFBB5, 0xF4F6});  // udiv
+      b.code(at, {0x1840}), at += 2;                                   // adds r0,r0,r1
+      for (unsigned n = 0; n < 9; ++n, at += 2) b.code(at, {0x4152});  // adcs r2,r2
+      const uint32_t back = (Bench::program - (at + 4)) / 2 & 0x7FF;
+      b.code(at, {static_cast<uint16_t>(0xE000u | back)});
+      b.core.set_reg(1, 0x8765'4321);
+      b.core.set_reg(2, 1);
+      b.core.set_reg(5, 0x7FFF'FFFF);
+      b.core.set_reg(6, 3);
+    });
+  }
+}
+TEST(Flags, GoToASubtractionWithCarryThatIsNotTranslated) {
+  // subs r0,r0,r1; sbcs r2,r2,r3; sbcs sp,r4,r5 (UNPREDICTABLE, so left to C++); mov sp,r6; b .-12
+  const Outcome outcome = agreed([](Bench& b) {
+    b.start({0x1A40, 0x419A, 0xEB74, 0x0D05, 0x46B5, 0xE7F9});
+    b.core.set_reg(1, 0x1234'5678);
+    b.core.set_reg(3, 0x8000'0001);
+    b.core.set_reg(4, 0x7777'0000);
+    b.core.set_reg(5, 0x1111'0000);
+    b.core.set_reg(6, Bench::stack);
+  });
+  EXPECT_EQ(outcome.faults, 0u);
+}
 TEST(Branches, BxToAnEvenAddressIsAFaultThoughItsCodeIsTranslated) {
   const Outcome outcome = agreed([](Bench& b) {
     b.start({0x4051, 0x4708});  // eors r1,r2; bx r1: odd, and even in the end

@@ -425,9 +425,11 @@ void BlockEmitter::emit_with_carry(const Step& step) {
   in_host(subtract ? HostFlags::difference : HostFlags::sum);
   set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
   set_sources(c_bit | v_bit, {Of::host, {}, {}, 0});
-  const Step* next = index_ + 1 < steps_.size() ? steps_[index_ + 1] : nullptr;
+  // Nobody else sees the carry if the next step takes it at once, and is translated.
+  const Step* next = index_ + 1 < cut_ && index_ + 1 < steps_.size() ? steps_[index_ + 1] : nullptr;
   const bool chained = next != nullptr && effects_of(*next).kills == all_flags &&
-                       traits(next->operation).flags == FlagEffect::with_carry;
+                       traits(next->operation).flags == FlagEffect::with_carry &&
+                       is_translated(*next);
   if (!chained) settle_carries(want & (c_bit | v_bit));
   if (!chained && (want & (c_bit | v_bit)) != (c_bit | v_bit))
     set_sources(static_cast<uint8_t>((c_bit | v_bit) & ~want), {});
