@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "bus/address_map.h"
+#include "bus/apb_bridge.h"
 #include "cli/commands.h"
 #include "host/console.h"
 #include "run/results.h"
