@@ -41,7 +41,9 @@ class Translator(unittest.TestCase):
     def run_with(self, program, *options, **how):
         """What the run came to, without what the host's clock says, and what it said."""
         path = self.folder / "r.json"
-        done = subprocess.run([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", path, *map(str, options)],
+        # Turns of polling loops that are skipped are no executor's.
+        done = subprocess.run([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", path, "-C", "cpu.fast_forward=false",
+                               *map(str, options)],
                               capture_output=True, timeout=300, check=False, env=CLEAN, **how)
         self.assertTrue(path.exists(), done.stderr.decode())
         result = json.loads(path.read_text())
