@@ -153,7 +153,7 @@ std::string ProgramView::pointed_at(uint32_t value) const {
     if (!text.empty()) return about + " = " + text;
     return word ? fmt::format("{} = {:#010x}", about, *word) : about;
   }
-  if (const std::string text = text_at(value); !text.empty()) return text;
+  if (std::string text = text_at(value); !text.empty()) return text;
   if (value < plain_number) return "";
   const std::string where = location(value);
   return where.rfind("no ", 0) == 0 ? "" : where;
