@@ -122,7 +122,7 @@ void StackMarks::started(const cortex_m3::Core& core) {
 }
 
 std::string StackMarks::name_of(const StackMark& mark) const {
-  const std::string name = mark.process ? "PSP" : "MSP";
+  std::string name = mark.process ? "PSP" : "MSP";
   const loader::Symbol* object = view_.program().object_at(mark.top - 4);
   if (object == nullptr || object->is_code) return name;
   return fmt::format("{} ({}, {} bytes)", name, object->name, object->size);
