@@ -239,6 +239,21 @@ TEST(Windows, CodeThatIsDecodedLaterIsNotWrittenThroughAnOlderWindow) {
 }
 
 /// What nobody reads is still seen by a fault between.
+TEST(Limits, AreKeptByBlocksThatWaitForSlowMemory) {
+  constexpr unsigned wait_states = 5;
+  Bench stepping(wait_states), translated(wait_states);
+  stepping.core.set_executor(Executor::stepping);
+  choose(translated.core, Executor::translator);
+  for (Bench* b : {&stepping, &translated}) {
+    // ldmia r0,{r1-r4} three times; b .-12: the code waits, and so do the words that it loads
+    b->start({0xE890, 0x001E, 0xE890, 0x001E, 0xE890, 0x001E, 0xE7F8});
+    b->core.set_reg(0, 0x2000);
+  }
+  for (uint64_t until = 1; until < 100'000; until += 613) {
+    for (Bench* b : {&stepping, &translated}) b->core.run(until);
+    ASSERT_EQ(outcome_of(stepping), outcome_of(translated)) << until;
+  }
+}
 TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
   const Outcome outcome = agreed([](Bench& b) {
     // cmp r0,r1; sdiv r2,r3,r4; cmp r5,r6; b
