@@ -175,6 +175,15 @@ TEST_P(Timing, TheStateOfThePipelineDoesNotDependOnWhereARunEnds) {
   }
 }
 
+TEST_P(Timing, TheSlowestMemoryThatMayBeIsTimedInFull) {
+  Bench b(timing::most_wait_states);
+  choose(b.core, GetParam());
+  b.start({0xE890, 0x5FFF, 0xE7FE});  // ldm r0,{r0-r12,lr}: one word of code, 1 + 14 cycles
+  b.core.set_reg(0, Bench::ram_base);
+  const uint64_t before = b.core.cycles();  // the vectors were read
+  b.core.run(before + 1);
+  EXPECT_EQ(b.core.cycles() - before, 15u + timing::most_wait_states);
+}
 TEST_P(Timing, WhatADebuggerWritesTakesNoTime) {
   Bench b;
   choose(b.core, GetParam());

@@ -97,6 +97,11 @@ class Determinism(unittest.TestCase):
             self.assertEqual(outcome, results["10 us"], name)
 
 
+    def test_memory_that_waits_takes_time_and_changes_nothing_else(self):
+        quick, slow = (run(FIRMWARE / "bench_tasks.elf", "-C", f"memory.code_sram.wait_states={n}") for n in (0, 3))
+        self.assertEqual(quick[0].stdout, slow[0].stdout)
+        self.assertGreater(slow[1]["cpu"]["cycles"], 2 * quick[1]["cpu"]["cycles"])
+
     def test_skipping_the_turns_of_polling_loops_changes_nothing(self):
         # Their output waits for the transmitter in a loop; the first also waits for timers.
         for program in ("drivers", "hello", "bench_polling"):

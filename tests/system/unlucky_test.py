@@ -617,7 +617,8 @@ class Numbers(Case):
         self.assertIn("cpu.quantum_ns", listed)
         for setting, values in (("sensor.adc_bits", ("-1", "33", "11")), ("itm.port", ("-1", "32")),
                                 ("trace.depth", ("-1", "1e8", "1.5")), ("semihosting.epoch_s", ("-1",)),
-                                ("gdb.port", ("-2", "65536")), ("cpu.quantum_ns", ("0", "1e10", "nan"))):
+                                ("gdb.port", ("-2", "65536")), ("cpu.quantum_ns", ("0", "1e10", "nan")),
+                                ("memory.psram.wait_states", ("-1", "201", "1.5"))):
             for value in values:
                 with self.subTest(setting=setting, value=value):
                     self.refuse("run", HELLO, "-C", f"{setting}={value}", saying=(setting,))

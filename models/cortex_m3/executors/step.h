@@ -34,9 +34,8 @@ struct Step : DecodedOp {
   mutable const Step* link = nullptr;  // first step of the block a branch within the page leads to
   uint16_t cycles_before = 0;          // of the operations before it in its block
   uint16_t instructions_to = 0;        // instructions up to and including this one
-  uint16_t block_cycles =
-      0;               // of a block's first step: bound on what the block and the way to it take
-  uint16_t trail = 0;  // timing::Trail it leaves
+  uint16_t block_cycles = 0;           // of a block's first step: bound on it and the way to it
+  uint16_t trail = 0;                  // timing::Trail it leaves
 };
 static_assert(sizeof(Step) == 64);
 

@@ -56,14 +56,14 @@ enum class CycleClass : uint8_t {
 /// | WFI, WFE                  | 1 + W          | 1 + the sleep                                   |
 /// | failed condition          | 1              | 1                                               |
 ///
-/// P, the refill of the pipeline, is "1 to 3 depending on the alignment and width of the target
-/// instruction, and whether the processor manages to speculate the address early" (3.3.1). An
-/// earlier issue (DDI 0337E, 18.1) says more: one cycle where the branch holds its target as a
-/// number, two where it is in a register, and longer to a 32-bit instruction that is not aligned,
-/// since its halves are in two words: a cycle more here. Where the target is loaded it is three
-/// whatever the target (3.3.2, of LDR PC, TBB and TBH). Wait states come on top: of a data access
-/// once an access, of a fetch once a word that the instruction begins in. The parts of an unaligned
-/// access beyond the first take a cycle each.
+/// P, the refill of the pipeline, is between 1 and 3 (3.3.1); it hangs on where the target lies,
+/// how wide it is, and how early its address is known. An earlier issue (DDI 0337E, 18.1) says
+/// more: one cycle where the branch holds its target as a number, two where it is in a register,
+/// and longer to a 32-bit instruction that is not aligned, since its halves are in two words: a
+/// cycle more here. Where the target is loaded it is three whatever the target (3.3.2, of LDR PC,
+/// TBB and TBH). Wait states come on top: of a data access once an access, of a fetch once a word
+/// that the instruction begins in. The parts of an unaligned access beyond the first take a cycle
+/// each.
 ///
 /// Not known, and not modelled: when LDR Rx, [PC, #imm] pays its cycle for contention with the
 /// fetch (3.3.2: "might"), how far the prefetch buffer of three words hides the wait states of
@@ -72,6 +72,10 @@ enum class CycleClass : uint8_t {
 namespace timing {
 constexpr unsigned refill_immediate = 1, refill_register = 2, refill_loaded = 3;
 constexpr unsigned most_refill = 3;
+
+/// Most wait states that a memory may have: the time of any instruction with those of its fetch
+/// fits the byte that a decoded one has for it (an LDM of 16 registers takes 17 cycles).
+constexpr unsigned most_wait_states = 200;
 
 /// What a refill of one or two cycles takes longer because of the instruction it leads to.
 inline unsigned refill_beyond(const DecodedOp& target) {

@@ -7,9 +7,8 @@
 
 namespace capsoc::run {
 
-/// A line for each pending exception with the reason for which the processor does not take it, and
-/// one with the priority that the present code has; indented by four. Faults are left out if
-/// `without_faults`: what an escalated one was escalated from.
+/// A line for each pending exception with the reason for which the processor does not take it,
+/// indented by four; "" if none is pending.
 std::string describe_pending(const soc::Soc& soc);
 
 /// The priority that code has beside its faults, in words: what masks it, or which exception runs.

@@ -69,7 +69,7 @@ struct MemorySettings {
   static Setting wait_states(const std::string& memory, const char* cycles) {
     return setting("memory." + memory + ".wait_states", SettingKind::integer, cycles,
                    "cycles that each word of the " + memory + " waits for beyond its own")
-        .in(0, 255);
+        .in(0, cortex_m3::timing::most_wait_states);
   }
 };
 
