@@ -70,6 +70,11 @@ void Core::remove_observer(Observer& observer) {
   observers_changed();
 }
 
+void Core::count_executions(ExecutionCounts* counts) {
+  machine_.counts = counts;
+  machine_.memory.invalidate_all_code();
+}
+
 void Core::observers_changed() {
   machine_.listeners.observer = observers_.all();
   machine_.listeners.sees_instructions = observers_.see_instructions();
@@ -140,6 +145,14 @@ std::optional<StopReason> Core::service() {
 }
 
 StopReason Core::run(uint64_t until_cycle) {
+  if (machine_.counts == nullptr) return execute(until_cycle);
+  machine_.counts->begins(machine_.state.pc);
+  const StopReason reason = execute(until_cycle);
+  machine_.counts->ends(machine_.state.pc);
+  return reason;
+}
+
+StopReason Core::execute(uint64_t until_cycle) {
   State& state = machine_.state;
   Requests& requests = machine_.requests;
   while (true) {
@@ -149,7 +162,10 @@ StopReason Core::run(uint64_t until_cycle) {
                           state.semihosting_exit || state.reset_request ||
                           requests.has(Requests::stops);
       if (!may_go) return StopReason::budget;
-      if (std::optional<StopReason> reason = service()) return *reason;
+      const uint32_t before = state.pc;
+      const std::optional<StopReason> reason = service();
+      if (machine_.counts != nullptr) machine_.counts->moved(before, state.pc);
+      if (reason) return *reason;
       continue;
     }
     if (state.cycles >= until_cycle) return StopReason::budget;

@@ -141,11 +141,15 @@ class Core {
   void add_observer(Observer& observer, bool instructions, bool accesses);
   void remove_observer(Observer& observer);
   Debugging& debugging() { return machine_.debugging; }
+  /// Counts from now on, between two runs; null: nobody any more. They stay the caller's.
+  void count_executions(ExecutionCounts* counts);
 
  private:
+  StopReason execute(uint64_t until_cycle);
   std::optional<StopReason> service();
   std::optional<StopReason> stop_wanted();
   void expire_systick();
+  std::optional<Turn> measure_turn();
   void step_observed();
   bool is_interrupted() const;
   void observers_changed();

@@ -3,6 +3,7 @@
 #include "cortex_m3/debugging.h"
 #include "cortex_m3/event.h"
 #include "cortex_m3/exceptions.h"
+#include "cortex_m3/execution_counts.h"
 #include "cortex_m3/executors/blocks.h"
 #include "cortex_m3/executors/translator/host_context.h"
 #include "cortex_m3/listeners.h"
@@ -30,6 +31,7 @@ class Machine {
   SystemSpace system;
   Debugging debugging;
   Listeners listeners;
+  ExecutionCounts* counts = nullptr;  // null: nobody counts
 
   Core& core() { return core_; }
   const Core& core() const { return core_; }
@@ -70,6 +72,10 @@ class Machine {
   /// What both executors do behind an operation that left: account for it, then see to its event.
   void account(const Step& op);
   void conclude(const Step& op);
+  /// In between, while executions are counted.
+  void count(const Step& op) {
+    if (event.kind == Event::Kind::none) counts->left(op, state.pc);
+  }
   /// Takes the event.
   void handle_event();
 
@@ -93,6 +99,7 @@ inline void Machine::conclude(const Step& op) {
   if (event.kind == Event::Kind::exception_return) event.return_address = op.address;
   state.trail = timing::no_trail;
   handle_event();
+  if (counts != nullptr) counts->moved(next_address(op), state.pc);
 }
 
 template <typename T>

@@ -31,6 +31,17 @@ struct Place {
 }  // namespace
 
 std::optional<Core::Turn> Core::repeat_turn() {
+  ExecutionCounts* const counts = machine_.counts;
+  if (counts == nullptr) return measure_turn();
+  counts->begins(machine_.state.pc);
+  counts->record(true);
+  const std::optional<Turn> turn = measure_turn();
+  counts->record(false);
+  counts->ends(machine_.state.pc);
+  return turn;
+}
+
+std::optional<Core::Turn> Core::measure_turn() {
   State& state = machine_.state;
   const Listeners& listeners = machine_.listeners;
   const bool is_seen = listeners.sees_instructions || listeners.sees_accesses ||
@@ -64,6 +75,7 @@ void Core::skip_turns(const Turn& turn, uint64_t until_cycle) {
   const uint64_t turns = (until - state.cycles) / turn.cycles;
   state.cycles += turns * turn.cycles;
   state.instructions += turns * turn.instructions;
+  if (machine_.counts != nullptr) machine_.counts->repeat(turns);
 }
 
 }  // namespace capsoc::cortex_m3

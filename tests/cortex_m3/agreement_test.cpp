@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <optional>
 #include <random>
 
 #include "bench.h"
 #include "board.h"
 #include "cortex_m3/isa/decoder.h"
 #include "executors.h"
+#include "step_counts.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -89,6 +91,12 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
     choose(b.core, GetParam());
     prepare(a, seed);
     prepare(b, seed);
+    std::optional<StepCounts> steps;
+    ExecutionCounts executed;
+    if (seed % 2 == 0) {
+      steps.emplace(a.core);
+      b.core.count_executions(&executed);
+    }
     std::mt19937 random(seed * 7919);
     for (unsigned slice = 0; slice < 12; ++slice) {
       const uint64_t longest = seed % 2 == 0 ? 200 : 1500;
@@ -108,6 +116,9 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
       }
     }
     ASSERT_EQ(a.ram, b.ram) << "seed " << seed;
+    if (steps) {
+      ASSERT_NO_FATAL_FAILURE(expect_same_counts(*steps, executed)) << "seed " << seed;
+    }
     instructions += b.core.instructions();
     faults += b.core.fault_count();
     translated += b.core.translation().value_or(TranslationCounts{}).instructions;

@@ -13,6 +13,7 @@
 #include "cortex_m3/isa/decoder.h"
 #include "cortex_m3/isa/unpredictable.h"
 #include "executors.h"
+#include "step_counts.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -218,6 +219,12 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
     if (seed % 7 == 0) b.core.set_translation_threshold(20);
     prepare_loops(a, seed);
     prepare_loops(b, seed);
+    std::optional<StepCounts> steps;
+    ExecutionCounts executed;
+    if (seed % 2 == 0) {
+      steps.emplace(a.core);
+      b.core.count_executions(&executed);
+    }
     std::mt19937 random(seed * 7919);
     for (unsigned slice = 0; slice < 10; ++slice) {
       const uint64_t until = a.core.cycles() + 1 + random() % 3000;
@@ -237,6 +244,9 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
     const auto differs = std::mismatch(a.ram.begin(), a.ram.end(), b.ram.begin()).first;
     ASSERT_EQ(differs - a.ram.begin(), static_cast<std::ptrdiff_t>(a.ram.size()))
         << "first byte of RAM that differs, seed " << seed;
+    if (steps) {
+      ASSERT_NO_FATAL_FAILURE(expect_same_counts(*steps, executed)) << "seed " << seed;
+    }
     instructions += b.core.instructions();
     const TranslationCounts counts = b.core.translation().value_or(TranslationCounts{});
     translated += counts.instructions;

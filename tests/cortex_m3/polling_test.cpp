@@ -3,6 +3,7 @@
 
 #include "bench.h"
 #include "executors.h"
+#include "step_counts.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -46,6 +47,29 @@ TEST_F(Polling, ATurnIsMeasuredAndRepeatedExactly) {
     EXPECT_EQ(skipping.core.cycles(), plain.core.cycles());
     EXPECT_EQ(skipping.core.instructions(), plain.core.instructions());
   }
+}
+TEST_F(Polling, SkippedTurnsAreCounted) {
+  Bench skipping, plain;
+  StepCounts steps(plain.core);
+  ExecutionCounts counts;
+  skipping.core.count_executions(&counts);
+  for (Bench* bench : {&skipping, &plain}) {
+    // ldr r0,[r4]; lsls r0,#31; ite ne; movne r1,#1; moveq r1,#2; cmp r1,#1; bne .-12; b .
+    bench->start({0x6820, 0x07C0, 0xBF14, 0x2101, 0x2102, 0x2901, 0xD1F8, 0xE7FE});
+    bench->core.set_reg(4, 0x40000000);
+    bench->core.run(40);
+  }
+  const auto turn = skipping.core.repeat_turn();
+  ASSERT_TRUE(turn);
+  skipping.core.skip_turns(*turn, 5000);
+  for (Bench* bench : {&skipping, &plain}) {
+    bench->core.run(5000);
+    bench->device = 1;
+    bench->core.run(5100);
+    EXPECT_EQ(bench->core.reg(15), Bench::program + 14);
+  }
+  EXPECT_EQ(skipping.core.instructions(), plain.core.instructions());
+  expect_same_counts(steps, counts);
 }
 TEST_F(Polling, ALoopThatCallsAFunctionIsOne) {
   // bl +4; beq .-4; b .; ldr r0,[r4]; tst r0,r0; bx lr

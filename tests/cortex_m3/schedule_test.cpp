@@ -10,6 +10,7 @@
 #include "bench.h"
 #include "board.h"
 #include "executors.h"
+#include "step_counts.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {
@@ -37,6 +38,9 @@ TEST_P(Schedules, TakeRandomInterruptsAtTheSameInstructionAndCycleAsStepping) {
   ASSERT_TRUE(stepping.loaded()) << elf;
   stepping.core.set_executor(Executor::stepping);
   choose(blocks.core, GetParam());
+  StepCounts steps(stepping.core);
+  ExecutionCounts executed;
+  blocks.core.count_executions(&executed);
   std::mt19937 random(1);
   auto run_both = [&](uint64_t until) {
     for (Board* board : {&stepping, &blocks}) {
@@ -75,6 +79,7 @@ TEST_P(Schedules, TakeRandomInterruptsAtTheSameInstructionAndCycleAsStepping) {
     ASSERT_EQ(std::memcmp(stepping.ram.data(), blocks.ram.data(), 128 << 10), 0)
         << "schedule " << schedule;
   }
+  ASSERT_NO_FATAL_FAILURE(expect_same_counts(steps, executed));
   std::printf("schedules: %lu, %llu instructions, %llu faults\n", schedules,
               static_cast<unsigned long long>(blocks.core.instructions()),
               static_cast<unsigned long long>(blocks.core.fault_count()));

@@ -124,9 +124,11 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
   if (steps.empty()) return nullptr;
   const std::vector<bool> dead = dead_flags(steps);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const Step* next = i + 1 < steps.size() ? &steps[i + 1] : nullptr;
-    Execute::bind_in_block(steps[i], dead[i], next);
+    const bool fuses = i + 1 < steps.size() && machine_.counts == nullptr;
+    Execute::bind_in_block(steps[i], dead[i], fuses ? &steps[i + 1] : nullptr);
+    if (machine_.counts != nullptr) Execute::bind_counted(steps[i]);
   }
+  if (machine_.counts != nullptr) machine_.counts->line(steps.front().address);
   steps.push_back(closing_step(address, steps.back()));
   Execute::bind(steps.back());
   steps.front().block_cycles = static_cast<uint16_t>(most);
@@ -217,6 +219,7 @@ void Blocks::run_to_limit(const Step* first) {
     }
     if (Execute::one(machine_, *op)) continue;
     machine_.account(*op);
+    if (machine_.counts != nullptr) machine_.count(*op);
     return machine_.conclude(*op);
   }
 }

@@ -13,6 +13,8 @@ struct Execute {
   /// For a step of a block: the quickest chain, given what is known about the steps around it.
   /// `flags_dead`: no operation sees the flags it sets; `next` follows it, or is null.
   static void bind_in_block(Step& step, bool flags_dead, const Step* next);
+  /// For a step of a block, bound otherwise, while executions are counted.
+  static void bind_counted(Step& step);
 
   static const Executors* data_executors(const DecodedOp& op);
   static const Executors* memory_executors(const DecodedOp& op);
@@ -73,6 +75,7 @@ struct Execute {
   template <Handler one>
   static const Step* chain(Machine&, const Step*);
   static const Step* conditional_chain(Machine&, const Step*);
+  static const Step* counted_chain(Machine&, const Step*);
   template <unsigned condition>
   static const Step* linked_branch(Machine&, const Step*);
   template <bool zero>

@@ -59,6 +59,7 @@ bool Execute::unpredictable(Machine& cpu, const Step& op) {
 bool Execute::conditional(Machine& cpu, const Step& op) {
   if (cpu.state.condition_passed(op.condition)) return op.body->one(cpu, op);
   cpu.state.cycles -= op.cycles - 1u;  // skipped in one cycle
+  if (cpu.counts != nullptr) cpu.counts->skipped(op);
   return true;
 }
 
@@ -87,6 +88,17 @@ void Execute::bind(Step& step) {
   if (writes_sp && !keeps_sp_aligned(step)) step.body = &both<align_sp>;
   if (unpredictable_encoding(step)) step.body = &both<unpredictable>;
   step.chain = step.condition == condition_always ? step.body->chain : conditional_chain;
+}
+
+const Step* Execute::counted_chain(Machine& cpu, const Step* op) {
+  if (one(cpu, *op)) return go_on(cpu, op + 1);
+  cpu.count(*op);
+  return Blocks::leave(cpu, *op);
+}
+
+void Execute::bind_counted(Step& step) {
+  if (ends_block(step) || is(step, kind::any_branch) || step.condition != condition_always)
+    step.chain = counted_chain;
 }
 
 void Execute::bind_in_block(Step& step, bool flags_dead, const Step* next) {

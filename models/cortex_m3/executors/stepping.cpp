@@ -26,6 +26,7 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
   const uint32_t address = state.pc;
   if (!fetch(address, first) || (is_wide(first) && !fetch(address + 2, second))) {
     faulted();
+    if (machine_.counts != nullptr) machine_.counts->moved(address, state.pc);
     return true;
   }
   Step step;
@@ -33,6 +34,7 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
   if (Execute::cannot_continue(step)) {
     machine_.fault(step, Cause::invalid_state);
     faulted();
+    if (machine_.counts != nullptr) machine_.counts->moved(address, state.pc);
     return true;
   }
   if (permits != nullptr && !permits(step)) return false;
@@ -43,7 +45,10 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
   Execute::bind(step);
   const Listeners& listeners = machine_.listeners;
   if (listeners.sees_instructions) listeners.observer->issued(machine_.core(), step);
-  if (Execute::one(machine_, step)) state.pc = next_address(step);
+  if (Execute::one(machine_, step))
+    state.pc = next_address(step);
+  else if (machine_.counts != nullptr)
+    machine_.count(step);
   machine_.account(step);
   if (listeners.sees_instructions) listeners.observer->retired(machine_.core(), step);
   machine_.conclude(step);

@@ -371,6 +371,7 @@ void BlockEmitter::emit_conditional_group() {
     saved += step.cycles - 1u;
     sets = sets || step.set_flags || step.operation == Operation::cmp_high;
   }
+  const uint32_t first = steps_[index_]->address;
   protect(written, 0, all_flags);
   if (sets) settle_all();
   const bool always = condition_code >= condition_always;
@@ -388,8 +389,10 @@ void BlockEmitter::emit_conditional_group() {
   for (unsigned n = 0; n < 16; ++n)
     if ((written >> n & 1) != 0 && n != 13) values_[n].reset();
   if (always) return;
-  if (open_ && saved != 0) a_.jmp(join);
+  const bool counts = machine_.counts != nullptr;
+  if (open_ && (saved != 0 || counts)) a_.jmp(join);
   a_.bind(skip);
+  if (counts) count(machine_.counts->skips(first, next_address(*steps_[index_])));
   if (saved != 0) a_.add(x86::r15, constant(uint64_t{saved} << 32));
   a_.bind(join);
   open_ = true;

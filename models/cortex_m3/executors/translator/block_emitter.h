@@ -182,6 +182,10 @@ class BlockEmitter {
   uint8_t wanted(const Step& step) const { return step.set_flags ? visible_[index_] : 0; }
   void keep_host_flags() { host_kept_ = true; }
 
+  // emit_counts.cpp: while executions are counted; they change rax, rdx and the host's flags
+  void count(uint64_t* counter);
+  void count_departure(const Step& step);
+
   // emit_data.cpp
   void emit_data(const Step& step);
   void emit_logical(const Step& step);

@@ -89,6 +89,7 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
   exit.pc = target;
   exit.recipe = recipe;
   exit.trail = refill != 0 ? timing::trail_refill : static_cast<timing::Trail>(step.trail);
+  if (machine_.counts != nullptr && refill != 0) count(machine_.counts->branch(step, target));
   a_.sub(x86::r15, constant(cost(step, refill)));
   const Label out = stub(exit);
   const auto number = static_cast<uint32_t>(exits_.size() - 1);
@@ -161,6 +162,7 @@ void BlockEmitter::find_entry(const Step& step) {
 /// Accounts for the block and goes to the code at rcx; State::pc has its address.
 void BlockEmitter::go_to_entry(const Step& step, unsigned refill) {
   a_.mov(context(&context_.recipe, 4), 0);
+  if (machine_.counts != nullptr) count_departure(step);
   a_.sub(x86::r15, constant(cost(step, refill)));
   const bool to_be_completed = refill < timing::most_refill;
   BlockExit exit;
