@@ -51,8 +51,15 @@ Result<std::vector<Segment>> read_segments(const std::string& path, Elf* elf, ui
   return segments;
 }
 
-std::vector<Symbol> read_symbols(Elf* elf) {
-  std::vector<Symbol> symbols;
+/// '$t' and '$d', or '$t.anything'.
+bool is_mapping(const char* name) {
+  return name[0] == '$' && (name[1] == 't' || name[1] == 'd') &&
+         (name[2] == '\0' || name[2] == '.');
+}
+
+void read_symbols(Elf* elf, ElfImage& image) {
+  std::vector<Symbol>& symbols = image.symbols;
+  std::vector<Mapping>& mappings = image.mappings;
   for (Elf_Scn* section = nullptr; (section = elf_nextscn(elf, section)) != nullptr;) {
     GElf_Shdr header;
     if (gelf_getshdr(section, &header) == nullptr || header.sh_type != SHT_SYMTAB) continue;
@@ -66,7 +73,8 @@ std::vector<Symbol> read_symbols(Elf* elf) {
       const auto type = GELF_ST_TYPE(symbol.st_info);
       if (type != STT_FUNC && type != STT_OBJECT && type != STT_NOTYPE) continue;
       const char* name = elf_strptr(elf, header.sh_link, symbol.st_name);
-      // '$t' and '$d' are mapping symbols of the ARM ELF supplement, not names.
+      if (name != nullptr && is_mapping(name) && symbol.st_shndx != SHN_UNDEF)
+        mappings.push_back({static_cast<uint32_t>(symbol.st_value), name[1] == 't'});
       if (name == nullptr || *name == '\0' || *name == '$' || symbol.st_shndx == SHN_UNDEF)
         continue;
       const auto address = static_cast<uint32_t>(symbol.st_value) & (type == STT_FUNC ? ~1u : ~0u);
@@ -80,7 +88,8 @@ std::vector<Symbol> read_symbols(Elf* elf) {
   std::stable_sort(symbols.begin(), symbols.end(), [](const Symbol& a, const Symbol& b) {
     return a.address != b.address ? a.address < b.address : a.weak && !b.weak;
   });
-  return symbols;
+  std::stable_sort(mappings.begin(), mappings.end(),
+                   [](const Mapping& a, const Mapping& b) { return a.address < b.address; });
 }
 
 }  // namespace
@@ -98,6 +107,12 @@ const Symbol* ElfImage::symbol_at(uint32_t address) const {
     return &*it;
   }
   return nullptr;
+}
+
+bool ElfImage::is_code(uint32_t address) const {
+  const auto next = std::upper_bound(mappings.begin(), mappings.end(), address,
+                                     [](uint32_t a, const Mapping& m) { return a < m.address; });
+  return next != mappings.begin() && std::prev(next)->is_code;
 }
 
 std::string ElfImage::symbolise(uint32_t address) const {
@@ -170,7 +185,7 @@ Result<ElfImage> parse_elf(const std::string& path, std::string bytes) {
   image.path = path;
   image.entry = static_cast<uint32_t>(header.e_entry);
   image.segments = std::move(segments.value());
-  image.symbols = read_symbols(elf.get());
+  read_symbols(elf.get(), image);
   image.file = std::make_shared<const std::string>(std::move(bytes));
   return image;
 }

@@ -27,17 +27,27 @@ struct Symbol {
   bool is_code = false;  ///< a function, or a label of assembly
 };
 
+/// Where code or data begins inside a section (ELF for the Arm Architecture, mapping symbols).
+struct Mapping {
+  uint32_t address;
+  bool is_code;
+};
+
 /// What an ELF file holds for a Cortex-M.
 struct ElfImage {
   std::string path;
   uint32_t entry = 0;
   std::vector<Segment> segments;
-  std::vector<Symbol> symbols;  ///< sorted by address
+  std::vector<Symbol> symbols;    ///< sorted by address
+  std::vector<Mapping> mappings;  ///< sorted by address
   /// The file's bytes, for its debug information; null for what is no ELF file.
   std::shared_ptr<const std::string> file;
 
   /// The symbol that covers the address (Thumb bit ignored), null if there is none.
   const Symbol* symbol_at(uint32_t address) const;
+
+  /// Whether the file says that code is there; without mapping symbols it does not.
+  bool is_code(uint32_t address) const;
 
   /// "name+0x12" of the symbol that covers the address (Thumb bit ignored), "" if there is none.
   std::string symbolise(uint32_t address) const;

@@ -109,6 +109,9 @@ std::optional<Error> Simulation::open() {
   auto tracer = attach_tracer(settings_, view_);
   if (!tracer) return Error{tracer.error()};
   tracer_ = std::move(tracer.value());
+  auto coverage = attach_coverage(settings_, view_);
+  if (!coverage) return Error{coverage.error()};
+  coverage_ = std::move(coverage.value());
   if (auto error = stacks_.begin(settings_.stacks)) return error;
   auto ports = HostPorts::open(settings_, soc_, inputs_.program, inputs_.program_file,
                                [this] { return interrupted(); });
@@ -214,6 +217,7 @@ std::vector<std::string> Simulation::close() {
   kit::set_guest_error_context({});
   if (tracer_ != nullptr)
     for (const Error& error : tracer_->finish()) keep(error);
+  if (coverage_ != nullptr) keep(coverage_->finish());
   result_.divergence = divergence_of(settings_, backend_.lockstep, soc_);
   if (backend_.rtl != nullptr && backend_.lockstep == nullptr) backend_.rtl->close_waves();
   if (backend_.waves) keep(backend_.waves->finish());

@@ -22,6 +22,7 @@
 #include "run/vector_report.h"
 #include "soc/soc.h"
 #include "support/result.h"
+#include "trace/coverage.h"
 #include "trace/tracer.h"
 
 namespace capsoc::run {
@@ -95,6 +96,7 @@ class Simulation {
   HostLimit host_limit_;
   RealTime real_time_;
   std::unique_ptr<trace::Tracer> tracer_;
+  std::unique_ptr<trace::Coverage> coverage_;
   std::unique_ptr<HostPorts> ports_;
   std::unique_ptr<Checkpoints> checkpoints_;
   sc_core::sc_time stop_at_ = sc_core::sc_max_time();

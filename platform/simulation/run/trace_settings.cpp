@@ -37,4 +37,11 @@ Result<std::unique_ptr<trace::Tracer>> attach_tracer(const RunSettings& settings
                                [&program](uint32_t address) { return program.line_at(address); });
 }
 
+Result<std::unique_ptr<trace::Coverage>> attach_coverage(const RunSettings& settings,
+                                                         const ProgramView& view) {
+  const std::string file = settings.trace.coverage();
+  if (file.empty()) return std::unique_ptr<trace::Coverage>();
+  return trace::Coverage::attach(view.soc(), view.program(), file);
+}
+
 }  // namespace capsoc::run

@@ -7,6 +7,7 @@
 #include "run/program_view.h"
 #include "support/result.h"
 #include "support/setting_fields.h"
+#include "trace/coverage.h"
 #include "trace/tracer.h"
 
 namespace capsoc::run {
@@ -33,6 +34,14 @@ struct TraceSettings {
                .by({"--profile", "FILE",
                     "Cycles of functions and calls, for kcachegrind or, as FILE.folded, for a "
                     "flame graph"})};
+  TextField coverage{
+      all, setting("trace.coverage", SettingKind::output, "",
+                   "where the coverage of the source goes (lcov), added to what it has; empty: "
+                   "nowhere")
+               .is_place()
+               .by({"--coverage", "FILE.info",
+                    "Executions of lines, functions and branches, for genhtml; added to a FILE of "
+                    "the same program"})};
   TextField waves{
       all, setting("trace.waves", SettingKind::output, "",
                    "where the waves of the SoC go (FST); empty: nowhere")
@@ -69,5 +78,9 @@ struct TraceSettings {
 /// results.waves names them, too. An Error as Tracer::attach() has it.
 Result<std::unique_ptr<trace::Tracer>> attach_tracer(const RunSettings& settings,
                                                      const ProgramView& view);
+
+/// The same for the coverage.
+Result<std::unique_ptr<trace::Coverage>> attach_coverage(const RunSettings& settings,
+                                                         const ProgramView& view);
 
 }  // namespace capsoc::run
