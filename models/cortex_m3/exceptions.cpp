@@ -96,8 +96,10 @@ bool Exceptions::can_be_preempted() const {
 
 void Exceptions::pend(unsigned number) {
   State& state = machine_.state;
-  if (!state.nvic.is_pending(number) && state.scb.sends_event_on_pend())
-    state.event_register = true;
+  if (!state.nvic.is_pending(number)) {
+    if (state.scb.sends_event_on_pend()) state.event_register = true;
+    if (machine_.listeners.pended) machine_.listeners.pended(number);
+  }
   state.nvic.set_pending(number, true);
   machine_.requests.raise(Requests::changed);
 }

@@ -52,6 +52,8 @@ struct Listeners {
   /// (NMI, reset). Then run() ends with `stuck`. Empty: it never does.
   std::function<bool()> hopeless;
 
+  /// Each time that an exception becomes pending which was not, but for faults.
+  std::function<void(unsigned exception)> pended;
   /// Each block that is translated. Costs a text of each.
   std::function<void(const Translation&)> translated;
 

@@ -217,5 +217,64 @@ class Stacks(unittest.TestCase):
             self.assertEqual(report.count("\n"), 1)
 
 
+class Schedule(unittest.TestCase):
+    """Who had the processor, and how long interrupts waited, against the traces."""
+
+    def run_traced(self, *options):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        places = [Path(folder.name) / name for name in ("r.json", "i.txt", "b.txt")]
+        capsoc(FIRMWARE / "threads.elf", "--json", places[0], "--trace-instructions", places[1], "--trace-bus", places[2],
+               *options, code=0)
+        return json.loads(places[0].read_text()), places[1].read_text().splitlines(), places[2].read_text().splitlines()
+
+    def test_latencies_are_from_the_write_that_pends_to_the_first_instruction(self):
+        result, instructions, bus = self.run_traced("--latencies")
+        pends = [int(line.split()[0]) for line in bus if " ppb " in line and " write " in line and " e000ed04 " in line]
+        firsts = [int(after.split()[0]) for line, after in zip(instructions, instructions[1:]) if "--> exception 14" in line]
+        waits = [first - max(pend for pend in pends if pend < first) for first in firsts]
+        self.assertGreater(len(waits), 5)
+        pend_sv, = (entry for entry in result["interrupts"] if entry["exception"] == 14)
+        self.assertEqual(pend_sv["name"], "PendSV")
+        self.assertEqual(pend_sv["count"], len(waits))
+        self.assertEqual(pend_sv["latency_cycles"],
+                         {"least": min(waits), "mean": sum(waits) / len(waits), "most": max(waits)})
+        for entry in pend_sv["histogram"]:
+            self.assertEqual(entry["count"], sum(entry["from"] <= wait <= entry["to"] for wait in waits))
+        self.assertEqual(sum(entry["count"] for entry in pend_sv["histogram"]), len(waits))
+
+    def test_the_time_of_a_task_is_that_between_its_exceptions(self):
+        result, instructions, _ = self.run_traced("-C", "tasks.current=current")
+        spent, running, since = {}, None, 0
+        for line, after in zip(instructions, instructions[1:]):
+            if "--> exception" in line and running is not None:
+                spent[running] = spent.get(running, 0) + int(line.split()[0]) - since
+                running = None
+            elif "<-- exception" in line and ", back to " in line:
+                place = line.rsplit(" ", 1)[1].split("+")[0]
+                running, since = ("trespass" if "trespass" in place else "count"), int(after.split()[0])
+        tasks = {task["address"]: task for task in result["tasks"]}
+        self.assertEqual(sum(task["cycles"] for task in tasks.values()), result["cpu"]["cycles"])
+        self.assertEqual(len(tasks), 3)
+        del tasks[0]
+        # The thread that trespasses calls nothing but itself; what the other one calls is its.
+        self.assertEqual(sorted(task["cycles"] for task in tasks.values()), sorted(spent.values()))
+
+    def test_they_change_nothing_and_are_not_there_unasked(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "r.json"
+            results = []
+            for options in ([], ["--latencies", "-C", "tasks.current=current"]):
+                capsoc(FIRMWARE / "threads.elf", "--json", path, *options, code=0)
+                results.append(json.loads(path.read_text()))
+            self.assertEqual(results[0]["cpu"]["cycles"], results[1]["cpu"]["cycles"])
+            self.assertEqual(results[0]["uart0"], results[1]["uart0"])
+            self.assertFalse({"tasks", "interrupts"} & set(results[0]))
+
+    def test_a_task_pointer_that_is_no_symbol_is_refused(self):
+        report = capsoc(FIRMWARE / "threads.elf", "-C", "tasks.current=curent", code=2)
+        self.assertIn("tasks.current = curent: is no symbol of the program; give one (did you mean current", report)
+
+
 if __name__ == "__main__":
     unittest.main()

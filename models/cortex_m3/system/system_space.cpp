@@ -141,8 +141,11 @@ void SystemSpace::write_interrupts(uint32_t address, const LaneWrite& write) {
   State& state = machine_.state;
   const uint64_t before = state.nvic.pending();
   state.nvic.write(address, write);
-  const bool newly = address == ppb::NVIC_ISPR && (state.nvic.pending() & ~before) != 0;
-  if (newly && state.scb.sends_event_on_pend()) state.event_register = true;
+  const uint64_t newly = address == ppb::NVIC_ISPR ? state.nvic.pending() & ~before : 0;
+  if (newly != 0 && state.scb.sends_event_on_pend()) state.event_register = true;
+  if (!machine_.listeners.pended) return;
+  for (uint64_t left = newly; left != 0; left &= left - 1)
+    machine_.listeners.pended(static_cast<unsigned>(__builtin_ctzll(left)));
 }
 
 void SystemSpace::write_icsr(uint32_t value) {

@@ -183,6 +183,28 @@ ordered_json translator_json(const cortex_m3::TranslationCounts& counts) {
             {"stepping", share(counts.stepped)}}}};
 }
 
+ordered_json task_json(const TaskTime& task, uint64_t cycles) {
+  return {
+      {"name", task.name},
+      {"address", task.address},
+      {"cycles", task.cycles},
+      {"share", cycles == 0 ? 0.0 : static_cast<double>(task.cycles) / static_cast<double>(cycles)},
+      {"switches", task.switches}};
+}
+
+ordered_json interrupt_json(const InterruptWait& wait) {
+  ordered_json j;
+  j["exception"] = wait.exception;
+  j["name"] = wait.name;
+  j["count"] = wait.count;
+  j["latency_cycles"] = {{"least", wait.least},
+                         {"mean", static_cast<double>(wait.sum) / static_cast<double>(wait.count)},
+                         {"most", wait.most}};
+  for (const InterruptWait::Bin& bin : wait.histogram)
+    j["histogram"].push_back({{"from", bin.from}, {"to", bin.to}, {"count", bin.count}});
+  return j;
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
@@ -224,6 +246,9 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
                            {"bytes", stack.top - stack.lowest},
                            {"top", stack.top},
                            {"lowest", stack.lowest}});
+  for (const TaskTime& task : result.tasks) j["tasks"].push_back(task_json(task, result.cycles));
+  for (const InterruptWait& wait : result.interrupt_waits)
+    j["interrupts"].push_back(interrupt_json(wait));
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
   if (!result.place_report.empty()) j["place_report"] = result.place_report;
   return j;

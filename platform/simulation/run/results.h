@@ -66,6 +66,24 @@ struct StackUse {
   uint32_t top, lowest;
 };
 
+/// What a task of the program's operating system had of the processor (tasks.current).
+struct TaskTime {
+  std::string name;
+  uint32_t address;  ///< 0: no task's, handlers and what ran before the first task
+  uint64_t cycles, switches;
+};
+
+/// Cycles from pending to the first instruction of the handler (results.latencies).
+struct InterruptWait {
+  struct Bin {
+    uint64_t from, to, count;
+  };
+  unsigned exception;
+  std::string name;
+  uint64_t count, least, most, sum;
+  std::vector<Bin> histogram;
+};
+
 /// Everything that a run has to say when it is over.
 struct RunResult {
   int code = exit_code::pass;
@@ -87,9 +105,11 @@ struct RunResult {
   std::string uart0_sha256;
   std::vector<Input> inputs;
   std::vector<ProgramValue> program_settings;
-  std::vector<StackUse> stacks;          ///< empty unless they were followed
-  std::string command;                   ///< a command that reproduces the run
-  std::vector<std::string> lost;         ///< a sentence for each output that is not whole
+  std::vector<StackUse> stacks;                ///< empty unless they were followed
+  std::vector<TaskTime> tasks;                 ///< empty unless they were followed
+  std::vector<InterruptWait> interrupt_waits;  ///< ditto
+  std::string command;                         ///< a command that reproduces the run
+  std::vector<std::string> lost;               ///< a sentence for each output that is not whole
   std::string divergence;                ///< "" unless model and RTL of the coprocessor differ
   std::string fault_report;              ///< "" unless the firmware crashed
   std::string place_report;              ///< "" unless it was ended where it should not have been

@@ -12,6 +12,7 @@
 #include "run/host_ports.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
+#include "run/schedule.h"
 #include "run/stack_marks.h"
 #include "run/trace_settings.h"
 #include "support/setting_fields.h"
@@ -114,6 +115,7 @@ class RunSettings : public Settings {
   CpuSettings cpu{*this};
   MemorySettings memory{*this};
   StackSettings stacks{*this};
+  ScheduleSettings schedule{*this};
   LimitSettings limits{*this};
   UartSettings uarts{*this};
   SemihostingSettings semihosting{*this};

@@ -113,6 +113,7 @@ std::optional<Error> Simulation::open() {
   if (!coverage) return Error{coverage.error()};
   coverage_ = std::move(coverage.value());
   if (auto error = stacks_.begin(settings_.stacks)) return error;
+  if (auto error = schedule_.begin(settings_.schedule)) return error;
   auto ports = HostPorts::open(settings_, soc_, inputs_.program, inputs_.program_file,
                                [this] { return interrupted(); });
   if (!ports) return Error{ports.error()};
@@ -244,6 +245,7 @@ RunResult Simulation::finish() {
   take_losses(std::move(lost), result_);
   ports_->tell_debugger(result_.code);
   take_figures(soc_, metrics_, ports_->uarts(), result_);
+  schedule_.finish(result_);
   for (const StackMark& mark : stacks_.marks())
     result_.stacks.push_back({stacks_.name_of(mark), mark.top, mark.lowest});
   result_.inputs = inputs_.files(settings_);

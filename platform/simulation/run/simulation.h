@@ -18,6 +18,7 @@
 #include "run/results.h"
 #include "run/run_inputs.h"
 #include "run/run_limits.h"
+#include "run/schedule.h"
 #include "run/stack_marks.h"
 #include "run/vector_report.h"
 #include "soc/soc.h"
@@ -92,6 +93,7 @@ class Simulation {
   PriorityReport priorities_;
   VectorReport vectors_{soc_, view_};
   StackMarks stacks_{view_};
+  Schedule schedule_{view_};
   Limit limit_;
   HostLimit host_limit_;
   RealTime real_time_;

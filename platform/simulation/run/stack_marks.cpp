@@ -3,25 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <sstream>
 
-#include "support/nearest.h"
-#include "support/printable.h"
+#include "run/symbols.h"
 
 namespace capsoc::run {
 namespace {
 
 constexpr std::size_t most_stacks = 256;  // what a guest can make us keep
 constexpr uint32_t basic_frame = 0x20;    // bytes that an exception stacks (B1.5.6)
-
-std::optional<uint32_t> as_address(const std::string& text) {
-  if (text.rfind("0x", 0) != 0 || text.size() < 3 || text.size() > 10) return std::nullopt;
-  char* end = nullptr;
-  const unsigned long value = std::strtoul(text.c_str() + 2, &end, 16);
-  if (*end != '\0') return std::nullopt;
-  return static_cast<uint32_t>(value);
-}
 
 }  // namespace
 
@@ -30,16 +20,10 @@ StackMarks::~StackMarks() {
 }
 
 std::optional<Error> StackMarks::add_limit(const std::string& text) {
-  auto address = as_address(text);
-  if (!address) address = view_.program().address_of(text);
-  if (address) {
-    limits_.push_back({*address, text});
-    return std::nullopt;
-  }
-  const std::string nearest = nearest_names(text, view_.program().symbol_names());
-  return Error{fmt::format(
-      "cpu.stack_limit = {}: is no symbol of the program; give one{}, or an address (0x20001000)",
-      printable(text), nearest.empty() ? "" : " (did you mean " + nearest + "?)")};
+  const auto address = address_of(text, "cpu.stack_limit", view_.program());
+  if (!address) return Error{address.error()};
+  limits_.push_back({address.value(), text});
+  return std::nullopt;
 }
 
 std::optional<Error> StackMarks::begin(const StackSettings& settings) {

@@ -1,0 +1,97 @@
+// Who had the processor, and how long interrupts waited for it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cortex_m3/observer.h"
+#include "run/program_view.h"
+#include "run/results.h"
+#include "support/result.h"
+#include "support/setting_fields.h"
+
+namespace capsoc::run {
+
+/// How to find the tasks of an operating system, and whether interrupts are timed.
+struct ScheduleSettings {
+  Settings& all;
+  TextField current{all, setting("tasks.current", SettingKind::text, "",
+                                 "where the pointer to the present task is, a symbol or an address "
+                                 "(0x...): times of the tasks in the results; empty: none")
+                             .is_place()};
+  IntegerField name_offset{all, setting("tasks.name_offset", SettingKind::integer, "-1",
+                                        "where in a task its name is, bytes; -1: nowhere")
+                                    .in(-1, 65535)
+                                    .is_place()};
+  FlagField name_is_pointer{all, setting("tasks.name_is_pointer", SettingKind::flag, "false",
+                                         "a pointer to the name is there, not the name itself")
+                                     .is_place()};
+  FlagField latencies{
+      all, setting("results.latencies", SettingKind::flag, "false",
+                   "how long each interrupt waited for its handler, in the results")
+               .is_place()
+               .by({"--latencies", "",
+                    "How long each interrupt waited for its handler, in the results (--json)",
+                    SettingOption::Form::flag, "true"})};
+};
+
+/// Is told of exceptions alone, so it costs next to nothing. Behind --restore it begins anew.
+class Schedule : private cortex_m3::Observer {
+ public:
+  explicit Schedule(const ProgramView& view) : view_(view) {}
+  ~Schedule() override;
+  Schedule(const Schedule&) = delete;
+  Schedule& operator=(const Schedule&) = delete;
+
+  /// Looks on from now on, if the settings ask for it. An Error: tasks.current is neither a symbol
+  /// nor an address.
+  std::optional<Error> begin(const ScheduleSettings& settings);
+  /// Behind the simulation.
+  void finish(RunResult& result);
+
+ private:
+  struct Task {
+    std::string name;
+    uint64_t cycles = 0, switches = 0;
+  };
+  struct Waits {
+    uint64_t count = 0, sum = 0, least = UINT64_MAX, most = 0;
+    std::array<uint64_t, 64> by_size{};  ///< of so many binary digits
+  };
+  struct Entry {
+    unsigned exception = 0;
+    uint64_t waited = 0;
+  };
+
+  void issued(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
+  void retired(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
+  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+               uint64_t since) override;
+  void returned(const cortex_m3::Core& core, unsigned exception) override;
+  void accessed(const cortex_m3::Core&, const cortex_m3::DirectAccess&) override {}
+  void started(const cortex_m3::Core& core) override;
+
+  void pended(unsigned exception);
+  void charge(uint64_t until);
+  void look_at_task();
+  void note_entry();
+  std::optional<uint32_t> read_word(uint32_t address) const;
+  std::string name_of(uint32_t task) const;
+
+  const ProgramView& view_;
+  const ScheduleSettings* settings_ = nullptr;
+  std::optional<uint32_t> current_;  ///< the pointer's address
+  bool times_interrupts_ = false;
+  std::map<uint32_t, Task> tasks_;  ///< 0: handlers and what ran before the first task
+  uint32_t running_ = 0, last_task_ = 0;
+  uint64_t since_ = 0;
+  std::array<uint64_t, 64> pended_at_{};  ///< by exception; `never`: it does not wait
+  std::array<Waits, 64> waits_{};
+  std::optional<Entry> entry_;  ///< of the handler that has just been entered
+};
+
+}  // namespace capsoc::run
