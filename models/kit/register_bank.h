@@ -29,6 +29,9 @@ class Register {
 
   const registers::RegisterDescription& description() const { return description_; }
 
+  /// True if a read does something.
+  bool is_changed_by_reads() const { return static_cast<bool>(read_); }
+
   /// The hardware's side: no callback runs and access does not matter.
   uint32_t get() const { return value_; }
   void set(uint32_t value) { value_ = value; }

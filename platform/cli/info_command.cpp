@@ -4,8 +4,11 @@
 #include "bus/address_map.h"
 #include "bus/apb_bridge.h"
 #include "cli/commands.h"
+#include "cli/refuse.h"
 #include "host/console.h"
+#include "host/files.h"
 #include "run/results.h"
+#include "soc/board_registers.h"
 
 namespace capsoc::cli {
 namespace {
@@ -46,12 +49,22 @@ int info_command() {
   return run::exit_code::pass;
 }
 
+int write_svd(const std::string& file) {
+  // SystemC prints notes of its own on stdout.
+  sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  const soc::Soc soc("soc", {});
+  if (const auto error = host::write_whole(file, soc::board_svd(soc))) return refuse(error->text);
+  return run::exit_code::pass;
+}
+
 }  // namespace
 
 void add_info(CLI::App& app, int& code) {
-  app.add_subcommand("info", "Versions and the memory map")->callback([&code] {
-    code = info_command();
-  });
+  CLI::App* const info = app.add_subcommand("info", "Versions and the memory map");
+  auto file = std::make_shared<std::string>();
+  info->add_option("--svd", *file, "Write the registers of the whole board there (CMSIS-SVD)")
+      ->type_name("FILE");
+  info->callback([file, &code] { code = file->empty() ? info_command() : write_svd(*file); });
 }
 
 }  // namespace capsoc::cli

@@ -7,7 +7,9 @@
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "host/console.h"
+#include "host/files.h"
 #include "host/places.h"
+#include "soc/board_registers.h"
 #include "support/printable.h"
 #include "support/result.h"
 
@@ -26,7 +28,6 @@ constexpr Part parts[] = {
     {"sources/common", "board"},
     {"sources/drivers", "drivers"},
     {"include/capsoc_device.h", "board/capsoc_device.h"},
-    {"svd/capsoc.svd", "debug/capsoc.svd"},
     {"gdb/svd.py", "debug/svd.py"},
 };
 
@@ -76,6 +77,14 @@ std::error_code bring_part(const fs::path& from, const fs::path& to) {
   return failure;
 }
 
+/// For the debugger and the IDE.
+std::optional<Error> write_registers(const fs::path& file) {
+  // SystemC prints notes of its own on stdout.
+  sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  const soc::Soc soc("soc", {});
+  return host::write_whole(file.string(), soc::board_svd(soc));
+}
+
 std::optional<Error> copy_all(const fs::path& place) {
   for (const Part& part : parts) {
     const fs::path from = host::data_path(part.from);
@@ -88,7 +97,7 @@ std::optional<Error> copy_all(const fs::path& place) {
       return Error{fmt::format("{}: cannot be written ({}); name another folder",
                                printable(place.string(), 200), reason(failure))};
   }
-  return std::nullopt;
+  return write_registers(place / "debug/board.svd");
 }
 
 int new_command(const std::string& folder) {

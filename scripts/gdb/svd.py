@@ -1,6 +1,6 @@
 """Peripheral registers by name in GDB, from a CMSIS-SVD description.
 
-    (gdb) source scripts/gdb/svd.py          # loads models/registers/capsoc.svd beside it
+    (gdb) source scripts/gdb/svd.py          # loads the registers of the whole board
     (gdb) svd load FILE.svd                  # adds another one
     (gdb) svd list [PERIPHERAL]              # peripherals, or the registers of one
     (gdb) svd COPROCESSOR                    # all its registers that can be read
@@ -318,8 +318,11 @@ if gdb is not None:
 
     SvdCommand()
     SvdFunction()
-    HOME = Path(__file__).resolve().parents[1]
-    for DEFAULT in (HOME.parent / "models/registers/capsoc.svd", HOME / "svd/capsoc.svd"):  # the sources; an install tree
+    # Not __file__: in a script that sources this one it is that script's.
+    HERE = Path((lambda: None).__code__.co_filename).resolve().parent
+    for DEFAULT in (HERE / "board.svd",  # a project of capsoc new; the sources, built and not; an install tree
+                    HERE.parents[1] / "build/generated/board.svd", HERE.parents[1] / "models/registers/capsoc.svd",
+                    HERE.parent / "svd/board.svd"):
         if DEFAULT.exists():
             DEVICE.load(DEFAULT)
             break

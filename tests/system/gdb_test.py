@@ -247,6 +247,31 @@ kill
         self.assertRegex(out, r"\[3:2\] +REF +0x[012] (NUMERIC|TRACKING|ANGLE)")
 
 
+    def test_every_register_of_the_board_by_name_from_a_sourced_script(self):
+        """`svd` beside what GDB reads there itself; the command comes by a script that another script sources."""
+        script = """
+import re
+gdb.execute("source %s")
+for name in [line.split()[0] for line in gdb.execute("svd list", to_string=True).splitlines()]:
+  for line in gdb.execute("svd list " + name, to_string=True).splitlines():
+    register, address, access = line.split()[:3]
+    if access == "write-only":
+      continue
+    shown = int(gdb.parse_and_eval('$svd("%%s.%%s")' %% (name, register)))
+    word = int.from_bytes(bytes(gdb.selected_inferior().read_memory(int(address, 16), 4)), "little")
+    print("register", name, register, "same" if shown == word else "differs")
+""" % (SOURCE / "scripts/gdb/svd.py")
+        with tempfile.NamedTemporaryFile("w", suffix=".py") as file, Run(BUILD / "firmware" / "hello.elf", "--halt") as run:
+            file.write(script)
+            file.flush()
+            out = gdb(run, f"\nsource {file.name}\nkill\n", elf=BUILD / "firmware" / "hello.elf")
+            run.end()
+        found = re.findall(r"^register (\w+) (\w+) (same|differs)$", out, re.MULTILINE)
+        self.assertGreater(len(found), 400)
+        self.assertEqual([each for each in found if each[2] != "same"], [])
+        self.assertEqual(len({name for name, _, _ in found}), 26)
+
+
 class Bringup(unittest.TestCase):
     """The whole session in one go, alone and with a second client beside it."""
 

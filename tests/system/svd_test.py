@@ -50,6 +50,14 @@ SCHEMA = {
 }
 
 
+def check_order(test, path):
+    for element in ElementTree.parse(path).iter():
+        order = SCHEMA.get(element.tag, "").split()
+        names = [child.tag for child in element]
+        test.assertEqual([name for name in names if name not in order], [], element.tag)
+        test.assertEqual(names, sorted(names, key=order.index), element.tag)
+
+
 class Own(unittest.TestCase):
     """models/registers/capsoc.svd."""
 
@@ -66,11 +74,7 @@ class Own(unittest.TestCase):
         self.assertEqual(len(own), 3)
 
     def test_elements_stand_in_the_order_of_the_schema(self):
-        for element in ElementTree.parse(SOURCE / "models/registers/capsoc.svd").iter():
-            order = SCHEMA.get(element.tag, "").split()
-            names = [child.tag for child in element]
-            self.assertEqual([name for name in names if name not in order], [], element.tag)
-            self.assertEqual(names, sorted(names, key=order.index), element.tag)
+        check_order(self, SOURCE / "models/registers/capsoc.svd")
 
     def test_names_addresses_and_fields(self):
         _, register, field = self.device.find("coprocessor.status.lock")
@@ -97,6 +101,56 @@ class Own(unittest.TestCase):
                            ("A.B.C.D", "at the most")):
             with self.assertRaisesRegex(svd.SvdError, text):
                 self.device.find(path)
+
+
+class Board(unittest.TestCase):
+    """What `capsoc info --svd` writes: everything modelled."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = Path(folder.name) / "board.svd"
+        subprocess.run([BUILD / "capsoc", "info", "--svd", self.file], check=True)
+        self.device = svd.Device()
+        self.device.load(self.file)
+
+    def test_every_device_of_the_map_is_there_and_the_processor(self):
+        printed = subprocess.run([BUILD / "capsoc", "info"], stdout=subprocess.PIPE, check=True, text=True).stdout
+        devices = {int(base, 16) for base in re.findall(r"^(0x[0-9a-f]+) +0x[0-9a-f]+ +\w+ +device", printed, re.MULTILINE)}
+        own = {0xE0000000, 0xE0001000, 0xE000E000, 0xE000E010, 0xE000E100, 0xE000ED00, 0xE000ED90, 0xE000EDF0}
+        self.assertEqual({p.base for p in self.device.peripherals.values()}, devices | own)
+        for peripheral in self.device.peripherals.values():
+            self.assertTrue(peripheral.registers, peripheral.name)
+
+    def test_addresses_are_the_manuals(self):
+        # ARM DDI 0479 and DDI 0403, tables of registers.
+        for path, address in (("UART3.BAUDDIV", 0x40007010), ("TIMER1.RELOAD", 0x40001008), ("DUAL_TIMER.TIMER2CONTROL", 0x40002028),
+                              ("WATCHDOG.WDOGLOCK", 0x40008C00), ("GPIO2.INTENSET", 0x40012020), ("FPGAIO.BUTTON", 0x40028008),
+                              ("NVIC.ISER", 0xE000E100), ("NVIC.IPR7", 0xE000E41C), ("NVIC.STIR", 0xE000EF00),
+                              ("SCB.CFSR", 0xE000ED28), ("SCB.SHPR3", 0xE000ED20), ("SYSTICK.RVR", 0xE000E014),
+                              ("MPU.RASR_A3", 0xE000EDB8), ("DWT.FUNCTION3", 0xE0001058), ("ITM.TCR", 0xE0000E80),
+                              ("DCB.DEMCR", 0xE000EDFC), ("COPROCESSOR.STATUS", 0x4000C00C)):
+            self.assertEqual(self.device.find(path)[1].address, address, path)
+        self.assertTrue(self.device.find("UART0.DATA")[1].has_side_effect)
+
+    def test_every_named_bit_is_a_bit_of_its_register(self):
+        rows = re.findall(r"^REGISTER_FIELD\((\w+), (\w+), (\w+), (\d+), (\d+)\)",
+                          (SOURCE / "platform/soc/register_fields.def").read_text(), re.MULTILINE)
+        self.assertGreater(len(rows), 100)
+        for kind, register, name, low, bits in rows:
+            of_kind = [p.name for p in self.device.peripherals.values() if p.name.rstrip("0123456789") == kind]
+            self.assertTrue(of_kind, kind)
+            for peripheral in of_kind:
+                field = self.device.find(f"{peripheral}.{register}.{name}")[2]
+                self.assertEqual((field.low, field.high - field.low + 1), (int(low), int(bits)), name)
+        for peripheral in self.device.peripherals.values():
+            for register in peripheral.registers.values():
+                taken = [bit for field in register.fields for bit in range(field.low, field.high + 1)]
+                self.assertEqual(len(taken), len(set(taken)), f"{peripheral.name}.{register.name}: fields overlap")
+
+    def test_it_is_well_formed_in_the_order_of_the_schema(self):
+        subprocess.run(["xmllint", "--noout", self.file], check=True)
+        check_order(self, self.file)
 
 
 class Others(unittest.TestCase):

@@ -39,7 +39,12 @@ uint32_t data_word(const tlm::tlm_generic_payload& payload) {
   return word;
 }
 
-BusTrace::BusTrace(std::unique_ptr<LineFile> file) : file_(std::move(file)) {
+BusTrace::BusTrace(std::unique_ptr<LineFile> file,
+                   const std::vector<soc::BoardPeripheral>& registers)
+    : file_(std::move(file)) {
+  for (const soc::BoardPeripheral& peripheral : registers)
+    for (const soc::BoardRegister& each : peripheral.registers)
+      registers_[each.address] = peripheral.name + "." + each.name;
   file_->heading(fmt::format("{:>12} {:>14}  {:<9} {:<5} {} {:<8}  {:<8}  {:>6} {:<13} {}", "cycle",
                              "time/s", "initiator", "what", "B", "address", "data", "cycles",
                              "status", "target"));
@@ -52,8 +57,11 @@ std::string BusTrace::target(uint32_t address) {
     });
     last_ = found == map_.end() ? nullptr : &*found;
   }
-  if (last_ == nullptr) return "";
-  return fmt::format("{}+{:#x}", last_->name, address - last_->base);
+  std::string text =
+      last_ == nullptr ? "" : fmt::format("{}+{:#x}", last_->name, address - last_->base);
+  if (const auto found = registers_.find(address & ~3u); found != registers_.end())
+    text += (text.empty() ? "" : " ") + found->second;
+  return text;
 }
 
 void BusTrace::put(const BusAccess& access) {

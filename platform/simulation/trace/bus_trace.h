@@ -6,9 +6,12 @@
 #include <optional>
 #include <string>
 #include <tlm>
+#include <unordered_map>
+#include <vector>
 
 #include "bus/address_map.h"
 #include "cortex_m3/core.h"
+#include "soc/board_registers.h"
 #include "trace/line_file.h"
 
 namespace capsoc::trace {
@@ -34,7 +37,8 @@ uint32_t data_word(const tlm::tlm_generic_payload& payload);
 
 class BusTrace {
  public:
-  explicit BusTrace(std::unique_ptr<LineFile> file);
+  /// `registers`: of the board, by their names.
+  BusTrace(std::unique_ptr<LineFile> file, const std::vector<soc::BoardPeripheral>& registers);
   void put(const BusAccess& access);
   std::optional<Error> finish() { return file_->finish(); }
 
@@ -44,6 +48,7 @@ class BusTrace {
   std::unique_ptr<LineFile> file_;
   bus::AddressMap map_ = bus::soc_address_map();
   const bus::MapEntry* last_ = nullptr;
+  std::unordered_map<uint32_t, std::string> registers_;
 };
 
 }  // namespace capsoc::trace

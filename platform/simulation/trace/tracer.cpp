@@ -44,7 +44,7 @@ std::optional<Error> Tracer::open() {
   if (!options_.bus.empty()) {
     auto file = LineFile::open(options_.bus, options_.depth);
     if (!file) return Error{file.error()};
-    bus_ = std::make_unique<BusTrace>(std::move(file.value()));
+    bus_ = std::make_unique<BusTrace>(std::move(file.value()), soc::board_peripherals(soc_));
   }
   if (!options_.profile.empty()) {
     if (auto error = host::check_writable(options_.profile)) return error;
