@@ -46,10 +46,12 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const RunSettings& settings, 
   ports->semihosting_ = std::move(semihosting.value());
 
   if (auto error = ports->uarts_.open(settings.uarts)) return *error;
+  if (auto error = ports->pins_.open(settings.pins)) return *error;
 
   // While a debugger holds the processor, what it printed is to be seen.
   auto gdb = make_gdb_server(settings.gdb, soc, [self, give_up] {
     self->uarts_.flush();
+    self->pins_.flush();
     self->semihosting_->flush();
     return give_up();
   });
@@ -62,7 +64,9 @@ std::vector<std::string> HostPorts::finish() {
   const std::string console = semihosting_->finish();
   uarts_.finish();
   itm_->finish();
+  pins_.finish();
   std::vector<std::string> lost = uarts_.failures();
+  for (std::string& sentence : pins_.failures()) lost.push_back(std::move(sentence));
   for (const std::string& failure : {console, itm_->failure()})
     if (!failure.empty()) lost.push_back(failure);
   return lost;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "debug/gdb_server.h"
+#include "run/board_pins.h"
 #include "run/itm_output.h"
 #include "run/semihosting_port.h"
 #include "run/uart_lines.h"
@@ -78,9 +79,11 @@ class HostPorts {
   int exit_status() const { return semihosting_->exit_status(); }
 
  private:
-  HostPorts(soc::Soc& soc, const serial::GiveUp& give_up) : uarts_("uart_lines", soc, give_up) {}
+  HostPorts(soc::Soc& soc, const serial::GiveUp& give_up)
+      : uarts_("uart_lines", soc, give_up), pins_("board_pins", soc, give_up) {}
 
   UartLines uarts_;
+  BoardPins pins_;
   std::unique_ptr<ItmOutput> itm_;
   std::unique_ptr<SemihostingPort> semihosting_;
   std::unique_ptr<debug::GdbServer> gdb_;  // null without

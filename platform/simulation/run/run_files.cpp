@@ -41,6 +41,8 @@ std::vector<host::FileUse> files_of(const RunSettings& settings) {
       uses.push_back({Kind::output, setting.name(), setting.value});
     if (setting.kind == SettingKind::backend)
       uses.push_back({Kind::output, setting.name(), path_of_backend(setting.value)});
+    if (setting.kind == SettingKind::backend && setting.value.rfind("script:", 0) == 0)
+      uses.push_back({Kind::input, setting.name(), setting.value.substr(7)});
   }
   if (const auto points = save_points(settings))
     for (const SavePoint& point : points.value())

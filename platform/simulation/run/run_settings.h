@@ -118,6 +118,7 @@ class RunSettings : public Settings {
   ScheduleSettings schedule{*this};
   LimitSettings limits{*this};
   UartSettings uarts{*this};
+  PinSettings pins{*this};
   SemihostingSettings semihosting{*this};
   FlagField stop_in_fault{
       *this,

@@ -1,0 +1,65 @@
+// The host's end of a group of pins: lines of text, "TIME PIN LEVEL".
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "serial/character_backend.h"
+#include "support/result.h"
+
+namespace capsoc::serial {
+
+/// A level that the outside gives to a pin.
+struct PinEvent {
+  uint64_t picoseconds = 0;  ///< of simulated time; of a script
+  unsigned pin = 0;
+  bool level = false;
+};
+
+/// For messages and help: what PinLine::open() takes.
+constexpr const char* pin_backend_names = "null, file:PATH, pty[:LINK], tcp[:PORT] or script:FILE";
+
+/// Parses a script: a line for each event in the order of time, "0.5 3 1" (seconds, pin, level);
+/// empty lines and what is behind a # do not count. An Error names the line.
+Result<std::vector<PinEvent>> parse_pin_script(const std::string& file, const std::string& text,
+                                               unsigned pins);
+
+/// Says what the pins do, and hears or reads what is done to them.
+class PinLine {
+ public:
+  /// `spec` as pin_backend_names says, `name` as in its option (--gpio0), `pins` their number.
+  static Result<std::unique_ptr<PinLine>> open(const std::string& spec, const std::string& name,
+                                               unsigned pins, const GiveUp& give_up);
+
+  /// These are driven low from the start.
+  void begin(uint32_t driven) { driven_ = driven; }
+  /// Levels of those pins that the chip drives, after a change.
+  void changed(uint64_t picoseconds, uint32_t levels, uint32_t driven);
+  /// What has been said since the last call, by a client that is there; a line that says nothing
+  /// is answered.
+  std::vector<PinEvent> heard();
+  const std::vector<PinEvent>& script() const { return script_; }
+
+  bool live() const { return backend_->live(); }
+  void flush();
+  void finish();
+  const std::string& name() const { return name_; }
+  std::string place() const { return backend_->place(); }
+  std::string failure() const { return backend_->failure(); }
+
+ private:
+  PinLine(std::string name, unsigned pins, std::unique_ptr<CharacterBackend> backend)
+      : name_(std::move(name)), pins_(pins), backend_(std::move(backend)) {}
+
+  std::string name_;
+  unsigned pins_;
+  std::unique_ptr<CharacterBackend> backend_;
+  std::vector<PinEvent> script_;
+  std::string said_, incoming_;
+  uint32_t levels_ = 0, driven_ = 0;
+};
+
+}  // namespace capsoc::serial
