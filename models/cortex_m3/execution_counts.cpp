@@ -25,7 +25,7 @@ uint64_t key(uint32_t high, uint32_t low) {
 
 // calloc leaves the untouched part of the table without real memory.
 ExecutionCounts::ExecutionCounts()
-    : pages_(static_cast<Page**>(std::calloc(page_count, sizeof(Page*)))) {
+    : pages_(static_cast<Page**>(std::calloc(page_count, sizeof(void*)))) {
   if (pages_ == nullptr) throw std::bad_alloc();
 }
 
