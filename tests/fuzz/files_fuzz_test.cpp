@@ -21,8 +21,10 @@
 #include "sensor/described_source.h"
 #include "sensor/recorded_source.h"
 #include "sensor/toml_reader.h"
+#include "serial/pin_line.h"
 #include "source/debug_information.h"
 #include "support/setting_fields.h"
+#include "trace/coverage_file.h"
 
 namespace capsoc::test {
 namespace {
@@ -269,6 +271,38 @@ TEST(FileFuzz, DamagedSettings) {
       continue;
     }
     tally.refuse(error->text, file.path(), number);
+  }
+}
+
+TEST(FileFuzz, DamagedCoverage) {
+  std::string whole =
+      "TN:capsoc_1\nSF:src/main.c\nFN:3,main\nFNDA:1,main\nFNF:1\nFNH:1\nBRDA:4,0,0,16\n"
+      "BRDA:4,0,1,-\nBRF:2\nBRH:1\nDA:3,1\nDA:4,17\nLF:2\nLH:2\nend_of_record\n";
+  const uint64_t count = file_count(4000);
+  Tally tally("coverage", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    const auto read = trace::parse_lcov("f.info", Damage(number).text(whole));
+    if (!read) {
+      tally.refuse(read.error(), "f.info", number);
+      continue;
+    }
+    tally.accept();
+    ASSERT_TRUE(trace::parse_lcov("f.info", trace::to_lcov(read.value()))) << number;
+  }
+}
+
+TEST(FileFuzz, DamagedPinScripts) {
+  const uint64_t count = file_count(4000);
+  Tally tally("pin scripts", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    const auto events = serial::parse_pin_script(
+        "f.txt", Damage(number).text("# pins\n0.5 3 1\n0.5 4 0\n1e0 15 1  # last\n"), 16);
+    if (!events) {
+      tally.refuse(events.error(), "f.txt", number);
+      continue;
+    }
+    tally.accept();
+    for (const serial::PinEvent& event : events.value()) ASSERT_LT(event.pin, 16U) << number;
   }
 }
 

@@ -19,6 +19,9 @@ namespace {
 
 constexpr uint64_t largest_file = 256U << 20U;
 constexpr std::size_t longest_name = 400;
+/// Instructions that are looked at, far more than the board's memories hold: a damaged program may
+/// claim code without end.
+constexpr uint64_t most_visits = 1U << 26U;
 
 using cortex_m3::DecodedOp;
 using cortex_m3::ExecutionCounts;
@@ -88,7 +91,7 @@ class Collector {
     each_row([&](const DebugInformation::Row& row, uint32_t behind) {
       if (behind <= row.address) return;
       uint64_t& count = most[{row.file, row.line, image_.symbol_at(row.address)}];
-      for (uint32_t at = row.address; at < behind; at += 2)
+      for (uint32_t at = row.address; at < behind && budget_ != 0; at += 2, --budget_)
         count = std::max(count, counts_.executed(at));
     });
     for (const auto& [key, count] : most)
@@ -116,7 +119,7 @@ class Collector {
     uint8_t it = 0;
     bool decided = false;  // the present condition of an IT block
     uint32_t at = symbol.address;
-    while (at - symbol.address < symbol.size) {
+    for (; at - symbol.address < symbol.size && budget_ != 0; --budget_) {
       if (!image_.is_code(at)) {
         at += 2;
         it = 0;
@@ -158,6 +161,7 @@ class Collector {
   const DebugInformation& information_;
   ProgramCoverage& coverage_;
   std::map<std::pair<std::string, unsigned>, unsigned> blocks_;
+  uint64_t budget_ = most_visits;
 };
 
 }  // namespace
