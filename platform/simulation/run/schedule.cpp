@@ -56,7 +56,7 @@ std::optional<uint32_t> Schedule::read_word(uint32_t address) const {
 }
 
 std::string Schedule::name_of(uint32_t task) const {
-  const std::string number = fmt::format("{:#010x}", task);
+  std::string number = fmt::format("{:#010x}", task);
   const long long offset = settings_->name_offset();
   if (offset < 0) return number;
   std::optional<uint32_t> at = task + static_cast<uint32_t>(offset);
