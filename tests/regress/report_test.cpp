@@ -135,6 +135,24 @@ TEST_F(RtlCoverageFiles, AreAddedPointByPoint) {
   EXPECT_EQ(toggle.missing[0], "a.sv:5 q[0] (TOP.dut)");
 }
 
+TEST_F(RtlCoverageFiles, AnExceptionOfOneArithmeticIsNoneOfTheOther) {
+  const auto file = write("a.dat", point("x/rtl/a.sv", 4, "v_branch/a", "if", 0) +
+                                       point("x/rtl/a.sv", 5, "v_toggle/a", "words[20][3]", 0) +
+                                       point("x/rtl/a.sv", 5, "v_toggle/a", "words[21][3]", 0));
+  const auto exceptions = CoverageExceptions::read(write(
+      "list.txt", "paper line a.sv 4 # left out\nprecise toggle a.sv words[20:20] # unused\n"));
+  ASSERT_TRUE(exceptions) << exceptions.error();
+  const auto excepted = [&](const std::string& arithmetic, unsigned kind) {
+    const auto merged =
+        merge_coverage(arithmetic, {file}, write("sum.dat", ""), exceptions.value());
+    return merged ? merged.value().kinds[kind].excepted : 99u;
+  };
+  EXPECT_EQ(excepted("paper", 0), 1u);
+  EXPECT_EQ(excepted("precise", 0), 0u);
+  EXPECT_EQ(excepted("paper", 1), 0u);
+  EXPECT_EQ(excepted("precise", 1), 1u) << "of a memory the first index is the word";
+}
+
 TEST_F(RtlCoverageFiles, OneThatIsCutShortIsRefused) {
   const std::string first = point("x/rtl/a.sv", 3, "v_line/a", "block", 1);
   const auto whole = write("a.dat", first + point("x/rtl/a.sv", 4, "v_branch/a", "if", 0));

@@ -84,19 +84,28 @@ Result<CoverageExceptions> CoverageExceptions::read(const std::string& file) {
     const size_t reason = line.find('#');
     std::istringstream words(line.substr(0, reason));
     Entry entry;
-    words >> entry.kind >> entry.file >> entry.what;
+    words >> entry.kind;
+    if (entry.kind == "precise" || entry.kind == "paper") {
+      entry.arithmetic = entry.kind;
+      words >> entry.kind;
+    }
+    words >> entry.file >> entry.what;
     if (entry.what.empty() || reason == std::string::npos || reason + 2 >= line.size())
-      return Error{
-          fmt::format("{}:{}: write kind, file, line or signal, # and the reason", file, number)};
+      return Error{fmt::format(
+          "{}:{}: write [precise or paper,] kind, file, line or signal, # and the reason", file,
+          number)};
     exceptions.entries_.push_back(std::move(entry));
   }
   return exceptions;
 }
 
-// A signal without an index stands for all of its bits; "name[high:low]" for some.
-bool CoverageExceptions::holds(const std::string& kind, const std::string& file, unsigned line,
+// A signal without an index stands for all of its bits; "name[high:low]" for some, or for some
+// words of a memory.
+bool CoverageExceptions::holds(const std::string& arithmetic, const std::string& kind,
+                               const std::string& file, unsigned line,
                                const std::string& name) const {
   for (const Entry& entry : entries_) {
+    if (!entry.arithmetic.empty() && entry.arithmetic != arithmetic) continue;
     if (entry.kind != kind || entry.file != file) continue;
     if (entry.what == name || entry.what == std::to_string(line)) return true;
     const size_t bracket = name.find('[');
@@ -135,7 +144,7 @@ Result<RtlCoverage> merge_coverage(const std::string& arithmetic,
     const std::string file = base_name(point.file);
     if (hits > 0) {
       ++kind.covered;
-    } else if (exceptions.holds(kind.name, file, point.line, point.object)) {
+    } else if (exceptions.holds(arithmetic, kind.name, file, point.line, point.object)) {
       ++kind.excepted;
     } else {
       kind.missing.push_back(

@@ -10,18 +10,19 @@
 
 namespace capsoc::regress {
 
-/// Points that cannot be reached, and why. A line of the file: kind (line, toggle or branch),
-/// source file, line number or signal, "#" and the reason.
+/// Points that cannot be reached, and why. A line of the file: an arithmetic if it holds for that
+/// one alone, kind (line, toggle or branch), source file, line number or signal, "#" and the
+/// reason.
 class CoverageExceptions {
  public:
   static Result<CoverageExceptions> read(const std::string& file);
 
-  bool holds(const std::string& kind, const std::string& file, unsigned line,
-             const std::string& name) const;
+  bool holds(const std::string& arithmetic, const std::string& kind, const std::string& file,
+             unsigned line, const std::string& name) const;
 
  private:
   struct Entry {
-    std::string kind, file, what;
+    std::string arithmetic, kind, file, what;  // arithmetic "": both
   };
   std::vector<Entry> entries_;
 };
