@@ -10,6 +10,23 @@ bool Stepping::fetch(uint32_t address, uint16_t& halfword) {
   return !cause || machine_.fault(machine_.state.pc, *cause, address);
 }
 
+/// The instruction at an address, which was fetched as these halfwords.
+const Step& Stepping::decoded(uint32_t address, uint16_t first, uint16_t second) {
+  constexpr std::size_t places = 1024;
+  if (decoded_.empty()) decoded_.resize(places);
+  Step& step = decoded_[(address >> 1) % places];
+  const uint32_t encoding = is_wide(first) ? uint32_t{first} << 16 | second : first;
+  const uint8_t it_state = machine_.state.it_state;
+  const bool same = step.body != nullptr && step.address == address && step.encoding == encoding &&
+                    step.it_before == it_state;
+  if (same) return step;
+  step = {};
+  static_cast<DecodedOp&>(step) = decode(address, first, second, it_state);
+  step.instructions_to = 1;
+  Execute::bind(step);
+  return step;
+}
+
 /// The instruction that cannot be executed takes a cycle.
 void Stepping::faulted() {
   machine_.state.cycles += 1;
@@ -29,8 +46,7 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
     if (machine_.counts != nullptr) machine_.counts->moved(address, state.pc);
     return true;
   }
-  Step step;
-  static_cast<DecodedOp&>(step) = decode(address, first, second, state.it_state);
+  Step step = decoded(address, first, second);
   if (Execute::cannot_continue(step)) {
     machine_.fault(step, Cause::invalid_state);
     faulted();
@@ -38,11 +54,8 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
     return true;
   }
   if (permits != nullptr && !permits(step)) return false;
-  const Memory::Region* region = machine_.memory.map().find(address);
-  machine_.blocks.add_cycles(step, state.trail, region != nullptr ? region->wait_states : 0);
+  machine_.blocks.add_cycles(step, state.trail, machine_.memory.map().wait_states(address));
   Blocks::arrive(state, step);
-  step.instructions_to = 1;
-  Execute::bind(step);
   const Listeners& listeners = machine_.listeners;
   if (listeners.sees_instructions) listeners.observer->issued(machine_.core(), step);
   if (Execute::one(machine_, step))

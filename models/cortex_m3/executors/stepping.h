@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "cortex_m3/executors/executor.h"
+#include "cortex_m3/executors/step.h"
 
 namespace capsoc::cortex_m3 {
 
 class Machine;
-struct DecodedOp;
 
 /// The reference: fetches, decodes and executes one instruction, and tells the observer.
 class Stepping : public InstructionExecutor {
@@ -24,8 +25,12 @@ class Stepping : public InstructionExecutor {
  private:
   bool fetch(uint32_t address, uint16_t& halfword);
   void faulted();
+  const Step& decoded(uint32_t address, uint16_t first, uint16_t second);
 
   Machine& machine_;
+  // Each instruction is fetched, but not decoded, anew: where blocks leave single instructions (at
+  // the border of a page, twice a round of SHA-512), decoding took a third of the whole run.
+  std::vector<Step> decoded_;
 };
 
 }  // namespace capsoc::cortex_m3

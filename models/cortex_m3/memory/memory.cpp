@@ -75,6 +75,13 @@ const Memory::Region* Memory::find(uint32_t address) const {
   return nullptr;
 }
 
+uint32_t Memory::wait_states(uint32_t address) const {
+  if (const Page& whole = pages_[address >> page_bits]; whole.read != nullptr)
+    return whole.wait_states;
+  const Region* region = find(address);
+  return region != nullptr ? region->wait_states : 0;
+}
+
 void Memory::refresh(uint32_t base, uint32_t size) {
   clear_views();
   ++changes_;

@@ -39,6 +39,8 @@ class Memory {
   void map(const Region& region);
   void unmap(uint32_t base, uint32_t size);
   const Region* find(uint32_t address) const;
+  /// Of the region at an address; 0 where there is none.
+  uint32_t wait_states(uint32_t address) const;
 
   Page& page(uint32_t address) { return pages_[address >> page_bits]; }
   Page* table() { return pages_; }

@@ -38,6 +38,10 @@ uint32_t low_bytes(uint32_t value, unsigned size) {
   return size == 4 ? value : value & ((1u << (8 * size)) - 1);
 }
 
+bool is_whole_in_page(uint32_t address, unsigned size) {
+  return (address & (Memory::page_size - 1)) + size <= Memory::page_size;
+}
+
 /// Behind a write of the program: a bus response that ends no instruction.
 bool succeeded(BusResult result) {
   return result <= BusResult::device;
@@ -59,6 +63,13 @@ BusResult MemoryAccess::observe(const DirectAccess& access, BusResult result) co
 
 BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t& value) {
   value = 0;
+  if (const Memory::Page& page = memory_.page(address); page.read != nullptr &&
+                                                        is_whole_in_page(address, size) &&
+                                                        !machine_.listeners.sees_accesses) {
+    std::memcpy(&value, page.read + (address & (Memory::page_size - 1)), size);
+    add_cycles(page.wait_states);
+    return BusResult::ok;
+  }
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->size - (address - r->base) >= size) {
     std::memcpy(&value, r->host + (address - r->base), size);
@@ -76,6 +87,13 @@ BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t&
 }
 
 BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t value) {
+  if (const Memory::Page& page = memory_.page(address); page.write != nullptr &&
+                                                        is_whole_in_page(address, size) &&
+                                                        !machine_.listeners.sees_accesses) {
+    std::memcpy(page.write + (address & (Memory::page_size - 1)), &value, size);
+    add_cycles(page.wait_states);
+    return BusResult::ok;
+  }
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->writable && r->size - (address - r->base) >= size) {
     std::memcpy(r->host + (address - r->base), &value, size);
@@ -135,6 +153,11 @@ BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, b
 std::optional<Cause> MemoryAccess::fetch(uint32_t address, uint16_t& halfword) {
   if (never_executes(address) || !allows(address, false, true, machine_.state.privileged()))
     return Cause::fetch_access;
+  if (const Memory::Page& page = memory_.page(address);
+      page.read != nullptr && is_whole_in_page(address, 2)) {
+    std::memcpy(&halfword, page.read + (address & (Memory::page_size - 1)), 2);
+    return std::nullopt;
+  }
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->size - (address - r->base) >= 2) {
     std::memcpy(&halfword, r->host + (address - r->base), 2);
@@ -218,9 +241,20 @@ CodePage* MemoryAccess::executable_page(uint32_t address) {
   return code;
 }
 
-/// The host's bytes of an aligned access to a page that regions of the MPU share, nullptr if it has
-/// to go the whole way. Such pages are those of most tasks' stacks.
+/// The host's bytes of an aligned access to a page that regions of the MPU share, or of a store to
+/// one that has code, but not there; nullptr if it has to go the whole way. Such pages are those of
+/// most tasks' stacks, and of data behind code or a vector table.
 uint8_t* MemoryAccess::shared_page(uint32_t address, bool write, bool user) {
+  if (write && pages_ == memory_.table()) {
+    const Memory::Page& page = memory_.page(address);
+    const Memory::Region* region = page.code != nullptr ? memory_.find(address) : nullptr;
+    const unsigned line = (address & (Memory::page_size - 1)) / 64;
+    if (region == nullptr || !region->writable || (page.code->code_lines >> line & 1) != 0)
+      return nullptr;
+    if (machine_.listeners.vectors && is_vector(address)) return nullptr;
+    add_cycles(page.wait_states);
+    return page.read + (address & (Memory::page_size - 1));
+  }
   if (!direct(address).mixed || user) return nullptr;
   const Memory::Page& page = memory_.page(address);
   uint8_t* bytes = write ? page.write : page.read;
