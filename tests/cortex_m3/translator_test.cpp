@@ -208,7 +208,7 @@ TEST(OverTheEndOfAPage, AnStmThatWritesTheCodeOfTheNextPageIsSeen) {
   EXPECT_EQ(outcome.registers[3] % 2, 1u) << "one by one, then two by two";
 }
 
-/// ... and a load from memory with wait states, which has no window, over its end.
+/// ... and a load from memory with wait states over its end.
 TEST(OverTheEndOfAPage, AnLdmBehindTheEndOfSlowMemoryIsAFault) {
   const Outcome outcome = agreed([](Bench& b) {
     b.core.unmap_memory(Bench::ram_base, 65536);
@@ -238,7 +238,6 @@ TEST(Windows, CodeThatIsDecodedLaterIsNotWrittenThroughAnOlderWindow) {
   });
 }
 
-/// What nobody reads is still seen by a fault between.
 TEST(Limits, AreKeptByBlocksThatWaitForSlowMemory) {
   constexpr unsigned wait_states = 5;
   Bench stepping(wait_states), translated(wait_states);
@@ -254,6 +253,76 @@ TEST(Limits, AreKeptByBlocksThatWaitForSlowMemory) {
     ASSERT_EQ(outcome_of(stepping), outcome_of(translated)) << until;
   }
 }
+/// Every kind of access to memory with wait states, and one that is not aligned.
+TEST(Windows, OfSlowMemoryTakeItsWaitStates) {
+  constexpr uint64_t cycles = 20'000;
+  const auto instructions_with = [](unsigned wait_states) {
+    return agreed(
+               [wait_states](Bench& b) {
+                 b.core.unmap_memory(Bench::ram_base, 65536);
+                 b.core.map_memory(Bench::ram_base, 65536, b.ram.data(), true, wait_states);
+                 // str r1,[r0]; ldr r2,[r0,#1]; ldrd r4,r5,[r0]; stm r0,{r1,r2}; ldrb r3,[r0];
+                 // bl f; b .-24;  f: push {r4,lr}; adds r1,#1; pop {r4,pc}
+                 b.start({0x6001, 0xF8D0, 0x2001, 0xE9D0, 0x4500, 0xE880, 0x0006, 0x7803, 0xF000,
+                          0xF801, 0xE7F4, 0xB510, 0x3101, 0xBD10});
+                 b.core.set_reg(0, Bench::ram_base + 0x100);
+               },
+               cycles)
+        .instructions;
+  };
+  EXPECT_GT(instructions_with(0), 2 * instructions_with(3));
+}
+
+/// The registers that a block's last flags are made from are written by the next one before it
+/// faults; only then does that one set flags.
+TEST(Flags, LeftToTheNextBlockAreFromBeforeItWroteTheirRegisters) {
+  const Outcome outcome = agreed([](Bench& b) {
+    shorten_ram(b);
+    // add.w r1,r1,#4; ldr r3,[r1]; cmp r1,r5; cmp r1,r2; bne .-10: the last comparison before the
+    // load that faults is with the address of the fault
+    b.start({0xF101, 0x0104, 0x680B, 0x42A9, 0x4291, 0xD1F9});
+    b.core.set_reg(1, end_of_ram - 40);
+    b.core.set_reg(2, end_of_ram);
+    b.core.set_reg(13, end_of_ram - 0x100);
+  });
+  ASSERT_GT(outcome.faults, 0u);
+  uint32_t stacked = 0;
+  std::memcpy(&stacked, &outcome.ram[0x8000 - 0x100 - 4], 4);
+  EXPECT_EQ(stacked >> 28, 0b1000u) << "lower";
+}
+
+/// ... and what they are made from was put aside, and the next block puts something aside as well.
+TEST(Flags, LeftToTheNextBlockAreNotMadeFromWhatThatOnePutsAside) {
+  const Outcome outcome = agreed([](Bench& b) {
+    shorten_ram(b);
+    // movs r0,r5; add.w r0,r0,#1; add.w r6,r6,#4; ldr r3,[r6]; cmp r0,r5; ldr r3,[r6];
+    // cmp.w r1,r4,lsl #1; b .-20
+    b.start(
+        {0x0028, 0xF100, 0x0001, 0xF106, 0x0604, 0x6833, 0x42A8, 0x6833, 0xEBB1, 0x0F44, 0xE7F4});
+    b.core.set_reg(1, 10);
+    b.core.set_reg(4, 1);
+    b.core.set_reg(5, 0x7000'0000);
+    b.core.set_reg(6, end_of_ram - 40);
+    b.core.set_reg(13, end_of_ram - 0x100);
+  });
+  ASSERT_GT(outcome.faults, 0u);
+  uint32_t stacked = 0;
+  std::memcpy(&stacked, &outcome.ram[0x8000 - 0x100 - 4], 4);
+  EXPECT_EQ(stacked >> 28, 0b0010u) << "C of the comparison before the branch";
+}
+
+/// A maximum and a minimum under IT, whose moves write what the comparison was of.
+TEST(Flags, OfAComparisonSurviveConditionalMovesOfItsRegisters) {
+  agreed([](Bench& b) {
+    // cmp r0,r1; itet lt; movlt r0,r1; movge r1,r0; addlt r0,#3; eors r1,r2; adds r2,#77; b .-14
+    b.start({0x4288, 0xBFB6, 0x4608, 0x4601, 0x3003, 0x4051, 0x324D, 0xE7F7});
+    b.core.set_reg(0, 0x7FFF'FFF0);
+    b.core.set_reg(1, 0x8000'0010);
+    b.core.set_reg(2, 0x5A5A'5A5A);
+  });
+}
+
+/// What nobody reads is still seen by a fault between.
 TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
   const Outcome outcome = agreed([](Bench& b) {
     // cmp r0,r1; sdiv r2,r3,r4; cmp r5,r6; b

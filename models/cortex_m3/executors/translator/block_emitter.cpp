@@ -58,7 +58,10 @@ x86::Gp BlockEmitter::host(unsigned n) {
   return x86::gpd(host_number[n]);
 }
 
+/// A register that is in no host register, or a word put aside.
 x86::Mem BlockEmitter::in_state(unsigned n) const {
+  if (n >= FlagOperand::first_aside)
+    return context(&context_.aside[n - FlagOperand::first_aside], 4);
   return x86::dword_ptr(x86::rbp, static_cast<int32_t>(4 * n));
 }
 
@@ -359,7 +362,73 @@ std::size_t BlockEmitter::end_of_group() const {
   return end;
 }
 
-/// Steps of an IT block under one jump. Behind it the flags are where they were before it.
+/// What a step writes to its register, if that can be told by the host without touching its flags.
+std::optional<FlagOperand> BlockEmitter::moved_by(const Step& step) {
+  const FlagOperand n = FlagOperand::reg(step.rn), m = FlagOperand::reg(step.rm);
+  const bool whole = step.shift.amount == 0 && step.rm != literal_pc;
+  switch (step.operation) {
+    case Operation::mov_imm:
+      return FlagOperand::number(step.imm);
+    case Operation::mvn_imm:
+      return FlagOperand::number(~step.imm);
+    case Operation::mov_reg:
+    case Operation::mov_high:
+      if (!whole) break;
+      return m;
+    case Operation::add_imm:
+    case Operation::sub_imm: {
+      if (step.rn == literal_pc) break;
+      FlagOperand sum = n;
+      sum.imm = step.operation == Operation::add_imm ? step.imm : 0u - step.imm;
+      return sum;
+    }
+    case Operation::add_reg: {
+      if (!whole || step.rn == literal_pc) break;
+      FlagOperand sum = n;
+      sum.plus = m.base;
+      return sum;
+    }
+    default:
+      break;
+  }
+  return std::nullopt;
+}
+
+/// True if a group can be written as conditional moves, which count nothing. What nothing predicts costs no wrong guess
+/// then, and a second group behind it (ITE) finds the host's flags as the first did.
+bool BlockEmitter::all_are_moves(std::size_t end) const {
+  for (std::size_t i = index_; i < end; ++i) {
+    const Step& step = *steps_[i];
+    const bool plain = is_translated(step) && !step.set_flags && step.cycles == 1;
+    if (!plain || !pinned(step.rd) || step.rd == 13 || !moved_by(step)) return false;
+  }
+  return true;
+}
+
+void BlockEmitter::emit_moves(std::size_t end, Cond condition) {
+  for (; index_ < end; ++index_) {
+    const Step& step = *steps_[index_];
+    list_step(step);
+    const FlagOperand value = *moved_by(step);
+    Operand from = at(value.base);
+    if (value.is_number()) {
+      a_.mov(x86::eax, value.imm);
+      from = x86::eax;
+    } else if (!value.is_register()) {
+      const Gp base = read(value.base, x86::eax);
+      if (value.plus == FlagOperand::none)
+        a_.lea(x86::eax, sum_of(base, static_cast<int32_t>(value.imm)));
+      else
+        a_.lea(x86::eax, sum_of(base, read(value.plus, x86::ecx)));
+      from = x86::eax;
+    }
+    a_.emit(x86::Inst::cmovccFromCond(condition), host(step.rd), from);
+    values_[step.rd].reset();
+  }
+}
+
+/// Steps of an IT block under one jump, or as conditional moves. Behind it the flags are where they
+/// were before it.
 void BlockEmitter::emit_conditional_group() {
   const std::size_t end = end_of_group();
   const unsigned condition_code = steps_[index_]->condition;
@@ -375,6 +444,11 @@ void BlockEmitter::emit_conditional_group() {
   protect(written, 0, all_flags);
   if (sets) settle_all();
   const bool always = condition_code >= condition_always;
+  if (!always && machine_.counts == nullptr && all_are_moves(end)) {
+    emit_moves(end, condition(condition_code));
+    index_ = end - 1;
+    return;
+  }
   const Label skip = a_.newLabel(), join = a_.newLabel();
   if (!always) a_.j(x86::negateCond(condition(condition_code)), skip);
   const FlagSources flags = flags_;

@@ -119,6 +119,9 @@ class BlockEmitter {
   void emit_operation(const Step& step);
   void emit_conditional_group();
   std::size_t end_of_group() const;
+  bool all_are_moves(std::size_t end) const;
+  void emit_moves(std::size_t end, Cond condition);
+  static std::optional<FlagOperand> moved_by(const Step& step);
   void emit_cold();
   void emit_data_area();
   bool writes_sp(const Step& step) const;
@@ -164,6 +167,10 @@ class BlockEmitter {
   void set_sources(uint8_t which, FlagSource source);
   void in_host(HostFlags which);
   void protect(uint32_t written, uint8_t killed, uint8_t visible);
+  bool die_in_block(uint8_t which) const;
+  std::array<unsigned, 2> free_words() const;
+  bool put_aside(uint8_t which, uint32_t registers, const unsigned* words, std::size_t count);
+  FlagOperand aside(const Gp& value);
   void settle(uint8_t which);
   void settle_all() { settle(all_flags); }
   void settle_carries(uint8_t which);
@@ -178,7 +185,8 @@ class BlockEmitter {
   std::optional<Cond> condition_from_host(unsigned guest_condition);
   uint32_t recipe_of(const FlagSources& flags);
   FlagSources outgoing() const;
-  bool stays_recoverable(uint32_t target) const;
+  bool stays_recoverable(uint32_t target, uint32_t& written) const;
+  bool leave_recoverable(uint32_t target);
   uint8_t wanted(const Step& step) const { return step.set_flags ? visible_[index_] : 0; }
   void keep_host_flags() { host_kept_ = true; }
 
@@ -210,6 +218,7 @@ class BlockEmitter {
   void carry_to_host(bool borrow);
   bool store_shifter_carry(const Step& step) const;
   asmjit::Operand second_operand(const Step& step, const Gp& scratch, bool carry);
+  static Gp shift_place(const Step& step);
   void shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry);
   void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y,
                      bool writes);
@@ -222,7 +231,10 @@ class BlockEmitter {
   void emit_multiple(const Step& step);
   void emit_literal(const Step& step, uint32_t address);
   void emit_access(const Step& step, const Access& access, const Address& address);
-  unsigned through_window(const Address& address, const Access& access, const Label& otherwise);
+  unsigned through_window(const Address& address, const Access& access, int number,
+                          const Label& otherwise);
+  const MemoryWindow& window(const Access& access, int number) const;
+  void charge_waits(const Access& access, int window);
   void emit_slow(const SlowAccess& slow);
   void emit_unaligned(const SlowAccess& slow);
   void emit_return(const Step& step, const Access& access, const Address& address,

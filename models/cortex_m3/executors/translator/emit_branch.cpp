@@ -80,7 +80,7 @@ void BlockEmitter::emit_conditional_branch(const Step& step, Cond taken) {
 /// The way to a known address behind a step, by a branch or, without a refill, without one.
 void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill) {
   const bool here = same_page(target, step.address);
-  if (!here || !flags_.any_pending() || !stays_recoverable(target)) settle_all();
+  if (!here || !flags_.any_pending() || !leave_recoverable(target)) settle_all();
   const FlagSources left = outgoing();
   const uint32_t recipe = recipe_of(left);
   if (!left.all_inherited()) a_.mov(context(&context_.recipe, 4), recipe);
@@ -186,12 +186,14 @@ void BlockEmitter::emit_table_branch(const Step& step) {
   } else {
     address.base = step.rn;
   }
-  if (window_of(address, false) < 0) return give_up(step);
+  const int window = window_of(address, false);
+  if (window < 0) return give_up(step);
   settle_all();
-  const unsigned shift = through_window(address, access, exit_at(step));
+  const unsigned shift = through_window(address, access, window, exit_at(step));
   a_.movzx(x86::eax, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
   a_.lea(x86::eax, x86::ptr(x86::rax, x86::rax, 0, static_cast<int32_t>(pc_of(step) | 1)));
   find_entry(step);
+  charge_waits(access, window);
   go_to_entry(step, timing::refill_loaded);
 }
 

@@ -82,6 +82,12 @@ Operand BlockEmitter::second_operand(const Step& step, const Gp& scratch, bool c
   return scratch;
 }
 
+/// Where the second operand of an operation that may take its two either way round is shifted: in
+/// the result's place, unless the first operand is there.
+x86::Gp BlockEmitter::shift_place(const Step& step) {
+  return pinned(step.rd) && step.rd != step.rn ? host(step.rd) : Gp(x86::ecx);
+}
+
 /// CF = C, or its inverse for a subtraction with borrow.
 void BlockEmitter::carry_to_host(bool borrow) {
   const FlagSource& c = flags_.c;
@@ -237,7 +243,7 @@ void BlockEmitter::emit_logical(const Step& step) {
       break;
     }
     default: {
-      const Operand m = second_operand(step, x86::ecx, carry);
+      const Operand m = second_operand(step, shift_place(step), carry);
       const x86::Inst::Id id = logical_instruction(operation);
       if (m.isReg() && m.as<Gp>() == to) {
         a_.emit(id, to, at(step.rn));
@@ -268,8 +274,7 @@ void BlockEmitter::emit_test(const Step& step) {
     host_kept_ = false;
     shift_constant(x86::ecx, step.rm, step.shift, carry);
     a_.emit(both ? x86::Inst::kIdAnd : x86::Inst::kIdXor, x86::ecx, at(step.rn));
-    store_nz(x86::ecx);
-    set_sources(nz_bit, {});
+    set_sources(nz_bit, {Of::value, aside(x86::ecx), {}, 0});
     in_host(HostFlags::nz);
   } else {
     const bool immediate = is_immediate(step.operation);
@@ -282,26 +287,25 @@ void BlockEmitter::emit_test(const Step& step) {
 
 namespace {
 
-/// What x was before rd became x - y or x + y.
+/// What x and y were before rd became x - y or x + y.
 struct Sources {
   FlagOperand x, y;
-  bool known;
 };
 
 Sources behind_difference(FlagOperand x, FlagOperand y, unsigned rd) {
   const uint8_t d = static_cast<uint8_t>(rd);
-  if (x.base == d && y.base == d) return {FlagOperand::number(0), FlagOperand::number(0), true};
-  if (x.base == d) return {{d, y.base, FlagOperand::none, y.imm}, y, true};
-  if (y.base == d) return {x, {x.base, FlagOperand::none, d, x.imm}, true};
-  return {x, y, true};
+  if (x.base == d && y.base == d) return {FlagOperand::number(0), FlagOperand::number(0)};
+  if (x.base == d) return {{d, y.base, FlagOperand::none, y.imm}, y};
+  if (y.base == d) return {x, {x.base, FlagOperand::none, d, x.imm}};
+  return {x, y};
 }
 
+/// Not both are rd.
 Sources behind_sum(FlagOperand x, FlagOperand y, unsigned rd) {
   const uint8_t d = static_cast<uint8_t>(rd);
-  if (x.base == d && y.base == d) return {x, y, false};
-  if (x.base == d) return {{d, FlagOperand::none, y.base, 0u - y.imm}, y, true};
-  if (y.base == d) return {x, {d, FlagOperand::none, x.base, 0u - x.imm}, true};
-  return {x, y, true};
+  if (x.base == d) return {{d, FlagOperand::none, y.base, 0u - y.imm}, y};
+  if (y.base == d) return {x, {d, FlagOperand::none, x.base, 0u - x.imm}};
+  return {x, y};
 }
 
 }  // namespace
@@ -332,6 +336,11 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
     return set_sources(all_flags, {Of::difference, n, m, 0});
   }
   const Operand second = second_operand(step, x86::ecx, false);
+  if (!writes && n.is_register()) {
+    a_.emit(x86::Inst::kIdCmp, at(step.rn), second);
+    in_host(HostFlags::difference);
+    return set_sources(all_flags, {Of::difference, n, aside(x86::ecx), 0});
+  }
   const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
   if (want == 0 && !reversed && immediate && pinned(step.rn) && pinned(step.rd)) {
     keep_host_flags();
@@ -358,10 +367,12 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   }
   if (writes) written(step.rd, to);
   if (want == 0) return;
-  if (is_shifted(step)) return settle_from_host(want, to, true);
+  if (!writes) return settle_from_host(want, to, true);
   in_host(HostFlags::difference);
+  const bool carries = (want & (c_bit | v_bit)) != 0;
+  const FlagOperand other = is_shifted(step) && carries ? aside(x86::ecx) : m;
   const Sources sources =
-      reversed ? behind_difference(m, n, step.rd) : behind_difference(n, m, step.rd);
+      reversed ? behind_difference(other, n, step.rd) : behind_difference(n, other, step.rd);
   set_sources(c_bit | v_bit, {Of::difference, sources.x, sources.y, 0});
   set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
@@ -387,7 +398,21 @@ void BlockEmitter::emit_sum(const Step& step) {
            immediate ? sum_of(base, static_cast<int32_t>(step.imm)) : sum_of(base, host(step.rm)));
     return;
   }
-  const Operand second = second_operand(step, x86::ecx, false);
+  const bool scaled = !immediate && step.shift.type == ShiftType::lsl && step.shift.amount <= 3;
+  if (want == 0 && pinned(step.rn) && pinned(step.rd) && scaled && pinned(step.rm)) {
+    keep_host_flags();
+    a_.lea(to, sum_of(host(step.rn), host(step.rm), step.shift.amount));
+    return;
+  }
+  // What the second operand was, if that is gone behind the addition and somebody may ask.
+  FlagOperand other = m;
+  const bool doubles = !immediate && writes && step.rn == step.rd && step.rm == step.rd;
+  const bool asked = writes ? (want & (c_bit | v_bit)) != 0 : want != 0;
+  const Operand second = second_operand(step, writes ? shift_place(step) : Gp(x86::ecx), false);
+  if (asked && is_shifted(step))
+    other = aside(second.as<Gp>());
+  else if (asked && doubles)
+    other = aside(read(step.rm, x86::ecx));
   if (second.isReg() && second.as<Gp>() == to) {
     a_.emit(x86::Inst::kIdAdd, to, at(step.rn));
   } else {
@@ -396,9 +421,9 @@ void BlockEmitter::emit_sum(const Step& step) {
   }
   if (writes) written(step.rd, to);
   if (want == 0) return;
-  const Sources sources = behind_sum(n, m, step.rd);
-  if (is_shifted(step) || !sources.known) return settle_from_host(want, to, false);
   in_host(HostFlags::sum);
+  if (!writes) return set_sources(all_flags, {Of::sum, n, other, 0});
+  const Sources sources = behind_sum(n, other, step.rd);
   set_sources(c_bit | v_bit, {Of::sum, sources.x, sources.y, 0});
   set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }

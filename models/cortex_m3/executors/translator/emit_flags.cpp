@@ -24,15 +24,78 @@ bool BlockEmitter::host_has(const FlagSource& source, HostFlags least) const {
   return least == HostFlags::nz || host_flags_ != HostFlags::nz;
 }
 
-/// Before a step writes registers: flags that are to be made from these, that the step does not set
-/// and that somebody may still see, are computed.
+/// Before a step writes registers: of flags that are to be made from these, that the step does not
+/// set and that somebody may still see, the operands are put aside, or the flags are computed.
 void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
   uint8_t lost = 0;
   if ((flags_.nz.registers() & written) != 0) lost |= nz_bit;
   if ((flags_.c.registers() & written) != 0) lost |= c_bit;
   if ((flags_.v.registers() & written) != 0) lost |= v_bit;
-  lost &= static_cast<uint8_t>(~killed);
-  settle(lost & visible);
+  lost &= static_cast<uint8_t>(~killed & visible);
+  if (lost == 0) return;
+  const std::array<unsigned, 2> words = free_words();
+  if (!die_in_block(lost) || !put_aside(lost, written, words.data(), words.size())) settle(lost);
+}
+
+/// True if the block sets these flags before it ends: only a way out on the way there can see them.
+bool BlockEmitter::die_in_block(uint8_t which) const {
+  for (std::size_t i = index_; i < cut_; ++i) {
+    which &= static_cast<uint8_t>(~effects_of(*steps_[i]).kills);
+    if (which == 0) return true;
+  }
+  return false;
+}
+
+/// Words that none of the flags is made from: three flags of two operands leave as many.
+std::array<unsigned, 2> BlockEmitter::free_words() const {
+  std::array<unsigned, 2> free{};
+  std::size_t found = 0;
+  const uint32_t used = flags_.registers() >> FlagOperand::first_aside;
+  for (unsigned n = 0; n < words_aside - words_left && found < free.size(); ++n)
+    if ((used >> n & 1) == 0) free[found++] = n;
+  return free;
+}
+
+/// Keeps the operands of flags that are made from `registers` in the words numbered so, and makes
+/// the flags from these; the host's flags stay. False, and nothing done: they are too many or take
+/// computing.
+bool BlockEmitter::put_aside(uint8_t which, uint32_t registers, const unsigned* words,
+                             std::size_t count) {
+  std::array<FlagOperand, 6> kept;
+  std::size_t found = 0;
+  FlagSources sources = flags_;
+  const auto keep = [&](FlagOperand& operand) {
+    if ((operand.registers() & registers) == 0) return true;
+    const bool plain = operand.plus == FlagOperand::none && operand.minus == FlagOperand::none;
+    if (!plain) return false;
+    std::size_t i = 0;
+    while (i < found && !(kept[i] == operand)) ++i;
+    if (i == count) return false;
+    if (i == found) kept[found++] = operand;
+    operand = FlagOperand::aside(words[i]);
+    return true;
+  };
+  for (const auto& [bit, source] :
+       {std::pair{nz_bit, &sources.nz}, std::pair{c_bit, &sources.c}, std::pair{v_bit, &sources.v}})
+    if ((which & bit) != 0 && source->pending() && !(keep(source->x) && keep(source->y)))
+      return false;
+  for (std::size_t i = 0; i < found; ++i) {
+    Gp value = read(kept[i].base, x86::eax);
+    if (kept[i].imm != 0) {
+      a_.lea(x86::eax, sum_of(value, static_cast<int32_t>(kept[i].imm)));
+      value = x86::eax;
+    }
+    a_.mov(in_state(FlagOperand::first_aside + words[i]), value);
+  }
+  flags_ = sources;
+  return true;
+}
+
+/// A value in a host register as an operand of flags.
+FlagOperand BlockEmitter::aside(const Gp& value) {
+  const FlagOperand operand = FlagOperand::aside(free_words()[0]);
+  a_.mov(in_state(operand.base), value);
+  return operand;
 }
 
 void BlockEmitter::operand_to(const Gp& to, const FlagOperand& operand) {
@@ -268,13 +331,23 @@ FlagSources BlockEmitter::outgoing() const {
   return flags;
 }
 
-/// True if the pending flags can be left uncomputed for the block at an address of the same page:
-/// it sets them all before it reads one, leaves or writes a register they are made from.
-bool BlockEmitter::stays_recoverable(uint32_t target) const {
+/// Leaves the pending flags uncomputed for the block at an address of the same page, if that one
+/// sets them all before somebody else than a way out sees them.
+bool BlockEmitter::leave_recoverable(uint32_t target) {
+  // The words that are put aside within a block are the next one's.
+  uint32_t lost = ((1u << (words_aside - words_left)) - 1) << FlagOperand::first_aside;
+  if (!stays_recoverable(target, lost)) return false;
+  std::array<unsigned, words_left> words{};
+  for (unsigned n = 0; n < words_left; ++n) words[n] = words_aside - words_left + n;
+  return put_aside(all_flags, lost, words.data(), words.size());
+}
+
+/// True if the block at an address sets all pending flags before it reads one or ends. The
+/// registers that it writes before that are added to `written`.
+bool BlockEmitter::stays_recoverable(uint32_t target, uint32_t& written) const {
   constexpr unsigned furthest = 12;
   if (machine_.debugging.has_breakpoints()) return false;
   const Memory::Page& memory = machine_.memory.map().page(target);
-  const uint32_t registers = flags_.registers();
   uint8_t pending =
       static_cast<uint8_t>((flags_.nz.pending() ? nz_bit : 0) | (flags_.c.pending() ? c_bit : 0) |
                            (flags_.v.pending() ? v_bit : 0));
@@ -293,7 +366,7 @@ bool BlockEmitter::stays_recoverable(uint32_t target) const {
     pending &= static_cast<uint8_t>(~effects.kills);
     if (pending == 0) return true;
     if (ends_block(op) || is(op, kind::any_branch) || op.operation == Operation::it) return false;
-    if ((written_by(op) & registers) != 0) return false;
+    written |= written_by(op);
     target = next_address(op);
   }
   return false;

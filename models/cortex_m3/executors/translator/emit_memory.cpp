@@ -110,16 +110,26 @@ void BlockEmitter::emit_access(const Step& step, const Access& access, const Add
   if (window < 0) return look_up(address, access, exit);
   slow_.push_back({a_.newLabel(), a_.newLabel(), exit, access, address, window});
   const SlowAccess slow = slow_.back();
-  const unsigned shift = through_window(address, access, slow.entry);
+  const unsigned shift = through_window(address, access, window, slow.entry);
+  charge_waits(access, window);
   transfer(access, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
   a_.bind(slow.back);
 }
 
+const MemoryWindow& BlockEmitter::window(const Access& access, int number) const {
+  return (access.store ? context_.write : context_.read)[static_cast<unsigned>(number)];
+}
+
+/// The wait states of an access that its window has.
+void BlockEmitter::charge_waits(const Access& access, int window) {
+  const uint64_t waits = uint64_t{this->window(access, window).wait_states} * access.words();
+  if (waits != 0) a_.sub(x86::r15, constant(waits << 32));
+}
+
 /// The place of an access that its window has, at rcx + (rax << result), or else to a label.
-unsigned BlockEmitter::through_window(const Address& address, const Access& access,
+unsigned BlockEmitter::through_window(const Address& address, const Access& access, int number,
                                       const Label& otherwise) {
-  const auto number = static_cast<unsigned>(window_of(address, access.store));
-  const MemoryWindow& window = (access.store ? context_.write : context_.read)[number];
+  const MemoryWindow& window = this->window(access, number);
   const unsigned unit = access.aligned ? 0 : log2_of(access.size);
   const unsigned words = access.words();
   address_to(x86::eax, address, access.store ? 0 : window.base);
@@ -171,18 +181,18 @@ void BlockEmitter::look_up(const Address& address, const Access& access, const L
 void BlockEmitter::emit_slow(const SlowAccess& slow) {
   a_.bind(slow.entry);
   const bool may_be_unaligned = slow.access.words() == 1 && slow.access.list == 0 &&
-                                slow.access.size > 1 && !slow.access.aligned;
+                                slow.access.size > 1 && !slow.access.aligned &&
+                                window(slow.access, slow.window).wait_states == 0;
   if (may_be_unaligned) emit_unaligned(slow);
   look_up(slow.address, slow.access, slow.exit);
   a_.jmp(slow.back);
 }
 
-/// An access of one register that is not aligned, inside its window: each part beyond the first
-/// takes a cycle (a halfword at an odd address two parts, a word two or three). Goes on behind this
-/// if it is aligned; leaves where it may be a fault.
+/// An access of one register that is not aligned, inside its window (which has no wait states):
+/// each part beyond the first takes a cycle (a halfword at an odd address two parts, a word two or
+/// three). Goes on behind this if it is aligned; leaves where it may be a fault.
 void BlockEmitter::emit_unaligned(const SlowAccess& slow) {
-  const MemoryWindow& window =
-      (slow.access.store ? context_.write : context_.read)[static_cast<unsigned>(slow.window)];
+  const MemoryWindow& window = this->window(slow.access, slow.window);
   const Label aligned = a_.newLabel();
   address_to(x86::eax, slow.address, 0);
   a_.test(x86::al, slow.access.size - 1);
@@ -272,11 +282,13 @@ void BlockEmitter::emit_single(const Step& step) {
   const bool indexed =
       step.addressing == Addressing::pre_indexed || step.addressing == Addressing::post_indexed;
   if (to_pc) {
-    if (window_of(address, false) < 0) return give_up(step);
+    const int window = window_of(address, false);
+    if (window < 0) return give_up(step);
     settle_all();
-    const unsigned shift = through_window(address, access, exit_at(step));
+    const unsigned shift = through_window(address, access, window, exit_at(step));
     a_.mov(x86::eax, x86::ptr(x86::rcx, x86::rax, shift, 0, 4));
     find_entry(step);
+    charge_waits(access, window);
   } else {
     emit_access(step, access, address);
   }
@@ -325,14 +337,16 @@ void BlockEmitter::emit_multiple(const Step& step) {
 /// translated, nothing has happened yet.
 void BlockEmitter::emit_return(const Step& step, const Access& access, const Address& address,
                                const Imm& moved) {
-  if (window_of(address, false) < 0) return give_up(step);
+  const int window = window_of(address, false);
+  if (window < 0) return give_up(step);
   settle_all();
-  const unsigned shift = through_window(address, access, exit_at(step));
+  const unsigned shift = through_window(address, access, window, exit_at(step));
   const auto last = static_cast<int32_t>(4 * (access.words() - 1));
   a_.lea(x86::rax, x86::ptr(x86::rcx, x86::rax, shift));
   a_.mov(context(&context_.place), x86::rax);
   a_.mov(x86::eax, x86::dword_ptr(x86::rax, last));
   find_entry(step);
+  charge_waits(access, window);
   a_.mov(context(&context_.target), x86::rcx);
   a_.mov(x86::rcx, context(&context_.place));
   transfer(access, x86::ptr(x86::rcx, 0, 4));

@@ -7,8 +7,8 @@ namespace {
 
 using Of = FlagSource::Of;
 
-AddResult result_of(const FlagSource& source, const State& state) {
-  const uint32_t x = source.x.value(state), y = source.y.value(state);
+AddResult result_of(const FlagSource& source, const State& state, const WordsAside& aside) {
+  const uint32_t x = source.x.value(state, aside), y = source.y.value(state, aside);
   switch (source.of) {
     case Of::both:
       return {x & y, false, false};
@@ -32,26 +32,27 @@ uint32_t FlagOperand::registers() const {
   return set;
 }
 
-uint32_t FlagOperand::value(const State& state) const {
-  uint32_t sum = imm;
-  if (base != none) sum += state.r[base];
-  if (plus != none) sum += state.r[plus];
-  if (minus != none) sum -= state.r[minus];
-  return sum;
+uint32_t FlagOperand::value(const State& state, const WordsAside& aside) const {
+  const auto word = [&](uint8_t n) {
+    return n == none ? 0 : n < none ? state.r[n] : aside[n - first_aside];
+  };
+  return imm + word(base) + word(plus) - word(minus);
 }
 
 bool FlagSources::all_inherited() const {
   return nz.of == Of::inherited && c.of == Of::inherited && v.of == Of::inherited;
 }
 
-void FlagSources::settle(State& state, const FlagSources& left) const {
+void FlagSources::settle(State& state, const WordsAside& aside, const FlagSources& left) const {
   const auto source = [](const FlagSource& own, const FlagSource& before) {
     return own.of == Of::inherited ? before : own;
   };
   if (const FlagSource s = source(nz, left.nz); s.pending())
-    state.n = state.z = result_of(s, state).value;
-  if (const FlagSource s = source(c, left.c); s.pending()) state.c = result_of(s, state).carry;
-  if (const FlagSource s = source(v, left.v); s.pending()) state.v = result_of(s, state).overflow;
+    state.n = state.z = result_of(s, state, aside).value;
+  if (const FlagSource s = source(c, left.c); s.pending())
+    state.c = result_of(s, state, aside).carry;
+  if (const FlagSource s = source(v, left.v); s.pending())
+    state.v = result_of(s, state, aside).overflow;
 }
 
 }  // namespace capsoc::cortex_m3

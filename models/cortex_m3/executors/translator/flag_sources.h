@@ -1,24 +1,32 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "cortex_m3/state.h"
 
 namespace capsoc::cortex_m3 {
 
-/// A number that can be computed from registers as they are.
+/// Operands of flags that are not computed yet, kept from registers that were written since. The
+/// last ones are for those that a block leaves to the next one.
+constexpr unsigned words_aside = 10, words_left = 2;
+using WordsAside = std::array<uint32_t, words_aside>;
+
+/// A number that can be computed from registers as they are, and from words put aside
+/// (HostContext::aside), which stand behind the registers.
 struct FlagOperand {
-  static constexpr uint8_t none = 16;
+  static constexpr uint8_t none = 16, first_aside = 17;
   uint8_t base = none, plus = none, minus = none;
   uint32_t imm = 0;
 
   static FlagOperand reg(unsigned n) { return {static_cast<uint8_t>(n), none, none, 0}; }
   static FlagOperand number(uint32_t value) { return {none, none, none, value}; }
+  static FlagOperand aside(unsigned n) { return reg(first_aside + n); }
   bool is_register() const { return base != none && plus == none && minus == none && imm == 0; }
   bool is_number() const { return base == none && plus == none && minus == none; }
-  /// The registers it needs, a bit each.
+  /// The registers and words put aside that it needs, a bit each.
   uint32_t registers() const;
-  uint32_t value(const State& state) const;
+  uint32_t value(const State& state, const WordsAside& aside) const;
   bool operator==(const FlagOperand& o) const {
     return base == o.base && plus == o.plus && minus == o.minus && imm == o.imm;
   }
@@ -55,7 +63,7 @@ struct FlagSources {
   bool operator==(const FlagSources& o) const { return nz == o.nz && c == o.c && v == o.v; }
   /// Writes what is pending into the state. `left` is what the block before left: it counts where
   /// a flag is inherited.
-  void settle(State& state, const FlagSources& left) const;
+  void settle(State& state, const WordsAside& aside, const FlagSources& left) const;
 };
 
 }  // namespace capsoc::cortex_m3

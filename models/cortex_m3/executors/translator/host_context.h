@@ -3,16 +3,17 @@
 #include <array>
 #include <cstdint>
 
+#include "cortex_m3/executors/translator/flag_sources.h"
 #include "cortex_m3/memory/memory.h"
 
 namespace capsoc::cortex_m3 {
 
-/// Memory that host code reaches with one comparison: pages in a row that are mapped directly,
-/// without wait states.
+/// Memory that host code reaches with one comparison: pages in a row that are mapped directly.
 struct MemoryWindow {
   uint64_t units[3] = {};  ///< its size in bytes, halfwords, words; 0: closed
   uint8_t* host = nullptr;
   uint32_t base = 0;
+  uint32_t wait_states = 0;  ///< of its region, as long as there is translated code for it
 };
 
 /// What translated code uses beside the state, at a fixed distance from it.
@@ -24,6 +25,7 @@ struct HostContext {
   const Memory::Page* pages = nullptr;  ///< the view in use
   const void* leave = nullptr;          ///< the code that returns to C++
   uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
+  WordsAside aside{};
   // Kept for a moment by a return.
   uint64_t place = 0, target = 0;
   std::array<MemoryWindow, windows> read, write;  ///< by region

@@ -127,7 +127,7 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
   state.cycles += static_cast<uint64_t>(static_cast<int64_t>(left) - rest);
   state.instructions += instructions;
   counts_.instructions += instructions;
-  emitter_.recipe(exit.recipe).settle(state, emitter_.recipe(context_.recipe));
+  emitter_.recipe(exit.recipe).settle(state, context_.aside, emitter_.recipe(context_.recipe));
   return leave(exit);
 }
 
@@ -180,9 +180,12 @@ void HostTranslator::open_window(const Memory::Region& region, MemoryWindow& rea
                                  MemoryWindow& write) {
   const bool aligned = (region.base & (Memory::page_size - 1)) == 0;
   const uint32_t size = region.size & ~(Memory::page_size - 1);
-  if (!aligned || region.wait_states != 0 || size == 0) return;
+  if (!aligned || size == 0) return;
   const auto open = [&](MemoryWindow& window, uint32_t from, uint32_t bytes) {
-    window = {{bytes, bytes / 2, bytes / 4}, region.host + (from - region.base), from};
+    window = {{bytes, bytes / 2, bytes / 4},
+              region.host + (from - region.base),
+              from,
+              region.wait_states};
   };
   open(read, region.base, size);
   if (!region.writable) return;
