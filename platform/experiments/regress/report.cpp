@@ -4,6 +4,8 @@
 
 #include <map>
 
+#include "support/xml.h"
+
 namespace capsoc::regress {
 namespace {
 
@@ -23,30 +25,6 @@ struct Row {
 std::string line(const std::string& name, const Row& row) {
   return fmt::format("{:<16}{:>6}{:>12}{:>12}{:>12}{:>14}{:>12}\n", name, row.runs, row.samples,
                      row.accesses, row.commits, row.edges, row.differences);
-}
-
-std::string xml(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        const bool printable = static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t';
-        out += printable ? c : '?';
-    }
-  }
-  return out;
 }
 
 std::string coverage_text(const Coverage& coverage) {
@@ -178,8 +156,8 @@ std::string to_junit(const Outcome& outcome) {
         continue;
       }
       cases += fmt::format(">\n      <failure message=\"{}\">{}</failure>\n    </testcase>\n",
-                           xml(run.finding->what),
-                           xml("again: " + run.command + "\n" + run.finding->report));
+                           xml_text(run.finding->what),
+                           xml_text("again: " + run.command + "\n" + run.finding->report));
     }
     text += fmt::format("  <testsuite name=\"regress {}\" tests=\"{}\" failures=\"{}\">\n",
                         arithmetic, total.runs, total.differences);

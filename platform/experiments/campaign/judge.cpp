@@ -1,0 +1,85 @@
+#include "campaign/judge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "campaign/engine.h"
+#include "campaign/flat.h"
+#include "campaign/plan.h"
+
+namespace capsoc::campaign {
+namespace {
+
+/// What every kind of work has in its results.
+constexpr const char* passes = "exit.code == 0";
+constexpr const char* exit_code = "exit.code";
+constexpr const char* exit_reason = "exit.reason";
+
+Named named(const std::string& name, const std::string& text) {
+  return {name, Expression::parse(text).value(), ""};
+}
+
+/// Every number of a result that is of the simulation.
+std::vector<Named> all_metrics(const Work& work) {
+  std::vector<std::string> others = work.host_keys();
+  others.insert(others.end(), {"schema", "configuration"});
+  std::vector<Named> metrics;
+  for (const auto& [name, value] : flatten(work.example()))
+    if (std::holds_alternative<double>(value) && !is_below(name, others))
+      metrics.push_back(named(name, name));
+  return metrics;
+}
+
+}  // namespace
+
+Judge::Judge(const Description& description, const Work& work, std::vector<std::string> axes)
+    : axes_(std::move(axes)), metrics_(description.metrics), criteria_(description.criteria) {
+  if (metrics_.empty()) metrics_ = all_metrics(work);
+  if (criteria_.empty()) criteria_.push_back(named("pass", passes));
+  if (!metrics_.empty()) worst_ = 0;
+  for (std::size_t i = 0; i < metrics_.size(); ++i)
+    if (metrics_[i].name == description.worst) worst_ = i;
+}
+
+Result<Judged> Judge::judge(const std::vector<std::string>& values, const Row& row) const {
+  Judged judged;
+  judged.exit = row.ending;
+  judged.metrics.resize(metrics_.size());
+  judged.criteria.assign(criteria_.size(), false);
+  judged.finished = row.ending == finished;
+  if (!judged.finished) return judged;
+  const auto json = nlohmann::ordered_json::parse(row.result, nullptr, false);
+  if (!json.is_object())
+    return Error{
+        fmt::format("the result of run {} is damaged; remove the store's row or use a "
+                    "copy of the store",
+                    row.key)};
+  const FlatResult result = flatten(json);
+  const Lookup of_result = [&](const std::string& name) -> Value {
+    if (const auto known = result.find(name); known != result.end()) return known->second;
+    const auto axis = std::find(axes_.begin(), axes_.end(), name);
+    const auto number = static_cast<std::size_t>(axis - axes_.begin());
+    return number < values.size() ? value_of(values[number]) : Value();
+  };
+  std::vector<Value> metrics;
+  for (std::size_t i = 0; i < metrics_.size(); ++i) {
+    metrics.push_back(metrics_[i].expression.evaluate(of_result));
+    if (const double* number = std::get_if<double>(&metrics.back())) judged.metrics[i] = *number;
+    if (const bool* truth = std::get_if<bool>(&metrics.back())) judged.metrics[i] = *truth ? 1 : 0;
+  }
+  const Lookup of_metrics = [&](const std::string& name) -> Value {
+    for (std::size_t i = 0; i < metrics_.size(); ++i)
+      if (metrics_[i].name == name) return metrics[i];
+    return of_result(name);
+  };
+  judged.pass = true;
+  for (std::size_t i = 0; i < criteria_.size(); ++i) {
+    judged.criteria[i] = criteria_[i].expression.evaluate(of_metrics) == Value(true);
+    judged.pass = judged.pass && judged.criteria[i];
+  }
+  judged.exit = to_text(of_result(exit_code)) + ": " + to_text(of_result(exit_reason));
+  return judged;
+}
+
+}  // namespace capsoc::campaign

@@ -1,0 +1,50 @@
+#include "campaign/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "host/console.h"
+
+namespace capsoc::campaign {
+namespace {
+
+constexpr auto between_lines = std::chrono::seconds(30);  // of a log
+
+double seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<uint64_t>(seconds + 0.5);
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} s", whole);
+}
+
+Progress::Progress(uint64_t total) : terminal_(isatty(STDERR_FILENO) != 0), total_(total) {}
+
+std::string Progress::line(std::size_t running) const {
+  const double elapsed = seconds(Clock::now() - begin_);
+  const double rate = elapsed > 0 ? static_cast<double>(done_) / elapsed : 0;
+  std::string text = fmt::format("{} of {} runs, {} running, {:.3g} runs/s, {} failed", done_,
+                                 total_, running, rate, failed_);
+  if (done_ > 0 && done_ < total_)
+    text += fmt::format(", {} left", duration_text(static_cast<double>(total_ - done_) / rate));
+  return text;
+}
+
+void Progress::update(std::size_t running) {
+  if (terminal_) return host::say("\r{:<100}", line(running));
+  if (Clock::now() - last_ < between_lines) return;
+  last_ = Clock::now();
+  host::say("{}\n", line(running));
+}
+
+void Progress::finish() {
+  host::say("{}{} in {}\n", terminal_ ? "\r" : "", line(0),
+            duration_text(seconds(Clock::now() - begin_)));
+}
+
+}  // namespace capsoc::campaign

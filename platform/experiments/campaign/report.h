@@ -1,0 +1,69 @@
+// What a campaign shows: yield, distributions, the worst runs, what depends on what.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "campaign/statistics.h"
+#include "campaign/store.h"
+#include "support/result.h"
+
+namespace capsoc::campaign {
+
+struct CriterionReport {
+  std::string name, expression;
+  uint64_t met = 0;
+};
+
+struct MetricReport {
+  std::string name, expression;
+  uint64_t missing = 0;                             ///< finished runs that have no such number
+  std::optional<Summary> summary;                   ///< nothing if all are missing
+  std::vector<std::optional<Sensitivity>> to_axes;  ///< in the order of Report::axes
+};
+
+/// A run to look at.
+struct Example {
+  uint64_t number = 0;
+  std::vector<std::string> values;  ///< of the axes
+  std::string exit;                 ///< Judged::exit
+  std::vector<std::string> unmet;   ///< criteria
+  std::optional<double> worst;      ///< of the metric that orders them
+  std::string command;
+};
+
+struct Report {
+  std::string name, kind, version;
+  std::vector<std::string> axes;
+  uint64_t planned = 0, done = 0, finished = 0, passed = 0;
+  double least_yield = 1;
+  double wall_s = 0;                 ///< of all workers together
+  std::optional<Interval> interval;  ///< of the yield, 95 %; nothing without runs
+  std::vector<CriterionReport> criteria;
+  std::vector<MetricReport> metrics;
+  std::map<std::string, uint64_t> exits;  ///< how many runs ended how
+  std::string worst_metric;               ///< "" without
+  std::vector<Example> worst;             ///< its largest values first
+  std::vector<Example> failures;          ///< the first ones
+
+  double yield() const {
+    return done == 0 ? 0 : static_cast<double>(passed) / static_cast<double>(done);
+  }
+  /// All runs are done, and enough of them passed.
+  bool reaches_yield() const { return done == planned && done > 0 && yield() >= least_yield; }
+};
+
+/// Error: the store has no plan, or is damaged.
+Result<Report> make_report(const Store& store);
+
+std::string to_text(const Report& report);
+/// Its keys are documented in docs/campaigns.md.
+nlohmann::ordered_json to_json(const Report& report);
+/// A test case for each run that is done.
+Result<std::string> to_junit(const Store& store);
+
+}  // namespace capsoc::campaign

@@ -1,0 +1,214 @@
+// Reports as text, JSON and JUnit.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "campaign/report.h"
+#include "campaign/stored_campaign.h"
+#include "support/json.h"
+#include "support/printable.h"
+#include "support/xml.h"
+
+namespace capsoc::campaign {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int schema_version = 1;
+constexpr std::size_t longest_exit = 100;
+
+std::string percent(double share) {
+  return fmt::format("{:.2f} %", 100 * share);
+}
+
+std::string count_line(const Report& r) {
+  return fmt::format("{} of {} runs done, {} without a result; {:.0f} s of workers\n", r.done,
+                     r.planned, r.done - r.finished, r.wall_s);
+}
+
+std::string yield_text(const Report& r) {
+  if (!r.interval) return "no run is done\n";
+  std::string text = fmt::format("yield {} ({} of {}), 95 % interval {} to {}; wanted {}\n",
+                                 percent(r.yield()), r.passed, r.done, percent(r.interval->least),
+                                 percent(r.interval->greatest), percent(r.least_yield));
+  for (const CriterionReport& c : r.criteria)
+    text += fmt::format("  {:<22}{:>10}  {}\n", c.name,
+                        percent(static_cast<double>(c.met) / static_cast<double>(r.done)),
+                        c.expression);
+  text += "\nruns that ended with\n";
+  for (const auto& [exit, count] : r.exits)
+    text += fmt::format("  {:>8}  {}\n", count, printable(exit, longest_exit));
+  return text;
+}
+
+std::string bars(const Histogram& h) {
+  static constexpr const char* levels[] = {"_", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
+  uint64_t most = 1;
+  for (const uint64_t bin : h.bins) most = std::max(most, bin);
+  std::string text;
+  for (const uint64_t bin : h.bins) text += bin == 0 ? levels[0] : levels[1 + (bin * 9 - 1) / most];
+  return text;
+}
+
+std::string metrics_text(const Report& r) {
+  std::string text = fmt::format("\n{:<24}", "metric");
+  for (const char* title :
+       {"mean", "least", "1 %", "5 %", "25 %", "median", "75 %", "95 %", "99 %", "greatest"})
+    text += fmt::format("{:>11}", title);
+  text += "  histogram (height 1 to 9, log: bins of equal ratio)\n";
+  for (const MetricReport& m : r.metrics) {
+    text += fmt::format("{:<24}", m.name);
+    if (!m.summary) {
+      text += "  no run has it\n";
+      continue;
+    }
+    text += fmt::format("{:>11.4g}", m.summary->mean);
+    for (const double value : m.summary->quantiles) text += fmt::format("{:>11.4g}", value);
+    text += fmt::format("  {}{}{}\n", bars(m.summary->histogram),
+                        m.summary->histogram.logarithmic ? " log" : "",
+                        m.missing > 0 ? fmt::format(" ({} runs without)", m.missing) : "");
+  }
+  return text;
+}
+
+std::string sensitivity_text(const Report& r) {
+  if (r.axes.empty()) return "";
+  std::string text =
+      "\nwhat depends on what: share of the variance of ranks, and rank correlation\n";
+  for (const MetricReport& m : r.metrics) {
+    std::vector<std::pair<double, std::string>> lines;
+    for (std::size_t i = 0; i < r.axes.size(); ++i) {
+      const auto& s = m.to_axes[i];
+      if (!s || s->share < 0.005) continue;
+      lines.emplace_back(
+          -s->share, fmt::format("  {:<24}{:<34}{:>9}{}\n", m.name, r.axes[i], percent(s->share),
+                                 s->correlation ? fmt::format("{:>+8.2f}", *s->correlation) : ""));
+    }
+    std::sort(lines.begin(), lines.end());
+    for (const auto& line : lines) text += line.second;
+  }
+  return text;
+}
+
+std::string examples_text(const std::string& title, const std::vector<Example>& examples) {
+  if (examples.empty()) return "";
+  std::string text = "\n" + title + "\n";
+  for (const Example& e : examples) {
+    text += fmt::format("  run {}: ", e.number);
+    if (e.worst) text += fmt::format("{:.6g}, ", *e.worst);
+    text += printable(e.exit, longest_exit);
+    if (!e.unmet.empty()) text += fmt::format("; not met: {}", fmt::join(e.unmet, ", "));
+    text += "\n    " + e.command + "\n";
+  }
+  return text;
+}
+
+ordered_json example_json(const Report& r, const Example& e) {
+  ordered_json j = {{"run", e.number}};
+  for (std::size_t i = 0; i < r.axes.size() && i < e.values.size(); ++i)
+    j["axes"][r.axes[i]] = e.values[i];
+  j["exit"] = e.exit;
+  j["unmet"] = e.unmet;
+  j["worst"] = number_or_null(e.worst);
+  j["command"] = e.command;
+  return j;
+}
+
+ordered_json metric_json(const Report& r, const MetricReport& m) {
+  ordered_json j = {{"name", m.name}, {"expression", m.expression}, {"missing", m.missing}};
+  j["count"] = m.summary ? m.summary->count : 0;
+  j["summary"] = nullptr;
+  if (m.summary) {
+    const Summary& s = *m.summary;
+    j["summary"] = {{"mean", s.mean}, {"deviation", s.deviation}};
+    for (std::size_t i = 0; i < s.quantiles.size(); ++i)
+      j["summary"]["quantiles"][fmt::format("{}", quantile_shares[i])] = s.quantiles[i];
+    j["histogram"] = {{"logarithmic", s.histogram.logarithmic},
+                      {"least", s.histogram.least},
+                      {"greatest", s.histogram.greatest},
+                      {"bins", s.histogram.bins}};
+  }
+  for (std::size_t i = 0; i < r.axes.size(); ++i) {
+    const auto& s = m.to_axes[i];
+    j["sensitivity"][r.axes[i]] = nullptr;
+    if (s)
+      j["sensitivity"][r.axes[i]] = {{"share", s->share},
+                                     {"correlation", number_or_null(s->correlation)}};
+  }
+  return j;
+}
+
+std::string test_case(const StoredCampaign& campaign, const StoredRun& run, const Judged& judged) {
+  std::string name = fmt::format("run {}", run.number);
+  for (std::size_t i = 0; i < run.values.size() && i < campaign.plan.axes.size(); ++i)
+    name += fmt::format(" {}={}", campaign.plan.axes[i], run.values[i]);
+  std::string text =
+      fmt::format("    <testcase classname=\"campaign.{}\" name=\"{}\" time=\"{:.3f}\"",
+                  xml_text(campaign.description.name), xml_text(name), run.row->wall_s);
+  if (judged.pass) return text + "/>\n";
+  std::string message = judged.exit;
+  for (std::size_t i = 0; i < judged.criteria.size(); ++i)
+    if (!judged.criteria[i] && judged.finished)
+      message += "; not met: " + campaign.judge->criteria()[i].name;
+  const std::string details = "again: " + run.row->command + "\n" + run.row->log;
+  return text + fmt::format(">\n      <{} message=\"{}\">{}</{}>\n    </testcase>\n",
+                            judged.finished ? "failure" : "error", xml_text(message),
+                            xml_text(details), judged.finished ? "failure" : "error");
+}
+
+}  // namespace
+
+std::string to_text(const Report& r) {
+  std::string text = fmt::format("campaign {} ({}), capsoc {}\n", r.name, r.kind, r.version);
+  text += count_line(r) + yield_text(r);
+  if (r.finished > 0) text += metrics_text(r) + sensitivity_text(r);
+  text += examples_text("worst: the largest " + r.worst_metric, r.worst);
+  return text + examples_text("failures: the first of them", r.failures);
+}
+
+ordered_json to_json(const Report& r) {
+  ordered_json j = {{"schema", schema_version},
+                    {"name", r.name},
+                    {"kind", r.kind},
+                    {"version", r.version},
+                    {"runs", r.planned},
+                    {"done", r.done},
+                    {"finished", r.finished},
+                    {"passed", r.passed},
+                    {"yield", nullptr},
+                    {"yield_interval", nullptr},
+                    {"least_yield", r.least_yield}};
+  if (r.interval) {
+    j["yield"] = r.yield();
+    j["yield_interval"] = {r.interval->least, r.interval->greatest};
+  }
+  j["wall_s"] = r.wall_s;
+  j["criteria"] = j["exits"] = j["metrics"] = ordered_json::array();
+  for (const CriterionReport& c : r.criteria)
+    j["criteria"].push_back({{"name", c.name}, {"expression", c.expression}, {"met", c.met}});
+  for (const auto& [exit, count] : r.exits) j["exits"].push_back({{"exit", exit}, {"runs", count}});
+  for (const MetricReport& m : r.metrics) j["metrics"].push_back(metric_json(r, m));
+  j["worst_metric"] = r.worst_metric;
+  j["worst"] = j["failures"] = ordered_json::array();
+  for (const Example& e : r.worst) j["worst"].push_back(example_json(r, e));
+  for (const Example& e : r.failures) j["failures"].push_back(example_json(r, e));
+  return j;
+}
+
+Result<std::string> to_junit(const Store& store) {
+  const auto campaign = StoredCampaign::of(store);
+  if (!campaign) return Error{campaign.error()};
+  std::string cases;
+  uint64_t tests = 0, failures = 0, errors = 0;
+  const auto take = [&](const StoredRun& run, const Judged& judged) {
+    ++tests;
+    if (!judged.pass) ++(judged.finished ? failures : errors);
+    cases += test_case(campaign.value(), run, judged);
+  };
+  if (auto error = campaign.value().each_done(store, take)) return *error;
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"{}\" "
+      "tests=\"{}\" failures=\"{}\" errors=\"{}\">\n{}  </testsuite>\n</testsuites>\n",
+      xml_text(campaign.value().description.name), tests, failures, errors, cases);
+}
+
+}  // namespace capsoc::campaign

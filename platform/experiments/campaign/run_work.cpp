@@ -1,0 +1,116 @@
+#include "campaign/run_work.h"
+
+#include <fmt/format.h>
+
+#include "host/file_uses.h"
+#include "host/sha256.h"
+#include "run/run_files.h"
+#include "run/run_inputs.h"
+#include "run/run_settings.h"
+#include "run/simulation.h"
+#include "support/printable.h"
+
+namespace capsoc::campaign {
+namespace {
+
+std::optional<Error> set_all(const std::vector<Assignment>& assignments,
+                             run::RunSettings& settings) {
+  for (const Assignment& each : assignments) {
+    if (auto error = settings.set(each.path, each.value, SettingSource::command_line, each.origin))
+      return error;
+    // Runs side by side would write over each other.
+    if (const Setting* setting = settings.find(each.path);
+        setting != nullptr && setting->bearing == Bearing::place)
+      return Error{fmt::format(
+          "{}: {} says where something goes, and a campaign keeps results itself; remove it, or "
+          "use [keep]",
+          each.origin, printable(each.path))};
+  }
+  return std::nullopt;
+}
+
+/// For a failed run that is repeated; lockstep writes its waves only when there is something to
+/// see.
+std::optional<Error> set_places(const Keep& keep, run::RunSettings& settings) {
+  const auto place = [&](const TextField& field, const std::string& file) {
+    return settings.set(field.about().path, file, SettingSource::command_line, "[keep]");
+  };
+  if (settings.coprocessor.backend() == run::Backend::lockstep)
+    if (auto error =
+            place(settings.coprocessor.waves, keep.stem.empty() ? "/dev/null" : keep.stem + ".fst"))
+      return error;
+  if (!keep.failed || keep.stem.empty()) return std::nullopt;
+  if (auto error = place(settings.results.record, keep.stem + ".csv")) return error;
+  if (!keep.waves || settings.coprocessor.backend() == run::Backend::lockstep) return std::nullopt;
+  return place(settings.coprocessor.waves, keep.stem + ".fst");
+}
+
+}  // namespace
+
+const std::string& RunWork::hash_of(const std::string& file) {
+  auto known = hashes_.find(file);
+  // What is no file (the built-in sensor) is part of the program.
+  if (known == hashes_.end()) known = hashes_.emplace(file, host::sha256_of_file(file)).first;
+  return known->second;
+}
+
+Result<Job> RunWork::prepare(const std::vector<Assignment>& assignments) {
+  run::RunSettings settings;
+  if (auto error = set_all(assignments, settings)) return *error;
+  Job job;
+  for (const Setting& setting : settings.all()) {
+    const bool unset = setting.optional && setting.source == SettingSource::built_in;
+    if (unset || setting.bearing == Bearing::place || setting.kind == SettingKind::input) continue;
+    job.identity += setting.path + "=" + setting.value + "\n";
+  }
+  for (const host::FileUse& use : run::files_of(settings)) {
+    if (use.kind != host::FileUse::Kind::input || use.path.empty()) continue;
+    const std::string& hash = hash_of(use.path);
+    // The option's name depends on how it was given, the order of the uses does not.
+    job.identity += "input=" + (hash.empty() ? use.path : hash) + "\n";
+  }
+  job.command = run::reproducing_command(settings);
+  return job;
+}
+
+std::optional<Error> RunWork::check(const std::vector<Assignment>& assignments) {
+  run::RunSettings settings;
+  if (auto error = set_all(assignments, settings)) return error;
+  const auto inputs = run::read_inputs(settings);
+  return inputs ? std::nullopt : std::make_optional(Error{inputs.error()});
+}
+
+Result<nlohmann::ordered_json> RunWork::perform(const std::vector<Assignment>& assignments,
+                                                const Keep& keep) {
+  run::RunSettings settings;
+  if (auto error = set_all(assignments, settings)) return *error;
+  if (auto error = set_places(keep, settings)) return *error;
+  auto result = run::run(settings);
+  if (!result) return Error{result.error()};
+  return run::to_json(result.value(), settings);
+}
+
+nlohmann::ordered_json RunWork::example() const {
+  run::RunResult result;
+  result.samples = 1;  // else there is nothing of the sensor
+  result.translation.emplace();
+  result.truth.emplace();
+  result.verdict.emplace();
+  result.golden.emplace();
+  for (const char* name : {"a1", "a2", "b1", "b2", "beta"})
+    result.golden->rows.push_back({name, 0, 0, 0, 0});
+  result.golden->angle.difference = 0;
+  result.golden->angle.bound.emplace();
+  result.divergence = result.fault_report = result.place_report = "some";
+  nlohmann::ordered_json example = run::to_json(result, run::RunSettings());
+  result.golden->rejection = "some";
+  example["golden"]["rejection"] = golden::to_json(*result.golden)["rejection"];
+  return example;
+}
+
+const std::vector<std::string>& RunWork::host_keys() const {
+  static const std::vector<std::string> keys = {"time.wall_s", "cpu.mips"};
+  return keys;
+}
+
+}  // namespace capsoc::campaign

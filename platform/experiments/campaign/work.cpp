@@ -1,0 +1,13 @@
+#include "campaign/work.h"
+
+#include "campaign/run_work.h"
+#include "support/printable.h"
+
+namespace capsoc::campaign {
+
+Result<std::unique_ptr<Work>> make_work(const std::string& kind) {
+  if (kind == "run") return std::unique_ptr<Work>(std::make_unique<RunWork>());
+  return Error{"there is no kind '" + printable(kind) + "' of work; write kind = \"run\""};
+}
+
+}  // namespace capsoc::campaign

@@ -1,0 +1,54 @@
+// A kind of work: what one run of a campaign does.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "campaign/axis.h"
+#include "support/result.h"
+
+namespace capsoc::campaign {
+
+/// A run, described so that it can be told from every other and repeated.
+struct Job {
+  std::string identity;  ///< settings and hashes of input files; not where these lie
+  std::string command;
+};
+
+/// Where a run leaves more than its result.
+struct Keep {
+  std::string stem;     ///< folder and name without an ending; "": nowhere
+  bool failed = false;  ///< the run is known to fail: it is repeated to be recorded
+  bool waves = false;   ///< record these, too
+};
+
+class Work {
+ public:
+  virtual ~Work() = default;
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+
+  /// The cheap checks: every setting exists, is one of this kind and can have its value.
+  virtual Result<Job> prepare(const std::vector<Assignment>& assignments) = 0;
+  /// The rest, with all input files read.
+  virtual std::optional<Error> check(const std::vector<Assignment>& assignments) = 0;
+  /// In a process of its own. Error: an input is wrong after all.
+  virtual Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
+                                                 const Keep& keep) = 0;
+  /// A result that has every key that one can have.
+  virtual nlohmann::ordered_json example() const = 0;
+  /// Keys of results that are the host's matter, with all below them: never the same twice, and
+  /// no metrics.
+  virtual const std::vector<std::string>& host_keys() const = 0;
+
+ protected:
+  Work() = default;
+};
+
+/// Error: the end of a sentence that names the kinds there are.
+Result<std::unique_ptr<Work>> make_work(const std::string& kind);
+
+}  // namespace capsoc::campaign
