@@ -36,9 +36,7 @@ const char* advice(int code) {
 
 Result<std::unique_ptr<Database>> Database::open(const std::string& path, Mode mode) {
   std::unique_ptr<Database> database(new Database(path));
-  const int flags = mode == Mode::read     ? SQLITE_OPEN_READONLY
-                    : mode == Mode::create ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
-                                           : SQLITE_OPEN_READWRITE;
+  const int flags = SQLITE_OPEN_READWRITE | (mode == Mode::create ? SQLITE_OPEN_CREATE : 0);
   sqlite3* handle = nullptr;
   // A name that begins with "file:" would be taken for a URI otherwise; "./" is in nobody's way.
   const std::string name = path.rfind('/', 0) == 0 ? path : "./" + path;
@@ -51,6 +49,8 @@ Result<std::unique_ptr<Database>> Database::open(const std::string& path, Mode m
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   if (auto error = database->execute("PRAGMA cell_size_check = ON")) return *error;
+  if (mode != Mode::read) return database;
+  if (auto error = database->execute("PRAGMA query_only = ON")) return *error;
   return database;
 }
 

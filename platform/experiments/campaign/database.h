@@ -48,7 +48,11 @@ class Statement {
 
 class Database {
  public:
-  enum class Mode { read, write, create };
+  enum class Mode {
+    read,  ///< changes nothing; a reader cleans up behind a writer that was killed, as SQLite does
+    write,
+    create
+  };
   /// Error: "path: what is wrong; what to do".
   static Result<std::unique_ptr<Database>> open(const std::string& path, Mode mode);
   Database(const Database&) = delete;

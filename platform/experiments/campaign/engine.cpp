@@ -51,9 +51,11 @@ void answer(Answer kind, std::string_view text) {
   _exit(write(answer_descriptor, &word, 1) == 1 ? 0 : 1);
 }
 
-void limit(int resource, rlim_t value) {
-  const rlimit both{value, value};
-  setrlimit(static_cast<__rlimit_resource_t>(resource), &both);
+void limit(__rlimit_resource_t resource, rlim_t value) {
+  rlimit both{};
+  if (getrlimit(resource, &both) != 0) return;
+  both.rlim_max = both.rlim_cur = std::min(value, both.rlim_max);
+  setrlimit(resource, &both);
 }
 
 /// What this process shall not do to others, nor others to its result.

@@ -15,6 +15,8 @@ namespace {
 constexpr const char* passes = "exit.code == 0";
 constexpr const char* exit_code = "exit.code";
 constexpr const char* exit_reason = "exit.reason";
+/// A program's own word on why it failed, where it has one.
+constexpr const char* verdict_reason = "verdict.reason";
 
 Named named(const std::string& name, const std::string& text) {
   return {name, Expression::parse(text).value(), ""};
@@ -79,6 +81,8 @@ Result<Judged> Judge::judge(const std::vector<std::string>& values, const Row& r
     judged.pass = judged.pass && judged.criteria[i];
   }
   judged.exit = to_text(of_result(exit_code)) + ": " + to_text(of_result(exit_reason));
+  if (const Value reason = of_result(verdict_reason); !is_null(reason))
+    judged.exit += ", " + to_text(reason);
   return judged;
 }
 

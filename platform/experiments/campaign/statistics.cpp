@@ -12,7 +12,7 @@ namespace capsoc::campaign {
 namespace {
 
 constexpr double confidence = 0.95;
-constexpr std::size_t histogram_bins = 20, axis_classes = 12;
+constexpr std::size_t histogram_bins = 20, axis_classes = 12, least_runs_of_class = 10;
 constexpr double far_apart = 1000;
 
 double mean_of(const std::vector<double>& values) {
@@ -82,9 +82,11 @@ std::vector<std::size_t> classes_of(const std::vector<std::string>& axis,
   std::vector<std::size_t> classes;
   for (const std::string& value : axis)
     classes.push_back(values.emplace(value, values.size()).first->second);
-  if (values.size() <= axis_classes || !ranks) return classes;
+  const std::size_t most =
+      std::clamp<std::size_t>(axis.size() / least_runs_of_class, 2, axis_classes);
+  if (values.size() <= most || !ranks) return classes;
   for (std::size_t i = 0; i < classes.size(); ++i)
-    classes[i] = static_cast<std::size_t>(((*ranks)[i] - 1) * axis_classes /
+    classes[i] = static_cast<std::size_t>(((*ranks)[i] - 1) * static_cast<double>(most) /
                                           static_cast<double>(axis.size()));
   return classes;
 }

@@ -37,9 +37,10 @@ std::optional<Summary> summarise(std::vector<double> values);
 
 /// How much a metric depends on an axis alone.
 struct Sensitivity {
-  /// Share of the variance of the metric's ranks that the axis explains, by its values or, beyond
-  /// 12 of them, by twelfths: epsilon squared of Kruskal and Wallis's test, 0 .. 1. About 0 where
-  /// there is no dependence; catches others than rising and falling ones, too.
+  /// Share of the variance of the metric's ranks that the axis explains, by its values or, where
+  /// there are more than 12 or fewer than 10 runs of each, by equal parts: epsilon squared of
+  /// Kruskal and Wallis's test, 0 .. 1. About 0 where there is no dependence; catches others than
+  /// rising and falling ones, too.
   double share = 0;
   /// Spearman's rank correlation, -1 .. 1; nothing for an axis of texts.
   std::optional<double> correlation;
