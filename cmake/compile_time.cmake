@@ -60,7 +60,7 @@ endfunction()
 
 # Which targets; to be called when all of them are there.
 function(capsoc_save_compile_time)
-  capsoc_cold(capsoc capsoc_manual capsoc_fit capsoc_golden capsoc_reproduce capsoc_accuracy capsoc_tables capsoc_run capsoc_metrics capsoc_settings
+  capsoc_cold(capsoc capsoc_manual capsoc_fit capsoc_campaign capsoc_golden capsoc_reproduce capsoc_accuracy capsoc_tables capsoc_run capsoc_metrics capsoc_settings
               capsoc_host capsoc_loader capsoc_source capsoc_serial capsoc_semihosting capsoc_rsp capsoc_gdb capsoc_bench)
   capsoc_use_precompiled(capsoc_pch_cli capsoc)
   capsoc_use_precompiled(capsoc_pch_run capsoc_run capsoc_gdb)
@@ -69,6 +69,6 @@ function(capsoc_save_compile_time)
   # Not the processor and the coprocessor: what is hot is compiled alone.
   capsoc_together(capsoc capsoc_run capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting
                   capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_mps2
-                  capsoc_coprocessor_tlm capsoc_cortex_m3_tlm capsoc_soc capsoc_csfn capsoc_sensor capsoc_fit capsoc_golden capsoc_regress
+                  capsoc_coprocessor_tlm capsoc_cortex_m3_tlm capsoc_soc capsoc_csfn capsoc_sensor capsoc_fit capsoc_campaign capsoc_golden capsoc_regress
                   capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_input)
 endfunction()

@@ -11,6 +11,7 @@
 #include "campaign/export.h"
 #include "campaign/progress.h"
 #include "campaign/report.h"
+#include "campaign/slurm.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
@@ -29,6 +30,8 @@ struct CampaignArguments {
   std::vector<std::string> stores;
   std::string json, junit, csv;
   std::string shard;
+  campaign::SlurmPlan slurm;
+  bool submit = true;
   campaign::RunOptions run;
   campaign::ExportOptions columns;
 };
@@ -182,6 +185,30 @@ int resume_command(CampaignArguments& a) {
   return perform(a, plan.value(), *store.value());
 }
 
+int slurm_command(CampaignArguments& a) {
+  const auto plan = plan_of(a.description);
+  if (!plan) return refuse(plan.error());
+  a.slurm.description = a.description;
+  a.slurm.name = plan.value().description().name;
+  a.slurm.store = store_of(a);
+  if (a.slurm.folder.empty())
+    a.slurm.folder = std::filesystem::path(a.description).stem().string() + ".slurm";
+  if (auto error =
+          host::check_uses({read_by("FILE", a.description), written_by("--store", a.slurm.store),
+                            written_by("the copy of FILE", a.slurm.folder + "/campaign.toml")}))
+    return refuse(error->text);
+  const auto scripts = campaign::write_scripts(a.slurm);
+  if (!scripts) return refuse(scripts.error());
+  host::print("{} runs in {} tasks: {}, then {}\n", plan.value().runs().size(), a.slurm.tasks,
+              scripts.value().array, scripts.value().last);
+  if (!a.submit) return run::exit_code::pass;
+  const auto jobs = campaign::submit(scripts.value());
+  if (!jobs) return refuse(jobs.error());
+  host::print("array {}, report {}: {} and {}/report.json\n", jobs.value().array, jobs.value().last,
+              a.slurm.store, a.slurm.folder);
+  return run::exit_code::pass;
+}
+
 int report_command(const CampaignArguments& a) {
   if (auto error = check_files({read_by("STORE", a.store)}, reports_of(a)))
     return refuse(error->text);
@@ -266,6 +293,27 @@ void add_reports(CLI::App& command, const Arguments& a) {
   command.add_option("--junit", a->junit, "Write the runs as JUnit XML")->type_name("FILE.xml");
 }
 
+void add_slurm(CLI::App& group, const Arguments& a, int& code) {
+  CLI::App* command =
+      add(group, "slurm", "Submit the runs as a job array of Slurm", a, code, slurm_command);
+  add_description(*command, a);
+  command->add_option("--tasks", a->slurm.tasks, "Tasks of the array, each with its shard")
+      ->required()
+      ->transform(whole_number(1, 100'000));
+  command->add_option("--store", a->store, "Where all runs come together (default: FILE's name)")
+      ->type_name("STORE");
+  command
+      ->add_option("--folder", a->slurm.folder,
+                   "For scripts, logs and the tasks' stores (default: FILE's name.slurm)")
+      ->type_name("DIR");
+  command
+      ->add_option("--sbatch", a->slurm.options,
+                   "An option of sbatch for all jobs; may be repeated")
+      ->type_name("OPTION")
+      ->allow_extra_args(false);
+  command->add_flag("!--no-submit", a->submit, "Write the scripts and submit nothing");
+}
+
 void add_export(CLI::App& group, const Arguments& a, int& code) {
   CLI::App* command = add(group, "export", "Write the runs as a table; CSV on standard output", a,
                           code, [](CampaignArguments& x) { return export_command(x); });
@@ -319,6 +367,7 @@ void add_campaign(CLI::App& app, int& code) {
   merge->add_option("stores", a->stores, "Stores of the same campaign")
       ->required()
       ->type_name("STORE");
+  add_slurm(*group, a, code);
   add_export(*group, a, code);
 }
 

@@ -15,6 +15,8 @@
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "run/results.h"
+#include "support/printable.h"
+#include "support/shell.h"
 
 namespace capsoc::cli {
 namespace {
@@ -28,7 +30,8 @@ struct FitArguments {
   int iterations = 0;        ///< 0: the method's own
   std::string json, header;  ///< both empty: neither was named
   std::string convergence;
-  std::string command = "capsoc fit";  ///< that gives the same fit
+  std::vector<std::string> assignments;  ///< sensor.KEY=VALUE
+  std::string command = "capsoc fit";    ///< that gives the same fit
 };
 
 /// What the method names on the command line mean.
@@ -71,6 +74,22 @@ std::optional<Error> check_files(const FitArguments& arguments) {
   return std::nullopt;
 }
 
+/// The keys of the description that were set.
+std::optional<Error> take_assignments(FitArguments& arguments) {
+  for (const std::string& assignment : arguments.assignments) {
+    const std::string prefix = "sensor.";
+    const auto equals = assignment.find('=');
+    if (assignment.rfind(prefix, 0) != 0 || equals == std::string::npos)
+      return Error{fmt::format("-C {}: write sensor.KEY=VALUE, for instance -C sensor.a1=0.5",
+                               printable(assignment))};
+    arguments.options.record.keys.push_back(
+        {assignment.substr(prefix.size(), equals - prefix.size()), assignment.substr(equals + 1),
+         "-C " + assignment});
+    arguments.command += " -C " + shell_word(assignment);
+  }
+  return std::nullopt;
+}
+
 /// Writes what was asked for, all or nothing, and prints what there is to say.
 int report(const FitArguments& arguments, const fit::Fit& fit) {
   std::vector<host::TextFile> files;
@@ -91,6 +110,7 @@ int fit_command(FitArguments& arguments) {
   if (arguments.tables || !arguments.table.empty()) return print_tables(arguments);
   if (arguments.trace.empty()) return refuse("fit needs a TRACE, --tables or --table; try --help");
   choose_method(arguments);
+  if (auto error = take_assignments(arguments)) return refuse(error->text);
   if (auto error = check_files(arguments)) return refuse(error->text);
   const auto fitted = fit::fit(arguments.trace, arguments.options);
   if (!fitted) return refuse(fitted.error());
@@ -165,6 +185,9 @@ void add_fit(CLI::App& app, int& code) {
                         "Width of the converter (default: as the trace says)")
             ->transform(whole_number(12, 32)),
         "N");
+  fit->add_option("-C", arguments->assignments, "Set a key of the description")
+      ->type_name("sensor.KEY=VALUE")
+      ->allow_extra_args(false);
   fit->add_option("--json", arguments->json,
                   "Where the calibration goes (without --header, too: calibration.json)")
       ->type_name("FILE")

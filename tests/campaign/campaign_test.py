@@ -16,6 +16,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+SOURCE = Path(__file__).resolve().parents[2]
 CAPSOC = BUILD / "capsoc"
 FIRMWARE = BUILD / "firmware"
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
@@ -62,6 +63,13 @@ def rows_of(store):
             del result["time"]["wall_s"], result["cpu"]["mips"]
         clean.append((key, ending, command, json.dumps(result), log))
     return plan, clean
+
+
+def rows_of_any(store):
+    database = sqlite3.connect(store)
+    rows = database.execute("SELECT key, ending, command, result, log FROM runs").fetchall()
+    database.close()
+    return rows
 
 
 class Case(unittest.TestCase):
@@ -120,7 +128,7 @@ class Descriptions(Case):
                    'name = "n"\n[settings]\ncoprocessor.arithmetic = "fast"\n', 3)
         self.wrong("sensor.a1 must be a text, a number or true/false; several values make an axis", 'name = "n"\n[settings]\nsensor.a1 = [1, 2]\n', 3)
         self.wrong("results.json says where something goes", 'name = "n"\n[settings]\nresults.json = "r"\n', 3)
-        self.wrong("the program has no setting 'stap'", 'name = "n"\n[settings]\nprogram.stap = 1\n', 3)
+        self.wrong(f"{FIRMWARE}/selfcal.elf has no setting 'stap'", 'name = "n"\n[settings]\nprogram.stap = 1\n', 3)
 
     def test_axes(self):
         def axes(text, expected, line=3):
@@ -241,7 +249,7 @@ class Rows(Case):
         self.assertEqual(len(self.campaign("export", "d.sqlite")[0].splitlines()), 4)
 
     def test_a_changed_input_file_is_another_run(self):
-        sensor = (Path(__file__).resolve().parents[2] / "traces/soc_eq21.toml").read_text()
+        sensor = (SOURCE / "traces/soc_eq21.toml").read_text()
         self.path("s.toml").write_text(sensor)
         self.describe(SHORT + '[[axes]]\nsensor.file = ["s.toml"]\n')
         self.campaign("run", "d.toml")
@@ -319,7 +327,7 @@ firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
         self.assertIn("5: the firmware crashed", out)
 
     def test_an_input_that_goes_away(self):
-        sensor = (Path(__file__).resolve().parents[2] / "traces/soc_eq21.toml").read_text()
+        sensor = (SOURCE / "traces/soc_eq21.toml").read_text()
         self.path("s.toml").write_text(sensor)
         numbers = [0.5 + i / 1000 for i in range(61)] + [50.5] + [0.6 + i / 1000 for i in range(60)]
         _, _, endings = self.endings(SHORT.replace("least_yield = 0", "") + f"[[axes]]\nsensor.a1 = {numbers}\n")
@@ -558,6 +566,81 @@ offset = "abs(parameters.b2.true)"
         self.describe(DRAWN.format(runs=5))
         _, said = self.campaign("run", "d.toml")
         self.assertRegex(said, r"5 runs, seed 5, store d.sqlite\n5 of 5 runs, 0 running, [0-9.e+]+ runs/s, \d failed in \d+ s\n")
+
+
+class Kinds(Case):
+    """fit and regress; the campaigns that come with capsoc."""
+
+    def test_fit(self):
+        self.describe("""
+name = "fit"
+kind = "fit"
+[settings]
+fit.samples = 600
+sensor.motion.frequency_hz = 3
+[[axes]]
+combine = "independent"
+runs = 20
+sensor.a1 = { uniform = [0.2, 0.8] }
+sensor.noise.sigma = { log_uniform = [1e-4, 1e-3] }
+sensor.noise.seed = { seeds = true }
+[metrics]
+error = "abs(parameters.a1.value - parameters.a1.true)"
+inside = "abs(parameters.a1.value - parameters.a1.true) <= parameters.a1.interval"
+[criteria]
+identified = "exit.code == 0"
+near = "error < 0.001"
+""")
+        self.campaign("run", "d.toml", "--json", "r.json")
+        report = json.loads(self.path("r.json").read_text())
+        self.assertEqual(report["passed"], 20)
+        self.assertGreater(report["metrics"][1]["summary"]["mean"], 0.7)
+        _, _, command, result, _ = rows_of_any(self.path("d.sqlite"))[0]
+        self.assertRegex(command, r"^capsoc fit \S+ --samples 600 -C sensor.a1=")
+        subprocess.run([str(CAPSOC)] + command.split()[1:] + ["--json", "again.json"], cwd=self.folder, env=CLEAN, check=True,
+                       capture_output=True)
+        again, stored = json.loads(self.path("again.json").read_text()), json.loads(result)
+        self.assertEqual(again["parameters"], stored["parameters"])
+
+    def test_fit_takes_keys_of_the_sensor(self):
+        for assignment, expected in (("a1=1", "write sensor.KEY=VALUE"), ("sensor.a7=1", "a7"), ("sensor.a1", "write sensor.KEY=VALUE"),
+                                     ("sensor.a1=x", "sensor.a1=x")):
+            process = subprocess.run([CAPSOC, "fit", "built-in:soc_eq21.toml", "-C", assignment], capture_output=True, cwd=self.folder,
+                                     env=CLEAN, check=False)
+            self.assertEqual(process.returncode, 2)
+            self.assertIn(expected, process.stderr.decode())
+
+    def test_regress(self):
+        if not (BUILD / "libcapsoc_rtl_precise.so").exists():
+            self.skipTest("the RTL is not built")
+        self.describe("""
+name = "regress"
+kind = "regress"
+[settings]
+regress.samples = 200
+regress.accesses = 200
+[[axes]]
+regress.scenario = ["registers", "noise"]
+regress.seed = [1, 2]
+""")
+        out, _ = self.campaign("run", "d.toml")
+        self.assertIn("0: no difference", out)
+        command = rows_of_any(self.path("d.sqlite"))[0][2]
+        self.assertRegex(command, r"^capsoc regress --arithmetic precise --scenario \w+ --first-seed [12] --seeds 1 --samples 200")
+
+    def test_ready_campaigns(self):
+        campaigns = sorted((SOURCE / "campaigns").glob("*.toml"))
+        self.assertGreaterEqual(len(campaigns), 6)
+        for path in campaigns:
+            with self.subTest(path.name):
+                if "kind = \"regress\"" in path.read_text() and not (BUILD / "libcapsoc_rtl_precise.so").exists():
+                    continue
+                text = path.read_text().replace('"build/', f'"{BUILD}/')
+                self.describe(text)
+                self.campaign("check", "d.toml")
+        listed = subprocess.run([CAPSOC, "regress", "--list"], capture_output=True, check=True, env=CLEAN).stdout.decode()
+        text = (SOURCE / "campaigns/regression.toml").read_text().partition("regress.scenario = [")[2].partition("]")[0]
+        self.assertEqual([word.strip('" ') for word in text.replace("\n", "").split(",")], [line.split()[0] for line in listed.splitlines()])
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ double normal_at(double quantile) {
   return quantile < 0.5 ? -x : x;
 }
 
-std::string text(double value) {
+std::string number_text(double value) {
   return fmt::format("{}", value);
 }
 
@@ -66,9 +66,11 @@ std::string Axis::value(uint64_t index, uint64_t seed) const {
     case Kind::list:
       return values[index];
     case Kind::range:
-      return text(a + (b - a) * share);
+      return number_text(a + (b - a) * share);
     case Kind::log_range:
-      return text(index == 0 ? a : index == count - 1 ? b : a * std::exp(std::log(b / a) * share));
+      return number_text(index == 0           ? a
+                         : index == count - 1 ? b
+                                              : a * std::exp(std::log(b / a) * share));
     default:
       return at_quantile(draw(seed, path, index), seed, index);
   }
@@ -82,12 +84,13 @@ std::string Axis::at_quantile(double quantile, uint64_t seed, uint64_t index) co
     case Kind::log_range:
       return value(static_cast<uint64_t>(part(static_cast<double>(count))), seed);
     case Kind::uniform:
-      return text(a + (b - a) * quantile);
+      return number_text(a + (b - a) * quantile);
     case Kind::log_uniform:
-      return text(a * std::exp(std::log(b / a) * quantile));
+      return number_text(a * std::exp(std::log(b / a) * quantile));
     case Kind::normal: {
       const double below = share_below((least - a) / b), to = share_below((greatest - a) / b);
-      return text(std::clamp(a + b * normal_at(below + (to - below) * quantile), least, greatest));
+      return number_text(
+          std::clamp(a + b * normal_at(below + (to - below) * quantile), least, greatest));
     }
     case Kind::integers:
       return fmt::format("{}", static_cast<int64_t>(a + part(b - a + 1)));

@@ -15,6 +15,10 @@ namespace {
 constexpr uint64_t largest_file = 1U << 20U;
 constexpr uint64_t most_seconds = 1'000'000;
 
+/// It stands in reports, and in the names of a cluster's jobs.
+constexpr const char* name_letters =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789 .-_";
+
 struct Generator {
   const char* word;
   Axis::Kind kind;
@@ -71,6 +75,9 @@ class DescriptionReader {
                    "repetitions", "derived", "limits", "keep", "metrics", "criteria"});
     top.text("name", result_.name);
     if (result_.name.empty()) file_.fail(root, "the campaign has no name; write name = \"...\"");
+    if (result_.name.find_first_not_of(name_letters) != std::string::npos)
+      top.fail(*root.get("name"), "name",
+               "has more than letters, digits, spaces, '.', '-' and '_'");
     top.text("kind", result_.kind);
     top.whole("seed", result_.seed, 0, std::numeric_limits<int64_t>::max());
     top.number("least_yield", result_.least_yield, 0, 1);

@@ -29,7 +29,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int tick_ms = 200;
 constexpr std::size_t longest_log = 4000;
 constexpr std::size_t longest_result = std::size_t{64} << 20U;
-constexpr rlim_t largest_file = rlim_t{8} << 30U;  // of a worker's: a log or waves without an end
+constexpr rlim_t largest_written = rlim_t{8}
+                                   << 30U;  // of a worker's: a log or waves without an end
 
 /// What the first byte of a worker's answer says.
 enum class Answer : char { result = 'R', refusal = 'E', no_memory = 'M' };
@@ -72,7 +73,7 @@ void become_worker(pid_t parent, int log, const Limits& limits) {
   dup2(nothing, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_FSIZE, largest_file);
+  limit(RLIMIT_FSIZE, largest_written);
   limit(RLIMIT_AS, static_cast<rlim_t>(limits.memory_mib) << 20U);
   std::set_new_handler(out_of_memory);
 }
@@ -208,8 +209,11 @@ void Engine::wait() {
   const int ready = poll(descriptors.data(), descriptors.size(), static_cast<int>(timeout_ms));
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     Worker& worker = workers_[i];
-    if (ready > 0 && descriptors[i].revents != 0) worker.read_some();
-    if (worker.closed || worker.left(limits_) > 0) continue;
+    if (ready > 0 && descriptors[i].revents != 0) {
+      worker.read_some();  // in time, even if this process slept
+      continue;
+    }
+    if (worker.left(limits_) > 0) continue;
     worker.out_of_time = worker.closed = true;
     kill(worker.process, SIGKILL);
   }

@@ -15,14 +15,14 @@ Value value_of(const nlohmann::ordered_json& json) {
   return {};
 }
 
-constexpr int deepest = 32;  // a damaged store may hold anything
+constexpr int deepest_result = 32;  // a damaged store may hold anything
 
 void add(const nlohmann::ordered_json& json, const std::string& name, int depth, FlatResult& flat) {
   if (!json.is_structured()) {
     flat[name] = value_of(json);
     return;
   }
-  if (depth == deepest) return;
+  if (depth == deepest_result) return;
   const std::string prefix = name.empty() ? "" : name + ".";
   std::size_t number = 0;
   for (const auto& [key, value] : json.items())

@@ -18,18 +18,16 @@ constexpr const char* exit_reason = "exit.reason";
 /// A program's own word on why it failed, where it has one.
 constexpr const char* verdict_reason = "verdict.reason";
 
-Named named(const std::string& name, const std::string& text) {
-  return {name, Expression::parse(text).value(), ""};
-}
-
 /// Every number of a result that is of the simulation.
 std::vector<Named> all_metrics(const Work& work) {
   std::vector<std::string> others = work.host_keys();
-  others.insert(others.end(), {"schema", "configuration"});
+  others.insert(others.end(), {"schema", "configuration", "hits"});
   std::vector<Named> metrics;
-  for (const auto& [name, value] : flatten(work.example()))
-    if (std::holds_alternative<double>(value) && !is_below(name, others))
-      metrics.push_back(named(name, name));
+  for (const auto& [name, value] : flatten(work.example())) {
+    if (!std::holds_alternative<double>(value) || is_below(name, others)) continue;
+    if (auto expression = Expression::parse(name))
+      metrics.push_back({name, std::move(expression.value()), ""});
+  }
   return metrics;
 }
 
@@ -38,7 +36,7 @@ std::vector<Named> all_metrics(const Work& work) {
 Judge::Judge(const Description& description, const Work& work, std::vector<std::string> axes)
     : axes_(std::move(axes)), metrics_(description.metrics), criteria_(description.criteria) {
   if (metrics_.empty()) metrics_ = all_metrics(work);
-  if (criteria_.empty()) criteria_.push_back(named("pass", passes));
+  if (criteria_.empty()) criteria_.push_back({"pass", Expression::parse(passes).value(), ""});
   if (!metrics_.empty()) worst_ = 0;
   for (std::size_t i = 0; i < metrics_.size(); ++i)
     if (metrics_[i].name == description.worst) worst_ = i;

@@ -1,33 +1,16 @@
 #include "campaign/run_work.h"
 
-#include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "campaign/work_settings.h"
 #include "host/file_uses.h"
-#include "host/sha256.h"
 #include "run/run_files.h"
 #include "run/run_inputs.h"
 #include "run/run_settings.h"
 #include "run/simulation.h"
-#include "support/printable.h"
 
 namespace capsoc::campaign {
 namespace {
-
-std::optional<Error> set_all(const std::vector<Assignment>& assignments,
-                             run::RunSettings& settings) {
-  for (const Assignment& each : assignments) {
-    if (auto error = settings.set(each.path, each.value, SettingSource::command_line, each.origin))
-      return error;
-    // Runs side by side would write over each other.
-    if (const Setting* setting = settings.find(each.path);
-        setting != nullptr && setting->bearing == Bearing::place)
-      return Error{fmt::format(
-          "{}: {} says where something goes, and a campaign keeps results itself; remove it, or "
-          "use [keep]",
-          each.origin, printable(each.path))};
-  }
-  return std::nullopt;
-}
 
 /// For a failed run that is repeated; lockstep writes its waves only when there is something to
 /// see.
@@ -47,28 +30,14 @@ std::optional<Error> set_places(const Keep& keep, run::RunSettings& settings) {
 
 }  // namespace
 
-const std::string& RunWork::hash_of(const std::string& file) {
-  auto known = hashes_.find(file);
-  // What is no file (the built-in sensor) is part of the program.
-  if (known == hashes_.end()) known = hashes_.emplace(file, host::sha256_of_file(file)).first;
-  return known->second;
-}
-
 Result<Job> RunWork::prepare(const std::vector<Assignment>& assignments) {
   run::RunSettings settings;
   if (auto error = set_all(assignments, settings)) return *error;
   Job job;
-  for (const Setting& setting : settings.all()) {
-    const bool unset = setting.optional && setting.source == SettingSource::built_in;
-    if (unset || setting.bearing == Bearing::place || setting.kind == SettingKind::input) continue;
-    job.identity += setting.path + "=" + setting.value + "\n";
-  }
-  for (const host::FileUse& use : run::files_of(settings)) {
-    if (use.kind != host::FileUse::Kind::input || use.path.empty()) continue;
-    const std::string& hash = hash_of(use.path);
-    // The option's name depends on how it was given, the order of the uses does not.
-    job.identity += "input=" + (hash.empty() ? use.path : hash) + "\n";
-  }
+  job.identity = settings_identity(settings);
+  for (const host::FileUse& use : run::files_of(settings))
+    if (use.kind == host::FileUse::Kind::input && !use.path.empty())
+      job.identity += input_identity(use.path);
   job.command = run::reproducing_command(settings);
   return job;
 }
@@ -85,6 +54,7 @@ Result<nlohmann::ordered_json> RunWork::perform(const std::vector<Assignment>& a
   run::RunSettings settings;
   if (auto error = set_all(assignments, settings)) return *error;
   if (auto error = set_places(keep, settings)) return *error;
+  spdlog::set_level(settings.log_level());
   auto result = run::run(settings);
   if (!result) return Error{result.error()};
   return run::to_json(result.value(), settings);
@@ -95,7 +65,11 @@ nlohmann::ordered_json RunWork::example() const {
   result.samples = 1;  // else there is nothing of the sensor
   result.translation.emplace();
   result.truth.emplace();
+  result.convergence.state = metrics::Convergence::State::reached;
+  result.errors = {true, 0, 0, 0, 0};
   result.verdict.emplace();
+  result.verdict->pass = true;
+  result.verdict->largest_error_deg = 0;
   result.golden.emplace();
   for (const char* name : {"a1", "a2", "b1", "b2", "beta"})
     result.golden->rows.push_back({name, 0, 0, 0, 0});

@@ -1,8 +1,6 @@
 // `capsoc run` as a kind of work.
 #pragma once
 
-#include <map>
-
 #include "campaign/work.h"
 
 namespace capsoc::campaign {
@@ -15,11 +13,6 @@ class RunWork final : public Work {
                                          const Keep& keep) override;
   nlohmann::ordered_json example() const override;
   const std::vector<std::string>& host_keys() const override;
-
- private:
-  const std::string& hash_of(const std::string& file);
-
-  std::map<std::string, std::string> hashes_;  // of input files, by path
 };
 
 }  // namespace capsoc::campaign

@@ -14,7 +14,7 @@ namespace capsoc::campaign {
 namespace {
 
 constexpr int64_t application = 0x63617073;  // "caps", in the file's head
-constexpr int64_t schema_version = 1;
+constexpr int64_t store_version = 1;
 
 /// Written at the first row and read by everybody; each column's name stands here.
 constexpr const char* schema = R"(
@@ -24,14 +24,12 @@ constexpr const char* schema = R"(
                     result TEXT, log TEXT NOT NULL, wall_s REAL NOT NULL);
 )";
 
-using nlohmann::json;
-
 /// A list of texts as JSON; nothing for what is none.
 std::optional<std::vector<std::string>> texts_of(const std::string& text) {
-  const json list = json::parse(text, nullptr, false);
+  const nlohmann::json list = nlohmann::json::parse(text, nullptr, false);
   if (!list.is_array()) return std::nullopt;
   std::vector<std::string> texts;
-  for (const json& each : list) {
+  for (const nlohmann::json& each : list) {
     if (!each.is_string()) return std::nullopt;
     texts.push_back(each.get<std::string>());
   }
@@ -39,7 +37,7 @@ std::optional<std::vector<std::string>> texts_of(const std::string& text) {
 }
 
 std::string text_of(const std::vector<std::string>& texts) {
-  return json(texts).dump(-1, ' ', false, json::error_handler_t::replace);
+  return nlohmann::json(texts).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 Error damaged(const std::string& path) {
@@ -115,11 +113,11 @@ std::optional<Error> Store::prepare(Database::Mode mode) {
   if (tables.value() > 0 || mode == Database::Mode::read) {
     if (id.value() != application)
       return Error{path() + ": is a database of another program; name another file"};
-    if (version.value() > schema_version)
+    if (version.value() > store_version)
       return Error{
           fmt::format("{}: is a store of a newer capsoc (version {}, this one knows {}); "
                       "use that one",
-                      path(), version.value(), schema_version)};
+                      path(), version.value(), store_version)};
     auto check = d.prepare("PRAGMA quick_check(1)");
     if (!check) return Error{check.error()};
     const auto row = check.value().step();
@@ -133,7 +131,7 @@ std::optional<Error> Store::prepare(Database::Mode mode) {
   auto transaction = Transaction::begin(d);
   if (!transaction) return Error{transaction.error()};
   if (auto error = d.execute(fmt::format("{}; PRAGMA application_id = {}; PRAGMA user_version = {}",
-                                         schema, application, schema_version)))
+                                         schema, application, store_version)))
     return error;
   return transaction.value().commit();
 }

@@ -52,7 +52,7 @@ Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
 }  // namespace
 
 Result<Record> read_record(const std::string& path, const RecordOptions& options) {
-  auto opened = golden::open_trace(path);
+  auto opened = golden::open_trace(path, options.keys);
   if (!opened) return Error{opened.error()};
   const golden::Trace& trace = opened.value();
   Record record;

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "csfn/samples.h"
+#include "sensor/description_keys.h"
 #include "sensor/source.h"
 #include "support/result.h"
 
@@ -15,6 +17,7 @@ namespace capsoc::fit {
 struct RecordOptions {
   unsigned adc_bits = 0;  ///< width of the converter, 12 to 32; 0: as the trace says, else 32
   uint64_t samples = 0;   ///< at most so many; 0: all, of a trace without an end 100,000
+  std::vector<sensor::KeyValue> keys = {};  ///< laid over a description
 };
 
 /// The samples of a trace in order, converted as the ADC front-end converts them (32 bits: clipped,

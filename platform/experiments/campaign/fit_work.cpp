@@ -1,0 +1,116 @@
+#include "campaign/fit_work.h"
+
+#include <fmt/format.h>
+
+#include "campaign/work_settings.h"
+#include "fit/fit.h"
+#include "fit/report.h"
+#include "run/results.h"
+#include "run/run_inputs.h"
+#include "sensor/load.h"
+#include "support/setting_fields.h"
+#include "support/shell.h"
+
+namespace capsoc::campaign {
+namespace {
+
+/// The sensor as `capsoc run` has it, and the options of `capsoc fit`.
+class FitSettings : public Settings {
+ public:
+  run::SensorSettings sensor{*this};
+  ChoiceField<csfn::Method> method{
+      *this,
+      {{"ml", csfn::Method::distances},
+       {"adam", csfn::Method::adam},
+       {"lm", csfn::Method::levenberg_marquardt},
+       {"heydemann", csfn::Method::heydemann},
+       {"taubin", csfn::Method::taubin},
+       {"direct", csfn::Method::direct}},
+      setting("fit.method", SettingKind::choice, "ml", "how: ml, or as the papers name it")};
+  IntegerField samples{*this, setting("fit.samples", SettingKind::integer, "0",
+                                      "at most so many; 0: all, of a trace without an end 100,000")
+                                  .in(0, 1e9)};
+  IntegerField harmonics{*this, setting("fit.harmonics", SettingKind::integer, "0",
+                                        "highest harmonic to identify; 0 and 1: none")
+                                    .in(0, 3)};
+
+  fit::FitOptions options() const {
+    fit::FitOptions options;
+    options.record.adc_bits = static_cast<unsigned>(sensor.adc_bits());
+    options.record.samples = static_cast<uint64_t>(samples());
+    options.record.keys = sensor.keys();
+    options.identify.method = method();
+    options.identify.harmonics.highest = static_cast<int>(harmonics());
+    return options;
+  }
+
+  /// `capsoc fit` with the same options.
+  std::string command() const {
+    std::string text = "capsoc fit " + shell_word(sensor.file());
+    const auto option = [&text](const char* name, const SettingField& field) {
+      if (!field.is_built_in()) text += fmt::format(" {} {}", name, shell_word(field.text()));
+    };
+    option("--method", method);
+    if (harmonics() != 0) option("--harmonics", harmonics);
+    if (samples() != 0) option("--samples", samples);
+    if (sensor.adc_bits() != 0) option("--adc-bits", sensor.adc_bits);
+    for (const sensor::KeyValue& key : sensor.keys())
+      text += " -C " + shell_word(fmt::format("sensor.{}={}", key.name, key.value));
+    return text;
+  }
+};
+
+void add_exit(int code, const std::string& reason, nlohmann::ordered_json& result) {
+  result["exit"] = {{"code", code}, {"reason", reason}};
+}
+
+}  // namespace
+
+Result<Job> FitWork::prepare(const std::vector<Assignment>& assignments) {
+  FitSettings settings;
+  if (auto error = set_all(assignments, settings)) return *error;
+  return Job{settings_identity(settings) + input_identity(settings.sensor.file()),
+             settings.command()};
+}
+
+std::optional<Error> FitWork::check(const std::vector<Assignment>& assignments) {
+  FitSettings settings;
+  if (auto error = set_all(assignments, settings)) return error;
+  const auto source = sensor::load(settings.sensor.file(), settings.sensor.keys());
+  return source ? std::nullopt : std::make_optional(Error{source.error()});
+}
+
+Result<nlohmann::ordered_json> FitWork::perform(const std::vector<Assignment>& assignments,
+                                                const Keep&) {
+  FitSettings settings;
+  if (auto error = set_all(assignments, settings)) return *error;
+  const auto fitted = fit::fit(settings.sensor.file(), settings.options());
+  if (!fitted) return Error{fitted.error()};
+  nlohmann::ordered_json result;
+  if (const std::string& rejection = fitted.value().rejection; !rejection.empty()) {
+    add_exit(run::exit_code::rejected, rejection, result);
+    return result;
+  }
+  result = fit::to_json(fitted.value(), run::versions(), settings.command());
+  add_exit(run::exit_code::pass, "identified", result);
+  return result;
+}
+
+nlohmann::ordered_json FitWork::example() const {
+  constexpr uint64_t enough = 500;
+  fit::FitOptions options;
+  options.record.samples = enough;
+  options.identify.harmonics.highest = 3;
+  nlohmann::ordered_json example;
+  if (const auto fitted = fit::fit(sensor::built_in_default, options))
+    example = fit::to_json(fitted.value(), run::versions(), "");
+  add_exit(run::exit_code::pass, "", example);
+  return example;
+}
+
+const std::vector<std::string>& FitWork::host_keys() const {
+  static const std::vector<std::string> none;
+  return none;
+}
+
+}  // namespace capsoc::campaign
