@@ -44,9 +44,10 @@ TEST(Expression, OrderAndLogic) {
 }
 
 TEST(Expression, WhatIsNotKnownStaysSo) {
-  for (const char* text : {"nothing + 1", "nothing < 1", "1 > nothing", "1 / 0", "sqrt(-1)", "log10(0)",
-                           "word < 1", "word + 1", "-word", "not nothing", "yes < false",
-                           "nothing and yes", "nothing or false", "unknown", "1e308 * 10"})
+  for (const char* text :
+       {"nothing + 1", "nothing < 1", "1 > nothing", "1 / 0", "sqrt(-1)", "log10(0)", "word < 1",
+        "word + 1", "-word", "not nothing", "yes < false", "nothing and yes", "nothing or false",
+        "unknown", "1e308 * 10"})
     EXPECT_EQ(evaluate(text), Value()) << text;
   EXPECT_EQ(evaluate("nothing == null"), Value(true));
   EXPECT_EQ(evaluate("a != null"), Value(true));
@@ -80,8 +81,7 @@ TEST(Expression, WhatIsWrongHasItsPlace) {
 TEST(Expression, NamesAreThoseThatItLooksUp) {
   const auto parsed = Expression::parse("a + b.c > a and not order and nothing");
   ASSERT_TRUE(parsed);
-  EXPECT_EQ(parsed.value().names(),
-            (std::vector<std::string>{"a", "b.c", "order", "nothing"}));
+  EXPECT_EQ(parsed.value().names(), (std::vector<std::string>{"a", "b.c", "order", "nothing"}));
 }
 
 }  // namespace
