@@ -130,6 +130,9 @@ class Descriptions(Case):
         self.wrong("results.json says where something goes", 'name = "n"\n[settings]\nresults.json = "r"\n', 3)
         self.wrong(f"{FIRMWARE}/selfcal.elf has no setting 'stap'", 'name = "n"\n[settings]\nprogram.stap = 1\n', 3)
 
+        self.wrong("coprocessor.backend = lockstep writes the waves of a difference",
+                   'name = "n"\n[settings]\ncoprocessor.backend = "lockstep"\n', 3)
+
     def test_axes(self):
         def axes(text, expected, line=3):
             self.wrong(expected, f'name = "n"\n[[axes]]\n{text}\n', line)
@@ -626,14 +629,24 @@ regress.seed = [1, 2]
         out, _ = self.campaign("run", "d.toml")
         self.assertIn("0: no difference", out)
         command = rows_of_any(self.path("d.sqlite"))[0][2]
-        self.assertRegex(command, r"^capsoc regress --arithmetic precise --scenario \w+ --first-seed [12] --seeds 1 --samples 200")
+        self.assertRegex(command, r"^capsoc regress --arithmetic precise --scenario \w+ --first-seed [12] --seeds 1 --samples \d+")
+
+    def test_lockstep(self):
+        if not (BUILD / "libcapsoc_rtl_precise.so").exists():
+            self.skipTest("the RTL is not built")
+        self.describe(SHORT + '[[axes]]\ncoprocessor.backend = ["tlm", "rtl", "lockstep"]\n[keep]\nfailures = "kept"\n'
+                      '[criteria]\nsame = "exit.code != 4"\n')
+        out, _ = self.campaign("run", "d.toml")
+        self.assertIn("yield 100.00 % (3 of 3)", out)
+        words = {json.loads(row[3])["uart0"]["sha256"] for row in rows_of_any(self.path("d.sqlite"))}
+        self.assertEqual(len(words), 1)
 
     def test_ready_campaigns(self):
         campaigns = sorted((SOURCE / "campaigns").glob("*.toml"))
         self.assertGreaterEqual(len(campaigns), 6)
         for path in campaigns:
             with self.subTest(path.name):
-                if "kind = \"regress\"" in path.read_text() and not (BUILD / "libcapsoc_rtl_precise.so").exists():
+                if ("kind = \"regress\"" in path.read_text() or "lockstep" in path.read_text()) and not (BUILD / "libcapsoc_rtl_precise.so").exists():
                     continue
                 text = path.read_text().replace('"build/', f'"{BUILD}/')
                 self.describe(text)

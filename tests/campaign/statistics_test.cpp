@@ -1,5 +1,6 @@
 #include "campaign/statistics.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,8 +62,8 @@ TEST(Statistics, SensitivityOfAFunction) {
   std::vector<double> metric, bowl;
   for (uint64_t i = 0; i < 2000; ++i) {
     const double x = draw(1, "x", i);
-    up.push_back(std::to_string(x));
-    noise.push_back(std::to_string(draw(1, "other", i)));
+    up.push_back(fmt::format("{}", x));
+    noise.push_back(fmt::format("{}", draw(1, "other", i)));
     words.emplace_back(x < 0.5 ? "low" : "high");
     metric.push_back(std::exp(5 * x));
     bowl.push_back((x - 0.5) * (x - 0.5));

@@ -1,7 +1,10 @@
 #include "campaign/campaign.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -79,10 +82,7 @@ class Campaign {
     const PlannedRun& run = plan_.runs()[task];
     const auto assignments = plan_.assignments(run);
     if (!assignments) return Error{assignments.error()};
-    const Description& d = plan_.description();
-    Keep keep{"", failed, d.failures_waves};
-    if (!d.failures_folder.empty()) keep.stem = d.failures_folder + "/" + run.key.substr(0, 16);
-    const auto result = plan_.work().perform(assignments.value(), keep);
+    const auto result = plan_.work().perform(assignments.value(), plan_.keep(run, failed));
     if (!result) return Error{result.error()};
     return text_of(result.value());
   }
@@ -136,10 +136,12 @@ Result<uint64_t> perform(const Plan& plan, Store& store, const RunOptions& optio
 Result<double> time_one(const Plan& plan, double limit_s) {
   Limits limits = plan.description().limits;
   limits.seconds = std::min(limits.seconds, limit_s);
+  const std::string trial =
+      (std::filesystem::temp_directory_path() / fmt::format("capsoc-{}", getpid())).string();
   Engine engine(1, limits, [&](std::size_t task) -> Result<std::string> {
     const auto assignments = plan.assignments(plan.runs()[task]);
     if (!assignments) return Error{assignments.error()};
-    const auto result = plan.work().perform(assignments.value(), {});
+    const auto result = plan.work().perform(assignments.value(), {trial, false, false});
     if (!result) return Error{result.error()};
     return std::string();
   });
@@ -151,6 +153,7 @@ Result<double> time_one(const Plan& plan, double limit_s) {
     return std::nullopt;
   };
   if (auto error = engine.perform({0}, take, [](std::size_t) {})) return *error;
+  std::remove((trial + ".fst").c_str());  // of a difference in lockstep
   if (ending != finished) return Error{ending};
   return seconds;
 }

@@ -73,7 +73,7 @@ Result<Job> FitWork::prepare(const std::vector<Assignment>& assignments) {
              settings.command()};
 }
 
-std::optional<Error> FitWork::check(const std::vector<Assignment>& assignments) {
+std::optional<Error> FitWork::check(const std::vector<Assignment>& assignments, const Keep&) {
   FitSettings settings;
   if (auto error = set_all(assignments, settings)) return error;
   const auto source = sensor::load(settings.sensor.file(), settings.sensor.keys());

@@ -8,7 +8,7 @@ namespace capsoc::campaign {
 class FitWork final : public Work {
  public:
   Result<Job> prepare(const std::vector<Assignment>& assignments) override;
-  std::optional<Error> check(const std::vector<Assignment>& assignments) override;
+  std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep& keep) override;
   Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
                                          const Keep& keep) override;
   nlohmann::ordered_json example() const override;

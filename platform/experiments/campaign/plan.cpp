@@ -123,6 +123,13 @@ Result<std::string> Plan::command(const PlannedRun& run) const {
   return job.value().command;
 }
 
+Keep Plan::keep(const PlannedRun& run, bool failed) const {
+  constexpr std::size_t enough = 16;  // of a key, for the name of a file
+  const Description& d = *description_;
+  if (d.failures_folder.empty()) return {};
+  return {d.failures_folder + "/" + run.key.substr(0, enough), failed, d.failures_waves};
+}
+
 std::optional<Error> Plan::add_runs() {
   const Design design(*description_);
   const uint64_t count = description_->runs();
@@ -151,7 +158,7 @@ std::optional<Error> Plan::check_some() const {
   for (std::size_t i = 0; i < runs_.size(); i += step) {
     const auto all = assignments(runs_[i]);
     if (!all) return Error{all.error()};
-    if (auto error = work_->check(all.value())) return error;
+    if (auto error = work_->check(all.value(), keep(runs_[i], false))) return error;
   }
   return std::nullopt;
 }

@@ -49,6 +49,8 @@ class Plan {
   /// derived setting has no value.
   Result<std::vector<Assignment>> assignments(const PlannedRun& run) const;
   Result<std::string> command(const PlannedRun& run) const;
+  /// What a run leaves beside its result, as [keep] says.
+  Keep keep(const PlannedRun& run, bool failed) const;
 
  private:
   Plan() = default;

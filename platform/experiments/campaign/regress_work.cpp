@@ -105,7 +105,7 @@ Result<Job> RegressWork::prepare(const std::vector<Assignment>& assignments) {
              runs.value().front().command};
 }
 
-std::optional<Error> RegressWork::check(const std::vector<Assignment>& assignments) {
+std::optional<Error> RegressWork::check(const std::vector<Assignment>& assignments, const Keep&) {
   RegressSettings settings;
   if (auto error = set_all(assignments, settings)) return error;
   const auto library = open(settings);

@@ -1,5 +1,6 @@
 #include "campaign/run_work.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "campaign/work_settings.h"
@@ -19,9 +20,7 @@ std::optional<Error> set_places(const Keep& keep, run::RunSettings& settings) {
     return settings.set(field.about().path, file, SettingSource::command_line, "[keep]");
   };
   if (settings.coprocessor.backend() == run::Backend::lockstep)
-    if (auto error =
-            place(settings.coprocessor.waves, keep.stem.empty() ? "/dev/null" : keep.stem + ".fst"))
-      return error;
+    if (auto error = place(settings.coprocessor.waves, keep.stem + ".fst")) return error;
   if (!keep.failed || keep.stem.empty()) return std::nullopt;
   if (auto error = place(settings.results.record, keep.stem + ".csv")) return error;
   if (!keep.waves || settings.coprocessor.backend() == run::Backend::lockstep) return std::nullopt;
@@ -42,9 +41,16 @@ Result<Job> RunWork::prepare(const std::vector<Assignment>& assignments) {
   return job;
 }
 
-std::optional<Error> RunWork::check(const std::vector<Assignment>& assignments) {
+std::optional<Error> RunWork::check(const std::vector<Assignment>& assignments, const Keep& keep) {
   run::RunSettings settings;
   if (auto error = set_all(assignments, settings)) return error;
+  // Without a name of its own every run's waves would go to the same file.
+  const auto& backend = settings.coprocessor.backend;
+  if (backend() == run::Backend::lockstep && keep.stem.empty())
+    return Error{fmt::format(
+        "{}: {} = lockstep writes the waves of a difference; say where by [keep] failures = "
+        "\"FOLDER\"",
+        backend.about().origin, backend.about().path)};
   const auto inputs = run::read_inputs(settings);
   return inputs ? std::nullopt : std::make_optional(Error{inputs.error()});
 }

@@ -80,6 +80,7 @@ std::vector<std::size_t> classes_of(const std::vector<std::string>& axis,
                                     const std::optional<std::vector<double>>& ranks) {
   std::map<std::string, std::size_t> values;
   std::vector<std::size_t> classes;
+  classes.reserve(axis.size());
   for (const std::string& value : axis)
     classes.push_back(values.emplace(value, values.size()).first->second);
   const std::size_t most =

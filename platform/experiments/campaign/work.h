@@ -34,7 +34,8 @@ class Work {
   /// The cheap checks: every setting exists, is one of this kind and can have its value.
   virtual Result<Job> prepare(const std::vector<Assignment>& assignments) = 0;
   /// The rest, with all input files read.
-  virtual std::optional<Error> check(const std::vector<Assignment>& assignments) = 0;
+  virtual std::optional<Error> check(const std::vector<Assignment>& assignments,
+                                     const Keep& keep) = 0;
   /// In a process of its own. Error: an input is wrong after all.
   virtual Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
                                                  const Keep& keep) = 0;
