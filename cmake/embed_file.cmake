@@ -1,5 +1,7 @@
-# Writes OUTPUT, C++ source that defines `extern const std::string_view SYMBOL` in NAMESPACE: the bytes of INPUT.
+# Writes OUTPUT, C++ source that defines `extern const std::string_view SYMBOL` in NAMESPACE: the bytes of INPUT, without the
+# names of source maps: files that are not there, which a browser's tools would ask for.
 file(READ ${INPUT} text)
+string(REGEX REPLACE "/[/*]# sourceMappingURL=[^\n]*" "" text "${text}")
 set(end ")capsoc_embedded\"")
 string(FIND "${text}" "${end}" inside)
 if(NOT inside EQUAL -1)

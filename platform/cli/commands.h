@@ -14,6 +14,7 @@ void add_accuracy(CLI::App& app, int& code);
 void add_bench(CLI::App& app, int& code);
 void add_regress(CLI::App& app, int& code);
 void add_campaign(CLI::App& app, int& code);
+void add_report(CLI::App& app, int& code);
 void add_new(CLI::App& app, int& code);
 void add_generate(CLI::App& app, int& code);
 

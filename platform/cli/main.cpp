@@ -86,6 +86,7 @@ int perform(int argc, char* argv[]) {
   cli::add_bench(app, code);
   cli::add_regress(app, code);
   cli::add_campaign(app, code);
+  cli::add_report(app, code);
   cli::add_new(app, code);
   cli::add_generate(app, code);
   try {

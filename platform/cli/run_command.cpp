@@ -8,6 +8,7 @@
 #include "cli/refuse.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "report/page.h"
 #include "run/program_values.h"
 #include "run/run_files.h"
 #include "run/run_settings.h"
@@ -86,10 +87,22 @@ std::optional<Error> check_files(const RunArguments& arguments, const run::RunSe
   std::vector<host::FileUse> uses = run::files_of(settings);
   uses.push_back({host::FileUse::Kind::input, "--config", config_of(arguments)});
   if (auto error = host::check_uses(uses)) return error;
-  for (const TextField* place : {&settings.results.json, &settings.results.record})
+  for (const TextField* place :
+       {&settings.results.json, &settings.results.html, &settings.results.record})
     if (!place->empty())
       if (auto error = host::check_writable(place->text())) return error;
   return std::nullopt;
+}
+
+/// The result file and the report that is drawn from it: both or neither.
+std::optional<Error> write_results(const run::RunResult& result, const run::RunSettings& settings) {
+  const std::string &json_file = settings.results.json(), &html_file = settings.results.html();
+  if (json_file.empty() && html_file.empty()) return std::nullopt;
+  std::vector<host::TextFile> files;
+  std::vector<report::ResultFile> results = {{"", run::to_json(result, settings)}};
+  if (!json_file.empty()) files.push_back({json_file, run::to_text(results.front().json)});
+  if (!html_file.empty()) files.push_back({html_file, report::page_of(results)});
+  return host::write_together(files);
 }
 
 int run_command(const RunArguments& arguments) {
@@ -116,9 +129,8 @@ int run_command(const RunArguments& arguments) {
   if (!r.place_report.empty()) host::say("\n{}", r.place_report);
   for (const std::string& sentence : r.lost) host::say("capsoc: {}\n", sentence);
   host::say("{}", run::to_table(r));
-  if (const std::string& json = settings.results.json(); !json.empty())
-    if (auto error = host::write_whole(json, run::to_text(run::to_json(r, settings))))
-      return refuse(error->text, r.code == run::exit_code::pass ? run::exit_code::lost : r.code);
+  if (auto error = write_results(r, settings))
+    return refuse(error->text, r.code == run::exit_code::pass ? run::exit_code::lost : r.code);
   return r.code;
 }
 

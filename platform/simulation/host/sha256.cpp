@@ -2,6 +2,7 @@
 
 #define OPENSSL_SUPPRESS_DEPRECATED
 #include <fmt/format.h>
+#include <openssl/evp.h>
 #include <openssl/sha.h>
 
 #include <fstream>
@@ -48,6 +49,15 @@ std::string sha256_of(std::string_view bytes) {
   Sha256 digest;
   digest.update(bytes.data(), bytes.size());
   return digest.hex();
+}
+
+std::string base64_sha256_of(std::string_view bytes) {
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest);
+  constexpr std::size_t characters = (SHA256_DIGEST_LENGTH + 2) / 3 * 4;
+  unsigned char text[characters + 1];
+  EVP_EncodeBlock(text, digest, SHA256_DIGEST_LENGTH);
+  return {reinterpret_cast<const char*>(text), characters};
 }
 
 std::string sha256_of_file(const std::string& path) {

@@ -33,6 +33,9 @@ class Sha256 {
 /// SHA-256 of some bytes.
 std::string sha256_of(std::string_view bytes);
 
+/// The same in base 64, as a browser's content security policy has it.
+std::string base64_sha256_of(std::string_view bytes);
+
 /// SHA-256 of a file's bytes, "" if it cannot be read.
 std::string sha256_of_file(const std::string& path);
 

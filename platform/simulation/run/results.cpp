@@ -238,6 +238,15 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   if (result.verdict) j["verdict"] = verdict_json(*result.verdict);
   if (!result.sensor_warnings.empty()) j["sensor_warnings"] = result.sensor_warnings;
   j["uart0"] = {{"bytes", result.uart0_bytes}, {"sha256", result.uart0_sha256}};
+  if (result.report) {
+    j["uart0"]["text"] = result.report->uart0_text;
+    j["uart0"]["left_out"] = result.report->uart0_left_out;
+    j["curves"] = capsoc::to_json(result.report->curves);
+  }
+  for (const trace::FunctionCost& function : result.profile)
+    j["profile"].push_back({{"function", function.name},
+                            {"cycles", function.cost.cycles},
+                            {"instructions", function.cost.instructions}});
   if (result.golden) j["golden"] = golden::to_json(*result.golden);
   if (!result.lost.empty()) j["lost"] = result.lost;
   if (!result.divergence.empty()) j["divergence"] = result.divergence;

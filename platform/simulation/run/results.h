@@ -12,8 +12,10 @@
 #include "golden/golden.h"
 #include "metrics/metrics.h"
 #include "metrics/program_verdict.h"
+#include "support/curve.h"
 #include "support/result.h"
 #include "support/setting_fields.h"
+#include "trace/profile.h"
 
 namespace capsoc::run {
 
@@ -37,6 +39,20 @@ struct ResultSettings {
       all, setting("results.json", SettingKind::output, "", "where the results go; empty: nowhere")
                .is_place()
                .by({"--json", "FILE", "Write the results as JSON"})};
+  TextField html{
+      all, setting("results.html", SettingKind::output, "",
+                   "where the report goes, with curves (HTML); empty: nowhere")
+               .is_place()
+               .by({"--html", "FILE", "Write a report with curves that a browser shows offline"})};
+  FlagField curves{
+      all, setting("results.curves", SettingKind::flag, "false",
+                   "curves and UART 0's text in the results, for capsoc report; --html implies it")
+               .is_place()
+               .by({"--curves", "",
+                    "Curves and UART 0's text in the results too, for capsoc report",
+                    SettingOption::Form::flag, "true"})};
+  /// The run gathers what a report draws.
+  bool wants_curves() const { return curves() || !html.empty(); }
   TextField record{all, setting("results.record", SettingKind::output, "",
                                 "where the coprocessor's samples go (CSV); empty: nowhere")
                             .is_place()
@@ -53,6 +69,13 @@ struct ResultSettings {
 /// A file that the run read.
 struct Input {
   std::string role, path, sha256;
+};
+
+/// What a report draws, beyond the figures that every run has.
+struct ReportData {
+  Curves curves;  ///< metrics::curves_of()
+  std::string uart0_text;
+  uint64_t uart0_left_out = 0;  ///< bytes, in the middle
 };
 
 /// A setting of the program as the run had it.
@@ -114,6 +137,8 @@ struct RunResult {
   std::string fault_report;              ///< "" unless the firmware crashed
   std::string place_report;              ///< "" unless it was ended where it should not have been
   std::optional<golden::Golden> golden;  ///< only when it was asked for
+  std::optional<ReportData> report;      ///< only when it was asked for
+  std::vector<trace::FunctionCost> profile;  ///< only with one: the functions that took the most
 };
 
 /// The result file's contents; keys are documented in docs/results.md.

@@ -9,6 +9,7 @@
 #include "host/end_signals.h"
 #include "host/files.h"
 #include "kit/guest_error.h"
+#include "metrics/sample_curves.h"
 #include "run/fault_report.h"
 #include "run/golden_check.h"
 #include "run/idle.h"
@@ -74,7 +75,8 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
              }),
       progress_(isatty(STDERR_FILENO) != 0),
       observation_(soc_, *inputs_.source, metrics_, match_, progress_,
-                   settings.golden() || !settings.results.record().empty()),
+                   settings.golden() || !settings.results.record().empty() ||
+                       settings.results.wants_curves()),
       priorities_(soc_, view_, static_cast<unsigned>(settings.cpu.priority_bits())),
       limit_("limit", settings.limits.simulated_s()),
       host_limit_(settings.limits.host_s()),
@@ -120,6 +122,7 @@ std::optional<Error> Simulation::open() {
   ports_ = std::move(ports.value());
   if (real_time_.on()) ports_->pace_by([this] { pace(); });
   if (!settings_.uarts.fail.empty()) printed_lines_.begin();
+  if (settings_.results.wants_curves()) uart0_text_.listen(*soc_.uarts()[0]);
   checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
   if (auto error = checkpoints_->plan()) return error;
   soc_.cpu.set_pause(checkpoints_->next(),
@@ -246,6 +249,10 @@ RunResult Simulation::finish() {
   ports_->tell_debugger(result_.code);
   take_figures(soc_, metrics_, ports_->uarts(), result_);
   schedule_.finish(result_);
+  if (settings_.results.wants_curves())
+    result_.report = ReportData{metrics::curves_of(observation_.recorded(), result_.words),
+                                uart0_text_.text(), uart0_text_.left_out()};
+  if (tracer_ != nullptr) result_.profile = tracer_->top_functions();
   for (const StackMark& mark : stacks_.marks())
     result_.stacks.push_back({stacks_.name_of(mark), mark.top, mark.lowest});
   result_.inputs = inputs_.files(settings_);

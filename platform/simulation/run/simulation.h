@@ -20,6 +20,7 @@
 #include "run/run_limits.h"
 #include "run/schedule.h"
 #include "run/stack_marks.h"
+#include "run/uart_text.h"
 #include "run/vector_report.h"
 #include "soc/soc.h"
 #include "support/result.h"
@@ -90,6 +91,7 @@ class Simulation {
   metrics::SensorMatch match_;
   Progress progress_;
   Observation observation_;
+  UartText uart0_text_;
   PriorityReport priorities_;
   VectorReport vectors_{soc_, view_};
   StackMarks stacks_{view_};

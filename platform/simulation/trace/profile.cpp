@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 #include <vector>
 
 namespace capsoc::trace {
@@ -115,6 +117,20 @@ std::string to_callgrind(const CallTree& tree, Functions& functions, const std::
              "positions: instr line\nevents: Cycles Instructions\nsummary: {} {}\n\nob={}\n",
              program, body.sum().cycles, body.sum().instructions, program) +
          body.text() + fmt::format("\ntotals: {} {}\n", body.sum().cycles, body.sum().instructions);
+}
+
+std::vector<FunctionCost> top_functions(const CallTree& tree, Functions& functions,
+                                        std::size_t count) {
+  std::map<uint32_t, Cost> costs;
+  for (const auto& [address, cost] : tree.by_address()) costs[functions.at(address)] += cost;
+  for (const auto& [name, cost] : tree.by_name()) costs[name] += cost;
+  std::vector<FunctionCost> top;
+  for (const auto& [function, cost] : costs) top.push_back({functions[function].name, cost});
+  std::sort(top.begin(), top.end(), [](const FunctionCost& a, const FunctionCost& b) {
+    return std::tie(b.cost.cycles, a.name) < std::tie(a.cost.cycles, b.name);
+  });
+  if (top.size() > count) top.resize(count);
+  return top;
 }
 
 std::string to_folded(const CallTree& tree, const Functions& functions) {

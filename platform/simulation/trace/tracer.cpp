@@ -212,6 +212,12 @@ void Tracer::result(const coprocessor::Nodes& nodes) {
   waves_->result(now, nodes);
 }
 
+std::vector<FunctionCost> Tracer::top_functions() {
+  constexpr std::size_t most = 40;
+  if (calls_ == nullptr) return {};
+  return trace::top_functions(*calls_, functions_, most);
+}
+
 std::vector<Error> Tracer::finish() {
   const cortex_m3::Core& core = soc_.cpu.core();
   std::vector<Error> errors;

@@ -52,6 +52,9 @@ class Tracer : private cortex_m3::Observer {
   /// Writes what is left. Behind the simulation.
   std::vector<Error> finish();
 
+  /// Behind finish(): what a profile says of the functions that took the most; none without one.
+  std::vector<FunctionCost> top_functions();
+
  private:
   explicit Tracer(soc::Soc& soc, const TraceOptions& options) : soc_(soc), options_(options) {}
   std::optional<Error> open();

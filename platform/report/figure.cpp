@@ -1,0 +1,58 @@
+#include "report/figure.h"
+
+#include <algorithm>
+
+namespace capsoc::report {
+namespace {
+
+bool is_there(const std::vector<Mark>& marks, const Mark& mark) {
+  return std::any_of(marks.begin(), marks.end(), [&](const Mark& other) {
+    return other.at == mark.at && other.label == mark.label;
+  });
+}
+
+}  // namespace
+
+const std::vector<Figure>& figures() {
+  static const std::vector<Figure> all = [] {
+    std::vector<Figure> list;
+    add_run_figures(list);
+    return list;
+  }();
+  return all;
+}
+
+const Figure* figure_named(const std::string& name) {
+  for (const Figure& figure : figures())
+    if (figure.name == name) return &figure;
+  return nullptr;
+}
+
+Data data_of(const Figure& figure, const std::vector<ResultFile>& results) {
+  constexpr std::size_t buckets = 1000;
+  std::vector<const ResultFile*> having;
+  for (const ResultFile& result : results)
+    if (command_of(result.json) == figure.command) having.push_back(&result);
+  Data all;
+  for (const ResultFile* result : having) {
+    Data data = figure.data(figure, result->json);
+    if (having.size() == 1) return data;
+    for (Series& series : data.series) {
+      series.name = series.name + ", " + result->label;
+      if (figure.kind == Kind::lines) series.curve = thinned(series.curve, buckets / having.size());
+      all.series.push_back(std::move(series));
+    }
+    for (const Mark& mark : data.marks)
+      if (!is_there(all.marks, mark)) all.marks.push_back(mark);
+    if (data.labels.size() > all.labels.size()) all.labels = std::move(data.labels);
+  }
+  return all;
+}
+
+std::string whole_caption(const Figure& figure) {
+  std::string text = figure.caption + " From capsoc " + figure.command + ".";
+  if (!figure.papers.empty()) text += " Beside it: " + figure.papers + ".";
+  return text;
+}
+
+}  // namespace capsoc::report

@@ -1,0 +1,70 @@
+// The figures of reports. Each is declared once, in a list of its command's; the page, the CSV behind a plot, a
+// picture of one alone and `capsoc report --list-figures` are all made of that.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/result_file.h"
+#include "support/curve.h"
+
+namespace capsoc::report {
+
+enum class Kind {
+  lines,
+  points,  ///< no function of x: both axes alike
+  bars,    ///< x counts Data::labels
+  lanes    ///< a line of time for each series, 0 or 1
+};
+
+/// One line, cloud or set of bars.
+struct Series {
+  std::string name;
+  Curve curve;
+  std::vector<double> low = {}, high = {};  ///< the spread of bars, one a point, or none
+};
+
+/// A level to compare with: the sensor's own value, the number that a paper prints, a bound.
+struct Mark {
+  std::string label;
+  double at;
+};
+
+/// What a result has for a figure; no series: nothing.
+struct Data {
+  std::vector<Series> series;
+  std::vector<Mark> marks = {};
+  std::vector<std::string> labels = {};  ///< of bars
+};
+
+/// A declaration.
+struct Figure {
+  std::string name;     ///< for --plot: lower-case letters, digits, '-'
+  std::string command;  ///< whose results have it
+  std::string section;  ///< of the report: a heading, or the id of the table that it stands beside
+  std::string title;
+  std::string caption;  ///< what one sees
+  std::string papers;   ///< "SoC paper, Figure 10"; "": in none
+  std::string x, y;     ///< axes with units
+  Kind kind = Kind::lines;
+  bool log = false;  ///< the magnitude on a logarithmic axis, to begin with
+  Data (*data)(const Figure& figure, const Json& result) = nullptr;
+};
+
+/// All of them, by command and in the order of the report.
+const std::vector<Figure>& figures();
+
+/// Null if there is none of that name.
+const Figure* figure_named(const std::string& name);
+
+/// What the results together have: with more than one each series is named after its result, too,
+/// and thinned so that the report stays small.
+Data data_of(const Figure& figure, const std::vector<ResultFile>& results);
+
+/// The caption with the command and the papers' figures.
+std::string whole_caption(const Figure& figure);
+
+// The lists.
+void add_run_figures(std::vector<Figure>& list);
+
+}  // namespace capsoc::report

@@ -1,0 +1,141 @@
+#include "report/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/sha256.h"
+#include "report/html.h"
+
+namespace capsoc::report {
+
+// Embedded at build time: the plots' library as Debian has it, and our own script and style.
+extern const std::string_view dygraphs_script, dygraphs_style, dygraphs_licence;
+extern const std::string_view page_script, page_style;
+
+namespace {
+
+struct Command {
+  const char* name;
+  void (*add_sections)(Page& page);
+};
+constexpr Command commands[] = {{"run", add_run_sections}};
+
+bool any_of(const std::vector<ResultFile>& results, const char* command) {
+  return std::any_of(results.begin(), results.end(), [&](const ResultFile& result) {
+    return command_of(result.json) == command;
+  });
+}
+
+/// How it ended, in a word for the style and a sentence.
+std::pair<const char*, std::string> verdict_of(const Json& result) {
+  const auto code = number_at(result, {"exit", "code"});
+  if (!code) return {"", ""};
+  return {*code == 0 ? "good" : "bad",
+          fmt::format("exit {:g}: {}", *code, text_at(result, {"exit", "reason"}))};
+}
+
+std::string title_of(const std::vector<ResultFile>& results) {
+  std::string title;
+  for (const Command& command : commands)
+    if (any_of(results, command.name))
+      title += (title.empty() ? "capsoc " : ", ") + std::string(command.name);
+  return title.empty() ? "capsoc" : title;
+}
+
+std::string header_of(const std::vector<ResultFile>& results) {
+  std::string out = "<header>\n<h1>" + escaped(title_of(results)) + "</h1>\n";
+  for (const ResultFile& result : results) {
+    const auto [style, sentence] = verdict_of(result.json);
+    if (!result.label.empty() || !sentence.empty())
+      out += fmt::format("<p>{} <span class=\"{}\">{}</span></p>\n", escaped(result.label), style,
+                         escaped(sentence));
+  }
+  return out + "</header>\n";
+}
+
+}  // namespace
+
+std::string Page::figures_of(const std::string& command, const std::string& section) {
+  std::string out;
+  for (const Figure& figure : figures()) {
+    if (figure.command != command || figure.section != section) continue;
+    const Data data = data_of(figure, results_);
+    if (data.series.empty()) continue;
+    out += html_of(figure, data);
+    data_ += (data_.empty() ? "" : ",\n") + json_text(figure.name) + ":" + json_of(figure, data);
+  }
+  return out.empty() ? "" : columns(out);
+}
+
+void Page::add(const std::string& title, const std::string& body) {
+  if (body.empty()) return;
+  const std::string id = fmt::format("section-{}", ++sections_);
+  contents_ += fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, escaped(title));
+  body_ += section(id, title, body);
+}
+
+std::string Page::of_each(const std::string& command,
+                          std::string (*piece)(const Json& result)) const {
+  std::string out;
+  for (const ResultFile& result : results_) {
+    if (command_of(result.json) != command) continue;
+    const std::string body = piece(result.json);
+    if (body.empty()) continue;
+    const std::string heading =
+        results_.size() > 1 ? "<h3>" + escaped(result.label) + "</h3>\n" : "";
+    out += "<div>\n" + heading + body + "</div>\n";
+  }
+  return out.empty() ? "" : columns(out);
+}
+
+std::string Page::text() const {
+  const auto hash = [](std::string_view script) {
+    return "'sha256-" + host::base64_sha256_of(script) + "'";
+  };
+  std::string out = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  // Beside the escaping: no other script would run, and nothing is loaded from anywhere.
+  out += fmt::format(
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {} "
+      "{}; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n",
+      hash(dygraphs_script), hash(page_script));
+  out += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+  out += "<link rel=\"icon\" href=\"data:,\">\n";
+  out += "<title>" + escaped(title_of(results_)) + "</title>\n<style>\n";
+  out += std::string(dygraphs_style) + "\n" + std::string(page_style) + "</style>\n</head>\n";
+  out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" + header_of(results_);
+  out += "<nav aria-label=\"Contents\">\n<ul>\n" + contents_ + "</ul>\n</nav>\n";
+  out += "<main id=\"main\">\n";
+  out += "<noscript><p>The plots need a browser with JavaScript; tables and texts do not.</p>"
+         "</noscript>\n";
+  out += body_ + "</main>\n<footer>\n<details><summary>The plots are drawn by dygraphs; its "
+         "licence</summary>\n" +
+         preformatted("Licence of dygraphs", std::string(dygraphs_licence)) +
+         "</details>\n</footer>\n";
+  out += "<script type=\"application/json\" id=\"figures\">{" + data_ + "}</script>\n";
+  out += "<script>" + std::string(dygraphs_script) + "</script>\n";
+  return out + "<script>" + std::string(page_script) + "</script>\n</body>\n</html>\n";
+}
+
+std::string origin_of(const Json& result) {
+  std::string out = paragraph("The command that gives this result again:") +
+                    preformatted("Command", text_at(result, {"command"}));
+  Table versions{"Versions", {"what", "version"}, {}};
+  if (const Json* all = find(result, {"versions"}); all != nullptr && all->is_object())
+    for (const auto& [name, version] : all->items())
+      versions.rows.push_back({name, shown_at(version, {})});
+  Table inputs{"Inputs", {"role", "file", "SHA-256"}, {}};
+  for (const Json* input : elements_at(result, {"inputs"}))
+    inputs.rows.push_back(
+        {text_at(*input, {"role"}), text_at(*input, {"path"}), text_at(*input, {"sha256"})});
+  return out + html_of(versions) + html_of(inputs);
+}
+
+std::string page_of(const std::vector<ResultFile>& results) {
+  Page page(results);
+  for (const Command& command : commands)
+    if (any_of(results, command.name)) command.add_sections(page);
+  return page.text();
+}
+
+}  // namespace capsoc::report

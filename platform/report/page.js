@@ -1,0 +1,213 @@
+// Draws the figures of a report, reads values out by mouse and by key, sorts tables.
+// What comes from a result is text here, never markup: textContent, or escaped where the plots' library wants markup.
+"use strict";
+(() => {
+  const figures = JSON.parse(document.getElementById("figures").textContent);
+  const root = document.documentElement;
+  const escaped = (text) => text.replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
+  const short = (value) => String(Number(value.toPrecision(7)));
+  const tick = (value) => String(Number(value.toPrecision(5)));
+  const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
+  const colours = (figure) => figure.series.map((_, i) => colour(`--line-${(i % 6) + 1}`))
+    .concat(figure.marks.map(() => colour("--mark")));
+
+  // The lines that are drawn: those of the data, then the marks from one end to the other.
+  function lines(figure) {
+    let least = Infinity, greatest = -Infinity;
+    for (const s of figure.series)
+      for (const x of s.x) { least = Math.min(least, x); greatest = Math.max(greatest, x); }
+    const level = (mark) => ({ name: mark.label, x: least < greatest ? [least, greatest] : [least], y: [mark.at, mark.at] });
+    return figure.series.concat(figure.marks.map(level));
+  }
+
+  // One row for each x. A point that a line does not have is null, which is joined over; a gap is not.
+  function rows(figure, log) {
+    const all = lines(figure), many = all.length;
+    const value = (s, k, lane) => {
+      if (s.y[k] === null) return NaN;
+      if (figure.kind === "lanes") return lane + 0.8 * s.y[k];
+      return log ? (s.y[k] === 0 ? null : Math.abs(s.y[k])) : s.y[k];
+    };
+    const table = [], at = new Map();
+    all.forEach((s, i) => s.x.forEach((x, k) => {
+      let row = figure.kind === "points" ? undefined : at.get(x);
+      if (row === undefined) {
+        row = [x, ...Array(many).fill(null)];
+        at.set(x, row);
+        table.push(row);
+      }
+      row[i + 1] = value(s, k, i);
+    }));
+    return table.sort((a, b) => a[0] - b[0]);
+  }
+
+  const name_of_x = (figure, x) => figure.kind === "bars" ? figure.labels[Math.round(x)] ?? short(x) : `${figure.x} ${short(x)}`;
+
+  // What each line has nearest to x.
+  function values_at(figure, x) {
+    const parts = lines(figure).filter((s) => s.x.length > 0).map((s) => {
+      let best = 0;
+      s.x.forEach((at, k) => { if (Math.abs(at - x) < Math.abs(s.x[best] - x)) best = k; });
+      return `${s.name}: ${s.y[best] === null ? "none" : short(s.y[best])}`;
+    });
+    return `${name_of_x(figure, x)}; ${parts.join("; ")}`;
+  }
+
+  function bars(event, figure) {
+    if (event.seriesIndex !== 0) return;
+    const context = event.drawingContext, area = event.plotArea, plot = event.dygraph;
+    const log = plot.getOption("logscale");
+    const bottom = area.y + area.h;
+    const zero = log ? bottom : Math.min(bottom, Math.max(area.y, plot.toDomYCoord(0)));
+    const room = plot.toDomXCoord(1) - plot.toDomXCoord(0), many = figure.series.length, width = 0.8 * room / many;
+    figure.series.forEach((s, i) => {
+      context.fillStyle = context.strokeStyle = colour(`--line-${(i % 6) + 1}`);
+      s.x.forEach((x, k) => {
+        if (s.y[k] === null || (log && s.y[k] === 0)) return;
+        const left = plot.toDomXCoord(x) - 0.4 * room + i * width;
+        const top = plot.toDomYCoord(log ? Math.abs(s.y[k]) : s.y[k]);
+        context.globalAlpha = s.low ? 0.5 : 1;
+        context.fillRect(left, Math.min(top, zero), Math.max(width - 1, 1), Math.abs(zero - top));
+        context.globalAlpha = 1;
+        if (s.low) context.fillRect(left + width / 2 - 1, plot.toDomYCoord(s.high[k]), 2,
+          Math.max(1, plot.toDomYCoord(s.low[k]) - plot.toDomYCoord(s.high[k])));
+      });
+    });
+    context.fillStyle = colour("--mark");
+    for (const mark of figure.marks) context.fillRect(area.x, plot.toDomYCoord(mark.at) - 1, area.w, 2);
+  }
+
+  function options(figure, log) {
+    const all = lines(figure), many = figure.series.length;
+    const o = {
+      labels: [figure.x, ...all.map((s, i) => `${i}`)],
+      legend: "never", connectSeparatedPoints: true, logscale: log, colors: colours(figure),
+      gridLineColor: colour("--grid"), axisLineColor: colour("--grid"), xlabel: escaped(figure.x),
+      ylabel: escaped((log && figure.kind !== "bars" ? "|y| of: " : "") + figure.y), axisLabelFontSize: 12, xLabelHeight: 18, yLabelWidth: 18,
+      axes: { x: { axisLabelFormatter: tick }, y: { axisLabelFormatter: tick, axisLabelWidth: 56 } },
+      strokeWidth: 1.2, highlightCircleSize: 4, rightGap: 12, series: {},
+    };
+    all.forEach((_, i) => { if (i >= many) o.series[`${i}`] = { strokePattern: [6, 4], strokeWidth: 1.5 }; });
+    if (figure.kind === "points") Object.assign(o, { drawPoints: true, strokeWidth: 0, pointSize: 1.3, highlightSeriesOpts: {} });
+    if (figure.kind === "lanes") {
+      Object.assign(o, { stepPlot: true, fillGraph: false, valueRange: [-0.2, many] });
+      o.axes.y.ticker = () => figure.series.map((s, i) => ({ v: i + 0.4, label: escaped(s.name) }));
+      o.axes.y.axisLabelWidth = 92;
+    }
+    if (figure.kind === "steps") o.stepPlot = true;
+    if (figure.kind === "bars") {
+      Object.assign(o, { plotter: (event) => bars(event, figure), dateWindow: [-0.6, figure.labels.length - 0.4], includeZero: !log });
+      if (figure.series.some((s) => s.high) && !log)
+        o.valueRange = [0, 1.05 * Math.max(...figure.series.flatMap((s) => s.high ?? s.y), ...figure.marks.map((m) => m.at))];
+      o.axes.x.ticker = (a, b, pixels) => {
+        const step = Math.ceil(figure.labels.length * 64 / pixels);
+        return figure.labels.flatMap((label, v) => v % step === 0 ? [{ v, label: escaped(label) }] : []);
+      };
+    }
+    return o;
+  }
+
+  function csv(figure) {
+    const quoted = (text) => /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+    const head = ["series", figure.kind === "bars" ? "name" : figure.x, figure.y].map(quoted).join(",");
+    const line = (s, k) => [quoted(s.name), figure.kind === "bars" ? quoted(figure.labels[s.x[k]] ?? "") : s.x[k], s.y[k] ?? ""].join(",");
+    return [head, ...lines(figure).flatMap((s) => s.x.map((_, k) => line(s, k)))].join("\n") + "\n";
+  }
+
+  function element(kind, text, attributes = {}) {
+    const made = document.createElement(kind);
+    made.textContent = text;
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    return made;
+  }
+
+  const drawn = [];
+  function draw(box) {
+    if (box.plot) return;
+    const figure = figures[box.dataset.figure];
+    let log = figure.log, table = rows(figure, log), row = -1;
+    const place = box.querySelector(".plot"), readout = box.querySelector(".readout");
+    const plot = box.plot = new Dygraph(place, table, {
+      ...options(figure, log),
+      highlightCallback: (event, x, points, at, name) => {
+        row = at;
+        const one = figure.kind === "points" && points.find((p) => p.name === name);
+        say(one ? `${lines(figure)[Number(name)].name}: ${figure.x} ${short(one.xval)}, ${figure.y} ${short(one.yval)}` : values_at(figure, x));
+      },
+    });
+    function say(text) {
+      readout.textContent = text;
+      place.setAttribute("aria-valuetext", text);
+      place.setAttribute("aria-valuenow", row);
+    }
+    function select(to) {
+      row = Math.max(0, Math.min(table.length - 1, to));
+      plot.setSelection(row);
+      say(values_at(figure, table[row][0]));
+    }
+    function zoom(by) {
+      const [left, right] = plot.xAxisRange(), middle = row < 0 ? (left + right) / 2 : table[row][0];
+      plot.updateOptions({ dateWindow: [middle - by * (middle - left), middle + by * (right - middle)] });
+    }
+    const reset = () => plot.updateOptions({ dateWindow: options(figure, log).dateWindow ?? null, valueRange: options(figure, log).valueRange ?? null });
+    const page = Math.max(1, Math.round(table.length / 20));
+    const keys = {
+      ArrowRight: () => select(row + 1), ArrowLeft: () => select(row - 1), PageDown: () => select(row + page), PageUp: () => select(row - page),
+      Home: () => select(0), End: () => select(table.length - 1), "+": () => zoom(0.5), "-": () => zoom(2), "0": reset, Escape: reset,
+    };
+    place.addEventListener("keydown", (event) => {
+      if (!keys[event.key] || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+    place.setAttribute("aria-valuemax", table.length - 1);
+    const tools = box.querySelector(".tools");
+    const button = (text, name, act) => tools.appendChild(element("button", text, { type: "button", "aria-label": `${name}: ${figure.title}` })).addEventListener("click", act);
+    button("Whole", "Show the whole plot", reset);
+    if (figure.kind !== "lanes" && figure.kind !== "points")
+      button(log ? "Linear" : "Log", "Switch the logarithmic axis", (event) => {
+        log = !log;
+        table = rows(figure, log);
+        event.target.textContent = log ? "Linear" : "Log";
+        plot.updateOptions({ ...options(figure, log), file: table });
+      });
+    const link = tools.appendChild(element("a", "CSV", { href: `#${box.id}`, download: `${box.dataset.figure}.csv`, "aria-label": `Data as CSV: ${figure.title}` }));
+    link.addEventListener("click", () => { link.href = "data:text/csv;charset=utf-8," + encodeURIComponent(csv(figure)); });
+    drawn.push(() => plot.updateOptions({ colors: colours(figure), gridLineColor: colour("--grid"), axisLineColor: colour("--grid") }));
+  }
+
+  function sortable(table) {
+    const body = table.tBodies[0];
+    [...table.tHead.rows[0].cells].forEach((head, column) => {
+      const button = element("button", head.textContent, { type: "button" });
+      head.replaceChildren(button);
+      button.addEventListener("click", () => {
+        const down = head.getAttribute("aria-sort") === "ascending";
+        for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
+        head.setAttribute("aria-sort", down ? "descending" : "ascending");
+        const key = (row) => row.cells[column]?.textContent ?? "";
+        const order = (a, b) => {
+          const [x, y] = [parseFloat(key(a)), parseFloat(key(b))];
+          return isNaN(x) || isNaN(y) ? key(a).localeCompare(key(b), "en") : x - y;
+        };
+        body.append(...[...body.rows].sort((a, b) => down ? order(b, a) : order(a, b)));
+      });
+    });
+  }
+
+  // Figures are drawn when they come near: a report of both papers has seventy.
+  const boxes = [...document.querySelectorAll("figure[data-figure]")];
+  const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
+    if (!entry.isIntersecting) return;
+    near.unobserve(entry.target);
+    draw(entry.target);
+  }), { rootMargin: "300px" });
+  boxes.forEach((box) => near.observe(box));
+  document.querySelectorAll("table.sortable").forEach(sortable);
+
+  const recolour = () => drawn.forEach((each) => each());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+  addEventListener("beforeprint", () => { root.dataset.print = ""; boxes.forEach(draw); recolour(); });
+  addEventListener("afterprint", () => { delete root.dataset.print; recolour(); });
+  root.dataset.ready = String(Math.round(performance.now()));
+})();
