@@ -97,7 +97,7 @@ std::string Page::text() const {
   // Beside the escaping: no other script would run, and nothing is loaded from anywhere.
   out += fmt::format(
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {} "
-      "{}; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n",
+      "{}; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n",
       hash(dygraphs_script), hash(page_script));
   out += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
   out += "<link rel=\"icon\" href=\"data:,\">\n";

@@ -6,7 +6,15 @@
   const root = document.documentElement;
   const escaped = (text) => text.replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
   const short = (value) => String(Number(value.toPrecision(7)));
-  const tick = (value) => String(Number(value.toPrecision(5)));
+  const tick = (value) => value !== 0 && Math.abs(value) < 1e-3 ? Number(value.toPrecision(3)).toExponential() : String(Number(value.toPrecision(5)));
+  // Whole decades where there are some: the library's own ticks of a logarithmic axis are any numbers.
+  function decades(least, greatest, pixels, ...rest) {
+    const [from, to] = [Math.ceil(Math.log10(least)), Math.floor(Math.log10(greatest))];
+    if (!(to - from >= 2)) return Dygraph.numericTicks(least, greatest, pixels, ...rest);
+    const step = Math.ceil((to - from) / Math.max(1, pixels / 30)), ticks = [];
+    for (let k = from; k <= to; k += step) ticks.push({ v: 10 ** k, label: escaped(tick(10 ** k)) });
+    return ticks;
+  }
   const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
   const colours = (figure) => figure.series.map((_, i) => colour(`--line-${(i % 6) + 1}`))
     .concat(figure.marks.map(() => colour("--mark")));
@@ -87,6 +95,7 @@
       axes: { x: { axisLabelFormatter: tick }, y: { axisLabelFormatter: tick, axisLabelWidth: 56 } },
       strokeWidth: 1.2, highlightCircleSize: 4, rightGap: 12, series: {},
     };
+    o.axes.y.ticker = log ? decades : Dygraph.numericTicks;
     all.forEach((_, i) => { if (i >= many) o.series[`${i}`] = { strokePattern: [6, 4], strokeWidth: 1.5 }; });
     if (figure.kind === "points") Object.assign(o, { drawPoints: true, strokeWidth: 0, pointSize: 1.3, highlightSeriesOpts: {} });
     if (figure.kind === "lanes") {

@@ -1,0 +1,136 @@
+// Reports without a browser: thinning, texts that end up in a page, results that are none.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+#include <set>
+
+#include "../fuzz/damage.h"
+#include "report/html.h"
+#include "report/page.h"
+
+namespace capsoc::report {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+Curve ramp(std::size_t points) {
+  Curve curve;
+  for (std::size_t i = 0; i < points; ++i)
+    curve.add(static_cast<double>(i), std::sin(static_cast<double>(i) / 1000));
+  return curve;
+}
+
+TEST(Thinning, KeepsEverySpikeAndBothEnds) {
+  for (const std::size_t spike : {1U, 777U, 50000U, 99998U}) {
+    Curve curve = ramp(100000);
+    curve.y[spike] = 17;
+    curve.y[spike / 2 + 10] = -23;
+    const Curve few = thinned(curve, 500);
+    EXPECT_LE(few.x.size(), 1000U);
+    EXPECT_EQ(few.x.front(), 0);
+    EXPECT_EQ(few.x.back(), 99999);
+    const auto least = std::min_element(few.y.begin(), few.y.end());
+    const auto greatest = std::max_element(few.y.begin(), few.y.end());
+    EXPECT_EQ(*least, -23);
+    EXPECT_EQ(few.x[static_cast<std::size_t>(greatest - few.y.begin())],
+              static_cast<double>(spike));
+    EXPECT_EQ(*greatest, 17);
+  }
+}
+
+TEST(Thinning, PointsStayInOrderAndWhatIsShortStays) {
+  const Curve few = thinned(ramp(12345), 100);
+  EXPECT_TRUE(std::is_sorted(few.x.begin(), few.x.end()));
+  const Curve same = thinned(ramp(200), 100);
+  EXPECT_EQ(same.x.size(), 200U);
+  EXPECT_TRUE(thinned({}, 100).x.empty());
+}
+
+TEST(Thinning, GapsAreNoLeastAndNoGreatest) {
+  Curve curve = ramp(10000);
+  for (std::size_t i = 3000; i < 4000; ++i) curve.y[i] = none;
+  const Curve few = thinned(curve, 50);
+  EXPECT_TRUE(std::any_of(few.y.begin(), few.y.end(), [](double y) { return std::isnan(y); }));
+  EXPECT_GT(std::count_if(few.y.begin(), few.y.end(), [](double y) { return !std::isnan(y); }), 80);
+}
+
+TEST(Thinning, RoundsToDigits) {
+  EXPECT_EQ(rounded(0.12345678912, 7), 0.1234568);
+  EXPECT_EQ(rounded(-1.0 / 3 * 1e-9, 4), -3.333e-10);
+  EXPECT_TRUE(std::isnan(rounded(none, 7)));
+}
+
+TEST(Texts, NothingLeavesItsPlace) {
+  EXPECT_EQ(escaped("a<b>&\"'"), "a&#60;b&#62;&#38;&#34;&#39;");
+  EXPECT_EQ(escaped(std::string_view("\0\x1b[31m\n", 7)), "\xEF\xBF\xBD\xEF\xBF\xBD[31m\n");
+  EXPECT_EQ(json_text("</script><!--&"), "\"\\u003c/script\\u003e\\u003c!--\\u0026\"");
+  EXPECT_EQ(json_text("\xff"), "\"\xEF\xBF\xBD\"");
+}
+
+TEST(Figures, EachHasANameOfItsOwnAndSaysWhatItIs) {
+  std::set<std::string> names;
+  for (const Figure& figure : figures()) {
+    EXPECT_TRUE(std::regex_match(figure.name, std::regex("[a-z0-9-]+"))) << figure.name;
+    EXPECT_TRUE(names.insert(figure.name).second) << figure.name;
+    EXPECT_FALSE(figure.title.empty()) << figure.name;
+    EXPECT_GT(figure.caption.size(), 20U) << figure.name;
+    EXPECT_FALSE(figure.x.empty() || figure.y.empty()) << figure.name;
+    ASSERT_NE(figure.data, nullptr) << figure.name;
+    // A result that has nothing for it.
+    EXPECT_TRUE(figure.data(figure, Json::object()).series.empty()) << figure.name;
+  }
+}
+
+Json small_result() {
+  Json j = {{"command", "capsoc run"}, {"exit", {{"code", 0}, {"reason", "well"}}}};
+  j["curves"]["a1"] = {{"x", {0, 1, 2}}, {"y", {0.5, 0.6, nullptr}}};
+  j["curves"]["status.LOCK"] = {{"x", {0, 1}}, {"y", {0, 1}}};
+  j["parameters"]["a1"] = {{"word", 1}, {"value", 0.5}, {"true", 0.6}, {"relative_error", 0.1}};
+  j["uart0"] = {{"bytes", 3}, {"sha256", "ab"}, {"text", "hi\n"}, {"left_out", 0}};
+  j["profile"] = {{{"function", "main"}, {"cycles", 12}, {"instructions", 7}}};
+  return j;
+}
+
+TEST(Pages, TheSameResultGivesTheSameBytes) {
+  const std::vector<ResultFile> results = {{"", small_result()}};
+  EXPECT_EQ(page_of(results), page_of(results));
+  EXPECT_NE(page_of(results).find("data-figure=\"a1\""), std::string::npos);
+}
+
+TEST(Pages, SeveralResultsShareTheirFigures) {
+  const std::vector<ResultFile> results = {{"one.json", small_result()},
+                                           {"two.json", small_result()}};
+  const Data data = data_of(*figure_named("a1"), results);
+  ASSERT_EQ(data.series.size(), 2U);
+  EXPECT_EQ(data.series[0].name, "a1, one.json");
+  EXPECT_EQ(data.series[1].name, "a1, two.json");
+  EXPECT_EQ(data.marks.size(), 1U);
+}
+
+TEST(Pages, AnyJsonMakesOne) {
+  // Nothing is of the kind that it should be.
+  const Json wrong[] = {Json::parse(R"({"command": "capsoc run", "curves": 3, "uart0": [], "exit": 1,
+    "parameters": {"a1": [1]}, "profile": {"a": 1}, "configuration": {"x": {"y": [{}]}}})"),
+                        Json::parse(R"({"command": "capsoc run", "curves": {"a1": {"x": "no", "y": {}},
+    "flags.x": {"x": [1, "2", null, 1e308, -1e308], "y": [true, 1, 2, 3, 4]}}, "uart0": {"text": 7}})")};
+  for (const Json& json : wrong) EXPECT_GT(page_of({{"", json}}).size(), 1000U);
+}
+
+TEST(Pages, DamagedFilesAreRefusedOrDrawn) {
+  const std::string whole = small_result().dump(2);
+  uint64_t drawn = 0;
+  const uint64_t count = test::file_count(2000);
+  for (uint64_t number = 0; number < count; ++number) {
+    test::Damage damage(number);
+    const Json json = Json::parse(damage.text(whole), nullptr, false);
+    if (json.is_discarded() || command_of(json).empty()) continue;
+    ++drawn;
+    EXPECT_GT(page_of({{"", json}}).size(), 1000U) << number;
+  }
+  EXPECT_GT(drawn, count / 50);
+}
+
+}  // namespace
+}  // namespace capsoc::report

@@ -1,0 +1,386 @@
+#!/usr/bin/env python3
+"""Reports: what a person sees, in a real browser without a network."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import browser  # noqa: E402
+
+BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+CAPSOC = BUILD / "capsoc"
+FIRMWARE = BUILD / "firmware"
+
+HOSTILE = (
+    "<script>window.hacked=1</script>", "</script><script>window.hacked=2</script>", "<img src=x onerror=window.hacked=3>",
+    "\"><svg onload=window.hacked=4>", "' onmouseover='window.hacked=5", "<!--", "-->", "]]>", "<iframe src=javascript:window.hacked=6>",
+    "javascript:window.hacked=7", "</title><script>window.hacked=8</script>", "</style><script>window.hacked=9</script>",
+    "</pre></textarea><script>window.hacked=10</script>", "&lt;script&gt;", "{{7*7}}", "${window.hacked=11}", "`;window.hacked=12//",
+    "\\u003cscript\\u003e", "<math><mtext></form><form><mglyph><style></math><img src onerror=window.hacked=13>", "\u2028window.hacked=14\u2029",
+    "<base href=https://example.org/>", "<meta http-equiv=refresh content=0;url=https://example.org>", "<link rel=stylesheet href=//example.org/x>",
+    "\u202e<b>", "<a href=data:text/html,<script>window.hacked=15</script>>x</a>", "\x1b]0;title\x07", "\x00nul", "__proto__", "constructor")
+
+
+def capsoc(*arguments, stdin=b""):
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin, env=clean)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def done(self, process, code=0):
+        self.assertEqual(process.returncode, code, process.stdout.decode() + process.stderr.decode())
+
+    def report(self, *results, name="report.html"):
+        """The page of results that are files or, as JSON, to be written."""
+        page, files = self.folder / name, []
+        for number, result in enumerate(results):
+            if not isinstance(result, Path):
+                files.append(self.folder / f"result{number}.json")
+                files[-1].write_text(json.dumps(result))
+            else:
+                files.append(result)
+        self.done(capsoc("report", *files, "--html", page))
+        return page
+
+
+class Seen(Case):
+    """Tests that open pages."""
+
+    def setUp(self):
+        super().setUp()
+        if reason := browser.missing():
+            self.fail(reason)
+        self.browser = browser.Browser()
+        self.addCleanup(self.browser.close)
+
+    def open(self, page, draw_all=True):
+        self.browser.open(page)
+        self.browser.wait("return document.documentElement.dataset.ready", "the page's script has run")
+        if draw_all:
+            self.browser.run("dispatchEvent(new Event('beforeprint')); dispatchEvent(new Event('afterprint'));")
+        self.clean(page)
+
+    def clean(self, page):
+        self.assertEqual(self.browser.console(), [])
+        self.assertLessEqual(set(self.browser.requests()), {page.resolve().as_uri()})
+
+    def figures(self):
+        return self.browser.run("return JSON.parse(document.getElementById('figures').textContent)")
+
+    def check_page(self, page):
+        """What every report has to keep."""
+        self.assertLess(page.stat().st_size, 3_000_000)
+        self.open(page)
+        self.points_are_there()
+        self.names_are_there()
+        for dark in (False, True):
+            for width in (400, 800, 1400):
+                self.browser.emulate(width=width, dark=dark)
+                self.layout_holds(width, dark)
+        self.browser.emulate(width=1200, dark=False)
+        self.clean(page)
+
+    def points_are_there(self):
+        figures = self.figures()
+        self.assertGreater(len(figures), 0)
+        drawn = self.browser.run("""return Object.fromEntries([...document.querySelectorAll('figure[data-figure]')].map(f =>
+            [f.dataset.figure, [f.plot.numRows(), f.plot.numColumns(), f.querySelectorAll('canvas').length]]))""")
+        self.assertEqual(set(drawn), set(figures))
+        for name, figure in figures.items():
+            xs = [x for series in figure["series"] for x in series["x"]]
+            if figure["marks"]:
+                xs += [min(xs), max(xs)]
+            expected = len(xs) if figure["kind"] == "points" else len(set(xs))
+            rows, columns, canvases = drawn[name]
+            self.assertEqual(rows, expected, name)
+            self.assertEqual(columns, 1 + len(figure["series"]) + len(figure["marks"]), name)
+            self.assertGreaterEqual(canvases, 2, name)
+
+    def layout_holds(self, width, dark):
+        found = self.browser.run("""
+            const inside = (e) => { const b = e.getBoundingClientRect(); return b.left >= -0.5 && b.right <= innerWidth + 0.5; };
+            const colour = (c) => c.match(/[0-9.]+/g).map(Number);
+            const light = ([r, g, b]) => [r, g, b].map((c) => (c /= 255) <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+                .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+            const ratio = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+            const back = (e) => { for (; e; e = e.parentElement) { const c = colour(getComputedStyle(e).backgroundColor); if (c[3] !== 0) return light(c); } return 1; };
+            const texts = [...document.querySelectorAll('h1, h2, h3, p, td, th, figcaption, a, button, pre, li, .dygraph-axis-label')];
+            return {
+              wide: document.documentElement.scrollWidth, inner: innerWidth,
+              outside: [...document.querySelectorAll('section, figure, .plot, figcaption, .tools, pre, .scroll')].filter((e) => !inside(e)).length,
+              flat: [...document.querySelectorAll('.plot')].filter((e) => e.clientHeight < 100 || e.clientWidth < 200).length,
+              back: light(colour(getComputedStyle(document.body).backgroundColor)),
+              worst: Math.min(...texts.filter((e) => e.textContent.trim() && e.offsetParent).map((e) => ratio(light(colour(getComputedStyle(e).color)), back(e)))),
+            };""")
+        where = f"width {width}, {'dark' if dark else 'light'}: {found}"
+        self.assertEqual(found["inner"], width, where)
+        self.assertLessEqual(found["wide"], width, where)
+        self.assertEqual(found["outside"], 0, where)
+        self.assertEqual(found["flat"], 0, where)
+        (self.assertLess if dark else self.assertGreater)(found["back"], 0.1 if dark else 0.9, where)
+        self.assertGreaterEqual(found["worst"], 4.5, where)
+
+    def names_are_there(self):
+        """Everything that a key reaches has a name and a role that a screen reader can say; the page has an outline."""
+        roles = {}
+        for node in self.browser.accessibility_tree():
+            focusable = any(p["name"] == "focusable" and p["value"].get("value") for p in node.get("properties", []))
+            role = node.get("role", {}).get("value")
+            if node.get("ignored") or role == "RootWebArea":
+                continue
+            roles[role] = roles.get(role, 0) + 1
+            if focusable or role in ("figure", "table", "region", "slider", "button", "link"):
+                name = node.get("name", {}).get("value", "").strip()
+                if role != "figure":
+                    self.assertTrue(name, f"{role} has no name: {node}")
+        self.assertEqual(roles.get("slider", 0), len(self.figures()))
+        for landmark in ("main", "banner", "navigation", "contentinfo"):
+            self.assertEqual(roles.get(landmark), 1, roles)
+        page = self.browser.run("""
+            const ids = [...document.querySelectorAll('[id]')].map((e) => e.id);
+            return {language: document.documentElement.lang, title: document.title, double: ids.filter((id, i) => ids.indexOf(id) !== i),
+              levels: [...document.querySelectorAll('h1, h2, h3')].map((h) => Number(h.tagName[1])),
+              lost: [...document.querySelectorAll('[aria-describedby], [aria-labelledby]')].filter((e) =>
+                !document.getElementById(e.getAttribute('aria-describedby') ?? e.getAttribute('aria-labelledby'))).length,
+              captions: [...document.querySelectorAll('table')].filter((t) => !t.caption?.textContent.trim()).length};""")
+        self.assertEqual((page["language"], page["double"], page["lost"], page["captions"]), ("en", [], 0, 0))
+        self.assertTrue(page["title"].startswith("capsoc"))
+        self.assertEqual(page["levels"][0], 1)
+        self.assertEqual(page["levels"].count(1), 1)
+        for before, after in zip(page["levels"], page["levels"][1:]):
+            self.assertLessEqual(after, before + 1)
+
+
+class Runs(Seen):
+    """The report of the main job."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = tempfile.TemporaryDirectory()
+        cls.json, cls.html = Path(cls.shared.name) / "run.json", Path(cls.shared.name) / "run.html"
+        cls.process = capsoc("run", "--json", cls.json, "--html", cls.html)
+        cls.result = json.loads(cls.json.read_text())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.shared.cleanup()
+
+    def test_it_keeps_what_every_report_keeps(self):
+        self.done(self.process)
+        self.check_page(self.html)
+
+    def test_every_figure_of_a_run_is_there(self):
+        self.open(self.html)
+        listed = capsoc("report", "--list-figures").stdout.decode().splitlines()
+        expected = {line.split()[0] for line in listed if line.split()[1] == "run"} - {"profile"}
+        self.assertEqual(set(self.figures()), expected)
+        curves = self.result["curves"]
+        for name in ("a1", "phi"):
+            self.assertEqual(self.figures()[name]["series"][0]["y"], curves[name]["y"])
+            self.assertEqual(self.figures()[name]["marks"], [{"label": "true", "at": self.result["parameters"][name]["true"]}])
+        self.assertEqual(curves["a1"]["y"][-1], round(self.result["parameters"]["a1"]["value"], 10))
+        largest = max(abs(y) for x, y in zip(*curves["angle_error"].values()) if x > 400)
+        self.assertAlmostEqual(largest, self.result["angle_error_deg"]["calibration_mode_max"], 12)
+
+    def test_hovering_shows_the_value(self):
+        self.open(self.html)
+        for name in ("a1", "angle-error", "spectrum"):
+            figure = self.figures()[name]
+            place = self.browser.run("""const p = document.querySelector(`figure[data-figure="${arguments[0]}"] .plot`);
+                p.scrollIntoView({block: 'center'}); const b = p.getBoundingClientRect(), g = p.parentElement.plot;
+                return [b.left + b.width / 2, b.top + b.height / 2, g.toDataXCoord(b.width / 2)]""", name)
+            self.browser.point_at(*place[:2])
+            text = self.browser.wait(f"""return document.querySelector('figure[data-figure="{name}"] .readout').textContent""", "a readout")
+            first = figure["series"][0]
+            near = min(range(len(first["x"])), key=lambda k: abs(first["x"][k] - place[2]))
+            if name != "spectrum":
+                shown = float(re.match(r"time, s ([-0-9.e]+);", text)[1])
+                self.assertAlmostEqual(shown, first["x"][near], delta=1.0)
+                near = min(range(len(first["x"])), key=lambda k: abs(first["x"][k] - shown))
+            value = float(re.search(re.escape(first["name"]) + r": ([-0-9.e]+)", text)[1])
+            self.assertAlmostEqual(value, first["y"][near], delta=abs(first["y"][near]) * 1e-6)
+        self.clean(self.html)
+
+    def test_keys_read_points_and_zoom(self):
+        self.open(self.html)
+        get = "const p = document.querySelector('figure[data-figure=a1] .plot'); "
+        self.browser.run(get + "p.focus()")
+        first = self.result["curves"]["a1"]
+        self.browser.press("Home", "ArrowRight")
+        said = self.browser.run(get + "return [p.getAttribute('aria-valuetext'), p.getAttribute('aria-valuenow')]")
+        self.assertEqual(said[1], "1")
+        self.assertIn(f"a1: {first['y'][1]:.7g}", said[0])
+        whole = self.browser.run(get + "return p.parentElement.plot.xAxisRange()")
+        self.browser.press("+", "+")
+        near = self.browser.run(get + "return p.parentElement.plot.xAxisRange()")
+        self.assertAlmostEqual(near[1] - near[0], (whole[1] - whole[0]) / 4)
+        self.browser.press("0")
+        self.assertEqual(self.browser.run(get + "return p.parentElement.plot.xAxisRange()"), whole)
+
+    def test_the_csv_has_every_point(self):
+        self.open(self.html)
+        address = self.browser.run("""const a = document.querySelector('figure[data-figure=a1] a');
+            a.addEventListener('click', (e) => e.preventDefault()); a.click(); return decodeURIComponent(a.href)""")
+        kind, text = address.split(",", 1)
+        self.assertEqual(kind, "data:text/csv;charset=utf-8")
+        lines = text.splitlines()
+        self.assertEqual(lines[0], 'series,"time, s","a1, full scale"')
+        points = [line.split(",") for line in lines[1:] if line.startswith("a1,")]
+        self.assertEqual([float(p[2]) for p in points], self.result["curves"]["a1"]["y"])
+
+    def test_tables_sort_by_number(self):
+        self.open(self.html)
+        column = """const t = document.querySelectorAll('table.sortable')[1]; if (arguments[0]) t.tHead.rows[0].cells[1].firstChild.click();
+            return [t.tHead.rows[0].cells[1].getAttribute('aria-sort'), ...[...t.tBodies[0].rows].map((r) => Number(r.cells[1].textContent))]"""
+        for direction in ("ascending", "descending"):
+            order, *words = self.browser.run(column, True)
+            self.assertEqual((order, words), (direction, sorted(words, reverse=direction == "descending")))
+
+    def test_logarithmic_axes_switch(self):
+        self.open(self.html)
+        log = self.browser.run("""const f = document.querySelector('figure[data-figure=a1]'), b = [...f.querySelectorAll('button')].find((b) => b.textContent === 'Log');
+            const before = f.plot.getOption('logscale'); b.click(); return [before, f.plot.getOption('logscale'), b.textContent]""")
+        self.assertEqual(log, [False, True, "Linear"])
+        self.clean(self.html)
+
+    def test_the_same_result_gives_the_same_bytes(self):
+        again = self.report(self.json)
+        self.assertEqual(again.read_bytes(), self.html.read_bytes())
+
+    def test_two_runs_side_by_side(self):
+        other = self.folder / "other.json"
+        self.done(capsoc("run", "-C", "sensor.a1=0.5", "--curves", "--json", other))
+        page = self.report(self.json, other)
+        self.check_page(page)
+        self.assertEqual([s["name"] for s in self.figures()["a1"]["series"]], ["a1, run.json", "a1, other.json"])
+
+
+class Hostile(Seen):
+    """Texts that would like to be markup stay texts."""
+
+    def check_texts(self, page, *texts):
+        self.open(page)
+        self.browser.run("document.querySelectorAll('th button, figure button').forEach((b) => b.click())")
+        self.browser.run("""document.querySelectorAll('.plot').forEach((p) => { p.focus();
+            for (const key of ['Home', 'ArrowRight', 'End']) p.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); })""")
+        found = self.browser.run("""return {hacked: window.hacked ?? null, text: document.body.textContent,
+            scripts: document.scripts.length, strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg, math, body link, body style, body meta').length,
+            handlers: [...document.querySelectorAll('*')].filter((e) => [...e.attributes].some((a) => a.name.startsWith('on'))).length}""")
+        self.assertEqual((found["hacked"], found["scripts"], found["strange"], found["handlers"]), (None, 3, 0, 0))
+        for text in texts:
+            self.assertIn(re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]", "\ufffd", text), found["text"])
+        self.clean(page)
+
+    def test_in_every_text_of_a_result(self):
+        for text in HOSTILE:
+            curve = {"x": [0, 1, 2], "y": [0.5, 0.6, 0.7]}
+            result = {"schema": 1, "command": "capsoc run " + text, "versions": {text: text}, "configuration": {text: text, "a": text},
+                      "inputs": [{"role": text, "path": text, "sha256": text}], "exit": {"code": 1, "reason": text}, "convergence": text,
+                      "fault_report": text, "place_report": text, "divergence": text, "sensor_warnings": [text], "lost": [text],
+                      "uart0": {"bytes": 1, "sha256": text, "text": text, "left_out": 0}, "verdict": {"reason": text},
+                      "profile": [{"function": text, "cycles": 5, "instructions": 1}], "parameters": {"a1": {"word": text, "value": text, "true": 0.6}},
+                      "curves": {"a1": curve, "status." + text: curve, "flags." + text: curve}}
+            page = self.report(result)
+            self.check_texts(page, text)
+            two = self.report(result, result)
+            self.check_texts(two, text)
+
+    def test_in_names_of_files_symbols_and_uart_output(self):
+        """The whole way: an ELF of a strange name, with strange symbols, prints what it is sent."""
+        strange = "<img src=x onerror=window.hacked=1>"
+        elf, sent = self.folder / f"{strange}.elf", self.folder / "sent"
+        subprocess.run(["arm-none-eabi-objcopy", f"--redefine-sym=main={strange}", FIRMWARE / "echo.elf", elf], check=True)
+        text = "\n".join(HOSTILE).encode() + bytes(range(256))
+        sent.write_bytes(len(text).to_bytes(4, "little") + text)
+        page, result = self.folder / "run.html", self.folder / "run.json"
+        process = capsoc("run", elf, "-C", f"uart0.input={sent}", "--profile", self.folder / "p", "--html", page, "--json", result,
+                         "--simlimit", "5", "--uart0", "null")
+        self.assertIn(process.returncode, (0, 124), process.stderr.decode())
+        kept = json.loads(result.read_text())
+        self.assertIn("<script>window.hacked=1</script>", kept["uart0"]["text"])
+        self.assertIn(strange, [f["function"] for f in kept["profile"]])
+        self.check_texts(page, strange, *(t for t in HOSTILE if t.isprintable()))
+        self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
+
+
+class Refusals(Case):
+    """What is no result is a sentence and exit code 2, and nothing is written."""
+
+    def refuse(self, expected, *arguments):
+        before = sorted(self.folder.iterdir())
+        process = capsoc("report", *arguments)
+        text = process.stderr.decode()
+        self.assertEqual((process.returncode, process.stdout), (2, b""), text)
+        self.assertEqual(len(text.strip().splitlines()), 1, text)
+        self.assertIn(expected, text)
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
+    def test_wrong_inputs(self):
+        page = self.folder / "r.html"
+        for name, content, expected in (("a.json", "{", "is not JSON"), ("b.json", "[1]", "is no result"), ("c.json", '{"command": "ls"}', "is no result"),
+                                        ("d.json", "", "empty"), ("e.json", "[" * 100_000, "is not JSON"), ("f.json", '{"a": 1e999}', "is not JSON")):
+            file = self.folder / name
+            file.write_text(content)
+            self.refuse(f"{name}: ", file, "--html", page)
+            self.refuse(expected, file, "--html", page)
+        self.refuse("No such file", self.folder / "none.json", "--html", page)
+        good = self.folder / "g.json"
+        good.write_text('{"command": "capsoc run"}')
+        self.refuse("--html", good)
+        self.refuse("RESULT", "--html", page)
+        self.refuse("g.json", good, "--html", good)
+        self.refuse("no/such", good, "--html", self.folder / "no/such/r.html")
+
+    def test_an_output_of_a_run_is_none_of_its_inputs(self):
+        sensor = self.folder / "s.toml"
+        sensor.write_bytes((SOURCE / "traces" / "soc_eq21.toml").read_bytes())
+        process = capsoc("run", "--sensor", sensor, "--html", sensor)
+        self.assertEqual(process.returncode, 2, process.stderr.decode())
+        self.assertEqual(sensor.read_bytes(), (SOURCE / "traces" / "soc_eq21.toml").read_bytes())
+
+    def test_a_place_that_takes_nothing_is_told_of(self):
+        process = capsoc("run", FIRMWARE / "hello.elf", "--html", "/dev/full")
+        self.assertEqual(process.returncode, 74, process.stderr.decode())
+
+
+class Unchanged(Case):
+    """A report changes nothing of what a run does."""
+
+    def test_results_without_a_report_have_none_of_it(self):
+        with_it, without = self.folder / "w.json", self.folder / "o.json"
+        self.done(capsoc("run", "--simlimit", "20", "--json", without), 124)
+        self.done(capsoc("run", "--simlimit", "20", "--json", with_it, "--html", self.folder / "r.html"), 124)
+        plain, full = json.loads(without.read_text()), json.loads(with_it.read_text())
+        self.assertNotIn("curves", plain)
+        self.assertNotIn("text", plain["uart0"])
+        for result in (plain, full):
+            for key in ("wall_s",):
+                del result["time"][key]
+            del result["cpu"]["mips"]
+        del full["curves"], full["uart0"]["text"], full["uart0"]["left_out"]
+        self.assertEqual(plain, full)
+
+    def test_no_file_of_the_page_comes_from_elsewhere(self):
+        page = self.folder / "r.html"
+        self.done(capsoc("run", FIRMWARE / "hello.elf", "--html", page))
+        text = page.read_text()
+        self.assertNotIn("sourceMappingURL", text)
+        self.assertIn("Permission is hereby granted, free of charge", text)
+        self.assertIn("default-src 'none'", text)
+        self.assertEqual(re.findall(r"<(?:script|img|iframe)[^>]* src=|<link[^>]* href=\"(?!data:,)", text), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
