@@ -8,12 +8,14 @@
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
 #include "fit/certainty_tables.h"
+#include "fit/drawn.h"
 #include "fit/fit.h"
 #include "fit/report.h"
 #include "fit/tables.h"
 #include "host/console.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "report/page.h"
 #include "run/results.h"
 #include "support/printable.h"
 #include "support/shell.h"
@@ -28,7 +30,8 @@ struct FitArguments {
   fit::FitOptions options;
   std::string method = "ml";
   int iterations = 0;        ///< 0: the method's own
-  std::string json, header;  ///< both empty: neither was named
+  std::string json, header, html;  ///< all empty: none was named
+  bool curves = false;
   std::string convergence;
   std::vector<std::string> assignments;  ///< sensor.KEY=VALUE
   std::string command = "capsoc fit";    ///< that gives the same fit
@@ -43,7 +46,8 @@ void choose_method(FitArguments& arguments) {
     identify.adam.iterations = arguments.iterations;
     identify.levenberg_marquardt.iterations = arguments.iterations;
   }
-  identify.trace = !arguments.convergence.empty();
+  identify.trace =
+      !arguments.convergence.empty() || !arguments.html.empty() || arguments.curves;
 }
 
 int print_tables(const FitArguments& arguments) {
@@ -66,6 +70,7 @@ std::optional<Error> check_files(const FitArguments& arguments) {
   const std::vector<host::FileUse> uses = {{Kind::input, "TRACE", arguments.trace},
                                            {Kind::output, "--json", arguments.json},
                                            {Kind::output, "--header", arguments.header},
+                                           {Kind::output, "--html", arguments.html},
                                            {Kind::output, "--convergence", arguments.convergence}};
   if (auto error = host::check_uses(uses)) return error;
   for (const host::FileUse& use : uses)
@@ -94,8 +99,12 @@ std::optional<Error> take_assignments(FitArguments& arguments) {
 int report(const FitArguments& arguments, const fit::Fit& fit) {
   std::vector<host::TextFile> files;
   const std::string command = arguments.command + " " + arguments.trace;
-  if (!arguments.json.empty())
-    files.push_back({arguments.json, run::to_text(fit::to_json(fit, run::versions(), command))});
+  nlohmann::ordered_json result = fit::to_json(fit, run::versions(), command);
+  if (!arguments.html.empty() || arguments.curves)
+    result["curves"] = to_json(fit::curves_of(fit));
+  if (!arguments.json.empty()) files.push_back({arguments.json, run::to_text(result)});
+  if (!arguments.html.empty())
+    files.push_back({arguments.html, report::page_of({{"", std::move(result)}})});
   if (!arguments.header.empty()) files.push_back({arguments.header, fit::to_header(fit)});
   if (!arguments.convergence.empty())
     files.push_back({arguments.convergence, fit::to_convergence(fit)});
@@ -196,6 +205,11 @@ void add_fit(CLI::App& app, int& code) {
                   "Where the words for the firmware go (without --json, too: calibration.h)")
       ->type_name("FILE")
       ->check(not_empty());
+  fit->add_option("--html", arguments->html,
+                  "Write a report with curves that a browser shows offline")
+      ->type_name("FILE")
+      ->check(not_empty());
+  fit->add_flag("--curves", arguments->curves, "Curves in the JSON file, for capsoc report");
   fit->add_option("--convergence", arguments->convergence,
                   "Write loss and parameters by iteration (adam, lm)")
       ->type_name("FILE.csv");
@@ -203,7 +217,7 @@ void add_fit(CLI::App& app, int& code) {
     for (const CLI::Option* option : inputs)
       if (option->count() > 0)
         arguments->command += fmt::format(" {} {}", option->get_name(), option->as<std::string>());
-    if (arguments->json.empty() && arguments->header.empty()) {
+    if (arguments->json.empty() && arguments->header.empty() && arguments->html.empty()) {
       arguments->json = "calibration.json";
       arguments->header = "calibration.h";
     }

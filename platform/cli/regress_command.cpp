@@ -16,6 +16,7 @@
 #include "host/files.h"
 #include "regress/report.h"
 #include "regress/rtl_comparison.h"
+#include "report/page.h"
 #include "run/results.h"
 
 namespace capsoc::cli {
@@ -29,7 +30,7 @@ constexpr double least_line_percent = 100, least_toggle_percent = 98;
 struct RegressArguments {
   std::string arithmetic = "both";
   regress::Plan plan;
-  std::string library, junit, json;
+  std::string library, junit, json, html;
   std::string exceptions = "rtl/verification/coverage_exceptions.txt";
   bool list = false;
 };
@@ -52,7 +53,8 @@ std::string library_of(const RegressArguments& a, Arithmetic arithmetic) {
 std::optional<Error> check_files(const RegressArguments& a) {
   using Kind = host::FileUse::Kind;
   std::vector<host::FileUse> uses = {{Kind::output, "--junit", a.junit},
-                                     {Kind::output, "--json", a.json}};
+                                     {Kind::output, "--json", a.json},
+                                     {Kind::output, "--html", a.html}};
   const bool coverage = !a.plan.coverage_directory.empty();
   if (coverage) uses.push_back({Kind::input, "--coverage-exceptions", a.exceptions});
   for (Arithmetic arithmetic : a.plan.arithmetics) {
@@ -147,6 +149,16 @@ std::vector<host::RemovedAtSignal> partial_coverage(const RegressArguments& a) {
   return files;
 }
 
+/// That gives the same result; the number of threads does not change it.
+std::string command_of(const RegressArguments& a) {
+  std::string text =
+      fmt::format("capsoc regress --arithmetic {} --seeds {} --first-seed {} --samples {} --accesses {}",
+                  a.arithmetic, a.plan.seeds, a.plan.first_seed, a.plan.samples, a.plan.accesses);
+  for (const std::string& scenario : a.plan.scenarios) text += " --scenario " + scenario;
+  if (!a.plan.coverage_directory.empty()) text += " --coverage " + a.plan.coverage_directory;
+  return a.plan.command_options.empty() ? text : text + " " + a.plan.command_options;
+}
+
 int regress_command(RegressArguments& a) {
   if (a.list) {
     list_scenarios();
@@ -165,9 +177,11 @@ int regress_command(RegressArguments& a) {
   std::fflush(stdout);
   host::say("{:.1f} s\n", wall.count());
   std::vector<host::TextFile> files;
-  if (!a.json.empty())
-    files.push_back(
-        {a.json, regress::to_json(a.plan, outcome.value(), rtl.value()).dump(2) + "\n"});
+  nlohmann::ordered_json result = regress::to_json(a.plan, outcome.value(), rtl.value());
+  result["versions"] = run::versions();
+  result["command"] = command_of(a);
+  if (!a.json.empty()) files.push_back({a.json, run::to_text(result)});
+  if (!a.html.empty()) files.push_back({a.html, report::page_of({{"", std::move(result)}})});
   if (!a.junit.empty()) files.push_back({a.junit, regress::to_junit(outcome.value())});
   bool whole = true;
   for (const host::TextFile& file : files)
@@ -215,6 +229,8 @@ void add_regress(CLI::App& app, int& code) {
       ->type_name("FILE.so");
   command->add_option("--junit", a->junit, "Write the result as JUnit XML")->type_name("FILE.xml");
   command->add_option("--json", a->json, "Write the result as JSON")->type_name("FILE.json");
+  command->add_option("--html", a->html, "Write a report with figures that a browser shows offline")
+      ->type_name("FILE");
   command
       ->add_option("--coverage", a->plan.coverage_directory,
                    "Measure line and toggle coverage of the RTL; files for verilator_coverage")

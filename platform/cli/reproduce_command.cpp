@@ -8,6 +8,7 @@
 #include "cli/refuse.h"
 #include "cli/table_output.h"
 #include "host/places.h"
+#include "reproduce/drawn.h"
 #include "reproduce/reproduce.h"
 #include "run/results.h"
 
@@ -38,8 +39,14 @@ int reproduce_command(TableOutput& output, const std::string& synthesis_file) {
   std::vector<DataTable> tables;
   const int unexpected =
       reproduce::reproduce_tables(output.text(), traces, output.chosen(), &tables, synthesis);
+  Curves curves;
+  if (output.wants_curves()) {
+    auto drawn = reproduce::drawn_figures(traces, output.chosen());
+    if (!drawn) return refuse(drawn.error());
+    curves = std::move(drawn.value());
+  }
   return output.finish(tables, "capsoc reproduce",
-                       unexpected == 0 ? run::exit_code::pass : run::exit_code::failed);
+                       unexpected == 0 ? run::exit_code::pass : run::exit_code::failed, curves);
 }
 
 }  // namespace
@@ -49,7 +56,7 @@ void add_reproduce(CLI::App& app, int& code) {
   auto synthesis = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("reproduce", "Print every row of both papers' tables beside our figures");
-  output->add_to(*command, reproduce::table_names());
+  output->add_to(*command, reproduce::table_names(), true);
   command
       ->add_option("--synthesis", *synthesis,
                    "Our side of Table 7: what scripts/synth --json FILE wrote")

@@ -6,8 +6,10 @@
 #include <iostream>
 
 #include "cli/refuse.h"
+#include "cli/whole_number.h"
 #include "host/console.h"
 #include "host/files.h"
+#include "report/page.h"
 #include "run/results.h"
 #include "support/printable.h"
 
@@ -19,7 +21,7 @@ constexpr const char* standard_output = "-";
 
 }  // namespace
 
-void TableOutput::add_to(CLI::App& command, TableNames known) {
+void TableOutput::add_to(CLI::App& command, TableNames known, bool with_curves) {
   known_ = std::move(known);
   command.add_option("--table", chosen_, "Only these tables; --list-tables names them")
       ->type_name("ID")
@@ -29,6 +31,12 @@ void TableOutput::add_to(CLI::App& command, TableNames known) {
       ->type_name("FILE");
   command.add_option("--csv", csv_, "Write the rows as CSV; -: instead of the text")
       ->type_name("FILE");
+  command
+      .add_option("--html", html_, "Write a report with figures that a browser shows offline")
+      ->type_name("FILE")
+      ->check(not_empty());
+  if (with_curves)
+    command.add_flag("--curves", curves_, "Curves in the JSON file, for capsoc report");
 }
 
 bool TableOutput::listed() const {
@@ -52,8 +60,9 @@ std::optional<Error> TableOutput::check(const std::vector<host::FileUse>& inputs
   std::vector<host::FileUse> uses = inputs;
   if (json_ != standard_output) uses.push_back({host::FileUse::Kind::output, "--json", json_});
   if (csv_ != standard_output) uses.push_back({host::FileUse::Kind::output, "--csv", csv_});
+  uses.push_back({host::FileUse::Kind::output, "--html", html_});
   if (auto error = host::check_uses(uses)) return error;
-  for (const std::string& place : {json_, csv_})
+  for (const std::string& place : {json_, csv_, html_})
     if (!place.empty() && place != standard_output)
       if (auto error = host::check_writable(place)) return error;
   return std::nullopt;
@@ -64,22 +73,25 @@ std::ostream& TableOutput::text() {
 }
 
 int TableOutput::finish(const std::vector<DataTable>& tables, const std::string& command,
-                        int code) const {
-  const auto error = write(tables, command);
+                        int code, const Curves& curves) const {
+  const auto error = write(tables, command, curves);
   if (!error) return code;
   return refuse(error->text, code == run::exit_code::pass ? run::exit_code::lost : code);
 }
 
 std::optional<Error> TableOutput::write(const std::vector<DataTable>& tables,
-                                        const std::string& command) const {
+                                        const std::string& command,
+                                        const Curves& curves) const {
   std::vector<host::TextFile> files;
-  if (!json_.empty()) {
+  if (!json_.empty() || !html_.empty()) {
     nlohmann::ordered_json j = {{"schema", schema_version}, {"versions", run::versions()}};
     j["command"] = command;
     for (const std::string& id : chosen_)
       j["command"] = j["command"].get<std::string>() + " --table " + id;
     j.update(to_json(tables));
-    files.push_back({json_, run::to_text(j)});
+    if (!curves.empty()) j["curves"] = to_json(curves);
+    if (!json_.empty()) files.push_back({json_, run::to_text(j)});
+    if (!html_.empty()) files.push_back({html_, report::page_of({{"", std::move(j)}})});
   }
   if (!csv_.empty()) files.push_back({csv_, to_csv(tables)});
   std::vector<host::TextFile> places;

@@ -1,4 +1,4 @@
-// --table, --list-tables, --json and --csv of the commands that print tables.
+// --table, --list-tables, --json, --csv and --html of the commands that print tables.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/file_uses.h"
+#include "support/curve.h"
 #include "support/data_table.h"
 #include "support/result.h"
 
@@ -19,8 +20,8 @@ using TableNames = std::vector<std::pair<std::string, std::string>>;
 
 class TableOutput {
  public:
-  /// Declares the options.
-  void add_to(CLI::App& command, TableNames known);
+  /// Declares the options; `with_curves`: there are some to be had.
+  void add_to(CLI::App& command, TableNames known, bool with_curves = false);
 
   /// The ids to print, empty: all.
   const std::vector<std::string>& chosen() const { return chosen_; }
@@ -35,18 +36,23 @@ class TableOutput {
   /// Where the text goes: standard output, or nowhere when that carries the data.
   std::ostream& text();
 
-  /// Writes the files that were asked for, both or none, and says what is lost; `command` is what
-  /// the user called. The exit code: `code`, or that for lost results where it was a pass.
-  int finish(const std::vector<DataTable>& tables, const std::string& command, int code) const;
+  /// A report was asked for, or curves in the JSON file.
+  bool wants_curves() const { return curves_ || !html_.empty(); }
+
+  /// Writes the files that were asked for, all or none, and says what is lost; `command` is what
+  /// the user called. `curves` go into the JSON file and the report. The exit code: `code`, or that
+  /// for lost results where it was a pass.
+  int finish(const std::vector<DataTable>& tables, const std::string& command, int code,
+             const Curves& curves = {}) const;
 
  private:
   std::optional<Error> write(const std::vector<DataTable>& tables,
-                             const std::string& command) const;
+                             const std::string& command, const Curves& curves) const;
 
   TableNames known_;
   std::vector<std::string> chosen_;
-  bool list_ = false;
-  std::string json_, csv_;
+  bool list_ = false, curves_ = false;
+  std::string json_, csv_, html_;
   std::ostream none_{nullptr};
 };
 

@@ -17,6 +17,11 @@ const std::vector<Figure>& figures() {
   static const std::vector<Figure> all = [] {
     std::vector<Figure> list;
     add_run_figures(list);
+    add_fit_figures(list);
+    add_reproduce_figures(list);
+    add_accuracy_figures(list);
+    add_bench_figures(list);
+    add_regress_figures(list);
     return list;
   }();
   return all;

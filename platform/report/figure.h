@@ -12,6 +12,7 @@ namespace capsoc::report {
 
 enum class Kind {
   lines,
+  steps,   ///< each value holds until the next
   points,  ///< no function of x: both axes alike
   bars,    ///< x counts Data::labels
   lanes    ///< a line of time for each series, 0 or 1
@@ -28,6 +29,12 @@ struct Series {
 struct Mark {
   std::string label;
   double at;
+};
+
+/// Where a figure finds a number that a paper prints: the `paper_value` of a row of a table.
+struct RowMark {
+  std::string table, quantity;
+  std::string name;  ///< behind "paper" in the mark's label: ", Table 1"
 };
 
 /// What a result has for a figure; no series: nothing.
@@ -49,6 +56,7 @@ struct Figure {
   Kind kind = Kind::lines;
   bool log = false;  ///< the magnitude on a logarithmic axis, to begin with
   Data (*data)(const Figure& figure, const Json& result) = nullptr;
+  std::vector<RowMark> marks = {};
 };
 
 /// All of them, by command and in the order of the report.
@@ -66,5 +74,10 @@ std::string whole_caption(const Figure& figure);
 
 // The lists.
 void add_run_figures(std::vector<Figure>& list);
+void add_fit_figures(std::vector<Figure>& list);
+void add_reproduce_figures(std::vector<Figure>& list);
+void add_accuracy_figures(std::vector<Figure>& list);
+void add_bench_figures(std::vector<Figure>& list);
+void add_regress_figures(std::vector<Figure>& list);
 
 }  // namespace capsoc::report

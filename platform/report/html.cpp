@@ -33,6 +33,8 @@ const char* name_of(Kind kind) {
   switch (kind) {
     case Kind::lines:
       return "lines";
+    case Kind::steps:
+      return "steps";
     case Kind::points:
       return "points";
     case Kind::bars:

@@ -19,7 +19,13 @@ struct Command {
   const char* name;
   void (*add_sections)(Page& page);
 };
-constexpr Command commands[] = {{"run", add_run_sections}};
+constexpr Command commands[] = {{"run", add_run_sections},
+                                {"fit", add_fit_sections},
+                                {"reproduce", add_reproduce_sections},
+                                {"accuracy", add_accuracy_sections},
+                                {"bench", add_bench_sections},
+                                {"regress", add_regress_sections},
+                                {"mutation", add_mutation_sections}};
 
 bool any_of(const std::vector<ResultFile>& results, const char* command) {
   return std::any_of(results.begin(), results.end(), [&](const ResultFile& result) {

@@ -39,6 +39,12 @@ class Page {
 
 // The sections of each command.
 void add_run_sections(Page& page);
+void add_fit_sections(Page& page);
+void add_reproduce_sections(Page& page);
+void add_accuracy_sections(Page& page);
+void add_bench_sections(Page& page);
+void add_regress_sections(Page& page);
+void add_mutation_sections(Page& page);
 
 /// Command, versions, inputs: what every result says of where it comes from.
 std::string origin_of(const Json& result);

@@ -25,14 +25,36 @@ std::string valid(const std::string& text) {
   return text;
 }
 
+/// Deeper than any result: what follows the levels one by one could not hold them.
+bool is_too_deep(const std::string& text) {
+  constexpr int most = 64;
+  int depth = 0;
+  bool in_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_text && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      in_text = !in_text;
+    } else if (!in_text && (c == '[' || c == '{')) {
+      if (++depth > most) return true;
+    } else if (!in_text && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<ResultFile> read_result(const std::string& path) {
   constexpr uint64_t largest = 256 << 20;
   const auto text = read_input(path, {advice, largest});
   if (!text) return Error{text.error()};
-  Json json = Json::parse(text.value(), nullptr, false);
   const std::string name = printable(path, 200);
+  if (is_too_deep(text.value()))
+    return Error{fmt::format("{}: is nested deeper than any result; {}", name, advice)};
+  Json json = Json::parse(text.value(), nullptr, false);
   if (json.is_discarded()) return Error{fmt::format("{}: is not JSON; {}", name, advice)};
   if (command_of(json).empty())
     return Error{fmt::format("{}: is no result of a command that has a report; {}", name, advice)};
@@ -41,6 +63,7 @@ Result<ResultFile> read_result(const std::string& path) {
 
 std::string command_of(const Json& json) {
   if (text_at(json, {"schema"}) == "capsoc-regress-1") return "regress";
+  if (text_at(json, {"schema"}) == "capsoc-mutation-1") return "mutation";
   const std::string command = text_at(json, {"command"});
   for (const char* known : {"run", "fit", "reproduce", "accuracy", "bench"}) {
     const std::string begin = std::string("capsoc ") + known;

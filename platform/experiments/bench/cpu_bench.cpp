@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 struct Run {
   bool good = false;
   double seconds = 0;  ///< user and system time of the process
+  double slowest = 0;  ///< of several runs
   std::string text;    ///< what it wrote on stdout
 };
 
@@ -64,6 +65,7 @@ Run execute(std::vector<std::string> command, const fs::path& output) {
   const host::EndedAtSignal ended(child);
   if (wait4(child, &status, 0, &usage) != child) return {};
   return {WIFEXITED(status) && WEXITSTATUS(status) == 0,
+          seconds(usage.ru_utime) + seconds(usage.ru_stime),
           seconds(usage.ru_utime) + seconds(usage.ru_stime), contents(output)};
 }
 
@@ -76,7 +78,9 @@ std::vector<Run> best_of(unsigned repeat, const std::vector<std::vector<std::str
     for (std::size_t n = 0; n < commands.size(); ++n) {
       if (i != 0 && !best[n].good) continue;
       Run run = execute(commands[n], output);
+      const double slowest = std::max(run.seconds, best[n].slowest);
       if (i == 0 || !run.good || run.seconds < best[n].seconds) best[n] = std::move(run);
+      best[n].slowest = slowest;
     }
   }
   return best;
@@ -129,6 +133,7 @@ class Scratch {
 /// What QEMU needs for the same program.
 struct Peer {
   double mips = 0, ratio = 0;  ///< the ratio is ours to QEMU's
+  double mips_least = 0;       ///< of the slowest run
 };
 
 /// One program, or the means.
@@ -136,6 +141,7 @@ struct Line {
   std::string name;
   std::optional<double> instructions;
   double cpi = 0, mips = 0, translator_mips = 0;
+  double mips_least = 0, translator_mips_least = 0;  ///< of the slowest run
   std::optional<Peer> plain, icount;
   bool is_mean = false;
   std::string verdict = "good";
@@ -172,6 +178,7 @@ void print(std::ostream& out, const Line& line) {
 Fields fields(const Line& line) {
   const bool failed = line.verdict == "failed";
   const auto number = [&](double value) { return failed ? Field() : Field(value); };
+  const auto least = [&](double value) { return line.is_mean ? Field() : number(value); };
   const auto mips = [&](const std::optional<Peer>& peer) {
     return peer && !line.is_mean ? Field(peer->mips) : Field();
   };
@@ -192,7 +199,11 @@ Fields fields(const Line& line) {
           {"translator_mips", number(line.translator_mips)},
           {"translator_ratio", translated(line.plain)},
           {"translator_icount_ratio", translated(line.icount)},
-          {"verdict", line.verdict}};
+          {"verdict", line.verdict},
+          {"mips_least", least(line.mips_least)},
+          {"qemu_mips_least", line.plain ? least(line.plain->mips_least) : Field()},
+          {"icount_mips_least", line.icount ? least(line.icount->mips_least) : Field()},
+          {"translator_mips_least", least(line.translator_mips_least)}};
 }
 
 /// Runs one program here and on QEMU; `json` and `text` are files for what they write.
@@ -220,6 +231,8 @@ Line measure(const CpuBench& bench, const std::string& elf, const fs::path& json
   line.instructions = instructions;
   line.mips = instructions / ours.seconds / 1e6;
   line.translator_mips = instructions / translated.seconds / 1e6;
+  line.mips_least = instructions / ours.slowest / 1e6;
+  line.translator_mips_least = instructions / translated.slowest / 1e6;
   line.cpi = result["cpu"]["cycles"].get<double>() / instructions;
   if (translated.text != ours.text) line.verdict = "differs";
   for (const bool icount : {false, true}) {
@@ -230,7 +243,8 @@ Line measure(const CpuBench& bench, const std::string& elf, const fs::path& json
     }
     if (theirs.text != ours.text) line.verdict = "differs";
     (icount ? line.icount : line.plain) =
-        Peer{instructions / theirs.seconds / 1e6, theirs.seconds / ours.seconds};
+        Peer{instructions / theirs.seconds / 1e6, theirs.seconds / ours.seconds,
+             instructions / theirs.slowest / 1e6};
   }
   return line;
 }
@@ -249,8 +263,8 @@ Line means(const std::vector<Line>& lines) {
   line.cpi = mean([](const Line& l) { return l.cpi; });
   line.mips = mean([](const Line& l) { return l.mips; });
   line.translator_mips = mean([](const Line& l) { return l.translator_mips; });
-  line.plain = Peer{0, mean([&](const Line& l) { return ratio(l.plain); })};
-  line.icount = Peer{0, mean([&](const Line& l) { return ratio(l.icount); })};
+  line.plain = Peer{0, mean([&](const Line& l) { return ratio(l.plain); }), 0};
+  line.icount = Peer{0, mean([&](const Line& l) { return ratio(l.icount); }), 0};
   return line;
 }
 

@@ -21,7 +21,8 @@ struct CpuBench {
 /// checksum differs from QEMU's, or a mean ratio is below least_ratio. Times are processor time of
 /// the whole process, start-up included. `table` takes the rows: program, instructions, cpi, mips,
 /// qemu_mips, qemu_ratio, icount_mips, icount_ratio, translator_mips,
-/// translator_ratio, translator_icount_ratio, verdict; the last row holds the means.
+/// translator_ratio, translator_icount_ratio, verdict, and the slowest run's mips_least,
+/// qemu_mips_least, icount_mips_least, translator_mips_least; the last row holds the means.
 int run_cpu_bench(const CpuBench& bench, std::ostream& out, DataTable* table = nullptr);
 
 }  // namespace capsoc::bench

@@ -60,7 +60,7 @@ std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
   run.counts = bench.counts();
   run.finding = pair.finding();
   if (const auto& complaint = bench.complaint(); complaint && !run.finding)
-    run.finding = Finding{complaint->edge, complaint->what, "", complaint->report, false};
+    run.finding = Finding{complaint->edge, complaint->what, "", complaint->report, false, 0, {}};
   if (run.coverage_file.empty()) return std::nullopt;
   return pair.write_coverage(run.coverage_file);
 }

@@ -17,6 +17,12 @@
 
 namespace capsoc::regress {
 
+/// A node of both devices around a difference, one value a clock in the unit of its format.
+struct Wave {
+  std::string node;
+  std::vector<double> model, rtl;
+};
+
 /// A difference, as a report shows it.
 struct Finding {
   uint64_t cycle = 0;      ///< PCLK edge
@@ -24,6 +30,8 @@ struct Finding {
   std::string node;        ///< that went wrong first; "" if no node did
   std::string report;      ///< several lines
   bool of_devices = true;  ///< false: both do the same, but it is wrong
+  uint64_t first_cycle = 0;     ///< of the waves
+  std::vector<Wave> waves = {};  ///< the node that went wrong first, then others; may be none
 };
 
 /// Two devices that are compared while one interface drives both.

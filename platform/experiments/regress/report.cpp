@@ -119,6 +119,13 @@ nlohmann::ordered_json to_json(const Plan& plan, const Outcome& outcome,
                                {"what", run.finding->what},
                                {"node", run.finding->node},
                                {"command", run.command}};
+      if (run.finding && !run.finding->waves.empty()) {
+        entry["difference"]["report"] = run.finding->report;
+        entry["difference"]["first_cycle"] = run.finding->first_cycle;
+        for (const Wave& wave : run.finding->waves)
+          entry["difference"]["waves"].push_back(
+              {{"node", wave.node}, {"model", wave.model}, {"rtl", wave.rtl}});
+      }
       part["runs"].push_back(std::move(entry));
     }
     auto missing = nlohmann::ordered_json::array();

@@ -24,10 +24,20 @@ class LockstepComparison final : public Comparison {
   std::optional<Finding> finding() const override {
     const auto& difference = lockstep_.difference();
     if (!difference) return std::nullopt;
+    constexpr uint64_t before = 24, after = 16;
+    constexpr std::size_t most_nodes = 8;
+    rtl::History history = lockstep_.history(before, after, most_nodes);
+    std::vector<Wave> waves;
+    for (rtl::NodeHistory& node : history.nodes)
+      waves.push_back({std::move(node.name), std::move(node.model), std::move(node.rtl)});
     return Finding{
         difference->cycle,
         fmt::format("{}: model {}, RTL {}", difference->what, difference->model, difference->rtl),
-        difference->node, lockstep_.report("", cycle_ns)};
+        difference->node,
+        lockstep_.report("", cycle_ns),
+        true,
+        history.first_cycle,
+        std::move(waves)};
   }
 
   std::optional<Error> write_coverage(const std::string& file) override {

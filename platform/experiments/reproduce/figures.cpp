@@ -54,23 +54,12 @@ struct Gain {
 };
 
 Gain gain_of(double scale) {
-  constexpr uint64_t samples = 100000, end = 95000;  // the last 20 s
-  sensor::SignalConfig config;
-  config.a1 = 1;
-  config.b1 = config.phi = 0;
-  config.speed_disturbance.scale = scale;
-  config.speed_disturbance.seed = 1;
-  sensor::DescribedSource sine(config);
-  config.phi = pi / 2;
-  sensor::DescribedSource cosine(config);
+  constexpr std::size_t end = 95000;  // the last 20 s
+  const Curve curve = gain_curve(scale);
   Gain gain;
-  for (uint64_t k = 0; k < samples; ++k) {
-    const double t = static_cast<double>(k) / config.sample_rate_hz;
-    const auto one = sine.sample(k, t), other = cosine.sample(k, t);
-    const double turned = std::atan2(one->u, other->u) - two_pi * one->reference_turns;
-    gain.least = std::min(gain.least, std::cos(turned));
-    if (k >= end) gain.mean_at_end += std::cos(turned) / static_cast<double>(samples - end);
-  }
+  gain.least = *std::min_element(curve.y.begin(), curve.y.end());
+  for (std::size_t k = end; k < curve.y.size(); ++k)
+    gain.mean_at_end += curve.y[k] / static_cast<double>(curve.y.size() - end);
   return gain;
 }
 
@@ -99,6 +88,25 @@ double fundamental_hz(const Eigen::ArrayXd& signal, double rate_hz) {
 }
 
 }  // namespace
+
+Curve gain_curve(double scale) {
+  constexpr uint64_t samples = 100000;
+  sensor::SignalConfig config;
+  config.a1 = 1;
+  config.b1 = config.phi = 0;
+  config.speed_disturbance.scale = scale;
+  config.speed_disturbance.seed = 1;
+  sensor::DescribedSource sine(config);
+  config.phi = pi / 2;
+  sensor::DescribedSource cosine(config);
+  Curve gain;
+  for (uint64_t k = 0; k < samples; ++k) {
+    const double t = static_cast<double>(k) / config.sample_rate_hz;
+    const auto one = sine.sample(k, t), other = cosine.sample(k, t);
+    gain.add(t, std::cos(std::atan2(one->u, other->u) - two_pi * one->reference_turns));
+  }
+  return gain;
+}
 
 void figure_7(Report& report) {
   if (!report.wants({"figure-7"})) return;
@@ -171,23 +179,30 @@ void figure_19(Report& report, const std::string& traces) {
   spectrum_rows(report, record.value(), {0.008, 0.006, 0, 0});
 }
 
+std::vector<double> order_amplitudes(const Eigen::ArrayXd& angle, const Eigen::ArrayXd& signal,
+                                     int orders) {
+  Eigen::MatrixXd columns(angle.size(), 1 + 2 * orders);
+  columns.col(0).setOnes();
+  for (int h = 1; h <= orders; ++h) {
+    columns.col(2 * h - 1) = (h * angle).sin().matrix();
+    columns.col(2 * h) = (h * angle).cos().matrix();
+  }
+  const Eigen::MatrixXd normal = columns.transpose() * columns;
+  const Eigen::VectorXd found = normal.ldlt().solve(columns.transpose() * signal.matrix());
+  std::vector<double> amplitudes = {std::abs(found[0])};
+  for (int h = 1; h <= orders; ++h)
+    amplitudes.push_back(std::hypot(found[2 * h - 1], found[2 * h]));
+  return amplitudes;
+}
+
 void spectrum_rows(Report& report, const fit::Record& record,
                    const std::array<double, 4>& described) {
   constexpr int orders = 5;
   constexpr double tolerance = 1e-4;
-  const Eigen::Index count = record.angle.size();
-  Eigen::MatrixXd columns(count, 1 + 2 * orders);
-  columns.col(0).setOnes();
-  for (int h = 1; h <= orders; ++h) {
-    columns.col(2 * h - 1) = (h * record.angle).sin().matrix();
-    columns.col(2 * h) = (h * record.angle).cos().matrix();
-  }
-  const Eigen::MatrixXd normal = columns.transpose() * columns;
   const auto channel = [&](const char* name, const Eigen::ArrayXd& signal) {
-    const Eigen::VectorXd found = normal.ldlt().solve(columns.transpose() * signal.matrix());
-    const auto amplitude = [&](int h) { return std::hypot(found[2 * h - 1], found[2 * h]); };
-    for (int h = 2; h <= orders; ++h) {
-      const double part = amplitude(h) / amplitude(1), said = described.at(h - 2);
+    const std::vector<double> amplitudes = order_amplitudes(record.angle, signal, orders);
+    for (std::size_t h = 2; h <= orders; ++h) {
+      const double part = amplitudes.at(h) / amplitudes.at(1), said = described.at(h - 2);
       report.ours(fmt::format("{}, order {}, of the first", name, h), fixed(part, 5),
                   {said - tolerance, said + tolerance});
     }

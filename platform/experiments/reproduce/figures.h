@@ -2,9 +2,11 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "fit/fit.h"
 #include "reproduce/report.h"
+#include "support/curve.h"
 
 namespace capsoc::reproduce {
 
@@ -16,6 +18,13 @@ void figure_9(Report& report);
 void figure_10(Report& report);
 void figure_12(Report& report);
 void figure_19(Report& report, const std::string& traces);
+
+/// The gain of Figure 10 over time (s) for a speed disturbance with this peak, 400 s at 250 Hz.
+Curve gain_curve(double scale);
+
+/// Amplitudes of a signal by order of the angle (radians), 0 .. `orders`, by least squares.
+std::vector<double> order_amplitudes(const Eigen::ArrayXd& angle, const Eigen::ArrayXd& signal,
+                                     int orders);
 
 /// Amplitudes of the orders 2 to 5 of both channels in parts of the first, by least squares at the
 /// true angles. `described`: what the trace says of each; a row may be 1e-4 off it.

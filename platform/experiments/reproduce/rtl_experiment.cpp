@@ -30,8 +30,9 @@ double uncalibrated() {
   return largest;
 }
 
-/// Feeds the record once; the largest angle error of the samples from `first` on.
-double record(CoprocessorRun& run, uint32_t ctrl, uint64_t first) {
+/// Feeds the record once; the largest angle error of the samples from `first` on. `curve` takes the
+/// errors in degrees over time.
+double record(CoprocessorRun& run, uint32_t ctrl, uint64_t first, Curve* curve = nullptr) {
   sensor::DescribedSource source{sensor::SignalConfig()};
   run.control(ctrl);
   double largest = 0.0;
@@ -40,7 +41,9 @@ double record(CoprocessorRun& run, uint32_t ctrl, uint64_t first) {
     run.submit(adc_word(value->u), adc_word(value->v));
     if (k < first) continue;
     const double turns = run.read(coprocessor::reg_angle) * 0x1p-32 - value->angle_turns;
-    largest = std::max(largest, 360.0 * std::abs(turns - std::round(turns)));
+    const double error = 360.0 * (turns - std::round(turns));
+    if (curve != nullptr) curve->add(static_cast<double>(k) / rate_hz, error);
+    largest = std::max(largest, std::abs(error));
   }
   return largest;
 }
@@ -106,7 +109,15 @@ RtlOutcome run_rtl(const coprocessor::Options& options) {
   return outcome;
 }
 
-double arctangent_error(double magnitude) {
+Curve rtl_angle_error() {
+  CoprocessorRun run;
+  learn(run, [](double) { return true; });
+  Curve curve;
+  record(run, coprocessor::ctrl_calib, 0, &curve);
+  return curve;
+}
+
+double arctangent_error(double magnitude, Curve* curve) {
   constexpr int points = 3600;
   double largest = 0.0;
   for (int i = 0; i < points; ++i) {
@@ -117,7 +128,9 @@ double arctangent_error(double magnitude) {
     const uint32_t angle =
         coprocessor::paper::arctangent(sine, cosine, CoprocessorRun::operand_bits);
     const double error = angle * 0x1p-32 - turns;
-    largest = std::max(largest, two_pi * std::abs(error - std::round(error)));
+    const double radians = two_pi * (error - std::round(error));
+    if (curve != nullptr) curve->add(360 * turns, radians);
+    largest = std::max(largest, std::abs(radians));
   }
   return largest;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reproduce/coprocessor_run.h"
+#include "support/curve.h"
 
 namespace capsoc::reproduce {
 
@@ -32,6 +33,11 @@ double a1_with_printed_steps();
 
 /// Figure 14: largest error of the PI arctangent in radians for sine and cosine of a magnitude at
 /// 3,600 angles, without those within 1 degree of half a turn, where the loop hardly starts.
-double arctangent_error(double magnitude);
+/// `curve` takes the errors over the angle in degrees.
+double arctangent_error(double magnitude, Curve* curve = nullptr);
+
+/// Figure 13: the error of the coprocessor's angle in degrees over time (s), with the parameters of
+/// 400 s over the whole record.
+Curve rtl_angle_error();
 
 }  // namespace capsoc::reproduce

@@ -76,6 +76,7 @@ int32_t word(double value) {
 /// The SoC of the paper over 400 s: its arithmetic and steps, the reference at 0.050 Hz.
 struct Demodulation {
   Errors on_line;                              ///< over the last turn
+  std::vector<double> turns;                   ///< the error at each sample of it
   std::vector<std::array<uint32_t, 6>> words;  ///< at moments spread over the last turn
 };
 
@@ -85,7 +86,7 @@ Demodulation demodulate(const fit::Record& record,
   CoprocessorRun soc(CoprocessorRun::papers_options(), frequency_word);
   soc.control(coprocessor::ctrl_demod | coprocessor::ctrl_calib);
   Demodulation result;
-  std::vector<double> turns;
+  std::vector<double>& turns = result.turns;
   for (Eigen::Index k = 0; k < demodulated; ++k) {
     soc.submit(word(record.samples.u[k]), word(record.samples.v[k]));
     if (k < demodulated - turn) continue;
@@ -105,9 +106,11 @@ fit::Record without_harmonics(const fit::Record& record) {
   return pure;
 }
 
-/// Errors of a turn in calibration mode with parameters that were stored, by the coprocessor.
-Errors frozen(const fit::Record& record, const std::array<uint32_t, 6>& words,
-              const coprocessor::Options& options = CoprocessorRun::papers_options()) {
+/// The error in turns at each sample of a turn in calibration mode with parameters that were stored,
+/// by the coprocessor.
+std::vector<double> frozen_turns(
+    const fit::Record& record, const std::array<uint32_t, 6>& words,
+    const coprocessor::Options& options = CoprocessorRun::papers_options()) {
   CoprocessorRun soc(options);
   soc.load(words);
   soc.control(coprocessor::ctrl_calib);
@@ -116,16 +119,25 @@ Errors frozen(const fit::Record& record, const std::array<uint32_t, 6>& words,
     soc.submit(word(record.samples.u[k]), word(record.samples.v[k]));
     turns.push_back(soc.read(coprocessor::reg_angle) * 0x1p-32 - forward_turns(record, k));
   }
-  return errors_of(turns);
+  return turns;
 }
 
-Errors uncalibrated(const fit::Record& record) {
+Errors frozen(const fit::Record& record, const std::array<uint32_t, 6>& words,
+              const coprocessor::Options& options = CoprocessorRun::papers_options()) {
+  return errors_of(frozen_turns(record, words, options));
+}
+
+std::vector<double> uncalibrated_turns(const fit::Record& record) {
   std::vector<double> turns;
   for (Eigen::Index k = 0; k < turn; ++k) {
     const double angle = csfn::uncalibrated_angle(record.samples.u[k], record.samples.v[k]);
     turns.push_back((angle - record.angle[k]) / (2 * pi));
   }
-  return errors_of(turns);
+  return turns;
+}
+
+Errors uncalibrated(const fit::Record& record) {
+  return errors_of(uncalibrated_turns(record));
 }
 
 using Words = std::array<uint32_t, 6>;
@@ -283,7 +295,7 @@ std::optional<fit::Fit> fitted(Report& report, const std::string& trace, int har
 }
 
 /// Over a turn, with the fit's ellipse.
-Errors ellipse_errors(const fit::Fit& fit) {
+std::vector<double> ellipse_turns(const fit::Fit& fit) {
   const fit::Record& record = fit.record;
   std::vector<double> turns;
   for (Eigen::Index k = 0; k < turn; ++k) {
@@ -291,7 +303,11 @@ Errors ellipse_errors(const fit::Fit& fit) {
         csfn::angle_of(fit.answer.parameters, record.samples.u[k], record.samples.v[k]);
     turns.push_back((angle - record.angle[k]) / (2 * pi));
   }
-  return errors_of(turns);
+  return turns;
+}
+
+Errors ellipse_errors(const fit::Fit& fit) {
+  return errors_of(ellipse_turns(fit));
 }
 
 void table_10(Report& report, const Errors& before, const fit::Fit& csfn) {
@@ -332,7 +348,48 @@ void comparison(Report& report, const Demodulation& soc, const Stored& stored, c
   report.sentence("identified (capsoc fit --harmonics 3) there is nothing left to compare.");
 }
 
+/// Errors of a turn about their mean, as the paper draws them: degrees over the true angle.
+Curve curve_of(const fit::Record& record, const std::vector<double>& turns) {
+  double sum = 0;
+  std::vector<double> degrees;
+  for (const double value : turns) {
+    degrees.push_back(360 * std::remainder(value - turns.front(), 1.0));
+    sum += degrees.back();
+  }
+  const double mean = sum / static_cast<double>(turns.size());
+  std::vector<std::pair<double, double>> points;
+  for (std::size_t k = 0; k < degrees.size(); ++k) {
+    const double angle = record.angle[static_cast<Eigen::Index>(k)] / (2 * pi);
+    points.emplace_back(360 * (angle - std::floor(angle)), degrees[k] - mean);
+  }
+  std::sort(points.begin(), points.end());
+  Curve curve;
+  for (const auto& [angle, error] : points) curve.add(angle, error);
+  return curve;
+}
+
 }  // namespace
+
+Result<ExperimentErrors> soc_experiment_errors(const std::string& traces) {
+  const std::string trace = traces + "/soc_experiment.toml";
+  fit::RecordOptions options;
+  options.samples = demodulated + turn;
+  const auto record = fit::read_record(trace, options);
+  if (!record) return Error{record.error()};
+  const Demodulation soc = demodulate(record.value());
+  fit::FitOptions of_csfn;
+  of_csfn.record.samples = demodulated;
+  const auto csfn = fit::fit(trace, of_csfn);
+  if (!csfn) return Error{csfn.error()};
+  if (!csfn.value().rejection.empty()) return Error{trace + ": " + csfn.value().rejection};
+  // The turn of the demodulation is the one before the last; the shaft's speed is constant.
+  fit::Record last = record.value();
+  last.angle = record.value().angle.segment(demodulated - turn, turn).eval();
+  return ExperimentErrors{curve_of(record.value(), uncalibrated_turns(record.value())),
+                          curve_of(last, soc.turns),
+                          curve_of(record.value(), frozen_turns(record.value(), soc.words.back())),
+                          curve_of(record.value(), ellipse_turns(csfn.value()))};
+}
 
 void soc_experiment_tables(Report& report, const std::string& traces) {
   if (!report.wants({"figure-17", "9", "figure-18", "10", "comparison"})) return;

@@ -232,6 +232,59 @@ class Lockstep::Pair {
     return error;
   }
 
+  History history(uint64_t before, uint64_t after, std::size_t most) const {
+    const Checkpoint& from = older_.model ? older_ : newer_;
+    if (!difference_ || !from.model) return {};
+    const auto model = from.model->clone(), rtl = from.rtl->clone();
+    if (model == nullptr || rtl == nullptr) return {};
+    std::vector<Operation> operations = from.since;
+    if (&from == &older_)
+      operations.insert(operations.end(), newer_.since.begin(), newer_.since.end());
+    const uint64_t until = difference_->cycle;
+    History history{std::max(from.cycle, until > before ? until - before : 0), {}};
+    std::vector<std::pair<Nodes, Nodes>> clocks;
+    uint64_t present = from.cycle;
+    const auto run = [&](uint64_t cycle) {
+      while (present < cycle) {
+        present = present < history.first_cycle ? std::min(cycle, history.first_cycle) : present + 1;
+        model->advance(present);
+        rtl->advance(present);
+        if (present < history.first_cycle) continue;
+        auto& [ours, theirs] = clocks.emplace_back(model->nodes(), rtl->nodes());
+        for (unsigned stage = 0; stage < stage_count; ++stage) {
+          model->stage_nodes(stage, ours);
+          rtl->stage_nodes(stage, theirs);
+        }
+      }
+    };
+    for (const Operation& o : operations) {
+      run(o.cycle);
+      replay(*model, o);
+      replay(*rtl, o);
+    }
+    run(until + after);
+    history.first_cycle = present + 1 - std::min<uint64_t>(clocks.size(), present + 1);
+    const auto add = [&](const NamedNode& node) {
+      NodeHistory one{node.name, {}, {}};
+      for (const auto& [ours, theirs] : clocks) {
+        one.model.push_back(node.format.value(ours.*node.value));
+        one.rtl.push_back(node.format.value(theirs.*node.value));
+      }
+      history.nodes.push_back(std::move(one));
+    };
+    const std::string first = difference_->node.substr(0, difference_->node.find(' '));
+    for (const NamedNode& node : node_names())
+      if (first == node.name) add(node);
+    for (const NamedNode& node : node_names()) {
+      if (history.nodes.size() >= most) break;
+      const bool differs = std::any_of(clocks.begin(), clocks.end(), [&](const auto& clock) {
+        return clock.first.*node.value != clock.second.*node.value;
+      });
+      if (differs && first != node.name) add(node);
+    }
+    return history;
+  }
+
   void visit(kit::Archive& archive) {
     close();
     model_->visit(archive);
@@ -504,6 +557,10 @@ void Lockstep::on_difference(std::function<void()> callback) {
 
 std::string Lockstep::report(const std::string& command, double cycle_ns) const {
   return pair_->report(command, cycle_ns);
+}
+
+History Lockstep::history(uint64_t before, uint64_t after, std::size_t most) const {
+  return pair_->history(before, after, most);
 }
 
 std::optional<Error> Lockstep::write_waves(const std::string& file) const {

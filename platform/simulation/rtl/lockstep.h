@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "coprocessor/device.h"
 #include "support/result.h"
@@ -28,6 +29,18 @@ struct Operation {
   uint64_t cycle = 0;
   uint32_t offset_or_u = 0, value_or_v = 0;
   bool clip = false;
+};
+
+/// A node on both sides, clock after clock.
+struct NodeHistory {
+  std::string name;
+  std::vector<double> model, rtl;  ///< one value a clock, in the unit of the node's format
+};
+
+/// The clocks around a difference.
+struct History {
+  uint64_t first_cycle = 0;
+  std::vector<NodeHistory> nodes;  ///< the node that went wrong first, then others that differ
 };
 
 /// Text of an operation, as the report prints it.
@@ -66,6 +79,10 @@ class Lockstep final : public coprocessor::Device {
   /// The clocks around the difference again, both sides in one FST file. Nothing to do without a
   /// difference or if the sides cannot be copied.
   std::optional<Error> write_waves(const std::string& file) const;
+
+  /// The same clocks as numbers, from `before` clocks ahead of the difference to `after` behind it,
+  /// of at most `most` nodes. Empty without a difference or if the sides cannot be copied.
+  History history(uint64_t before, uint64_t after, std::size_t most) const;
 
   /// How much was compared.
   struct Counters {
