@@ -10,14 +10,17 @@
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "report/page.h"
+#include "report/picture.h"
 #include "run/results.h"
+#include "support/nearest.h"
+#include "support/printable.h"
 
 namespace capsoc::cli {
 namespace {
 
 struct ReportArguments {
   std::vector<std::string> results;
-  std::string html;
+  std::string html, figure, plot;
   bool list = false;
 };
 
@@ -30,11 +33,55 @@ void list_figures() {
 /// No output is one of the results, and all of them can be written.
 std::optional<Error> check_files(const ReportArguments& arguments) {
   using Kind = host::FileUse::Kind;
-  std::vector<host::FileUse> uses = {{Kind::output, "--html", arguments.html}};
+  std::vector<host::FileUse> uses = {{Kind::output, "--html", arguments.html},
+                                     {Kind::output, "--plot", arguments.plot}};
   for (const std::string& result : arguments.results)
     uses.push_back({Kind::input, "RESULT", result});
   if (auto error = host::check_uses(uses)) return error;
-  return arguments.html.empty() ? std::nullopt : host::check_writable(arguments.html);
+  for (const std::string& place : {arguments.html, arguments.plot})
+    if (!place.empty())
+      if (auto error = host::check_writable(place)) return error;
+  return std::nullopt;
+}
+
+bool ends_with(const std::string& text, std::string_view end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// What is wrong with --figure and --plot, before anything is read.
+std::optional<Error> check_plot(const ReportArguments& arguments) {
+  if (arguments.plot.empty() && arguments.figure.empty()) return std::nullopt;
+  if (arguments.plot.empty() || arguments.figure.empty())
+    return Error{"--plot FILE and --figure NAME belong together; --list-figures names them"};
+  if (report::figure_named(arguments.figure) == nullptr) {
+    std::vector<std::string> known;
+    for (const report::Figure& figure : report::figures()) known.push_back(figure.name);
+    return Error{fmt::format("--figure {}: there is no such figure; did you mean {}?",
+                             printable(arguments.figure), nearest_names(arguments.figure, known))};
+  }
+  if (!ends_with(arguments.plot, ".svg") && !ends_with(arguments.plot, ".png"))
+    return Error{
+        fmt::format("--plot {}: name a file .svg or .png", printable(arguments.plot, 200))};
+  return std::nullopt;
+}
+
+std::optional<Error> plot(const ReportArguments& arguments,
+                          const std::vector<report::ResultFile>& results) {
+  const report::Figure& figure = *report::figure_named(arguments.figure);
+  return report::write_picture(arguments.plot,
+                               report::svg_of(figure, report::data_of(figure, results)));
+}
+
+/// The figure that was asked for has something to draw.
+std::optional<Error> check_data(const ReportArguments& arguments,
+                                const std::vector<report::ResultFile>& results) {
+  if (arguments.figure.empty()) return std::nullopt;
+  const report::Figure& figure = *report::figure_named(arguments.figure);
+  if (!report::data_of(figure, results).series.empty()) return std::nullopt;
+  return Error{fmt::format(
+      "--figure {}: no result has anything for it; it is of capsoc {}, with --curves where it is "
+      "a curve",
+      figure.name, figure.command)};
 }
 
 int report_command(const ReportArguments& arguments) {
@@ -44,7 +91,9 @@ int report_command(const ReportArguments& arguments) {
   }
   if (arguments.results.empty())
     return refuse("report needs a RESULT.json that a command wrote by --json; try --help");
-  if (arguments.html.empty()) return refuse("report: name a place, --html FILE");
+  if (arguments.html.empty() && arguments.plot.empty())
+    return refuse("report: name a place, --html FILE or --figure NAME --plot FILE.svg");
+  if (auto error = check_plot(arguments)) return refuse(error->text);
   if (auto error = check_files(arguments)) return refuse(error->text);
   std::vector<report::ResultFile> results;
   for (const std::string& path : arguments.results) {
@@ -54,6 +103,9 @@ int report_command(const ReportArguments& arguments) {
   }
   // Alone it needs no name: then the page is the one that the command itself writes.
   if (results.size() == 1) results.front().label.clear();
+  if (auto error = check_data(arguments, results)) return refuse(error->text);
+  if (!arguments.plot.empty())
+    if (auto error = plot(arguments, results)) return refuse(error->text, run::exit_code::lost);
   if (!arguments.html.empty())
     if (auto error = host::write_whole(arguments.html, report::page_of(results)))
       return refuse(error->text, run::exit_code::lost);
@@ -72,6 +124,10 @@ void add_report(CLI::App& app, int& code) {
       ->type_name("RESULT.json");
   report->add_option("--html", arguments->html, "Where the report goes")
       ->type_name("FILE")
+      ->check(not_empty());
+  report->add_option("--figure", arguments->figure, "A figure for --plot")->type_name("NAME");
+  report->add_option("--plot", arguments->plot, "Where that figure goes alone, as SVG or PNG")
+      ->type_name("FILE.svg|FILE.png")
       ->check(not_empty());
   report->add_flag("--list-figures", arguments->list,
                    "List the figures, whose results have them, and which of the papers' they are");

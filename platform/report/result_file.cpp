@@ -100,6 +100,7 @@ std::string shown_at(const Json& json, Path path) {
   const Json* at = find(json, path);
   if (at == nullptr || at->is_null()) return "-";
   if (at->is_string()) return text_at(json, path);
+  if (at->is_number_float() && !std::isfinite(at->get<double>())) return "-";  // null in a file
   if (at->is_structured()) return "...";  // deep ones would be printed recursively
   return at->dump(-1, ' ', false, Json::error_handler_t::replace);
 }

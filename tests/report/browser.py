@@ -81,6 +81,9 @@ class Browser:
             self.devtools("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
         features = [] if dark is None else [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
         self.devtools("Emulation.setEmulatedMedia", media=media, features=features)
+        # Plots follow their place a frame later.
+        self.do("POST", "/execute/async", {"script": "requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(arguments[0], 50)))",
+                                           "args": []})
 
     def point_at(self, x, y):
         self.do("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": [

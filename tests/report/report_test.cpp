@@ -9,6 +9,7 @@
 #include "../fuzz/damage.h"
 #include "report/html.h"
 #include "report/page.h"
+#include "report/picture.h"
 
 namespace capsoc::report {
 namespace {
@@ -116,6 +117,27 @@ TEST(Pages, AnyJsonMakesOne) {
                         Json::parse(R"({"command": "capsoc run", "curves": {"a1": {"x": "no", "y": {}},
     "flags.x": {"x": [1, "2", null, 1e308, -1e308], "y": [true, 1, 2, 3, 4]}}, "uart0": {"text": 7}})")};
   for (const Json& json : wrong) EXPECT_GT(page_of({{"", json}}).size(), 1000U);
+}
+
+TEST(Pictures, HoldEveryLineAndMark) {
+  const Figure& figure = *figure_named("a1");
+  const std::string svg = svg_of(figure, figure.data(figure, small_result()));
+  EXPECT_NE(svg.find("<path d=\"M"), std::string::npos);
+  EXPECT_NE(svg.find(">true</text>"), std::string::npos);
+  EXPECT_NE(svg.find("<title>a1: amplitude of U</title>"), std::string::npos);
+}
+
+TEST(Pictures, AnyNumbersMakeFinitePlaces) {
+  const double odd[] = {0, -0.0, none, 1e308, -1e308, 5e-324, 1, 1};
+  for (const Figure& figure : figures())
+    for (const double a : odd)
+      for (const double b : odd) {
+        Data data{{{"<a>", {{0, 1, 2}, {a, b, a}}, {a, a, a}, {b, b, b}}}, {{"m", 3}}, {"x", "y", "z"}};
+        const std::string svg = svg_of(figure, data);
+        EXPECT_EQ(svg.find("nan"), std::string::npos) << figure.name << " " << a << " " << b;
+        EXPECT_EQ(svg.find("\"inf"), std::string::npos) << figure.name << " " << a << " " << b;
+        EXPECT_EQ(svg.find("<a>"), std::string::npos);
+      }
 }
 
 TEST(Pages, DamagedFilesAreRefusedOrDrawn) {

@@ -315,6 +315,150 @@ class Hostile(Seen):
         self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
 
 
+class Papers(Seen):
+    """The report of `capsoc reproduce`: both papers' figures."""
+
+    # The figures that carry data; the others are block diagrams and photographs.
+    SOC = {6, 7, 8, 9, 10, 12, 13, 14, 16, 17, 18, 19}
+    CSFN = {7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23}
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = tempfile.TemporaryDirectory()
+        cls.json, cls.html = Path(cls.shared.name) / "r.json", Path(cls.shared.name) / "r.html"
+        cls.process = capsoc("reproduce", "--json", cls.json, "--html", cls.html)
+        cls.result = json.loads(cls.json.read_text())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.shared.cleanup()
+
+    def test_it_keeps_what_every_report_keeps(self):
+        self.done(self.process)
+        self.check_page(self.html)
+        self.assertEqual(self.report(self.json).read_bytes(), self.html.read_bytes())
+
+    def test_every_figure_with_data_is_there(self):
+        self.open(self.html)
+        here = set(self.figures())
+        listed = [line for line in capsoc("report", "--list-figures").stdout.decode().splitlines() if line.split()[1] == "reproduce"]
+        self.assertEqual(here, {line.split()[0] for line in listed})
+        for paper, figures in (("SoC", self.SOC), ("CSFN", self.CSFN)):
+            named = {int(n) for line in listed for n in re.findall(rf"{paper} paper, Figure (\d+)", line)}
+            self.assertEqual(named, figures)
+        for name, figure in self.figures().items():
+            for series in figure["series"]:
+                self.assertGreater(len(series["x"]), 0, name)
+
+    def test_the_papers_numbers_are_marked(self):
+        self.open(self.html)
+        figures = self.figures()
+        rows = {(t["id"], r["quantity"]): r for t in self.result["tables"] for r in t["rows"]}
+        for name, row in (("soc-7-a1", ("1", "a1")), ("soc-12-beta", ("8", "beta, identified")), ("csfn-18-b2", ("csfn-2", "b2")),
+                          ("soc-10-2", ("figure-10", "m = -2, mean gain of the last 20 s"))):
+            self.assertEqual([m["at"] for m in figures[name]["marks"]], [rows[row]["paper_value"]], name)
+        self.assertEqual([m["at"] for m in figures["soc-8"]["marks"]], [30.38, 9.52e-4])
+        self.assertEqual([m["at"] for m in figures["soc-18"]["marks"]], [0.9814, 1.1630, 1.7284])
+        # What is drawn is what the rows say.
+        calibrated = next(s for s in figures["soc-8"]["series"] if s["name"] == "with calibration")
+        self.assertAlmostEqual(max(map(abs, calibrated["y"])), rows["1", "largest error calibrated"]["here_least"], delta=1e-8)
+        raw = figures["soc-17"]["series"][0]["y"]
+        self.assertAlmostEqual(max(raw) - min(raw), rows["figure-17", "uncalibrated, peak to peak"]["here_least"], delta=1e-4)
+        after = figures["csfn-22-b"]["series"][0]["y"]
+        self.assertAlmostEqual(max(after) - min(after), rows["csfn-2", "after"]["here_least"], delta=1e-3)
+
+    def test_every_agreement_has_its_tolerance(self):
+        self.open(self.html)
+        cells = self.browser.run("return [...document.querySelectorAll('td.good')].map((c) => c.textContent)")
+        agreed = [c for c in cells if c.startswith(("agrees ", "agrees:"))]
+        rows = [r for t in self.result["tables"] for r in t["rows"] if r["verdict"] == "agrees"]
+        self.assertEqual(len(agreed), len(rows))
+        for cell in agreed:
+            self.assertRegex(cell, r"^agrees(: (at most|at least) | within |: )[-0-9.e]+")
+
+
+class Others(Seen):
+    """The reports of the other commands."""
+
+    def test_fit(self):
+        page, result = self.folder / "f.html", self.folder / "f.json"
+        self.done(capsoc("fit", SOURCE / "traces" / "csfn_h3.toml", "--method", "adam", "--html", page, "--json", result))
+        self.check_page(page)
+        figures, fit = self.figures(), json.loads(result.read_text())
+        self.assertEqual(set(figures), {"fit-ellipse", "fit-residuals", "fit-residuals-by-angle", "fit-angle-error", "fit-intervals",
+                                        "fit-companions", "fit-loss", "fit-learning"})
+        largest = max(map(abs, figures["fit-residuals"]["series"][0]["y"]))
+        self.assertAlmostEqual(largest, fit["residuals"]["largest"], delta=1e-6 * largest)
+        error = figures["fit-angle-error"]["series"][0]["y"]
+        self.assertAlmostEqual(max(error) - min(error), fit["angle_error_deg"]["calibrated_peak_to_peak"], delta=1e-3)
+        self.assertEqual(figures["fit-intervals"]["series"][0]["y"][0], fit["parameters"]["a1"]["interval"])
+        self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
+
+    def test_fit_alone_writes_no_calibration(self):
+        page = self.folder / "f.html"
+        clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+        self.done(subprocess.run([CAPSOC, "fit", SOURCE / "traces" / "csfn_eq.toml", "--html", page], cwd=self.folder, env=clean,
+                                 capture_output=True, check=False))
+        self.assertEqual([f.name for f in self.folder.iterdir()], ["f.html"])
+
+    def test_accuracy(self):
+        page, result = self.folder / "a.html", self.folder / "a.json"
+        self.done(capsoc("accuracy", "--table", "widths", "--html", page, "--json", result))
+        self.check_page(page)
+        rows = json.loads(result.read_text())["tables"][0]["rows"]
+        figure = self.figures()["accuracy-widths"]
+        self.assertEqual(figure["labels"], [row["quantity"] for row in rows])
+        self.assertEqual(figure["series"][0]["y"], [row["precise"] for row in rows])
+
+    def test_bench(self):
+        page, result = self.folder / "b.html", self.folder / "b.json"
+        self.done(capsoc("bench", "cpu", FIRMWARE / "bench_crc.elf", "--repeat", "2", "--html", page, "--json", result))
+        self.check_page(page)
+        row = json.loads(result.read_text())["tables"][0]["rows"][0]
+        blocks = self.figures()["bench-mips"]["series"][0]
+        self.assertEqual((blocks["y"][0], blocks["low"][0], blocks["high"][0]), (row["mips"], row["mips_least"], row["mips"]))
+        self.assertLessEqual(row["mips_least"], row["mips"])
+
+    def test_regress(self):
+        page, result = self.folder / "r.html", self.folder / "r.json"
+        self.done(capsoc("regress", "--arithmetic", "precise", "--seeds", "1", "--samples", "500", "--accesses", "500", "--html", page, "--json", result))
+        self.check_page(page)
+        data = json.loads(result.read_text())
+        bins = [hits for group in data["arithmetics"]["precise"]["coverage"].values() for hits in group.values()]
+        shown = self.browser.run("return [document.querySelectorAll('.map li').length, document.querySelectorAll('.map li.bad').length]")
+        self.assertEqual(shown, [len(bins), bins.count(0)])
+        figure = self.figures()["regress-scenarios"]
+        self.assertEqual(sum(figure["series"][0]["y"]), sum(run["cycles"] for run in data["arithmetics"]["precise"]["runs"]))
+        self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
+
+    def test_a_difference_is_drawn_around_its_clock(self):
+        waves = [{"node": "sine", "model": [0.5] * 41, "rtl": [0.5] * 24 + [0.25] * 17}, {"node": "angle", "model": [1] * 41, "rtl": [2] * 41}]
+        run = {"scenario": "random", "seed": 3, "samples": 9, "accesses": 8, "commits": 7, "cycles": 600,
+               "difference": {"cycle": 524, "what": "node sine of T2: model 1, RTL 2", "node": "sine (T2)", "command": "capsoc regress",
+                              "report": "report", "first_cycle": 500, "waves": waves}}
+        page = self.report({"schema": "capsoc-regress-1", "difference": True, "arithmetics": {"precise": {"runs": [run], "coverage": {"g": {"b": 0, "c": 1}}}}})
+        self.check_page(page)
+        figures = self.figures()
+        self.assertEqual([s["name"] for s in figures["regress-wave-1"]["series"]], ["sine, model", "sine, RTL"])
+        rtl = figures["regress-wave-1"]["series"][1]
+        self.assertEqual((rtl["x"][0], rtl["y"][rtl["x"].index(-1)], rtl["y"][rtl["x"].index(0)]), (-24, 0.5, 0.25))
+        self.assertNotIn("regress-wave-3", figures)
+
+    def test_the_mutation_table(self):
+        page = self.report({"schema": "capsoc-mutation-1", "arithmetics": {"paper": {"files": {"lms.sv": {"killed": 9, "survived": 1, "equivalent": 2}},
+                            "survivors": [{"number": 4, "place": "lms.sv:7", "what": "x"}]}}})
+        self.check_page(page)
+        self.assertEqual(self.figures()["mutation-score"]["series"][0]["y"], [90])
+
+    def test_results_of_several_commands_in_one(self):
+        run, fit = self.folder / "run.json", self.folder / "fit.json"
+        self.done(capsoc("run", "--simlimit", "8", "--curves", "--json", run), 124)
+        self.done(capsoc("fit", SOURCE / "traces" / "csfn_eq.toml", "--curves", "--json", fit))
+        page = self.report(run, fit)
+        self.check_page(page)
+        self.assertTrue({"a1", "fit-ellipse"} <= set(self.figures()))
+
+
 class Refusals(Case):
     """What is no result is a sentence and exit code 2, and nothing is written."""
 
@@ -330,7 +474,8 @@ class Refusals(Case):
     def test_wrong_inputs(self):
         page = self.folder / "r.html"
         for name, content, expected in (("a.json", "{", "is not JSON"), ("b.json", "[1]", "is no result"), ("c.json", '{"command": "ls"}', "is no result"),
-                                        ("d.json", "", "empty"), ("e.json", "[" * 100_000, "is not JSON"), ("f.json", '{"a": 1e999}', "is not JSON")):
+                                        ("d.json", "", "empty"), ("e.json", "[" * 50, "is not JSON"), ("f.json", '{"a": 1e999}', "is not JSON"),
+                                        ("h.json", '{"command": "capsoc run", "curves": ' + "[" * 200_000 + "]" * 200_000 + "}", "nested")):
             file = self.folder / name
             file.write_text(content)
             self.refuse(f"{name}: ", file, "--html", page)
