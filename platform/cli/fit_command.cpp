@@ -29,7 +29,7 @@ struct FitArguments {
   std::string table;  ///< one of them
   fit::FitOptions options;
   std::string method = "ml";
-  int iterations = 0;        ///< 0: the method's own
+  int iterations = 0;              ///< 0: the method's own
   std::string json, header, html;  ///< all empty: none was named
   bool curves = false;
   std::string convergence;
@@ -46,8 +46,7 @@ void choose_method(FitArguments& arguments) {
     identify.adam.iterations = arguments.iterations;
     identify.levenberg_marquardt.iterations = arguments.iterations;
   }
-  identify.trace =
-      !arguments.convergence.empty() || !arguments.html.empty() || arguments.curves;
+  identify.trace = !arguments.convergence.empty() || !arguments.html.empty() || arguments.curves;
 }
 
 int print_tables(const FitArguments& arguments) {
@@ -100,8 +99,7 @@ int report(const FitArguments& arguments, const fit::Fit& fit) {
   std::vector<host::TextFile> files;
   const std::string command = arguments.command + " " + arguments.trace;
   nlohmann::ordered_json result = fit::to_json(fit, run::versions(), command);
-  if (!arguments.html.empty() || arguments.curves)
-    result["curves"] = to_json(fit::curves_of(fit));
+  if (!arguments.html.empty() || arguments.curves) result["curves"] = to_json(fit::curves_of(fit));
   if (!arguments.json.empty()) files.push_back({arguments.json, run::to_text(result)});
   if (!arguments.html.empty())
     files.push_back({arguments.html, report::page_of({{"", std::move(result)}})});

@@ -151,9 +151,9 @@ std::vector<host::RemovedAtSignal> partial_coverage(const RegressArguments& a) {
 
 /// That gives the same result; the number of threads does not change it.
 std::string command_of(const RegressArguments& a) {
-  std::string text =
-      fmt::format("capsoc regress --arithmetic {} --seeds {} --first-seed {} --samples {} --accesses {}",
-                  a.arithmetic, a.plan.seeds, a.plan.first_seed, a.plan.samples, a.plan.accesses);
+  std::string text = fmt::format(
+      "capsoc regress --arithmetic {} --seeds {} --first-seed {} --samples {} --accesses {}",
+      a.arithmetic, a.plan.seeds, a.plan.first_seed, a.plan.samples, a.plan.accesses);
   for (const std::string& scenario : a.plan.scenarios) text += " --scenario " + scenario;
   if (!a.plan.coverage_directory.empty()) text += " --coverage " + a.plan.coverage_directory;
   return a.plan.command_options.empty() ? text : text + " " + a.plan.command_options;

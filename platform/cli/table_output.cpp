@@ -31,8 +31,7 @@ void TableOutput::add_to(CLI::App& command, TableNames known, bool with_curves) 
       ->type_name("FILE");
   command.add_option("--csv", csv_, "Write the rows as CSV; -: instead of the text")
       ->type_name("FILE");
-  command
-      .add_option("--html", html_, "Write a report with figures that a browser shows offline")
+  command.add_option("--html", html_, "Write a report with figures that a browser shows offline")
       ->type_name("FILE")
       ->check(not_empty());
   if (with_curves)
@@ -72,16 +71,15 @@ std::ostream& TableOutput::text() {
   return json_ == standard_output || csv_ == standard_output ? none_ : std::cout;
 }
 
-int TableOutput::finish(const std::vector<DataTable>& tables, const std::string& command,
-                        int code, const Curves& curves) const {
+int TableOutput::finish(const std::vector<DataTable>& tables, const std::string& command, int code,
+                        const Curves& curves) const {
   const auto error = write(tables, command, curves);
   if (!error) return code;
   return refuse(error->text, code == run::exit_code::pass ? run::exit_code::lost : code);
 }
 
 std::optional<Error> TableOutput::write(const std::vector<DataTable>& tables,
-                                        const std::string& command,
-                                        const Curves& curves) const {
+                                        const std::string& command, const Curves& curves) const {
   std::vector<host::TextFile> files;
   if (!json_.empty() || !html_.empty()) {
     nlohmann::ordered_json j = {{"schema", schema_version}, {"versions", run::versions()}};

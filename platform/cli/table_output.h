@@ -46,8 +46,8 @@ class TableOutput {
              const Curves& curves = {}) const;
 
  private:
-  std::optional<Error> write(const std::vector<DataTable>& tables,
-                             const std::string& command, const Curves& curves) const;
+  std::optional<Error> write(const std::vector<DataTable>& tables, const std::string& command,
+                             const Curves& curves) const;
 
   TableNames known_;
   std::vector<std::string> chosen_;

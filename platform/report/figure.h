@@ -1,5 +1,5 @@
-// The figures of reports. Each is declared once, in a list of its command's; the page, the CSV behind a plot, a
-// picture of one alone and `capsoc report --list-figures` are all made of that.
+// The figures of reports. Each is declared once, in a list of its command's; the page, the CSV
+// behind a plot, a picture of one alone and `capsoc report --list-figures` are all made of that.
 #pragma once
 
 #include <string>

@@ -1,4 +1,5 @@
-// The figures of both papers that carry data, as `capsoc reproduce` draws them: ours, with the numbers that the papers print.
+// The figures of both papers that carry data, as `capsoc reproduce` draws them: ours, with the
+// numbers that the papers print.
 #include <fmt/format.h>
 
 #include <array>
@@ -54,7 +55,7 @@ Figure figure(const std::string& name, const std::string& section, const std::st
               const std::string& caption, const std::string& papers, const std::string& x,
               const std::string& y, Kind kind = Kind::lines, bool log = false,
               std::vector<RowMark> marks = {}) {
-  return {name, "reproduce", section, title, caption,      papers,
+  return {name, "reproduce", section, title, caption,       papers,
           x,    y,           kind,    log,   data_of_paper, std::move(marks)};
 }
 
@@ -69,7 +70,8 @@ void add_soc_simulations(std::vector<Figure>& list) {
       "soc-8", "1", "Figure 8: angle errors of the simulation",
       "Magnitude of the angle error without and with calibration by the parameters of 400 s.",
       "SoC paper, Figure 8", seconds, error_axis, Kind::lines, true,
-      {{"1", "largest error uncalibrated", " at most"}, {"1", "largest error calibrated", " at most"}}));
+      {{"1", "largest error uncalibrated", " at most"},
+       {"1", "largest error calibrated", " at most"}}));
   for (const Parameter& p : parameters)
     list.push_back(figure(fmt::format("soc-7-{}", p.name), "figure-7",
                           fmt::format("Figure 7{}: {}", p.letter, p.name),
@@ -89,16 +91,15 @@ void add_soc_simulations(std::vector<Figure>& list) {
                           fmt::format("SoC paper, Figure 9{}", p.letter), seconds, p.axis,
                           Kind::lines, false, {{"1", p.name, ", preset"}}));
   for (const int m : {1, 2, 3, 4})
-    list.push_back(figure(fmt::format("soc-10-{}", m), "figure-10",
-                          fmt::format("Figure 10({:c}): gain for m = -{}", 'a' + m - 1, m),
-                          "cos(mu(k) k) of Eq (23): what a speed disturbance leaves of an "
-                          "amplitude.",
-                          fmt::format("SoC paper, Figure 10({:c})", 'a' + m - 1), seconds, "gain",
-                          Kind::lines, false,
-                          m == 2 ? std::vector<RowMark>{{"figure-10",
-                                                         "m = -2, mean gain of the last 20 s",
-                                                         ", mean at the end"}}
-                                 : std::vector<RowMark>{}));
+    list.push_back(figure(
+        fmt::format("soc-10-{}", m), "figure-10",
+        fmt::format("Figure 10({:c}): gain for m = -{}", 'a' + m - 1, m),
+        "cos(mu(k) k) of Eq (23): what a speed disturbance leaves of an "
+        "amplitude.",
+        fmt::format("SoC paper, Figure 10({:c})", 'a' + m - 1), seconds, "gain", Kind::lines, false,
+        m == 2 ? std::vector<RowMark>{{"figure-10", "m = -2, mean gain of the last 20 s",
+                                       ", mean at the end"}}
+               : std::vector<RowMark>{}));
 }
 
 void add_soc_rtl(std::vector<Figure>& list) {
@@ -121,8 +122,8 @@ void add_soc_rtl(std::vector<Figure>& list) {
                         "Both channels of the rebuilt experiment, two turns.",
                         "SoC paper, Figure 16", seconds, "signal, full scale"));
   list.push_back(figure("soc-17", "figure-17", "Figure 17: angle error without calibration",
-                        "Error of atan2(U, V) about its mean over a turn.",
-                        "SoC paper, Figure 17", angle_axis, error_axis, Kind::lines, false,
+                        "Error of atan2(U, V) about its mean over a turn.", "SoC paper, Figure 17",
+                        angle_axis, error_axis, Kind::lines, false,
                         {{"figure-17", "uncalibrated, largest", " at most"}}));
   list.push_back(figure(
       "soc-18", "figure-18", "Figure 18: angle errors of the experiment",
@@ -133,12 +134,12 @@ void add_soc_rtl(std::vector<Figure>& list) {
        {"figure-18", "calibration, largest", ", calibration, at most"},
        {"10", "after, largest", ", CSFN, at most"}}));
   for (const char letter : {'a', 'b'})
-    list.push_back(figure(fmt::format("soc-19-{}", letter), "figure-19",
-                          fmt::format("Figure 19({}): amplitude spectrum of {}", letter,
-                                      letter == 'a' ? "U" : "V"),
-                          "400 s at constant speed, without a window.",
-                          fmt::format("SoC paper, Figure 19({})", letter), "frequency, Hz",
-                          "amplitude, full scale", Kind::lines, true));
+    list.push_back(figure(
+        fmt::format("soc-19-{}", letter), "figure-19",
+        fmt::format("Figure 19({}): amplitude spectrum of {}", letter, letter == 'a' ? "U" : "V"),
+        "400 s at constant speed, without a window.",
+        fmt::format("SoC paper, Figure 19({})", letter), "frequency, Hz", "amplitude, full scale",
+        Kind::lines, true));
 }
 
 /// A group of figures of the CSFN paper that it has for the simulation and for the experiment.
@@ -149,12 +150,10 @@ void add_csfn_learning(std::vector<Figure>& list, const std::string& name,
     int figure;
     char letter;
   };
-  const Drawn drawn[] = {{"a1", "a1, full scale", first, 'a'},
-                         {"a2", "a2, full scale", first, 'b'},
-                         {"b1", "b1, full scale", first + 1, 'a'},
-                         {"b2", "b2, full scale", first + 1, 'b'},
-                         {"beta", "beta, rad", first + 2, 'a'},
-                         {"loss", "mean of (1 - Y)^2", first + 2, 'b'}};
+  const Drawn drawn[] = {
+      {"a1", "a1, full scale", first, 'a'},     {"a2", "a2, full scale", first, 'b'},
+      {"b1", "b1, full scale", first + 1, 'a'}, {"b2", "b2, full scale", first + 1, 'b'},
+      {"beta", "beta, rad", first + 2, 'a'},    {"loss", "mean of (1 - Y)^2", first + 2, 'b'}};
   for (const Drawn& d : drawn) {
     const bool loss = std::string(d.what) == "loss";
     std::vector<RowMark> marks;

@@ -85,8 +85,8 @@ void add_accuracy_figures(std::vector<Figure>& list) {
   };
   for (const auto& [id, title] : tables)
     list.push_back({fmt::format("accuracy-{}", id), "accuracy", id, title,
-                    "Largest angle error of each row in both arithmetics, and its bound.",
-                    "", "row", "angle error, deg", Kind::bars, true, accuracy_table});
+                    "Largest angle error of each row in both arithmetics, and its bound.", "",
+                    "row", "angle error, deg", Kind::bars, true, accuracy_table});
 }
 
 void add_bench_figures(std::vector<Figure>& list) {

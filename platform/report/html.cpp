@@ -150,10 +150,10 @@ std::string html_of(const Figure& figure, const Data& data) {
 }
 
 std::string json_of(const Figure& figure, const Data& data) {
-  std::string out = fmt::format(
-      "{{\"title\":{},\"kind\":\"{}\",\"log\":{},\"x\":{},\"y\":{},\"series\":[",
-      json_text(figure.title), name_of(figure.kind), figure.log, json_text(figure.x),
-      json_text(figure.y));
+  std::string out =
+      fmt::format("{{\"title\":{},\"kind\":\"{}\",\"log\":{},\"x\":{},\"y\":{},\"series\":[",
+                  json_text(figure.title), name_of(figure.kind), figure.log, json_text(figure.x),
+                  json_text(figure.y));
   for (const Series& series : data.series) {
     if (out.back() != '[') out += ',';
     out += "{\"name\":" + json_text(series.name) + ",\"x\":";

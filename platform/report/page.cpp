@@ -28,9 +28,8 @@ constexpr Command commands[] = {{"run", add_run_sections},
                                 {"mutation", add_mutation_sections}};
 
 bool any_of(const std::vector<ResultFile>& results, const char* command) {
-  return std::any_of(results.begin(), results.end(), [&](const ResultFile& result) {
-    return command_of(result.json) == command;
-  });
+  return std::any_of(results.begin(), results.end(),
+                     [&](const ResultFile& result) { return command_of(result.json) == command; });
 }
 
 /// How it ended, in a word for the style and a sentence.
@@ -112,9 +111,11 @@ std::string Page::text() const {
   out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" + header_of(results_);
   out += "<nav aria-label=\"Contents\">\n<ul>\n" + contents_ + "</ul>\n</nav>\n";
   out += "<main id=\"main\">\n";
-  out += "<noscript><p>The plots need a browser with JavaScript; tables and texts do not.</p>"
-         "</noscript>\n";
-  out += body_ + "</main>\n<footer>\n<details><summary>The plots are drawn by dygraphs; its "
+  out +=
+      "<noscript><p>The plots need a browser with JavaScript; tables and texts do not.</p>"
+      "</noscript>\n";
+  out += body_ +
+         "</main>\n<footer>\n<details><summary>The plots are drawn by dygraphs; its "
          "licence</summary>\n" +
          preformatted("Licence of dygraphs", std::string(dygraphs_licence)) +
          "</details>\n</footer>\n";

@@ -45,9 +45,8 @@ std::string answer_of(const Json& result) {
 }
 
 std::string gates_of(const Json& result) {
-  Table gates{"Gates, in the order in which they were checked",
-              {"gate", "passed", "value", "limit"},
-              {}};
+  Table gates{
+      "Gates, in the order in which they were checked", {"gate", "passed", "value", "limit"}, {}};
   for (const Json* gate : elements_at(result, {"gates"})) {
     const std::string passed = shown_at(*gate, {"passed"});
     gates.rows.push_back({text_at(*gate, {"name"}),

@@ -23,9 +23,12 @@ std::string runs_of(const Json& result) {
                 {}};
     for (const Json* run : elements_at(result, {"arithmetics", arithmetic, "runs"})) {
       const std::string what = text_at(*run, {"difference", "what"});
-      table.rows.push_back({text_at(*run, {"scenario"}), shown_at(*run, {"seed"}),
-                            shown_at(*run, {"samples"}), shown_at(*run, {"accesses"}),
-                            shown_at(*run, {"commits"}), shown_at(*run, {"cycles"}),
+      table.rows.push_back({text_at(*run, {"scenario"}),
+                            shown_at(*run, {"seed"}),
+                            shown_at(*run, {"samples"}),
+                            shown_at(*run, {"accesses"}),
+                            shown_at(*run, {"commits"}),
+                            shown_at(*run, {"cycles"}),
                             {what.empty() ? "none" : what, what.empty() ? "good" : "bad"}});
     }
     out += html_of(table);
@@ -38,11 +41,11 @@ std::string difference_of(const Json& result) {
     for (const Json* run : elements_at(result, {"arithmetics", arithmetic, "runs"})) {
       const Json* difference = find(*run, {"difference"});
       if (difference == nullptr) continue;
-      return paragraph(fmt::format(
-                 "Arithmetic {}, scenario {}, seed {}, cycle {}: {}. First node: {}.", arithmetic,
-                 text_at(*run, {"scenario"}), shown_at(*run, {"seed"}),
-                 shown_at(*difference, {"cycle"}), text_at(*difference, {"what"}),
-                 text_at(*difference, {"node"}))) +
+      return paragraph(
+                 fmt::format("Arithmetic {}, scenario {}, seed {}, cycle {}: {}. First node: {}.",
+                             arithmetic, text_at(*run, {"scenario"}), shown_at(*run, {"seed"}),
+                             shown_at(*difference, {"cycle"}), text_at(*difference, {"what"}),
+                             text_at(*difference, {"node"}))) +
              preformatted("Command that shows it again", text_at(*difference, {"command"})) +
              preformatted("Report", text_at(*difference, {"report"}));
     }
@@ -97,12 +100,11 @@ std::string files_of(const Json& result) {
       for (const auto& [file, counts] : files->items())
         table.rows.push_back({file, shown_at(counts, {"killed"}), shown_at(counts, {"survived"}),
                               shown_at(counts, {"equivalent"})});
-    Table survivors{fmt::format("Survivors, arithmetic {}", arithmetic),
-                    {"number", "place", "what"},
-                    {}};
+    Table survivors{
+        fmt::format("Survivors, arithmetic {}", arithmetic), {"number", "place", "what"}, {}};
     for (const Json* one : elements_at(result, {"arithmetics", arithmetic, "survivors"}))
-      survivors.rows.push_back({shown_at(*one, {"number"}), text_at(*one, {"place"}),
-                                {text_at(*one, {"what"}), "bad"}});
+      survivors.rows.push_back(
+          {shown_at(*one, {"number"}), text_at(*one, {"place"}), {text_at(*one, {"what"}), "bad"}});
     out += html_of(table) + html_of(survivors);
   }
   return out;

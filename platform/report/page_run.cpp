@@ -59,9 +59,9 @@ std::string reports_of(const Json& result) {
 }
 
 std::string uart_of(const Json& result) {
-  std::string out = paragraph(fmt::format("{} bytes, SHA-256 {}.",
-                                          shown_at(result, {"uart0", "bytes"}),
-                                          shown_at(result, {"uart0", "sha256"})));
+  std::string out =
+      paragraph(fmt::format("{} bytes, SHA-256 {}.", shown_at(result, {"uart0", "bytes"}),
+                            shown_at(result, {"uart0", "sha256"})));
   const auto left_out = number_at(result, {"uart0", "left_out"});
   if (left_out.value_or(0) > 0)
     out += paragraph(fmt::format("{:g} bytes in the middle are left out.", *left_out));
@@ -100,11 +100,11 @@ std::string curves_missing(const Json& result) {
 void add_run_sections(Page& page) {
   const auto each = [&](std::string (*piece)(const Json&)) { return page.of_each("run", piece); };
   const auto figures = [&](const char* section) { return page.figures_of("run", section); };
-  page.add("Result", each(figures_of_run) + each(parameters_of) + each(reports_of) +
-                         each(curves_missing));
-  for (const char* section : {"Learning curves", "Errors of the parameters",
-                              "Errors of the demodulator", "The signals", "Errors of the angle",
-                              "Status and flags"})
+  page.add("Result",
+           each(figures_of_run) + each(parameters_of) + each(reports_of) + each(curves_missing));
+  for (const char* section :
+       {"Learning curves", "Errors of the parameters", "Errors of the demodulator", "The signals",
+        "Errors of the angle", "Status and flags"})
     page.add(section, figures(section));
   page.add("UART 0", each(uart_of));
   page.add("Profile", figures("Profile") + each(functions_of));

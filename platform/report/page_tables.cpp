@@ -1,4 +1,5 @@
-// What the reports of `capsoc reproduce`, `accuracy` and `bench` say: their tables, with the figures beside each.
+// What the reports of `capsoc reproduce`, `accuracy` and `bench` say: their tables, with the
+// figures beside each.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,8 +38,7 @@ std::string verdict_of(const Json& row) {
   const std::string verdict = text_at(row, {"verdict"});
   if (verdict != "agrees") return verdict;
   const auto tolerance = number_at(row, {"tolerance"});
-  return tolerance ? fmt::format("agrees within {:.7g}", *tolerance)
-                   : "agrees: " + bound_of(row);
+  return tolerance ? fmt::format("agrees within {:.7g}", *tolerance) : "agrees: " + bound_of(row);
 }
 
 std::string papers_rows(const Json& table) {
@@ -46,8 +46,11 @@ std::string papers_rows(const Json& table) {
             {"quantity", "unit", "paper", "here", "ours may be", "verdict", "note"},
             {}};
   for (const Json* row : elements_at(table, {"rows"}))
-    out.rows.push_back({text_at(*row, {"quantity"}), text_at(*row, {"unit"}),
-                        text_at(*row, {"paper"}), text_at(*row, {"here"}), bound_of(*row),
+    out.rows.push_back({text_at(*row, {"quantity"}),
+                        text_at(*row, {"unit"}),
+                        text_at(*row, {"paper"}),
+                        text_at(*row, {"here"}),
+                        bound_of(*row),
                         {verdict_of(*row), style_of(text_at(*row, {"verdict"}))},
                         text_at(*row, {"note"})});
   return html_of(out);
@@ -100,8 +103,9 @@ void add_tables(Page& page, const std::string& command, std::string (*rows)(cons
       if (command_of(result.json) == command)
         for (const Json* table : elements_at(result.json, {"tables"}))
           if (text_at(*table, {"id"}) == section.id)
-            tables += (page.results().size() > 1 ? "<h3>" + escaped(result.label) + "</h3>\n" : "") +
-                      rows(*table);
+            tables +=
+                (page.results().size() > 1 ? "<h3>" + escaped(result.label) + "</h3>\n" : "") +
+                rows(*table);
     page.add(section.title, body + tables);
   }
   page.add("Where it comes from", page.of_each(command, origin_of));
@@ -114,8 +118,8 @@ std::string verdicts_of(const Json& result) {
     for (const Json* table : elements_at(result, {"tables"}))
       for (const Json* row : elements_at(*table, {"rows"}))
         if (text_at(*row, {"verdict"}) == verdict) ++count;
-    out.rows.push_back({{*verdict == '\0' ? "no comparison" : verdict, style_of(verdict)},
-                        std::to_string(count)});
+    out.rows.push_back(
+        {{*verdict == '\0' ? "no comparison" : verdict, style_of(verdict)}, std::to_string(count)});
   }
   return html_of(out) +
          (find(result, {"curves"}) == nullptr

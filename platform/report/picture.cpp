@@ -115,7 +115,8 @@ class Drawing {
         "height=\"{1:g}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\" role=\"img\">\n",
         width, height);
     out += "<title>" + escaped(figure_.title) + "</title>\n<desc>" +
-           escaped(whole_caption(figure_)) + "</desc>\n<rect width=\"100%\" height=\"100%\" "
+           escaped(whole_caption(figure_)) +
+           "</desc>\n<rect width=\"100%\" height=\"100%\" "
            "fill=\"#fff\"/>\n";
     out += axes();
     for (std::size_t i = 0; i < data_.series.size(); ++i) out += series(i);
@@ -152,14 +153,16 @@ class Drawing {
         out += line(at, top, at, height - bottom, grid) +
                text(at, height - bottom + 18, label, " text-anchor=\"middle\"");
     }
-    out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" "
-                       "stroke=\"#57606a\"/>\n",
-                       left, top, width - left - right, height - top - bottom);
+    out += fmt::format(
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" "
+        "stroke=\"#57606a\"/>\n",
+        left, top, width - left - right, height - top - bottom);
     out += text((left + width - right) / 2, height - bottom + 36, figure_.x,
                 " text-anchor=\"middle\"");
-    out += fmt::format("<text transform=\"translate(16 {}) rotate(-90)\" "
-                       "text-anchor=\"middle\">{}</text>\n",
-                       (top + height - bottom) / 2, escaped(figure_.y));
+    out += fmt::format(
+        "<text transform=\"translate(16 {}) rotate(-90)\" "
+        "text-anchor=\"middle\">{}</text>\n",
+        (top + height - bottom) / 2, escaped(figure_.y));
     return out + text(left, 18, figure_.title, " font-size=\"14\" font-weight=\"bold\"");
   }
 
@@ -187,9 +190,10 @@ class Drawing {
     }
     if (one.curve.x.size() == 1 && down) path += "h0.1";  // a point alone
     const bool points = figure_.kind == Kind::points || one.curve.x.size() == 1;
-    return fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
-                       "stroke-linecap=\"round\" stroke-linejoin=\"round\"/>\n",
-                       path, colour, points ? "2.2" : "1.2");
+    return fmt::format(
+        "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+        "stroke-linecap=\"round\" stroke-linejoin=\"round\"/>\n",
+        path, colour, points ? "2.2" : "1.2");
   }
 
   std::string bars(std::size_t number, const char* colour) const {
@@ -203,10 +207,11 @@ class Drawing {
       if (!y_.holds(one.curve.y[i])) continue;
       const double at = x_.place(one.curve.x[i]) - 0.4 * room + static_cast<double>(number) * wide;
       const double y = y_.place(one.curve.y[i]);
-      out += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
-                         "fill=\"{}\" fill-opacity=\"{}\"/>\n",
-                         at, std::min(y, zero), std::max(wide - 1, 0.5), std::abs(zero - y), colour,
-                         one.low.empty() ? "1" : "0.5");
+      out += fmt::format(
+          "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+          "fill=\"{}\" fill-opacity=\"{}\"/>\n",
+          at, std::min(y, zero), std::max(wide - 1, 0.5), std::abs(zero - y), colour,
+          one.low.empty() ? "1" : "0.5");
       if (i < one.low.size() && i < one.high.size())
         out += line(at + wide / 2, y_.place(one.low[i]), at + wide / 2, y_.place(one.high[i]),
                     colour, " stroke-width=\"2\"");
@@ -242,7 +247,8 @@ bool convert(const std::string& svg, const std::string& place) {
   if (input == nullptr) return false;
   if (std::fwrite(svg.data(), 1, svg.size(), input.get()) != svg.size()) return false;
   std::rewind(input.get());
-  std::array<std::string, 5> words = {"rsvg-convert", "--format=png", "--zoom=2", "--output", place};
+  std::array<std::string, 5> words = {"rsvg-convert", "--format=png", "--zoom=2", "--output",
+                                      place};
   std::array<char*, words.size() + 1> arguments{};
   for (std::size_t i = 0; i < words.size(); ++i) arguments.at(i) = words.at(i).data();
   posix_spawn_file_actions_t files;

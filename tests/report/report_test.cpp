@@ -112,9 +112,10 @@ TEST(Pages, SeveralResultsShareTheirFigures) {
 
 TEST(Pages, AnyJsonMakesOne) {
   // Nothing is of the kind that it should be.
-  const Json wrong[] = {Json::parse(R"({"command": "capsoc run", "curves": 3, "uart0": [], "exit": 1,
+  const Json wrong[] = {
+      Json::parse(R"({"command": "capsoc run", "curves": 3, "uart0": [], "exit": 1,
     "parameters": {"a1": [1]}, "profile": {"a": 1}, "configuration": {"x": {"y": [{}]}}})"),
-                        Json::parse(R"({"command": "capsoc run", "curves": {"a1": {"x": "no", "y": {}},
+      Json::parse(R"({"command": "capsoc run", "curves": {"a1": {"x": "no", "y": {}},
     "flags.x": {"x": [1, "2", null, 1e308, -1e308], "y": [true, 1, 2, 3, 4]}}, "uart0": {"text": 7}})")};
   for (const Json& json : wrong) EXPECT_GT(page_of({{"", json}}).size(), 1000U);
 }
@@ -132,7 +133,8 @@ TEST(Pictures, AnyNumbersMakeFinitePlaces) {
   for (const Figure& figure : figures())
     for (const double a : odd)
       for (const double b : odd) {
-        Data data{{{"<a>", {{0, 1, 2}, {a, b, a}}, {a, a, a}, {b, b, b}}}, {{"m", 3}}, {"x", "y", "z"}};
+        Data data{
+            {{"<a>", {{0, 1, 2}, {a, b, a}}, {a, a, a}, {b, b, b}}}, {{"m", 3}}, {"x", "y", "z"}};
         const std::string svg = svg_of(figure, data);
         EXPECT_EQ(svg.find("nan"), std::string::npos) << figure.name << " " << a << " " << b;
         EXPECT_EQ(svg.find("\"inf"), std::string::npos) << figure.name << " " << a << " " << b;

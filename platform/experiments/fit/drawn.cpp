@@ -107,8 +107,8 @@ Curve angle_error_curve(const Eigen::ArrayXd& angles, const Eigen::ArrayXd& trut
   for (Eigen::Index i = 0; i < angles.size(); ++i) mean += std::polar(1.0, angles[i] - nearer[i]);
   Points points;
   for (Eigen::Index i = 0; i < angles.size(); ++i)
-    points.emplace_back(turn_of(truth[i]), csfn::wrapped(angles[i] - nearer[i] - std::arg(mean)) *
-                                               degrees_per_radian);
+    points.emplace_back(turn_of(truth[i]),
+                        csfn::wrapped(angles[i] - nearer[i] - std::arg(mean)) * degrees_per_radian);
   return in_order(std::move(points));
 }
 

@@ -25,12 +25,12 @@ struct Wave {
 
 /// A difference, as a report shows it.
 struct Finding {
-  uint64_t cycle = 0;      ///< PCLK edge
-  std::string what;        ///< "read of 0x0c0 (ANGLE): model 0x1, RTL 0x2"
-  std::string node;        ///< that went wrong first; "" if no node did
-  std::string report;      ///< several lines
-  bool of_devices = true;  ///< false: both do the same, but it is wrong
-  uint64_t first_cycle = 0;     ///< of the waves
+  uint64_t cycle = 0;            ///< PCLK edge
+  std::string what;              ///< "read of 0x0c0 (ANGLE): model 0x1, RTL 0x2"
+  std::string node;              ///< that went wrong first; "" if no node did
+  std::string report;            ///< several lines
+  bool of_devices = true;        ///< false: both do the same, but it is wrong
+  uint64_t first_cycle = 0;      ///< of the waves
   std::vector<Wave> waves = {};  ///< the node that went wrong first, then others; may be none
 };
 

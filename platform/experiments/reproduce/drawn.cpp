@@ -254,9 +254,8 @@ void csfn_signals(Drawing& drawing, const fit::Record& record, const CsfnNames& 
     if (!called.by_sample.empty()) drawing.add(called.by_sample, name, by_sample);
     if (!called.by_angle.empty()) drawing.add(called.by_angle, name, sorted(std::move(by_angle)));
   }
-  drawing.add_points(
-      called.lissajous, "U, V",
-      {{samples.u.begin(), samples.u.end()}, {samples.v.begin(), samples.v.end()}});
+  drawing.add_points(called.lissajous, "U, V",
+                     {{samples.u.begin(), samples.u.end()}, {samples.v.begin(), samples.v.end()}});
 }
 
 void csfn_learning(Drawing& drawing, const fit::Fit& fit, const CsfnNames& called) {

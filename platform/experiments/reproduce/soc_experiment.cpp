@@ -106,8 +106,8 @@ fit::Record without_harmonics(const fit::Record& record) {
   return pure;
 }
 
-/// The error in turns at each sample of a turn in calibration mode with parameters that were stored,
-/// by the coprocessor.
+/// The error in turns at each sample of a turn in calibration mode with parameters that were
+/// stored, by the coprocessor.
 std::vector<double> frozen_turns(
     const fit::Record& record, const std::array<uint32_t, 6>& words,
     const coprocessor::Options& options = CoprocessorRun::papers_options()) {

@@ -246,7 +246,8 @@ class Lockstep::Pair {
     uint64_t present = from.cycle;
     const auto run = [&](uint64_t cycle) {
       while (present < cycle) {
-        present = present < history.first_cycle ? std::min(cycle, history.first_cycle) : present + 1;
+        present =
+            present < history.first_cycle ? std::min(cycle, history.first_cycle) : present + 1;
         model->advance(present);
         rtl->advance(present);
         if (present < history.first_cycle) continue;

@@ -45,12 +45,12 @@ struct ResultSettings {
                .is_place()
                .by({"--html", "FILE", "Write a report with curves that a browser shows offline"})};
   FlagField curves{
-      all, setting("results.curves", SettingKind::flag, "false",
-                   "curves and UART 0's text in the results, for capsoc report; --html implies it")
-               .is_place()
-               .by({"--curves", "",
-                    "Curves and UART 0's text in the results too, for capsoc report",
-                    SettingOption::Form::flag, "true"})};
+      all,
+      setting("results.curves", SettingKind::flag, "false",
+              "curves and UART 0's text in the results, for capsoc report; --html implies it")
+          .is_place()
+          .by({"--curves", "", "Curves and UART 0's text in the results too, for capsoc report",
+               SettingOption::Form::flag, "true"})};
   /// The run gathers what a report draws.
   bool wants_curves() const { return curves() || !html.empty(); }
   TextField record{all, setting("results.record", SettingKind::output, "",
