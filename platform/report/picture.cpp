@@ -22,6 +22,7 @@ namespace {
 constexpr double width = 720, height = 432, left = 82, right = 16, top = 40, bottom = 62;
 constexpr std::array<const char*, 6> colours = {"#0550ae", "#bc4c00", "#116329",
                                                 "#8250df", "#a40e26", "#4d6a00"};
+constexpr double legend_row = 18;
 constexpr const char* mark_colour = "#6e7781";
 
 /// Values to places on the paper. Whatever the values, the places are finite.
@@ -110,10 +111,12 @@ class Drawing {
   }
 
   std::string svg() const {
+    int more_rows = 0;
+    const std::string names = legend(more_rows);
     std::string out = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" "
         "height=\"{1:g}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\" role=\"img\">\n",
-        width, height);
+        width, height + legend_row * more_rows);
     out += "<title>" + escaped(figure_.title) + "</title>\n<desc>" +
            escaped(whole_caption(figure_)) +
            "</desc>\n<rect width=\"100%\" height=\"100%\" "
@@ -123,7 +126,7 @@ class Drawing {
     for (const Mark& mark : data_.marks)
       out += line(left, y_.place(mark.at), width - right, y_.place(mark.at), mark_colour,
                   " stroke-dasharray=\"6 4\" stroke-width=\"1.5\"");
-    return out + legend() + "</svg>\n";
+    return out + names + "</svg>\n";
   }
 
  private:
@@ -219,14 +222,21 @@ class Drawing {
     return out;
   }
 
-  std::string legend() const {
+  /// One entry behind the other, in as many rows as they need; `rows` counts those.
+  std::string legend(int& rows) const {
+    rows = 0;
     if (data_.series.size() + data_.marks.size() < 2 || figure_.kind == Kind::lanes) return "";
     std::string out;
-    double x = left;
+    double x = left, y = height - 12;
     const auto entry = [&](const std::string& name, const char* colour, const char* more) {
-      out += line(x, height - 12, x + 16, height - 12, colour, more) +
-             text(x + 20, height - 8, name, " font-size=\"11\"");
-      x += 34 + 6.8 * static_cast<double>(name.size());
+      const double wide = 34 + 6.8 * static_cast<double>(name.size());
+      if (x > left && x + wide > width) {
+        x = left;
+        y += legend_row;
+        ++rows;
+      }
+      out += line(x, y, x + 16, y, colour, more) + text(x + 20, y + 4, name, " font-size=\"11\"");
+      x += wide;
     };
     for (std::size_t i = 0; i < data_.series.size(); ++i)
       entry(data_.series[i].name, colours.at(i % colours.size()), " stroke-width=\"3\"");

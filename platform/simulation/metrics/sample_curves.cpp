@@ -198,21 +198,30 @@ void add_by_angle(const Samples& samples, std::size_t from, Curves& curves) {
   curves.emplace_back("raw_spectrum", spectrum_of(raw));
 }
 
-/// A point at the start, at each change and at the end; nothing for a bit that is never set.
+/// A point at the start, at each change and at the end.
 Curve changes_of(const Samples& samples, const Bit& bit) {
   Curve curve;
-  bool ever = false;
   const RecordedSample* last = nullptr;
   for (const RecordedSample& sample : samples) {
     if (!sample.result) continue;
     const bool set = ((*sample.result).*bit.word & bit.mask) != 0;
-    ever = ever || set;
     if (curve.y.empty() || (curve.y.back() != 0) != set) curve.add(sample.time_s, set ? 1 : 0);
     last = &sample;
   }
-  if (!ever) return {};
   if (curve.x.back() < last->time_s) curve.add(last->time_s, curve.y.back());
   return shown(curve);
+}
+
+/// Most bits are never set; one look at the samples tells those.
+void add_bits(const Samples& samples, Curves& curves) {
+  RecordedResult ever;
+  for (const RecordedSample& sample : samples) {
+    if (!sample.result) continue;
+    ever.status |= sample.result->status;
+    ever.flags |= sample.result->flags;
+  }
+  for (const Bit& bit : bits)
+    if ((ever.*bit.word & bit.mask) != 0) curves.emplace_back(bit.name, changes_of(samples, bit));
 }
 
 }  // namespace
@@ -224,7 +233,7 @@ Curves curves_of(const std::vector<RecordedSample>& samples, const ParameterWord
   const std::size_t turn = last_turn(samples);
   add_lissajous(samples, turn, to_values(end), curves);
   add_by_angle(samples, turn, curves);
-  for (const Bit& bit : bits) curves.emplace_back(bit.name, changes_of(samples, bit));
+  add_bits(samples, curves);
   curves.erase(std::remove_if(curves.begin(), curves.end(),
                               [](const auto& curve) { return curve.second.x.empty(); }),
                curves.end());
