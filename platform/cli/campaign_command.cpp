@@ -31,7 +31,7 @@ struct CampaignArguments {
   std::string json, junit, csv;
   std::string shard;
   campaign::SlurmPlan slurm;
-  bool submit = true;
+  bool scripts_only = false;
   campaign::RunOptions run;
   campaign::ExportOptions columns;
 };
@@ -201,7 +201,7 @@ int slurm_command(CampaignArguments& a) {
   if (!scripts) return refuse(scripts.error());
   host::print("{} runs in {} tasks: {}, then {}\n", plan.value().runs().size(), a.slurm.tasks,
               scripts.value().array, scripts.value().last);
-  if (!a.submit) return run::exit_code::pass;
+  if (a.scripts_only) return run::exit_code::pass;
   const auto jobs = campaign::submit(scripts.value());
   if (!jobs) return refuse(jobs.error());
   host::print("array {}, report {}: {} and {}/report.json\n", jobs.value().array, jobs.value().last,
@@ -311,7 +311,7 @@ void add_slurm(CLI::App& group, const Arguments& a, int& code) {
                    "An option of sbatch for all jobs; may be repeated")
       ->type_name("OPTION")
       ->allow_extra_args(false);
-  command->add_flag("!--no-submit", a->submit, "Write the scripts and submit nothing");
+  command->add_flag("--no-submit", a->scripts_only, "Write the scripts and submit nothing");
 }
 
 void add_export(CLI::App& group, const Arguments& a, int& code) {

@@ -18,6 +18,8 @@ ZSH = SHARE / "zsh/site-functions/_capsoc"
 FISH = SHARE / "fish/vendor_completions.d/capsoc.fish"
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")} | {"LC_ALL": "C.UTF-8", "TERM": "dumb"}
 
+CAMPAIGN = ("check", "run", "resume", "report", "merge", "export", "slurm")
+
 # What is typed, and what the line must be after the Tab key, in a folder with the files below.
 FILES = ["trace_of_mine.csv", "program.elf", "library.so", "folder/waves.fst"]
 LINES = {
@@ -137,7 +139,8 @@ class Manual(unittest.TestCase):
     def test_there_is_a_page_for_every_command(self):
         commands = output_of("bash", "-c", f"source {BASH}; _capsoc_commands capsoc").split()
         pages = {page.stem for page in (SHARE / "man/man1").iterdir()}
-        self.assertEqual(pages, {"capsoc", "capsoc-bench-cpu", *(f"capsoc-{command}" for command in commands)})
+        self.assertEqual(pages, {"capsoc", "capsoc-bench-cpu", *(f"capsoc-campaign-{command}" for command in CAMPAIGN),
+                                 *(f"capsoc-{command}" for command in commands)})
         self.assertNotIn("capsoc-generate", pages)
 
     def test_pages_render_without_a_warning(self):
