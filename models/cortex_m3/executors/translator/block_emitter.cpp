@@ -394,8 +394,9 @@ std::optional<FlagOperand> BlockEmitter::moved_by(const Step& step) {
   return std::nullopt;
 }
 
-/// True if a group can be written as conditional moves, which count nothing. What nothing predicts costs no wrong guess
-/// then, and a second group behind it (ITE) finds the host's flags as the first did.
+/// True if a group can be written as conditional moves, which count nothing. What nothing predicts
+/// costs no wrong guess then, and a second group behind it (ITE) finds the host's flags as the
+/// first did.
 bool BlockEmitter::all_are_moves(std::size_t end) const {
   for (std::size_t i = index_; i < end; ++i) {
     const Step& step = *steps_[i];
