@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/console.h"
 
 namespace capsoc::campaign {
@@ -17,7 +20,8 @@ double seconds(std::chrono::steady_clock::duration time) {
 }  // namespace
 
 std::string duration_text(double seconds) {
-  const auto whole = static_cast<uint64_t>(seconds + 0.5);
+  constexpr double longest = 1e9;  // the rate of the first moments may be nothing
+  const auto whole = static_cast<uint64_t>(std::llround(std::clamp(seconds, 0.0, longest)));
   if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
   if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} s", whole);

@@ -411,17 +411,17 @@ void BlockEmitter::emit_moves(std::size_t end, Cond condition) {
     const Step& step = *steps_[index_];
     list_step(step);
     const FlagOperand value = *moved_by(step);
-    Operand from = at(value.base);
-    if (value.is_number()) {
+    Operand from = x86::eax;
+    if (value.base == FlagOperand::none) {
       a_.mov(x86::eax, value.imm);
-      from = x86::eax;
-    } else if (!value.is_register()) {
+    } else if (value.is_register()) {
+      from = at(value.base);
+    } else {
       const Gp base = read(value.base, x86::eax);
       if (value.plus == FlagOperand::none)
         a_.lea(x86::eax, sum_of(base, static_cast<int32_t>(value.imm)));
       else
         a_.lea(x86::eax, sum_of(base, read(value.plus, x86::ecx)));
-      from = x86::eax;
     }
     a_.emit(x86::Inst::cmovccFromCond(condition), host(step.rd), from);
     values_[step.rd].reset();
