@@ -184,10 +184,12 @@ void soc_figures_13_and_14(Drawing& drawing) {
 
 /// Amplitude over frequency of a record at constant speed.
 Curve spectrum_of(const Eigen::ArrayXd& signal, double rate_hz) {
-  constexpr double step_hz = 0.001, last_hz = 0.3;
+  constexpr double step_hz = 0.001;
+  constexpr unsigned steps = 300;
   const Eigen::ArrayXd pure = signal - signal.mean();
   Curve spectrum;
-  for (double hz = step_hz; hz < last_hz; hz += step_hz) {
+  for (unsigned step = 1; step < steps; ++step) {
+    const double hz = step * step_hz;
     std::complex<double> sum = 0, at = 1;
     const std::complex<double> turn = std::polar(1.0, -two_pi * hz / rate_hz);
     for (Eigen::Index k = 0; k < pure.size(); ++k, at *= turn) sum += pure[k] * at;
