@@ -87,9 +87,9 @@ std::string Page::of_each(const std::string& command,
     if (command_of(result.json) != command) continue;
     const std::string body = piece(result.json);
     if (body.empty()) continue;
-    const std::string heading =
-        results_.size() > 1 ? "<h3>" + escaped(result.label) + "</h3>\n" : "";
-    out += "<div>\n" + heading + body + "</div>\n";
+    out += "<div>\n";
+    if (results_.size() > 1) out.append("<h3>").append(escaped(result.label)).append("</h3>\n");
+    out.append(body).append("</div>\n");
   }
   return out.empty() ? "" : columns(out);
 }
