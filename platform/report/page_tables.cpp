@@ -35,7 +35,7 @@ std::string bound_of(const Json& row) {
 
 /// "agrees within 0.005": no agreement without its tolerance.
 std::string verdict_of(const Json& row) {
-  const std::string verdict = text_at(row, {"verdict"});
+  std::string verdict = text_at(row, {"verdict"});
   if (verdict != "agrees") return verdict;
   const auto tolerance = number_at(row, {"tolerance"});
   return tolerance ? fmt::format("agrees within {:.7g}", *tolerance) : "agrees: " + bound_of(row);

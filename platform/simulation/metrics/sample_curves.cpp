@@ -208,7 +208,7 @@ Curve changes_of(const Samples& samples, const Bit& bit) {
     if (curve.y.empty() || (curve.y.back() != 0) != set) curve.add(sample.time_s, set ? 1 : 0);
     last = &sample;
   }
-  if (curve.x.back() < last->time_s) curve.add(last->time_s, curve.y.back());
+  if (last != nullptr && curve.x.back() < last->time_s) curve.add(last->time_s, curve.y.back());
   return shown(curve);
 }
 
