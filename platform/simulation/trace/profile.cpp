@@ -125,6 +125,7 @@ std::vector<FunctionCost> top_functions(const CallTree& tree, Functions& functio
   for (const auto& [address, cost] : tree.by_address()) costs[functions.at(address)] += cost;
   for (const auto& [name, cost] : tree.by_name()) costs[name] += cost;
   std::vector<FunctionCost> top;
+  top.reserve(costs.size());
   for (const auto& [function, cost] : costs) top.push_back({functions[function].name, cost});
   std::sort(top.begin(), top.end(), [](const FunctionCost& a, const FunctionCost& b) {
     return std::tie(b.cost.cycles, a.name) < std::tie(a.cost.cycles, b.name);
