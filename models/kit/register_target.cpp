@@ -100,6 +100,11 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
   return tlm::TLM_OK_RESPONSE;
 }
 
+uint32_t RegisterTarget::peek(uint32_t offset) {
+  uint32_t value = 0;
+  return offset < size_ && read_word(offset & ~uint32_t{3}, value, true) ? value : 0;
+}
+
 // Any length and alignment, up to the first offset without a register: a debugger reads what it
 // likes. Debug writes are refused, since a register that is written without its effect is no longer
 // that register.
@@ -107,10 +112,12 @@ unsigned RegisterTarget::transport_dbg(tlm::tlm_generic_payload& payload) {
   payload.set_response_status(tlm::TLM_GENERIC_ERROR_RESPONSE);
   if (!payload.is_read() || payload.get_data_ptr() == nullptr) return 0;
   unsigned done = 0;
+  uint32_t value = 0;
   for (; done < payload.get_data_length(); ++done) {
     const uint64_t address = payload.get_address() + done;
-    uint32_t value = 0;
-    if (address >= size_ || !read_word(static_cast<uint32_t>(address & ~uint64_t{3}), value, true))
+    if (address >= size_) break;
+    const bool is_next_word = done == 0 || address % 4 == 0;
+    if (is_next_word && !read_word(static_cast<uint32_t>(address & ~uint64_t{3}), value, true))
       break;
     payload.get_data_ptr()[done] = static_cast<unsigned char>(value >> (8 * (address % 4)));
   }

@@ -35,6 +35,9 @@ class RegisterTarget : public sc_core::sc_module, public Component {
 
   const char* component_name() const override { return basename(); }
 
+  /// The word at `offset` as a debugger reads it, not by way of the bus; 0 where there is none.
+  uint32_t peek(uint32_t offset);
+
  protected:
   /// Reads the register at `offset` (a multiple of 4). With `debug` nothing in the device may
   /// change and nothing is reported. False: there is nothing to read (bus error).

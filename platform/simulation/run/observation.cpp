@@ -69,13 +69,13 @@ void Observation::watch_sampling(uint32_t control) {
   state.reference = static_cast<metrics::SamplingState::Reference>(reference);
   state.period_cycles = soc_.adc.period.get();
   state.rate_hz = static_cast<double>(soc_.clock.frequency_hz()) / state.period_cycles;
-  state.frequency = static_cast<int32_t>(soc_.peek(cop::base_address + cop::FREQ_HI_offset));
+  state.frequency = static_cast<int32_t>(soc_.coprocessor.peek(cop::FREQ_HI_offset));
   match_.result(state);
 }
 
 void Observation::result(const coprocessor::Nodes& nodes) {
   // The observer runs in the cycle of the result, before the firmware can have changed the mode.
-  const uint32_t control = soc_.peek(cop::base_address + cop::CTRL_offset);
+  const uint32_t control = soc_.coprocessor.peek(cop::CTRL_offset);
   metrics::CoprocessorResult r;
   r.angle = static_cast<uint32_t>(nodes.angle);
   r.angle_valid = (nodes.status & cop::STATUS_VALID_mask) != 0;
