@@ -99,7 +99,8 @@ std::optional<Error> write_results(const run::RunResult& result, const run::RunS
   const std::string &json_file = settings.results.json(), &html_file = settings.results.html();
   if (json_file.empty() && html_file.empty()) return std::nullopt;
   std::vector<host::TextFile> files;
-  std::vector<report::ResultFile> results = {{"", run::to_json(result, settings)}};
+  std::vector<report::ResultFile> results(1);
+  results.front().json = run::to_json(result, settings);
   if (!json_file.empty()) files.push_back({json_file, run::to_text(results.front().json)});
   if (!html_file.empty()) files.push_back({html_file, report::page_of(results)});
   return host::write_together(files);

@@ -1,7 +1,9 @@
 #include "report/html.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
@@ -21,10 +23,12 @@ void append_numbers(std::string& out, const std::vector<double>& values) {
   out += '[';
   for (const double value : values) {
     if (out.back() != '[') out += ',';
-    if (std::isfinite(value))
-      fmt::format_to(std::back_inserter(out), "{}", value);
-    else
+    if (!std::isfinite(value)) {
       out += "null";
+      continue;
+    }
+    std::array<char, 32> text;
+    out.append(text.data(), fmt::format_to(text.data(), FMT_COMPILE("{}"), value));
   }
   out += ']';
 }

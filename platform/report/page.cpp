@@ -68,7 +68,8 @@ std::string Page::figures_of(const std::string& command, const std::string& sect
     const Data data = data_of(figure, results_);
     if (data.series.empty()) continue;
     out += html_of(figure, data);
-    data_ += (data_.empty() ? "" : ",\n") + json_text(figure.name) + ":" + json_of(figure, data);
+    data_.append(data_.empty() ? "" : ",\n").append(json_text(figure.name)).append(":");
+    data_ += json_of(figure, data);
   }
   return out.empty() ? "" : columns(out);
 }
@@ -98,7 +99,10 @@ std::string Page::text() const {
   const auto hash = [](std::string_view script) {
     return "'sha256-" + host::base64_sha256_of(script) + "'";
   };
-  std::string out = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  std::string out;
+  constexpr std::size_t rest = 65536;
+  out.reserve(body_.size() + data_.size() + dygraphs_script.size() + dygraphs_licence.size() + rest);
+  out += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
   // Beside the escaping: no other script would run, and nothing is loaded from anywhere.
   out += fmt::format(
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {} "
@@ -107,21 +111,21 @@ std::string Page::text() const {
   out += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
   out += "<link rel=\"icon\" href=\"data:,\">\n";
   out += "<title>" + escaped(title_of(results_)) + "</title>\n<style>\n";
-  out += std::string(dygraphs_style) + "\n" + std::string(page_style) + "</style>\n</head>\n";
+  out.append(dygraphs_style).append("\n").append(page_style).append("</style>\n</head>\n");
   out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" + header_of(results_);
   out += "<nav aria-label=\"Contents\">\n<ul>\n" + contents_ + "</ul>\n</nav>\n";
   out += "<main id=\"main\">\n";
   out +=
       "<noscript><p>The plots need a browser with JavaScript; tables and texts do not.</p>"
       "</noscript>\n";
-  out += body_ +
-         "</main>\n<footer>\n<details><summary>The plots are drawn by dygraphs; its "
-         "licence</summary>\n" +
-         preformatted("Licence of dygraphs", std::string(dygraphs_licence)) +
-         "</details>\n</footer>\n";
-  out += "<script type=\"application/json\" id=\"figures\">{" + data_ + "}</script>\n";
-  out += "<script>" + std::string(dygraphs_script) + "</script>\n";
-  return out + "<script>" + std::string(page_script) + "</script>\n</body>\n</html>\n";
+  out.append(body_).append(
+      "</main>\n<footer>\n<details><summary>The plots are drawn by dygraphs; its "
+      "licence</summary>\n");
+  out += preformatted("Licence of dygraphs", std::string(dygraphs_licence));
+  out += "</details>\n</footer>\n<script type=\"application/json\" id=\"figures\">{";
+  out.append(data_).append("}</script>\n<script>").append(dygraphs_script);
+  out.append("</script>\n<script>").append(page_script).append("</script>\n</body>\n</html>\n");
+  return out;
 }
 
 std::string origin_of(const Json& result) {

@@ -30,12 +30,12 @@ class Trace {
   std::string path_;
 };
 
-std::string to_recording(const std::vector<metrics::RecordedSample>& samples) {
+std::string to_recording(const metrics::SampleRecord& samples) {
   return metrics::to_recording(samples, "test", metrics::record_columns("", "test").value());
 }
 
-std::vector<metrics::RecordedSample> one_turn(const csfn::Parameters& p, int count) {
-  std::vector<metrics::RecordedSample> samples;
+metrics::SampleRecord one_turn(const csfn::Parameters& p, int count) {
+  metrics::SampleRecord samples;
   for (int i = 0; i < count; ++i) {
     const double turns = static_cast<double>(i) / count, theta = 2 * pi * turns;
     const double u = p.a1 * std::sin(theta) + p.b1, v = p.a2 * std::cos(theta + p.beta) + p.b2;
@@ -139,7 +139,7 @@ TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
 }
 
 TEST(Fit, AGateRejectsAShortArcWithAReason) {
-  std::vector<metrics::RecordedSample> arc = one_turn(sensor, 1000);
+  metrics::SampleRecord arc = one_turn(sensor, 1000);
   arc.resize(150);
   const Trace trace(to_recording(arc));
   const auto fitted = fit(trace.path(), {});
@@ -203,7 +203,7 @@ TEST(Golden, TooFewSamplesHaveAReason) {
 
 /// A turn in calibration mode by a coprocessor that knows the sensor; its angle is `wrong` radians
 /// off.
-std::vector<metrics::RecordedSample> calibrated_turn(const csfn::Parameters& p, double wrong = 0) {
+metrics::SampleRecord calibrated_turn(const csfn::Parameters& p, double wrong = 0) {
   const auto words = metrics::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
   auto samples = one_turn(p, 5000);
   for (metrics::RecordedSample& sample : samples) {
@@ -216,7 +216,7 @@ std::vector<metrics::RecordedSample> calibrated_turn(const csfn::Parameters& p, 
   return samples;
 }
 
-golden::AngleCheck check_of(const std::vector<metrics::RecordedSample>& samples) {
+golden::AngleCheck check_of(const metrics::SampleRecord& samples) {
   return golden::compare(samples, samples.back().result->words, {}).angle;
 }
 

@@ -1,8 +1,11 @@
 // Reports without a browser: thinning, texts that end up in a page, results that are none.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <random>
 #include <regex>
 #include <set>
 
@@ -61,6 +64,20 @@ TEST(Thinning, RoundsToDigits) {
   EXPECT_EQ(rounded(0.12345678912, 7), 0.1234568);
   EXPECT_EQ(rounded(-1.0 / 3 * 1e-9, 4), -3.333e-10);
   EXPECT_TRUE(std::isnan(rounded(none, 7)));
+}
+
+TEST(Thinning, ARoundedNumberIsItsShortDecimal) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> exponent(-25, 20), part(-1, 1);
+  for (int i = 0; i < 100000; ++i) {
+    const double value = part(random) * std::pow(10, exponent(random));
+    const int digits = 1 + i % 17;
+    // printf rounds the value's decimals; the product with a power of ten may be a half apart.
+    const std::string text = fmt::format("{:.{}g}", rounded(value, digits), digits);
+    EXPECT_EQ(rounded(value, digits), std::strtod(text.c_str(), nullptr)) << value;
+    const double step = std::pow(10, std::floor(std::log10(std::abs(value))) - digits + 1);
+    EXPECT_LE(std::abs(rounded(value, digits) - value), step * 0.5001 + 1e-15 * std::abs(value));
+  }
 }
 
 TEST(Texts, NothingLeavesItsPlace) {

@@ -82,8 +82,7 @@ void load_words(Bench& bench, const metrics::ParameterWords& words) {
   bench.drain();
 }
 
-void judge_golden(Bench& bench, const DrawnSensor& sensor,
-                  const std::vector<metrics::RecordedSample>& record,
+void judge_golden(Bench& bench, const DrawnSensor& sensor, const metrics::SampleRecord& record,
                   const golden::GoldenSettings& settings) {
   const golden::Golden golden = golden::compare(record, record.back().result->words, settings);
   if (golden.angle.verdict == golden::AngleCheck::Verdict::agrees) return;
@@ -106,7 +105,7 @@ void run_golden(Bench& bench, Random& random, const Budget&) {
   bench.write_pair(reg_freq_lo, std::llround(std::ldexp(sensor.turns, 48)));
   bench.write(reg_ctrl, golden_gates | ctrl_demod);
 
-  std::vector<metrics::RecordedSample> record;
+  metrics::SampleRecord record;
   const auto turn = static_cast<int>(std::ceil(1 / std::fabs(sensor.turns)));
   const auto take = [&](bool demodulating, bool wait) {
     record.push_back(sensor.next(random));

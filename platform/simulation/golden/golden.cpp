@@ -14,7 +14,7 @@ namespace {
 
 constexpr double turn = 0x1p32 / (2 * pi);  ///< 2^-32 turn in a radian
 
-csfn::Samples to_samples(const std::vector<metrics::RecordedSample>& record) {
+csfn::Samples to_samples(const metrics::SampleRecord& record) {
   const auto count = static_cast<Eigen::Index>(record.size());
   csfn::Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -54,8 +54,8 @@ GoldenRow angle_row(const char* name, double soc, double csfn, double interval) 
 
 }  // namespace
 
-Golden compare(const std::vector<metrics::RecordedSample>& record,
-               const metrics::ParameterWords& words, const GoldenSettings& settings) {
+Golden compare(const metrics::SampleRecord& record, const metrics::ParameterWords& words,
+               const GoldenSettings& settings) {
   csfn::IdentifyOptions options;
   options.method = csfn::Method::levenberg_marquardt;
   options.gates.full_scale = 1;

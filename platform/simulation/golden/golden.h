@@ -41,8 +41,8 @@ struct Golden {
 /// Fits the samples by Levenberg-Marquardt on the network's residual or, where that is refused, by
 /// their distances. phi is no part of it: samples
 /// without their angles do not tell it.
-Golden compare(const std::vector<metrics::RecordedSample>& samples,
-               const metrics::ParameterWords& soc, const GoldenSettings& settings);
+Golden compare(const metrics::SampleRecord& samples, const metrics::ParameterWords& soc,
+               const GoldenSettings& settings);
 
 nlohmann::ordered_json to_json(const Golden& golden);
 std::string to_table(const Golden& golden);

@@ -12,8 +12,6 @@
 namespace capsoc::golden {
 namespace {
 
-using RunRecord = std::vector<metrics::RecordedSample>;
-
 /// Places in the record, the end exclusive.
 struct Window {
   std::size_t begin = 0, end = 0;
@@ -30,18 +28,18 @@ csfn::Parameters of_words(const metrics::ParameterWords& words) {
 }
 
 /// Behind the last sample with a result in the given mode; 0: there is none.
-std::size_t end_of(const RunRecord& record, bool demodulating) {
+std::size_t end_of(const metrics::SampleRecord& record, bool demodulating) {
   for (std::size_t k = record.size(); k > 0; --k)
     if (record[k - 1].result && record[k - 1].result->demodulating == demodulating) return k;
   return 0;
 }
 
-std::size_t end_of_results(const RunRecord& record) {
+std::size_t end_of_results(const metrics::SampleRecord& record) {
   return std::max(end_of(record, false), end_of(record, true));
 }
 
 /// Calibration mode with the words that it ended with.
-Window held(const RunRecord& record, std::size_t end) {
+Window held(const metrics::SampleRecord& record, std::size_t end) {
   const metrics::ParameterWords& words = record[end - 1].result->words;
   std::size_t k = end;
   for (; k > 0; --k) {
@@ -56,7 +54,7 @@ double csfn_angle(const csfn::Parameters& p, const metrics::RecordedSample& samp
 }
 
 /// The last turn of demodulation up to `end`, and as many samples as the weights need to forget.
-Window last_turn(const RunRecord& record, std::size_t end, const csfn::Parameters& p,
+Window last_turn(const metrics::SampleRecord& record, std::size_t end, const csfn::Parameters& p,
                  double smallest_step) {
   const double memory = smallest_step > 0 ? 4 / smallest_step : 0;
   double travel = 0, after = 0;
@@ -84,7 +82,7 @@ double largest_difference(const csfn::Parameters& one, const csfn::Parameters& o
   return largest;
 }
 
-double wander(const RunRecord& record, const Window& window) {
+double wander(const metrics::SampleRecord& record, const Window& window) {
   if (window.begin == window.end) return 0;
   const csfn::Parameters last = of_words(record[window.end - 1].result->words);
   double largest = 0;
@@ -104,7 +102,7 @@ double sensitivity(const csfn::Parameters& p) {
 
 /// The CSFN's own. Where it found harmonics it has none of its angle against the truth; between two
 /// ellipses through the same samples each may be off by what such harmonics do.
-double csfn_bound(const RunRecord& record, const csfn::Identification& answer) {
+double csfn_bound(const metrics::SampleRecord& record, const csfn::Identification& answer) {
   if (answer.bound) return answer.bound->total;
   const double noise =
       weights_width * 2 * answer.residuals.noise / std::sqrt(static_cast<double>(record.size()));
@@ -113,7 +111,7 @@ double csfn_bound(const RunRecord& record, const csfn::Identification& answer) {
 }
 
 /// docs/results.md derives it.
-AngleTolerance tolerance(const RunRecord& record, const Window& learnt,
+AngleTolerance tolerance(const metrics::SampleRecord& record, const Window& learnt,
                          const csfn::Identification& answer, const GoldenSettings& settings) {
   constexpr double last_place = 1 / q31;
   const csfn::Parameters& p = answer.parameters;
@@ -149,7 +147,7 @@ double radius_of(const csfn::Parameters& p, const metrics::RecordedSample& sampl
 }
 
 /// Fills in samples and difference.
-void measure(const RunRecord& record, const Window& window, const csfn::Parameters& p,
+void measure(const metrics::SampleRecord& record, const Window& window, const csfn::Parameters& p,
              AngleCheck& check) {
   double largest = 0;
   for (std::size_t k = window.begin; k < window.end; ++k) {
@@ -200,8 +198,8 @@ const char* to_string(AngleCheck::Verdict verdict) {
   return "";
 }
 
-AngleCheck compare_angles(const std::vector<metrics::RecordedSample>& record,
-                          const csfn::Identification& answer, const GoldenSettings& settings) {
+AngleCheck compare_angles(const metrics::SampleRecord& record, const csfn::Identification& answer,
+                          const GoldenSettings& settings) {
   AngleCheck check;
   const std::size_t end = end_of_results(record);
   if (end == 0) return check;

@@ -49,8 +49,8 @@ const char* to_string(AngleCheck::Verdict verdict);
 /// parameters, or, if it ends in demodulation, over its last turn (or 4 / smallest_step samples if
 /// that is more). The samples do not tell the direction: it is that of the coprocessor's beta.
 /// A sample inside the ellipse counts by its radius. `answer` is not rejected.
-AngleCheck compare_angles(const std::vector<metrics::RecordedSample>& record,
-                          const csfn::Identification& answer, const GoldenSettings& settings);
+AngleCheck compare_angles(const metrics::SampleRecord& record, const csfn::Identification& answer,
+                          const GoldenSettings& settings);
 
 nlohmann::ordered_json to_json(const AngleCheck& check);
 std::string to_table(const AngleCheck& check);

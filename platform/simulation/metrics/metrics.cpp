@@ -10,10 +10,6 @@ namespace {
 
 const double degrees_per_turn = 360.0;
 
-double radians(uint32_t turn_word) {
-  return static_cast<int32_t>(turn_word) / q32 * two_pi;
-}
-
 void keep_larger(std::optional<double>& largest, double value) {
   largest = largest ? std::max(*largest, value) : value;
 }
@@ -22,11 +18,6 @@ void keep_larger(std::optional<double>& largest, double value) {
 
 double wrapped_difference(double a, double b) {
   return std::remainder(a - b, two_pi);
-}
-
-Parameters to_values(const ParameterWords& words) {
-  return {words.a1 / q31, words.a2 / q31,      words.b1 / q31,
-          words.b2 / q31, radians(words.beta), radians(words.phi)};
 }
 
 std::optional<ParameterWords> to_words(const Parameters& values) {
@@ -100,8 +91,7 @@ void Metrics::result(const CoprocessorResult& result) {
                       degrees_per_turn);
   }
   if (!result.angle_valid) return;
-  const double error =
-      std::fabs(std::remainder(result.angle / q32 - turns, 1.0)) * degrees_per_turn;
+  const double error = std::fabs(turn_difference(result.angle / q32, turns)) * degrees_per_turn;
   if (result.demodulating) {
     keep_last_revolution({sample.time_s, error});
   } else if (!in_change) {

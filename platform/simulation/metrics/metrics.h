@@ -2,12 +2,14 @@
 // truth.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <vector>
 
 #include "kit/archive.h"
+#include "support/constants.h"
 
 namespace capsoc::metrics {
 
@@ -26,7 +28,18 @@ struct ParameterWords {
 };
 
 /// Words to numbers: Q1.31 to full scale, 2^-32 turn to radians in (-pi, pi].
-Parameters to_values(const ParameterWords& words);
+inline Parameters to_values(const ParameterWords& words) {
+  const auto radians = [](uint32_t turn_word) {
+    return static_cast<int32_t>(turn_word) / q32 * two_pi;
+  };
+  return {words.a1 / q31, words.a2 / q31,      words.b1 / q31,
+          words.b2 / q31, radians(words.beta), radians(words.phi)};
+}
+
+/// From `b` to `a` the short way, turns in [-0.5, 0.5]; exact.
+inline double turn_difference(double a, double b) {
+  return (a - b) - std::nearbyint(a - b);
+}
 
 /// Numbers to words, rounded to the nearest. Nothing when an amplitude is not above 0 and below
 /// full scale, or an offset does not fit: the registers cannot hold it.

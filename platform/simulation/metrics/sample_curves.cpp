@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <string>
 
@@ -14,7 +15,6 @@ namespace capsoc::metrics {
 namespace {
 
 namespace cop = registers::coprocessor;
-using Samples = std::vector<RecordedSample>;
 
 constexpr std::size_t buckets = 1000;
 constexpr int plot_digits = 7;
@@ -51,74 +51,76 @@ double raw_turns(const RecordedSample& sample) {
 }
 
 double error_deg(double turns, const RecordedSample& sample) {
-  return 360 * std::remainder(turns - sample.angle_turns, 1.0);
+  return 360 * turn_difference(turns, sample.angle_turns);
 }
 
 bool has_error(const RecordedSample& sample) {
   return sample.has_truth && sample.result && sample.result->angle_valid;
 }
 
-Curve shown(const Curve& curve, int digits = plot_digits) {
-  Curve few = thinned(curve, buckets);
+Curve shown(Curve few, int digits = plot_digits) {
   // Times and angles have a step of their own; ten digits keep it.
   for (double& x : few.x) x = rounded(x, parameter_digits);
   for (double& y : few.y) y = rounded(y, digits);
   return few;
 }
 
-/// A curve over time of those samples that have a value.
-template <typename Value>
-Curve over_time(const Samples& samples, Value value) {
-  Curve curve;
-  curve.x.reserve(samples.size());
-  curve.y.reserve(samples.size());
-  for (const RecordedSample& sample : samples)
-    if (sample.result) value(sample, curve);
-  return curve;
-}
-
-void add_parameters(const Samples& samples, Curves& curves) {
-  const auto add = [&](const char* name, double Parameters::*member) {
-    const Curve curve = over_time(samples, [&](const RecordedSample& sample, Curve& c) {
-      c.add(sample.time_s, to_values(sample.result->words).*member);
-    });
-    curves.emplace_back(name, shown(curve, parameter_digits));
+/// All curves over time in one pass: they are most of what a report costs a run.
+void add_over_time(const SampleRecord& samples, Curves& curves) {
+  std::size_t results = 0, errors = 0, truths = 0;
+  for (const RecordedSample& sample : samples) {
+    if (!sample.result) continue;
+    ++results;
+    if (sample.has_truth) ++truths;
+    if (has_error(sample)) ++errors;
+  }
+  const auto all = [&] { return Thinner(results, buckets); };
+  Thinner a1 = all(), a2 = all(), b1 = all(), b2 = all(), beta = all(), phi = all();
+  Thinner err_u = all(), err_v = all(), error_average = all();
+  Thinner angle_error(errors, buckets), raw_error(truths, buckets);
+  for (const RecordedSample& sample : samples) {
+    if (!sample.result) continue;
+    const RecordedResult& result = *sample.result;
+    const Parameters parameters = to_values(result.words);
+    a1.add(sample.time_s, parameters.a1);
+    a2.add(sample.time_s, parameters.a2);
+    b1.add(sample.time_s, parameters.b1);
+    b2.add(sample.time_s, parameters.b2);
+    beta.add(sample.time_s, parameters.beta);
+    phi.add(sample.time_s, parameters.phi);
+    err_u.add(sample.time_s, result.error_u / q31);
+    err_v.add(sample.time_s, result.error_v / q31);
+    error_average.add(sample.time_s, result.error_average / q31);
+    if (has_error(sample)) angle_error.add(sample.time_s, error_deg(result.angle / q32, sample));
+    if (sample.has_truth) raw_error.add(sample.time_s, error_deg(raw_turns(sample), sample));
+  }
+  const auto add = [&](const char* name, Thinner& curve, int digits = plot_digits) {
+    curves.emplace_back(name, shown(std::move(curve).curve(), digits));
   };
-  add("a1", &Parameters::a1);
-  add("a2", &Parameters::a2);
-  add("b1", &Parameters::b1);
-  add("b2", &Parameters::b2);
-  add("beta", &Parameters::beta);
-  add("phi", &Parameters::phi);
-}
-
-void add_errors(const Samples& samples, Curves& curves) {
-  const auto add = [&](const char* name, auto value) {
-    curves.emplace_back(name, shown(over_time(samples, value)));
-  };
-  add("err_u", [](const RecordedSample& s, Curve& c) { c.add(s.time_s, s.result->error_u / q31); });
-  add("err_v", [](const RecordedSample& s, Curve& c) { c.add(s.time_s, s.result->error_v / q31); });
-  add("error_average",
-      [](const RecordedSample& s, Curve& c) { c.add(s.time_s, s.result->error_average / q31); });
-  add("angle_error", [](const RecordedSample& s, Curve& c) {
-    if (has_error(s)) c.add(s.time_s, error_deg(s.result->angle / q32, s));
-  });
-  add("raw_error", [](const RecordedSample& s, Curve& c) {
-    if (s.has_truth) c.add(s.time_s, error_deg(raw_turns(s), s));
-  });
+  add("a1", a1, parameter_digits);
+  add("a2", a2, parameter_digits);
+  add("b1", b1, parameter_digits);
+  add("b2", b2, parameter_digits);
+  add("beta", beta, parameter_digits);
+  add("phi", phi, parameter_digits);
+  add("err_u", err_u);
+  add("err_v", err_v);
+  add("error_average", error_average);
+  add("angle_error", angle_error);
+  add("raw_error", raw_error);
 }
 
 /// The first sample of the last turn by the coprocessor's angle; enough of them for a curve where
 /// they come in any order.
-std::size_t last_turn(const Samples& samples) {
+std::size_t last_turn(const SampleRecord& samples) {
   constexpr std::size_t least = 2000;
   double turns = 0;
   std::size_t from = samples.size();
   while (from > 0 && (turns < 1 || samples.size() - from < least)) {
     --from;
     if (from + 1 == samples.size() || !samples[from].result || !samples[from + 1].result) continue;
-    turns += std::abs(std::remainder(
-        samples[from + 1].result->angle / q32 - samples[from].result->angle / q32, 1.0));
+    turns += std::abs(
+        turn_difference(samples[from + 1].result->angle / q32, samples[from].result->angle / q32));
   }
   return from;
 }
@@ -132,7 +134,8 @@ Curve some_of(const Curve& curve) {
   return few;
 }
 
-void add_lissajous(const Samples& samples, std::size_t from, const Parameters& p, Curves& curves) {
+void add_lissajous(const SampleRecord& samples, std::size_t from, const Parameters& p,
+                   Curves& curves) {
   Curve before, after;
   for (std::size_t i = from; i < samples.size(); ++i) {
     const double u = samples[i].u / q31, v = samples[i].v / q31;
@@ -149,17 +152,27 @@ void add_lissajous(const Samples& samples, std::size_t from, const Parameters& p
 /// do not tell them apart. `error`: x in degrees.
 Curve spectrum_of(const Curve& error) {
   constexpr int columns = 1 + 2 * harmonics;
-  if (error.x.size() < 4 * columns) return {};
+  const auto count = static_cast<Eigen::Index>(error.x.size());
+  if (count < 4 * columns) return {};
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(columns), row(columns);
-  for (std::size_t i = 0; i < error.x.size(); ++i) {
-    row[0] = 1;
-    for (int h = 1; h <= harmonics; ++h) {
-      row[2 * h - 1] = std::sin(h * error.x[i] * radians_per_degree);
-      row[2 * h] = std::cos(h * error.x[i] * radians_per_degree);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(columns);
+  constexpr Eigen::Index block = 64;  // samples at once: a product of matrices, and no memory
+  Eigen::Matrix<double, columns, block> rows;
+  for (Eigen::Index first = 0; first < count; first += block) {
+    const Eigen::Index here = std::min(block, count - first);
+    for (Eigen::Index i = 0; i < here; ++i) {
+      const double degrees = error.x[static_cast<std::size_t>(first + i)];
+      const std::complex<double> one = std::polar(1.0, degrees * radians_per_degree);
+      std::complex<double> power = 1;
+      rows(0, i) = 1;
+      for (int h = 1; h <= harmonics; ++h) {
+        power *= one;
+        rows(2 * h - 1, i) = power.imag();
+        rows(2 * h, i) = power.real();
+      }
     }
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
-    right += error.y[i] * row;
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(here));
+    right += rows.leftCols(here) * Eigen::Map<const Eigen::VectorXd>(error.y.data() + first, here);
   }
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal.selfadjointView<Eigen::Lower>());
   constexpr double worst_condition = 1e-6;
@@ -183,7 +196,7 @@ Curve sorted(const Curve& curve) {
   return in_order;
 }
 
-void add_by_angle(const Samples& samples, std::size_t from, Curves& curves) {
+void add_by_angle(const SampleRecord& samples, std::size_t from, Curves& curves) {
   Curve error, raw;
   for (std::size_t i = from; i < samples.size(); ++i) {
     if (!has_error(samples[i])) continue;
@@ -192,14 +205,14 @@ void add_by_angle(const Samples& samples, std::size_t from, Curves& curves) {
     error.add(angle, error_deg(samples[i].result->angle / q32, samples[i]));
     raw.add(angle, error_deg(raw_turns(samples[i]), samples[i]));
   }
-  curves.emplace_back("error_by_angle", shown(sorted(error)));
-  curves.emplace_back("raw_by_angle", shown(sorted(raw)));
+  curves.emplace_back("error_by_angle", shown(thinned(sorted(error), buckets)));
+  curves.emplace_back("raw_by_angle", shown(thinned(sorted(raw), buckets)));
   curves.emplace_back("spectrum", spectrum_of(error));
   curves.emplace_back("raw_spectrum", spectrum_of(raw));
 }
 
 /// A point at the start, at each change and at the end.
-Curve changes_of(const Samples& samples, const Bit& bit) {
+Curve changes_of(const SampleRecord& samples, const Bit& bit) {
   Curve curve;
   const RecordedSample* last = nullptr;
   for (const RecordedSample& sample : samples) {
@@ -209,11 +222,11 @@ Curve changes_of(const Samples& samples, const Bit& bit) {
     last = &sample;
   }
   if (last != nullptr && curve.x.back() < last->time_s) curve.add(last->time_s, curve.y.back());
-  return shown(curve);
+  return shown(thinned(curve, buckets));
 }
 
 /// Most bits are never set; one look at the samples tells those.
-void add_bits(const Samples& samples, Curves& curves) {
+void add_bits(const SampleRecord& samples, Curves& curves) {
   RecordedResult ever;
   for (const RecordedSample& sample : samples) {
     if (!sample.result) continue;
@@ -226,10 +239,9 @@ void add_bits(const Samples& samples, Curves& curves) {
 
 }  // namespace
 
-Curves curves_of(const std::vector<RecordedSample>& samples, const ParameterWords& end) {
+Curves curves_of(const SampleRecord& samples, const ParameterWords& end) {
   Curves curves;
-  add_parameters(samples, curves);
-  add_errors(samples, curves);
+  add_over_time(samples, curves);
   const std::size_t turn = last_turn(samples);
   add_lissajous(samples, turn, to_values(end), curves);
   add_by_angle(samples, turn, curves);

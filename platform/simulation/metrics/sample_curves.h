@@ -19,6 +19,6 @@ namespace capsoc::metrics {
 /// - `spectrum`, `raw_spectrum`: their amplitude by harmonic of the true angle, 0 .. 16
 /// - `status.NAME`, `flags.NAME`: the bit of the register when it was once set, 0 or 1, a point for
 ///   each change
-Curves curves_of(const std::vector<RecordedSample>& samples, const ParameterWords& end);
+Curves curves_of(const SampleRecord& samples, const ParameterWords& end);
 
 }  // namespace capsoc::metrics

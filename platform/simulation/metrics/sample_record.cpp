@@ -52,7 +52,7 @@ void found_angle(Out out, const RecordedSample& sample, std::size_t) {
 
 void angle_error(Out out, const RecordedSample& sample, std::size_t) {
   if (sample.result && sample.has_truth)
-    number(out, std::remainder(sample.result->angle / q32 - sample.angle_turns, 1.0) * 360);
+    number(out, turn_difference(sample.result->angle / q32, sample.angle_turns) * 360);
 }
 
 constexpr std::array<Column, 20> all = {{
@@ -104,7 +104,7 @@ Result<RecordColumns> record_columns(const std::string& names, const std::string
   return columns;
 }
 
-std::string to_recording(const std::vector<RecordedSample>& samples, const std::string& origin,
+std::string to_recording(const SampleRecord& samples, const std::string& origin,
                          const RecordColumns& columns) {
   const bool truth = std::all_of(samples.begin(), samples.end(),
                                  [](const RecordedSample& sample) { return sample.has_truth; });

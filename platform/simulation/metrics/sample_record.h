@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ struct RecordedSample {
   std::optional<RecordedResult> result = {};  ///< none while it is on its way
 };
 
+/// In the order in which they came. A deque: growing moves nothing, and a long run's megabytes are
+/// touched once.
+using SampleRecord = std::deque<RecordedSample>;
+
 /// The columns of a recording, in order; positions in a table of all.
 using RecordColumns = std::vector<std::size_t>;
 
@@ -41,7 +46,7 @@ Result<RecordColumns> record_columns(const std::string& names, const std::string
 /// the columns. angle_deg is left out unless it is known for all samples; other cells without a
 /// value are empty. Numbers have all their digits, so that u and v become the same words again in
 /// a converter of 32 bits.
-std::string to_recording(const std::vector<RecordedSample>& samples, const std::string& origin,
+std::string to_recording(const SampleRecord& samples, const std::string& origin,
                          const RecordColumns& columns);
 
 }  // namespace capsoc::metrics

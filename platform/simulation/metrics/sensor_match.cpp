@@ -50,7 +50,7 @@ std::optional<double> recorded_speed(sensor::Source& source) {
     if (!value) break;
     if (!value->has_truth) return std::nullopt;
     if (before) {
-      const double step = std::remainder(value->angle_turns - *before, 1.0);
+      const double step = turn_difference(value->angle_turns, *before);
       net += step;
       travelled += std::fabs(step);
       ++steps;

@@ -32,7 +32,7 @@ golden::GoldenSettings golden_settings(soc::Soc& soc) {
 
 }  // namespace
 
-void take_golden(soc::Soc& soc, const std::vector<metrics::RecordedSample>& record,
+void take_golden(soc::Soc& soc, const metrics::SampleRecord& record,
                  const metrics::ParameterWords& words, RunResult& result) {
   result.golden = golden::compare(record, words, golden_settings(soc));
   const golden::AngleCheck& angle = result.golden->angle;

@@ -11,7 +11,7 @@ namespace capsoc::run {
 
 /// Fits the recorded samples and compares. A pass whose angle disagrees is none.
 /// `words`: the coprocessor's answer.
-void take_golden(soc::Soc& soc, const std::vector<metrics::RecordedSample>& record,
+void take_golden(soc::Soc& soc, const metrics::SampleRecord& record,
                  const metrics::ParameterWords& words, RunResult& result);
 
 }  // namespace capsoc::run

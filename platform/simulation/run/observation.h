@@ -24,7 +24,7 @@ class Observation {
   Observation(const Observation&) = delete;
   Observation& operator=(const Observation&) = delete;
 
-  const std::vector<metrics::RecordedSample>& recorded() const { return recorded_; }
+  const metrics::SampleRecord& recorded() const { return recorded_; }
 
   /// What is on its way; what was recorded is the host's.
   void visit(kit::Archive& archive);
@@ -47,7 +47,7 @@ class Observation {
   std::size_t finished_ = 0;           ///< of those recorded; the next result belongs to this one
   metrics::RecordedSample converted_;  ///< the newest of the front-end
   double recording_since_s_ = 0;
-  std::vector<metrics::RecordedSample> recorded_;
+  metrics::SampleRecord recorded_;
   kit::Listening samples_, results_, conversions_;
 };
 
