@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "accuracy/accuracy.h"
+#include "accuracy/table_names.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/table_output.h"
@@ -24,7 +25,7 @@ void add_accuracy(CLI::App& app, int& code) {
   auto output = std::make_shared<TableOutput>();
   CLI::App* command = app.add_subcommand(
       "accuracy", "Print angle errors for sensors and motions beyond the paper's");
-  output->add_to(*command, accuracy::table_names());
+  output->add_to(*command, {accuracy::table_names.begin(), accuracy::table_names.end()});
   command->callback([output, &code] { code = accuracy_command(*output); });
 }
 

@@ -54,44 +54,31 @@ Data parameter_error(const Figure& figure, const Json& result) {
   return data;
 }
 
-Data lms_error(const Figure&, const Json& result) {
+/// Figures that draw curves as they are: figure, name of the curve there, curve of the result.
+struct Drawn {
+  const char *figure, *name, *curve;
+};
+constexpr std::array<Drawn, 11> drawn = {{{"lms-error", "U", "err_u"},
+                                          {"lms-error", "V", "err_v"},
+                                          {"error-average", "average", "error_average"},
+                                          {"lissajous", "U, V as sampled", "lissajous"},
+                                          {"lissajous", "calibrated", "calibrated"},
+                                          {"angle-error", "calibrated", "angle_error"},
+                                          {"angle-error", "atan2(U, V)", "raw_error"},
+                                          {"angle-error-by-angle", "calibrated", "error_by_angle"},
+                                          {"angle-error-by-angle", "atan2(U, V)", "raw_by_angle"},
+                                          {"spectrum", "calibrated", "spectrum"},
+                                          {"spectrum", "atan2(U, V)", "raw_spectrum"}}};
+
+Data as_it_is(const Figure& figure, const Json& result) {
   Data data;
-  add(data, "U", result, "err_u");
-  add(data, "V", result, "err_v");
+  for (const Drawn& one : drawn)
+    if (figure.name == one.figure) add(data, one.name, result, one.curve);
   return data;
 }
 
-Data error_average(const Figure&, const Json& result) {
-  Data data;
-  add(data, "average", result, "error_average");
-  return data;
-}
-
-Data lissajous(const Figure&, const Json& result) {
-  Data data;
-  add(data, "U, V as sampled", result, "lissajous");
-  add(data, "calibrated", result, "calibrated");
-  return data;
-}
-
-Data angle_error(const Figure&, const Json& result) {
-  Data data;
-  add(data, "calibrated", result, "angle_error");
-  add(data, "atan2(U, V)", result, "raw_error");
-  return data;
-}
-
-Data error_by_angle(const Figure&, const Json& result) {
-  Data data;
-  add(data, "calibrated", result, "error_by_angle");
-  add(data, "atan2(U, V)", result, "raw_by_angle");
-  return data;
-}
-
-Data spectrum(const Figure&, const Json& result) {
-  Data data;
-  add(data, "calibrated", result, "spectrum");
-  add(data, "atan2(U, V)", result, "raw_spectrum");
+Data spectrum(const Figure& figure, const Json& result) {
+  Data data = as_it_is(figure, result);
   std::size_t orders = 0;
   for (const Series& series : data.series) orders = std::max(orders, series.curve.x.size());
   for (std::size_t order = 0; order < orders; ++order)
@@ -142,24 +129,24 @@ void add_run_figures(std::vector<Figure>& list) {
   list.push_back({"lms-error", "run", "Errors of the demodulator", "Instantaneous error",
                   "Input minus the demodulator's estimate, for both channels.",
                   "SoC paper, Figure 7(g)", seconds, "error, full scale", Kind::lines, false,
-                  lms_error});
+                  as_it_is});
   list.push_back({"error-average", "run", "Errors of the demodulator", "Average of the error",
                   "The register ERROR_AVERAGE, by which the coprocessor finds lock.", "", seconds,
-                  "average magnitude, full scale", Kind::lines, true, error_average});
+                  "average magnitude, full scale", Kind::lines, true, as_it_is});
   list.push_back({"lissajous", "run", "The signals", "Lissajous figure before and after",
                   "V over U of the last turn as sampled, and the same turn calibrated by the "
                   "parameters of the end: a unit circle.",
                   "SoC paper, Figures 6(a) and 7(h); CSFN paper, Figures 7(d) and 11(a)", "U", "V",
-                  Kind::points, false, lissajous});
+                  Kind::points, false, as_it_is});
   list.push_back({"angle-error", "run", "Errors of the angle", "Angle error over time",
                   "Magnitude of the coprocessor's angle minus the true one, and of atan2(U, V) "
                   "minus the true one.",
                   "SoC paper, Figures 8, 13, 17 and 18", seconds, "angle error, deg", Kind::lines,
-                  true, angle_error});
+                  true, as_it_is});
   list.push_back({"angle-error-by-angle", "run", "Errors of the angle", "Angle error over angle",
                   "The same over the true angle, for the last turn.",
                   "CSFN paper, Figures 12, 14 and 22", "true angle, deg", "angle error, deg",
-                  Kind::lines, true, error_by_angle});
+                  Kind::lines, true, as_it_is});
   list.push_back({"spectrum", "run", "Errors of the angle", "Spectrum of the angle error",
                   "Amplitude of each harmonic of the true angle in the error of the last turn, by "
                   "least squares.",

@@ -1,6 +1,7 @@
 // The figures of `capsoc accuracy` and `capsoc bench`: bars of the rows that they print.
 #include <fmt/format.h>
 
+#include "accuracy/table_names.h"
 #include "report/figure.h"
 
 namespace capsoc::report {
@@ -74,16 +75,7 @@ Data ratios(const Figure&, const Json& result) {
 }  // namespace
 
 void add_accuracy_figures(std::vector<Figure>& list) {
-  const std::pair<const char*, const char*> tables[] = {
-      {"sensors", "Sensors beyond the paper"},
-      {"widths", "Converter width"},
-      {"ripple", "Moving speed"},
-      {"shuffled", "Random angles"},
-      {"reference", "Wrong reference"},
-      {"drift", "Parameters and speeds that move"},
-      {"peers", "The methods that the papers name"},
-  };
-  for (const auto& [id, title] : tables)
+  for (const auto& [id, title] : accuracy::table_names)
     list.push_back({fmt::format("accuracy-{}", id), "accuracy", id, title,
                     "Largest angle error of each row in both arithmetics, and its bound.", "",
                     "row", "angle error, deg", Kind::bars, true, accuracy_table});

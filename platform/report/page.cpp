@@ -101,7 +101,8 @@ std::string Page::text() const {
   };
   std::string out;
   constexpr std::size_t rest = 65536;
-  out.reserve(body_.size() + data_.size() + dygraphs_script.size() + dygraphs_licence.size() + rest);
+  out.reserve(body_.size() + data_.size() + dygraphs_script.size() + dygraphs_licence.size() +
+              rest);
   out += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
   // Beside the escaping: no other script would run, and nothing is loaded from anywhere.
   out += fmt::format(

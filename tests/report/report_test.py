@@ -163,19 +163,22 @@ class Seen(Case):
             self.assertLessEqual(after, before + 1)
 
 
-class Runs(Seen):
-    """The report of the main job."""
+class OfACommand(Seen):
+    """Tests of one result and the report that its command made with it."""
 
     @classmethod
     def setUpClass(cls):
         cls.shared = tempfile.TemporaryDirectory()
-        cls.json, cls.html = Path(cls.shared.name) / "run.json", Path(cls.shared.name) / "run.html"
-        cls.process = capsoc("run", "--json", cls.json, "--html", cls.html)
+        cls.addClassCleanup(cls.shared.cleanup)
+        cls.json, cls.html = (Path(cls.shared.name) / f"{cls.COMMAND}.{kind}" for kind in ("json", "html"))
+        cls.process = capsoc(cls.COMMAND, "--json", cls.json, "--html", cls.html)
         cls.result = json.loads(cls.json.read_text())
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
+
+class Runs(OfACommand):
+    """The report of the main job."""
+
+    COMMAND = "run"
 
     def test_it_keeps_what_every_report_keeps(self):
         self.done(self.process)
@@ -315,23 +318,14 @@ class Hostile(Seen):
         self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
 
 
-class Papers(Seen):
+class Papers(OfACommand):
     """The report of `capsoc reproduce`: both papers' figures."""
 
     # The figures that carry data; the others are block diagrams and photographs.
     SOC = {6, 7, 8, 9, 10, 12, 13, 14, 16, 17, 18, 19}
     CSFN = {7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23}
 
-    @classmethod
-    def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory()
-        cls.json, cls.html = Path(cls.shared.name) / "r.json", Path(cls.shared.name) / "r.html"
-        cls.process = capsoc("reproduce", "--json", cls.json, "--html", cls.html)
-        cls.result = json.loads(cls.json.read_text())
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
+    COMMAND = "reproduce"
 
     def test_it_keeps_what_every_report_keeps(self):
         self.done(self.process)

@@ -159,19 +159,6 @@ void print_wrong_reference(Report& report) {
 
 }  // namespace
 
-const std::vector<std::pair<std::string, std::string>>& table_names() {
-  static const std::vector<std::pair<std::string, std::string>> names = {
-      {"sensors", "Sensors beyond the paper"},
-      {"widths", "Converter width"},
-      {"ripple", "Moving speed"},
-      {"shuffled", "Random angles"},
-      {"reference", "Wrong reference"},
-      {"drift", "Parameters and speeds that move"},
-      {"peers", "The methods that the papers name"},
-  };
-  return names;
-}
-
 int print_accuracy(std::ostream& out, const std::vector<std::string>& chosen,
                    std::vector<DataTable>* tables) {
   Report report(out, chosen);
