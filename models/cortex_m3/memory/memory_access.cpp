@@ -38,8 +38,11 @@ uint32_t low_bytes(uint32_t value, unsigned size) {
   return size == 4 ? value : value & ((1u << (8 * size)) - 1);
 }
 
-bool is_whole_in_page(uint32_t address, unsigned size) {
-  return (address & (Memory::page_size - 1)) + size <= Memory::page_size;
+/// Where an access lies in its page's bytes; nullptr without a page, or if it goes beyond.
+template <typename Byte>
+Byte* within(Byte* page, uint32_t address, unsigned size) {
+  const uint32_t offset = address & (Memory::page_size - 1);
+  return page != nullptr && offset + size <= Memory::page_size ? page + offset : nullptr;
 }
 
 /// Behind a write of the program: a bus response that ends no instruction.
@@ -63,10 +66,10 @@ BusResult MemoryAccess::observe(const DirectAccess& access, BusResult result) co
 
 BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t& value) {
   value = 0;
-  if (const Memory::Page& page = memory_.page(address); page.read != nullptr &&
-                                                        is_whole_in_page(address, size) &&
-                                                        !machine_.listeners.sees_accesses) {
-    std::memcpy(&value, page.read + (address & (Memory::page_size - 1)), size);
+  const Memory::Page& page = memory_.page(address);
+  if (const auto* bytes = within(page.read, address, size);
+      bytes != nullptr && !machine_.listeners.sees_accesses) {
+    std::memcpy(&value, bytes, size);
     add_cycles(page.wait_states);
     return BusResult::ok;
   }
@@ -87,10 +90,10 @@ BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t&
 }
 
 BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t value) {
-  if (const Memory::Page& page = memory_.page(address); page.write != nullptr &&
-                                                        is_whole_in_page(address, size) &&
-                                                        !machine_.listeners.sees_accesses) {
-    std::memcpy(page.write + (address & (Memory::page_size - 1)), &value, size);
+  const Memory::Page& page = memory_.page(address);
+  if (auto* bytes = within(page.write, address, size);
+      bytes != nullptr && !machine_.listeners.sees_accesses) {
+    std::memcpy(bytes, &value, size);
     add_cycles(page.wait_states);
     return BusResult::ok;
   }
@@ -153,9 +156,8 @@ BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, b
 std::optional<Cause> MemoryAccess::fetch(uint32_t address, uint16_t& halfword) {
   if (never_executes(address) || !allows(address, false, true, machine_.state.privileged()))
     return Cause::fetch_access;
-  if (const Memory::Page& page = memory_.page(address);
-      page.read != nullptr && is_whole_in_page(address, 2)) {
-    std::memcpy(&halfword, page.read + (address & (Memory::page_size - 1)), 2);
+  if (const auto* bytes = within(memory_.page(address).read, address, 2)) {
+    std::memcpy(&halfword, bytes, 2);
     return std::nullopt;
   }
   if (const Memory::Region* r = memory_.find(address);
