@@ -66,9 +66,13 @@ struct Lookup {
   }
   void add_narrow(int16_t index) {
     const Encoding& e = table[index];
-    for (uint32_t h = 0; h < 65536; ++h) {
-      if ((h & e.mask) == e.value && narrow[h] < 0) narrow[h] = index;
-    }
+    const uint32_t fields = ~e.mask & 0xFFFF;
+    uint32_t bits = 0;  // each value of the fields in turn
+    do {
+      int16_t& place = narrow[e.value | bits];
+      if (place < 0) place = index;
+      bits = (bits - fields) & fields;
+    } while (bits != 0);
   }
   void add_wide(int16_t index) {
     const Encoding& e = table[index];
