@@ -13,11 +13,23 @@ constexpr uint64_t farthest = std::numeric_limits<uint64_t>::max();
 }  // namespace
 
 ClockDomain::ClockDomain(uint64_t hz)
-    : frequency_hz_(hz == 0 ? 1 : hz),
-      ticks_per_second_(sc_core::sc_time(1, sc_core::SC_SEC).value()) {}
+    : ticks_per_second_(sc_core::sc_time(1, sc_core::SC_SEC).value()) {
+  take_frequency(hz);
+}
+
+/// A whole period spares the wide division: 30 instructions for 100, six times an access to a
+/// device.
+void ClockDomain::take_frequency(uint64_t hz) {
+  frequency_hz_ = hz == 0 ? 1 : hz;
+  whole_period_ = ticks_per_second_ % frequency_hz_ == 0 ? ticks_per_second_ / frequency_hz_ : 0;
+}
 
 uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
   if (time.value() <= epoch_ticks_) return epoch_cycle_;
+  if (uint64_t cycle = 0; whole_period_ != 0) {
+    const uint64_t edges = (time.value() - epoch_ticks_) / whole_period_;
+    return __builtin_add_overflow(edges, epoch_cycle_, &cycle) ? farthest : cycle;
+  }
   const Wide edges = Wide{time.value() - epoch_ticks_} * frequency_hz_ / ticks_per_second_;
   const Wide cycle = edges + epoch_cycle_;
   return cycle > farthest ? farthest : static_cast<uint64_t>(cycle);
@@ -25,6 +37,10 @@ uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
 
 sc_core::sc_time ClockDomain::time_of(uint64_t cycle) const {
   if (cycle <= epoch_cycle_) return sc_core::sc_time::from_value(epoch_ticks_);
+  if (uint64_t ticks = 0; whole_period_ != 0 &&
+                          !__builtin_mul_overflow(cycle - epoch_cycle_, whole_period_, &ticks) &&
+                          !__builtin_add_overflow(ticks, epoch_ticks_, &ticks))
+    return sc_core::sc_time::from_value(ticks);
   const Wide ticks =
       (Wide{cycle - epoch_cycle_} * ticks_per_second_ + frequency_hz_ - 1) / frequency_hz_ +
       epoch_ticks_;
@@ -41,7 +57,7 @@ void ClockDomain::set_frequency(uint64_t hz) {
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   epoch_cycle_ = cycles_at(now);
   epoch_ticks_ = now.value();
-  frequency_hz_ = hz == 0 ? 1 : hz;
+  take_frequency(hz);
   for (const auto& listener : listeners_) listener();
 }
 
@@ -50,6 +66,7 @@ void ClockDomain::visit(Archive& archive) {
   archive("epoch_ticks", epoch_ticks_);
   archive("epoch_cycle", epoch_cycle_);
   if (frequency_hz_ == 0) archive.refuse("stands still");
+  take_frequency(frequency_hz_);
   if (epoch_ticks_ > archive.time()) archive.refuse("begins in the future");
 }
 

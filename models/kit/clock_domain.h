@@ -46,8 +46,11 @@ class ClockDomain {
   void on_change(std::function<void()> listener) { listeners_.push_back(std::move(listener)); }
 
  private:
-  uint64_t frequency_hz_;
+  void take_frequency(uint64_t hz);
+
   uint64_t ticks_per_second_;  // of the kernel's time resolution
+  uint64_t frequency_hz_ = 1;
+  uint64_t whole_period_ = 0;  // in ticks; 0: it is no whole number of them
   uint64_t epoch_ticks_ = 0;
   uint64_t epoch_cycle_ = 0;
   std::vector<std::function<void()>> listeners_;

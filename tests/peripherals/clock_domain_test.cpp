@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 namespace {
 
@@ -31,6 +32,27 @@ TEST(ClockDomain, AnEdgeCountsFromItsOwnInstantForEveryFrequency) {
       EXPECT_EQ(clock.cycles_at(edge - picoseconds(1)), cycle - 1) << hz;
       EXPECT_EQ(clock.next_edge(edge), cycle);
       EXPECT_EQ(clock.next_edge(edge - picoseconds(1)), cycle);
+    }
+  }
+}
+
+TEST(ClockDomain, WholePeriodsAreNoOtherClock) {
+  __extension__ typedef unsigned __int128 Wide;
+  constexpr Wide second = 1'000'000'000'000;
+  std::mt19937_64 random(7);
+  for (const uint64_t hz :
+       {1ull, 10ull, 25'000'000ull, 62'500'000ull, 200'000'000ull, 24'999'999ull}) {
+    ClockDomain clock(hz);
+    for (int i = 0; i < 1000; ++i) {
+      const uint64_t number = random() >> (random() % 64);
+      const Wide edge = (Wide{number} * second + hz - 1) / hz;
+      const sc_time expected = edge > std::numeric_limits<uint64_t>::max()
+                                   ? sc_core::sc_max_time()
+                                   : picoseconds(static_cast<uint64_t>(edge));
+      EXPECT_EQ(clock.time_of(number), expected) << hz << " " << number;
+      EXPECT_EQ(clock.cycles_at(picoseconds(number)),
+                static_cast<uint64_t>(Wide{number} * hz / second))
+          << hz << " " << number;
     }
   }
 }
