@@ -30,6 +30,9 @@ class AddressDecoder {
   AddressMap map_;
   std::string error_;
   std::vector<std::size_t> by_base_;  // indices into map_, ascending base
+  mutable std::size_t latest_ = 0;    // of map_: the next address is often the same entry's
+
+  std::size_t entries_to(uint64_t address) const;
 };
 
 }  // namespace capsoc::bus

@@ -20,7 +20,19 @@ AddressMap apb_entries(const AddressMap& map) {
   return entries;
 }
 
-// One APB transfer, in a payload of our own: the initiator's is never lent to two transfers.
+bool is_plain_word(const tlm::tlm_generic_payload& payload) {
+  return payload.get_data_length() == word && payload.get_byte_enable_ptr() == nullptr &&
+         payload.get_streaming_width() == word;
+}
+
+/// PSLVERR has one kind; that nothing answers is another matter.
+tlm::tlm_response_status as_on_ahb(tlm::tlm_response_status status) {
+  return status > tlm::TLM_INCOMPLETE_RESPONSE || status == tlm::TLM_ADDRESS_ERROR_RESPONSE
+             ? status
+             : tlm::TLM_GENERIC_ERROR_RESPONSE;
+}
+
+// One APB transfer in a payload of our own, where it is not the initiator's whole transfer.
 void prepare(tlm::tlm_generic_payload& payload, tlm::tlm_command command, uint64_t address,
              Word& data) {
   payload.set_command(command);
@@ -87,10 +99,25 @@ tlm::tlm_response_status ApbBridge::transfer(tlm::tlm_generic_payload& payload,
     const Decoded where = decoder_.decode(at);
     if (where.entry == nullptr) return tlm::TLM_ADDRESS_ERROR_RESPONSE;
     if (payload.get_command() == tlm::TLM_IGNORE_COMMAND) continue;
-    const tlm::tlm_response_status status = transfer_word(payload, where, at, delay);
+    const tlm::tlm_response_status status = is_plain_word(payload)
+                                                ? pass_on(payload, where, delay)
+                                                : transfer_word(payload, where, at, delay);
     if (status != tlm::TLM_OK_RESPONSE) return status;
   }
   return tlm::TLM_OK_RESPONSE;
+}
+
+/// What nearly all transfers are: the initiator's payload goes on with the device's address.
+tlm::tlm_response_status ApbBridge::pass_on(tlm::tlm_generic_payload& payload, const Decoded& at,
+                                            sc_core::sc_time& delay) {
+  const uint64_t address = payload.get_address();
+  payload.set_address(at.local);
+  payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  (*ports_[port_of_entry_[at.index]].socket)->b_transport(payload, delay);
+  payload.set_address(address);
+  payload.set_dmi_allowed(false);
+  add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
+  return as_on_ahb(payload.get_response_status());
 }
 
 tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payload,
@@ -119,9 +146,7 @@ tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payl
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(transfer, delay);
   transfer.clear_extension<kit::SteadyRead>();  // it is the initiator's
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
-  if (transfer.get_response_status() == tlm::TLM_ADDRESS_ERROR_RESPONSE)
-    return tlm::TLM_ADDRESS_ERROR_RESPONSE;
-  if (!transfer.is_response_ok()) return tlm::TLM_GENERIC_ERROR_RESPONSE;
+  if (!transfer.is_response_ok()) return as_on_ahb(transfer.get_response_status());
   if (payload.is_read())
     for (unsigned lane = 0; lane < word; ++lane)
       if (strobes[lane] == TLM_BYTE_ENABLED) payload.get_data_ptr()[source[lane]] = data[lane];

@@ -57,6 +57,8 @@ class ApbBridge : public sc_core::sc_module {
 
   void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   tlm::tlm_response_status transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  tlm::tlm_response_status pass_on(tlm::tlm_generic_payload& payload, const Decoded& at,
+                                   sc_core::sc_time& delay);
   tlm::tlm_response_status transfer_word(tlm::tlm_generic_payload& payload, const Decoded& at,
                                          uint64_t bus_word, sc_core::sc_time& delay);
   unsigned transport_dbg(tlm::tlm_generic_payload& payload);
