@@ -113,6 +113,17 @@ class Determinism(unittest.TestCase):
                 outcomes.append((process.returncode, process.stdout, r))
             self.assertEqual(outcomes[0], outcomes[1], program)
 
+    def test_a_limit_is_at_the_same_instruction_for_all(self):
+        # Loops that compute, poll a device and poll memory, cut off in the midst.
+        for program in ("forever", "bench_polling", "idle"):
+            ends = {}
+            for options in ((), ("--quantum", 1000), ("--quantum", 77777), ("-C", "cpu.executor=stepping"), ("-C", "cpu.fast_forward=false"),
+                            ("-C", "cpu.fast_forward=false", "--quantum", 1000)):
+                cpu = run(FIRMWARE / f"{program}.elf", "--simlimit", 0.03, *options)[1]["cpu"]
+                ends[options] = (cpu["cycles"], cpu["instructions"])
+            self.assertEqual(len(set(ends.values())), 1, ends)
+            self.assertLess(ends[()][0] - 0.03 * 25e6, 50)
+
 
 class Crashes(unittest.TestCase):
     """Firmware that crashes ends with exit 5 and a report that names the cause."""
