@@ -73,11 +73,11 @@ class Core {
   struct Turn {
     uint64_t cycles = 0, instructions = 0;
   };
-  /// One turn of the loop the program is in, from here to here, by single steps. Nothing: it does
-  /// not come back soon, or not to the same registers and flags, or it writes or does anything but
-  /// compute and load; what was executed is as good as by run(). What its loads from the bus do is
-  /// the caller's to know.
-  std::optional<Turn> repeat_turn();
+  /// One turn of the loop the program is in, from here to here, by single steps while cycles() is
+  /// below `until_cycle` and nobody wants attention(). Nothing: it does not come back soon, or not
+  /// to the same registers and flags, or it writes or does anything but compute and load; what was
+  /// executed is as good as by run(). What its loads from the bus do is the caller's to know.
+  std::optional<Turn> repeat_turn(uint64_t until_cycle);
   /// Executes as many whole turns, each like the one before, as end until `until_cycle`.
   void skip_turns(const Turn& turn, uint64_t until_cycle);
   /// Cycles since construction; inside a bus access the cycle at which it happens.
@@ -149,7 +149,7 @@ class Core {
   std::optional<StopReason> service();
   std::optional<StopReason> stop_wanted();
   void expire_systick();
-  std::optional<Turn> measure_turn();
+  std::optional<Turn> measure_turn(uint64_t until_cycle);
   void step_observed();
   bool is_interrupted() const;
   void observers_changed();

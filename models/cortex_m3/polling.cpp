@@ -30,18 +30,18 @@ struct Place {
 
 }  // namespace
 
-std::optional<Core::Turn> Core::repeat_turn() {
+std::optional<Core::Turn> Core::repeat_turn(uint64_t until_cycle) {
   ExecutionCounts* const counts = machine_.counts;
-  if (counts == nullptr) return measure_turn();
+  if (counts == nullptr) return measure_turn(until_cycle);
   counts->begins(machine_.state.pc);
   counts->record(true);
-  const std::optional<Turn> turn = measure_turn();
+  const std::optional<Turn> turn = measure_turn(until_cycle);
   counts->record(false);
   counts->ends(machine_.state.pc);
   return turn;
 }
 
-std::optional<Core::Turn> Core::measure_turn() {
+std::optional<Core::Turn> Core::measure_turn(uint64_t until_cycle) {
   State& state = machine_.state;
   const Listeners& listeners = machine_.listeners;
   const bool is_seen = listeners.sees_instructions || listeners.sees_accesses ||
@@ -52,7 +52,8 @@ std::optional<Core::Turn> Core::measure_turn() {
   const uint64_t cycles = state.cycles, instructions = state.instructions,
                  accesses = machine_.private_accesses;
   for (unsigned n = 0; n < longest_turn; ++n) {
-    if (is_interrupted()) return std::nullopt;
+    if (is_interrupted() || machine_.requests.has(Requests::attention)) return std::nullopt;
+    if (state.cycles >= until_cycle) return std::nullopt;
     if (!machine_.blocks.stepping().step(only_computes)) return std::nullopt;
     if (machine_.private_accesses != accesses) return std::nullopt;
     if (Place(state) == before)

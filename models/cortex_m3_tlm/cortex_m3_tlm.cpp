@@ -41,6 +41,7 @@ CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& 
   // SysTick's reference clock is 1 MHz whatever HCLK does (AN385).
   clock_.on_change([this] {
     core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000));
+    core_.attention();  // the horizon is another cycle now
   });
   core_.listeners().unpredictable = log_unpredictable;
   SC_HAS_PROCESS(CortexM3Tlm);
@@ -134,11 +135,20 @@ void CortexM3Tlm::thread() {
       settle();  // what it wrote to a device
     }
     const uint64_t cycles = core_.cycles(), instructions = core_.instructions();
-    const StopReason reason = one ? core_.step_instruction() : core_.run(horizon());
+    look_ahead();
+    horizon_ = horizon();
+    if (core_.cycles() >= horizon_) {
+      synchronise();
+      catch_up();
+      continue;
+    }
+    const StopReason reason = one ? core_.step_instruction() : core_.run(horizon_);
     const bool advanced = core_.cycles() != cycles || core_.instructions() != instructions;
-    synchronise();
+    // Behind an access the kernel may stay where it is until something happens in it.
+    if (reason != StopReason::attention || reset_requested_ || debugger_ != nullptr || is_late())
+      synchronise();
     catch_up();
-    if (reason == StopReason::attention && fast_forward_ && debugger_ == nullptr) skip_polling();
+    if (std::exchange(seems_to_poll_, false) && reason == StopReason::attention) skip_polling();
     if (debugger_ != nullptr && debugger_->after_run(reason, advanced)) continue;
     switch (reason) {
       case StopReason::sleeping:
@@ -219,16 +229,25 @@ void CortexM3Tlm::settle() {
 /// Behind an access: if the program only waits for a device, whole turns of its loop up to the next
 /// activity of the kernel take no time of the host.
 void CortexM3Tlm::skip_polling() {
-  const bool steady = std::exchange(steady_.steady, false);
-  if (!polling_.is_worth_a_look(core_.reg(15), steady) || idle_ || reset_requested_) return;
+  if (idle_ || reset_requested_) return;
   steady_until_ = Core::never;
   measuring_ = true;
-  const std::optional<Core::Turn> turn = core_.repeat_turn();
+  const std::optional<Core::Turn> turn = core_.repeat_turn(horizon_);
   measuring_ = false;
-  polling_.looked(turn && steady_until_ > core_.cycles());
-  synchronise();
+  const bool polls = turn && steady_until_ > core_.cycles();
+  if (polls || core_.cycles() < horizon_) polling_.looked(polls);
+  if (is_late()) synchronise();
   catch_up();
   if (turn && !reset_requested_) core_.skip_turns(*turn, steady_until_);
+}
+
+/// Something happens in the kernel, or between it and the core, at or before the core's time.
+bool CortexM3Tlm::is_late() const {
+  return std::min(next_activity_, pause_at_) <= clock_.time_of(core_.cycles());
+}
+
+void CortexM3Tlm::look_ahead() {
+  next_activity_ = sc_core::sc_time_stamp() + sc_core::sc_time_to_pending_activity();
 }
 
 /// Lets the kernel catch up with the core.
@@ -249,12 +268,9 @@ void CortexM3Tlm::catch_up() {
 /// The first cycle that the core may not pass without the kernel: the next pending activity or the
 /// quantum's end.
 uint64_t CortexM3Tlm::horizon() const {
-  sc_core::sc_time ahead = quantum_;
-  if (sc_core::sc_pending_activity())
-    ahead = std::min(ahead, sc_core::sc_time_to_pending_activity());
-  uint64_t until = clock_.cycles_at(sc_core::sc_time_stamp() + ahead);
+  uint64_t until = clock_.cycles_at(std::min(sc_core::sc_time_stamp() + quantum_, next_activity_));
   if (pause_at_ != sc_core::sc_max_time()) until = std::min(until, clock_.next_edge(pause_at_));
-  return std::max(until, core_.cycles() + 1);
+  return std::max(until, clock_.cycles_at(sc_core::sc_time_stamp()) + 1);
 }
 
 CortexM3Tlm::Socket& CortexM3Tlm::port(uint32_t address, AccessKind kind) {
@@ -289,7 +305,9 @@ void CortexM3Tlm::invalidate(int, sc_dt::uint64 first, sc_dt::uint64 last) {
 
 bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
                          unsigned& wait_cycles, AccessKind kind) {
-  synchronise();
+  // A read that does nothing need not be made at its own time where the device can be told it.
+  const bool ahead = kind == AccessKind::load && address == steady_address_ && !is_late();
+  if (!ahead) synchronise();
   Socket& socket = port(address, kind);
   uint8_t bytes[4] = {};
   if (command == tlm::TLM_WRITE_COMMAND)
@@ -305,23 +323,30 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
   steady_.steady = false;
   payload.set_extension(&steady_);
-  sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
+  const sc_core::sc_time begin =
+      ahead ? clock_.time_of(core_.cycles()) - sc_core::sc_time_stamp() : sc_core::SC_ZERO_TIME;
+  sc_core::sc_time delay = begin;
   accessing_ = kind;
   socket->b_transport(payload, delay);
   accessing_.reset();
   payload.clear_extension<kit::SteadyRead>();
+  look_ahead();
   // What comes behind it may change the status again, and be over when the turn is.
   if (measuring_) steady_until_ = steady_.steady ? std::min(steady_until_, horizon()) : 0;
   if (idle_ && idle_->is_work(address)) note_work();
   const bool ok = payload.is_response_ok();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
-  wait_cycles = static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now));
+  wait_cycles =
+      static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now + begin));
   if (payload.is_dmi_allowed() && map_if_memory(address, kind)) granted_.push_back({address, kind});
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
-  // The access may have scheduled something nearer than the horizon.
-  core_.attention();
+  if (steady_.steady) steady_address_ = address;
+  seems_to_poll_ =
+      fast_forward_ && !measuring_ && polling_.is_worth_a_look(address, value, steady_.steady);
+  const bool is_nearer = clock_.cycles_at(next_activity_) < horizon_;
+  if (seems_to_poll_ || is_nearer || debugger_ != nullptr) core_.attention();
   return ok;
 }
 

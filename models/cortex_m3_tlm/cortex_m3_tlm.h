@@ -96,6 +96,8 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   void thread();
   void sleep();
   void sleep_until_woken();
+  void look_ahead();
+  bool is_late() const;
   void synchronise();
   void catch_up();
   void settle();
@@ -118,6 +120,8 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   kit::ClockDomain& clock_;
   Core core_;
   sc_core::sc_time quantum_{1, sc_core::SC_MS};
+  sc_core::sc_time next_activity_;  // of the kernel, behind the latest access or wait
+  uint64_t horizon_ = 0;            // of the run that goes on
   sc_core::sc_event wake_;
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
@@ -125,9 +129,11 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   Debugger* debugger_ = nullptr;
   tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
   kit::SteadyRead steady_;            // of the last access
-  bool measuring_ = false;            // a turn of a loop
-  uint64_t steady_until_ = 0;         // the cycle until which all reads of a turn stay as they are
+  std::optional<uint32_t> steady_address_;  // of the last steady read
+  bool measuring_ = false;                  // a turn of a loop
+  uint64_t steady_until_ = 0;  // the cycle until which all reads of a turn stay as they are
   PollingWatch polling_;
+  bool seems_to_poll_ = false;  // worth a look behind the run
   bool fast_forward_ = true;
   bool reset_requested_ = false;
   std::optional<AccessKind> accessing_;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "cortex_m3_tlm/polling_watch.h"
 #include "executors.h"
 #include "step_counts.h"
 
@@ -31,7 +32,7 @@ TEST_F(Polling, ATurnIsMeasuredAndRepeatedExactly) {
       bench->core.set_reg(4, 0x40000000);
       bench->core.run(40);
     }
-    const auto turn = skipping.core.repeat_turn();
+    const auto turn = skipping.core.repeat_turn(Core::never);
     ASSERT_TRUE(turn);
     EXPECT_EQ(turn->cycles, 8u);
     EXPECT_EQ(turn->instructions, 3u);
@@ -48,6 +49,37 @@ TEST_F(Polling, ATurnIsMeasuredAndRepeatedExactly) {
     EXPECT_EQ(skipping.core.instructions(), plain.core.instructions());
   }
 }
+TEST_F(Polling, ATurnIsGivenUpWhereSomethingElseHappens) {
+  start(waits_for_bit_0);
+  ASSERT_TRUE(b.core.repeat_turn(Core::never));
+  const uint64_t before = b.core.cycles();
+  EXPECT_FALSE(b.core.repeat_turn(before + 2)) << "in the middle of the turn's 8 cycles";
+  EXPECT_GE(b.core.cycles(), before + 2);
+  EXPECT_LT(b.core.cycles(), before + 8);
+  ASSERT_TRUE(b.core.repeat_turn(Core::never));
+  const uint64_t instructions = b.core.instructions();
+  b.core.attention();
+  EXPECT_FALSE(b.core.repeat_turn(Core::never));
+  EXPECT_EQ(b.core.instructions(), instructions);
+}
+TEST_F(Polling, TheWatchKnowsALoopAgainAndLeavesOneAloneThatDoesNotWait) {
+  PollingWatch watch;
+  const uint32_t status = 0x40004004, other = 0x40004000;
+  EXPECT_FALSE(watch.is_worth_a_look(status, 1, true));
+  EXPECT_TRUE(watch.is_worth_a_look(status, 1, true));
+  watch.looked(true);
+  EXPECT_FALSE(watch.is_worth_a_look(status, 1, true)) << "less than a turn is left";
+  EXPECT_FALSE(watch.is_worth_a_look(status, 0, true)) << "what it waited for";
+  EXPECT_FALSE(watch.is_worth_a_look(other, 0, false));
+  EXPECT_TRUE(watch.is_worth_a_look(status, 1, true)) << "the same loop again";
+  watch.looked(false);
+  EXPECT_FALSE(watch.is_worth_a_look(status, 1, true));
+  EXPECT_TRUE(watch.is_worth_a_look(status, 1, true)) << "more patient";
+  watch.looked(false);
+  unsigned reads = 1;
+  while (!watch.is_worth_a_look(status, 1, true)) ++reads;
+  EXPECT_EQ(reads, 4U);
+}
 TEST_F(Polling, SkippedTurnsAreCounted) {
   Bench skipping, plain;
   StepCounts steps(plain.core);
@@ -59,7 +91,7 @@ TEST_F(Polling, SkippedTurnsAreCounted) {
     bench->core.set_reg(4, 0x40000000);
     bench->core.run(40);
   }
-  const auto turn = skipping.core.repeat_turn();
+  const auto turn = skipping.core.repeat_turn(Core::never);
   ASSERT_TRUE(turn);
   skipping.core.skip_turns(*turn, 5000);
   for (Bench* bench : {&skipping, &plain}) {
@@ -74,25 +106,25 @@ TEST_F(Polling, SkippedTurnsAreCounted) {
 TEST_F(Polling, ALoopThatCallsAFunctionIsOne) {
   // bl +4; beq .-4; b .; ldr r0,[r4]; tst r0,r0; bx lr
   start({0xF000, 0xF802, 0xD0FC, 0xE7FE, 0x6820, 0x4200, 0x4770});
-  EXPECT_TRUE(b.core.repeat_turn());
+  EXPECT_TRUE(b.core.repeat_turn(Core::never));
 }
 TEST_F(Polling, ALoopThatCountsIsNone) {
   start({0x6820, 0x3101, 0x07C0, 0xD5FB, 0xE7FE});  // adds r1,#1 in it
-  EXPECT_FALSE(b.core.repeat_turn());
+  EXPECT_FALSE(b.core.repeat_turn(Core::never));
 }
 TEST_F(Polling, ALoopThatWritesIsNone) {
   start({0x6820, 0x6028, 0x07C0, 0xD5FB, 0xE7FE});  // str r0,[r5] in it, the same each time
-  EXPECT_FALSE(b.core.repeat_turn());
+  EXPECT_FALSE(b.core.repeat_turn(Core::never));
 }
 TEST_F(Polling, ALoopThatReadsTheCoresOwnRegistersIsNone) {
   b.start(waits_for_bit_0);
   b.core.set_reg(4, 0xE000E010);  // SYST_CSR: reading clears COUNTFLAG
   b.core.run(40);
-  EXPECT_FALSE(b.core.repeat_turn());
+  EXPECT_FALSE(b.core.repeat_turn(Core::never));
 }
 TEST_F(Polling, ALoopIsLeftForAnInterruptThatIsPending) {
   start(waits_for_bit_0);
-  const auto turn = b.core.repeat_turn();
+  const auto turn = b.core.repeat_turn(Core::never);
   ASSERT_TRUE(turn);
   const uint32_t enable = 1;
   b.core.debug_write(0xE000E100, &enable, 4);
@@ -100,11 +132,11 @@ TEST_F(Polling, ALoopIsLeftForAnInterruptThatIsPending) {
   const uint64_t before = b.core.cycles();
   b.core.skip_turns(*turn, before + 1000);
   EXPECT_EQ(b.core.cycles(), before);
-  EXPECT_FALSE(b.core.repeat_turn());
+  EXPECT_FALSE(b.core.repeat_turn(Core::never));
 }
 TEST_F(Polling, NoTurnIsSkippedPastSysTick) {
   start(waits_for_bit_0);
-  const auto turn = b.core.repeat_turn();
+  const auto turn = b.core.repeat_turn(Core::never);
   ASSERT_TRUE(turn);
   const uint32_t load = 500, on = 7;
   b.core.debug_write(0xE000E014, &load, 4);
@@ -117,7 +149,7 @@ TEST_F(Polling, NoTurnIsSkippedPastSysTick) {
 TEST_F(Polling, ALoopWithABreakpointOrAnObserverIsNotSkipped) {
   start(waits_for_bit_0);
   b.core.debugging().set_breakpoint(Bench::program + 6);
-  EXPECT_FALSE(b.core.repeat_turn());
+  EXPECT_FALSE(b.core.repeat_turn(Core::never));
 }
 
 }  // namespace
