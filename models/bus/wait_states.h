@@ -15,8 +15,7 @@ constexpr unsigned error_response_cycles = 1;
 /// rounded period, so that a sum of wait states never drifts off the edges.
 inline void add_cycles(const kit::ClockDomain& clock, uint64_t cycles, sc_core::sc_time& delay) {
   if (cycles == 0) return;
-  const uint64_t now = clock.cycles_at(sc_core::sc_time_stamp() + delay);
-  delay += clock.time_of(now + cycles) - clock.time_of(now);
+  delay += clock.duration(cycles, sc_core::sc_time_stamp() + delay);
 }
 
 }  // namespace capsoc::bus

@@ -48,6 +48,14 @@ sc_core::sc_time ClockDomain::time_of(uint64_t cycle) const {
                           : sc_core::sc_time::from_value(static_cast<uint64_t>(ticks));
 }
 
+sc_core::sc_time ClockDomain::duration(uint64_t cycles, const sc_core::sc_time& time) const {
+  if (uint64_t ticks = 0;
+      whole_period_ != 0 && !__builtin_mul_overflow(cycles, whole_period_, &ticks))
+    return sc_core::sc_time::from_value(ticks);
+  const uint64_t edge = cycles_at(time);
+  return time_of(edge + cycles) - time_of(edge);
+}
+
 uint64_t ClockDomain::next_edge(const sc_core::sc_time& time) const {
   const uint64_t cycle = cycles_at(time);
   return time_of(cycle) < time ? cycle + 1 : cycle;

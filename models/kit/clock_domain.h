@@ -31,6 +31,9 @@ class ClockDomain {
   /// before the latest change of frequency yields the instant of that change.
   sc_core::sc_time time_of(uint64_t cycle) const;
 
+  /// What so many cycles take from the last edge at or before `time`.
+  sc_core::sc_time duration(uint64_t cycles, const sc_core::sc_time& time) const;
+
   /// The first edge at or after `time`.
   uint64_t next_edge(const sc_core::sc_time& time) const;
 

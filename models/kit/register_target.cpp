@@ -27,6 +27,8 @@ bool byte_is_enabled(const tlm::tlm_generic_payload& payload, unsigned index) {
 
 uint32_t lanes_of(const tlm::tlm_generic_payload& payload) {
   const unsigned first = static_cast<unsigned>(payload.get_address() % 4);
+  if (payload.get_byte_enable_ptr() == nullptr)
+    return (0xFFFFFFFFu >> (8 * (4 - payload.get_data_length()))) << (8 * first);
   uint32_t lanes = 0;
   for (unsigned i = 0; i < payload.get_data_length(); ++i) {
     if (byte_is_enabled(payload, i)) lanes |= 0xFFu << (8 * (first + i));
