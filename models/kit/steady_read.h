@@ -7,8 +7,9 @@ namespace capsoc::kit {
 
 /// On a read's payload: a device says by it that the same read gives the same answer, and does
 /// nothing, until something else happens: a write, an event of the kernel, another device's turn.
-/// So an initiator that only waits there need not ask again before. Belongs to the initiator, who
-/// takes it off the payload before the payload ends. Devices that do not know it are right, too.
+/// So an initiator that only waits there need not ask again before, and may ask ahead of the
+/// kernel, with its lead as the delay. Belongs to the initiator, who takes it off the payload
+/// before the payload ends. Devices that do not know it are right, too.
 struct SteadyRead : tlm::tlm_extension<SteadyRead> {
   bool steady = false;
 
