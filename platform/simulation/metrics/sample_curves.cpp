@@ -16,7 +16,7 @@ namespace {
 
 namespace cop = registers::coprocessor;
 
-constexpr std::size_t buckets = 1000;
+constexpr std::size_t buckets = 600;  ///< a plot is 600 pixels wide, or zoomed into
 constexpr int plot_digits = 7;
 constexpr int parameter_digits = 10;  ///< errors are taken from them: a word of 32 bits has no more
 constexpr int harmonics = 16;
