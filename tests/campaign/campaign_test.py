@@ -542,6 +542,14 @@ class Reports(Case):
         self.assertTrue(all(len(column) == 4 for column in columns.values()))
         self.assertIn("parameters.a1.value", columns)
         self.assertNotIn("time.wall_s", columns)
+        # More digits than a double has: the seed is as the command has it.
+        with sqlite3.connect(self.path("d.sqlite")) as store:
+            commands = " ".join(command for (command,) in store.execute("SELECT command FROM runs"))
+        rows = list(csv.DictReader(self.campaign("export", "d.sqlite")[0].splitlines()))
+        for seed, row in zip(columns["sensor.noise.seed"], rows):
+            self.assertIsInstance(seed, int)
+            self.assertIn(f"sensor.noise.seed={seed} ", commands + " ")
+            self.assertEqual(row["sensor.noise.seed"], str(seed))
         self.campaign("export", "d.sqlite", "--json", "c.json", "--all", "--times")
         self.assertIn("time.wall_s", json.loads(self.path("c.json").read_text()))
 

@@ -1,7 +1,11 @@
 #include "campaign/export.h"
 
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -18,6 +22,17 @@ struct Table {
 
 Value value_of_flag(bool flag) {
   return flag;
+}
+
+/// A seed of 63 bits has more digits than a double.
+bool is_long_number(const std::string& text) {
+  return text.size() > std::numeric_limits<double>::digits10 &&
+         text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Of an axis: what the run was given.
+Value exact_value_of(const std::string& text) {
+  return is_long_number(text) ? Value(text) : value_of(text);
 }
 
 class Exporter {
@@ -41,7 +56,7 @@ class Exporter {
     std::vector<Value> row = {static_cast<double>(run.number), run.row->key, run.row->ending,
                               value_of_flag(judged.pass)};
     for (std::size_t i = 0; i < campaign_.plan.axes.size(); ++i)
-      row.push_back(i < run.values.size() ? value_of(run.values[i]) : Value());
+      row.push_back(i < run.values.size() ? exact_value_of(run.values[i]) : Value());
     if (options_.all_keys) {
       const FlatResult result = result_of(run);
       for (const std::string& key : keys_) {
@@ -101,7 +116,13 @@ std::string cell(const std::string& text) {
 nlohmann::ordered_json json_of(const Value& value) {
   if (const auto* truth = std::get_if<bool>(&value)) return *truth;
   if (const auto* number = std::get_if<double>(&value)) return *number;
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    uint64_t number = 0;
+    const char* const end = text->data() + text->size();
+    if (is_long_number(*text) && std::from_chars(text->data(), end, number).ec == std::errc())
+      return number;
+    return *text;
+  }
   return nullptr;
 }
 
