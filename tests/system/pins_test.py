@@ -93,9 +93,10 @@ class Pins(unittest.TestCase):
             self.assertRegex(said, rf"^capsoc: .*pins\.txt:{line}: ")
             self.assertEqual(said.count("\n"), 1)
         for option, spec in (("--gpio0", "stdout"), ("--gpio3", "script:"), ("--gpio1", "telepathy"), ("--buttons", "tcp:99999"),
-                             ("--leds", "stdio")):
+                             ("--gpio2", "file:"), ("--leds", "stdio")):
             _, said = self.run_it(option, spec, code=2)
             self.assertIn(f"{option} {spec}: choose ", said)
+            self.assertNotIn("stdout,", said, "what pins cannot have is not offered")
         _, said = self.run_it("--gpio0", f"script:{self.folder}/none", code=2)
         self.assertIn("none: cannot be read", said)
         _, said = self.run_it("--gpio0", f"script:{self.buttons}", "--gpio1", f"file:{self.buttons}", code=2)

@@ -24,7 +24,7 @@ std::optional<uint16_t> port_number(const std::string& text) {
 
 Result<std::unique_ptr<CharacterBackend>> open_backend(const std::string& spec,
                                                        const std::string& option,
-                                                       const GiveUp& give_up) {
+                                                       const GiveUp& give_up, const char* names) {
   const std::size_t colon = spec.find(':');
   const std::string kind = spec.substr(0, colon);
   const bool named = colon != std::string::npos;
@@ -37,7 +37,7 @@ Result<std::unique_ptr<CharacterBackend>> open_backend(const std::string& spec,
   if (kind == "tcp")
     if (const auto port = port_number(named ? name : "0"))
       return TcpBackend::open(*port, option + " tcp", give_up);
-  return Error{fmt::format("{} {}: choose {}", option, spec, backend_names)};
+  return Error{fmt::format("{} {}: choose {}", option, spec, names)};
 }
 
 bool are_the_same_place(const std::string& one, const std::string& other) {

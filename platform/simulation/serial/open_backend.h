@@ -13,10 +13,12 @@ namespace capsoc::serial {
 constexpr const char* backend_names =
     "stdout, stderr, stdio, null, file:PATH, pty[:LINK] or tcp[:PORT]";
 
-/// `spec` as backend_names says; `option` begins the sentence of an error ("--uart0").
+/// `spec` as backend_names says; `option` begins the sentence of an error ("--uart0"), `names` ends
+/// it.
 Result<std::unique_ptr<CharacterBackend>> open_backend(const std::string& spec,
                                                        const std::string& option,
-                                                       const GiveUp& give_up);
+                                                       const GiveUp& give_up,
+                                                       const char* names = backend_names);
 
 /// Two lines cannot have both: their bytes would mix.
 bool are_the_same_place(const std::string& one, const std::string& other);

@@ -78,7 +78,8 @@ Result<std::unique_ptr<PinLine>> PinLine::open(const std::string& spec, const st
                      spec.rfind("pty", 0) == 0 || spec.rfind("tcp", 0) == 0;
   if (!known)
     return Error{fmt::format("--{} {}: choose {}", name, printable(spec), pin_backend_names)};
-  auto backend = open_backend(script.empty() ? spec : "null", "--" + name, give_up);
+  auto backend =
+      open_backend(script.empty() ? spec : "null", "--" + name, give_up, pin_backend_names);
   if (!backend) return Error{backend.error()};
   std::unique_ptr<PinLine> line(new PinLine(name, pins, std::move(backend.value())));
   if (script.empty()) return line;
