@@ -17,5 +17,14 @@ TEST(ElfImage, ABuiltProgramHasItsVectorTableAndItsSymbols) {
   EXPECT_EQ(image.value().symbolise(0x70000000), "");
 }
 
+TEST(ElfImage, NamesAreWhatATerminalShows) {
+  std::string bytes = *load_elf(HELLO_ELF).value().file;
+  const std::size_t name = bytes.rfind(std::string("\0main\0", 6)) + 1;
+  bytes.replace(name, 4, "\x1B[0m");
+  const auto image = parse_elf("f.elf", bytes);
+  ASSERT_TRUE(image) << image.error();
+  EXPECT_TRUE(image.value().address_of("?[0m"));
+}
+
 }  // namespace
 }  // namespace capsoc::loader

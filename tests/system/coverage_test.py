@@ -227,6 +227,15 @@ class Files(unittest.TestCase):
                       capsoc(stripped, "--coverage", self.file, code=2).decode())
         self.assertFalse(self.file.exists())
 
+    def test_lines_whose_file_has_no_name_are_left_out(self):
+        damaged, whole = self.file.parent / "damaged.elf", (FIRMWARE / "hello.elf").read_bytes()
+        # DW_LNS_set_file in front of DW_LNS_set_column and DW_LNE_set_address: there is no file 99.
+        damaged.write_bytes(re.sub(rb"\x04.(?=\x05.\x00\x05\x02)", b"\x04\x63", whole, count=1, flags=re.DOTALL))
+        for _ in range(2):  # the second reads what the first wrote
+            capsoc(damaged, "--coverage", self.file)
+        self.assertIn("SF:firmware/drivers/uart.c\n", self.file.read_text())
+        self.assertNotIn("SF:\n", self.file.read_text())
+
     def test_nothing_else_changes(self):
         for program in ("drivers", "threads", "debuggee"):
             results = []

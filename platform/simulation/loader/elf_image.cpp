@@ -8,11 +8,13 @@
 #include <utility>
 
 #include "support/input_file.h"
+#include "support/printable.h"
 
 namespace capsoc::loader {
 namespace {
 
 constexpr uint64_t largest_program = 256U << 20U;  // debugging information included
+constexpr std::size_t longest_name = 400;
 using ElfHandle = std::unique_ptr<Elf, int (*)(Elf*)>;
 
 Error wrong(const std::string& path, const std::string& what) {
@@ -80,7 +82,8 @@ void read_symbols(Elf* elf, ElfImage& image) {
       const auto address = static_cast<uint32_t>(symbol.st_value) & (type == STT_FUNC ? ~1u : ~0u);
       const bool weak = GELF_ST_BIND(symbol.st_info) == STB_WEAK;
       const bool is_code = type == STT_FUNC || (type == STT_NOTYPE && symbol.st_size == 0);
-      symbols.push_back({address, static_cast<uint32_t>(symbol.st_size), name, weak, is_code});
+      symbols.push_back({address, static_cast<uint32_t>(symbol.st_size),
+                         printable(name, longest_name), weak, is_code});
     }
   }
   // Lookups find the last of equals first: weak aliases of one default handler stand before its own

@@ -22,7 +22,7 @@ struct Segment {
 struct Symbol {
   uint32_t address;
   uint32_t size;
-  std::string name;
+  std::string name;      ///< as a terminal and a text file may have it (support/printable.h)
   bool weak = false;     ///< an alias that another definition may replace
   bool is_code = false;  ///< a function, or a label of assembly
 };

@@ -12,13 +12,11 @@
 #include "host/files.h"
 #include "host/sha256.h"
 #include "support/input_file.h"
-#include "support/printable.h"
 
 namespace capsoc::trace {
 namespace {
 
 constexpr uint64_t largest_file = 256U << 20U;
-constexpr std::size_t longest_name = 400;
 /// Instructions that are looked at, far more than the board's memories hold: a damaged program may
 /// claim code without end.
 constexpr uint64_t most_visits = 1U << 26U;
@@ -51,10 +49,10 @@ class Counts {
 };
 
 /// True for the sources of a library that was compiled on another machine (newlib): genhtml stops
-/// where it finds no source.
+/// where it finds no source. So it is with lines whose file has lost its name.
 bool is_elsewhere(const std::string& file) {
   std::error_code ignored;
-  return file.rfind("../", 0) == 0 ||
+  return file.empty() || file.rfind("../", 0) == 0 ||
          (file.rfind('/', 0) == 0 && !std::filesystem::exists(file, ignored));
 }
 
@@ -101,8 +99,7 @@ class Collector {
   void add_function(const loader::Symbol& symbol) {
     const auto at = information_.line_at(symbol.address);
     if (!at) return;
-    FileCoverage::Function& function =
-        file(at->file).functions[printable(symbol.name, longest_name)];
+    FileCoverage::Function& function = file(at->file).functions[symbol.name];
     if (function.line == 0) function.line = at->line;
     function.calls += counts_.begun(symbol.address);
   }
