@@ -1,11 +1,13 @@
 // Lines and inlined functions of programs, held against addr2line of the cross compiler.
 #include "source/debug_information.h"
 
+#include <elf.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <sstream>
 
@@ -119,6 +121,72 @@ TEST(DebugInformation, SaysWhatCannotBeRead) {
   const std::vector<std::string> complaints = information.complaints();
   ASSERT_FALSE(complaints.empty());
   EXPECT_EQ(complaints.front().rfind("hello.elf: cannot read ", 0), 0U) << complaints.front();
+}
+
+/// Replaces a section of an ELF file.
+void put_section(std::string& elf, const std::string& name, const std::string& contents) {
+  Elf32_Ehdr header;
+  std::memcpy(&header, elf.data(), sizeof header);
+  std::vector<Elf32_Shdr> sections(header.e_shnum);
+  const std::size_t size = sections.size() * sizeof(Elf32_Shdr);
+  std::memcpy(sections.data(), elf.data() + header.e_shoff, size);
+  const uint32_t names = sections[header.e_shstrndx].sh_offset;
+  for (Elf32_Shdr& section : sections) {
+    if (elf.data() + names + section.sh_name != name) continue;
+    section.sh_offset = static_cast<uint32_t>(elf.size());
+    section.sh_size = static_cast<uint32_t>(contents.size());
+  }
+  std::memcpy(elf.data() + header.e_shoff, sections.data(), size);
+  elf += contents;
+}
+
+std::string word(uint32_t value) {
+  std::string bytes(4, '\0');
+  std::memcpy(bytes.data(), &value, 4);
+  return bytes;
+}
+
+/// hello.elf with one unit of code from 0x100 to 0x200 that holds `entries`. 2: a block with all of
+/// that code and entries of its own; 3: a namespace that names its sibling by its place in the
+/// section.
+std::string with_entries(const std::string& entries) {
+  const std::string abbreviations(
+      "\x01\x11\x01\x11\x01\x12\x06\x00\x00"
+      "\x02\x0B\x01\x11\x01\x12\x06\x00\x00"
+      "\x03\x39\x01\x01\x13\x00\x00\x00",
+      26);
+  const std::string unit =
+      std::string("\x04\x00\x00\x00\x00\x00\x04\x01", 8) + word(0x100) + word(0x100) + entries;
+  std::string elf = *loader::load_elf(FIRMWARE "/hello.elf").value().file;
+  put_section(elf, ".debug_abbrev", abbreviations);
+  put_section(elf, ".debug_info", word(static_cast<uint32_t>(unit.size())) + unit);
+  return elf;
+}
+
+std::string complaint_at(const std::string& elf, uint32_t address) {
+  const DebugInformation information("f.elf", elf);
+  information.places_at(address);
+  for (const std::string& complaint : information.complaints())
+    if (complaint.find("the functions at") != std::string::npos) return complaint;
+  return "";
+}
+
+TEST(DebugInformation, EntriesNestedWithoutEndAreDamage) {
+  constexpr std::size_t deep = 200000;
+  std::string blocks;
+  for (std::size_t i = 0; i < deep; ++i) blocks += "\x02" + word(0x100) + word(0x100);
+  EXPECT_EQ(complaint_at(with_entries(blocks + std::string(deep + 1, '\0')), 0x180),
+            "f.elf: cannot read the functions at 0x00000180: they are nested too deep");
+  EXPECT_EQ(complaint_at(with_entries(blocks.substr(0, 9) + std::string(2, '\0')), 0x180), "");
+}
+
+/// Each namespace names its own first entry as its sibling: 40 in each other are 2^40 ways.
+TEST(DebugInformation, EntriesThatAreReachedTwiceAreDamage) {
+  std::string spaces;
+  constexpr uint32_t first = 20, size = 5;  // behind the unit's header and its own entry
+  for (uint32_t i = 1; i <= 40; ++i) spaces += "\x03" + word(first + i * size);
+  EXPECT_EQ(complaint_at(with_entries(spaces + std::string(42, '\0')), 0x180),
+            "f.elf: cannot read the functions at 0x00000180: they do not end");
 }
 
 }  // namespace

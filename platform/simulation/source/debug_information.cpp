@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "source/elf_copy.h"
@@ -55,26 +54,68 @@ SourceLine call_of(Dwarf_Die* inlined, Dwarf_Die* unit) {
   return call;
 }
 
-/// The entries around an address, the innermost first. Behind an inlined function dwarf_getscopes()
-/// goes on where that was defined; what it was inlined into are its parents.
+bool has_addresses(Dwarf_Die* entry) {
+  return dwarf_hasattr(entry, DW_AT_low_pc) != 0 || dwarf_hasattr(entry, DW_AT_ranges) != 0;
+}
+
+/// Entries without addresses of their own that functions may stand in.
+bool is_container(Dwarf_Die* entry) {
+  const int tag = dwarf_tag(entry);
+  return tag == DW_TAG_namespace || tag == DW_TAG_structure_type || tag == DW_TAG_class_type;
+}
+
+/// The entries of a unit around an address, the innermost first, without the unit itself. Not by
+/// libdw's dwarf_getscopes(), which recurses as deep as a damaged file nests its entries.
 class Scopes {
  public:
-  Scopes(Dwarf_Die* unit, uint32_t address) {
-    Dwarf_Die* around = nullptr;
-    count_ = dwarf_getscopes(unit, address, &around);
-    if (count_ > 0) count_ = dwarf_getscopes_die(&around[0], &dies_);
-    std::free(around);
+  Scopes(Dwarf_Die* unit, uint32_t address) : address_(address) {
+    Dwarf_Die entry;
+    int status = dwarf_child(unit, &entry);
+    unsigned count = 0;
+    for (; count < most_entries && (status == 0 || !containers_.empty()); ++count) {
+      if (status == 0) {
+        status = enter(entry);
+      } else {  // behind the last one of a container
+        entry = containers_.back();
+        containers_.pop_back();
+        status = dwarf_siblingof(&entry, &entry);
+      }
+      if (status < 0) damage_ = why();
+    }
+    if (count == most_entries) damage_ = "they do not end";
+    std::reverse(around_.begin(), around_.end());
   }
-  ~Scopes() { std::free(dies_); }
-  Scopes(const Scopes&) = delete;
-  Scopes& operator=(const Scopes&) = delete;
-  bool damaged() const { return count_ < 0; }
-  int count() const { return count_; }
-  Dwarf_Die* operator[](int index) { return &dies_[index]; }
+  /// Why something may be missing; "" if nothing is.
+  const std::string& damage() const { return damage_; }
+  std::vector<Dwarf_Die>& entries() { return around_; }
 
  private:
-  Dwarf_Die* dies_ = nullptr;
-  int count_ = 0;
+  static constexpr unsigned most_entries = 1U << 20U;
+  static constexpr std::size_t deepest = 256;  // far beyond what compilers nest
+
+  /// Goes on to the entry that follows: inside this one, or beside it.
+  int enter(Dwarf_Die& entry) {
+    const int found = has_addresses(&entry) ? dwarf_haspc(&entry, address_) : 0;
+    if (found < 0) damage_ = why();
+    const bool inside = found > 0 && !is_left_out(entry);
+    if (!inside && !is_container(&entry)) return dwarf_siblingof(&entry, &entry);
+    if (around_.size() + containers_.size() == deepest) {
+      damage_ = "they are nested too deep";
+      return dwarf_siblingof(&entry, &entry);
+    }
+    if (inside) containers_.clear();
+    (inside ? around_ : containers_).push_back(entry);
+    return dwarf_child(&entry, &entry);
+  }
+  /// It only claims the address.
+  static bool is_left_out(Dwarf_Die& entry) {
+    Dwarf_Addr first = 0;
+    return dwarf_tag(&entry) == DW_TAG_subprogram && dwarf_lowpc(&entry, &first) == 0 && first == 0;
+  }
+
+  uint32_t address_;
+  std::vector<Dwarf_Die> around_, containers_;
+  std::string damage_;
 };
 
 }  // namespace
@@ -190,18 +231,16 @@ std::vector<Place> DebugInformation::places_at(uint32_t address) const {
   if (unit == units_.end() || dwarf_offdie(copy_->dwarf(), unit->die, &entry) == nullptr)
     return places;
   Scopes scopes(&entry, address);
-  if (scopes.damaged()) complain(fmt::format("the functions at {:#010x}: {}", address, why()));
+  if (!scopes.damage().empty())
+    complain(fmt::format("the functions at {:#010x}: {}", address, scopes.damage()));
   std::optional<SourceLine> at = line_at(address);
-  for (int i = 0; i < scopes.count(); ++i) {
-    const int tag = dwarf_tag(scopes[i]);
+  for (Dwarf_Die& scope : scopes.entries()) {
+    const int tag = dwarf_tag(&scope);
     const bool inlined = tag == DW_TAG_inlined_subroutine;
     if (!inlined && tag != DW_TAG_subprogram) continue;
-    Dwarf_Addr first = 0;
-    const bool is_left_out = !inlined && dwarf_lowpc(scopes[i], &first) == 0 && first == 0;
-    if (is_left_out) return {};  // it only claims the address
-    places.push_back({function_name(scopes[i]), at.value_or(SourceLine{}), inlined});
+    places.push_back({function_name(&scope), at.value_or(SourceLine{}), inlined});
     if (!inlined) return places;
-    at = call_of(scopes[i], &entry);
+    at = call_of(&scope, &entry);
   }
   return {};
 }
