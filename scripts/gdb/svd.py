@@ -30,7 +30,7 @@ def number(text):
     """A number of the schema: decimal, 0x.., #binary, 0bbinary; decimal with k, M, G, T."""
     text = text.strip().lstrip("+")
     scale = 1
-    if not text.lower().startswith("0x") and text[-1:] in "kKmMgGtT":
+    if text and not text.lower().startswith("0x") and text[-1] in "kKmMgGtT":
         scale = 1024 ** ("kmgt".index(text[-1].lower()) + 1)
         text = text[:-1]
     if text.startswith("#") or text.lower().startswith("0b"):
@@ -44,9 +44,23 @@ def text_of(element, name, default=None):
     return default if found is None or found.text is None else " ".join(found.text.split())
 
 
+def name_of(element):
+    name = text_of(element, "name")
+    if not name:
+        raise ValueError(f"a {element.tag} has no name")
+    return name
+
+
+def within(value, low, high, what):
+    """A number that is used for something; a damaged file would have any."""
+    if not low <= value <= high:
+        raise ValueError(f"{what} is {value}, not {low} to {high}")
+    return value
+
+
 class Field:
     def __init__(self, element):
-        self.name = text_of(element, "name")
+        self.name = name_of(element)
         self.description = text_of(element, "description", "")
         if element.find("bitRange") is not None:
             self.high, self.low = map(int, re.match(r"\[(\d+):(\d+)\]", text_of(element, "bitRange")).groups())
@@ -55,6 +69,8 @@ class Field:
         else:
             self.low = number(text_of(element, "bitOffset"))
             self.high = self.low + number(text_of(element, "bitWidth", "32")) - 1
+        within(self.high, 0, 63, f"the last bit of {self.name}")
+        within(self.low, 0, self.high, f"the first bit of {self.name}")
         self.values = {}
         for value in element.iterfind("enumeratedValues/enumeratedValue"):
             if value.find("value") is not None:
@@ -66,9 +82,9 @@ class Field:
 
 class Register:
     def __init__(self, name, address, element, inherited):
-        self.name, self.address = name, address
+        self.name, self.address = name, within(address, 0, 0xFFFFFFFF, f"the address of {name}")
         self.description = text_of(element, "description", "")
-        self.size = number(inherited["size"]) // 8
+        self.size = within(number(inherited["size"]) // 8, 1, 8, f"the size of {name} in bytes")
         self.access = inherited["access"]
         self.has_side_effect = element.find("readAction") is not None
         self.is_signed = text_of(element, "dataType", "").startswith("int")
@@ -99,15 +115,16 @@ class Register:
 
 def expand(element):
     """Name and offset of each element of a dim array (or of the one element)."""
-    name, count = text_of(element, "name"), text_of(element, "dim")
+    name, count = name_of(element), text_of(element, "dim")
     if count is None:
         return [(name, 0)]
+    most = 1 << 12
     step, indices = number(text_of(element, "dimIncrement")), text_of(element, "dimIndex")
     if indices is None:
-        indices = [str(i) for i in range(number(count))]
+        indices = [str(i) for i in range(within(number(count), 0, most, f"how many {name} there are"))]
     elif re.fullmatch(r"\d+-\d+", indices):
         first, last = map(int, indices.split("-"))
-        indices = [str(i) for i in range(first, last + 1)]
+        indices = [str(i) for i in range(first, within(last, 0, first + most, f"the last {name}") + 1)]
     elif re.fullmatch(r"[A-Z]-[A-Z]", indices):
         indices = [chr(code) for code in range(ord(indices[0]), ord(indices[2]) + 1)]
     else:
@@ -117,10 +134,11 @@ def expand(element):
 
 class Peripheral:
     def __init__(self, element, inherited):
-        self.name = text_of(element, "name")
+        self.name = name_of(element)
         self.description = text_of(element, "description", "")
         self.base = number(text_of(element, "baseAddress"))
         self.registers = {}
+        self.expanded = 0
         if element.find("registers") is not None:
             self.add(element.find("registers"), "", self.base, self.inherit(element, inherited))
 
@@ -136,6 +154,7 @@ class Peripheral:
                 continue
             element = derived(element, originals)
             for name, offset in expand(element):
+                self.expanded = within(self.expanded + 1, 0, 1 << 16, f"how many registers {self.name} has")
                 address = base + number(text_of(element, "addressOffset")) + offset
                 settings = self.inherit(element, inherited)
                 if element.tag == "cluster":
@@ -175,7 +194,7 @@ def load(path):
         return {p.name.upper(): p for p in peripherals}
     except OSError as error:
         raise SvdError(f"{path}: cannot be read ({error.strerror})") from error
-    except (ElementTree.ParseError, AttributeError, TypeError, ValueError, KeyError) as error:
+    except (ElementTree.ParseError, AttributeError, TypeError, ValueError, KeyError, RecursionError) as error:
         raise SvdError(f"{path}: is no sound CMSIS-SVD description ({error})") from error
 
 

@@ -2,6 +2,7 @@
 """scripts/gdb/svd.py without GDB: our own description, and what other vendors' descriptions have in them."""
 
 import os
+import random
 import re
 import subprocess
 import sys
@@ -177,12 +178,48 @@ class Others(unittest.TestCase):
 
     def test_damage_is_one_sentence(self):
         for text in ("", "<device>", "<html/>", OTHERS.replace("0x40000000", "zero"), OTHERS.replace("<lsb>4</lsb>", "<lsb/>"),
-                     OTHERS.replace("<name>TIM0</name>", "")):
-            with self.assertRaises(svd.SvdError) as caught:
+                     OTHERS.replace("<name>TIM0</name>", ""), OTHERS.replace("<name>ON</name>", ""),
+                     OTHERS.replace("<name>POP</name>", ""), OTHERS.replace("<size>16</size>", "<size>0</size>"),
+                     OTHERS.replace("<size>16</size>", "<size>99999999999</size>"), OTHERS.replace("<size>16</size>", "<size>k</size>"),
+                     OTHERS.replace("<msb>6</msb>", "<msb>3</msb>"), OTHERS.replace("<msb>6</msb>", "<msb>99999999999</msb>"),
+                     OTHERS.replace("<dim>3</dim>", "<dim>99999999999</dim>"), OTHERS.replace("A-B", "0-99999999999"),
+                     OTHERS.replace("<addressOffset>8<", "<addressOffset>-0x50000000<"),
+                     "<device><peripherals><peripheral><name>P</name><baseAddress>0</baseAddress><registers>"
+                     + "<cluster><dim>4096</dim><dimIncrement>4</dimIncrement><name>C%s</name><addressOffset>0</addressOffset>" * 3
+                     + "</cluster>" * 3 + "</registers></peripheral></peripherals></device>"):
+            with self.assertRaises(svd.SvdError, msg=text) as caught:
                 self.device(text)
             self.assertNotIn("\n", str(caught.exception))
         with self.assertRaisesRegex(svd.SvdError, "cannot be read"):
             svd.load("/nonexistent.svd")
+
+    def test_random_damage_is_one_sentence_or_a_description(self):
+        """CAPSOC_FUZZ_FILES: how many; the numbers are the seeds."""
+        odd = ["0", "-1", "99999999999", "0xFFFFFFFFFFFF", " ", "[3:5]", "[x]", "%s", "A-Z", "0-99999999", "#", "k", "TIM0", "64", "a,b"]
+        outcomes = {"read": 0, "refused": 0}
+        for seed in range(int(os.environ.get("CAPSOC_FUZZ_FILES", 300))):
+            choose, text = random.Random(seed), OTHERS
+            for _ in range(choose.randint(1, 3)):
+                value = choose.choice(list(re.finditer(r">([^<>\n]+)<", text)))
+                other = choose.choice([*odd, choose.choice(re.findall(r">([^<>\n]+)<", text))])
+                text = text[:value.start(1)] + other + text[value.end(1):]
+                element = choose.choice(list(re.finditer(r"<(\w+)>[^<>]*</\1>", text)))
+                if choose.random() < 0.3:
+                    text = text[:element.start()] + choose.choice(["", element[0] * 2, "<"]) + text[element.end():]
+            try:
+                device = self.device(text)
+                outcomes["read"] += 1
+            except svd.SvdError as error:
+                self.assertNotIn("\n", str(error), seed)
+                outcomes["refused"] += 1
+                continue
+            for peripheral in device.peripherals.values():
+                for register in peripheral.registers.values():
+                    register.meaning(0x80000001)
+                    self.assertTrue(all(field.of(0xFFFFFFFF) >= 0 and field.name for field in register.fields), seed)
+            device.complete("TIM0.C")
+        print(f"svd: {outcomes}")
+        self.assertGreater(min(outcomes.values()), 0)
 
 
 if __name__ == "__main__":
