@@ -4,133 +4,25 @@
 // reads outside them, too.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "damage.h"
 #include "loader/elf_image.h"
 #include "loader/program_file.h"
 #include "loader/program_settings.h"
-#include "loader/vector_table.h"
 #include "metrics/parameter_file.h"
 #include "sensor/described_source.h"
 #include "sensor/recorded_source.h"
 #include "sensor/toml_reader.h"
 #include "serial/pin_line.h"
-#include "source/debug_information.h"
 #include "support/setting_fields.h"
+#include "tally.h"
 #include "trace/coverage_file.h"
 
 namespace capsoc::test {
 namespace {
-
-std::string content(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-/// Counts outcomes, and prints them at the end.
-class Tally {
- public:
-  Tally(const char* kind, uint64_t count) : kind_(kind), count_(count) {}
-  ~Tally() {
-    std::printf("fuzz: %s: %llu files, %llu accepted, %llu refused\n", kind_,
-                static_cast<unsigned long long>(count_), static_cast<unsigned long long>(accepted_),
-                static_cast<unsigned long long>(refused_));
-    // Both outcomes must occur, or the damage is not worth its name.
-    EXPECT_GT(accepted_, count_ / 500);
-    EXPECT_GT(refused_, count_ / 100);
-  }
-  void accept() { ++accepted_; }
-  void refuse(const std::string& error, const std::string& file, uint64_t number) {
-    ++refused_;
-    EXPECT_EQ(error.rfind(file + ":", 0), 0U) << number << ": " << error;
-    for (const char c : error) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << number << ": " << error;
-  }
-
- private:
-  const char* kind_;
-  uint64_t count_, accepted_ = 0, refused_ = 0;
-};
-
-/// A file that is gone with the test.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const char* suffix)
-      : path_(testing::TempDir() + "fuzz" + std::to_string(getpid()) + suffix) {}
-  ~TemporaryFile() { std::remove(path_.c_str()); }
-  const std::string& write(const std::string& bytes) const {
-    std::ofstream(path_, std::ios::binary) << bytes;
-    return path_;
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-TEST(FileFuzz, DamagedElf) {
-  const std::string whole = content(HELLO_ELF);
-  ASSERT_GT(whole.size(), 2000U);
-  const uint64_t count = file_count(4000);
-  Tally tally("ELF", count);
-  const TemporaryFile file(".elf");
-  for (uint64_t number = 0; number < count; ++number) {
-    Damage damage(number);
-    auto image = loader::load_elf(file.write(damage.binary(whole, 0x100, 0x600)));
-    if (!image) {
-      tally.refuse(image.error(), file.path(), number);
-      continue;
-    }
-    tally.accept();
-    for (const uint32_t address : {0U, 0x100U, 0x20000000U, 0xFFFFFFFFU, image.value().entry})
-      image.value().symbolise(address);
-    image.value().overwrite("main", {1, 2, 3, 4});
-    loader::find_vector_table({&image.value()}, "auto");
-  }
-}
-
-/// Debug information is no reason to refuse a program: what of it cannot be read is missing, and is
-/// said to be.
-TEST(FileFuzz, DamagedDebugInformation) {
-  const std::string whole = content(HELLO_ELF);
-  const auto image = loader::load_elf(HELLO_ELF);
-  ASSERT_TRUE(image) << image.error();
-  const uint32_t main = image.value().address_of("main").value_or(0);
-  const source::ReadWord read = [](uint32_t address) -> std::optional<uint32_t> {
-    if (address >= 0x20001000) return std::nullopt;
-    return address ^ 0x20000101;
-  };
-  const uint64_t count = file_count(4000);
-  uint64_t told = 0, silent = 0;
-  for (uint64_t number = 0; number < count; ++number) {
-    const std::string damaged = Damage(number).binary(whole, whole.size() / 2, whole.size() / 2);
-    const source::DebugInformation information("f.elf", damaged);
-    for (const uint32_t address : {main, main + 8, 0U, 0x100U, 0x400U, 0xFFFFFFFEU}) {
-      for (const source::Place& place : information.places_at(address))
-        ASSERT_LT(place.function.size() + place.at.file.size(), 1000U) << number;
-      information.line_at(address);
-      source::Registers registers{};
-      registers[13] = 0x20000F00;
-      information.unwind(address, registers, read);
-    }
-    const std::vector<std::string> complaints = information.complaints();
-    ++(complaints.empty() ? silent : told);
-    for (const std::string& complaint : complaints) {
-      EXPECT_EQ(complaint.rfind("f.elf: cannot read ", 0), 0U) << number << ": " << complaint;
-      for (const char c : complaint) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << number;
-    }
-  }
-  std::printf("fuzz: debug information: %llu files, %llu with complaints\n",
-              static_cast<unsigned long long>(count), static_cast<unsigned long long>(told));
-  EXPECT_GT(told, count / 20);
-  EXPECT_GT(silent, count / 20);
-}
 
 TEST(FileFuzz, DamagedProgramSettings) {
   const auto whole = loader::load_elf(SELFCAL_ELF);

@@ -1,0 +1,67 @@
+// What became of damaged files.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace capsoc::test {
+
+inline std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// One line that a terminal shows as it is.
+inline bool is_plain(const std::string& text) {
+  for (const char c : text)
+    if (c < 0x20 || c > 0x7E) return false;
+  return true;
+}
+
+/// Counts outcomes, and prints them at the end.
+class Tally {
+ public:
+  Tally(const char* kind, uint64_t count) : kind_(kind), count_(count) {}
+  ~Tally() {
+    std::printf("fuzz: %s: %llu files, %llu accepted, %llu refused\n", kind_,
+                static_cast<unsigned long long>(count_), static_cast<unsigned long long>(accepted_),
+                static_cast<unsigned long long>(refused_));
+    // Both outcomes must occur, or the damage is not worth its name.
+    EXPECT_GT(accepted_, count_ / 500);
+    EXPECT_GT(refused_, count_ / 100);
+  }
+  void accept() { ++accepted_; }
+  void refuse(const std::string& error, const std::string& file, uint64_t number) {
+    ++refused_;
+    EXPECT_EQ(error.rfind(file + ":", 0), 0U) << number << ": " << error;
+    EXPECT_TRUE(is_plain(error)) << number << ": " << error;
+  }
+
+ private:
+  const char* kind_;
+  uint64_t count_, accepted_ = 0, refused_ = 0;
+};
+
+/// A file that is gone with the test.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const char* suffix)
+      : path_(testing::TempDir() + "fuzz" + std::to_string(getpid()) + suffix) {}
+  ~TemporaryFile() { std::remove(path_.c_str()); }
+  const std::string& write(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary) << bytes;
+    return path_;
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace capsoc::test
