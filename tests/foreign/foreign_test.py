@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """scripts/foreign_firmware without the network: same and different programs, and what a user may do wrong."""
 
+import contextlib
 import importlib.machinery
 import importlib.util
+import io
 import os
+import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -40,6 +44,41 @@ int main(void) {
 }
 """
 ENDLESS = "int main(void) { for (;;) __asm volatile(\"\"); }"
+# Answers each byte of UART 0 with the next one, plus a number with DWT; ends at ! and says nothing to ?.
+ANSWER = """
+#define UART0 ((volatile unsigned*)0x40004000u)
+int main(void) {
+  UART0[4] = 16;
+  UART0[2] = 3;
+  for (;;) {
+    while (!(UART0[1] & 2)) {
+    }
+    const unsigned byte = UART0[0];
+    if (byte == '!') return 7;
+    if (byte == '?') continue;
+    while (UART0[1] & 1) {
+    }
+    UART0[0] = byte + 1 + (DWT ? DWT - 1 + (*(volatile unsigned*)0xE0001000u >> 28) : 0);
+  }
+}
+"""
+# Sends what it is given, a byte a test, and wants the next one back.
+RUNNER = """
+import os, sys, tty
+terminal, folder, *sent = sys.argv[2].removeprefix("port:"), sys.argv[4], *sys.argv[5:]
+os.makedirs(folder)
+line = os.open(terminal, os.O_RDWR | os.O_NOCTTY)
+tty.setraw(line)
+for byte in sent:
+    os.write(line, byte.encode())
+    answer = os.read(line, 1)
+    right = answer == bytes([ord(byte) + 1])
+    print("pass " if right else "FAIL ", f"tests/{byte}")
+    if not right:
+        open(f"{folder}/tests_{byte}.out", "wb").write(answer)
+print("skip  tests/none")
+print(len(sent), "tests performed")
+"""
 FAULT = "int main(void) { return *(volatile int*)0x60000000; }"
 
 
@@ -76,6 +115,57 @@ class ForeignFirmware(unittest.TestCase):
     def test_a_program_without_an_end_is_told(self):
         self.bench.limit = 2
         self.assertEqual(self.run_text(ENDLESS).complaint, "no end in 2 s on either")
+
+    def run_board(self, *sent, dwt=0, limit=20):
+        """The row and what was printed of a board's suite."""
+        source, elf, runner = self.work / "program.c", self.work / "program.elf", self.work / "runner.py"
+        source.write_text(ANSWER, encoding="utf-8")
+        runner.write_text(RUNNER, encoding="utf-8")
+        entry = {"name": "board", "title": "A board", "runner": runner.name, "expect": "tests performed", "limit": limit,
+                 "passes": {"plain": sent}}
+        self.assertIsNone(self.bench.compile(elf, [source], entry, self.work, "-O2", [f"-DDWT={dwt}"]))
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            row = foreign.run_passes(self.bench, entry, self.work, elf, "board -O2")
+            foreign.print_table([row])
+        return row, printed.getvalue()
+
+    def test_a_board_that_answers_alike_has_no_difference(self):
+        row, printed = self.run_board("a", "b")
+        self.assertEqual((row.count, row.same), (2, 2), printed)
+        self.assertIn("board -O2 plain: 3 tests, 2 pass on both, 0 fail on both alike, 1 not for this target, 0 differ\n",
+                      printed)
+        self.assertRegex(printed, r"\| A board \| 2 \| 2 \| [0-9.]+ \|\n")
+
+    def test_a_board_that_answers_otherwise_is_told(self):
+        row, printed = self.run_board("a", "b", dwt=1)
+        self.assertEqual((row.count, row.same), (2, 0), printed)
+        self.assertIn("  tests/a: FAIL, on QEMU pass\n", printed)
+        row, printed = self.run_board("a", "b", dwt=2)  # wrong on both
+        self.assertEqual((row.count, row.same), (2, 0), printed)
+        self.assertIn("  tests/b: fails with other output than on QEMU\n", printed)
+
+    def test_a_board_that_ends_is_told(self):
+        row, printed = self.run_board("a", "!")
+        self.assertEqual((row.count, row.same), (1, 0), printed)
+        self.assertIn("on capsoc: the simulator ended with 1: exit 1: the firmware ended with status 7\n", printed)
+        self.assertIn("on QEMU: the simulator ended with 7: ", printed)
+
+    def test_a_board_that_says_nothing_is_told(self):
+        row, printed = self.run_board("?", limit=2)
+        self.assertEqual((row.count, row.same), (1, 0), printed)
+        self.assertEqual(printed.count(": no end in time\n"), 2)
+
+    def test_a_board_that_does_not_start_is_one_sentence(self):
+        with self.assertRaisesRegex(foreign.ForeignError, "opens no terminal: .*nothing.elf"):
+            with foreign.Board([BUILD / "capsoc", "run", "nothing.elf", "--uart0", "pty"], self.work):
+                pass
+
+    def test_the_readme_has_a_row_for_each(self):
+        listed = tomllib.loads((ROOT / "tests/foreign/programs.toml").read_text(encoding="utf-8"))
+        titles = [entry["title"] for kind in ("program", "suite", "board") for entry in listed[kind]]
+        table = (ROOT / "README.md").read_text(encoding="utf-8").split(f"{foreign.TABLE}\n")[1].split("\n\n")[0]
+        rows = [re.fullmatch(r"\| (.*) \| ([\d,]+) \| \2 \| \d+\.\d \|", line) for line in table.splitlines()]
+        self.assertEqual([row and row[1] for row in rows], titles)
 
     def refused(self, *arguments):
         done = subprocess.run([SCRIPT, *arguments], capture_output=True, text=True, check=False)
