@@ -236,6 +236,18 @@ class Files(unittest.TestCase):
         self.assertIn("SF:firmware/drivers/uart.c\n", self.file.read_text())
         self.assertNotIn("SF:\n", self.file.read_text())
 
+    def test_what_cannot_be_read_is_told(self):
+        damaged, whole = self.file.parent / "damaged.elf", bytearray((FIRMWARE / "hello.elf").read_bytes())
+        listing = tool("readelf", "-SW", FIRMWARE / "hello.elf")
+        start, size = (int(text, 16) for text in re.search(r"\.debug_abbrev +PROGBITS +\w+ (\w+) (\w+)", listing).groups())
+        whole[start + size // 2:start + size] = b"\xff" * (size - size // 2)
+        damaged.write_bytes(whole)
+        for option in ("--coverage", "--profile"):
+            said = capsoc(damaged, option, self.file).decode()
+            self.assertRegex(said, r"warning: .*damaged\.elf: cannot read the \w+")
+            self.file.unlink()
+        self.assertNotIn("cannot read", capsoc(damaged).decode())
+
     def test_nothing_else_changes(self):
         for program in ("drivers", "threads", "debuggee"):
             results = []

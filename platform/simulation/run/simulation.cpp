@@ -224,6 +224,7 @@ std::vector<std::string> Simulation::close() {
   if (tracer_ != nullptr)
     for (const Error& error : tracer_->finish()) keep(error);
   if (coverage_ != nullptr) keep(coverage_->finish());
+  warn_of_missing_lines(settings_, view_);
   result_.divergence = divergence_of(settings_, backend_.lockstep, soc_);
   if (backend_.rtl != nullptr && backend_.lockstep == nullptr) backend_.rtl->close_waves();
   if (backend_.waves) keep(backend_.waves->finish());

@@ -1,5 +1,7 @@
 #include "run/trace_settings.h"
 
+#include <spdlog/spdlog.h>
+
 #include "run/run_settings.h"
 
 namespace capsoc::run {
@@ -42,6 +44,11 @@ Result<std::unique_ptr<trace::Coverage>> attach_coverage(const RunSettings& sett
   const std::string file = settings.trace.coverage();
   if (file.empty()) return std::unique_ptr<trace::Coverage>();
   return trace::Coverage::attach(view.soc(), view.program(), file);
+}
+
+void warn_of_missing_lines(const RunSettings& settings, const ProgramView& view) {
+  if (settings.trace.profile().empty() && settings.trace.coverage().empty()) return;
+  for (const std::string& sentence : view.program().damage()) spdlog::warn("{}", sentence);
 }
 
 }  // namespace capsoc::run

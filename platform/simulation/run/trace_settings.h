@@ -83,4 +83,7 @@ Result<std::unique_ptr<trace::Tracer>> attach_tracer(const RunSettings& settings
 Result<std::unique_ptr<trace::Coverage>> attach_coverage(const RunSettings& settings,
                                                          const ProgramView& view);
 
+/// Behind both: a warning for each part of the debug information that they could not read.
+void warn_of_missing_lines(const RunSettings& settings, const ProgramView& view);
+
 }  // namespace capsoc::run

@@ -206,11 +206,16 @@ CallStack Program::call_stack(const cortex_m3::InterruptedRegisters& registers,
   return stack;
 }
 
-std::vector<std::string> Program::gaps() const {
+std::vector<std::string> Program::damage() const {
   std::vector<std::string> sentences;
   for (const auto& information : debug_information())
     for (std::string& sentence : information->complaints())
       sentences.push_back(std::move(sentence));
+  return sentences;
+}
+
+std::vector<std::string> Program::gaps() const {
+  std::vector<std::string> sentences = damage();
   if (!sentences.empty()) return sentences;
   for (std::size_t i = 0; i < images_.size(); ++i) {
     const loader::ElfImage& image = *images_[i];

@@ -51,7 +51,9 @@ class Program {
   CallStack call_stack(const cortex_m3::InterruptedRegisters& registers, const ReadWord& read,
                        std::size_t most) const;
 
-  /// What kind of information there is, if it is not all: one sentence for each program.
+  /// What of the debug information cannot be read: one sentence for each part.
+  std::vector<std::string> damage() const;
+  /// That, or what kind of information there is, if it is not all: one sentence for each program.
   std::vector<std::string> gaps() const;
   const std::vector<std::unique_ptr<DebugInformation>>& debug_information() const;
 

@@ -17,9 +17,9 @@ namespace capsoc::trace {
 namespace {
 
 constexpr uint64_t largest_file = 256U << 20U;
-/// Instructions that are looked at, far more than the board's memories hold: a damaged program may
-/// claim code without end.
-constexpr uint64_t most_visits = 1U << 26U;
+/// How often each byte of a program is looked at, far more than a sound one needs: a damaged one
+/// may claim code without end.
+constexpr uint64_t most_visits = 8;
 
 using cortex_m3::DecodedOp;
 using cortex_m3::ExecutionCounts;
@@ -61,7 +61,10 @@ class Collector {
  public:
   Collector(const soc::Soc& soc, const Counts& counts, const loader::ElfImage& image,
             const DebugInformation& information, ProgramCoverage& coverage)
-      : soc_(soc), counts_(counts), image_(image), information_(information), coverage_(coverage) {}
+      : soc_(soc), counts_(counts), image_(image), information_(information), coverage_(coverage) {
+    for (const loader::Segment& segment : image.segments)
+      budget_ += most_visits * segment.bytes.size();
+  }
 
   void collect() {
     add_lines();
@@ -158,7 +161,7 @@ class Collector {
   const DebugInformation& information_;
   ProgramCoverage& coverage_;
   std::map<std::pair<std::string, unsigned>, unsigned> blocks_;
-  uint64_t budget_ = most_visits;
+  uint64_t budget_ = 0;  ///< instructions that may still be looked at
 };
 
 }  // namespace
