@@ -160,6 +160,11 @@ class ForeignFirmware(unittest.TestCase):
             with foreign.Board([BUILD / "capsoc", "run", "nothing.elf", "--uart0", "pty"], self.work):
                 pass
 
+    def test_what_does_not_compile_is_one_sentence(self):
+        entry = {"name": "board", "make": [["-f", "nothing.mk", "{build}"]]}
+        with self.assertRaisesRegex(foreign.ForeignError, r"^board -O2 does not compile: make: \*\*\* .*nothing.mk.*Stop\.$"):
+            foreign.run_board_suite(self.bench, entry, self.work, "-O2")
+
     def test_the_readme_has_a_row_for_each(self):
         listed = tomllib.loads((ROOT / "tests/foreign/programs.toml").read_text(encoding="utf-8"))
         titles = [entry["title"] for kind in ("program", "suite", "board") for entry in listed[kind]]
