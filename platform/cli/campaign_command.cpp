@@ -18,6 +18,7 @@
 #include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "report/page.h"
 
 namespace capsoc::cli {
 namespace {
@@ -28,7 +29,7 @@ constexpr std::size_t shown_commands = 3;
 struct CampaignArguments {
   std::string description, store;
   std::vector<std::string> stores;
-  std::string json, junit, csv;
+  std::string json, junit, html, csv;
   std::string shard;
   campaign::SlurmPlan slurm;
   bool scripts_only = false;
@@ -63,7 +64,8 @@ std::optional<Error> check_files(const std::vector<host::FileUse>& inputs,
 }
 
 std::vector<host::FileUse> reports_of(const CampaignArguments& a) {
-  return {written_by("--json", a.json), written_by("--junit", a.junit)};
+  return {written_by("--json", a.json), written_by("--junit", a.junit),
+          written_by("--html", a.html)};
 }
 
 /// "K/N".
@@ -118,7 +120,10 @@ int print_report(const CampaignArguments& a, const campaign::Store& store) {
   const auto report = campaign::make_report(store);
   if (!report) return refuse(report.error());
   std::vector<host::TextFile> files;
-  if (!a.json.empty()) files.push_back({a.json, run::to_text(campaign::to_json(report.value()))});
+  std::vector<report::ResultFile> results(1);
+  if (!a.json.empty() || !a.html.empty()) results.front().json = campaign::to_json(report.value());
+  if (!a.json.empty()) files.push_back({a.json, run::to_text(results.front().json)});
+  if (!a.html.empty()) files.push_back({a.html, report::page_of(results)});
   if (!a.junit.empty()) {
     auto text = campaign::to_junit(store);
     if (!text) return refuse(text.error());
@@ -291,6 +296,8 @@ void add_working(CLI::App& command, const Arguments& a) {
 void add_reports(CLI::App& command, const Arguments& a) {
   command.add_option("--json", a->json, "Write the report as JSON")->type_name("FILE");
   command.add_option("--junit", a->junit, "Write the runs as JUnit XML")->type_name("FILE.xml");
+  command.add_option("--html", a->html, "Write a report with figures that a browser shows offline")
+      ->type_name("FILE");
 }
 
 void add_slurm(CLI::App& group, const Arguments& a, int& code) {

@@ -22,6 +22,7 @@ const std::vector<Figure>& figures() {
     add_accuracy_figures(list);
     add_bench_figures(list);
     add_regress_figures(list);
+    add_campaign_figures(list);
     return list;
   }();
   return all;
@@ -50,6 +51,7 @@ Data data_of(const Figure& figure, const std::vector<ResultFile>& results) {
     for (const Mark& mark : data.marks)
       if (!is_there(all.marks, mark)) all.marks.push_back(mark);
     if (data.labels.size() > all.labels.size()) all.labels = std::move(data.labels);
+    if (all.columns.all.empty()) all.columns = std::move(data.columns);
   }
   return all;
 }

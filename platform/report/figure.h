@@ -37,11 +37,27 @@ struct RowMark {
   std::string name;  ///< behind "paper" in the mark's label: ", Table 1"
 };
 
+/// A number of each run, or a text: then `labels` has them, and the values count those.
+struct Column {
+  std::string name;
+  std::vector<double> values;  ///< NaN: a run that has none
+  std::vector<std::string> labels = {};
+};
+
+/// What a reader chooses two columns of.
+struct Columns {
+  std::vector<Column> all;
+  std::vector<bool> passed;              ///< of each run
+  std::size_t across = 0, up = 0;        ///< drawn at first
+  std::size_t first_axis = 0, axes = 0;  ///< those that were set, not measured
+};
+
 /// What a result has for a figure; no series: nothing.
 struct Data {
   std::vector<Series> series;
   std::vector<Mark> marks = {};
   std::vector<std::string> labels = {};  ///< of bars
+  Columns columns = {};                  ///< the series are two of them, if there are some
 };
 
 /// A declaration.
@@ -79,5 +95,6 @@ void add_reproduce_figures(std::vector<Figure>& list);
 void add_accuracy_figures(std::vector<Figure>& list);
 void add_bench_figures(std::vector<Figure>& list);
 void add_regress_figures(std::vector<Figure>& list);
+void add_campaign_figures(std::vector<Figure>& list);
 
 }  // namespace capsoc::report

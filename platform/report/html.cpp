@@ -153,6 +153,29 @@ std::string html_of(const Figure& figure, const Data& data) {
       legend, escaped(whole_caption(figure)));
 }
 
+namespace {
+
+std::string json_of(const Columns& columns) {
+  if (columns.all.empty()) return "";
+  std::string out = fmt::format(",\"choice\":[{},{}],\"axes\":[{},{}],\"passed\":[", columns.across,
+                                columns.up, columns.first_axis, columns.first_axis + columns.axes);
+  for (const bool passed : columns.passed)
+    out += fmt::format("{}{:d}", out.back() == '[' ? "" : ",", passed);
+  out += "],\"columns\":[";
+  for (const Column& column : columns.all) {
+    if (out.back() != '[') out += ',';
+    out += "{\"name\":" + json_text(column.name) + ",\"values\":";
+    append_numbers(out, column.values);
+    out += ",\"labels\":[";
+    for (const std::string& label : column.labels)
+      out += (out.back() == '[' ? "" : ",") + json_text(label);
+    out += "]}";
+  }
+  return out + "]";
+}
+
+}  // namespace
+
 std::string json_of(const Figure& figure, const Data& data) {
   std::string out =
       fmt::format("{{\"title\":{},\"kind\":\"{}\",\"log\":{},\"x\":{},\"y\":{},\"series\":[",
@@ -182,7 +205,7 @@ std::string json_of(const Figure& figure, const Data& data) {
     if (out.back() != '[') out += ',';
     out += json_text(label);
   }
-  return out + "]}";
+  return out + "]" + json_of(data.columns) + "}";
 }
 
 }  // namespace capsoc::report

@@ -25,7 +25,8 @@ constexpr Command commands[] = {{"run", add_run_sections},
                                 {"accuracy", add_accuracy_sections},
                                 {"bench", add_bench_sections},
                                 {"regress", add_regress_sections},
-                                {"mutation", add_mutation_sections}};
+                                {"mutation", add_mutation_sections},
+                                {"campaign", add_campaign_sections}};
 
 bool any_of(const std::vector<ResultFile>& results, const char* command) {
   return std::any_of(results.begin(), results.end(),

@@ -45,6 +45,7 @@ void add_accuracy_sections(Page& page);
 void add_bench_sections(Page& page);
 void add_regress_sections(Page& page);
 void add_mutation_sections(Page& page);
+void add_campaign_sections(Page& page);
 
 /// Command, versions, inputs: what every result says of where it comes from.
 std::string origin_of(const Json& result);

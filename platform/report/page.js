@@ -46,6 +46,7 @@
       }
       row[i + 1] = value(s, k, i);
     }));
+    if (table.length === 0) table.push([figure.wide?.[0] ? 1 : 0, ...Array(many).fill(null)]);  // the library draws no empty table
     return table.sort((a, b) => a[0] - b[0]);
   }
 
@@ -91,11 +92,12 @@
       labels: [figure.x, ...all.map((s, i) => `${i}`)],
       legend: "never", connectSeparatedPoints: true, logscale: log, colors: colours(figure),
       gridLineColor: colour("--grid"), axisLineColor: colour("--grid"), xlabel: escaped(figure.x),
-      ylabel: escaped((log && figure.kind !== "bars" ? "|y| of: " : "") + figure.y), axisLabelFontSize: 12, xLabelHeight: 18, yLabelWidth: 18,
+      ylabel: escaped((log && figure.kind !== "bars" && !figure.columns ? "|y| of: " : "") + figure.y), axisLabelFontSize: 12, xLabelHeight: 18, yLabelWidth: 18,
       axes: { x: { axisLabelFormatter: tick }, y: { axisLabelFormatter: tick, axisLabelWidth: 56 } },
       strokeWidth: 1.2, highlightCircleSize: 4, rightGap: 12, series: {},
     };
     o.axes.y.ticker = log ? decades : Dygraph.numericTicks;
+    if (figure.wide) Object.assign(o.axes.x, { logscale: figure.wide[0], ticker: figure.wide[0] ? decades : Dygraph.numericTicks });
     all.forEach((_, i) => { if (i >= many) o.series[`${i}`] = { strokePattern: [6, 4], strokeWidth: 1.5 }; });
     if (figure.kind === "points") Object.assign(o, { drawPoints: true, strokeWidth: 0, pointSize: 1.3, highlightSeriesOpts: {} });
     if (figure.kind === "lanes") {
@@ -130,11 +132,101 @@
     return made;
   }
 
-  const drawn = [];
+  const drawn = [];  // what is done again in other colours
+
+  function between(from, to, part) {
+    const parts = (name) => [1, 3, 5].map((at) => parseInt(colour(name).replace(/^#(.)(.)(.)$/, "#$1$1$2$2$3$3").slice(at, at + 2), 16));
+    const [a, b] = [parts(from), parts(to)];
+    return `rgb(${a.map((value, k) => Math.round(value + part * (b[k] - value))).join(" ")})`;
+  }
+
+  const spans_decades = (column) => {
+    const known = column.values.filter((value) => value !== null);
+    return column.labels.length === 0 && known.length > 0 && Math.min(...known) > 0 && Math.max(...known) >= 20 * Math.min(...known);
+  };
+
+  // Of many columns two become the figure's series, by whether the run passed.
+  function choose(figure, across, up) {
+    figure.choice = [across, up];
+    [figure.x, figure.y] = [figure.columns[across].name, figure.columns[up].name];
+    figure.wide = [spans_decades(figure.columns[across]), spans_decades(figure.columns[up])];
+    const x = figure.columns[across].values, y = figure.columns[up].values;
+    figure.series = [1, 0].map((passed) => {
+      const mine = x.map((_, k) => k).filter((k) => figure.passed[k] === passed && x[k] !== null && y[k] !== null);
+      return { name: passed ? "passed" : "not passed", x: mine.map((k) => x[k]), y: mine.map((k) => y[k]) };
+    });
+  }
+
+  function chooser(label, names, chosen, act) {
+    const box = element("label", label + " "), list = element("select", "");
+    names.forEach((each, i) => list.append(element("option", each, { value: i })));
+    list.value = chosen;
+    list.addEventListener("change", () => act(Number(list.value)));
+    box.append(list);
+    return box;
+  }
+
+  // Classes of a column: its values where they are few, else ten of equal width.
+  function classes(column) {
+    const name = (value) => column.labels[value] ?? short(value);
+    const values = [...new Set(column.values.filter((value) => value !== null))].sort((a, b) => a - b);
+    if (values.length <= 12) return { names: values.map(name), of: (value) => values.indexOf(value) };
+    const many = 10, wide = spans_decades(column), scale = wide ? Math.log10 : (value) => value;
+    const least = scale(values[0]), step = (scale(values[values.length - 1]) - least) / many;
+    const edge = (k) => tick(Number((wide ? 10 ** (least + k * step) : least + k * step).toPrecision(3)));
+    return { names: Array.from({ length: many }, (_, k) => `from ${edge(k)}`), of: (value) => Math.min(many - 1, Math.floor((scale(value) - least) / step)) };
+  }
+
+  // A table over two axes: the share of runs that passed, or the mean of a metric.
+  function heat(box) {
+    const figure = figures[box.dataset.columns], columns = figure.columns, [from, to] = figure.axes;
+    const axes = columns.map((_, i) => i).filter((i) => i >= from && i < to), rest = columns.map((_, i) => i).filter((i) => i < from || i >= to);
+    const names = axes.map((i) => columns[i].name), first = Math.max(0, axes.indexOf(figure.choice[0]));
+    const chosen = { across: first, down: first === 0 && axes.length > 1 ? 1 : 0, value: 0 };
+    const tools = element("div", "", { class: "tools" }), place = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Heat map" });
+    const chooses = (label, list, key) => tools.append(chooser(label, list, chosen[key], (value) => { chosen[key] = value; fill(); }));
+    chooses("Across", names, "across");
+    chooses("down", names, "down");
+    chooses("shown", ["share that passed", ...rest.map((i) => `mean of ${columns[i].name}`)], "value");
+    box.append(element("h3", "Heat map over two axes"), tools, place);
+    function fill() {
+      const x = columns[axes[chosen.across]], y = columns[axes[chosen.down]], [across, down] = [classes(x), classes(y)];
+      const values = chosen.value === 0 ? figure.passed : columns[rest[chosen.value - 1]].values;
+      const cells = down.names.map(() => across.names.map(() => ({ sum: 0, runs: 0 })));
+      x.values.forEach((at, k) => {
+        if (at === null || y.values[k] === null || values[k] === null) return;
+        const cell = cells[down.of(y.values[k])][across.of(at)];
+        cell.sum += values[k];
+        cell.runs += 1;
+      });
+      const means = cells.flat().filter((cell) => cell.runs > 0).map((cell) => cell.sum / cell.runs);
+      const least = chosen.value === 0 ? 0 : Math.min(...means), greatest = chosen.value === 0 ? 1 : Math.max(...means);
+      const table = element("table", ""), what = tools.querySelectorAll("select")[2].selectedOptions[0].textContent;
+      table.append(element("caption", `${what}, and how many runs; across ${x.name}, down ${y.name}`));
+      const head = table.createTHead().insertRow();
+      head.append(element("td", ""), ...across.names.map((each) => element("th", each, { scope: "col", class: "n" })));
+      const body = table.createTBody();
+      cells.forEach((line, k) => {
+        const row = body.insertRow();
+        row.append(element("th", down.names[k], { scope: "row" }));
+        for (const cell of line) {
+          const mean = cell.sum / cell.runs, made = element("td", cell.runs > 0 ? `${Number(mean.toPrecision(3))} (${cell.runs})` : "", { class: "n" });
+          const part = greatest > least ? (mean - least) / (greatest - least) : 1;
+          if (cell.runs > 0) made.style.background = between("--back", "--line-1", 0.05 + 0.3 * part);
+          row.append(made);
+        }
+      });
+      place.replaceChildren(table);
+    }
+    fill();
+    drawn.push(fill);
+  }
+
   function draw(box) {
     if (box.plot) return;
     const figure = figures[box.dataset.figure];
-    let log = figure.log, table = rows(figure, log), row = -1;
+    if (figure.columns) choose(figure, ...figure.choice);
+    let log = figure.wide ? figure.wide[1] : figure.log, table = rows(figure, log), row = -1;
     const place = box.querySelector(".plot"), readout = box.querySelector(".readout");
     const plot = box.plot = new Dygraph(place, table, {
       ...options(figure, log),
@@ -180,6 +272,15 @@
         event.target.textContent = log ? "Linear" : "Log";
         plot.updateOptions({ ...options(figure, log), file: table });
       });
+    const choosing = (label, at) => tools.append(chooser(label, figure.columns.map((column) => column.name), figure.choice[at], (value) => {
+      choose(figure, ...figure.choice.map((old, k) => k === at ? value : old));
+      log = figure.wide[1];
+      table = rows(figure, log);
+      place.setAttribute("aria-valuemax", table.length - 1);
+      row = -1;
+      plot.updateOptions({ ...options(figure, log), dateWindow: null, file: table });
+    }));
+    if (figure.columns) ["Across", "up"].forEach(choosing);
     const link = tools.appendChild(element("a", "CSV", { href: `#${box.id}`, download: `${box.dataset.figure}.csv`, "aria-label": `Data as CSV: ${figure.title}` }));
     link.addEventListener("click", () => { link.href = "data:text/csv;charset=utf-8," + encodeURIComponent(csv(figure)); });
     drawn.push(() => plot.updateOptions({ colors: colours(figure), gridLineColor: colour("--grid"), axisLineColor: colour("--grid") }));
@@ -213,6 +314,7 @@
   }), { rootMargin: "300px" });
   boxes.forEach((box) => near.observe(box));
   document.querySelectorAll("table.sortable").forEach(sortable);
+  document.querySelectorAll(".heat").forEach(heat);
 
   const recolour = () => drawn.forEach((each) => each());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);

@@ -65,7 +65,7 @@ std::string command_of(const Json& json) {
   if (text_at(json, {"schema"}) == "capsoc-regress-1") return "regress";
   if (text_at(json, {"schema"}) == "capsoc-mutation-1") return "mutation";
   const std::string command = text_at(json, {"command"});
-  for (const char* known : {"run", "fit", "reproduce", "accuracy", "bench"}) {
+  for (const char* known : {"run", "fit", "reproduce", "accuracy", "bench", "campaign"}) {
     const std::string begin = std::string("capsoc ") + known;
     if (command.compare(0, begin.size(), begin) != 0) continue;
     if (command.size() == begin.size() || command[begin.size()] == ' ') return known;

@@ -23,8 +23,8 @@ struct ResultFile {
 /// report.
 Result<ResultFile> read_result(const std::string& path);
 
-/// The command that wrote it: "run", "fit", "reproduce", "accuracy", "bench", "regress", and
-/// "mutation" for what scripts/mutation/mutation wrote; "" if it is none of these.
+/// The command that wrote it: "run", "fit", "reproduce", "accuracy", "bench", "campaign",
+/// "regress", and "mutation" for what scripts/mutation/mutation wrote; "" if it is none of these.
 std::string command_of(const Json& json);
 
 using Path = std::initializer_list<const char*>;

@@ -534,6 +534,26 @@ class Reports(Case):
         self.assertIn(f"yield {100 * passed / 30:.2f} % ({passed} of 30)", out)
         self.assertIn(report["worst"][0]["command"], out)
 
+    def test_a_page(self):
+        self.describe(DRAWN.format(runs=6))
+        self.campaign("run", "d.toml", "--json", "r.json", "--html", "r.html")
+        report, page = json.loads(self.path("r.json").read_text()), self.path("r.html").read_text()
+        sample = report["sample"]
+        self.assertEqual((sample["of"], sample["runs"], len(sample["passed"])), (6, list(range(6)), 6))
+        for columns in (sample["axes"], sample["metrics"]):
+            self.assertTrue(all(len(column) == 6 for column in columns.values()))
+        self.assertTrue(all(isinstance(value, float) for value in sample["axes"]["sensor.a1"]))
+        self.assertEqual(sum(sample["passed"]), report["passed"])
+        # The same page from the store, and from the JSON.
+        self.campaign("report", "d.sqlite", "--html", "again.html")
+        self.assertEqual(self.path("again.html").read_text(), page)
+        subprocess.run([CAPSOC, "report", self.path("r.json"), "--html", self.path("later.html")], check=True, cwd=self.path("."))
+        self.assertEqual(self.path("later.html").read_text(), page)
+        # No output is another one, and none is begun where it cannot be written.
+        for said, *options in (("--html r.json and --json r.json are the same", "--html", "r.json", "--json", "r.json"),
+                               ("none/r.html: cannot be written", "--html", "none/r.html"), ("--html d.sqlite", "--html", "d.sqlite")):
+            self.assertIn(said, self.campaign("report", "d.sqlite", *options, code=2)[1])
+
     def test_columns(self):
         self.describe(DRAWN.format(runs=4))
         self.campaign("run", "d.toml")

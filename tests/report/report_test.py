@@ -270,6 +270,98 @@ class Runs(OfACommand):
         self.assertEqual([s["name"] for s in self.figures()["a1"]["series"]], ["a1, run.json", "a1, other.json"])
 
 
+class Campaigns(Seen):
+    """The report of `capsoc campaign`."""
+
+    def campaign(self, count=400, name="drawn", axis="noise", metric="error"):
+        """As its JSON: the error follows the first axis, and beyond 0.5 a run does not pass."""
+        noise = [10 ** (-6 + 4 * k / count) for k in range(count)]
+        error = [value * 100 for value in noise]
+        passed = [value < 0.5 for value in error]
+        share = {axis: {"share": 0.9, "correlation": 0.99}, "bits": {"share": 0.01, "correlation": 0}}
+        return {"schema": 1, "command": "capsoc campaign", "name": name, "kind": "run", "version": "x", "runs": count, "done": count,
+                "finished": count, "passed": sum(passed), "yield": sum(passed) / count, "yield_interval": [0.9, 0.95], "least_yield": 0.5,
+                "criteria": [{"name": "small", "expression": metric + " < 0.5", "met": sum(passed)}], "exits": [{"exit": "0: " + name, "runs": count}],
+                "metrics": [{"name": metric, "expression": metric, "missing": 0, "count": count,
+                             "summary": {"mean": 0.2, "quantiles": {"0": error[0], "0.5": error[count // 2], "1": error[-1]}},
+                             "histogram": {"logarithmic": True, "least": error[0], "greatest": error[-1], "bins": [count // 20] * 20},
+                             "sensitivity": share}],
+                "worst_metric": metric, "worst": [{"run": 3, "worst": 0.99, "exit": name, "command": "capsoc run -C " + name}], "failures": [],
+                "sample": {"of": count, "runs": list(range(count)), "passed": passed,
+                           "axes": {axis: noise, "bits": [12 + k % 3 for k in range(count)], "kind": [["tlm", "rtl"][k % 2] for k in range(count)]},
+                           "metrics": {metric: error, "half": [None if k % 2 else 1.0 for k in range(count)]}}}
+
+    def shown(self):
+        return self.browser.run("""const f = document.querySelector('figure[data-figure="campaign-any-two"]');
+            return {rows: f.plot.numRows(), y: f.plot.getOption('logscale'), x: f.plot.getOptionForAxis('logscale', 'x'), label: f.plot.getOption('xlabel')}""")
+
+    def choose(self, place, number, value):
+        self.browser.run("""const s = document.querySelectorAll(arguments[0] + ' select')[arguments[1]]; s.value = arguments[2];
+            s.dispatchEvent(new Event('change'))""", place, number, value)
+
+    def test_it_keeps_what_every_report_keeps(self):
+        self.check_page(self.report(self.campaign()))
+        figures = self.figures()
+        self.assertEqual(sum(figures["campaign-metric-1"]["series"][0]["y"]), 400)
+        self.assertEqual(figures["campaign-dependence"]["labels"], ["noise", "bits"])
+        self.assertEqual([len(s["x"]) for s in figures["campaign-any-two"]["series"]], [370, 30])
+        text = self.browser.run("return document.body.textContent")
+        self.assertIn("Yield 92.50 %: 370 of 400 runs that are done, of 400 in all.", text)
+        self.assertIn("95 % interval by Wilson: 90.00 % to 95.00 %; wanted are 50.00 %.", text)
+        self.assertIn("capsoc run -C drawn", text)
+
+    def test_any_two_columns_are_drawn(self):
+        self.open(self.report(self.campaign()))
+        self.assertEqual(self.shown(), {"rows": 400, "y": True, "x": True, "label": "noise"})
+        self.choose("figure[data-figure=campaign-any-two]", 0, 1)
+        self.assertEqual(self.shown(), {"rows": 400, "y": True, "x": False, "label": "bits"})
+        self.choose("figure[data-figure=campaign-any-two]", 1, 4)
+        self.assertEqual(self.shown(), {"rows": 200, "y": False, "x": False, "label": "bits"})
+        self.assertEqual(self.browser.console(), [])
+
+    def test_the_heat_map_counts_and_averages(self):
+        self.open(self.report(self.campaign()))
+        cells = """return [...document.querySelectorAll('.heat tbody tr')].map((r) => [...r.cells].map((c) => c.textContent))"""
+        table = self.browser.run(cells)
+        self.assertEqual([row[0] for row in table], ["12", "13", "14"])
+        self.assertEqual(len(table[0]), 11)
+        runs = sum(int(cell.split("(")[1][:-1]) for row in table for cell in row[1:] if cell)
+        self.assertEqual(runs, 400)
+        self.assertEqual([row[1].split()[0] for row in table], ["1", "1", "1"])
+        self.assertLess(float(table[0][-1].split()[0]), 0.5)
+        self.choose(".heat", 0, 2)
+        self.choose(".heat", 2, 1)
+        table = self.browser.run(cells)
+        self.assertEqual(self.browser.run("return [...document.querySelectorAll('.heat thead th')].map((c) => c.textContent)"), ["tlm", "rtl"])
+        noise = [10 ** (-6 + 4 * k / 400) for k in range(400)]
+        mean = sum(100 * noise[k] for k in range(0, 400, 6)) / len(range(0, 400, 6))
+        self.assertAlmostEqual(float(table[0][1].split()[0]), mean, delta=0.01 * mean)
+        self.assertEqual(self.browser.console(), [])
+
+    def test_hostile_names_stay_text(self):
+        for text in HOSTILE:
+            page = self.report(self.campaign(40, text, "a" + text, "m" + text))
+            self.open(page)
+            self.choose("figure[data-figure=campaign-any-two]", 1, 0)
+            self.choose(".heat", 2, 1)
+            found = self.browser.run("""return {hacked: window.hacked ?? null, scripts: document.scripts.length,
+                strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg, body link, body style').length,
+                names: [...document.querySelectorAll('select option')].map((o) => o.textContent)}""")
+            self.assertEqual((found["hacked"], found["scripts"], found["strange"]), (None, 3, 0))
+            self.clean(page)
+
+    def test_damage_is_no_error_of_the_page(self):
+        whole = self.campaign(30)
+        for key in ("sample", "metrics", "criteria", "exits", "worst", "yield_interval"):
+            for value in (None, [], {}, 5, "x", [[]], [{}]):
+                self.report({**whole, key: value})
+        odd = self.campaign(30)
+        odd["sample"]["axes"]["noise"] = odd["sample"]["axes"]["noise"][:7]
+        odd["sample"]["metrics"]["error"][3] = {"a": [1]}
+        self.open(self.report(odd))
+        self.assertEqual(self.browser.console(), [])
+
+
 class Hostile(Seen):
     """Texts that would like to be markup stay texts."""
 

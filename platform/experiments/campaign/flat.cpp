@@ -5,7 +5,7 @@
 namespace capsoc::campaign {
 namespace {
 
-Value value_of(const nlohmann::ordered_json& json) {
+Value scalar_of(const nlohmann::ordered_json& json) {
   if (json.is_boolean()) return json.get<bool>();
   if (json.is_string()) return json.get<std::string>();
   if (json.is_number()) {
@@ -19,7 +19,7 @@ constexpr int deepest_result = 32;  // a damaged store may hold anything
 
 void add(const nlohmann::ordered_json& json, const std::string& name, int depth, FlatResult& flat) {
   if (!json.is_structured()) {
-    flat[name] = value_of(json);
+    flat[name] = scalar_of(json);
     return;
   }
   if (depth == deepest_result) return;

@@ -12,6 +12,8 @@ constexpr std::size_t shown = 10;
 
 /// What the statistics need of all finished runs.
 struct Columns {
+  std::vector<uint64_t> runs;
+  std::vector<bool> passed;
   std::vector<std::vector<std::optional<double>>> metrics;
   std::vector<std::vector<std::string>> axes;
 };
@@ -45,6 +47,8 @@ class Collector {
       report_.failures.push_back(example(run, judged));
     if (!judged.finished) return;
     ++report_.finished;
+    columns_.runs.push_back(run.number);
+    columns_.passed.push_back(judged.pass);
     for (std::size_t i = 0; i < judged.metrics.size(); ++i)
       columns_.metrics[i].push_back(judged.metrics[i]);
     for (std::size_t i = 0; i < columns_.axes.size(); ++i)
@@ -56,6 +60,7 @@ class Collector {
     if (report_.done > 0) report_.interval = wilson(report_.passed, report_.done);
     for (std::size_t i = 0; i < report_.metrics.size(); ++i)
       finish(report_.metrics[i], columns_.metrics[i]);
+    take_sample();
     return std::move(report_);
   }
 
@@ -90,6 +95,22 @@ class Collector {
       for (std::size_t i = 0; i < column.size(); ++i)
         if (column[i]) those.push_back(axis[i]);
       metric.to_axes.push_back(sensitivity(those, values));
+    }
+  }
+
+  void take_sample() {
+    Sample& sample = report_.sample;
+    sample.of = columns_.runs.size();
+    sample.axes.resize(columns_.axes.size());
+    sample.metrics.resize(columns_.metrics.size());
+    const std::size_t step = (columns_.runs.size() + Sample::most - 1) / Sample::most;
+    for (std::size_t i = 0; i < columns_.runs.size(); i += step) {
+      sample.runs.push_back(columns_.runs[i]);
+      sample.passed.push_back(columns_.passed[i]);
+      for (std::size_t a = 0; a < sample.axes.size(); ++a)
+        sample.axes[a].push_back(columns_.axes[a][i]);
+      for (std::size_t m = 0; m < sample.metrics.size(); ++m)
+        sample.metrics[m].push_back(columns_.metrics[m][i]);
     }
   }
 

@@ -36,6 +36,16 @@ struct Example {
   std::string command;
 };
 
+/// Of at most `most` finished runs, evenly taken in the order of their numbers.
+struct Sample {
+  static constexpr std::size_t most = 2000;
+  uint64_t of = 0;  ///< finished runs
+  std::vector<uint64_t> runs;
+  std::vector<bool> passed;
+  std::vector<std::vector<std::string>> axes;               ///< by axis: what each run was given
+  std::vector<std::vector<std::optional<double>>> metrics;  ///< by metric
+};
+
 struct Report {
   std::string name, kind, version;
   std::vector<std::string> axes;
@@ -49,6 +59,7 @@ struct Report {
   std::string worst_metric;               ///< "" without
   std::vector<Example> worst;             ///< its largest values first
   std::vector<Example> failures;          ///< the first ones
+  Sample sample;
 
   double yield() const {
     return done == 0 ? 0 : static_cast<double>(passed) / static_cast<double>(done);

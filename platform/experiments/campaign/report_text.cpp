@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "campaign/plan.h"
 #include "campaign/report.h"
 #include "campaign/stored_campaign.h"
+#include "support/curve.h"
 #include "support/json.h"
 #include "support/printable.h"
 #include "support/xml.h"
@@ -165,18 +167,38 @@ std::string to_text(const Report& r) {
   return text + examples_text("failures: the first of them", r.failures);
 }
 
+namespace {
+
+/// Numbers as a plot needs them.
+ordered_json sample_json(const Report& r) {
+  constexpr int digits = 7;
+  ordered_json j = {{"of", r.sample.of}, {"runs", r.sample.runs}, {"passed", r.sample.passed}};
+  j["axes"] = j["metrics"] = ordered_json::object();
+  for (std::size_t i = 0; i < r.sample.axes.size(); ++i) {
+    ordered_json& column = j["axes"][r.axes[i]] = ordered_json::array();
+    for (const std::string& text : r.sample.axes[i]) {
+      const Value value = value_of(text);
+      const auto* const number = std::get_if<double>(&value);
+      column.push_back(number != nullptr ? ordered_json(rounded(*number, digits))
+                                         : ordered_json(text));
+    }
+  }
+  for (std::size_t i = 0; i < r.sample.metrics.size(); ++i) {
+    ordered_json& column = j["metrics"][r.metrics[i].name] = ordered_json::array();
+    for (const auto& value : r.sample.metrics[i])
+      column.push_back(value ? ordered_json(rounded(*value, digits)) : ordered_json());
+  }
+  return j;
+}
+
+}  // namespace
+
 ordered_json to_json(const Report& r) {
-  ordered_json j = {{"schema", schema_version},
-                    {"name", r.name},
-                    {"kind", r.kind},
-                    {"version", r.version},
-                    {"runs", r.planned},
-                    {"done", r.done},
-                    {"finished", r.finished},
-                    {"passed", r.passed},
-                    {"yield", nullptr},
-                    {"yield_interval", nullptr},
-                    {"least_yield", r.least_yield}};
+  ordered_json j = {
+      {"schema", schema_version}, {"command", "capsoc campaign"}, {"name", r.name},
+      {"kind", r.kind},           {"version", r.version},         {"runs", r.planned},
+      {"done", r.done},           {"finished", r.finished},       {"passed", r.passed},
+      {"yield", nullptr},         {"yield_interval", nullptr},    {"least_yield", r.least_yield}};
   if (r.interval) {
     j["yield"] = r.yield();
     j["yield_interval"] = {r.interval->least, r.interval->greatest};
@@ -191,6 +213,7 @@ ordered_json to_json(const Report& r) {
   j["worst"] = j["failures"] = ordered_json::array();
   for (const Example& e : r.worst) j["worst"].push_back(example_json(r, e));
   for (const Example& e : r.failures) j["failures"].push_back(example_json(r, e));
+  j["sample"] = sample_json(r);
   return j;
 }
 

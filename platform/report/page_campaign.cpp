@@ -1,0 +1,119 @@
+// What the report of `capsoc campaign` says beside its figures.
+#include <fmt/format.h>
+
+#include "report/html.h"
+#include "report/page.h"
+
+namespace capsoc::report {
+namespace {
+
+std::string percent(const Json& json, Path path) {
+  const auto value = number_at(json, path);
+  return value ? fmt::format("{:.2f} %", 100 * *value) : "-";
+}
+
+std::string number(const Json& json, Path path) {
+  const auto value = number_at(json, path);
+  return value ? fmt::format("{:.4g}", *value) : "-";
+}
+
+std::string yield_of(const Json& result) {
+  const auto yield = number_at(result, {"yield"}), least = number_at(result, {"least_yield"});
+  const auto interval = elements_at(result, {"yield_interval"});
+  const bool all = shown_at(result, {"done"}) == shown_at(result, {"runs"});
+  const bool good = all && yield && least && *yield >= *least;
+  std::string out = fmt::format(
+      "<p class=\"{}\">Yield {}: {} of {} runs that are done, of {} in all.</p>\n",
+      good ? "good" : "bad", percent(result, {"yield"}), escaped(shown_at(result, {"passed"})),
+      escaped(shown_at(result, {"done"})), escaped(shown_at(result, {"runs"})));
+  if (interval.size() == 2)
+    out += paragraph(fmt::format("95 % interval by Wilson: {} to {}; wanted are {}.",
+                                 percent(*interval[0], {}), percent(*interval[1], {}),
+                                 percent(result, {"least_yield"})));
+  Table criteria{"Criteria, all of which a run has to meet", {"name", "runs", "expression"}, {}};
+  for (const Json* each : elements_at(result, {"criteria"}))
+    criteria.rows.push_back(
+        {text_at(*each, {"name"}), shown_at(*each, {"met"}), text_at(*each, {"expression"})});
+  Table exits{"How the runs ended", {"runs", "exit"}, {}};
+  for (const Json* each : elements_at(result, {"exits"}))
+    exits.rows.push_back({shown_at(*each, {"runs"}), text_at(*each, {"exit"})});
+  return out + html_of(criteria) + html_of(exits);
+}
+
+std::string quantiles_of(const Json& result) {
+  constexpr const char* quantiles[] = {"0",    "0.01", "0.05", "0.25", "0.5",
+                                       "0.75", "0.95", "0.99", "1"};
+  Table table{"Quantiles of the finished runs",
+              {"metric", "runs", "mean", "least", "1 %", "5 %", "25 %", "median", "75 %", "95 %",
+               "99 %", "greatest", "expression"},
+              {}};
+  for (const Json* metric : elements_at(result, {"metrics"})) {
+    std::vector<Cell> row = {text_at(*metric, {"name"}), shown_at(*metric, {"count"}),
+                             number(*metric, {"summary", "mean"})};
+    for (const char* quantile : quantiles)
+      row.emplace_back(number(*metric, {"summary", "quantiles", quantile}));
+    row.emplace_back(text_at(*metric, {"expression"}));
+    table.rows.push_back(std::move(row));
+  }
+  return html_of(table);
+}
+
+std::string dependence_of(const Json& result) {
+  Table table{"What depends on what", {"metric", "axis", "share", "rank correlation"}, {}};
+  for (const Json* metric : elements_at(result, {"metrics"})) {
+    const Json* axes = find(*metric, {"sensitivity"});
+    if (axes == nullptr || !axes->is_object()) continue;
+    for (const auto& [axis, values] : axes->items())
+      table.rows.push_back({text_at(*metric, {"name"}), axis, percent(values, {"share"}),
+                            number(values, {"correlation"})});
+  }
+  return html_of(table);
+}
+
+std::string examples_of(const Json& result, const char* which) {
+  std::string out;
+  for (const Json* each : elements_at(result, {which})) {
+    const std::string name = fmt::format("run {}", shown_at(*each, {"run"}));
+    out += paragraph(fmt::format("{}: {} = {}, {}", name, text_at(result, {"worst_metric"}),
+                                 number(*each, {"worst"}), text_at(*each, {"exit"})));
+    out += preformatted("Command of " + name, text_at(*each, {"command"}));
+  }
+  return out;
+}
+
+std::string worst_of(const Json& result) {
+  return examples_of(result, "worst");
+}
+
+std::string failures_of(const Json& result) {
+  return examples_of(result, "failures");
+}
+
+std::string where_from(const Json& result) {
+  Table table{"The campaign", {"what", "value"}, {}};
+  for (const char* key : {"name", "kind", "version"})
+    table.rows.push_back({key, text_at(result, {key})});
+  return html_of(table);
+}
+
+/// The page's script makes it of the columns behind the scatter plot.
+constexpr const char* heat_map =
+    "<div class=\"heat\" data-columns=\"campaign-any-two\" role=\"group\" "
+    "aria-label=\"Heat map over two axes\"></div>\n";
+
+}  // namespace
+
+void add_campaign_sections(Page& page) {
+  page.add("Yield", page.of_each("campaign", yield_of));
+  page.add("Distributions",
+           page.figures_of("campaign", "Distributions") + page.of_each("campaign", quantiles_of));
+  page.add("What depends on what", page.figures_of("campaign", "What depends on what") +
+                                       page.of_each("campaign", dependence_of));
+  if (const std::string figures = page.figures_of("campaign", "Any two"); !figures.empty())
+    page.add("Any two", figures + heat_map);
+  page.add("The worst", page.of_each("campaign", worst_of));
+  page.add("The first that did not pass", page.of_each("campaign", failures_of));
+  page.add("Where it comes from", page.of_each("campaign", where_from));
+}
+
+}  // namespace capsoc::report
