@@ -111,11 +111,15 @@ tlm::tlm_response_status ApbBridge::transfer(tlm::tlm_generic_payload& payload,
 tlm::tlm_response_status ApbBridge::pass_on(tlm::tlm_generic_payload& payload, const Decoded& at,
                                             sc_core::sc_time& delay) {
   const uint64_t address = payload.get_address();
+  Word before;
+  std::copy_n(payload.get_data_ptr(), word, before.data());
   payload.set_address(at.local);
   payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(payload, delay);
   payload.set_address(address);
   payload.set_dmi_allowed(false);
+  // PRDATA of a failed transfer goes nowhere.
+  if (!payload.is_response_ok()) std::copy_n(before.data(), word, payload.get_data_ptr());
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
   return as_on_ahb(payload.get_response_status());
 }
