@@ -241,8 +241,10 @@ void CortexM3Tlm::skip_polling() {
   if (turn && !reset_requested_) core_.skip_turns(*turn, steady_until_);
 }
 
-/// Something happens in the kernel, or between it and the core, at or before the core's time.
+/// Something happens in the kernel, or between it and the core, at or before the core's time; or
+/// the kernel is to stop and waits for its processes.
 bool CortexM3Tlm::is_late() const {
+  if (sc_core::sc_get_simulator_status() != sc_core::SC_SIM_OK) return true;
   return std::min(next_activity_, pause_at_) <= clock_.time_of(core_.cycles());
 }
 
@@ -338,7 +340,8 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   wait_cycles =
       static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now + begin));
-  if (payload.is_dmi_allowed() && map_if_memory(address, kind)) granted_.push_back({address, kind});
+  const bool maps = payload.is_dmi_allowed() && map_if_memory(address, kind);
+  if (maps) granted_.push_back({address, kind});
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
@@ -346,7 +349,7 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   seems_to_poll_ =
       fast_forward_ && !measuring_ && polling_.is_worth_a_look(address, value, steady_.steady);
   const bool is_nearer = clock_.cycles_at(next_activity_) < horizon_;
-  if (seems_to_poll_ || is_nearer || debugger_ != nullptr) core_.attention();
+  if (seems_to_poll_ || is_nearer || maps || is_late() || debugger_ != nullptr) core_.attention();
   return ok;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "metrics/metrics.h"
+
 namespace capsoc::metrics {
 namespace {
 
