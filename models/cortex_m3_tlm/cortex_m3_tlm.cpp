@@ -11,6 +11,11 @@
 namespace capsoc::cortex_m3 {
 namespace {
 
+/// sc_stop() was called, by whomever.
+bool is_stopping() {
+  return sc_core::sc_get_simulator_status() != sc_core::SC_SIM_OK;
+}
+
 constexpr uint64_t never = std::numeric_limits<uint64_t>::max();
 constexpr uint32_t code_region_end =
     0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
@@ -221,9 +226,11 @@ void CortexM3Tlm::sleep_until_woken() {
   }
 }
 
-/// Everything else that happens at this instant happens before the processor's next instruction.
+/// Everything else that happens at this instant happens before the processor's next instruction. If
+/// that is the end there is none: sc_stop() lets the processes of its delta cycle run.
 void CortexM3Tlm::settle() {
-  while (sc_core::sc_pending_activity_at_current_time()) wait(sc_core::SC_ZERO_TIME);
+  while (sc_core::sc_pending_activity_at_current_time() || is_stopping())
+    wait(sc_core::SC_ZERO_TIME);
 }
 
 /// Behind an access: if the program only waits for a device, whole turns of its loop up to the next
@@ -244,8 +251,7 @@ void CortexM3Tlm::skip_polling() {
 /// Something happens in the kernel, or between it and the core, at or before the core's time; or
 /// the kernel is to stop and waits for its processes.
 bool CortexM3Tlm::is_late() const {
-  if (sc_core::sc_get_simulator_status() != sc_core::SC_SIM_OK) return true;
-  return std::min(next_activity_, pause_at_) <= clock_.time_of(core_.cycles());
+  return is_stopping() || std::min(next_activity_, pause_at_) <= clock_.time_of(core_.cycles());
 }
 
 void CortexM3Tlm::look_ahead() {

@@ -170,8 +170,6 @@ void Simulation::pace() {
 
 bool Simulation::interrupted() {
   if (checkpoints_ != nullptr) checkpoints_->look_for_signal();
-  // sc_stop() lets those run that are due at the same time: the processor for a whole quantum.
-  while (limit_.expired()) sc_core::wait(sc_core::SC_ZERO_TIME);
   return host_limit_.reached();
 }
 
