@@ -9,7 +9,6 @@
 
 #include "campaign/campaign.h"
 #include "campaign/export.h"
-#include "campaign/progress.h"
 #include "campaign/report.h"
 #include "campaign/slurm.h"
 #include "cli/commands.h"
@@ -19,6 +18,7 @@
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "report/page.h"
+#include "workers/progress.h"
 
 namespace capsoc::cli {
 namespace {
@@ -111,7 +111,7 @@ int check_command(const CampaignArguments& a) {
   }
   const double all = seconds.value() * static_cast<double>(p.runs().size());
   host::print("the first run takes {:.2f} s, all of them about {} with --jobs {}\n",
-              seconds.value(), campaign::duration_text(all / a.run.jobs), a.run.jobs);
+              seconds.value(), workers::duration_text(all / a.run.jobs), a.run.jobs);
   return run::exit_code::pass;
 }
 

@@ -18,6 +18,8 @@
 #include "regress/rtl_comparison.h"
 #include "report/page.h"
 #include "run/results.h"
+#include "support/shell.h"
+#include "trace/save_file.h"
 
 namespace capsoc::cli {
 namespace {
@@ -63,8 +65,13 @@ std::optional<Error> check_files(const RegressArguments& a) {
   }
   const auto runs = regress::runs_of(a.plan);
   if (!runs) return Error{runs.error()};
-  for (const regress::Run& run : runs.value())
+  for (const regress::Run& run : runs.value()) {
     uses.push_back({Kind::output, "--coverage", run.coverage_file});
+    if (run.waves_file.empty()) continue;
+    const std::string waves = run.waves_file + ".fst";
+    uses.push_back({Kind::output, "--waves", waves});
+    uses.push_back({Kind::output, "--waves", trace::save_file(waves)});
+  }
   if (auto error = host::check_uses(uses)) return error;
   for (const host::FileUse& use : uses)
     if (use.kind == Kind::output && !use.path.empty())
@@ -75,18 +82,23 @@ std::optional<Error> check_files(const RegressArguments& a) {
   return exceptions ? std::nullopt : std::make_optional(Error{exceptions.error()});
 }
 
+std::optional<Error> make_directory(const std::string& directory) {
+  std::error_code failure;
+  if (directory.empty() || std::filesystem::is_directory(directory, failure) ||
+      std::filesystem::create_directories(directory, failure))
+    return std::nullopt;
+  return Error{fmt::format("the directory {} cannot be made: {}", directory, failure.message())};
+}
+
 std::optional<Error> prepare(RegressArguments& a) {
   regress::Plan& plan = a.plan;
   if (a.arithmetic != "paper") plan.arithmetics.push_back(Arithmetic::precise);
   if (a.arithmetic != "precise") plan.arithmetics.push_back(Arithmetic::paper);
   if (!a.library.empty() && plan.arithmetics.size() > 1)
     return Error{"--rtl-library holds one arithmetic: give --arithmetic precise or paper, too"};
-  if (!a.library.empty()) plan.command_options = "--rtl-library " + a.library;
-  std::error_code failure;
-  if (!plan.coverage_directory.empty() && !std::filesystem::is_directory(plan.coverage_directory) &&
-      !std::filesystem::create_directories(plan.coverage_directory, failure))
-    return Error{fmt::format("the directory {} cannot be made: {}", plan.coverage_directory,
-                             failure.message())};
+  if (!a.library.empty()) plan.command_options = "--rtl-library " + shell_word(a.library);
+  for (const std::string& directory : {plan.coverage_directory, plan.waves_directory})
+    if (auto error = make_directory(directory)) return error;
   return check_files(a);
 }
 
@@ -111,6 +123,10 @@ std::optional<Error> open_libraries(RegressArguments& a) {
   return std::nullopt;
 }
 
+bool has_coverage(const regress::Run& run) {
+  return run.done && !(run.finding && run.finding->kind == regress::Finding::Kind::no_result);
+}
+
 /// The coverage files of the runs become one file for each arithmetic.
 Result<std::vector<regress::RtlCoverage>> merge(const RegressArguments& a,
                                                 const regress::Outcome& outcome) {
@@ -121,11 +137,10 @@ Result<std::vector<regress::RtlCoverage>> merge(const RegressArguments& a,
   for (Arithmetic arithmetic : a.plan.arithmetics) {
     std::vector<std::string> files;
     for (const regress::Run& run : outcome.runs)
-      if (run.arithmetic == arithmetic) files.push_back(run.coverage_file);
+      if (run.arithmetic == arithmetic && has_coverage(run)) files.push_back(run.coverage_file);
     auto merged = regress::merge_coverage(regress::name_of(arithmetic), files,
                                           merged_coverage(a, arithmetic), exceptions.value());
     if (!merged) return Error{merged.error()};
-    for (const std::string& file : files) std::remove(file.c_str());
     result.push_back(std::move(merged.value()));
   }
   return result;
@@ -139,14 +154,10 @@ bool covered(const std::vector<regress::RtlCoverage>& all) {
   return true;
 }
 
-/// The runs' own coverage files are gone at the end, whatever ends the command.
-std::vector<host::RemovedAtSignal> partial_coverage(const RegressArguments& a) {
-  std::vector<host::RemovedAtSignal> files;
-  if (a.plan.coverage_directory.empty()) return files;
-  const auto runs = regress::runs_of(a.plan);
-  if (!runs) return files;
-  for (const regress::Run& run : runs.value()) files.emplace_back(run.coverage_file);
-  return files;
+/// No run's own coverage file stays, not of one that was ended either.
+void remove_coverage(const regress::Outcome& outcome) {
+  for (const regress::Run& run : outcome.runs)
+    if (!run.coverage_file.empty()) std::remove(run.coverage_file.c_str());
 }
 
 /// That gives the same result; the number of threads does not change it.
@@ -155,8 +166,38 @@ std::string command_of(const RegressArguments& a) {
       "capsoc regress --arithmetic {} --seeds {} --first-seed {} --samples {} --accesses {}",
       a.arithmetic, a.plan.seeds, a.plan.first_seed, a.plan.samples, a.plan.accesses);
   for (const std::string& scenario : a.plan.scenarios) text += " --scenario " + scenario;
-  if (!a.plan.coverage_directory.empty()) text += " --coverage " + a.plan.coverage_directory;
+  if (!a.plan.coverage_directory.empty())
+    text += " --coverage " + shell_word(a.plan.coverage_directory);
   return a.plan.command_options.empty() ? text : text + " " + a.plan.command_options;
+}
+
+/// false: something was lost, and it is said what.
+bool write_files(const RegressArguments& a, const regress::Outcome& outcome,
+                 const std::vector<regress::RtlCoverage>& rtl) {
+  std::vector<host::TextFile> files;
+  nlohmann::ordered_json result = regress::to_json(a.plan, outcome, rtl);
+  result["versions"] = run::versions();
+  result["command"] = command_of(a);
+  if (!a.json.empty()) files.push_back({a.json, run::to_text(result)});
+  if (!a.html.empty()) files.push_back({a.html, report::page_of({{"", std::move(result)}})});
+  if (!a.junit.empty()) files.push_back({a.junit, regress::to_junit(outcome)});
+  bool whole = true;
+  for (const host::TextFile& file : files)
+    if (auto error = host::write_whole(file.path, file.text)) {
+      refuse(error->text);
+      whole = false;
+    }
+  return whole;
+}
+
+int exit_code_of(const regress::Outcome& outcome, const std::vector<regress::RtlCoverage>& rtl,
+                 bool whole) {
+  if (const regress::Run* run = outcome.first_failure())
+    return run->finding->kind == regress::Finding::Kind::difference ? run::exit_code::diverged
+                                                                    : run::exit_code::failed;
+  if (!outcome.complete()) return run::exit_code::signal_base + host::noted_signal();
+  if (!covered(rtl)) return run::exit_code::failed;
+  return whole ? run::exit_code::pass : run::exit_code::lost;
 }
 
 int regress_command(RegressArguments& a) {
@@ -167,32 +208,21 @@ int regress_command(RegressArguments& a) {
   if (auto error = prepare(a)) return refuse(error->text);
   if (auto error = open_libraries(a)) return refuse(error->text);
   const auto begin = std::chrono::steady_clock::now();
-  const auto parts = partial_coverage(a);
-  const auto outcome = regress::run_campaign(a.plan);
+  // Asked for a report on the way: the files as they are now, and the text beside the progress.
+  const auto outcome = regress::run_campaign(a.plan, [&a](const regress::Outcome& partial) {
+    host::say("\n{}", regress::to_text(partial, {}));
+    write_files(a, partial, {});
+  });
   if (!outcome) return refuse(outcome.error());
   const auto rtl = merge(a, outcome.value());
+  remove_coverage(outcome.value());
   if (!rtl) return refuse(rtl.error());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   host::print("{}", regress::to_text(outcome.value(), rtl.value()));
   std::fflush(stdout);
   host::say("{:.1f} s\n", wall.count());
-  std::vector<host::TextFile> files;
-  nlohmann::ordered_json result = regress::to_json(a.plan, outcome.value(), rtl.value());
-  result["versions"] = run::versions();
-  result["command"] = command_of(a);
-  if (!a.json.empty()) files.push_back({a.json, run::to_text(result)});
-  if (!a.html.empty()) files.push_back({a.html, report::page_of({{"", std::move(result)}})});
-  if (!a.junit.empty()) files.push_back({a.junit, regress::to_junit(outcome.value())});
-  bool whole = true;
-  for (const host::TextFile& file : files)
-    if (auto error = host::write_whole(file.path, file.text)) {
-      refuse(error->text);
-      whole = false;
-    }
-  if (const regress::Run* run = outcome.value().first_difference())
-    return run->finding->of_devices ? run::exit_code::diverged : run::exit_code::failed;
-  if (!covered(rtl.value())) return run::exit_code::failed;
-  return whole ? run::exit_code::pass : run::exit_code::lost;
+  const bool whole = write_files(a, outcome.value(), rtl.value());
+  return exit_code_of(outcome.value(), rtl.value(), whole);
 }
 
 }  // namespace
@@ -220,8 +250,14 @@ void add_regress(CLI::App& app, int& code) {
   command->add_option("--accesses", a->plan.accesses, "Random bus accesses of each arithmetic")
       ->transform(whole_number(0, most_random))
       ->capture_default_str();
-  command->add_option("--jobs", a->plan.jobs, "Threads; the results do not depend on it")
+  command->add_option("--jobs", a->plan.jobs, "Runs at once; the results do not depend on it")
       ->transform(whole_number(1, 1024));
+  command
+      ->add_option("--time-limit", a->plan.seconds,
+                   "Seconds that one run may take (default: 300, and 0.02 for each of its samples "
+                   "and accesses); one that is not done then has failed")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
   command->add_option("--scenario", a->plan.scenarios, "Only these; --list names them")
       ->type_name("NAME");
   command->add_flag("--list", a->list, "List the scenarios");
@@ -231,6 +267,10 @@ void add_regress(CLI::App& app, int& code) {
   command->add_option("--json", a->json, "Write the result as JSON")->type_name("FILE.json");
   command->add_option("--html", a->html, "Write a report with figures that a browser shows offline")
       ->type_name("FILE");
+  command
+      ->add_option("--waves", a->plan.waves_directory,
+                   "Waves of every difference, both sides, and a save file for GTKWave")
+      ->type_name("DIRECTORY");
   command
       ->add_option("--coverage", a->plan.coverage_directory,
                    "Measure line and toggle coverage of the RTL; files for verilator_coverage")

@@ -1,11 +1,17 @@
 // The regression as a whole: it finds what is wrong, names it, and says the same however many
 // threads it has.
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <regex>
 
 #include "coprocessor/coprocessor.h"
 #include "faulty_model.h"
 #include "regress/report.h"
 #include "regress/rtl_comparison.h"
+#include "regress/run_result.h"
 
 namespace capsoc::regress::test {
 namespace {
@@ -46,8 +52,8 @@ TEST(GoldenScenario, FindsAWrongAngleThatBothDevicesHave) {
   plan.arithmetics = {Arithmetic::paper};
   const auto right = run_campaign(plan);
   ASSERT_TRUE(right);
-  ASSERT_EQ(right.value().first_difference(), nullptr)
-      << right.value().first_difference()->finding->report;
+  ASSERT_EQ(right.value().first_failure(), nullptr)
+      << right.value().first_failure()->finding->report;
   plan.compare = [](Arithmetic arithmetic) -> Result<std::unique_ptr<Comparison>> {
     coprocessor::Options options;
     options.arithmetic = arithmetic;
@@ -57,9 +63,9 @@ TEST(GoldenScenario, FindsAWrongAngleThatBothDevicesHave) {
   plan.seeds = 8;  // not every drawn sensor is out of its reach
   const auto outcome = run_campaign(plan);
   ASSERT_TRUE(outcome);
-  const regress::Run* run = outcome.value().first_difference();
+  const regress::Run* run = outcome.value().first_failure();
   ASSERT_NE(run, nullptr);
-  EXPECT_FALSE(run->finding->of_devices);
+  EXPECT_EQ(run->finding->kind, Finding::Kind::wrong);
   EXPECT_NE(run->finding->what.find("the coprocessor's angle differs"), std::string::npos)
       << run->finding->what;
   EXPECT_NE(to_text(outcome.value(), {}).find("ANGLE and the CSFN's angle"), std::string::npos);
@@ -71,7 +77,7 @@ TEST_P(EveryFault, IsFoundAndNamed) {
   const Fault& fault = faults()[GetParam()];
   const auto outcome = run_campaign(model_against(fault));
   ASSERT_TRUE(outcome);
-  const regress::Run* run = outcome.value().first_difference();
+  const regress::Run* run = outcome.value().first_failure();
   ASSERT_NE(run, nullptr) << fault.name;
   bool named = false;
   std::string seen;
@@ -92,7 +98,7 @@ TEST(Reproduction, RunsOneScenarioWithOneSeed) {
   const Fault& fault = faults().front();
   const auto all = run_campaign(model_against(fault));
   ASSERT_TRUE(all);
-  const regress::Run* first = all.value().first_difference();
+  const regress::Run* first = all.value().first_failure();
   ASSERT_NE(first, nullptr);
   Plan alone = model_against(fault);
   alone.scenarios = {first->scenario->name};
@@ -111,21 +117,22 @@ TEST(Reproduction, RunsOneScenarioWithOneSeed) {
 TEST(Campaign, OfEqualModelsFindsNothingAndCoversEveryBin) {
   const auto outcome = run_campaign(model_against_model());
   ASSERT_TRUE(outcome);
-  EXPECT_EQ(outcome.value().first_difference(), nullptr);
+  EXPECT_EQ(outcome.value().first_failure(), nullptr);
   for (const auto& [arithmetic, coverage] : outcome.value().coverage)
     for (const Coverage::Bin& bin : coverage.bins())
       EXPECT_GT(bin.hits, 0u) << name_of(arithmetic) << ": " << bin.group << ": " << bin.name;
 }
 
-TEST(Campaign, SaysTheSameWithAnyNumberOfThreads) {
+TEST(Campaign, SaysTheSameWithAnyNumberOfJobs) {
   Plan plan = model_against_model();
   std::vector<std::string> texts;
+  const std::regex times(" time=\"[0-9.]+\"");
   for (unsigned jobs : {1u, 2u, 5u}) {
     plan.jobs = jobs;
     const auto outcome = run_campaign(plan);
     ASSERT_TRUE(outcome);
     texts.push_back(to_json(plan, outcome.value(), {}).dump() + to_text(outcome.value(), {}) +
-                    to_junit(outcome.value()));
+                    std::regex_replace(to_junit(outcome.value()), times, ""));
   }
   EXPECT_EQ(texts[0], texts[1]);
   EXPECT_EQ(texts[0], texts[2]);
@@ -147,6 +154,69 @@ TEST(Campaign, RunsExactlyTheAmountsAskedForOrALittleMore) {
   EXPECT_LE(samples, 1003u + scenarios().size());
   EXPECT_GE(accesses, 507u);
   EXPECT_LE(accesses, 507u + scenarios().size());
+}
+
+// One arithmetic does something terrible; the other one's runs do not notice.
+void expect_no_result(void (*terrible)(), const std::string& what, const std::string& report) {
+  const Fault fault{"terrible", "", "", Arithmetic::paper, {}, {}, {}, [terrible](bool level) {
+                      terrible();
+                      return level;
+                    }};
+  Plan plan = model_against_model();
+  plan.scenarios = {"ties", "traffic"};
+  plan.seconds = 2;
+  plan.jobs = 2;
+  plan.compare = [&](Arithmetic arithmetic) -> Result<std::unique_ptr<Comparison>> {
+    coprocessor::Options options;
+    options.arithmetic = arithmetic;
+    if (arithmetic == Arithmetic::precise)
+      return compare_with(options, std::make_unique<coprocessor::Coprocessor>(options));
+    return compare_with(options, std::make_unique<FaultyModel>(fault));
+  };
+  const auto outcome = run_campaign(plan);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_TRUE(outcome.value().complete());
+  for (const regress::Run& run : outcome.value().runs) {
+    EXPECT_EQ(run.finding.has_value(), run.arithmetic == Arithmetic::paper);
+    if (!run.finding) continue;
+    EXPECT_EQ(run.finding->kind, Finding::Kind::no_result);
+    EXPECT_EQ(run.finding->what.rfind(what, 0), 0u) << run.finding->what;
+    EXPECT_NE(run.finding->report.find(report), std::string::npos) << run.finding->report;
+  }
+  const std::string text = to_text(outcome.value(), {});
+  EXPECT_NE(text.find("NO RESULT in scenario "), std::string::npos) << text;
+  EXPECT_EQ(text.find("no difference\n"), std::string::npos) << text;
+}
+
+TEST(Campaign, ARunThatHangsFailsAlone) {
+  const auto hang = [] {
+    for (volatile bool forever = true; forever;) {
+    }
+  };
+  expect_no_result(hang, "out of time: it did not end within 2 s (--time-limit)", "");
+}
+
+TEST(Campaign, ARunThatCrashesFailsAlone) {
+  const auto crash = [] {
+    std::fputs("did not converge\n", stderr);
+    std::abort();
+  };
+  expect_no_result(crash, "crashed: signal 6", "did not converge");
+}
+
+TEST(Campaign, ARunThatEndsItsProcessFailsAlone) {
+  expect_no_result([] { _exit(0); }, "crashed: exit 0", "");
+}
+
+TEST(RunResult, WhatIsNoneIsRefused) {
+  regress::Run run;
+  Coverage coverage(Arithmetic::precise);
+  const std::string whole = to_text(run, coverage);
+  ASSERT_TRUE(take_text(whole, run, coverage));
+  for (const std::string& text :
+       {std::string(), std::string("null"), whole.substr(1), whole.substr(0, whole.size() / 2),
+        to_text(run, Coverage(Arithmetic::paper)) + "x", std::string(R"({"counts":[1,2,3]})")})
+    EXPECT_FALSE(take_text(text, run, coverage)) << text;
 }
 
 TEST(Campaign, RefusesAScenarioThatDoesNotExist) {

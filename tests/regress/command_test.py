@@ -3,14 +3,17 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
 PROGRAM = Path(os.environ["CAPSOC_TEST_BUILD"]) / "capsoc"
+FAULTY = os.environ["CAPSOC_TEST_FAULTY"]
 # A thousandth of the long run that docs/verification.md names.
 SHORT = ["--samples", "10000", "--accesses", "1000", "--seeds", "1"]
 
@@ -38,6 +41,130 @@ class Regression(unittest.TestCase):
         texts = {regress("--scenario", "traffic", "--samples", "300", "--accesses", "900", "--seeds", "3", "--jobs",
                          jobs).stdout for jobs in ("1", "2", "3")}
         self.assertEqual(len(texts), 1)
+
+
+class Failures(unittest.TestCase):
+    """Of RTL that is wrong, hangs or crashes."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+
+    def faulty(self, fault, *arguments):
+        return subprocess.run(
+            [PROGRAM, "regress", "--arithmetic", "precise", "--rtl-library", FAULTY, "--samples", "500", "--accesses", "500",
+             "--seeds", "1", *arguments], capture_output=True, text=True, check=False, cwd=self.folder,
+            env={**os.environ, "CAPSOC_TEST_FAULT": fault})
+
+    def signals_of(self, waves):
+        """Full names and ranges as GTKWave's own converter reads them."""
+        text = subprocess.run(["fst2vcd", waves], capture_output=True, text=True, check=True).stdout
+        scopes, names = [], set()
+        for line in text.splitlines():
+            words = line.split()
+            if line.startswith("$scope"):
+                scopes.append(words[2])
+            elif line.startswith("$upscope"):
+                scopes.pop()
+            elif line.startswith("$var"):
+                names.add(".".join([*scopes, "".join(words[4:-1])]))
+        return names, text
+
+    def test_no_fault_no_failure(self):
+        done = self.faulty("", "--scenario", "ties")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_waves_of_a_difference_and_what_to_show(self):
+        for fault, shown in (("node", "rtl.node_sine_o[63:0]"), ("value", "rtl.prdata_o[31:0]")):
+            done = self.faulty(fault, "--scenario", "traffic", "--waves", "w", "--junit", "junit.xml")
+            self.assertEqual(done.returncode, 4, done.stdout + done.stderr)
+            self.assertIn("waves: gtkwave w/precise-traffic-1.fst w/precise-traffic-1.gtkw", done.stdout)
+            cycle = int(done.stdout.split(" cycle ")[1].split(":")[0])
+            signals, text = self.signals_of(self.folder / "w" / "precise-traffic-1.fst")
+            times = [int(line[1:]) for line in text.splitlines() if line.startswith("#")]
+            save = (self.folder / "w" / "precise-traffic-1.gtkw").read_text().splitlines()
+            names = {line for line in save if line.startswith("rtl.")}
+            self.assertIn(shown, names)
+            self.assertEqual(names - signals, set())
+            marker = int(next(line for line in save if line.startswith("*")).split()[1])
+            self.assertEqual(marker, 40 * cycle)
+            self.assertTrue(times[0] <= marker <= times[-1], (times[0], marker, times[-1]))
+            case = ElementTree.parse(self.folder / "junit.xml").getroot().find("testsuite/testcase")
+            self.assertEqual([line for line in case.find("system-out").text.split("\n") if line],
+                             [f"[[ATTACHMENT|{self.folder.resolve()}/w/precise-traffic-1.{kind}]]" for kind in ("fst", "gtkw")])
+
+    def test_the_printed_command_makes_the_waves(self):
+        done = self.faulty("value", "--scenario", "ties")
+        self.assertEqual(done.returncode, 4, done.stdout + done.stderr)
+        command = next(line for line in done.stdout.splitlines() if line.startswith("waves: "))[len("waves: "):]
+        make, show = command.split("; ")
+        self.assertEqual(show, "gtkwave waves/precise-ties-1.fst waves/precise-ties-1.gtkw")
+        subprocess.run(make.replace("capsoc", str(PROGRAM), 1), shell=True, check=False, cwd=self.folder,
+                       env={**os.environ, "CAPSOC_TEST_FAULT": "value"}, capture_output=True)
+        self.assertEqual({file.name for file in (self.folder / "waves").iterdir()},
+                         {"precise-ties-1.fst", "precise-ties-1.gtkw"})
+
+    def test_rtl_that_hangs_fails_its_runs(self):
+        done = self.faulty("hang", "--scenario", "ties", "--scenario", "registers", "--time-limit", "1.5", "--junit", "j")
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn("out of time: it did not end within 1.5 s (--time-limit)", done.stdout)
+        self.assertIn("<error message=", (self.folder / "j").read_text())
+
+    def test_rtl_that_crashes_fails_its_runs(self):
+        done = self.faulty("crash", "--scenario", "ties", "--json", "r.json", "--html", "r.html")
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn("crashed: signal 6\n", done.stdout)
+        self.assertIn("the RTL did not converge", done.stdout)
+        run = json.loads((self.folder / "r.json").read_text())["arithmetics"]["precise"]["runs"][0]
+        self.assertEqual(run["difference"]["kind"], "no result")
+        self.assertIn("crashed: signal 6", (self.folder / "r.html").read_text())
+
+
+class Signals(unittest.TestCase):
+    """A long regression that is asked, or ended."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.json = Path(temporary.name) / "r.json"
+        self.junit = Path(temporary.name) / "r.xml"
+        self.process = subprocess.Popen(
+            [PROGRAM, "regress", "--samples", "3000000", "--accesses", "0", "--jobs", "2", "--arithmetic", "precise",
+             "--seeds", "60", "--json", self.json, "--junit", self.junit],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.process.kill)
+
+    def ask_until_something_is_done(self):
+        """Directed scenarios are short and the long ones go first, so this asks again and again."""
+        for _ in range(600):
+            time.sleep(0.1)
+            self.assertIsNone(self.process.poll())
+            self.process.send_signal(signal.SIGUSR1)
+            result = json.loads(self.json.read_text()) if self.json.exists() else {"partial": {"done": 0}}
+            if result["partial"]["done"] > 0:
+                return result
+        self.fail("no report within a minute")
+
+    def test_asked_for_a_report_it_writes_one_and_goes_on(self):
+        result = self.ask_until_something_is_done()
+        self.assertLess(result["partial"]["done"], result["partial"]["of"])
+        self.assertEqual(len(result["arithmetics"]["precise"]["runs"]), result["partial"]["done"])
+        suite = ElementTree.parse(self.junit).getroot().find("testsuite")
+        self.assertEqual(int(suite.get("skipped")), result["partial"]["of"] - result["partial"]["done"])
+        time.sleep(0.3)
+        self.assertIsNone(self.process.poll())
+
+    def test_ended_it_writes_what_is_done(self):
+        self.ask_until_something_is_done()
+        self.json.unlink()
+        self.process.send_signal(signal.SIGTERM)
+        output, _ = self.process.communicate(timeout=60)
+        self.assertEqual(self.process.returncode, 128 + signal.SIGTERM)
+        self.assertIn("PARTIAL: ", output)
+        self.assertIn("no difference until here", output)
+        partial = json.loads(self.json.read_text())["partial"]
+        self.assertTrue(0 < partial["done"] < partial["of"], partial)
 
 
 class Refusals(unittest.TestCase):

@@ -18,9 +18,16 @@ Outcome outcome_with_difference() {
     run.scenario = &scenarios().back();
     run.seed = seed;
     run.command = "capsoc regress --again";
+    run.done = true;
     outcome.runs.push_back(run);
   }
-  outcome.runs[1].finding = Finding{1234, "read of <FLAGS> & \"more\"", "sine (T2)", "line\x01\n"};
+  outcome.runs[1].finding = Finding{Finding::Kind::difference,
+                                    1234,
+                                    "read of <FLAGS> & \"more\"",
+                                    "sine (T2)",
+                                    "line\x01\n",
+                                    0,
+                                    {}};
   return outcome;
 }
 
@@ -59,6 +66,49 @@ TEST(JUnit, IsWellFormedAndCountsFailures) {
   EXPECT_TRUE(well_formed(text)) << text;
   EXPECT_NE(text.find("tests=\"2\" failures=\"1\""), std::string::npos) << text;
   EXPECT_NE(text.find("&lt;FLAGS&gt; &amp; &quot;more&quot;"), std::string::npos) << text;
+}
+
+TEST(JUnit, HasTimesAttachmentsAndWhatIsNotDone) {
+  Outcome outcome = outcome_with_difference();
+  outcome.runs[0].wall_s = 1.25;
+  outcome.runs[1].has_waves = true;
+  outcome.runs[1].waves_file = "/waves/<a>";
+  outcome.runs.push_back(outcome.runs[0]);
+  outcome.runs.back().finding = Finding{Finding::Kind::no_result, 0, "out of time", "", "", 0, {}};
+  outcome.runs.push_back(outcome.runs[0]);
+  outcome.runs.back().done = false;
+  const std::string text = to_junit(outcome);
+  EXPECT_TRUE(well_formed(text)) << text;
+  for (const char* part :
+       {"tests=\"4\" failures=\"1\" errors=\"1\" skipped=\"1\" time=\"3.750\"",
+        "seed 7\" time=\"1.250\"/>",
+        "[[ATTACHMENT|/waves/&lt;a&gt;.fst]]\n[[ATTACHMENT|/waves/&lt;a",
+        "waves: gtkwave '/waves/&lt;a&gt;.fst'", "<error message=\"out of time\">",
+        "<skipped message=\"not done yet\"/>"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+}
+
+TEST(Text, OfAPartSaysSo) {
+  Outcome outcome = outcome_with_difference();
+  outcome.runs[1].finding.reset();
+  outcome.runs[1].done = false;
+  const std::string text = to_text(outcome, {});
+  EXPECT_NE(text.find("PARTIAL: 1 of 2 runs are done\nno difference until here\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(to_json(Plan{}, outcome, {})["partial"],
+            nlohmann::ordered_json::parse(R"({"done": 1, "of": 2})"));
+}
+
+TEST(Text, SaysHowToSeeTheWaves) {
+  Outcome outcome = outcome_with_difference();
+  EXPECT_NE(
+      to_text(outcome, {}).find("waves: capsoc regress --again --waves waves; gtkwave waves/"),
+      std::string::npos);
+  outcome.runs[1].has_waves = true;
+  outcome.runs[1].waves_file = "here/x";
+  EXPECT_NE(to_text(outcome, {}).find("waves: gtkwave here/x.fst here/x.gtkw\n"),
+            std::string::npos);
 }
 
 TEST(Text, NamesTheDifferenceTheNodeAndTheCommand) {

@@ -8,14 +8,18 @@
 #include <filesystem>
 #include <utility>
 
-#include "campaign/engine.h"
 #include "campaign/judge.h"
-#include "campaign/progress.h"
 #include "host/console.h"
 #include "host/end_signals.h"
+#include "workers/engine.h"
+#include "workers/progress.h"
 
 namespace capsoc::campaign {
 namespace {
+
+using workers::Ended;
+using workers::Engine;
+using workers::Progress;
 
 std::string text_of(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -34,7 +38,7 @@ class Campaign {
     if (auto error = find_tasks()) return error;
     if (auto error = make_folder()) return error;
     host::note_end_signals();
-    Progress progress(tasks_.size());
+    Progress progress(tasks_.size(), static_cast<double>(tasks_.size()));
     const Engine::Take take = [&](Ended ended) { return this->take(std::move(ended), progress); };
     const Engine::Tick tick = [&](std::size_t running) { progress.update(running); };
     Engine engine(options_.jobs, plan_.description().limits,
@@ -101,7 +105,7 @@ class Campaign {
       failed_.push_back(ended.task);
     if (auto error = store_.add({row})) return error;
     ++done_;
-    progress.done(judged.value().pass);
+    progress.done(judged.value().pass, 1);
     return std::nullopt;
   }
 
@@ -134,7 +138,7 @@ Result<uint64_t> perform(const Plan& plan, Store& store, const RunOptions& optio
 }
 
 Result<double> time_one(const Plan& plan, double limit_s) {
-  Limits limits = plan.description().limits;
+  workers::Limits limits = plan.description().limits;
   limits.seconds = std::min(limits.seconds, limit_s);
   const std::string trial =
       (std::filesystem::temp_directory_path() / fmt::format("capsoc-{}", getpid())).string();
@@ -154,7 +158,7 @@ Result<double> time_one(const Plan& plan, double limit_s) {
   };
   if (auto error = engine.perform({0}, take, [](std::size_t) {})) return *error;
   std::remove((trial + ".fst").c_str());  // of a difference in lockstep
-  if (ending != finished) return Error{ending};
+  if (ending != workers::finished) return Error{ending};
   return seconds;
 }
 

@@ -10,6 +10,7 @@
 #include "campaign/axis.h"
 #include "campaign/expression.h"
 #include "support/result.h"
+#include "workers/engine.h"
 
 namespace capsoc::campaign {
 
@@ -40,12 +41,6 @@ struct Named {
   std::string origin;
 };
 
-/// What one run may take. A run that is beyond is ended, and that is its result.
-struct Limits {
-  double seconds = 600;
-  uint64_t memory_mib = 4096;  ///< of address space
-};
-
 struct Description {
   std::string file, text;
   std::string name, kind = "run";
@@ -55,7 +50,7 @@ struct Description {
   uint64_t repetitions = 1;
   std::vector<Assignment> repetition_seeds;  ///< settings that get another seed in each; no values
   std::vector<Named> derived;                ///< settings that follow from others
-  Limits limits;
+  workers::Limits limits;
   std::string failures_folder;  ///< where the recordings of failed runs go; "": nowhere
   bool failures_waves = false;
   std::vector<Named> metrics, criteria;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "campaign/engine.h"
 #include "campaign/flat.h"
 #include "campaign/plan.h"
+#include "workers/engine.h"
 
 namespace capsoc::campaign {
 namespace {
@@ -47,7 +47,7 @@ Result<Judged> Judge::judge(const std::vector<std::string>& values, const Row& r
   judged.exit = row.ending;
   judged.metrics.resize(metrics_.size());
   judged.criteria.assign(criteria_.size(), false);
-  judged.finished = row.ending == finished;
+  judged.finished = row.ending == workers::finished;
   if (!judged.finished) return judged;
   const auto json = nlohmann::ordered_json::parse(row.result, nullptr, false);
   if (!json.is_object())

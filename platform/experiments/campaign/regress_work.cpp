@@ -68,9 +68,10 @@ Result<rtl::RtlLibrary::Handle> open(const RegressSettings& settings) {
 nlohmann::ordered_json json_of(const regress::Run& run, const regress::Coverage* coverage) {
   nlohmann::ordered_json j;
   const bool same = !run.finding;
-  const int code = same                      ? run::exit_code::pass
-                   : run.finding->of_devices ? run::exit_code::diverged
-                                             : run::exit_code::failed;
+  const bool differ = !same && run.finding->kind == regress::Finding::Kind::difference;
+  const int code = same     ? run::exit_code::pass
+                   : differ ? run::exit_code::diverged
+                            : run::exit_code::failed;
   j["exit"] = {{"code", code}, {"reason", same ? "no difference" : run.finding->what}};
   j["versions"] = run::versions();
   j["command"] = run.command;
@@ -124,9 +125,12 @@ Result<nlohmann::ordered_json> RegressWork::perform(const std::vector<Assignment
     options.arithmetic = arithmetic;
     return regress::compare_with_rtl(options, library.value());
   };
-  const auto outcome = regress::run_campaign(plan);
-  if (!outcome) return Error{outcome.error()};
-  return json_of(outcome.value().runs.front(), &outcome.value().coverage.front().second);
+  auto runs = regress::runs_of(plan);
+  if (!runs) return Error{runs.error()};
+  regress::Run& run = runs.value().front();
+  regress::Coverage coverage(run.arithmetic);
+  if (auto error = regress::perform(plan, run, coverage)) return *error;
+  return json_of(run, &coverage);
 }
 
 nlohmann::ordered_json RegressWork::example() const {

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
-#include <thread>
+#include <cstdio>
+#include <numeric>
 
+#include "host/end_signals.h"
+#include "regress/run_result.h"
 #include "support/nearest.h"
+#include "workers/engine.h"
+#include "workers/progress.h"
 
 namespace capsoc::regress {
 namespace {
@@ -47,23 +50,95 @@ std::string reproduction(const Plan& plan, const Run& run) {
   return plan.command_options.empty() ? text : text + " " + plan.command_options;
 }
 
-/// Runs one scenario; what it covered is added to `coverage`.
-std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
-  auto comparison = plan.compare(run.arithmetic);
-  if (!comparison) return Error{comparison.error()};
-  Comparison& pair = *comparison.value();
-  Bench bench(pair.device(), run.arithmetic, coverage, [&pair] { return pair.differs(); });
-  const auto stream = static_cast<uint64_t>(run.scenario - scenarios().data());
-  Random random(run.seed, stream);
-  run.scenario->run(bench, random, run.budget);
-  bench.drain();
-  run.counts = bench.counts();
-  run.finding = pair.finding();
-  if (const auto& complaint = bench.complaint(); complaint && !run.finding)
-    run.finding = Finding{complaint->edge, complaint->what, "", complaint->report, false, 0, {}};
-  if (run.coverage_file.empty()) return std::nullopt;
-  return pair.write_coverage(run.coverage_file);
+/// How long a run takes beside others, in samples.
+double work_of(const Run& run) {
+  constexpr double directed = 1000;  // what a scenario does whatever its budget is
+  return directed + static_cast<double>(run.budget.samples + run.budget.accesses);
 }
+
+/// All runs on their way.
+class Regression {
+ public:
+  Regression(const Plan& plan, std::vector<Run> runs,
+             const std::function<void(const Outcome&)>& asked)
+      : plan_(plan), asked_(asked) {
+    outcome_.runs = std::move(runs);
+    for (Arithmetic arithmetic : plan.arithmetics)
+      outcome_.coverage.emplace_back(arithmetic, Coverage(arithmetic));
+  }
+
+  Result<Outcome> perform() {
+    host::note_end_signals();
+    host::note_report_signal();
+    double work = 0;
+    for (const Run& run : outcome_.runs) {
+      work += work_of(run);
+      limits_.seconds = std::max(limits_.seconds,
+                                 plan_.seconds > 0 ? plan_.seconds : should_end_within(run.budget));
+    }
+    if (plan_.seconds > 0) limits_.seconds = plan_.seconds;
+    workers::Progress progress(outcome_.runs.size(), work);
+    workers::Engine engine(plan_.jobs, limits_,
+                           [this](std::size_t task) { return this->work(task); });
+    const auto error = engine.perform(
+        longest_first(), [&](const workers::Ended& ended) { return take(ended, progress); },
+        [&](std::size_t running) {
+          progress.update(running);
+          if (host::take_report_signal() && asked_) asked_(outcome_);
+        });
+    progress.finish();
+    if (error) return *error;
+    return std::move(outcome_);
+  }
+
+ private:
+  /// So that no long one is alone at the end.
+  std::vector<std::size_t> longest_first() const {
+    std::vector<std::size_t> tasks(outcome_.runs.size());
+    std::iota(tasks.begin(), tasks.end(), 0);
+    std::stable_sort(tasks.begin(), tasks.end(), [this](std::size_t a, std::size_t b) {
+      return work_of(outcome_.runs[a]) > work_of(outcome_.runs[b]);
+    });
+    return tasks;
+  }
+
+  /// In a worker.
+  Result<std::string> work(std::size_t task) const {
+    Run run = outcome_.runs[task];
+    Coverage coverage(run.arithmetic);
+    if (auto error = regress::perform(plan_, run, coverage)) return *error;
+    return to_text(run, coverage);
+  }
+
+  std::optional<Error> take(const workers::Ended& ended, workers::Progress& progress) {
+    constexpr std::string_view refused = "refused: ";
+    if (ended.ending.rfind(refused, 0) == 0) return Error{ended.ending.substr(refused.size())};
+    Run& run = outcome_.runs[ended.task];
+    run.done = true;
+    run.wall_s = ended.wall_s;
+    std::string ending = ended.ending;
+    if (ending == workers::finished && !take_result(ended.result, run))
+      ending = "crashed: its result cannot be read";
+    if (ending == "out of time")
+      ending += fmt::format(": it did not end within {:.3g} s (--time-limit)", limits_.seconds);
+    if (ending != workers::finished)
+      run.finding = Finding{Finding::Kind::no_result, 0, ending, "", ended.log, 0, {}};
+    progress.done(!run.finding, work_of(run));
+    return std::nullopt;
+  }
+
+  /// false: a process that its RTL has damaged wrote it.
+  bool take_result(const std::string& text, Run& run) {
+    for (auto& [arithmetic, sum] : outcome_.coverage)
+      if (arithmetic == run.arithmetic) return take_text(text, run, sum);
+    return false;
+  }
+
+  const Plan& plan_;
+  const std::function<void(const Outcome&)>& asked_;
+  workers::Limits limits_{0};
+  Outcome outcome_;
+};
 
 }  // namespace
 
@@ -71,14 +146,21 @@ const char* name_of(Arithmetic arithmetic) {
   return arithmetic == Arithmetic::paper ? "paper" : "precise";
 }
 
-const Run* Outcome::first_difference() const {
+const Run* Outcome::first_failure() const {
   const Run* first = nullptr;
-  for (const Run& run : runs) {
-    if (!run.finding) continue;
-    if (run.finding->of_devices) return &run;
-    if (first == nullptr) first = &run;
-  }
+  for (const Run& run : runs)
+    if (run.finding && (first == nullptr || run.finding->kind < first->finding->kind)) first = &run;
   return first;
+}
+
+size_t Outcome::done() const {
+  return static_cast<size_t>(
+      std::count_if(runs.begin(), runs.end(), [](const Run& run) { return run.done; }));
+}
+
+double should_end_within(const Budget& budget) {
+  constexpr double start = 300, each = 0.02;
+  return start + each * static_cast<double>(budget.samples + budget.accesses);
 }
 
 Result<std::vector<Run>> runs_of(const Plan& plan) {
@@ -100,45 +182,44 @@ Result<std::vector<Run>> runs_of(const Plan& plan) {
         run.budget = {share(plan.samples, scenario->sample_share, sample_shares, i, plan.seeds),
                       share(plan.accesses, scenario->access_share, access_shares, i, plan.seeds)};
         run.command = reproduction(plan, run);
+        const std::string name =
+            fmt::format("{}-{}-{}", name_of(arithmetic), scenario->name, run.seed);
+        if (!plan.waves_directory.empty()) run.waves_file = plan.waves_directory + "/" + name;
         if (!plan.coverage_directory.empty())
-          run.coverage_file = fmt::format("{}/{}-{}-{}.dat", plan.coverage_directory,
-                                          name_of(arithmetic), scenario->name, run.seed);
+          run.coverage_file = plan.coverage_directory + "/" + name + ".dat";
         runs.push_back(std::move(run));
       }
   return runs;
 }
 
-Result<Outcome> run_campaign(const Plan& plan) {
+std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
+  auto comparison = plan.compare(run.arithmetic);
+  if (!comparison) return Error{comparison.error()};
+  Comparison& pair = *comparison.value();
+  Bench bench(pair.device(), run.arithmetic, coverage, [&pair] { return pair.differs(); });
+  const auto stream = static_cast<uint64_t>(run.scenario - scenarios().data());
+  Random random(run.seed, stream);
+  run.scenario->run(bench, random, run.budget);
+  bench.drain();
+  run.done = true;
+  run.counts = bench.counts();
+  run.finding = pair.finding();
+  if (const auto& complaint = bench.complaint(); complaint && !run.finding)
+    run.finding = Finding{
+        Finding::Kind::wrong, complaint->edge, complaint->what, "", complaint->report, 0, {}};
+  if (run.finding && !run.waves_file.empty()) {
+    const auto waves = pair.write_waves(run.waves_file);
+    if (!waves) return Error{waves.error()};
+    run.has_waves = waves.value();
+  }
+  if (run.coverage_file.empty()) return std::nullopt;
+  return pair.write_coverage(run.coverage_file);
+}
+
+Result<Outcome> run_campaign(const Plan& plan, const std::function<void(const Outcome&)>& asked) {
   auto runs = runs_of(plan);
   if (!runs) return Error{runs.error()};
-  Outcome outcome;
-  outcome.runs = std::move(runs.value());
-  for (Arithmetic arithmetic : plan.arithmetics)
-    outcome.coverage.emplace_back(arithmetic, Coverage(arithmetic));
-
-  std::atomic<size_t> next{0};
-  std::mutex mutex;  // of the coverage and the error
-  std::optional<Error> error;
-  const auto work = [&] {
-    for (size_t i = next++; i < outcome.runs.size(); i = next++) {
-      Run& run = outcome.runs[i];
-      Coverage coverage(run.arithmetic);
-      auto failure = perform(plan, run, coverage);
-      const std::lock_guard lock(mutex);
-      if (failure) {
-        if (!error) error = failure;
-        return;
-      }
-      for (auto& [arithmetic, sum] : outcome.coverage)
-        if (arithmetic == run.arithmetic) sum.add(coverage);
-    }
-  };
-  std::vector<std::thread> threads;
-  for (unsigned job = 1; job < plan.jobs; ++job) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (error) return *error;
-  return outcome;
+  return Regression(plan, std::move(runs.value()), asked).perform();
 }
 
 }  // namespace capsoc::regress

@@ -1,5 +1,5 @@
-// A regression: every scenario on its own pair of devices, in as many threads as asked for. The
-// result depends on the seeds alone.
+// A regression: every scenario on its own pair of devices, in a process of its own, as many at once
+// as asked for. The result depends on the seeds alone.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,18 @@ struct Wave {
   std::vector<double> model, rtl;
 };
 
-/// A difference, as a report shows it.
+/// What a run failed by, as a report shows it.
 struct Finding {
+  enum class Kind {
+    difference,  ///< one device is not as the other
+    wrong,       ///< both do the same, but it is wrong
+    no_result    ///< the run crashed, or was out of time
+  };
+  Kind kind = Kind::difference;
   uint64_t cycle = 0;            ///< PCLK edge
   std::string what;              ///< "read of 0x0c0 (ANGLE): model 0x1, RTL 0x2"
   std::string node;              ///< that went wrong first; "" if no node did
   std::string report;            ///< several lines
-  bool of_devices = true;        ///< false: both do the same, but it is wrong
   uint64_t first_cycle = 0;      ///< of the waves
   std::vector<Wave> waves = {};  ///< the node that went wrong first, then others; may be none
 };
@@ -41,6 +46,8 @@ class Comparison {
   virtual coprocessor::Device& device() = 0;
   virtual bool differs() const = 0;
   virtual std::optional<Finding> finding() const = 0;
+  /// Both devices around the difference, as FILE.fst and FILE.gtkw. false: there is nothing to see.
+  virtual Result<bool> write_waves(const std::string&) { return false; }
   /// Coverage of the RTL's lines and signals so far; nothing to do without.
   virtual std::optional<Error> write_coverage(const std::string&) { return std::nullopt; }
 
@@ -55,8 +62,10 @@ struct Plan {
   uint64_t first_seed = 1, seeds = 1;
   uint64_t samples = 0, accesses = 0;  ///< of each arithmetic, over all random scenarios and seeds
   unsigned jobs = 1;
+  double seconds = 0;  ///< that a run may take; 0: as long as should_end_within() says
   std::vector<std::string> scenarios;  ///< names; empty: all
   std::string coverage_directory;      ///< "": no coverage of the RTL
+  std::string waves_directory;         ///< of runs that fail; "": none
   std::string command_options;         ///< of the command that reproduces a run, beside its own
   std::function<Result<std::unique_ptr<Comparison>>(coprocessor::Arithmetic)> compare;
 };
@@ -67,26 +76,42 @@ struct Run {
   const Scenario* scenario = nullptr;
   uint64_t seed = 0;
   Budget budget;
-  // Results
-  Bench::Counts counts;
-  std::optional<Finding> finding;
   std::string command;        ///< that repeats this run
   std::string coverage_file;  ///< "" without
+  std::string waves_file;     ///< where waves of a failure go, without an ending; "": nowhere
+  // Results
+  bool done = false;
+  Bench::Counts counts;
+  std::optional<Finding> finding;
+  bool has_waves = false;
+  double wall_s = 0;
 };
 
 struct Outcome {
   std::vector<Run> runs;  ///< by arithmetic, scenario and seed
   std::vector<std::pair<coprocessor::Arithmetic, Coverage>> coverage;
 
-  /// One of the devices before one of their common result.
-  const Run* first_difference() const;
+  /// The first failure of the first kind that there is.
+  const Run* first_failure() const;
+  size_t done() const;
+  bool complete() const { return done() == runs.size(); }
 };
 
 /// The runs of a plan, without results. Error: a scenario that does not exist.
 Result<std::vector<Run>> runs_of(const Plan& plan);
 
-/// Error: devices that cannot be made or coverage that cannot be written.
-Result<Outcome> run_campaign(const Plan& plan);
+/// Does one run in this process. Error: devices that cannot be made, coverage or waves that cannot
+/// be written.
+std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage);
+
+/// Does all of them, each in a worker process; progress goes to stderr. A signal ends it with what
+/// is done until then. `asked` is called when SIGUSR1 asks for a report on the way. Error: as
+/// perform() has it.
+Result<Outcome> run_campaign(const Plan& plan,
+                             const std::function<void(const Outcome&)>& asked = {});
+
+/// Seconds: ten times what a slow host takes for a run with coverage.
+double should_end_within(const Budget& budget);
 
 const char* name_of(coprocessor::Arithmetic arithmetic);
 

@@ -204,6 +204,20 @@ void Coverage::add(const Coverage& other) {
     for (size_t j = 0; j < hits_[i].size(); ++j) hits_[i][j] += other.hits_[i][j];
 }
 
+std::vector<uint64_t> Coverage::counts() const {
+  std::vector<uint64_t> all;
+  for (const auto& group : hits_) all.insert(all.end(), group.begin(), group.end());
+  return all;
+}
+
+bool Coverage::add(const std::vector<uint64_t>& counts) {
+  if (counts.size() != this->counts().size()) return false;
+  auto next = counts.begin();
+  for (auto& group : hits_)
+    for (uint64_t& hits : group) hits += *next++;
+  return true;
+}
+
 std::vector<Coverage::Bin> Coverage::bins() const {
   std::vector<Bin> result;
   for (size_t i = 0; i < hits_.size(); ++i) {

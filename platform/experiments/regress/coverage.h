@@ -59,6 +59,10 @@ class Coverage {
     std::string group, name;
     uint64_t hits = 0;
   };
+  /// All counts, and those of another process of this program, of the same arithmetic. false: these
+  /// are no counts of such.
+  std::vector<uint64_t> counts() const;
+  bool add(const std::vector<uint64_t>& counts);
   /// Every reachable bin, group by group.
   std::vector<Bin> bins() const;
 

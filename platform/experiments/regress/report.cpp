@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
 
+#include "support/shell.h"
 #include "support/xml.h"
+#include "trace/save_file.h"
 
 namespace capsoc::regress {
 namespace {
@@ -57,6 +60,55 @@ const Coverage* coverage_of(const Outcome& outcome, coprocessor::Arithmetic arit
   return nullptr;
 }
 
+/// That shows the waves, and makes them if they are not there yet.
+std::string wave_command(const Run& run) {
+  if (run.has_waves) {
+    const std::string waves = run.waves_file + ".fst";
+    return fmt::format("gtkwave {} {}", shell_word(waves), shell_word(trace::save_file(waves)));
+  }
+  const std::string name =
+      fmt::format("{}-{}-{}", name_of(run.arithmetic), run.scenario->name, run.seed);
+  return fmt::format("{} --waves waves; gtkwave waves/{}.fst waves/{}.gtkw", run.command, name,
+                     name);
+}
+
+const char* text_of(Finding::Kind kind) {
+  switch (kind) {
+    case Finding::Kind::difference:
+      return "difference";
+    case Finding::Kind::wrong:
+      return "wrong";
+    case Finding::Kind::no_result:
+      return "no result";
+  }
+  return "";
+}
+
+/// The JUnit plug-ins of Jenkins and GitLab keep what such a line names.
+std::string attachment(const std::string& file) {
+  std::error_code ignored;
+  return fmt::format("[[ATTACHMENT|{}]]\n", std::filesystem::absolute(file, ignored).string());
+}
+
+std::string test_case(const Run& run) {
+  std::string text = fmt::format("    <testcase classname=\"regress.{}\" name=\"{} seed {}\"",
+                                 name_of(run.arithmetic), run.scenario->name, run.seed);
+  if (!run.done) return text + "><skipped message=\"not done yet\"/></testcase>\n";
+  text += fmt::format(" time=\"{:.3f}\"", run.wall_s);
+  if (!run.finding) return text + "/>\n";
+  const bool ended = run.finding->kind == Finding::Kind::no_result;
+  std::string report = "again: " + run.command + "\n";
+  if (run.finding->kind == Finding::Kind::difference)
+    report += "waves: " + wave_command(run) + "\n";
+  text += fmt::format(">\n      <{0} message=\"{1}\">{2}</{0}>\n", ended ? "error" : "failure",
+                      xml_text(run.finding->what), xml_text(report + run.finding->report));
+  if (run.has_waves)
+    text += "      <system-out>" +
+            xml_text(attachment(run.waves_file + ".fst") + attachment(run.waves_file + ".gtkw")) +
+            "</system-out>\n";
+  return text + "    </testcase>\n";
+}
+
 }  // namespace
 
 std::string to_text(const Outcome& outcome, const std::vector<RtlCoverage>& rtl) {
@@ -82,17 +134,22 @@ std::string to_text(const Outcome& outcome, const std::vector<RtlCoverage>& rtl)
       if (each.arithmetic == name_of(arithmetic)) text += rtl_text(each);
     text += "\n";
   }
-  if (const Run* run = outcome.first_difference()) {
-    text +=
-        fmt::format("DIFFERENCE in scenario {} ({}), seed {}, cycle {}: {}\n", run->scenario->name,
-                    name_of(run->arithmetic), run->seed, run->finding->cycle, run->finding->what);
+  if (!outcome.complete())
+    text += fmt::format("PARTIAL: {} of {} runs are done\n", outcome.done(), outcome.runs.size());
+  if (const Run* run = outcome.first_failure()) {
+    text += fmt::format("{} in scenario {} ({}), seed {}, cycle {}: {}\n",
+                        run->finding->kind == Finding::Kind::no_result ? "NO RESULT" : "DIFFERENCE",
+                        run->scenario->name, name_of(run->arithmetic), run->seed,
+                        run->finding->cycle, run->finding->what);
     if (!run->finding->node.empty())
       text += fmt::format("first wrong node: {}\n", run->finding->node);
     text += run->finding->report;
     if (!text.empty() && text.back() != '\n') text += '\n';
     text += fmt::format("again: {}\n", run->command);
+    if (run->finding->kind == Finding::Kind::difference)
+      text += fmt::format("waves: {}\n", wave_command(*run));
   } else {
-    text += "no difference\n";
+    text += outcome.complete() ? "no difference\n" : "no difference until here\n";
   }
   return text;
 }
@@ -105,17 +162,21 @@ nlohmann::ordered_json to_json(const Plan& plan, const Outcome& outcome,
   root["seeds"] = plan.seeds;
   root["samples"] = plan.samples;
   root["accesses"] = plan.accesses;
-  root["difference"] = outcome.first_difference() != nullptr;
+  root["difference"] = outcome.first_failure() != nullptr;
+  if (!outcome.complete())
+    root["partial"] = {{"done", outcome.done()}, {"of", outcome.runs.size()}};
   for (const auto& [arithmetic, coverage] : outcome.coverage) {
     nlohmann::ordered_json part;
+    part["runs"] = nlohmann::ordered_json::array();
     for (const Run& run : outcome.runs) {
-      if (run.arithmetic != arithmetic) continue;
+      if (run.arithmetic != arithmetic || !run.done) continue;
       nlohmann::ordered_json entry = {
           {"scenario", run.scenario->name}, {"seed", run.seed},
           {"samples", run.counts.samples},  {"accesses", run.counts.accesses},
           {"commits", run.counts.commits},  {"cycles", run.counts.edges}};
       if (run.finding)
-        entry["difference"] = {{"cycle", run.finding->cycle},
+        entry["difference"] = {{"kind", text_of(run.finding->kind)},
+                               {"cycle", run.finding->cycle},
                                {"what", run.finding->what},
                                {"node", run.finding->node},
                                {"command", run.command}};
@@ -153,21 +214,21 @@ std::string to_junit(const Outcome& outcome) {
     const char* arithmetic = name_of(part.first);
     std::string cases;
     Row total;
+    double seconds = 0;
+    uint64_t errors = 0, skipped = 0;
     for (const Run& run : outcome.runs) {
       if (run.arithmetic != part.first) continue;
       total.add(run);
-      cases += fmt::format("    <testcase classname=\"regress.{}\" name=\"{} seed {}\"", arithmetic,
-                           run.scenario->name, run.seed);
-      if (!run.finding) {
-        cases += "/>\n";
-        continue;
-      }
-      cases += fmt::format(">\n      <failure message=\"{}\">{}</failure>\n    </testcase>\n",
-                           xml_text(run.finding->what),
-                           xml_text("again: " + run.command + "\n" + run.finding->report));
+      cases += test_case(run);
+      seconds += run.wall_s;
+      errors += run.finding && run.finding->kind == Finding::Kind::no_result ? 1 : 0;
+      skipped += run.done ? 0 : 1;
     }
-    text += fmt::format("  <testsuite name=\"regress {}\" tests=\"{}\" failures=\"{}\">\n",
-                        arithmetic, total.runs, total.differences);
+    text += fmt::format(
+        "  <testsuite name=\"regress {}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" "
+        "skipped=\"{}\" "
+        "time=\"{:.3f}\">\n",
+        arithmetic, total.runs, total.differences - errors, errors, skipped, seconds);
     const auto bins = coverage_of(outcome, part.first)->bins();
     size_t covered = 0;
     for (const Coverage::Bin& bin : bins) covered += bin.hits > 0 ? 1 : 0;

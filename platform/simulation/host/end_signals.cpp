@@ -27,6 +27,7 @@ std::atomic<RemovedAtSignal::Entry*> entries{nullptr};
 std::atomic<pid_t> child_process{0};
 std::atomic<int> noted{0};
 std::atomic<int> exit_without_room{0};
+std::atomic<bool> report_asked{false};
 
 // Only calls that a signal handler may make.
 void clean_up() {
@@ -87,6 +88,18 @@ void note_signal(int number) {
 
 int noted_signal() {
   return noted;
+}
+
+void note_report_signal() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { report_asked = true; };
+  action.sa_flags = SA_RESTART;
+  sigfillset(&action.sa_mask);
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
+bool take_report_signal() {
+  return report_asked.exchange(false);
 }
 
 RemovedAtSignal::RemovedAtSignal(const std::string& path) : entry_(nullptr) {

@@ -1,4 +1,5 @@
-// Signals that end the program, and what must not be left behind then.
+// Signals that end the program, what must not be left behind then, and one that asks it for a
+// report.
 #pragma once
 
 #include <sys/types.h>
@@ -22,6 +23,11 @@ void note_end_signals();
 void note_signal(int number);
 /// The last one that came; 0: none.
 int noted_signal();
+
+/// From here on SIGUSR1 asks for a report of what is done so far, and ends nothing.
+void note_report_signal();
+/// Whether it came since the last call.
+bool take_report_signal();
 
 /// A file or an empty directory that is removed if a signal ends the program while this lives.
 /// Otherwise it stays.

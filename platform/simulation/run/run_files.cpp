@@ -4,7 +4,7 @@
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"
 #include "run/run_settings.h"
-#include "trace/waves.h"
+#include "trace/save_file.h"
 
 namespace capsoc::run {
 namespace {
@@ -21,7 +21,7 @@ std::string path_of_backend(const std::string& backend) {
 /// Where the waves of the SoC go, and GTKWave's save file beside them.
 void add_save_file(const RunSettings& settings, std::vector<host::FileUse>& uses) {
   const auto add = [&](const TextField& waves) {
-    const std::string save = trace::Waves::save_file(waves());
+    const std::string save = trace::save_file(waves());
     // Waves of the save file's own name are refused with a better sentence.
     if (!waves.empty() && save != waves())
       uses.push_back({Kind::output, "the save file of " + waves.name(), save});

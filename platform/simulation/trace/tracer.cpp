@@ -7,6 +7,7 @@
 #include "host/files.h"
 #include "trace/picoseconds.h"
 #include "trace/profile.h"
+#include "trace/save_file.h"
 
 namespace capsoc::trace {
 namespace {
@@ -52,7 +53,7 @@ std::optional<Error> Tracer::open() {
     calls_->count(window_->open());
   }
   if (!options_.waves.empty()) {
-    const std::string save = Waves::save_file(options_.waves);
+    const std::string save = save_file(options_.waves);
     if (save == options_.waves)
       return Error{options_.waves + ": GTKWave's save file has this name; call the waves .fst"};
     for (const std::string& place : {options_.waves, save})

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <utility>
 
 #include "host/files.h"
 #include "trace/exception_name.h"
 #include "trace/picoseconds.h"
+#include "trace/save_file.h"
 
 namespace capsoc::trace {
 namespace {
@@ -18,15 +18,6 @@ uint64_t picoseconds_now() {
 
 std::string stage_name(unsigned stage) {
   return stage == coprocessor::commit_stage ? "registers" : fmt::format("t{}", stage);
-}
-
-// Flags of a trace in GTKWave's save files (its enum TraceEntFlagBits), by bit.
-constexpr uint32_t hexadecimal = 1U << 1U, binary = 1U << 3U, right = 1U << 5U, blank = 1U << 9U,
-                   is_signed = 1U << 10U, ascii = 1U << 11U, analog_step = 1U << 15U,
-                   analog_more = 1U << 17U, group_begin = 1U << 23U, group_end = 1U << 24U;
-
-std::string shown(uint32_t flags, const std::string& signal) {
-  return fmt::format("@{:x}\n{}\n", flags, signal);
 }
 
 std::string range(unsigned width) {
@@ -160,43 +151,36 @@ std::optional<Error> Waves::finish(uint64_t picoseconds) {
   return host::write_whole(save_file(path_), save_text());
 }
 
-std::string Waves::save_file(const std::string& path) {
-  return std::filesystem::path(path).replace_extension(".gtkw").string();
-}
-
 std::string Waves::save_text() const {
-  std::string text =
-      fmt::format("[dumpfile] \"{}\"\n[timestart] 0\n[size] 1400 900\n[sst_expanded] 1\n",
-                  std::filesystem::path(path_).filename().string());
-  const auto group = [&text](const std::string& name, bool begin) {
-    text += fmt::format("@{:x}\n-{}\n", blank | (begin ? group_begin : group_end), name);
-  };
-  group("interrupts", true);
-  for (const Line& line : lines_) text += shown(binary | right, "soc.interrupts." + line.name);
-  text += shown(ascii | right, "soc.cpu.exception_name");
-  group("interrupts", false);
-  group("bus", true);
-  text += shown(binary | right, "soc.bus.active");
-  text += shown(ascii | right, "soc.bus.initiator");
-  text += shown(binary | right, "soc.bus.write");
-  text += shown(hexadecimal | right, "soc.bus.address[31:0]");
-  text += shown(hexadecimal | right, "soc.bus.data[31:0]");
-  text += shown(ascii | right, "soc.bus.status");
-  group("bus", false);
+  SaveText save(path_);
+  using Radix = SaveText::Radix;
+  save.begin_group("interrupts");
+  for (const Line& line : lines_) save.add(Radix::binary, "soc.interrupts." + line.name);
+  save.add(Radix::ascii, "soc.cpu.exception_name");
+  save.end_group("interrupts");
+  save.begin_group("bus");
+  save.add(Radix::binary, "soc.bus.active");
+  save.add(Radix::ascii, "soc.bus.initiator");
+  save.add(Radix::binary, "soc.bus.write");
+  save.add(Radix::hexadecimal, "soc.bus.address[31:0]");
+  save.add(Radix::hexadecimal, "soc.bus.data[31:0]");
+  save.add(Radix::ascii, "soc.bus.status");
+  save.end_group("bus");
   unsigned stage = ~0U;
   for (const Node& node : nodes_) {
     if (node.node->stage != stage) {
-      if (stage != ~0U) group("coprocessor " + stage_name(stage), false);
+      if (stage != ~0U) save.end_group("coprocessor " + stage_name(stage));
       stage = node.node->stage;
-      group("coprocessor " + stage_name(stage), true);
+      save.begin_group("coprocessor " + stage_name(stage));
     }
-    const bool curve = is_curve(node.node->name);
-    const uint32_t radix = node.has_value() ? is_signed : hexadecimal;
-    text += shown(radix | right | (curve ? analog_step : 0), node.path);
-    if (curve) text += fmt::format("@{:x}\n-\n-\n", analog_more);
+    const Radix radix = node.has_value() ? Radix::real : Radix::hexadecimal;
+    if (is_curve(node.node->name))
+      save.add_curve(radix, node.path);
+    else
+      save.add(radix, node.path);
   }
-  group("coprocessor " + stage_name(stage), false);
-  return text;
+  save.end_group("coprocessor " + stage_name(stage));
+  return save.text();
 }
 
 }  // namespace capsoc::trace

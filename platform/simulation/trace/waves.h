@@ -31,9 +31,6 @@ class Waves {
   void result(uint64_t picoseconds, const coprocessor::Nodes& nodes);
   std::optional<Error> finish(uint64_t picoseconds);
 
-  /// Beside an FST file: its name with .gtkw.
-  static std::string save_file(const std::string& path);
-
  private:
   struct Line {
     FstFile::Signal signal = 0;

@@ -1,4 +1,4 @@
-#include "campaign/engine.h"
+#include "workers/engine.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -21,7 +21,7 @@
 
 #include "host/end_signals.h"
 
-namespace capsoc::campaign {
+namespace capsoc::workers {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -67,14 +67,16 @@ void become_worker(pid_t parent, int log, const Limits& limits) {
   if (getppid() != parent) _exit(1);
   // The keyboard's signals are the parent's, which ends the workers; half a run is no result.
   setpgid(0, 0);
-  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) std::signal(number, SIG_IGN);
+  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1}) std::signal(number, SIG_IGN);
   const int nothing = open("/dev/null", O_RDWR);
   dup2(nothing, STDIN_FILENO);
   dup2(nothing, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, largest_written);
+#ifndef __SANITIZE_ADDRESS__  // whose shadow is terabytes of address space
   limit(RLIMIT_AS, static_cast<rlim_t>(limits.memory_mib) << 20U);
+#endif
   std::set_new_handler(out_of_memory);
 }
 
@@ -267,4 +269,4 @@ std::optional<Error> Engine::perform(const std::vector<std::size_t>& tasks, cons
   return std::nullopt;
 }
 
-}  // namespace capsoc::campaign
+}  // namespace capsoc::workers

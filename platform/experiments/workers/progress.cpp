@@ -1,4 +1,4 @@
-#include "campaign/progress.h"
+#include "workers/progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 
 #include "host/console.h"
 
-namespace capsoc::campaign {
+namespace capsoc::workers {
 namespace {
 
 constexpr auto between_lines = std::chrono::seconds(30);  // of a log
@@ -27,15 +27,16 @@ std::string duration_text(double seconds) {
   return fmt::format("{} s", whole);
 }
 
-Progress::Progress(uint64_t total) : terminal_(isatty(STDERR_FILENO) != 0), total_(total) {}
+Progress::Progress(uint64_t total, double work)
+    : terminal_(isatty(STDERR_FILENO) != 0), total_(total), work_(work) {}
 
 std::string Progress::line(std::size_t running) const {
   const double elapsed = seconds(Clock::now() - begin_);
   const double rate = elapsed > 0 ? static_cast<double>(done_) / elapsed : 0;
   std::string text = fmt::format("{} of {} runs, {} running, {:.3g} runs/s, {} failed", done_,
                                  total_, running, rate, failed_);
-  if (done_ > 0 && done_ < total_)
-    text += fmt::format(", {} left", duration_text(static_cast<double>(total_ - done_) / rate));
+  if (work_done_ > 0 && done_ < total_)
+    text += fmt::format(", {} left", duration_text((work_ - work_done_) * elapsed / work_done_));
   return text;
 }
 
@@ -51,4 +52,4 @@ void Progress::finish() {
             duration_text(seconds(Clock::now() - begin_)));
 }
 
-}  // namespace capsoc::campaign
+}  // namespace capsoc::workers

@@ -1,4 +1,4 @@
-// How far a campaign is, on standard error: one line that changes on a terminal, plain lines in a
+// How far many runs are, on standard error: one line that changes on a terminal, plain lines in a
 // log.
 #pragma once
 
@@ -6,15 +6,16 @@
 #include <cstdint>
 #include <string>
 
-namespace capsoc::campaign {
+namespace capsoc::workers {
 
 class Progress {
  public:
-  /// `total` runs are to be done.
-  explicit Progress(uint64_t total);
+  /// `total` runs are to be done, which are so much work in any unit.
+  Progress(uint64_t total, double work);
 
-  void done(bool pass) {
+  void done(bool pass, double work) {
     ++done_;
+    work_done_ += work;
     if (!pass) ++failed_;
   }
   /// Says something if it is time.
@@ -29,10 +30,11 @@ class Progress {
 
   bool terminal_;
   uint64_t total_, done_ = 0, failed_ = 0;
+  double work_, work_done_ = 0;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
 };
 
 /// "3 h 07 min", "2 min 05 s", "8 s".
 std::string duration_text(double seconds);
 
-}  // namespace capsoc::campaign
+}  // namespace capsoc::workers

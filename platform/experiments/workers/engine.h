@@ -11,10 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "campaign/description.h"
 #include "support/result.h"
 
-namespace capsoc::campaign {
+namespace capsoc::workers {
+
+/// What one run may take. A run that is beyond is ended, and that is its result.
+struct Limits {
+  double seconds = 600;
+  uint64_t memory_mib = 4096;  ///< of address space
+};
 
 /// How a worker ended.
 struct Ended {
@@ -64,4 +69,4 @@ class Engine {
   std::vector<Worker> workers_;
 };
 
-}  // namespace capsoc::campaign
+}  // namespace capsoc::workers

@@ -1,0 +1,52 @@
+// The Verilated coprocessor with something wrong, by CAPSOC_TEST_FAULT: "value", a bit of ANGLE, as
+// a bus sees it; "hang" and "crash" at its first sample; "node", a node of the reference generator.
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "coprocessor/register_map.h"
+#include "rtl/rtl_abi.h"
+
+namespace {
+
+const capsoc_rtl_api* real = nullptr;
+const char* fault = "";
+
+bool is(const char* name) {
+  return std::strcmp(fault, name) == 0;
+}
+
+void eval(capsoc_rtl* instance) {
+  real->eval(instance);
+  capsoc_rtl_pins& pins = *real->pins(instance);
+  if (is("value") && pins.psel && !pins.pwrite && pins.paddr == capsoc::coprocessor::reg_angle)
+    pins.prdata ^= 1;
+  if (!pins.sample_valid) return;
+  for (volatile bool forever = is("hang"); forever;) {
+  }
+  if (!is("crash")) return;
+  std::fputs("the RTL did not converge\n", stderr);
+  std::abort();
+}
+
+void nodes(capsoc_rtl* instance, int64_t* values) {
+  real->nodes(instance, values);
+  for (uint32_t i = 0; i < real->node_count; ++i)
+    if (is("node") && std::strcmp(real->node_names[i], "sine") == 0) values[i] ^= 2;
+}
+
+}  // namespace
+
+extern "C" const capsoc_rtl_api* capsoc_rtl_entry() {
+  static capsoc_rtl_api api;
+  if (const char* chosen = std::getenv("CAPSOC_TEST_FAULT")) fault = chosen;
+  void* library = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) std::abort();
+  real = reinterpret_cast<capsoc_rtl_entry_function>(dlsym(library, CAPSOC_RTL_ENTRY))();
+  api = *real;
+  api.eval = eval;
+  api.nodes = nodes;
+  return &api;
+}
