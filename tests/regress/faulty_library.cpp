@@ -32,9 +32,9 @@ void eval(capsoc_rtl* instance) {
 }
 
 void nodes(capsoc_rtl* instance, int64_t* values) {
-  real->nodes(instance, values);
-  for (uint32_t i = 0; i < real->node_count; ++i)
-    if (is("node") && std::strcmp(real->node_names[i], "sine") == 0) values[i] ^= 2;
+  real->inside->nodes(instance, values);
+  for (uint32_t i = 0; i < real->inside->node_count; ++i)
+    if (is("node") && std::strcmp(real->inside->node_names[i], "sine") == 0) values[i] ^= 2;
 }
 
 }  // namespace
@@ -45,8 +45,11 @@ extern "C" const capsoc_rtl_api* capsoc_rtl_entry() {
   void* library = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) std::abort();
   real = reinterpret_cast<capsoc_rtl_entry_function>(dlsym(library, CAPSOC_RTL_ENTRY))();
+  static capsoc_rtl_inside inside;
+  inside = *real->inside;
+  inside.nodes = nodes;
   api = *real;
   api.eval = eval;
-  api.nodes = nodes;
+  api.inside = &inside;
   return &api;
 }

@@ -39,28 +39,25 @@ class CoprocessorRtl::Pins {
   Pins(RtlLibrary::Handle library, Clocking clocking)
       : library_(std::move(library)),
         api_(library_->api()),
+        inside_(*api_.inside),
         clocking_(clocking),
         instance_(api_.create(), api_.destroy),
         pins_(*api_.pins(instance_.get())),
-        values_(api_.node_count) {
-    for (const NamedNode& node : node_names()) {
-      const auto* const* first = api_.node_names;
-      const auto* const* last = first + api_.node_count;
-      const auto* const* found = std::find_if(
-          first, last, [&](const char* name) { return std::strcmp(name, node.name) == 0; });
-      if (found != last) wires_[node.stage].push_back({node.value, std::size_t(found - first)});
-    }
+        values_(inside_.node_count) {
+    // RtlLibrary has seen to it that the library's are these.
+    std::size_t index = 0;
+    for (const NamedNode& node : node_names()) wires_[node.stage].push_back({node.value, index++});
     reset();
   }
 
   std::unique_ptr<Pins> copy() {
     settle();
-    std::vector<uint8_t> bytes(api_.save(instance_.get(), nullptr, 0));
+    std::vector<uint8_t> bytes(inside_.save(instance_.get(), nullptr, 0));
     if (bytes.empty()) return nullptr;
     auto other = std::make_unique<Pins>(library_, clocking_);
-    api_.save(instance_.get(), bytes.data(), bytes.size());
+    inside_.save(instance_.get(), bytes.data(), bytes.size());
     other->pins_ = pins_;
-    api_.restore(other->instance_.get(), bytes.data(), bytes.size());
+    inside_.restore(other->instance_.get(), bytes.data(), bytes.size());
     other->edge_ = edge_;
     other->named_ = named_;
     other->acts_ = acts_;
@@ -94,7 +91,7 @@ class CoprocessorRtl::Pins {
     settle();
     if (!pins_.idle || (acts_ && !reading_)) return false;
     capsoc_rtl_state registers{};
-    api_.get_state(instance_.get(), &registers);
+    inside_.get_state(instance_.get(), &registers);
     state = to_model(registers, nodes_);
     state.cycle = edge_;
     // A read of HI fills its latch at the coming edge; in the model it has done so.
@@ -105,7 +102,7 @@ class CoprocessorRtl::Pins {
   void load_idle(const IdleState& state) {
     reset();
     const capsoc_rtl_state registers = to_rtl(state);
-    api_.set_state(instance_.get(), &registers);
+    inside_.set_state(instance_.get(), &registers);
     edge_ = named_ = state.cycle;
     changed_ = false;
     nodes_ = state.nodes;
@@ -203,7 +200,7 @@ class CoprocessorRtl::Pins {
   bool stage_nodes(unsigned stage, Nodes& nodes) {
     settle();
     if (stage >= stage_count || !pins_.boundary || !(pins_.stage >> stage & 1)) return false;
-    api_.nodes(instance_.get(), values_.data());
+    inside_.nodes(instance_.get(), values_.data());
     take(stage, nodes);
     return true;
   }
@@ -224,7 +221,7 @@ class CoprocessorRtl::Pins {
     std::fill(values_.begin(), values_.end(), 0);
     for (const auto& stage : wires_)
       for (const Wire& wire : stage) values_[wire.index] = nodes.*wire.node;
-    api_.model_nodes(instance_.get(), values_.data());
+    inside_.model_nodes(instance_.get(), values_.data());
   }
 
   void close_waves() {
@@ -252,14 +249,14 @@ class CoprocessorRtl::Pins {
   };
 
   void visit_verilated(kit::Archive& archive) {
-    const std::size_t size = api_.save(instance_.get(), nullptr, 0);
+    const std::size_t size = inside_.save(instance_.get(), nullptr, 0);
     if (size == 0) return archive.refuse("cannot be saved with coverage");
     std::string bytes(size, 0);
-    api_.save(instance_.get(), reinterpret_cast<uint8_t*>(bytes.data()), size);
+    inside_.save(instance_.get(), reinterpret_cast<uint8_t*>(bytes.data()), size);
     archive("verilated", bytes);
     if (!archive.loading() || !archive.ok()) return;
     if (bytes.size() != size) return archive.refuse("has another size than this RTL");
-    api_.restore(instance_.get(), bytes.data(), size);
+    inside_.restore(instance_.get(), bytes.data(), size);
   }
 
   /// Ready for inputs of edge `cycle`.
@@ -292,7 +289,7 @@ class CoprocessorRtl::Pins {
       } else {
         if (changed_) api_.eval(instance_.get());
         changed_ = false;
-        const uint64_t made = api_.clock_on(instance_.get(), target - edge_);
+        const uint64_t made = inside_.clock_on(instance_.get(), target - edge_);
         edge_ += made;
         clocks_ += made;
       }
@@ -318,7 +315,7 @@ class CoprocessorRtl::Pins {
 
   /// The samples move on, and with them what their stages made.
   void end_tick(bool commit) {
-    api_.nodes(instance_.get(), values_.data());
+    inside_.nodes(instance_.get(), values_.data());
     // The oldest sample first: each makes room for the next.
     for (unsigned stage = stage_count; stage-- > 0;) {
       if (!(pins_.stage >> stage & 1)) continue;
@@ -341,7 +338,7 @@ class CoprocessorRtl::Pins {
   /// The LO word of a 48-bit register as a debugger sees it.
   uint32_t present_low(uint32_t offset) {
     std::array<int64_t, 8> pairs{};
-    api_.pairs(instance_.get(), pairs.data());
+    inside_.pairs(instance_.get(), pairs.data());
     return coprocessor::pair_words(offset, pairs.at(pair_index(offset))).low;
   }
 
@@ -353,6 +350,7 @@ class CoprocessorRtl::Pins {
 
   RtlLibrary::Handle library_;
   const capsoc_rtl_api& api_;
+  const capsoc_rtl_inside& inside_;
   Clocking clocking_;
   std::unique_ptr<capsoc_rtl, void (*)(capsoc_rtl*)> instance_;
   capsoc_rtl_pins& pins_;

@@ -1,7 +1,8 @@
-/* The C interface between capsoc and a shared library that holds the Verilated coprocessor
- * (rtl/verification/coprocessor_probe.sv around rtl/coprocessor.sv). One function is looked up by
- * name; the rest is a table behind it. Plain C, so that library and program need not agree on a C++
- * runtime. */
+/* The C interface between capsoc and a shared library that holds a Verilated coprocessor: ours
+ * (rtl/verification/coprocessor_probe.sv around rtl/coprocessor.sv), or somebody else's design of
+ * which only the pins are known (rtl_library.cmake). One function is looked up by name; the rest is
+ * a table behind it. Plain C, so that library and program need not agree on a C++ runtime, and the
+ * library may be built anew without the program. */
 #ifndef CAPSOC_RTL_ABI_H
 #define CAPSOC_RTL_ABI_H
 
@@ -12,8 +13,19 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 4
+#define CAPSOC_RTL_ABI_VERSION 5
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
+
+/* Pins that a design need not have: bits of capsoc_rtl_api::absent_pins. As inputs they go nowhere,
+ * as outputs they show nothing. */
+enum {
+  CAPSOC_RTL_PSTRB = 1,
+  CAPSOC_RTL_PREADY = 2,
+  CAPSOC_RTL_PSLVERR = 4,
+  CAPSOC_RTL_SAMPLE_READY = 8,
+  CAPSOC_RTL_IRQ = 16,
+  CAPSOC_RTL_IDLE = 32
+};
 
 /* Pins of one instance. The caller writes the inputs and calls eval(), which puts them on the
  * design; clock() uses what eval() has put there. Both leave the outputs as they are with the clock
@@ -27,7 +39,7 @@ typedef struct capsoc_rtl_pins {
   /* outputs */
   uint8_t pready, pslverr, sample_ready, irq, idle;
   uint32_t prdata;
-  /* The sequencer, from the probe. */
+  /* The sequencer, from the probe; 0 without capsoc_rtl_api::inside. */
   uint8_t boundary;   /* the edge that ends this interval begins a tick or ends one */
   uint8_t enter;      /* with boundary: the held sample enters T0 */
   uint8_t cycle;      /* 0..31 in the running tick */
@@ -51,29 +63,30 @@ typedef struct capsoc_rtl_state {
 #undef WORDS
 } capsoc_rtl_state;
 
-typedef struct capsoc_rtl_api {
-  uint32_t abi_version;
-  uint32_t pins_size;                                      /* sizeof(capsoc_rtl_pins) */
-  uint32_t state_size;                                     /* sizeof(capsoc_rtl_state) */
-  const char* source_hash;                                 /* SHA-256 of the RTL, in hexadecimal */
-  int32_t paper, operand_bits, reference_lead, step_shift; /* the parameters of the top */
-  int32_t plain_arctangent;                                /* the fifth */
-  int32_t coverage;                                        /* built with line and toggle coverage */
+/* The members of capsoc_rtl_state and their bits, in order. */
+#define WORD(name, bits, instance, variable) #name ":" #bits ";"
+#define WORDS(name, count, bits, instance, variable) #name ":" #bits "*" #count ";"
+static const char capsoc_rtl_state_layout[] =
+#include "rtl/rtl_state.def"
+    ;
+#undef WORD
+#undef WORDS
+
+/* What a design shows beside its pins. */
+typedef struct capsoc_rtl_inside {
+  const char* state_layout; /* capsoc_rtl_state_layout of the library */
 
   /* Named nodes: names in the order of the values. A node of stage s is what it will be at the end
    * of the tick in an interval with `boundary` and that stage occupied. */
   uint32_t node_count;
   const char* const* node_names;
 
-  capsoc_rtl* (*create)(void); /* all inputs 0: in reset; NULL: out of memory */
-  void (*destroy)(capsoc_rtl*);
-  capsoc_rtl_pins* (*pins)(capsoc_rtl*);
-  void (*eval)(capsoc_rtl*);  /* takes over the inputs and settles combinational outputs */
-  void (*clock)(capsoc_rtl*); /* one rising edge, and back to low */
   /* Up to `count` rising edges; stops in front of an edge that ends an interval with `boundary` or
    * `idle`. Returns how many were made. */
   uint64_t (*clock_on)(capsoc_rtl*, uint64_t count);
   void (*nodes)(capsoc_rtl*, int64_t* values); /* node_count values */
+  /* node_count values of the model, which stand beside the RTL's in a wave file. */
+  void (*model_nodes)(capsoc_rtl*, const int64_t* values);
   /* The 48-bit registers as they are now: FREQ, PHASE, AU, BU, CU, AV, BV, CV, all but PHASE
    * sign-extended. */
   void (*pairs)(capsoc_rtl*, int64_t* values);
@@ -87,16 +100,32 @@ typedef struct capsoc_rtl_api {
    * reset; drops what a register has no bits for. */
   void (*get_state)(capsoc_rtl*, capsoc_rtl_state*);
   void (*set_state)(capsoc_rtl*, const capsoc_rtl_state*);
+} capsoc_rtl_inside;
 
-  /* An FST file of everything, one time unit a nanosecond. 0: cannot be written. `model` are
-   * node_count values that stand beside the RTL's nodes in the file. */
+typedef struct capsoc_rtl_api {
+  uint32_t abi_version;
+  uint32_t pins_size;                                      /* sizeof(capsoc_rtl_pins) */
+  const char* source_hash;                                 /* SHA-256 of the RTL, in hexadecimal */
+  int32_t paper, operand_bits, reference_lead, step_shift; /* which model it is to agree with */
+  int32_t plain_arctangent;                                /* the fifth */
+  int32_t coverage;                                        /* built with line and toggle coverage */
+  uint32_t absent_pins;
+
+  capsoc_rtl* (*create)(void); /* all inputs 0: in reset; NULL: out of memory */
+  void (*destroy)(capsoc_rtl*);
+  capsoc_rtl_pins* (*pins)(capsoc_rtl*);
+  void (*eval)(capsoc_rtl*);  /* takes over the inputs and settles combinational outputs */
+  void (*clock)(capsoc_rtl*); /* one rising edge, and back to low */
+
+  /* An FST file of everything, one time unit a nanosecond. 0: cannot be written. */
   int (*open_waves)(capsoc_rtl*, const char* file);
-  void (*model_nodes)(capsoc_rtl*, const int64_t* values);
   void (*wave_time)(capsoc_rtl*, uint64_t rise_ns, uint64_t fall_ns); /* of the next clock() */
   void (*close_waves)(capsoc_rtl*);
 
   /* Writes this instance's coverage in Verilator's format. 0: not built with coverage. */
   int (*write_coverage)(capsoc_rtl*, const char* file);
+
+  const capsoc_rtl_inside* inside; /* NULL: the pins are all that there is */
 } capsoc_rtl_api;
 
 /* The type of the entry point. */

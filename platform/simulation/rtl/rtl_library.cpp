@@ -3,11 +3,12 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 
+#include "coprocessor/nodes.h"
 #include "host/places.h"
-#include "rtl_hash.h"
 #include "support/input_file.h"
 
 namespace capsoc::rtl {
@@ -21,15 +22,23 @@ constexpr const char* rebuild_with =
     "`cmake --build BUILD --target capsoc_rtl_table_8` builds the one of 16 bits, lead 2, shift 7 "
     "and a plain arctangent; for others add a line to platform/simulation/rtl/CMakeLists.txt";
 
+/// Why its nodes and state are not those that this program knows; "" if they are.
+std::string refuse_inside(const std::string& file, const capsoc_rtl_inside& inside) {
+  const auto& names = coprocessor::node_names();
+  const bool same_nodes =
+      std::equal(names.begin(), names.end(), inside.node_names,
+                 inside.node_names + inside.node_count,
+                 [](const auto& ours, const char* theirs) { return std::strcmp(ours.name, theirs) == 0; });
+  if (same_nodes && std::strcmp(inside.state_layout, capsoc_rtl_state_layout) == 0) return {};
+  return fmt::format("{}: its {} are not those of this program; {}", file,
+                     same_nodes ? "registers" : "nodes", rebuild);
+}
+
 std::string refuse(const std::string& file, const capsoc_rtl_api& api,
-                   const coprocessor::Options& options) {
-  if (api.abi_version != CAPSOC_RTL_ABI_VERSION || api.pins_size != sizeof(capsoc_rtl_pins) ||
-      api.state_size != sizeof(capsoc_rtl_state))
+                   const coprocessor::Options& options, RtlLibrary::Use use) {
+  if (api.abi_version != CAPSOC_RTL_ABI_VERSION || api.pins_size != sizeof(capsoc_rtl_pins))
     return fmt::format("{}: its interface has version {} and this program wants {}; {}", file,
                        api.abi_version, CAPSOC_RTL_ABI_VERSION, rebuild);
-  if (std::strcmp(api.source_hash, source_hash()) != 0)
-    return fmt::format("{}: was built from other RTL ({:.12}) than this program ({:.12}); {}", file,
-                       api.source_hash, source_hash(), rebuild);
   const bool paper = options.arithmetic == coprocessor::Arithmetic::paper;
   const auto name = [](bool is_paper) { return is_paper ? "paper" : "precise"; };
   if ((api.paper != 0) != paper)
@@ -45,13 +54,18 @@ std::string refuse(const std::string& file, const capsoc_rtl_api& api,
         file, api.operand_bits, api.reference_lead, api.step_shift, api.plain_arctangent,
         options.paper_operand_bits, options.paper_reference_lead, options.paper_step_shift,
         options.paper_plain_arctangent ? 1 : 0);
-  return {};
+  if (api.inside != nullptr) return refuse_inside(file, *api.inside);
+  if (use == RtlLibrary::Use::at_its_pins) return {};
+  return fmt::format(
+      "{}: shows its pins and nothing of its inside, which a run needs; `capsoc regress "
+      "--rtl-library {}` compares it at its pins",
+      file, file);
 }
 
 }  // namespace
 
 Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
-                                            const coprocessor::Options& options) {
+                                            const coprocessor::Options& options, Use use) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored))
     return Error{fmt::format("{}: there is no such RTL library; {}", file,
@@ -69,7 +83,7 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
   }
   const auto entry = reinterpret_cast<capsoc_rtl_entry_function>(symbol);
   const Handle library(new RtlLibrary(handle, entry()));
-  if (std::string reason = refuse(file, library->api(), options); !reason.empty())
+  if (std::string reason = refuse(file, library->api(), options, use); !reason.empty())
     return Error{std::move(reason)};
   return library;
 }
@@ -95,10 +109,6 @@ std::string RtlLibrary::file_name(coprocessor::Arithmetic arithmetic, bool cover
 
 RtlLibrary::~RtlLibrary() {
   dlclose(handle_);
-}
-
-const char* source_hash() {
-  return CAPSOC_RTL_SOURCE_HASH;
 }
 
 }  // namespace capsoc::rtl

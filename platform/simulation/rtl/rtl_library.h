@@ -15,10 +15,15 @@ class RtlLibrary {
  public:
   using Handle = std::shared_ptr<const RtlLibrary>;
 
-  /// Opens `file` and checks that it is one of ours (ABI), that it holds the RTL that this program
-  /// was built with (hash of rtl/), and that its parameters are those of `options`. The Error says
-  /// what to do.
-  static Result<Handle> open(const std::string& file, const coprocessor::Options& options);
+  /// What one is wanted for: a design of which only the pins are known can be compared at these
+  /// alone; in the place of the model it has to show its inside.
+  enum class Use { in_place_of_the_model, at_its_pins };
+
+  /// Opens `file` and checks that it is one of ours (ABI), that its parameters are those of
+  /// `options`, and that it shows what `use` needs: state and nodes as this program knows them.
+  /// Which RTL is in it is its own matter (api().source_hash names it). The Error says what to do.
+  static Result<Handle> open(const std::string& file, const coprocessor::Options& options,
+                             Use use = Use::in_place_of_the_model);
 
   /// Where the library of such a coprocessor is: beside the program, or in its install tree.
   static std::string file_name(const coprocessor::Options& options);
@@ -37,8 +42,5 @@ class RtlLibrary {
   void* handle_;
   const capsoc_rtl_api* api_;
 };
-
-/// Hash of the RTL sources that this program was built with.
-const char* source_hash();
 
 }  // namespace capsoc::rtl

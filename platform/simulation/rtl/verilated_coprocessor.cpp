@@ -9,14 +9,8 @@
 #include "Vcoprocessor_probe.h"
 #include "Vcoprocessor_probe___024root.h"
 #include "rtl/rtl_abi.h"
-#include "rtl/verilated_pins.h"
-#include "rtl_hash.h"
-#include "verilated.h"
-#include "verilated_fst_c.h"
+#include "rtl/verilated_instance.h"
 #include "verilated_save.h"
-#if CAPSOC_RTL_COVERAGE
-#include "verilated_cov.h"
-#endif
 
 // Verilator's: all combinational logic anew, as at its first evaluation. eval() would not do it,
 // for nothing that it looks at has changed.
@@ -70,101 +64,32 @@ class MemoryRestore final : public VerilatedDeserialize {
 
 }  // namespace
 
-struct capsoc_rtl {
-  VerilatedContext context;
-  std::unique_ptr<Vcoprocessor_probe> top;
-  std::unique_ptr<VerilatedFstC> waves;
-  uint64_t rise_ns = 0, fall_ns = 0;
-  capsoc_rtl_pins pins{};
+struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
+  void sample() {
+    capsoc::rtl::fetch_pins(*top, pins);
+    pins.boundary = top->boundary_o;
+    pins.enter = top->enter_o;
+    pins.cycle = top->cycle_o;
+    pins.stage = top->stage_o;
+    pins.load = top->load_o;
+    pins.load_start = top->load_start_o;
+    pins.held = top->held_o;
+    pins.load_pending = top->load_pending_o;
+    pins.running = top->running_o;
+    pins.commit = top->commit_o;
+  }
 };
 
 namespace {
-
-void drive(capsoc_rtl& r) {
-  capsoc::rtl::drive_pins(*r.top, r.pins);
-  r.top->drive_i = 1;
-  r.top->eval();
-  r.top->drive_i = 0;
-  r.top->eval();
-}
-
-void sample(capsoc_rtl& r) {
-  const Vcoprocessor_probe& top = *r.top;
-  capsoc_rtl_pins& p = r.pins;
-  capsoc::rtl::fetch_pins(top, p);
-  p.boundary = top.boundary_o;
-  p.enter = top.enter_o;
-  p.cycle = top.cycle_o;
-  p.stage = top.stage_o;
-  p.load = top.load_o;
-  p.load_start = top.load_start_o;
-  p.held = top.held_o;
-  p.load_pending = top.load_pending_o;
-  p.running = top.running_o;
-  p.commit = top.commit_o;
-}
-
-void toggle(capsoc_rtl& r) {
-  r.top->pclk_i = 1;
-  r.top->eval();
-  if (r.waves) r.waves->dump(r.rise_ns);
-  r.top->pclk_i = 0;
-  r.top->eval();
-  if (r.waves) r.waves->dump(r.fall_ns);
-}
-
-capsoc_rtl* create() try {
-  auto r = std::make_unique<capsoc_rtl>();
-  r->context.traceEverOn(true);
-  r->context.timeunit(-9);
-  r->context.timeprecision(-9);
-  r->top = std::make_unique<Vcoprocessor_probe>(&r->context, "rtl");
-  // The first evaluation sees no edges, and the asynchronous reset needs its falling one.
-  r->top->eval();
-  r->pins.presetn = 1;
-  drive(*r);
-  r->pins.presetn = 0;
-  drive(*r);
-  sample(*r);
-  return r.release();
-} catch (const std::bad_alloc&) {
-  return nullptr;
-}
-
-void close_waves(capsoc_rtl* r) {
-  if (r->waves) r->waves->close();
-  r->waves.reset();
-}
-
-void destroy(capsoc_rtl* r) {
-  if (r == nullptr) return;
-  close_waves(r);
-  r->top->final();
-  delete r;
-}
-
-capsoc_rtl_pins* pins(capsoc_rtl* r) {
-  return &r->pins;
-}
-
-void eval(capsoc_rtl* r) {
-  drive(*r);
-  sample(*r);
-}
-
-void clock(capsoc_rtl* r) {
-  toggle(*r);
-  sample(*r);
-}
 
 uint64_t clock_on(capsoc_rtl* r, uint64_t count) {
   const Vcoprocessor_probe& top = *r->top;
   uint64_t made = 0;
   while (made < count && !top.boundary_o && !top.idle_o) {
-    toggle(*r);
+    r->toggle();
     ++made;
   }
-  sample(*r);
+  r->sample();
   return made;
 }
 
@@ -206,7 +131,7 @@ size_t save(capsoc_rtl* r, void* bytes, size_t size) {
 void restore(capsoc_rtl* r, const void* bytes, size_t size) {
   MemoryRestore stream(bytes, size);
   stream >> *r->top;
-  sample(*r);
+  r->sample();
 }
 #endif
 
@@ -240,17 +165,7 @@ void set_state(capsoc_rtl* r, const capsoc_rtl_state* state) {
 #undef WORD
 #undef WORDS
   Vcoprocessor_probe___024root___eval_settle(&top);
-  sample(*r);
-}
-
-int open_waves(capsoc_rtl* r, const char* file) {
-  close_waves(r);
-  r->waves = std::make_unique<VerilatedFstC>();
-  r->top->trace(r->waves.get(), 99);
-  r->waves->open(file);
-  if (r->waves->isOpen()) return 1;
-  r->waves.reset();
-  return 0;
+  r->sample();
 }
 
 void model_nodes(capsoc_rtl* r, const int64_t* values) {
@@ -259,51 +174,19 @@ void model_nodes(capsoc_rtl* r, const int64_t* values) {
 #include "coprocessor/nodes.def"
 }
 
-void wave_time(capsoc_rtl* r, uint64_t rise_ns, uint64_t fall_ns) {
-  r->rise_ns = rise_ns;
-  r->fall_ns = fall_ns;
-}
+constexpr capsoc_rtl_inside inside = {capsoc_rtl_state_layout,
+                                      sizeof names / sizeof names[0],
+                                      names,
+                                      clock_on,
+                                      nodes,
+                                      model_nodes,
+                                      pairs,
+                                      save,
+                                      restore,
+                                      get_state,
+                                      set_state};
 
-int write_coverage(capsoc_rtl* r, const char* file) {
-#if CAPSOC_RTL_COVERAGE
-  r->context.coveragep()->write(file);
-  return 1;
-#else
-  static_cast<void>(r);
-  static_cast<void>(file);
-  return 0;
-#endif
-}
-
-constexpr capsoc_rtl_api api = {CAPSOC_RTL_ABI_VERSION,
-                                sizeof(capsoc_rtl_pins),
-                                sizeof(capsoc_rtl_state),
-                                CAPSOC_RTL_SOURCE_HASH,
-                                CAPSOC_RTL_PAPER,
-                                CAPSOC_RTL_OPERAND_BITS,
-                                CAPSOC_RTL_REFERENCE_LEAD,
-                                CAPSOC_RTL_STEP_SHIFT,
-                                CAPSOC_RTL_PLAIN_ARCTANGENT,
-                                CAPSOC_RTL_COVERAGE,
-                                sizeof names / sizeof names[0],
-                                names,
-                                create,
-                                destroy,
-                                pins,
-                                eval,
-                                clock,
-                                clock_on,
-                                nodes,
-                                pairs,
-                                save,
-                                restore,
-                                get_state,
-                                set_state,
-                                open_waves,
-                                model_nodes,
-                                wave_time,
-                                close_waves,
-                                write_coverage};
+constexpr capsoc_rtl_api api = capsoc::rtl::api_of<capsoc_rtl>(0, &inside);
 
 }  // namespace
 

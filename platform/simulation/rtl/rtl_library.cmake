@@ -1,0 +1,189 @@
+# Shared libraries of Verilated RTL behind rtl_abi.h: `capsoc` opens them at run time (--rtl-library), so RTL may change without it.
+#
+#   capsoc_add_rtl_library(NAME TOP MODULE SOURCES FILE...
+#     [ARITHMETIC precise|paper] [OPERAND_BITS N] [REFERENCE_LEAD N] [STEP_SHIFT N] [PLAIN_ARCTANGENT 0|1]
+#     [PINS PIN=PORT...] [PARAMETERS NAME=VALUE...] [VERILATOR_ARGS ARG...] [DEPENDS FILE...] [COVERAGE])
+#
+# makes libNAME.so of somebody's own design. It is compared with the model as a black box, at its pins:
+#
+#   capsoc regress --arithmetic precise --rtl-library libNAME.so
+#
+# MODULE has an APB and a sample port (docs/coprocessor.md, "Bus and sample port"). A pin that is not in PINS has its own name in the design;
+# PIN= says that the design has none.
+#   in   pclk, presetn (or preset, active high), psel, penable, pwrite, paddr[11:0], pwdata[31:0], pstrb[3:0] (may be missing),
+#        sample_valid, sample_u[31:0], sample_v[31:0] (Q1.31), sample_clip
+#   out  prdata[31:0], and those that may be missing: pready, pslverr, sample_ready, irq, idle
+# ARITHMETIC and the four behind it name the model that the design is to agree with (capsoc's settings coprocessor.arithmetic and
+# coprocessor.paper_*). Verilator's warnings of the design are shown.
+include_guard(GLOBAL)
+
+set(CAPSOC_RTL_FOLDER ${CMAKE_CURRENT_LIST_DIR})
+cmake_path(GET CAPSOC_RTL_FOLDER PARENT_PATH CAPSOC_RTL_INCLUDE)
+
+find_program(VERILATOR verilator REQUIRED)
+cmake_path(GET VERILATOR PARENT_PATH capsoc_verilator_bin)
+cmake_path(GET capsoc_verilator_bin PARENT_PATH capsoc_verilator_prefix)
+find_path(VERILATOR_INCLUDE verilated.h REQUIRED
+          HINTS $ENV{VERILATOR_ROOT}/include ${capsoc_verilator_prefix}/share/verilator/include)
+find_package(ZLIB REQUIRED)
+find_package(Threads REQUIRED)
+
+set(capsoc_verilator_definitions VL_TIME_CONTEXT VM_COVERAGE=1 VM_TRACE=1 VM_TRACE_FST=1 VM_SC=0)
+
+# capsoc_verilated_library(NAME TOP MODULE WRAPPER FILE HASH FOLDER SOURCES FILE... FLAGS FLAG... DEFINITIONS DEFINITION...
+#                          [DEPENDS FILE...] [COVERAGE]): what all of them have in common. FOLDER has rtl_hash.h.
+function(capsoc_verilated_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;WRAPPER;HASH" "SOURCES;FLAGS;DEFINITIONS;DEPENDS")
+  # Verilator's own sources. They stay inside each library: two in one program share nothing.
+  if(NOT TARGET capsoc_verilator_runtime)
+    add_library(capsoc_verilator_runtime OBJECT EXCLUDE_FROM_ALL
+                ${VERILATOR_INCLUDE}/verilated.cpp ${VERILATOR_INCLUDE}/verilated_cov.cpp
+                ${VERILATOR_INCLUDE}/verilated_fst_c.cpp ${VERILATOR_INCLUDE}/verilated_save.cpp
+                ${VERILATOR_INCLUDE}/verilated_threads.cpp)
+    set_target_properties(capsoc_verilator_runtime PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_STANDARD 17
+                          CXX_VISIBILITY_PRESET hidden EXPORT_COMPILE_COMMANDS OFF)
+    target_include_directories(capsoc_verilator_runtime SYSTEM PRIVATE ${VERILATOR_INCLUDE} ${VERILATOR_INCLUDE}/vltstd)
+    target_compile_definitions(capsoc_verilator_runtime PRIVATE ${capsoc_verilator_definitions})
+    target_compile_options(capsoc_verilator_runtime PRIVATE -O3 -w)
+  endif()
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/${name})
+  # Plain C++ without threads. What has no value before its first use is 0: the formal proofs and the other simulators
+  # take care of that question.
+  set(flags --cc -O3 --x-assign 0 --x-initial 0 --trace-fst --trace-structs --no-timing -Wno-fatal --top-module ${arg_TOP} ${arg_FLAGS})
+  set(coverage 0)
+  if(arg_COVERAGE)
+    # A bundle is wider than what Verilator counts by itself, 256 bits.
+    list(APPEND flags --coverage-line --coverage-toggle --coverage-max-width 1024)
+    set(coverage 1)
+  endif()
+  # The names of the files depend on their contents, so one file includes them all.
+  add_custom_command(
+    OUTPUT ${folder}/all.cpp
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${folder}
+    COMMAND ${VERILATOR} ${flags} --Mdir ${folder} ${arg_SOURCES}
+    COMMAND ${CMAKE_COMMAND} -D "FOLDER=${folder}" -P ${CAPSOC_RTL_FOLDER}/include_all.cmake
+    DEPENDS ${arg_SOURCES} ${arg_DEPENDS}
+    COMMENT "Verilating ${name}" VERBATIM)
+  add_library(${name} SHARED ${arg_WRAPPER} ${folder}/all.cpp $<TARGET_OBJECTS:capsoc_verilator_runtime>)
+  target_include_directories(${name} PRIVATE ${CAPSOC_RTL_INCLUDE} ${arg_HASH})
+  target_include_directories(${name} SYSTEM PRIVATE ${folder} ${VERILATOR_INCLUDE} ${VERILATOR_INCLUDE}/vltstd)
+  target_compile_definitions(${name} PRIVATE ${arg_DEFINITIONS} CAPSOC_RTL_COVERAGE=${coverage} ${capsoc_verilator_definitions})
+  target_compile_features(${name} PRIVATE cxx_std_17)
+  set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden)
+  # With coverage it is 36 MB of source, which optimisation would take many minutes for.
+  target_compile_options(${name} PRIVATE $<IF:${coverage},-O0,-O3>)
+  set_source_files_properties(${folder}/all.cpp PROPERTIES COMPILE_OPTIONS -w)
+  target_link_libraries(${name} PRIVATE ZLIB::ZLIB Threads::Threads)
+endfunction()
+
+# capsoc_rtl_hash(FOLDER FILE...): FOLDER/rtl_hash.h, which names the sources by what is in them.
+function(capsoc_rtl_hash folder)
+  set(sources ${ARGN})
+  add_custom_command(
+    OUTPUT ${folder}/rtl_hash.h
+    COMMAND ${CMAKE_COMMAND} -D "OUTPUT=${folder}/rtl_hash.h" -D "SOURCES=${sources}" -P ${CAPSOC_RTL_FOLDER}/hash_sources.cmake
+    DEPENDS ${sources} ${CAPSOC_RTL_FOLDER}/hash_sources.cmake
+    COMMENT "Hashing the RTL" VERBATIM)
+endfunction()
+
+# The ports of `MODULE` that a pin is connected to, by PINS; "" for a missing one. Sets port_PIN in the caller.
+function(capsoc_ports name)
+  set(inputs pclk presetn preset psel penable pwrite paddr pwdata pstrb sample_valid sample_u sample_v sample_clip)
+  set(outputs prdata pready pslverr sample_ready irq idle)
+  set(optional pstrb pready pslverr sample_ready irq idle)
+  foreach(pin ${inputs} ${outputs})
+    set(port_${pin} ${pin})
+  endforeach()
+  set(port_preset "")
+  foreach(connection ${ARGN})
+    if(NOT connection MATCHES "^([a-z_]+)=([A-Za-z_0-9$]*)$" OR NOT CMAKE_MATCH_1 IN_LIST inputs AND NOT CMAKE_MATCH_1 IN_LIST outputs)
+      message(FATAL_ERROR "capsoc_add_rtl_library(${name}): '${connection}' is no PIN=PORT; the pins are ${inputs};${outputs}")
+    endif()
+    set(pin ${CMAKE_MATCH_1})
+    set(port ${CMAKE_MATCH_2})
+    if(port STREQUAL "" AND NOT pin IN_LIST optional)
+      message(FATAL_ERROR "capsoc_add_rtl_library(${name}): the design must have ${pin}; only ${optional} may be missing")
+    endif()
+    set(port_${pin} "${port}")
+    if(pin STREQUAL "preset")
+      set(port_presetn "")
+    endif()
+  endforeach()
+  foreach(pin ${inputs} ${outputs})
+    set(port_${pin} "${port_${pin}}" PARENT_SCOPE)
+  endforeach()
+endfunction()
+
+function(capsoc_add_rtl_library name)
+  set(model ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;${model}" "SOURCES;PINS;PARAMETERS;VERILATOR_ARGS;DEPENDS")
+  if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_SOURCES)
+    message(FATAL_ERROR "capsoc_add_rtl_library(${name}): wants TOP and SOURCES, and nothing that it does not know (${arg_UNPARSED_ARGUMENTS})")
+  endif()
+  set(arithmetics precise paper)
+  set(defaults precise 32 0 0 0)
+  foreach(key default IN ZIP_LISTS model defaults)
+    if(NOT DEFINED arg_${key})
+      set(arg_${key} ${default})
+    endif()
+  endforeach()
+  list(FIND arithmetics "${arg_ARITHMETIC}" paper)
+  if(paper EQUAL -1)
+    message(FATAL_ERROR "capsoc_add_rtl_library(${name}): ARITHMETIC is precise or paper")
+  endif()
+  capsoc_ports(${name} ${arg_PINS})
+
+  # The design in a wrapper with our names.
+  set(connections "")
+  foreach(pin presetn psel penable pwrite paddr pwdata pstrb sample_valid sample_u sample_v sample_clip)
+    if(port_${pin})
+      list(APPEND connections "    .${port_${pin}}(${pin})")
+    endif()
+  endforeach()
+  list(APPEND connections "    .${port_pclk}(pclk_i)")
+  if(port_preset)
+    list(APPEND connections "    .${port_preset}(~presetn)")
+  endif()
+  set(absent "")
+  set(absent_pins 0)
+  foreach(pin prdata pready pslverr sample_ready irq idle)
+    if(port_${pin})
+      list(APPEND connections "    .${port_${pin}}(${pin}_o)")
+    else()
+      string(APPEND absent "  assign ${pin}_o = '0;\n")
+    endif()
+  endforeach()
+  foreach(pin pstrb pready pslverr sample_ready irq idle)
+    if(NOT port_${pin})
+      string(TOUPPER ${pin} upper)
+      string(APPEND absent_pins " | CAPSOC_RTL_${upper}")
+    endif()
+  endforeach()
+  set(parameters "")
+  foreach(parameter ${arg_PARAMETERS})
+    string(REGEX REPLACE "^([^=]+)=(.*)$" ".\\1(\\2)" parameter "${parameter}")
+    list(APPEND parameters "${parameter}")
+  endforeach()
+  list(JOIN connections ",\n" connections)
+  list(JOIN parameters ", " parameters)
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${name}_generated)
+  set(design ${arg_TOP})
+  configure_file(${CAPSOC_RTL_FOLDER}/black_box.sv.in ${generated}/capsoc_black_box.sv @ONLY)
+
+  set(sources "")
+  foreach(source ${arg_SOURCES})
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
+    list(APPEND sources ${source})
+  endforeach()
+  capsoc_rtl_hash(${generated} ${sources} ${arg_DEPENDS})
+  set(coverage "")
+  if(arg_COVERAGE)
+    set(coverage COVERAGE)
+  endif()
+  capsoc_verilated_library(${name} TOP capsoc_black_box WRAPPER ${CAPSOC_RTL_FOLDER}/black_box.cpp HASH ${generated} ${coverage}
+    SOURCES ${sources} ${generated}/capsoc_black_box.sv DEPENDS ${arg_DEPENDS} FLAGS ${arg_VERILATOR_ARGS}
+    DEFINITIONS CAPSOC_RTL_PAPER=${paper} CAPSOC_RTL_OPERAND_BITS=${arg_OPERAND_BITS} CAPSOC_RTL_REFERENCE_LEAD=${arg_REFERENCE_LEAD}
+                CAPSOC_RTL_STEP_SHIFT=${arg_STEP_SHIFT} CAPSOC_RTL_PLAIN_ARCTANGENT=${arg_PLAIN_ARCTANGENT}
+                "CAPSOC_RTL_ABSENT_PINS=(${absent_pins})")
+  target_sources(${name} PRIVATE ${generated}/rtl_hash.h)
+endfunction()
