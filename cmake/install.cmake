@@ -2,7 +2,7 @@
 #   bin/capsoc
 #   lib/capsoc/        the Verilated coprocessor, if it was built
 #   share/capsoc/      firmware/ (what was built), traces/, template/, include/,
-#                      sources/ of the programs, svd/, gdb/
+#                      sources/ of the programs, svd/, gdb/, rtl/ for designs of one's own
 #   share/doc/capsoc/  README.md, docs/, licence
 #   share/man, share/bash-completion, share/zsh, share/fish
 include(GNUInstallDirs)
@@ -26,6 +26,12 @@ foreach(library capsoc_rtl_precise capsoc_rtl_paper)
     install(FILES $<TARGET_FILE:${library}> DESTINATION ${CMAKE_INSTALL_LIBDIR}/capsoc COMPONENT rtl OPTIONAL)
   endif()
 endforeach()
+# find_package(capsoc): libraries of RTL of one's own.
+set(rtl platform/simulation/rtl)
+install(FILES ${rtl}/rtl_library.cmake ${rtl}/include_all.cmake ${rtl}/hash_sources.cmake ${rtl}/black_box.sv.in ${rtl}/black_box.cpp
+              ${rtl}/rtl_abi.h ${rtl}/rtl_state.def ${rtl}/verilated_instance.h ${rtl}/verilated_pins.h
+        DESTINATION ${data}/rtl COMPONENT rtl)
+install(FILES cmake/capsocConfig.cmake DESTINATION ${data} COMPONENT rtl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${data}/firmware COMPONENT data
         FILES_MATCHING PATTERN "*.elf" PATTERN objects EXCLUDE PATTERN CMakeFiles EXCLUDE)
 install(DIRECTORY traces/ DESTINATION ${data}/traces COMPONENT data)

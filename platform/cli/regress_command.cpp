@@ -108,8 +108,13 @@ std::optional<Error> open_libraries(RegressArguments& a) {
   for (Arithmetic arithmetic : a.plan.arithmetics) {
     coprocessor::Options options;
     options.arithmetic = arithmetic;
-    auto library = rtl::RtlLibrary::open(library_of(a, arithmetic), options);
+    const std::string file = library_of(a, arithmetic);
+    auto library = rtl::RtlLibrary::open(file, options, rtl::RtlLibrary::Use::at_its_pins);
     if (!library) return Error{library.error()};
+    if (library.value()->api().inside == nullptr && !a.plan.coverage_directory.empty())
+      return Error{file +
+                   ": shows its pins alone, so there is no --coverage of it; leave that out"};
+    a.plan.subjects.push_back(regress::subject_of(arithmetic, library.value()));
     libraries.emplace_back(arithmetic, library.value());
   }
   a.plan.compare =
@@ -210,7 +215,7 @@ int regress_command(RegressArguments& a) {
   const auto begin = std::chrono::steady_clock::now();
   // Asked for a report on the way: the files as they are now, and the text beside the progress.
   const auto outcome = regress::run_campaign(a.plan, [&a](const regress::Outcome& partial) {
-    host::say("\n{}", regress::to_text(partial, {}));
+    host::say("\n{}", regress::to_text(a.plan, partial, {}));
     write_files(a, partial, {});
   });
   if (!outcome) return refuse(outcome.error());
@@ -218,7 +223,7 @@ int regress_command(RegressArguments& a) {
   remove_coverage(outcome.value());
   if (!rtl) return refuse(rtl.error());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  host::print("{}", regress::to_text(outcome.value(), rtl.value()));
+  host::print("{}", regress::to_text(a.plan, outcome.value(), rtl.value()));
   std::fflush(stdout);
   host::say("{:.1f} s\n", wall.count());
   const bool whole = write_files(a, outcome.value(), rtl.value());

@@ -92,7 +92,7 @@ TEST(Text, OfAPartSaysSo) {
   Outcome outcome = outcome_with_difference();
   outcome.runs[1].finding.reset();
   outcome.runs[1].done = false;
-  const std::string text = to_text(outcome, {});
+  const std::string text = to_text(Plan{}, outcome, {});
   EXPECT_NE(text.find("PARTIAL: 1 of 2 runs are done\nno difference until here\n"),
             std::string::npos)
       << text;
@@ -102,17 +102,17 @@ TEST(Text, OfAPartSaysSo) {
 
 TEST(Text, SaysHowToSeeTheWaves) {
   Outcome outcome = outcome_with_difference();
-  EXPECT_NE(
-      to_text(outcome, {}).find("waves: capsoc regress --again --waves waves; gtkwave waves/"),
-      std::string::npos);
+  EXPECT_NE(to_text(Plan{}, outcome, {})
+                .find("waves: capsoc regress --again --waves waves; gtkwave waves/"),
+            std::string::npos);
   outcome.runs[1].has_waves = true;
   outcome.runs[1].waves_file = "here/x";
-  EXPECT_NE(to_text(outcome, {}).find("waves: gtkwave here/x.fst here/x.gtkw\n"),
+  EXPECT_NE(to_text(Plan{}, outcome, {}).find("waves: gtkwave here/x.fst here/x.gtkw\n"),
             std::string::npos);
 }
 
 TEST(Text, NamesTheDifferenceTheNodeAndTheCommand) {
-  const std::string text = to_text(outcome_with_difference(), {});
+  const std::string text = to_text(Plan{}, outcome_with_difference(), {});
   for (const char* part : {"seed 8", "cycle 1234", "sine (T2)", "again: capsoc regress --again"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
 }
@@ -120,7 +120,7 @@ TEST(Text, NamesTheDifferenceTheNodeAndTheCommand) {
 TEST(Text, NamesTheBinsThatWereNotReached) {
   Outcome outcome = outcome_with_difference();
   outcome.runs[1].finding.reset();
-  const std::string text = to_text(outcome, {});
+  const std::string text = to_text(Plan{}, outcome, {});
   EXPECT_NE(text.find("missing: seam: below half a turn"), std::string::npos) << text;
   EXPECT_NE(text.find("no difference"), std::string::npos) << text;
 }

@@ -60,7 +60,8 @@ class RegressSettings : public Settings {
 Result<rtl::RtlLibrary::Handle> open(const RegressSettings& settings) {
   coprocessor::Options options;
   options.arithmetic = settings.arithmetic();
-  auto library = rtl::RtlLibrary::open(settings.library_file(), options);
+  auto library =
+      rtl::RtlLibrary::open(settings.library_file(), options, rtl::RtlLibrary::Use::at_its_pins);
   if (!library) return Error{library.error()};
   return library.value();
 }

@@ -10,8 +10,13 @@ namespace capsoc::regress {
 using namespace coprocessor;
 
 Bench::Bench(Device& device, Arithmetic arithmetic, Coverage& coverage,
-             std::function<bool()> failed)
-    : device_(device), arithmetic_(arithmetic), coverage_(coverage), failed_(std::move(failed)) {
+             std::function<bool()> failed, Bus bus)
+    : device_(device),
+      arithmetic_(arithmetic),
+      coverage_(coverage),
+      failed_(std::move(failed)),
+      setup_(bus == Bus::with_setup ? 1 : 0),
+      bus_free_(setup_) {
   steps_.fill(description::STEP_AU_reset);
 }
 
@@ -105,7 +110,7 @@ void Bench::write(uint32_t offset, uint32_t value) {
   open_edge();
   if (edge_ < bus_free_ + 1) advance(bus_free_ + 1);
   written_ = true;
-  bus_free_ = edge_;
+  bus_free_ = edge_ + setup_;
   ++counts_.accesses;
   const bool soft_reset = offset == reg_ctrl && (value & ctrl_srst) != 0;
   cover_write(offset, value);
@@ -134,7 +139,7 @@ void Bench::write(uint32_t offset, uint32_t value) {
 uint32_t Bench::read(uint32_t offset, bool debug) {
   if (edge_ < bus_free_) advance(bus_free_);
   closed_ = true;
-  bus_free_ = edge_ + 1;
+  bus_free_ = edge_ + 1 + setup_;
   ++counts_.accesses;
   const RegisterAccess access = device_.read(edge_, offset, debug);
   cover_read(offset, debug, access.ok);
@@ -149,6 +154,11 @@ void Bench::pin_reset() {
   device_.reset();
   shadow_reset();
   closed_ = true;
+  if (setup_ == 0) return;
+  // The edge behind it is made in reset, and a transfer begins anew.
+  advance(edge_ + 1);
+  sampled_ = written_ = true;
+  bus_free_ = edge_ + setup_;
 }
 
 bool Bench::interrupt() {

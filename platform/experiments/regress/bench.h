@@ -30,9 +30,14 @@ class Bench {
     std::string report;  ///< several lines
   };
 
+  enum class Bus {
+    fastest,     ///< a transfer an interval, as the coprocessor can take it
+    with_setup,  ///< each with APB's setup phase before it; a reset takes an edge
+  };
+
   /// `failed` says whether the device under test has already differed.
   Bench(coprocessor::Device& device, coprocessor::Arithmetic arithmetic, Coverage& coverage,
-        std::function<bool()> failed);
+        std::function<bool()> failed, Bus bus = Bus::fastest);
 
   /// The edge at which the next sample or write can act.
   uint64_t edge() const { return edge_; }
@@ -99,6 +104,7 @@ class Bench {
   coprocessor::Arithmetic arithmetic_;
   Coverage& coverage_;
   std::function<bool()> failed_;
+  uint64_t setup_;  // intervals of a setup phase
   Counts counts_;
   std::optional<Complaint> complaint_;
 
@@ -106,7 +112,7 @@ class Bench {
   bool sampled_ = false;   // the present edge has had its sample
   bool written_ = false;   // ... its write
   bool closed_ = false;    // ... a read behind it
-  uint64_t bus_free_ = 0;  // the first interval without a bus transfer
+  uint64_t bus_free_ = 0;  // the first interval that may have the next access
 
   // What the pipeline does now, without data.
   coprocessor::Sequencer shadow_;

@@ -196,11 +196,16 @@ std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
   auto comparison = plan.compare(run.arithmetic);
   if (!comparison) return Error{comparison.error()};
   Comparison& pair = *comparison.value();
-  Bench bench(pair.device(), run.arithmetic, coverage, [&pair] { return pair.differs(); });
-  const auto stream = static_cast<uint64_t>(run.scenario - scenarios().data());
-  Random random(run.seed, stream);
-  run.scenario->run(bench, random, run.budget);
-  bench.drain();
+  const auto drive = [&](coprocessor::Device& device, Coverage& covered,
+                         std::function<bool()> failed) {
+    Bench bench(device, run.arithmetic, covered, std::move(failed), pair.bus());
+    const auto stream = static_cast<uint64_t>(run.scenario - scenarios().data());
+    Random random(run.seed, stream);
+    run.scenario->run(bench, random, run.budget);
+    bench.drain();
+    return bench;
+  };
+  const Bench bench = drive(pair.device(), coverage, [&pair] { return pair.differs(); });
   run.done = true;
   run.counts = bench.counts();
   run.finding = pair.finding();
@@ -208,7 +213,11 @@ std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
     run.finding = Finding{
         Finding::Kind::wrong, complaint->edge, complaint->what, "", complaint->report, 0, {}};
   if (run.finding && !run.waves_file.empty()) {
-    const auto waves = pair.write_waves(run.waves_file);
+    const auto again = [&](coprocessor::Device& device, std::function<bool()> failed) {
+      Coverage unused(run.arithmetic);
+      drive(device, unused, std::move(failed));
+    };
+    const auto waves = pair.write_waves(run.waves_file, again);
     if (!waves) return Error{waves.error()};
     run.has_waves = waves.value();
   }

@@ -42,12 +42,20 @@ struct Finding {
 /// Two devices that are compared while one interface drives both.
 class Comparison {
  public:
+  /// Drives a device as the compared ones were driven, until `failed` says so.
+  using Again = std::function<void(coprocessor::Device& device, std::function<bool()> failed)>;
+
   virtual ~Comparison() = default;
+  /// How it has to be driven.
+  virtual Bench::Bus bus() const { return Bench::Bus::fastest; }
   virtual coprocessor::Device& device() = 0;
-  virtual bool differs() const = 0;
-  virtual std::optional<Finding> finding() const = 0;
+  virtual bool differs() = 0;
+  /// Behind the last transfer.
+  virtual std::optional<Finding> finding() = 0;
   /// Both devices around the difference, as FILE.fst and FILE.gtkw. false: there is nothing to see.
-  virtual Result<bool> write_waves(const std::string&) { return false; }
+  virtual Result<bool> write_waves(const std::string& /*file*/, const Again& /*again*/) {
+    return false;
+  }
   /// Coverage of the RTL's lines and signals so far; nothing to do without.
   virtual std::optional<Error> write_coverage(const std::string&) { return std::nullopt; }
 
@@ -55,6 +63,13 @@ class Comparison {
   Comparison() = default;
   Comparison(const Comparison&) = default;
   Comparison& operator=(const Comparison&) = default;
+};
+
+/// What is compared with the model of an arithmetic.
+struct Subject {
+  coprocessor::Arithmetic arithmetic = coprocessor::Arithmetic::precise;
+  std::string hash;  ///< of its sources, in hexadecimal
+  std::string seen;  ///< of it: "pins and inside", ...
 };
 
 struct Plan {
@@ -66,6 +81,7 @@ struct Plan {
   std::vector<std::string> scenarios;  ///< names; empty: all
   std::string coverage_directory;      ///< "": no coverage of the RTL
   std::string waves_directory;         ///< of runs that fail; "": none
+  std::vector<Subject> subjects;       ///< for the reports; may be none
   std::string command_options;         ///< of the command that reproduces a run, beside its own
   std::function<Result<std::unique_ptr<Comparison>>(coprocessor::Arithmetic)> compare;
 };

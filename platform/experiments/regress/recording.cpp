@@ -1,5 +1,7 @@
 #include "regress/recording.h"
 
+#include <algorithm>
+
 #include "coprocessor/register_map.h"
 
 namespace capsoc::regress {
@@ -53,8 +55,8 @@ const std::array<uint32_t, 46> look_offsets = {reg_ctrl,
                                                reg_turn_samples,
                                                reg_turn_det};
 
-Recorder::Recorder(const Options& options, Recording& recording)
-    : model_(options), recording_(recording) {}
+Recorder::Recorder(const Options& options, Recording& recording, Looks looks)
+    : model_(options), recording_(recording), looks_(looks) {}
 
 // Whatever else happens at an edge, what it leaves is complete when time moves on.
 void Recorder::close() {
@@ -65,13 +67,35 @@ void Recorder::close() {
   }
   if (model_.nodes().commits == commits_) return;
   commits_ = model_.nodes().commits;
+  if (looks_ == Looks::as_reads) {
+    pending_looks_ = look_offsets.size();
+    return;
+  }
   recording_.events.push_back(
       {Event::Kind::look, edge_, static_cast<uint32_t>(recording_.words.size())});
   for (uint32_t offset : look_offsets)
     recording_.words.push_back(model_.read(edge_, offset, true).value);
 }
 
+// Every result in turn. The transfer at edge `until` may be a write, whose access and setup phases
+// are the two intervals before it; and the read of a HI word fills a latch, so it is left out.
+void Recorder::read_results(uint64_t until) {
+  for (uint64_t at = std::max(edge_, bus_free_); pending_looks_ > 0 && at + 3 <= until; at += 2) {
+    uint32_t offset = 0;
+    do {
+      offset = look_offsets[next_look_++ % look_offsets.size()];
+      --pending_looks_;
+    } while (is_pair(offset) && pending_looks_ > 0);
+    if (is_pair(offset)) return;
+    model_.advance(at);
+    const RegisterAccess access = model_.read(at, offset, true);
+    recording_.events.push_back({Event::Kind::read, at, offset, access.value, false, access.ok});
+    bus_free_ = at + 2;
+  }
+}
+
 void Recorder::reset() {
+  bus_free_ = edge_ + 2;
   model_.reset();
   recording_.events.push_back({Event::Kind::reset, edge_});
 }
@@ -79,6 +103,7 @@ void Recorder::reset() {
 void Recorder::advance(uint64_t cycle) {
   if (cycle > edge_) {
     close();
+    if (looks_ == Looks::as_reads) read_results(cycle);
     edge_ = cycle;
   }
   model_.advance(cycle);
@@ -95,6 +120,7 @@ bool Recorder::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
 RegisterAccess Recorder::read(uint64_t cycle, uint32_t offset, bool debug) {
   advance(cycle);
   const RegisterAccess access = model_.read(cycle, offset, debug);
+  if (!debug) bus_free_ = cycle + 2;
   if (!debug)
     recording_.events.push_back({Event::Kind::read, cycle, offset, access.value, false, access.ok});
   return access;
@@ -103,6 +129,7 @@ RegisterAccess Recorder::read(uint64_t cycle, uint32_t offset, bool debug) {
 bool Recorder::write(uint64_t cycle, uint32_t offset, uint32_t value) {
   advance(cycle);
   const bool ok = model_.write(cycle, offset, value);
+  bus_free_ = cycle + 1;
   recording_.events.push_back({Event::Kind::write, cycle, offset, value, false, ok});
   return ok;
 }

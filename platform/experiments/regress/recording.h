@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -34,10 +35,17 @@ struct Recording {
   std::vector<uint32_t> words;  ///< of the looks
 };
 
+/// How what a commit leaves comes into the recording.
+enum class Looks {
+  without_clock,  ///< `look` events
+  as_reads,       ///< `read` events in turn, wherever the bus has room for them and a setup phase
+};
+
 /// The model, with everything it is asked and answers written down.
 class Recorder final : public coprocessor::Device {
  public:
-  Recorder(const coprocessor::Options& options, Recording& recording);
+  Recorder(const coprocessor::Options& options, Recording& recording,
+           Looks looks = Looks::without_clock);
 
   void reset() override;
   void advance(uint64_t cycle) override;
@@ -51,11 +59,19 @@ class Recorder final : public coprocessor::Device {
   const coprocessor::Nodes& nodes() const override { return model_.nodes(); }
   /// To be called at the end: what the last edge left.
   void close();
+  /// Events of earlier edges are all there.
+  uint64_t edge() const { return edge_; }
 
  private:
+  void read_results(uint64_t until);
+
   coprocessor::Coprocessor model_;
   Recording& recording_;
+  Looks looks_;
   uint64_t edge_ = 0;
+  uint64_t bus_free_ = 1;          // with setup phases, the first interval of the next access
+  std::size_t next_look_ = 0;      // of those that are reads
+  std::size_t pending_looks_ = 0;  // until each was read since the last commit
   uint64_t commits_ = 0;
   bool interrupt_ = false, idle_ = true;
 };

@@ -72,6 +72,18 @@ std::string wave_command(const Run& run) {
                      name);
 }
 
+const Subject* subject_of(const Plan& plan, coprocessor::Arithmetic arithmetic) {
+  for (const Subject& subject : plan.subjects)
+    if (subject.arithmetic == arithmetic) return &subject;
+  return nullptr;
+}
+
+std::string subject_text(const Plan& plan, coprocessor::Arithmetic arithmetic) {
+  const Subject* subject = subject_of(plan, arithmetic);
+  if (subject == nullptr) return {};
+  return fmt::format(", RTL {:.12}, compared at its {}", subject->hash, subject->seen);
+}
+
 const char* text_of(Finding::Kind kind) {
   switch (kind) {
     case Finding::Kind::difference:
@@ -111,12 +123,12 @@ std::string test_case(const Run& run) {
 
 }  // namespace
 
-std::string to_text(const Outcome& outcome, const std::vector<RtlCoverage>& rtl) {
+std::string to_text(const Plan& plan, const Outcome& outcome, const std::vector<RtlCoverage>& rtl) {
   std::string text;
   for (const auto& [arithmetic, coverage] : outcome.coverage) {
-    text += fmt::format("arithmetic {}\n{:<16}{:>6}{:>12}{:>12}{:>12}{:>14}{:>12}\n",
-                        name_of(arithmetic), "scenario", "runs", "samples", "accesses", "commits",
-                        "cycles", "differences");
+    text += fmt::format("arithmetic {}{}\n{:<16}{:>6}{:>12}{:>12}{:>12}{:>14}{:>12}\n",
+                        name_of(arithmetic), subject_text(plan, arithmetic), "scenario", "runs",
+                        "samples", "accesses", "commits", "cycles", "differences");
     std::vector<std::pair<std::string, Row>> rows;
     Row total;
     for (const Run& run : outcome.runs) {
@@ -167,6 +179,8 @@ nlohmann::ordered_json to_json(const Plan& plan, const Outcome& outcome,
     root["partial"] = {{"done", outcome.done()}, {"of", outcome.runs.size()}};
   for (const auto& [arithmetic, coverage] : outcome.coverage) {
     nlohmann::ordered_json part;
+    if (const Subject* subject = subject_of(plan, arithmetic))
+      part["rtl"] = {{"sources", subject->hash}, {"compared", subject->seen}};
     part["runs"] = nlohmann::ordered_json::array();
     for (const Run& run : outcome.runs) {
       if (run.arithmetic != arithmetic || !run.done) continue;

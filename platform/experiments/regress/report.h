@@ -12,7 +12,7 @@ namespace capsoc::regress {
 
 /// Counts of each scenario, coverage with what is missing, and the first difference if there is
 /// one.
-std::string to_text(const Outcome& outcome, const std::vector<RtlCoverage>& rtl);
+std::string to_text(const Plan& plan, const Outcome& outcome, const std::vector<RtlCoverage>& rtl);
 
 /// The same and every run and bin. The same seeds give the same bytes.
 nlohmann::ordered_json to_json(const Plan& plan, const Outcome& outcome,

@@ -16,4 +16,7 @@ std::unique_ptr<Comparison> compare_with(const coprocessor::Options& options,
 std::unique_ptr<Comparison> compare_with_rtl(const coprocessor::Options& options,
                                              const rtl::RtlLibrary::Handle& library);
 
+/// What the reports say of it.
+Subject subject_of(coprocessor::Arithmetic arithmetic, const rtl::RtlLibrary::Handle& library);
+
 }  // namespace capsoc::regress

@@ -36,12 +36,6 @@ constexpr uint64_t cycles_after = 64;
 // The tick under way, five that empty the pipeline, and the three of the LOAD.
 constexpr uint64_t load_ticks = 9;
 
-std::string register_name(uint32_t offset) {
-  for (const auto& entry : registers::coprocessor::table)
-    if (entry.offset == offset) return fmt::format("0x{:03x} ({})", offset, entry.name);
-  return fmt::format("0x{:03x}", offset);
-}
-
 const char* unit_of(unsigned stage) {
   switch (stage) {
     case 0:
@@ -68,6 +62,12 @@ std::string hex(int64_t value) {
 }
 
 }  // namespace
+
+std::string register_name(uint32_t offset) {
+  for (const auto& entry : registers::coprocessor::table)
+    if (entry.offset == offset) return fmt::format("0x{:03x} ({})", offset, entry.name);
+  return fmt::format("0x{:03x}", offset);
+}
 
 std::string describe(const Operation& o) {
   switch (o.kind) {

@@ -43,6 +43,8 @@ struct History {
   std::vector<NodeHistory> nodes;  ///< the node that went wrong first, then others that differ
 };
 
+/// "0x0c0 (ANGLE)".
+std::string register_name(uint32_t offset);
 /// Text of an operation, as the report prints it.
 std::string describe(const Operation& operation);
 

@@ -2,7 +2,7 @@
 #
 #   capsoc_add_rtl_library(NAME TOP MODULE SOURCES FILE...
 #     [ARITHMETIC precise|paper] [OPERAND_BITS N] [REFERENCE_LEAD N] [STEP_SHIFT N] [PLAIN_ARCTANGENT 0|1]
-#     [PINS PIN=PORT...] [PARAMETERS NAME=VALUE...] [VERILATOR_ARGS ARG...] [DEPENDS FILE...] [COVERAGE])
+#     [PINS PIN=PORT...] [PARAMETERS NAME=VALUE...] [VERILATOR_ARGS ARG...] [DEPENDS FILE...])
 #
 # makes libNAME.so of somebody's own design. It is compared with the model as a black box, at its pins:
 #
@@ -96,12 +96,13 @@ function(capsoc_ports name)
   endforeach()
   set(port_preset "")
   foreach(connection ${ARGN})
-    if(NOT connection MATCHES "^([a-z_]+)=([A-Za-z_0-9$]*)$" OR NOT CMAKE_MATCH_1 IN_LIST inputs AND NOT CMAKE_MATCH_1 IN_LIST outputs)
-      message(FATAL_ERROR "capsoc_add_rtl_library(${name}): '${connection}' is no PIN=PORT; the pins are ${inputs};${outputs}")
+    set(pins ${inputs} ${outputs})
+    if(NOT connection MATCHES "^([a-z_]+)=([A-Za-z_0-9$]*)$" OR NOT CMAKE_MATCH_1 IN_LIST pins)
+      message(FATAL_ERROR "capsoc_add_rtl_library(${name}): '${connection}' is no PIN=PORT; the pins are ${pins}")
     endif()
     set(pin ${CMAKE_MATCH_1})
-    set(port ${CMAKE_MATCH_2})
-    if(port STREQUAL "" AND NOT pin IN_LIST optional)
+    set(port "${CMAKE_MATCH_2}")
+    if("${port}" STREQUAL "" AND NOT pin IN_LIST optional)
       message(FATAL_ERROR "capsoc_add_rtl_library(${name}): the design must have ${pin}; only ${optional} may be missing")
     endif()
     set(port_${pin} "${port}")
@@ -116,7 +117,7 @@ endfunction()
 
 function(capsoc_add_rtl_library name)
   set(model ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;${model}" "SOURCES;PINS;PARAMETERS;VERILATOR_ARGS;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TOP;${model}" "SOURCES;PINS;PARAMETERS;VERILATOR_ARGS;DEPENDS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_SOURCES)
     message(FATAL_ERROR "capsoc_add_rtl_library(${name}): wants TOP and SOURCES, and nothing that it does not know (${arg_UNPARSED_ARGUMENTS})")
   endif()
@@ -176,11 +177,7 @@ function(capsoc_add_rtl_library name)
     list(APPEND sources ${source})
   endforeach()
   capsoc_rtl_hash(${generated} ${sources} ${arg_DEPENDS})
-  set(coverage "")
-  if(arg_COVERAGE)
-    set(coverage COVERAGE)
-  endif()
-  capsoc_verilated_library(${name} TOP capsoc_black_box WRAPPER ${CAPSOC_RTL_FOLDER}/black_box.cpp HASH ${generated} ${coverage}
+  capsoc_verilated_library(${name} TOP capsoc_black_box WRAPPER ${CAPSOC_RTL_FOLDER}/black_box.cpp HASH ${generated}
     SOURCES ${sources} ${generated}/capsoc_black_box.sv DEPENDS ${arg_DEPENDS} FLAGS ${arg_VERILATOR_ARGS}
     DEFINITIONS CAPSOC_RTL_PAPER=${paper} CAPSOC_RTL_OPERAND_BITS=${arg_OPERAND_BITS} CAPSOC_RTL_REFERENCE_LEAD=${arg_REFERENCE_LEAD}
                 CAPSOC_RTL_STEP_SHIFT=${arg_STEP_SHIFT} CAPSOC_RTL_PLAIN_ARCTANGENT=${arg_PLAIN_ARCTANGENT}

@@ -25,10 +25,9 @@ constexpr const char* rebuild_with =
 /// Why its nodes and state are not those that this program knows; "" if they are.
 std::string refuse_inside(const std::string& file, const capsoc_rtl_inside& inside) {
   const auto& names = coprocessor::node_names();
-  const bool same_nodes =
-      std::equal(names.begin(), names.end(), inside.node_names,
-                 inside.node_names + inside.node_count,
-                 [](const auto& ours, const char* theirs) { return std::strcmp(ours.name, theirs) == 0; });
+  const bool same_nodes = std::equal(
+      names.begin(), names.end(), inside.node_names, inside.node_names + inside.node_count,
+      [](const auto& ours, const char* theirs) { return std::strcmp(ours.name, theirs) == 0; });
   if (same_nodes && std::strcmp(inside.state_layout, capsoc_rtl_state_layout) == 0) return {};
   return fmt::format("{}: its {} are not those of this program; {}", file,
                      same_nodes ? "registers" : "nodes", rebuild);
