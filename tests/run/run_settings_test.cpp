@@ -36,6 +36,32 @@ TEST(RunSettings, NoPathAndNoOptionIsThereTwice) {
   }
 }
 
+TEST(RunSettings, ForgottenTheyAreAsDeclared) {
+  RunSettings settings;
+  const RunSettings fresh;
+  for (const char* assignment :
+       {"cpu.quantum_ns=7", "coprocessor.arithmetic=paper", "coprocessor.paper_operand_bits=16",
+        "sensor.a1=0.25", "program.samples=3", "run.until_uart=done", "gdb.halt=true"})
+    ASSERT_FALSE(settings.set_assignment(assignment)) << assignment;
+  ASSERT_NE(settings.all().size(), fresh.all().size()) << "program.samples is of a group";
+  for (int time = 0; time < 2; ++time) {
+    settings.forget_values();
+    ASSERT_EQ(settings.all().size(), fresh.all().size());
+    for (std::size_t i = 0; i < fresh.all().size(); ++i) {
+      const Setting &ours = settings.all()[i], &theirs = fresh.all()[i];
+      EXPECT_EQ(ours.value, theirs.value) << ours.path;
+      EXPECT_EQ(ours.source, theirs.source) << ours.path;
+      EXPECT_EQ(ours.name(), theirs.name());
+      EXPECT_EQ(ours.origin, theirs.origin) << ours.path;
+    }
+    EXPECT_EQ(settings.coprocessor.options().arithmetic, fresh.coprocessor.options().arithmetic);
+    EXPECT_EQ(settings.coprocessor.options().paper_operand_bits, 32);
+    EXPECT_FALSE(settings.gdb.halt());
+    ASSERT_FALSE(settings.set_assignment("program.rate=5"));
+    ASSERT_EQ(settings.of_group("program.").size(), 1U);
+  }
+}
+
 TEST(RunSettings, WhatIsImpliedIsTaken) {
   RunSettings settings;
   std::vector<std::pair<std::string, std::string>> implied;

@@ -1,7 +1,7 @@
-#include "campaign/fit_work.h"
-
+// `capsoc fit`, on samples of a generated sensor, as a kind of work.
 #include <fmt/format.h>
 
+#include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "fit/fit.h"
 #include "fit/report.h"
@@ -64,53 +64,60 @@ void add_exit(int code, const std::string& reason, nlohmann::ordered_json& resul
   result["exit"] = {{"code", code}, {"reason", reason}};
 }
 
-}  // namespace
+class FitWork final : public Work {
+ public:
+  Result<Job> prepare(const std::vector<Assignment>& assignments) override {
+    FitSettings settings;
+    if (auto error = set_all(assignments, settings)) return *error;
+    return Job{settings_identity(settings) + input_identity(settings.sensor.file()),
+               settings.command()};
+  }
 
-Result<Job> FitWork::prepare(const std::vector<Assignment>& assignments) {
-  FitSettings settings;
-  if (auto error = set_all(assignments, settings)) return *error;
-  return Job{settings_identity(settings) + input_identity(settings.sensor.file()),
-             settings.command()};
-}
+  std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep&) override {
+    FitSettings settings;
+    if (auto error = set_all(assignments, settings)) return error;
+    const auto source = sensor::load(settings.sensor.file(), settings.sensor.keys());
+    return source ? std::nullopt : std::make_optional(Error{source.error()});
+  }
 
-std::optional<Error> FitWork::check(const std::vector<Assignment>& assignments, const Keep&) {
-  FitSettings settings;
-  if (auto error = set_all(assignments, settings)) return error;
-  const auto source = sensor::load(settings.sensor.file(), settings.sensor.keys());
-  return source ? std::nullopt : std::make_optional(Error{source.error()});
-}
-
-Result<nlohmann::ordered_json> FitWork::perform(const std::vector<Assignment>& assignments,
-                                                const Keep&) {
-  FitSettings settings;
-  if (auto error = set_all(assignments, settings)) return *error;
-  const auto fitted = fit::fit(settings.sensor.file(), settings.options());
-  if (!fitted) return Error{fitted.error()};
-  nlohmann::ordered_json result;
-  if (const std::string& rejection = fitted.value().rejection; !rejection.empty()) {
-    add_exit(run::exit_code::rejected, rejection, result);
+  Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
+                                         const Keep&) override {
+    FitSettings settings;
+    if (auto error = set_all(assignments, settings)) return *error;
+    const auto fitted = fit::fit(settings.sensor.file(), settings.options());
+    if (!fitted) return Error{fitted.error()};
+    nlohmann::ordered_json result;
+    if (const std::string& rejection = fitted.value().rejection; !rejection.empty()) {
+      add_exit(run::exit_code::rejected, rejection, result);
+      return result;
+    }
+    result = fit::to_json(fitted.value(), run::versions(), settings.command());
+    add_exit(run::exit_code::pass, "identified", result);
     return result;
   }
-  result = fit::to_json(fitted.value(), run::versions(), settings.command());
-  add_exit(run::exit_code::pass, "identified", result);
-  return result;
-}
 
-nlohmann::ordered_json FitWork::example() const {
-  constexpr uint64_t enough = 500;
-  fit::FitOptions options;
-  options.record.samples = enough;
-  options.identify.harmonics.highest = 3;
-  nlohmann::ordered_json example;
-  if (const auto fitted = fit::fit(sensor::built_in_default, options))
-    example = fit::to_json(fitted.value(), run::versions(), "");
-  add_exit(run::exit_code::pass, "", example);
-  return example;
-}
+  nlohmann::ordered_json example() const override {
+    constexpr uint64_t enough = 500;
+    fit::FitOptions options;
+    options.record.samples = enough;
+    options.identify.harmonics.highest = 3;
+    nlohmann::ordered_json example;
+    if (const auto fitted = fit::fit(sensor::built_in_default, options))
+      example = fit::to_json(fitted.value(), run::versions(), "");
+    add_exit(run::exit_code::pass, "", example);
+    return example;
+  }
 
-const std::vector<std::string>& FitWork::host_keys() const {
-  static const std::vector<std::string> none;
-  return none;
+  const std::vector<std::string>& host_keys() const override {
+    static const std::vector<std::string> none;
+    return none;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Work> make_fit_work() {
+  return std::make_unique<FitWork>();
 }
 
 }  // namespace capsoc::campaign

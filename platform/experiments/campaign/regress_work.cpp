@@ -1,7 +1,7 @@
-#include "campaign/regress_work.h"
-
+// `capsoc regress`, a scenario with a seed, as a kind of work.
 #include <fmt/format.h>
 
+#include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "regress/campaign.h"
 #include "regress/rtl_comparison.h"
@@ -96,53 +96,60 @@ nlohmann::ordered_json json_of(const regress::Run& run, const regress::Coverage*
   return j;
 }
 
+class RegressWork final : public Work {
+ public:
+  Result<Job> prepare(const std::vector<Assignment>& assignments) override {
+    RegressSettings settings;
+    if (auto error = set_all(assignments, settings)) return *error;
+    const auto runs = regress::runs_of(settings.plan());
+    if (!runs) return Error{runs.error()};
+    return Job{settings_identity(settings) + input_identity(settings.library_file()),
+               runs.value().front().command};
+  }
+
+  std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep&) override {
+    RegressSettings settings;
+    if (auto error = set_all(assignments, settings)) return error;
+    const auto library = open(settings);
+    return library ? std::nullopt : std::make_optional(Error{library.error()});
+  }
+
+  Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
+                                         const Keep&) override {
+    RegressSettings settings;
+    if (auto error = set_all(assignments, settings)) return *error;
+    const auto library = open(settings);
+    if (!library) return Error{library.error()};
+    regress::Plan plan = settings.plan();
+    plan.compare = [&](coprocessor::Arithmetic arithmetic) {
+      coprocessor::Options options;
+      options.arithmetic = arithmetic;
+      return regress::compare_with_rtl(options, library.value());
+    };
+    auto runs = regress::runs_of(plan);
+    if (!runs) return Error{runs.error()};
+    regress::Run& run = runs.value().front();
+    regress::Coverage coverage(run.arithmetic);
+    if (auto error = regress::perform(plan, run, coverage)) return *error;
+    return json_of(run, &coverage);
+  }
+
+  nlohmann::ordered_json example() const override {
+    regress::Run run;
+    run.finding.emplace();
+    return json_of(run, nullptr);
+  }
+
+  const std::vector<std::string>& host_keys() const override {
+    static const std::vector<std::string> none;
+    return none;
+  }
+};
+
 }  // namespace
 
-Result<Job> RegressWork::prepare(const std::vector<Assignment>& assignments) {
-  RegressSettings settings;
-  if (auto error = set_all(assignments, settings)) return *error;
-  const auto runs = regress::runs_of(settings.plan());
-  if (!runs) return Error{runs.error()};
-  return Job{settings_identity(settings) + input_identity(settings.library_file()),
-             runs.value().front().command};
-}
-
-std::optional<Error> RegressWork::check(const std::vector<Assignment>& assignments, const Keep&) {
-  RegressSettings settings;
-  if (auto error = set_all(assignments, settings)) return error;
-  const auto library = open(settings);
-  return library ? std::nullopt : std::make_optional(Error{library.error()});
-}
-
-Result<nlohmann::ordered_json> RegressWork::perform(const std::vector<Assignment>& assignments,
-                                                    const Keep&) {
-  RegressSettings settings;
-  if (auto error = set_all(assignments, settings)) return *error;
-  const auto library = open(settings);
-  if (!library) return Error{library.error()};
-  regress::Plan plan = settings.plan();
-  plan.compare = [&](coprocessor::Arithmetic arithmetic) {
-    coprocessor::Options options;
-    options.arithmetic = arithmetic;
-    return regress::compare_with_rtl(options, library.value());
-  };
-  auto runs = regress::runs_of(plan);
-  if (!runs) return Error{runs.error()};
-  regress::Run& run = runs.value().front();
-  regress::Coverage coverage(run.arithmetic);
-  if (auto error = regress::perform(plan, run, coverage)) return *error;
-  return json_of(run, &coverage);
-}
-
-nlohmann::ordered_json RegressWork::example() const {
-  regress::Run run;
-  run.finding.emplace();
-  return json_of(run, nullptr);
-}
-
-const std::vector<std::string>& RegressWork::host_keys() const {
-  static const std::vector<std::string> none;
-  return none;
+std::unique_ptr<Work> make_regress_work() {
+  return std::make_unique<RegressWork>();
 }
 
 }  // namespace capsoc::campaign

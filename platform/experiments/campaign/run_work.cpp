@@ -1,8 +1,8 @@
-#include "campaign/run_work.h"
-
+// `capsoc run` as a kind of work.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "host/file_uses.h"
 #include "run/run_files.h"
@@ -27,70 +27,81 @@ std::optional<Error> set_places(const Keep& keep, run::RunSettings& settings) {
   return place(settings.coprocessor.waves, keep.stem + ".fst");
 }
 
+class RunWork final : public Work {
+ public:
+  Result<Job> prepare(const std::vector<Assignment>& assignments) override {
+    settings_.forget_values();
+    if (auto error = set_all(assignments, settings_)) return *error;
+    Job job;
+    job.identity = settings_identity(settings_);
+    for (const host::FileUse& use : run::files_of(settings_))
+      if (use.kind == host::FileUse::Kind::input && !use.path.empty())
+        job.identity += input_identity(use.path);
+    job.command = run::reproducing_command(settings_);
+    return job;
+  }
+
+  std::optional<Error> check(const std::vector<Assignment>& assignments,
+                             const Keep& keep) override {
+    run::RunSettings settings;
+    if (auto error = set_all(assignments, settings)) return error;
+    // Without a name of its own every run's waves would go to the same file.
+    const auto& backend = settings.coprocessor.backend;
+    if (backend() == run::Backend::lockstep && keep.stem.empty())
+      return Error{fmt::format(
+          "{}: {} = lockstep writes the waves of a difference; say where by [keep] failures = "
+          "\"FOLDER\"",
+          backend.about().origin, backend.about().path)};
+    const auto inputs = run::read_inputs(settings);
+    return inputs ? std::nullopt : std::make_optional(Error{inputs.error()});
+  }
+
+  Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
+                                         const Keep& keep) override {
+    run::RunSettings settings;
+    if (auto error = set_all(assignments, settings)) return *error;
+    if (auto error = set_places(keep, settings)) return *error;
+    spdlog::set_level(settings.log_level());
+    auto result = run::run(settings);
+    if (!result) return Error{result.error()};
+    return run::to_json(result.value(), settings);
+  }
+
+  nlohmann::ordered_json example() const override {
+    run::RunResult result;
+    result.samples = 1;  // else there is nothing of the sensor
+    result.translation.emplace();
+    result.truth.emplace();
+    result.convergence.state = metrics::Convergence::State::reached;
+    result.errors = {true, 0, 0, 0, 0};
+    result.verdict.emplace();
+    result.verdict->pass = true;
+    result.verdict->largest_error_deg = 0;
+    result.golden.emplace();
+    for (const char* name : {"a1", "a2", "b1", "b2", "beta"})
+      result.golden->rows.push_back({name, 0, 0, 0, 0});
+    result.golden->angle.difference = 0;
+    result.golden->angle.bound.emplace();
+    result.divergence = result.fault_report = result.place_report = "some";
+    nlohmann::ordered_json example = run::to_json(result, run::RunSettings());
+    result.golden->rejection = "some";
+    example["golden"]["rejection"] = golden::to_json(*result.golden)["rejection"];
+    return example;
+  }
+
+  const std::vector<std::string>& host_keys() const override {
+    static const std::vector<std::string> keys = {"time.wall_s", "cpu.mips"};
+    return keys;
+  }
+
+ private:
+  run::RunSettings settings_;  // of one run after the other
+};
+
 }  // namespace
 
-Result<Job> RunWork::prepare(const std::vector<Assignment>& assignments) {
-  run::RunSettings settings;
-  if (auto error = set_all(assignments, settings)) return *error;
-  Job job;
-  job.identity = settings_identity(settings);
-  for (const host::FileUse& use : run::files_of(settings))
-    if (use.kind == host::FileUse::Kind::input && !use.path.empty())
-      job.identity += input_identity(use.path);
-  job.command = run::reproducing_command(settings);
-  return job;
-}
-
-std::optional<Error> RunWork::check(const std::vector<Assignment>& assignments, const Keep& keep) {
-  run::RunSettings settings;
-  if (auto error = set_all(assignments, settings)) return error;
-  // Without a name of its own every run's waves would go to the same file.
-  const auto& backend = settings.coprocessor.backend;
-  if (backend() == run::Backend::lockstep && keep.stem.empty())
-    return Error{fmt::format(
-        "{}: {} = lockstep writes the waves of a difference; say where by [keep] failures = "
-        "\"FOLDER\"",
-        backend.about().origin, backend.about().path)};
-  const auto inputs = run::read_inputs(settings);
-  return inputs ? std::nullopt : std::make_optional(Error{inputs.error()});
-}
-
-Result<nlohmann::ordered_json> RunWork::perform(const std::vector<Assignment>& assignments,
-                                                const Keep& keep) {
-  run::RunSettings settings;
-  if (auto error = set_all(assignments, settings)) return *error;
-  if (auto error = set_places(keep, settings)) return *error;
-  spdlog::set_level(settings.log_level());
-  auto result = run::run(settings);
-  if (!result) return Error{result.error()};
-  return run::to_json(result.value(), settings);
-}
-
-nlohmann::ordered_json RunWork::example() const {
-  run::RunResult result;
-  result.samples = 1;  // else there is nothing of the sensor
-  result.translation.emplace();
-  result.truth.emplace();
-  result.convergence.state = metrics::Convergence::State::reached;
-  result.errors = {true, 0, 0, 0, 0};
-  result.verdict.emplace();
-  result.verdict->pass = true;
-  result.verdict->largest_error_deg = 0;
-  result.golden.emplace();
-  for (const char* name : {"a1", "a2", "b1", "b2", "beta"})
-    result.golden->rows.push_back({name, 0, 0, 0, 0});
-  result.golden->angle.difference = 0;
-  result.golden->angle.bound.emplace();
-  result.divergence = result.fault_report = result.place_report = "some";
-  nlohmann::ordered_json example = run::to_json(result, run::RunSettings());
-  result.golden->rejection = "some";
-  example["golden"]["rejection"] = golden::to_json(*result.golden)["rejection"];
-  return example;
-}
-
-const std::vector<std::string>& RunWork::host_keys() const {
-  static const std::vector<std::string> keys = {"time.wall_s", "cpu.mips"};
-  return keys;
+std::unique_ptr<Work> make_run_work() {
+  return std::make_unique<RunWork>();
 }
 
 }  // namespace capsoc::campaign

@@ -87,9 +87,25 @@ Setting Setting::by(SettingOption declared) && {
 }
 
 std::size_t Settings::add(Setting setting, SettingParser* parser) {
+  built_in_.push_back(setting.value);
   settings_.push_back(std::move(setting));
   parsers_.push_back(parser);
   return settings_.size() - 1;
+}
+
+void Settings::forget_values() {
+  settings_.erase(settings_.begin() + static_cast<std::ptrdiff_t>(built_in_.size()),
+                  settings_.end());
+  parsers_.resize(built_in_.size());
+  for (std::size_t i = 0; i < settings_.size(); ++i) {
+    Setting& setting = settings_[i];
+    if (setting.source == SettingSource::built_in) continue;
+    setting.value = built_in_[i];
+    setting.source = SettingSource::built_in;
+    setting.option.clear();
+    setting.origin.clear();
+    if (parsers_[i] != nullptr) parsers_[i]->parse(setting.value, true);
+  }
 }
 
 const Setting* Settings::find(const std::string& path) const {
@@ -144,7 +160,8 @@ bool Settings::add_of_group(const std::string& path) {
     if (path.rfind(group.prefix, 0) != 0 || path.size() == group.prefix.size()) continue;
     const auto name = path.begin() + static_cast<std::ptrdiff_t>(group.prefix.size());
     if (!std::all_of(name, path.end(), is_part_of_name)) return false;
-    add({path, SettingKind::text, "", group.help, {}});
+    settings_.push_back({path, SettingKind::text, "", group.help, {}});
+    parsers_.push_back(nullptr);
     return true;
   }
   return false;

@@ -105,6 +105,9 @@ class Settings {
   /// ("-C", a file and line).
   std::optional<Error> set(const std::string& path, const std::string& value, SettingSource source,
                            const std::string& origin);
+  /// As if nothing had been set since all of them were declared. For many runs in turn: to
+  /// declare them anew takes far longer.
+  void forget_values();
   /// "path=value" as `-C` takes it.
   std::optional<Error> set_assignment(const std::string& assignment);
   /// CAPSOC_<PATH> with dots as underscores, for instance CAPSOC_SENSOR_FILE. Unknown CAPSOC_ names
@@ -129,6 +132,7 @@ class Settings {
 
   std::vector<Setting> settings_;
   std::vector<SettingParser*> parsers_;  // beside settings_
+  std::vector<std::string> built_in_;    // values of those that are declared, which come first
   std::vector<SettingGroup> groups_;
 };
 

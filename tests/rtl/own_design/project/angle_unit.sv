@@ -1,6 +1,7 @@
 // The self-calibration coprocessor as another house might have it: names of its own, a reset that is active high and synchronous, and a bus
 // port that takes address and direction in the setup phase and has neither waits nor errors nor byte strobes.
 module angle_unit #(
+  parameter int Paper    = 0,
   parameter int WrongBit = -1  // of the ANGLE that is read; -1: none
 ) (
   input  logic        clk,
@@ -31,7 +32,7 @@ module angle_unit #(
     end
   end
 
-  coprocessor core (
+  coprocessor #(.Paper(Paper)) core (
     .pclk_i         (clk),
     .presetn_i      (reset_n & ~rst),
     .psel_i         (sel),
