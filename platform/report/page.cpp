@@ -62,6 +62,12 @@ std::string header_of(const std::vector<ResultFile>& results) {
 
 }  // namespace
 
+Page::Page(const std::vector<ResultFile>& results) : results_(results) {
+  // Room for a run's figures; what is not filled is not there, and growing would copy it.
+  constexpr std::size_t much = std::size_t{1} << 20U;
+  data_.reserve(much);
+}
+
 std::string Page::figures_of(const std::string& command, const std::string& section) {
   std::string out;
   for (const Figure& figure : figures()) {

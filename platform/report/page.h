@@ -16,7 +16,7 @@ std::string page_of(const std::vector<ResultFile>& results);
 /// figures of a section belong.
 class Page {
  public:
-  explicit Page(const std::vector<ResultFile>& results) : results_(results) {}
+  explicit Page(const std::vector<ResultFile>& results);
 
   const std::vector<ResultFile>& results() const { return results_; }
 

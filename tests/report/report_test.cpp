@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -58,6 +60,74 @@ TEST(Thinning, GapsAreNoLeastAndNoGreatest) {
   const Curve few = thinned(curve, 50);
   EXPECT_TRUE(std::any_of(few.y.begin(), few.y.end(), [](double y) { return std::isnan(y); }));
   EXPECT_GT(std::count_if(few.y.begin(), few.y.end(), [](double y) { return !std::isnan(y); }), 80);
+}
+
+TEST(Thinning, ASpikeStaysWhereverItStands) {
+  constexpr std::size_t points = 1371;
+  for (std::size_t spike = 0; spike < points; ++spike) {
+    Thinner thinner(7);
+    for (std::size_t i = 0; i < points; ++i)
+      thinner.add(static_cast<double>(i), i == spike ? 1 : i == points - 1 - spike ? -1 : 0);
+    const Curve few = thinner.curve();
+    ASSERT_LE(few.x.size(), 14U);
+    for (const std::size_t place : {spike, points - 1 - spike}) {
+      const auto there = std::find(few.x.begin(), few.x.end(), static_cast<double>(place));
+      ASSERT_NE(there, few.x.end()) << place;
+      ASSERT_NE(few.y[static_cast<std::size_t>(there - few.x.begin())], 0);
+    }
+  }
+}
+
+/// Least and greatest number of the points that lie in [from, to].
+std::pair<double, double> range(const Curve& curve, double from, double to) {
+  std::pair<double, double> both = {std::numeric_limits<double>::infinity(),
+                                    -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < curve.x.size(); ++i)
+    if (curve.x[i] >= from && curve.x[i] <= to && !std::isnan(curve.y[i]))
+      both = {std::min(both.first, curve.y[i]), std::max(both.second, curve.y[i])};
+  return both;
+}
+
+TEST(Thinning, EveryPartHasItsLeastAndGreatestAtAnyLength) {
+  std::mt19937_64 random(20);
+  for (int turn = 0; turn < 400; ++turn) {
+    const std::size_t buckets = 3 + random() % 40, points = 1 + random() % 5000;
+    const double gaps = turn % 3 == 0 ? 0.7 : 0;
+    std::uniform_real_distribution<double> value(-1, 1), chance(0, 1);
+    std::array<Curve, 2> whole;
+    Thinner two(buckets, 2);
+    for (std::size_t i = 0; i < points; ++i) {
+      const auto x = static_cast<double>(i);
+      const std::array<double, 2> y = {chance(random) < gaps ? none : value(random), value(random)};
+      for (std::size_t c = 0; c < 2; ++c) whole[c].add(x, y[c]);
+      two.add(x, y.data());
+    }
+    for (std::size_t c = 0; c < 2; ++c) {
+      const Curve few = two.curve(c);
+      ASSERT_EQ(few.x, thinned(whole[c], buckets).x);
+      ASSERT_EQ(few.x.front(), 0);
+      ASSERT_EQ(few.x.back(), static_cast<double>(points - 1));
+      ASSERT_TRUE(std::is_sorted(few.x.begin(), few.x.end()));
+      for (std::size_t i = 0; i < few.x.size(); ++i) {
+        const double is = whole[c].y[static_cast<std::size_t>(few.x[i])];
+        ASSERT_TRUE(few.y[i] == is || (std::isnan(few.y[i]) && std::isnan(is)));
+      }
+      const bool has_gaps = gaps > 0 && c == 0;
+      if (points <= 2 * buckets) {
+        ASSERT_EQ(few.x.size(), points);
+      } else {
+        ASSERT_LE(few.x.size(), (has_gaps ? 3 : 2) * buckets);
+      }
+      // No part is longer than this, and whatever lies in a window shows in or beside it.
+      const double part = 4.0 * static_cast<double>(points) / static_cast<double>(buckets - 1) + 4;
+      const double from = std::floor(chance(random) * static_cast<double>(points));
+      const double to = from + chance(random) * part;
+      const auto [least, greatest] = range(whole[c], from, to);
+      const auto [shown_least, shown_greatest] = range(few, from - part, to + part);
+      ASSERT_LE(shown_least, least);
+      ASSERT_GE(shown_greatest, greatest);
+    }
+  }
 }
 
 TEST(Thinning, RoundsToDigits) {

@@ -52,8 +52,12 @@ std::string sha256_of(std::string_view bytes) {
 }
 
 std::string base64_sha256_of(std::string_view bytes) {
+  // Not SHA256(): at its first call it reads the library's configuration, a millisecond.
+  SHA256_CTX state{};
+  SHA256_Init(&state);
+  SHA256_Update(&state, bytes.data(), bytes.size());
   unsigned char digest[SHA256_DIGEST_LENGTH];
-  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest);
+  SHA256_Final(digest, &state);
   constexpr std::size_t characters = (SHA256_DIGEST_LENGTH + 2) / 3 * 4;
   unsigned char text[characters + 1];
   EVP_EncodeBlock(text, digest, SHA256_DIGEST_LENGTH);

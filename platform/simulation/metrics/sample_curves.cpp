@@ -21,6 +21,16 @@ constexpr int plot_digits = 7;
 constexpr int parameter_digits = 10;  ///< errors are taken from them: a word of 32 bits has no more
 constexpr int harmonics = 16;
 
+constexpr std::array<std::pair<const char*, int>, 9> values = {{{"a1", parameter_digits},
+                                                                {"a2", parameter_digits},
+                                                                {"b1", parameter_digits},
+                                                                {"b2", parameter_digits},
+                                                                {"beta", parameter_digits},
+                                                                {"phi", parameter_digits},
+                                                                {"err_u", plot_digits},
+                                                                {"err_v", plot_digits},
+                                                                {"error_average", plot_digits}}};
+
 struct Bit {
   const char* name;
   uint32_t mask;
@@ -46,16 +56,24 @@ constexpr std::array<Bit, 17> bits = {{
     {"flags.UNSETTLED", cop::FLAGS_UNSETTLED_mask, &RecordedResult::flags},
 }};
 
-double raw_turns(const RecordedSample& sample) {
-  return std::atan2(static_cast<double>(sample.u), static_cast<double>(sample.v)) / two_pi;
+/// Those of a word that are drawn.
+constexpr uint32_t bits_of(uint32_t RecordedResult::*word) {
+  uint32_t all = 0;
+  for (const Bit& bit : bits)
+    if (bit.word == word) all |= bit.mask;
+  return all;
+}
+constexpr uint32_t status_bits = bits_of(&RecordedResult::status);
+constexpr uint32_t flags_bits = bits_of(&RecordedResult::flags);
+
+/// Of atan2(U, V).
+double raw_error_deg(int32_t u, int32_t v, double angle_turns) {
+  const double raw = std::atan2(static_cast<double>(u), static_cast<double>(v)) / two_pi;
+  return 360 * turn_difference(raw, angle_turns);
 }
 
-double error_deg(double turns, const RecordedSample& sample) {
-  return 360 * turn_difference(turns, sample.angle_turns);
-}
-
-bool has_error(const RecordedSample& sample) {
-  return sample.has_truth && sample.result && sample.result->angle_valid;
+double error_deg(uint32_t angle, double angle_turns) {
+  return 360 * turn_difference(angle / q32, angle_turns);
 }
 
 Curve shown(Curve few, int digits = plot_digits) {
@@ -63,66 +81,6 @@ Curve shown(Curve few, int digits = plot_digits) {
   for (double& x : few.x) x = rounded(x, parameter_digits);
   for (double& y : few.y) y = rounded(y, digits);
   return few;
-}
-
-/// All curves over time in one pass: they are most of what a report costs a run.
-void add_over_time(const SampleRecord& samples, Curves& curves) {
-  std::size_t results = 0, errors = 0, truths = 0;
-  for (const RecordedSample& sample : samples) {
-    if (!sample.result) continue;
-    ++results;
-    if (sample.has_truth) ++truths;
-    if (has_error(sample)) ++errors;
-  }
-  const auto all = [&] { return Thinner(results, buckets); };
-  Thinner a1 = all(), a2 = all(), b1 = all(), b2 = all(), beta = all(), phi = all();
-  Thinner err_u = all(), err_v = all(), error_average = all();
-  Thinner angle_error(errors, buckets), raw_error(truths, buckets);
-  for (const RecordedSample& sample : samples) {
-    if (!sample.result) continue;
-    const RecordedResult& result = *sample.result;
-    const Parameters parameters = to_values(result.words);
-    a1.add(sample.time_s, parameters.a1);
-    a2.add(sample.time_s, parameters.a2);
-    b1.add(sample.time_s, parameters.b1);
-    b2.add(sample.time_s, parameters.b2);
-    beta.add(sample.time_s, parameters.beta);
-    phi.add(sample.time_s, parameters.phi);
-    err_u.add(sample.time_s, result.error_u / q31);
-    err_v.add(sample.time_s, result.error_v / q31);
-    error_average.add(sample.time_s, result.error_average / q31);
-    if (has_error(sample)) angle_error.add(sample.time_s, error_deg(result.angle / q32, sample));
-    if (sample.has_truth) raw_error.add(sample.time_s, error_deg(raw_turns(sample), sample));
-  }
-  const auto add = [&](const char* name, Thinner& curve, int digits = plot_digits) {
-    curves.emplace_back(name, shown(std::move(curve).curve(), digits));
-  };
-  add("a1", a1, parameter_digits);
-  add("a2", a2, parameter_digits);
-  add("b1", b1, parameter_digits);
-  add("b2", b2, parameter_digits);
-  add("beta", beta, parameter_digits);
-  add("phi", phi, parameter_digits);
-  add("err_u", err_u);
-  add("err_v", err_v);
-  add("error_average", error_average);
-  add("angle_error", angle_error);
-  add("raw_error", raw_error);
-}
-
-/// The first sample of the last turn by the coprocessor's angle; enough of them for a curve where
-/// they come in any order.
-std::size_t last_turn(const SampleRecord& samples) {
-  constexpr std::size_t least = 2000;
-  double turns = 0;
-  std::size_t from = samples.size();
-  while (from > 0 && (turns < 1 || samples.size() - from < least)) {
-    --from;
-    if (from + 1 == samples.size() || !samples[from].result || !samples[from + 1].result) continue;
-    turns += std::abs(
-        turn_difference(samples[from + 1].result->angle / q32, samples[from].result->angle / q32));
-  }
-  return from;
 }
 
 /// So many points, evenly taken: a figure that is no function of x has no least and greatest.
@@ -134,11 +92,10 @@ Curve some_of(const Curve& curve) {
   return few;
 }
 
-void add_lissajous(const SampleRecord& samples, std::size_t from, const Parameters& p,
-                   Curves& curves) {
+void add_lissajous(const std::vector<TurnSample>& turn, const Parameters& p, Curves& curves) {
   Curve before, after;
-  for (std::size_t i = from; i < samples.size(); ++i) {
-    const double u = samples[i].u / q31, v = samples[i].v / q31;
+  for (const TurnSample& sample : turn) {
+    const double u = sample.u / q31, v = sample.v / q31;
     before.add(u, v);
     const double sine = (u - p.b1) / p.a1;
     const double cosine = ((v - p.b2) / p.a2 + sine * std::sin(p.beta)) / std::cos(p.beta);
@@ -148,14 +105,14 @@ void add_lissajous(const SampleRecord& samples, std::size_t from, const Paramete
   curves.emplace_back("calibrated", some_of(after));
 }
 
-/// Least squares of a constant and the harmonics' sines and cosines; an empty curve for angles that
-/// do not tell them apart. `error`: x in degrees.
-Curve spectrum_of(const Curve& error) {
+/// Least squares of a constant and the harmonics' sines and cosines: the spectra of two errors at
+/// the same angles, x in degrees. Empty curves for angles that do not tell them apart.
+std::array<Curve, 2> spectra_of(const Curve& error, const Curve& raw) {
   constexpr int columns = 1 + 2 * harmonics;
   const auto count = static_cast<Eigen::Index>(error.x.size());
   if (count < 4 * columns) return {};
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(columns);
+  Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(columns, 2);
   constexpr Eigen::Index block = 64;  // samples at once: a product of matrices, and no memory
   Eigen::Matrix<double, columns, block> rows;
   for (Eigen::Index first = 0; first < count; first += block) {
@@ -172,17 +129,24 @@ Curve spectrum_of(const Curve& error) {
       }
     }
     normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(here));
-    right += rows.leftCols(here) * Eigen::Map<const Eigen::VectorXd>(error.y.data() + first, here);
+    const auto part = [&](const Curve& curve) {
+      return rows.leftCols(here) * Eigen::Map<const Eigen::VectorXd>(curve.y.data() + first, here);
+    };
+    right.col(0) += part(error);
+    right.col(1) += part(raw);
   }
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal.selfadjointView<Eigen::Lower>());
   constexpr double worst_condition = 1e-6;
   if (!(solver.rcond() > worst_condition)) return {};
-  const Eigen::VectorXd found = solver.solve(right);
-  Curve spectrum;
-  spectrum.add(0, rounded(std::abs(found[0]), plot_digits));
-  for (int h = 1; h <= harmonics; ++h)
-    spectrum.add(h, rounded(std::hypot(found[2 * h - 1], found[2 * h]), plot_digits));
-  return spectrum;
+  const Eigen::MatrixX2d found = solver.solve(right);
+  std::array<Curve, 2> spectra;
+  for (Eigen::Index i = 0; i < found.cols(); ++i) {
+    Curve& spectrum = spectra[static_cast<std::size_t>(i)];
+    spectrum.add(0, rounded(std::abs(found(0, i)), plot_digits));
+    for (int h = 1; h <= harmonics; ++h)
+      spectrum.add(h, rounded(std::hypot(found(2 * h - 1, i), found(2 * h, i)), plot_digits));
+  }
+  return spectra;
 }
 
 /// In order of angle, as a plot over it has them.
@@ -196,56 +160,85 @@ Curve sorted(const Curve& curve) {
   return in_order;
 }
 
-void add_by_angle(const SampleRecord& samples, std::size_t from, Curves& curves) {
+void add_by_angle(const std::vector<TurnSample>& turn, Curves& curves) {
   Curve error, raw;
-  for (std::size_t i = from; i < samples.size(); ++i) {
-    if (!has_error(samples[i])) continue;
-    const double turns = samples[i].angle_turns;
+  for (const TurnSample& sample : turn) {
+    if (!sample.has_error) continue;
+    const double turns = sample.angle_turns;
     const double angle = 360 * (turns - std::floor(turns));
-    error.add(angle, error_deg(samples[i].result->angle / q32, samples[i]));
-    raw.add(angle, error_deg(raw_turns(samples[i]), samples[i]));
+    error.add(angle, error_deg(sample.angle, turns));
+    raw.add(angle, raw_error_deg(sample.u, sample.v, turns));
   }
   curves.emplace_back("error_by_angle", shown(thinned(sorted(error), buckets)));
   curves.emplace_back("raw_by_angle", shown(thinned(sorted(raw), buckets)));
-  curves.emplace_back("spectrum", spectrum_of(error));
-  curves.emplace_back("raw_spectrum", spectrum_of(raw));
-}
-
-/// A point at the start, at each change and at the end.
-Curve changes_of(const SampleRecord& samples, const Bit& bit) {
-  Curve curve;
-  const RecordedSample* last = nullptr;
-  for (const RecordedSample& sample : samples) {
-    if (!sample.result) continue;
-    const bool set = ((*sample.result).*bit.word & bit.mask) != 0;
-    if (curve.y.empty() || (curve.y.back() != 0) != set) curve.add(sample.time_s, set ? 1 : 0);
-    last = &sample;
-  }
-  if (last != nullptr && curve.x.back() < last->time_s) curve.add(last->time_s, curve.y.back());
-  return shown(thinned(curve, buckets));
-}
-
-/// Most bits are never set; one look at the samples tells those.
-void add_bits(const SampleRecord& samples, Curves& curves) {
-  RecordedResult ever;
-  for (const RecordedSample& sample : samples) {
-    if (!sample.result) continue;
-    ever.status |= sample.result->status;
-    ever.flags |= sample.result->flags;
-  }
-  for (const Bit& bit : bits)
-    if ((ever.*bit.word & bit.mask) != 0) curves.emplace_back(bit.name, changes_of(samples, bit));
+  auto [spectrum, raw_spectrum] = spectra_of(error, raw);
+  curves.emplace_back("spectrum", std::move(spectrum));
+  curves.emplace_back("raw_spectrum", std::move(raw_spectrum));
 }
 
 }  // namespace
 
-Curves curves_of(const SampleRecord& samples, const ParameterWords& end) {
+SampleCurves::SampleCurves()
+    : values_(buckets, values.size()),
+      angle_error_(buckets),
+      raw_error_(buckets),
+      changes_(bits.size(), Thinner(buckets)) {}
+
+void SampleCurves::add(const RecordedSample& sample) {
+  turn_.add(sample);
+  if (!sample.result) return;
+  const RecordedResult& result = *sample.result;
+  const Parameters p = to_values(result.words);
+  const std::array<double, values.size()> now = {
+      p.a1,
+      p.a2,
+      p.b1,
+      p.b2,
+      p.beta,
+      p.phi,
+      result.error_u / q31,
+      result.error_v / q31,
+      result.error_average / q31,
+  };
+  values_.add(sample.time_s, now.data());
+  if (has_error(sample))
+    angle_error_.add(sample.time_s, error_deg(result.angle, sample.angle_turns));
+  if (sample.has_truth)
+    raw_error_.add(sample.time_s, raw_error_deg(sample.u, sample.v, sample.angle_turns));
+  add_bits(sample.time_s, result);
+  last_s_ = sample.time_s;
+}
+
+/// A point at the start and at each change.
+void SampleCurves::add_bits(double time_s, const RecordedResult& result) {
+  if (change_ && ((result.status ^ change_->status) & status_bits) == 0 &&
+      ((result.flags ^ change_->flags) & flags_bits) == 0)
+    return;
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const auto [name, mask, word] = bits[i];
+    const uint32_t now = result.*word & mask;
+    if (!change_ || now != ((*change_).*word & mask)) changes_[i].add(time_s, now != 0 ? 1 : 0);
+  }
+  change_ = result;
+}
+
+Curves SampleCurves::curves(const ParameterWords& end) const {
   Curves curves;
-  add_over_time(samples, curves);
-  const std::size_t turn = last_turn(samples);
-  add_lissajous(samples, turn, to_values(end), curves);
-  add_by_angle(samples, turn, curves);
-  add_bits(samples, curves);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    curves.emplace_back(values[i].first, shown(values_.curve(i), values[i].second));
+  curves.emplace_back("angle_error", shown(angle_error_.curve()));
+  curves.emplace_back("raw_error", shown(raw_error_.curve()));
+  const std::vector<TurnSample> turn = turn_.samples();
+  add_lissajous(turn, to_values(end), curves);
+  add_by_angle(turn, curves);
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    Curve changes = changes_[i].curve();
+    if (std::count(changes.y.begin(), changes.y.end(), 1) == 0)
+      continue;  // most bits are never set
+    // And a point at the end.
+    if (changes.x.back() < last_s_) changes.add(last_s_, changes.y.back());
+    curves.emplace_back(bits[i].name, shown(std::move(changes)));
+  }
   curves.erase(std::remove_if(curves.begin(), curves.end(),
                               [](const auto& curve) { return curve.second.x.empty(); }),
                curves.end());

@@ -28,8 +28,13 @@ struct RecordedSample {
   int32_t u = 0, v = 0;    ///< Q1.31
   double angle_turns = 0;  ///< true angle; only when has_truth
   bool has_truth = false;
-  std::optional<RecordedResult> result = {};  ///< none while it is on its way
+  std::optional<RecordedResult> result = {};  ///< none of a sample that got lost on its way
 };
+
+/// Both angles are known, the sensor's and the coprocessor's.
+inline bool has_error(const RecordedSample& sample) {
+  return sample.has_truth && sample.result && sample.result->angle_valid;
+}
 
 /// In the order in which they came. A deque: growing moves nothing, and a long run's megabytes are
 /// touched once.

@@ -4,28 +4,27 @@
 #include <cstddef>
 
 #include "capsoc_registers.h"
+#include "coprocessor/sequencer.h"
 
 namespace capsoc::run {
 namespace {
 
 namespace cop = registers::coprocessor;
 
+/// One held and one in each stage.
+constexpr std::size_t most_on_the_way = 1 + coprocessor::stage_count;
+
 }  // namespace
 
 Observation::Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics& metrics,
-                         metrics::SensorMatch& match, Progress& progress, bool recording)
-    : soc_(soc),
-      source_(source),
-      metrics_(metrics),
-      match_(match),
-      progress_(progress),
-      recording_(recording) {
+                         metrics::SensorMatch& match, Progress& progress)
+    : soc_(soc), source_(source), metrics_(metrics), match_(match), progress_(progress) {
   soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
-  samples_ = soc.coprocessor.samples.listen([this](uint64_t, bool latched) {
+  submissions_ = soc.coprocessor.samples.listen([this](uint64_t, bool latched) {
     if (!latched) return;
     metrics_.accepted(truth_);
-    if (recording_) record();
+    if (samples.watched()) take();
   });
   results_ = soc.coprocessor.results.listen(
       [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
@@ -35,10 +34,20 @@ Observation::Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics
       });
 }
 
-void Observation::record() {
-  if (recorded_.empty()) recording_since_s_ = converted_.time_s;
-  recorded_.push_back(converted_);
-  recorded_.back().time_s -= recording_since_s_;
+void Observation::take() {
+  // A reset may lose some again and again.
+  if (on_the_way_.size() == most_on_the_way) lose(1);
+  if (!since_s_) since_s_ = converted_.time_s;
+  on_the_way_.push_back(converted_);
+  on_the_way_.back().time_s -= *since_s_;
+}
+
+/// The oldest, without a result.
+void Observation::lose(std::size_t count) {
+  for (; count > 0; --count) {
+    samples(on_the_way_.front());
+    on_the_way_.pop_front();
+  }
 }
 
 std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
@@ -46,7 +55,7 @@ std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
     source_.rewind();
     metrics_.dropped_all();
     match_.restarted();
-    finished_ = recorded_.size();  // what was on its way is gone
+    lose(on_the_way_.size());
   }
   const auto value = source_.sample(k, t);
   if (!value) return std::nullopt;
@@ -88,28 +97,30 @@ void Observation::result(const coprocessor::Nodes& nodes) {
              static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
   metrics_.result(r);
   watch_sampling(control);
-  keep(r, nodes);
+  give(r, nodes);
   progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
 }
 
 /// A soft reset loses samples that were on their way: a result belongs to the next sample with its
 /// words.
-void Observation::keep(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes) {
-  const auto mine = std::find_if(recorded_.begin() + static_cast<std::ptrdiff_t>(finished_),
-                                 recorded_.end(), [&](const metrics::RecordedSample& sample) {
+void Observation::give(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes) {
+  const auto mine = std::find_if(on_the_way_.begin(), on_the_way_.end(),
+                                 [&](const metrics::RecordedSample& sample) {
                                    return sample.u == nodes.u && sample.v == nodes.v;
                                  });
-  if (mine == recorded_.end()) return;  // software fed it
-  mine->result = {result.angle,
-                  result.words,
-                  static_cast<int32_t>(nodes.error_u),
-                  static_cast<int32_t>(nodes.error_v),
-                  static_cast<uint32_t>(nodes.error_average),
-                  static_cast<uint32_t>(nodes.status),
-                  static_cast<uint32_t>(nodes.flags),
-                  result.angle_valid,
-                  result.demodulating};
-  finished_ = static_cast<std::size_t>(mine - recorded_.begin()) + 1;
+  if (mine == on_the_way_.end()) return;  // software fed it
+  lose(static_cast<std::size_t>(mine - on_the_way_.begin()));
+  on_the_way_.front().result = {result.angle,
+                                result.words,
+                                static_cast<int32_t>(nodes.error_u),
+                                static_cast<int32_t>(nodes.error_v),
+                                static_cast<uint32_t>(nodes.error_average),
+                                static_cast<uint32_t>(nodes.status),
+                                static_cast<uint32_t>(nodes.flags),
+                                result.angle_valid,
+                                result.demodulating};
+  samples(on_the_way_.front());
+  on_the_way_.pop_front();
 }
 
 void Observation::visit(kit::Archive& archive) {

@@ -3,9 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
-#include <vector>
 
+#include "kit/probe.h"
 #include "metrics/metrics.h"
 #include "metrics/sample_record.h"
 #include "metrics/sensor_match.h"
@@ -18,24 +19,28 @@ namespace capsoc::run {
 /// The sensor, the coprocessor's results and the metrics wired together.
 class Observation {
  public:
-  /// `recording`: the samples are kept as the coprocessor saw them.
   Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics& metrics,
-              metrics::SensorMatch& match, Progress& progress, bool recording);
+              metrics::SensorMatch& match, Progress& progress);
   Observation(const Observation&) = delete;
   Observation& operator=(const Observation&) = delete;
 
-  const metrics::SampleRecord& recorded() const { return recorded_; }
+  /// Each sample as the coprocessor saw it, in order, once its result is there or cannot come.
+  kit::Probe<const metrics::RecordedSample&> samples;
 
-  /// What is on its way; what was recorded is the host's.
+  /// The run is over: no result comes any more.
+  void finish() { lose(on_the_way_.size()); }
+
+  /// What is on its way; what listeners keep is the host's.
   void visit(kit::Archive& archive);
 
  private:
-  void record();
+  void take();
+  void lose(std::size_t count);
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
   void result(const coprocessor::Nodes& nodes);
   void watch_sampling(uint32_t control);
   double sensor_time(uint64_t k, double t) const;
-  void keep(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes);
+  void give(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes);
 
   soc::Soc& soc_;
   sensor::Source& source_;
@@ -43,12 +48,10 @@ class Observation {
   metrics::SensorMatch& match_;
   Progress& progress_;
   metrics::SensorTruth truth_;
-  bool recording_;
-  std::size_t finished_ = 0;           ///< of those recorded; the next result belongs to this one
   metrics::RecordedSample converted_;  ///< the newest of the front-end
-  double recording_since_s_ = 0;
-  metrics::SampleRecord recorded_;
-  kit::Listening samples_, results_, conversions_;
+  std::optional<double> since_s_;      ///< the first sample that anybody listened to
+  std::deque<metrics::RecordedSample> on_the_way_;
+  kit::Listening submissions_, results_, conversions_;
 };
 
 }  // namespace capsoc::run

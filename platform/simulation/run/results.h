@@ -73,7 +73,7 @@ struct Input {
 
 /// What a report draws, beyond the figures that every run has.
 struct ReportData {
-  Curves curves;  ///< metrics::curves_of()
+  Curves curves;  ///< of metrics::SampleCurves
   std::string uart0_text;
   uint64_t uart0_left_out = 0;  ///< bytes, in the middle
 };

@@ -9,7 +9,6 @@
 #include "host/end_signals.h"
 #include "host/files.h"
 #include "kit/guest_error.h"
-#include "metrics/sample_curves.h"
 #include "run/fault_report.h"
 #include "run/golden_check.h"
 #include "run/idle.h"
@@ -74,9 +73,7 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
                result_.sensor_warnings.push_back(sentence);
              }),
       progress_(isatty(STDERR_FILENO) != 0),
-      observation_(soc_, *inputs_.source, metrics_, match_, progress_,
-                   settings.golden() || !settings.results.record().empty() ||
-                       settings.results.wants_curves()),
+      observation_(soc_, *inputs_.source, metrics_, match_, progress_),
       priorities_(soc_, view_, static_cast<unsigned>(settings.cpu.priority_bits())),
       limit_("limit", settings.limits.simulated_s()),
       host_limit_(settings.limits.host_s()),
@@ -122,7 +119,14 @@ std::optional<Error> Simulation::open() {
   ports_ = std::move(ports.value());
   if (real_time_.on()) ports_->pace_by([this] { pace(); });
   if (!settings_.uarts.fail.empty()) printed_lines_.begin();
-  if (settings_.results.wants_curves()) uart0_text_.listen(*soc_.uarts()[0]);
+  if (settings_.golden() || !settings_.results.record().empty())
+    recording_ = observation_.samples.listen(
+        [this](const metrics::RecordedSample& sample) { record_.push_back(sample); });
+  if (settings_.results.wants_curves()) {
+    drawing_ = observation_.samples.listen(
+        [this](const metrics::RecordedSample& sample) { curves_.add(sample); });
+    uart0_text_.listen(*soc_.uarts()[0]);
+  }
   checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
   if (auto error = checkpoints_->plan()) return error;
   soc_.cpu.set_pause(checkpoints_->next(),
@@ -217,6 +221,7 @@ std::vector<std::string> Simulation::close() {
   for (std::string& sentence : checkpoints_->failures()) lost.push_back(std::move(sentence));
   progress_.finish();
   match_.finish();
+  observation_.finish();
   kit::summarise_guest_errors();
   kit::set_guest_error_context({});
   if (tracer_ != nullptr)
@@ -228,8 +233,8 @@ std::vector<std::string> Simulation::close() {
   if (backend_.waves) keep(backend_.waves->finish());
   if (const std::string& file = settings_.results.record(); !file.empty())
     keep(host::write_whole(
-        file, metrics::to_recording(observation_.recorded(),
-                                    "The coprocessor's samples of " + result_.command, columns_)));
+        file, metrics::to_recording(record_, "The coprocessor's samples of " + result_.command,
+                                    columns_)));
   return lost;
 }
 
@@ -245,14 +250,14 @@ RunResult Simulation::finish() {
   take_verdict(inputs_.program, soc_, result_);
   priorities_.finish(result_.code == exit_code::pass);
   result_.wall_s = host_limit_.elapsed_s();
-  if (settings_.golden()) take_golden(soc_, observation_.recorded(), metrics_.words(), result_);
+  if (settings_.golden()) take_golden(soc_, record_, metrics_.words(), result_);
   take_losses(std::move(lost), result_);
   ports_->tell_debugger(result_.code);
   take_figures(soc_, metrics_, ports_->uarts(), result_);
   schedule_.finish(result_);
   if (settings_.results.wants_curves())
-    result_.report = ReportData{metrics::curves_of(observation_.recorded(), result_.words),
-                                uart0_text_.text(), uart0_text_.left_out()};
+    result_.report =
+        ReportData{curves_.curves(result_.words), uart0_text_.text(), uart0_text_.left_out()};
   if (tracer_ != nullptr) result_.profile = tracer_->top_functions();
   for (const StackMark& mark : stacks_.marks())
     result_.stacks.push_back({stacks_.name_of(mark), mark.top, mark.lowest});

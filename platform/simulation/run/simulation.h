@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "kit/probe.h"
+#include "metrics/sample_curves.h"
+#include "metrics/sample_record.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/host_ports.h"
@@ -91,6 +94,9 @@ class Simulation {
   metrics::SensorMatch match_;
   Progress progress_;
   Observation observation_;
+  metrics::SampleRecord record_;
+  metrics::SampleCurves curves_;
+  kit::Listening recording_, drawing_;
   UartText uart0_text_;
   PriorityReport priorities_;
   VectorReport vectors_{soc_, view_};

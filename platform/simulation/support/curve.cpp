@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <utility>
 
 namespace capsoc {
 namespace {
@@ -18,37 +18,68 @@ constexpr int exact_digits = 15;  ///< whole numbers of these are below 2^53
 
 }  // namespace
 
-Thinner::Thinner(std::size_t points, std::size_t buckets)
-    : points_(points),
-      keeps_all_(points <= 2 * buckets || buckets < 2),
-      inner_(keeps_all_ ? 0 : points - 2),
-      parts_(keeps_all_ ? 0 : buckets - 1) {
-  kept_.x.reserve(keeps_all_ ? points : 2 * buckets);
-  kept_.y.reserve(kept_.x.capacity());
+Thinner::Thinner(std::size_t buckets, std::size_t curves)
+    : parts_(std::max<std::size_t>(buckets, 2)), curves_(curves), last_y_(curves) {}
+
+void Thinner::begin_bucket() {
+  if (buckets_.size() == 2 * parts_ * curves_) halve();
+  for (const double y : last_y_) {
+    const Point point = {last_x_, y, points_ - 1};
+    buckets_.push_back({point, point, point});
+  }
+  room_ = width_ - 1;
 }
 
-void Thinner::begin_bucket(Point point) {
-  end_bucket();
-  // The ends are points of their own, which takes one bucket's two.
-  const bool is_end = at_ == 0 || at_ + 1 == points_;
-  if (is_end || std::isnan(point.y)) kept_.add(point.x, point.y);
-  if (!is_end) take(point);
-  next_ = at_ + 1 == points_ ? points_ : 1 + inner_ * part_++ / parts_;
+void Thinner::halve() {
+  for (std::size_t part = 0; part < parts_; ++part)
+    for (std::size_t i = 0; i < curves_; ++i) {
+      Bucket both = buckets_[2 * part * curves_ + i];
+      const Bucket& later = buckets_[(2 * part + 1) * curves_ + i];
+      both.take(later.least);
+      both.take(later.greatest);
+      buckets_[part * curves_ + i] = both;
+    }
+  buckets_.resize(parts_ * curves_);
+  width_ *= 2;
 }
 
-void Thinner::end_bucket() {
-  if (is_empty_) return;
-  is_empty_ = true;
-  const bool falls = greatest_.at < least_.at;
-  const Point &first = falls ? greatest_ : least_, &second = falls ? least_ : greatest_;
-  kept_.add(first.x, first.y);
-  if (second.at != first.at) kept_.add(second.x, second.y);
+Curve Thinner::curve(std::size_t number) const {
+  Curve curve;
+  const std::size_t count = buckets_.size() / curves_;
+  const auto bucket = [&](std::size_t i) -> const Bucket& {
+    return buckets_[i * curves_ + number];
+  };
+  if (width_ == 1) {
+    for (std::size_t i = 0; i < count; ++i) curve.add(bucket(i).first.x, bucket(i).first.y);
+    return curve;
+  }
+  const auto add = [&](const Point& point) {
+    if (point.at != 0 && point.at + 1 != points_) curve.add(point.x, point.y);
+  };
+  // The ends are points of their own, which takes one part's two.
+  const std::size_t parts = parts_ - 1;
+  const auto begin = [&](std::size_t part) { return count * part / parts; };
+  curve.add(bucket(0).first.x, bucket(0).first.y);
+  for (std::size_t part = 0; part < parts; ++part) {
+    Bucket all = bucket(begin(part));
+    for (std::size_t i = begin(part) + 1; i < begin(part + 1); ++i) {
+      all.take(bucket(i).least);
+      all.take(bucket(i).greatest);
+    }
+    const bool falls = all.greatest.at < all.least.at;
+    if (std::isnan(all.first.y)) add(all.first);
+    if (std::isnan(all.least.y)) continue;
+    add(falls ? all.greatest : all.least);
+    if (all.least.at != all.greatest.at) add(falls ? all.least : all.greatest);
+  }
+  curve.add(last_x_, last_y_[number]);
+  return curve;
 }
 
 Curve thinned(const Curve& curve, std::size_t buckets) {
-  Thinner thinner(curve.x.size(), buckets);
+  Thinner thinner(buckets);
   for (std::size_t i = 0; i < curve.x.size(); ++i) thinner.add(curve.x[i], curve.y[i]);
-  return std::move(thinner).curve();
+  return thinner.curve();
 }
 
 double rounded(double value, int digits) {

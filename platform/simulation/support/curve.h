@@ -1,6 +1,7 @@
 // Curves for reports: points thinned to what a plot can show.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -24,53 +25,61 @@ struct Curve {
 /// Curves by name, in order.
 using Curves = std::vector<std::pair<std::string, Curve>>;
 
-/// Thins a curve while it is being made. The points of equally many neighbours each become their
-/// least and their greatest one, in the order in which they stood: no spike is lost, whatever is
-/// drawn of it. At most 2 * `buckets` points, the first and the last of the curve among them; a
-/// curve that has no more stays as it is. A bucket that begins with a gap keeps it.
+/// Thins curves while they are being made, of however many points: equally many neighbours are one
+/// bucket, and where there are too many buckets, each two become one. At most 2 * `buckets` points
+/// stay, the first and the last of the curve among them; a curve that has no more stays as it is.
+/// Of a longer one each part, a bucket or two, has its least and its greatest point, in the order
+/// in which they stood: no spike is lost, whatever is drawn of it. A part that begins with a gap
+/// keeps it as a point more.
 class Thinner {
  public:
-  /// `points` are going to be added.
-  Thinner(std::size_t points, std::size_t buckets);
+  /// For so many curves that get their points at the same x: half of the work of one for each.
+  explicit Thinner(std::size_t buckets, std::size_t curves = 1);
 
-  void add(double x, double y) {
-    if (keeps_all_) return kept_.add(x, y);
-    const Point point{x, y, at_};
-    if (at_ == next_)
-      begin_bucket(point);
-    else
-      take(point);
-    ++at_;
+  void add(double x, double y) { add(x, &y); }
+  /// A point of each curve.
+  void add(double x, const double* y) {
+    const std::size_t at = points_++;
+    last_x_ = x;
+    std::copy_n(y, curves_, last_y_.begin());
+    if (room_ == 0) return begin_bucket();
+    --room_;
+    Bucket* const bucket = buckets_.data() + buckets_.size() - curves_;
+    for (std::size_t i = 0; i < curves_; ++i) bucket[i].take({x, y[i], at});
   }
 
-  /// What stays, once all points are there.
-  Curve curve() && { return std::move(kept_); }
+  /// What stays of the points until now.
+  Curve curve(std::size_t number = 0) const;
 
  private:
   struct Point {
     double x = 0, y = 0;
-    std::size_t at = 0;
+    std::size_t at = 0;  // its place in the curve
   };
-  void begin_bucket(Point point);
-  void end_bucket();
-  void take(Point point) {
-    if (is_empty_) {
-      if (std::isnan(point.y)) return;
-      least_ = greatest_ = point;
-      is_empty_ = false;
-    }
-    if (point.y < least_.y) least_ = point;
-    if (point.y > greatest_.y) greatest_ = point;
-  }
+  struct Bucket {
+    Point first, least, greatest;  // the same while there is no number
 
-  std::size_t points_;
-  bool keeps_all_;
-  std::size_t inner_, parts_;      // points but for the ends, and buckets of them
-  std::size_t at_ = 0, next_ = 0;  // the point to come, and that with which a bucket begins
-  std::size_t part_ = 0;           // the bucket that begins there
-  Curve kept_;
-  Point least_, greatest_;  // of the bucket; nothing while it is empty
-  bool is_empty_ = true;
+    /// One that comes later.
+    void take(const Point& point) {
+      if (least.y <= point.y && point.y <= greatest.y) return;  // by far the most
+      if (std::isnan(point.y)) return;
+      // So a number also takes the place of a gap.
+      if (!(least.y <= point.y)) least = point;
+      if (!(greatest.y >= point.y)) greatest = point;
+    }
+  };
+  /// With the newest point.
+  void begin_bucket();
+  void halve();
+
+  std::size_t parts_;  // at the end, and half as many as there are buckets at most
+  std::size_t curves_;
+  std::size_t width_ = 1;  // points of a bucket
+  std::size_t room_ = 0;   // for so many points in the last one
+  std::size_t points_ = 0;
+  double last_x_ = 0;
+  std::vector<double> last_y_;   // by curve
+  std::vector<Bucket> buckets_;  // by time, then by curve
 };
 
 /// The same of a curve that is there.
