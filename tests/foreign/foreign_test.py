@@ -146,7 +146,7 @@ class ForeignFirmware(unittest.TestCase):
 
     def test_a_board_that_ends_is_told(self):
         row, printed = self.run_board("a", "!")
-        self.assertEqual((row.count, row.same), (1, 0), printed)
+        self.assertLess(row.same, row.count, printed)  # what it said before its end may still arrive
         self.assertIn("on capsoc: the simulator ended with 1: exit 1: the firmware ended with status 7\n", printed)
         self.assertIn("on QEMU: the simulator ended with 7: ", printed)
 
