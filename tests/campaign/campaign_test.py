@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import random
+import re
 import resource
 import signal
 import sqlite3
@@ -599,6 +600,107 @@ offset = "abs(parameters.b2.true)"
         self.assertRegex(said, r"5 runs, seed 5, store d.sqlite\n5 of 5 runs, 0 running, [0-9.e+]+ runs/s, \d failed in \d+ s\n")
 
 
+class Commands(Case):
+    """Somebody else's program as a run."""
+
+    def describe_command(self, line, results="", more="", axis="value.a = [1, 2, 3]"):
+        self.describe(f"name = 'c'\nkind = 'command'\nleast_yield = 0\n[settings]\ncommand.line = '''{line}'''\n"
+                      f"command.results = '{results}'\n{more}\n[[axes]]\n{axis}\n")
+
+    def results(self):
+        rows = sorted(rows_of_any(self.path("d.sqlite")), key=lambda row: row[2])
+        return [(row[1], json.loads(row[3]) if row[3] else None, row[4]) for row in rows]
+
+    def test_values_reach_it_and_its_object_is_the_result(self):
+        self.describe_command('echo "{\\"square\\": $((a * a)), \\"word\\": \\"$word\\"}"; echo said >&2; exit $((a == 2))',
+                              "square, word", 'value.word = "it\'s $a `pwd`"')
+        self.campaign("run", "d.toml", "--json", "r.json")
+        for number, (ending, result, log) in enumerate(self.results(), 1):
+            self.assertEqual(ending, "finished")
+            self.assertEqual(result["output"], {"square": number * number, "word": "it's $a `pwd`"})
+            self.assertEqual(result["exit"], {"code": int(number == 2), "reason": "failure" if number == 2 else "success"})
+            self.assertEqual(log, "said\n" if number == 2 else "")
+            again = subprocess.run(result["command"], shell=True, capture_output=True, check=False)
+            self.assertEqual(json.loads(again.stdout), result["output"])
+        report = json.loads(self.path("r.json").read_text())
+        self.assertEqual((report["done"], report["passed"]), (3, 2))
+        metric = next(metric for metric in report["metrics"] if metric["name"] == "output.square")
+        self.assertAlmostEqual(metric["summary"]["mean"], 14 / 3)
+
+    def test_what_is_no_result_is_refused(self):
+        for line, expected in (("echo 7", "no JSON object, '7'"), ("echo '{}'", "printed no 'x'"),
+                               ("echo '{\"x\": 1'", "no JSON object"), ("true", "no JSON object, ''"),
+                               ("yes '{}' | head -c 17000000", "more than 16 MiB")):
+            with self.subTest(line):
+                self.path("d.sqlite").unlink(missing_ok=True)
+                self.describe_command(line, "x", axis="value.a = [1]")
+                self.campaign("run", "d.toml")
+                (ending, result, _), = self.results()
+                self.assertIn("refused: ", ending)
+                self.assertIn(expected, ending)
+                self.assertIsNone(result)
+
+    def test_a_failure_needs_no_result_and_a_signal_is_told(self):
+        self.describe_command("[ $a = 1 ] && exit 3; kill -$a $$", "x", axis="value.a = [1, 9, 11]")
+        self.campaign("run", "d.toml")
+        exits = {(result["exit"]["code"], result["exit"]["reason"]) for _, result, _ in self.results()}
+        self.assertEqual(exits, {(3, "failure"), (137, "signal 9"), (139, "signal 11")})
+
+    def test_its_processes_end_with_it(self):
+        marker = 1000 + os.getpid()
+        for line, ending in ((f"sleep {marker} & sleep {marker}; true", "out of time"), (f"sleep {marker} >/dev/null & true", "finished")):
+            with self.subTest(ending):
+                self.path("d.sqlite").unlink(missing_ok=True)
+                self.describe_command(line, more="[limits]\nseconds = 0.5", axis="value.a = [1]")
+                self.campaign("run", "d.toml")
+                self.assertEqual(self.results()[0][0], ending)
+                left = subprocess.run(["pgrep", "-f", f"^sleep {marker}$"], capture_output=True, check=False)
+                self.assertEqual(left.stdout, b"", "nothing is left running")
+
+    def test_a_signal_ends_the_campaign_with_its_commands(self):
+        marker = 2000 + os.getpid()
+        self.describe_command(f"sleep {marker}; true")
+        process = self.start("run", "d.toml", "--jobs", "2")
+        running = ["pgrep", "-fc", f"^sleep {marker}$"]
+        while subprocess.run(running, capture_output=True, check=False).stdout.strip() != b"2":
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 128 + signal.SIGTERM)
+        self.assertEqual(subprocess.run(running, capture_output=True, check=False).stdout.strip(), b"0")
+
+    def test_other_inputs_are_other_runs(self):
+        self.path("in").mkdir()
+        self.path("in/a").write_text("1")
+        self.path("file").write_text("1")
+        self.describe_command("true", more="command.inputs = 'file, in'")
+        _, said = self.campaign("run", "d.toml")
+        self.assertIn("3 of 3 runs", said)
+        for change in (lambda: self.path("in/a").write_text("2"), lambda: self.path("in/b").write_text("1"),
+                       lambda: self.path("in/b").rename(self.path("in/c")), lambda: self.path("file").write_text("2")):
+            _, said = self.campaign("run", "d.toml")
+            self.assertIn("3 runs are in d.sqlite already", said)
+            change()
+            _, said = self.campaign("run", "d.toml")
+            self.assertNotIn("already", said)
+
+    def test_what_is_wrong_is_a_sentence(self):
+        for expected, arguments in (("d.toml:5: command.line: /bin/sh: 1: Syntax error", {"line": "if"}),
+                                    ("d.toml:7: command.inputs: there is no nothing; make it first",
+                                     {"line": "true", "more": "command.inputs = 'nothing'"}),
+                                    ("d.toml: command.line is missing", {"line": ""}),
+                                    ("value.A", {"line": "true", "axis": "value.A = [1]"}),
+                                    ("d.toml:9: command.results is the same in every run",
+                                     {"line": "true", "axis": "command.results = ['x']"})):
+            with self.subTest(expected):
+                self.describe_command(**arguments)
+                self.refuse(expected, "run", "d.toml")
+        self.describe("name = 'c'\nkind = 'command'\n[settings]\ncommand.line = 'true'\n[[axes]]\nvalue.a = [1]\n"
+                      "[criteria]\ngood = 'output.x == 1'\n")
+        self.refuse("output.x", "run", "d.toml")
+
+
 class Kinds(Case):
     """fit and regress; the campaigns that come with capsoc."""
 
@@ -669,14 +771,33 @@ regress.seed = [1, 2]
         words = {json.loads(row[3])["uart0"]["sha256"] for row in rows_of_any(self.path("d.sqlite"))}
         self.assertEqual(len(words), 1)
 
+    def without_its_command(self, text):
+        """The same with a command that only prints all results, and inputs that are there: a check takes the first run's time."""
+        command = re.search(r"^command.line = '(\S+) (.*)'$", text, re.MULTILINE)
+        self.assertTrue(os.access(SOURCE / command[1], os.X_OK), command[1])
+        usage = subprocess.run([SOURCE / command[1], "--help"], capture_output=True, check=True, text=True, env=CLEAN).stdout
+        for option in re.findall(r"--\w+", command[2]):
+            self.assertIn(option, usage)
+        results = re.search(r'^command.results = "(.*)"$', text, re.MULTILINE)[1].split(", ")
+        inputs = re.search(r'^command.inputs = "(.*)"$', text, re.MULTILINE)[1].split(", ")
+        for name in inputs:
+            if not name.startswith("build/"):
+                self.assertTrue((SOURCE / name).exists(), name)
+        self.path("input").write_text("an input")
+        text = text.replace(", ".join(inputs), "input")
+        printed = json.dumps({name: 1 for name in results})
+        return text.replace(command[0], "command.line = \"\"\"echo '" + printed + "'\"\"\"")
+
     def test_ready_campaigns(self):
         campaigns = sorted((SOURCE / "campaigns").glob("*.toml"))
-        self.assertGreaterEqual(len(campaigns), 6)
+        self.assertGreaterEqual(len(campaigns), 10)
         for path in campaigns:
             with self.subTest(path.name):
                 if ("kind = \"regress\"" in path.read_text() or "lockstep" in path.read_text()) and not (BUILD / "libcapsoc_rtl_precise.so").exists():
                     continue
                 text = path.read_text().replace('"build/', f'"{BUILD}/')
+                if 'kind = "command"' in text:
+                    text = self.without_its_command(path.read_text())
                 self.describe(text)
                 self.campaign("check", "d.toml")
         listed = subprocess.run([CAPSOC, "regress", "--list"], capture_output=True, check=True, env=CLEAN).stdout.decode()

@@ -96,6 +96,7 @@ TEST(Text, OfAPartSaysSo) {
   EXPECT_NE(text.find("PARTIAL: 1 of 2 runs are done\nno difference until here\n"),
             std::string::npos)
       << text;
+  EXPECT_EQ(text.find("missing:"), std::string::npos) << "runs that are not done say nothing";
   EXPECT_EQ(to_json(Plan{}, outcome, {})["partial"],
             nlohmann::ordered_json::parse(R"({"done": 1, "of": 2})"));
 }

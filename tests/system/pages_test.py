@@ -51,7 +51,7 @@ class Pages(unittest.TestCase):
                         if expected != "...":
                             self.assertIn(expected, printed, where)
                 else:
-                    self.assertIn(kind, ("sh", "text", "c", "toml", "make"), f"{where}: an unknown kind of block")
+                    self.assertIn(kind, ("sh", "text", "c", "toml", "make", "cmake"), f"{where}: an unknown kind of block")
         self.assertGreater(ran, 2, name)
 
     def test_for_virtual_platforms(self):

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import xml.etree.ElementTree
 from pathlib import Path
 
 BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
@@ -317,14 +318,29 @@ class Signals(Case):
     def test_other_commands_leave_nothing(self):
         for command in (("fit", TRACES / "soc_eq21.toml", "--samples", 20_000_000, "--json", "c.json",
                          "--header", "c.h"),
-                        ("regress", "--samples", 100_000_000, "--json", "r.json", "--junit", "j.xml"), ("reproduce",),
-                        ("accuracy",), ("fit", "--tables")):
+                        ("reproduce",), ("accuracy",), ("fit", "--tables")):
             process = self.start(*command)
             self.wait_until_caught(process, signal.SIGHUP)
             time.sleep(0.7)
             process.send_signal(signal.SIGHUP)
             self.assertEqual(process.wait(PATIENCE), 128 + signal.SIGHUP, command)
             self.assertEqual(self.names(), [], command)
+
+    def test_a_regression_leaves_whole_reports_that_say_how_far_it_came(self):
+        for number in self.ENDING:
+            process = self.start("regress", "--samples", 100_000_000, "--json", "r.json", "--junit", "j.xml",
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.wait_until_caught(process, number)
+            time.sleep(0.7)
+            process.send_signal(number)
+            self.assertEqual(process.wait(PATIENCE), 128 + number)
+            self.assertEqual(self.names(), ["j.xml", "r.json"])
+            partial = json.loads((self.folder / "r.json").read_text())["partial"]
+            self.assertLess(partial["done"], partial["of"])
+            suites = xml.etree.ElementTree.parse(self.folder / "j.xml").getroot().findall("testsuite")
+            self.assertEqual(sum(int(suite.get("skipped")) for suite in suites), partial["of"] - partial["done"])
+            for name in self.names():
+                (self.folder / name).unlink()
 
 
 class Conflicts(Case):

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "campaign/work.h"
 
@@ -13,5 +14,7 @@ std::unique_ptr<Work> make_run_work();
 std::unique_ptr<Work> make_fit_work();
 /// `capsoc regress`: a scenario with a seed.
 std::unique_ptr<Work> make_regress_work();
+/// A command of the user's own, which prints its result as JSON. `settings`: of every run.
+std::unique_ptr<Work> make_command_work(const std::vector<Assignment>& settings);
 
 }  // namespace capsoc::campaign

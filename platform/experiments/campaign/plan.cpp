@@ -62,7 +62,7 @@ bool Shard::has(const std::string& key) const {
 
 Result<Plan> Plan::make(Description description, Program program) {
   Plan plan;
-  auto work = make_work(description.kind);
+  auto work = make_work(description.kind, description.settings);
   if (!work) return Error{fmt::format("{}: {}", description.file, work.error())};
   plan.work_ = std::move(work.value());
   plan.description_ = std::make_unique<Description>(std::move(description));

@@ -12,7 +12,7 @@ Result<StoredCampaign> StoredCampaign::of(const Store& store) {
   auto description =
       read_description(plan.value()->description, store.path() + ": its description");
   if (!description) return Error{description.error()};
-  auto work = make_work(description.value().kind);
+  auto work = make_work(description.value().kind, description.value().settings);
   if (!work) return Error{store.path() + ": " + work.error()};
   StoredCampaign campaign{std::move(*plan.value()), std::move(description.value()),
                           std::move(work.value()), nullptr};

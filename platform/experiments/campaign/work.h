@@ -49,7 +49,8 @@ class Work {
   Work() = default;
 };
 
-/// Error: the end of a sentence that names the kinds there are.
-Result<std::unique_ptr<Work>> make_work(const std::string& kind);
+/// `settings`: those of every run. Error: the end of a sentence that names the kinds there are.
+Result<std::unique_ptr<Work>> make_work(const std::string& kind,
+                                        const std::vector<Assignment>& settings);
 
 }  // namespace capsoc::campaign

@@ -30,7 +30,8 @@ std::string line(const std::string& name, const Row& row) {
                      row.accesses, row.commits, row.edges, row.differences);
 }
 
-std::string coverage_text(const Coverage& coverage) {
+/// While runs are missing it says nothing which bins are, too.
+std::string coverage_text(const Coverage& coverage, bool complete) {
   size_t covered = 0;
   std::string missing;
   const auto bins = coverage.bins();
@@ -40,7 +41,8 @@ std::string coverage_text(const Coverage& coverage) {
     else
       missing += fmt::format("  missing: {}: {}\n", bin.group, bin.name);
   }
-  return fmt::format("functional coverage: {} of {} bins\n{}", covered, bins.size(), missing);
+  return fmt::format("functional coverage: {} of {} bins\n{}", covered, bins.size(),
+                     complete ? missing : "");
 }
 
 std::string rtl_text(const RtlCoverage& rtl) {
@@ -141,7 +143,7 @@ std::string to_text(const Plan& plan, const Outcome& outcome, const std::vector<
     for (const auto& [name, row] : rows) text += line(name, row);
     text += line("all", total);
     // A scenario ends at its first difference: what it has not reached by then says nothing.
-    if (total.differences == 0) text += coverage_text(coverage);
+    if (total.differences == 0) text += coverage_text(coverage, outcome.complete());
     for (const RtlCoverage& each : rtl)
       if (each.arithmetic == name_of(arithmetic)) text += rtl_text(each);
     text += "\n";

@@ -104,6 +104,12 @@ std::string end_of(int file) {
   return text;
 }
 
+/// With all that it started: a worker leads a group of its own.
+void end_at_once(pid_t worker) {
+  kill(-worker, SIGKILL);
+  kill(worker, SIGKILL);  // it may not be there yet
+}
+
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
@@ -135,7 +141,7 @@ struct Engine::Worker {
     closed = count <= 0;
     if (!closed) text.append(buffer, static_cast<std::size_t>(count));
     if (text.size() <= longest_result) return;
-    kill(process, SIGKILL);
+    end_at_once(process);
     closed = true;
   }
 
@@ -217,7 +223,7 @@ void Engine::wait() {
     }
     if (worker.left(limits_) > 0) continue;
     worker.out_of_time = worker.closed = true;
-    kill(worker.process, SIGKILL);
+    end_at_once(worker.process);
   }
 }
 
@@ -229,6 +235,12 @@ std::vector<Ended> Engine::reap() {
       ++i;
       continue;
     }
+    // What it left behind is ended while its number, the group's, is still taken.
+    siginfo_t gone{};
+    while (waitid(P_PID, static_cast<id_t>(worker.process), &gone, WEXITED | WNOWAIT) < 0 &&
+           errno == EINTR) {
+    }
+    kill(-worker.process, SIGKILL);
     int status = 0;
     while (waitpid(worker.process, &status, 0) < 0 && errno == EINTR) {
     }
@@ -242,7 +254,7 @@ std::vector<Ended> Engine::reap() {
 
 void Engine::end_all() {
   for (Worker& worker : workers_) {
-    kill(worker.process, SIGKILL);
+    end_at_once(worker.process);
     worker.closed = true;
   }
   reap();

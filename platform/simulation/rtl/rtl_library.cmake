@@ -170,6 +170,7 @@ function(capsoc_add_rtl_library name)
   set(generated ${CMAKE_CURRENT_BINARY_DIR}/${name}_generated)
   set(design ${arg_TOP})
   configure_file(${CAPSOC_RTL_FOLDER}/black_box.sv.in ${generated}/capsoc_black_box.sv @ONLY)
+  configure_file(${CAPSOC_RTL_FOLDER}/black_box.cpp.in ${generated}/black_box.cpp COPYONLY)
 
   set(sources "")
   foreach(source ${arg_SOURCES})
@@ -177,7 +178,7 @@ function(capsoc_add_rtl_library name)
     list(APPEND sources ${source})
   endforeach()
   capsoc_rtl_hash(${generated} ${sources} ${arg_DEPENDS})
-  capsoc_verilated_library(${name} TOP capsoc_black_box WRAPPER ${CAPSOC_RTL_FOLDER}/black_box.cpp HASH ${generated}
+  capsoc_verilated_library(${name} TOP capsoc_black_box WRAPPER ${generated}/black_box.cpp HASH ${generated}
     SOURCES ${sources} ${generated}/capsoc_black_box.sv DEPENDS ${arg_DEPENDS} FLAGS ${arg_VERILATOR_ARGS}
     DEFINITIONS CAPSOC_RTL_PAPER=${paper} CAPSOC_RTL_OPERAND_BITS=${arg_OPERAND_BITS} CAPSOC_RTL_REFERENCE_LEAD=${arg_REFERENCE_LEAD}
                 CAPSOC_RTL_STEP_SHIFT=${arg_STEP_SHIFT} CAPSOC_RTL_PLAIN_ARCTANGENT=${arg_PLAIN_ARCTANGENT}
