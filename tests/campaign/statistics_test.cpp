@@ -113,6 +113,22 @@ TEST(Axis, DrawsHaveTheirDistribution) {
   EXPECT_EQ(axis.value(4, 1), "1000");
 }
 
+TEST(Axis, EqualStepsThatAreWholeNumbersAreWritten) {
+  Axis axis;
+  axis.kind = Axis::Kind::range;
+  axis.a = -3;
+  for (const uint32_t count : {2u, 37u, 71u, 1000u}) {
+    axis.b = axis.a + 2.0 * (count - 1);
+    axis.count = count;
+    for (uint32_t i = 0; i < count; ++i)
+      ASSERT_EQ(axis.value(i, 1), std::to_string(-3 + 2 * static_cast<int>(i))) << count;
+  }
+  axis.a = 0.1;
+  axis.b = 0.7;
+  axis.count = 7;
+  EXPECT_EQ(axis.value(6, 1), "0.7");
+}
+
 TEST(Axis, ADrawnOrderHasEveryNumber) {
   auto order = draw_order(1, "x", 1000);
   EXPECT_NE(order, draw_order(2, "x", 1000));

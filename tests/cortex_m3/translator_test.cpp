@@ -311,6 +311,25 @@ TEST(Flags, LeftToTheNextBlockAreNotMadeFromWhatThatOnePutsAside) {
   EXPECT_EQ(stacked >> 28, 0b0010u) << "C of the comparison before the branch";
 }
 
+/// ... and that one has set flags of its own when it returns to a third that sets none.
+TEST(Flags, LeftToTheNextBlockEndWithItsReturn) {
+  const Outcome outcome = agreed([](Bench& b) {
+    shorten_ram(b);
+    // cmp r0,r1; bl f; add.w r6,r6,#4; ldr r4,[r6]; b .-12;  f: cmp r2,r3; bx lr
+    b.start({0x4288, 0xF000, 0xF804, 0xF106, 0x0604, 0x6834, 0xE7F8, 0x429A, 0x4770});
+    b.core.set_reg(0, 5);
+    b.core.set_reg(1, 5);
+    b.core.set_reg(2, 1);
+    b.core.set_reg(3, 2);
+    b.core.set_reg(6, end_of_ram - 40);
+    b.core.set_reg(13, end_of_ram - 0x100);
+  });
+  ASSERT_GT(outcome.faults, 0u);
+  uint32_t stacked = 0;
+  std::memcpy(&stacked, &outcome.ram[0x8000 - 0x100 - 4], 4);
+  EXPECT_EQ(stacked >> 28, 0b1000u) << "lower, as the function found";
+}
+
 /// A maximum and a minimum under IT, whose moves write what the comparison was of.
 TEST(Flags, OfAComparisonSurviveConditionalMovesOfItsRegisters) {
   agreed([](Bench& b) {

@@ -37,6 +37,13 @@ std::string number_text(double value) {
   return fmt::format("{}", value);
 }
 
+/// Exact where the step is a whole number: a product before the division.
+double in_equal_steps(double a, double b, uint64_t index, uint64_t count) {
+  if (count < 2 || index == 0) return a;
+  if (index == count - 1) return b;
+  return a + (b - a) * static_cast<double>(index) / static_cast<double>(count - 1);
+}
+
 }  // namespace
 
 uint64_t draw_word(uint64_t seed, const std::string& name, uint64_t index) {
@@ -66,7 +73,7 @@ std::string Axis::value(uint64_t index, uint64_t seed) const {
     case Kind::list:
       return values[index];
     case Kind::range:
-      return number_text(a + (b - a) * share);
+      return number_text(in_equal_steps(a, b, index, count));
     case Kind::log_range:
       return number_text(index == 0           ? a
                          : index == count - 1 ? b

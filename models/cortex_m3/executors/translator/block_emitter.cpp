@@ -4,7 +4,6 @@
 
 #include "cortex_m3/executors/execute.h"
 #include "cortex_m3/isa/decoder.h"
-#include "cortex_m3/isa/unpredictable.h"
 
 namespace capsoc::cortex_m3 {
 

@@ -329,8 +329,8 @@ void BlockEmitter::emit_multiple(const Step& step) {
   const bool to_pc = !access.store && step.list.has(15);
   if (to_pc) return emit_return(step, access, address, moved);
   emit_access(step, access, address);
-  if (step.writeback && (access.store || !step.list.has(step.rn)))
-    a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
+  // A base that is both loaded and written back is unpredictable, and left to stepping.
+  if (step.writeback) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
 }
 
 /// A load of several registers, the PC last, from a window. The target is read first: if it is not
@@ -350,7 +350,7 @@ void BlockEmitter::emit_return(const Step& step, const Access& access, const Add
   a_.mov(context(&context_.target), x86::rcx);
   a_.mov(x86::rcx, context(&context_.place));
   transfer(access, x86::ptr(x86::rcx, 0, 4));
-  if (step.writeback && !step.list.has(step.rn)) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
+  if (step.writeback) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
   a_.mov(x86::rcx, context(&context_.target));
   go_to_entry(step, timing::refill_loaded);
 }
