@@ -15,6 +15,7 @@ void Core::reset() {
   machine_.requests.drop_stops();
   machine_.debugging.forget_arrival();
   machine_.event = {};
+  known_turn_.forget();
   memory.map().invalidate_all();
   state.scb.set_vector_table(vector_table_);
   uint32_t sp = 0, pc = 0;
@@ -42,6 +43,7 @@ void Core::visit(kit::Archive& archive) {
   state.visit(archive);
   if (!archive.loading() || !archive.ok()) return;
   machine_.event = {};
+  known_turn_.forget();
   machine_.requests.drop_stops();
   machine_.debugging.forget_arrival();
   state.dwt.restored(state.scb.tracing(), state.scb.monitor_steps());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cortex_m3/executors/translator/translator.h"
+#include "cortex_m3/known_turn.h"
 #include "cortex_m3/machine.h"
 #include "cortex_m3/observers.h"
 
@@ -69,15 +70,14 @@ class Core {
   StopReason run(uint64_t until_cycle);
   /// One instruction (or the entry of one exception).
   StopReason step_instruction();
-  /// What a turn of a loop takes.
-  struct Turn {
-    uint64_t cycles = 0, instructions = 0;
-  };
   /// One turn of the loop the program is in, from here to here, by single steps while cycles() is
   /// below `until_cycle` and nobody wants attention(). Nothing: it does not come back soon, or not
   /// to the same registers and flags, or it writes or does anything but compute and load; what was
   /// executed is as good as by run(). What its loads from the bus do is the caller's to know.
   std::optional<Turn> repeat_turn(uint64_t until_cycle);
+  /// The turn that repeat_turn() found last, if it would find the same from here provided that the
+  /// one load in it gave the same in the same time. Executes nothing.
+  std::optional<Turn> known_turn() const;
   /// Executes as many whole turns, each like the one before, as end until `until_cycle`.
   void skip_turns(const Turn& turn, uint64_t until_cycle);
   /// Cycles since construction; inside a bus access the cycle at which it happens.
@@ -150,6 +150,7 @@ class Core {
   std::optional<StopReason> stop_wanted();
   void expire_systick();
   std::optional<Turn> measure_turn(uint64_t until_cycle);
+  bool turns_are_seen() const;
   void step_observed();
   bool is_interrupted() const;
   void observers_changed();
@@ -158,6 +159,7 @@ class Core {
   Observers observers_;
   uint32_t vector_table_ = 0;
   bool one_instruction_ = false;
+  KnownTurn known_turn_;
   Executor executor_ = Executor::blocks;
   TranslatorLimits translator_limits_;
   std::unique_ptr<Translator> translator_;

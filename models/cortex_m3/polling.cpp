@@ -1,5 +1,6 @@
 // Loops that only wait: Core::repeat_turn, Core::skip_turns.
 #include <algorithm>
+#include <array>
 
 #include "cortex_m3/core.h"
 
@@ -30,7 +31,7 @@ struct Place {
 
 }  // namespace
 
-std::optional<Core::Turn> Core::repeat_turn(uint64_t until_cycle) {
+std::optional<Turn> Core::repeat_turn(uint64_t until_cycle) {
   ExecutionCounts* const counts = machine_.counts;
   if (counts == nullptr) return measure_turn(until_cycle);
   counts->begins(machine_.state.pc);
@@ -41,25 +42,40 @@ std::optional<Core::Turn> Core::repeat_turn(uint64_t until_cycle) {
   return turn;
 }
 
-std::optional<Core::Turn> Core::measure_turn(uint64_t until_cycle) {
+std::optional<Turn> Core::measure_turn(uint64_t until_cycle) {
   State& state = machine_.state;
-  const Listeners& listeners = machine_.listeners;
-  const bool is_seen = listeners.sees_instructions || listeners.sees_accesses ||
-                       machine_.debugging.has_breakpoints() || machine_.memory.is_watched() ||
-                       state.dwt.observes_steps();
-  if (is_seen || state.sleeping || state.locked_up || !state.thumb) return std::nullopt;
+  known_turn_.forget();
+  if (turns_are_seen()) return std::nullopt;
   const Place before(state);
   const uint64_t cycles = state.cycles, instructions = state.instructions,
                  accesses = machine_.private_accesses;
+  std::array<uint32_t, KnownTurn::longest> addresses{};
   for (unsigned n = 0; n < longest_turn; ++n) {
     if (is_interrupted() || machine_.requests.has(Requests::attention)) return std::nullopt;
     if (state.cycles >= until_cycle) return std::nullopt;
+    if (n < addresses.size()) addresses[n] = state.pc;
     if (!machine_.blocks.stepping().step(only_computes)) return std::nullopt;
     if (machine_.private_accesses != accesses) return std::nullopt;
-    if (Place(state) == before)
-      return Turn{state.cycles - cycles, state.instructions - instructions};
+    if (!(Place(state) == before)) continue;
+    const Turn turn{state.cycles - cycles, state.instructions - instructions};
+    if (n < addresses.size()) known_turn_.keep(machine_, addresses, n + 1, turn);
+    return turn;
   }
   return std::nullopt;
+}
+
+std::optional<Turn> Core::known_turn() const {
+  if (machine_.counts != nullptr || turns_are_seen() || is_interrupted()) return std::nullopt;
+  return known_turn_.at(machine_);
+}
+
+/// Somebody sees the single instructions or accesses, or they are not those of a running program.
+bool Core::turns_are_seen() const {
+  const State& state = machine_.state;
+  const Listeners& listeners = machine_.listeners;
+  return listeners.sees_instructions || listeners.sees_accesses ||
+         machine_.debugging.has_breakpoints() || machine_.memory.is_watched() ||
+         state.dwt.observes_steps() || state.sleeping || state.locked_up || !state.thumb;
 }
 
 /// True if something else than the next instruction comes first.

@@ -150,10 +150,13 @@ void CortexM3Tlm::thread() {
     const StopReason reason = one ? core_.step_instruction() : core_.run(horizon_);
     const bool advanced = core_.cycles() != cycles || core_.instructions() != instructions;
     // Behind an access the kernel may stay where it is until something happens in it.
-    if (reason != StopReason::attention || reset_requested_ || debugger_ != nullptr || is_late())
-      synchronise();
+    const bool stays =
+        reason == StopReason::attention && !reset_requested_ && debugger_ == nullptr && !is_late();
+    if (!stays) synchronise();
     catch_up();
-    if (std::exchange(seems_to_poll_, false) && reason == StopReason::attention) skip_polling();
+    if (std::exchange(seems_to_poll_, false) && reason == StopReason::attention &&
+        !(stays && skip_known_turns()))
+      skip_polling();
     if (debugger_ != nullptr && debugger_->after_run(reason, advanced)) continue;
     switch (reason) {
       case StopReason::sleeping:
@@ -233,15 +236,28 @@ void CortexM3Tlm::settle() {
     wait(sc_core::SC_ZERO_TIME);
 }
 
+/// Behind a read that the kernel has not gone on since: if it is the one of the turn measured last,
+/// and everything else is as it was there, that turn need not be measured again.
+bool CortexM3Tlm::skip_known_turns() {
+  if (idle_ || !steady_.steady || !(latest_read_ == read_of_turn_)) return false;
+  const std::optional<Turn> turn = core_.known_turn();
+  if (!turn) return false;
+  polling_.looked(true);
+  core_.skip_turns(*turn, horizon());
+  return true;
+}
+
 /// Behind an access: if the program only waits for a device, whole turns of its loop up to the next
 /// activity of the kernel take no time of the host.
 void CortexM3Tlm::skip_polling() {
   if (idle_ || reset_requested_) return;
   steady_until_ = Core::never;
+  reads_of_turn_ = 0;
   measuring_ = true;
-  const std::optional<Core::Turn> turn = core_.repeat_turn(horizon_);
+  const std::optional<Turn> turn = core_.repeat_turn(horizon_);
   measuring_ = false;
   const bool polls = turn && steady_until_ > core_.cycles();
+  read_of_turn_ = polls && reads_of_turn_ == 1 ? latest_read_ : std::nullopt;
   if (polls || core_.cycles() < horizon_) polling_.looked(polls);
   if (is_late()) synchronise();
   catch_up();
@@ -352,6 +368,8 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
   if (steady_.steady) steady_address_ = address;
+  latest_read_ = Read{address, size, value, wait_cycles};
+  ++reads_of_turn_;
   seems_to_poll_ =
       fast_forward_ && !measuring_ && polling_.is_worth_a_look(address, value, steady_.steady);
   const bool is_nearer = clock_.cycles_at(next_activity_) < horizon_;

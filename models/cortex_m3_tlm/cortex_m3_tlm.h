@@ -102,6 +102,7 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   void catch_up();
   void settle();
   uint64_t horizon() const;
+  bool skip_known_turns();
   void skip_polling();
   void end(EndReason reason);
   bool begin();
@@ -133,6 +134,16 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   bool measuring_ = false;                  // a turn of a loop
   uint64_t steady_until_ = 0;  // the cycle until which all reads of a turn stay as they are
   PollingWatch polling_;
+  struct Read {
+    uint32_t address, size, value, wait_cycles;
+    bool operator==(const Read& other) const {
+      return address == other.address && size == other.size && value == other.value &&
+             wait_cycles == other.wait_cycles;
+    }
+  };
+  std::optional<Read> latest_read_;   // or write: only a steady read is one of a turn
+  std::optional<Read> read_of_turn_;  // the only one of the turn measured last
+  unsigned reads_of_turn_ = 0;
   bool seems_to_poll_ = false;  // worth a look behind the run
   bool fast_forward_ = true;
   bool reset_requested_ = false;

@@ -49,6 +49,42 @@ TEST_F(Polling, ATurnIsMeasuredAndRepeatedExactly) {
     EXPECT_EQ(skipping.core.instructions(), plain.core.instructions());
   }
 }
+/// A turn is known again by what decides on it, and by nothing less.
+TEST_F(Polling, ATurnIsKnownAgainWhereNothingThatDecidesOnItHasChanged) {
+  start(waits_for_bit_0);
+  EXPECT_FALSE(b.core.known_turn());
+  const auto turn = b.core.repeat_turn(Core::never);
+  ASSERT_TRUE(turn);
+  const auto knows = [&] {
+    const auto known = b.core.known_turn();
+    return known && known->cycles == turn->cycles && known->instructions == turn->instructions;
+  };
+  EXPECT_TRUE(knows());
+  b.core.set_reg(7, 77);
+  EXPECT_TRUE(knows()) << "no instruction of the turn names it";
+  const State before = b.core.state();
+  const uint32_t device = b.core.reg(4), pc = b.core.reg(15), xpsr = b.core.state().xpsr();
+  b.core.set_reg(4, device + 4);
+  EXPECT_FALSE(knows());
+  b.core.set_reg(4, device);
+  b.core.edit().set_xpsr(xpsr ^ 0x2000'0000);
+  EXPECT_FALSE(knows());
+  b.core.edit().set_xpsr(xpsr);
+  EXPECT_TRUE(knows());
+  const uint16_t ldr = 0x6820, other = 0x6821;
+  b.core.debug_write(Bench::program, &other, 2);
+  EXPECT_FALSE(knows()) << "other code";
+  b.core.debug_write(Bench::program, &ldr, 2);
+  EXPECT_TRUE(knows());
+  b.core.edit().pc = pc ^ 2;
+  EXPECT_FALSE(knows());
+  b.core.edit().pc = pc;
+  EXPECT_TRUE(knows());
+  b.core.reset();
+  b.core.edit() = before;
+  EXPECT_FALSE(knows()) << "the reset began another program";
+}
+
 TEST_F(Polling, ATurnIsGivenUpWhereSomethingElseHappens) {
   start(waits_for_bit_0);
   ASSERT_TRUE(b.core.repeat_turn(Core::never));

@@ -43,7 +43,7 @@ class Memory {
   uint32_t wait_states(uint32_t address) const;
 
   Page& page(uint32_t address) { return pages_[address >> page_bits]; }
-  Page* table() { return pages_; }
+  Page* table() const { return pages_; }
   /// A further table with less in it: what the MPU lets the unprivileged or the privileged reach
   /// without a further look, and what lies outside watched pages while no MPU applies. Filled page
   /// by page, emptied as a whole.

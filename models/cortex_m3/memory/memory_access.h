@@ -52,7 +52,7 @@ class MemoryAccess {
   /// The table of direct pages in use.
   const Memory::Page* pages() const { return pages_; }
   /// All memory can be reached directly: no MPU, no watchpoint and no observer applies.
-  bool is_whole_view() { return pages_ == memory_.table(); }
+  bool is_whole_view() const { return pages_ == memory_.table(); }
   /// Somebody wants to see accesses that host code may make or leave out unseen.
   bool is_watched() const;
   /// The record of a page that may be executed throughout, created on demand; null for the others.
