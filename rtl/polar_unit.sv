@@ -14,7 +14,6 @@
 module polar_unit (
   input  logic               clk_i,
   input  logic               boundary_i,
-  input  logic               active_i,     // a tick runs
   input  logic               t1_active_i,  // T1 holds a sample
   input  logic               t4_active_i,  // T4 holds a sample
   input  logic        [ 4:0] cycle_i,
@@ -74,9 +73,11 @@ module polar_unit (
   vectoring_step #(.Offset(2)) u_step2 (
     .thirds_i(thirds_q), .rest_i(rest_q), .x_i(x2), .y_i(y2), .z_i(z2), .x_o(x3), .y_o(y3), .z_o(z3));
 
-  logic last, load;
+  // It rests where no result of it is used: without a sample in T1 or T4, and behind T1's amplitude.
+  logic active, last, load;
+  assign active = (t1_active_i && !cycle_i[4]) || t4_active_i;
   assign last = cycle_i == 5'd9 || cycle_i == 5'd19 || cycle_i == 5'd29;
-  assign load = boundary_i || (active_i && last);
+  assign load = boundary_i || (active && last);
 
   // A vector's shift and zero flag follow it: as long as it is in the CORDIC, and behind it.
   logic [6:0] shift_q, shift_out_q;
@@ -92,14 +93,14 @@ module polar_unit (
       {thirds_q, rest_q} <= '0;
       shift_q <= boundary_i ? shift_i : shift_normal;
       zero_q <= boundary_i ? zero_i : zero_normal;
-    end else if (active_i) begin
+    end else if (active) begin
       x_q <= x3;
       y_q <= y3;
       z_q <= z3;
       thirds_q <= thirds_q + {1'b0, rest_q[1]};
       rest_q <= {rest_q[0], ~|rest_q};
     end
-    if (active_i && last) begin
+    if (active && last) begin
       x_out_q <= x3;
       z_out_q <= z3[36:4];
       shift_out_q <= shift_q;
@@ -114,7 +115,7 @@ module polar_unit (
   logic over;
   vector_gain u_gain (
     .clk_i,
-    .active_i,
+    .active_i   (active),
     .x_i        (x_out_q),
     .shift_i    (shift_out_q),
     .magnitude_o(magnitude),

@@ -103,7 +103,6 @@ module precise_core (
   polar_unit u_polar_unit (
     .clk_i,
     .boundary_i    (boundary),
-    .active_i      (active),
     .t1_active_i   (stage[1]),
     .t4_active_i   (stage[4]),
     .cycle_i       (cycle),

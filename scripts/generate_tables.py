@@ -47,15 +47,22 @@ def quarter_wave():
     return table
 
 
-def case_function(comment, name, index_bits, value_bits, values):
-    lines = [f"// {comment}"]
-    lines.append(f"function automatic logic [{value_bits - 1}:0] {name}"
-                 f"(input logic [{index_bits - 1}:0] index);")
-    lines.append("  case (index)")
-    for index, value in enumerate(values):
-        lines.append(f"    {index_bits}'d{index}: {name} = {value_bits}'d{value};")
-    lines.append(f"    default: {name} = '0;")
-    lines += ["  endcase", "endfunction", ""]
+def function(comment, name, index_bits, value_bits, values):
+    """A case, and the same as one word for Verilator, which makes a tree of comparisons of a case, at every use."""
+    words = ", ".join(f"32'd{value}" for value in reversed(values + [0] * ((1 << index_bits) - len(values))))
+    constant = name.capitalize() + "Words"
+    lines = ["`ifdef VERILATOR",
+             f"localparam logic [{(32 << index_bits) - 1}:0] {constant} = {{{words}}};",
+             "`endif", "",
+             f"// {comment}",
+             f"function automatic logic [{value_bits - 1}:0] {name}"
+             f"(input logic [{index_bits - 1}:0] index);",
+             "`ifdef VERILATOR",
+             f"  {name} = {constant}[{{index, 5'd0}} +: {value_bits}];",
+             "`else",
+             "  case (index)"]
+    lines += [f"    {index_bits}'d{index}: {name} = {value_bits}'d{value};" for index, value in enumerate(values)]
+    lines += [f"    default: {name} = '0;", "  endcase", "`endif", "endfunction", ""]
     return "\n".join(lines)
 
 
@@ -64,9 +71,9 @@ def package():
     rises = [after - before for before, after in zip(table, table[1:])]
     return (
         HEADER
-        + case_function("T[index], index = 0..128: Q1.31 without the sign.", "sine", 8, 31, table)
+        + function("T[index], index = 0..128: Q1.31 without the sign.", "sine", 8, 31, table)
         + "\n"
-        + case_function("T[index + 1] - T[index].", "rise", 7, 25, rises)
+        + function("T[index + 1] - T[index].", "rise", 7, 25, rises)
         + "\nendpackage\n"
     )
 
