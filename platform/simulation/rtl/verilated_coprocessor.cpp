@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "Vcoprocessor_probe.h"
+#include "Vcoprocessor_probe__Syms.h"
 #include "Vcoprocessor_probe___024root.h"
 #include "rtl/rtl_abi.h"
+#include "rtl/specialised.h"
 #include "rtl/verilated_instance.h"
 #include "verilated_save.h"
 
@@ -64,7 +66,73 @@ class MemoryRestore final : public VerilatedDeserialize {
 
 }  // namespace
 
+#define REGISTER(instance, variable) \
+  top.coprocessor_probe__DOT__dut__DOT__##instance##__DOT__##variable
+
+namespace {
+
+using capsoc::rtl::has_outputs;
+using capsoc::rtl::outputs;
+using capsoc::rtl::specialised_edges;
+using capsoc::rtl::specialised_outputs;
+using capsoc::rtl::SpecialisedEdge;
+using capsoc::rtl::SpecialisedState;
+using capsoc::rtl::held_alone;
+using capsoc::rtl::nothing_at_all;
+using capsoc::rtl::other_state;
+using capsoc::rtl::sample_alone;
+using capsoc::rtl::stage_0_alone;
+using Root = Vcoprocessor_probe___024root;
+
+unsigned cycle_of(const Root& top) {
+  return REGISTER(u_sequencer, cycle_q);
+}
+
+/// Inputs as the probe has them on the design.
+#define ON_PIN(name) top.coprocessor_probe__DOT__##name
+
+SpecialisedState state_of(const Root& top) {
+  if ((ON_PIN(psel) | ON_PIN(penable) | ON_PIN(pwrite) | (ON_PIN(presetn) ^ 1) |
+       REGISTER(u_sequencer, load_q) | REGISTER(u_sequencer, load_pending_q)) != 0)
+    return other_state;
+  const unsigned stages = REGISTER(u_sequencer, stage_q);
+  const unsigned waiting = REGISTER(u_sequencer, held_q) + 2U * ON_PIN(sample_valid);
+  if (stages == 0) {
+    constexpr SpecialisedState idle[] = {nothing_at_all, held_alone, sample_alone, other_state};
+    return cycle_of(top) == 0 ? idle[waiting] : other_state;
+  }
+  if (waiting != 0 || (stages & (stages - 1)) != 0) return other_state;
+  return static_cast<SpecialisedState>(stage_0_alone + __builtin_ctz(stages));
+}
+
+/// Whether with these inputs there is one sample in the design at the most, and nothing else.
+bool may_drive(const Root& top, const capsoc_rtl_pins& pins) {
+  const unsigned stages = REGISTER(u_sequencer, stage_q);
+  return pins.presetn == ON_PIN(presetn) &&
+         (REGISTER(u_sequencer, load_q) | REGISTER(u_sequencer, load_pending_q) |
+          (stages & (stages - 1))) == 0 &&
+         (stages != 0) + REGISTER(u_sequencer, held_q) + pins.sample_valid <= 1;
+}
+
+/// What the probe does at the rising edge of drive_i, but for the reset.
+void put_on_design(Root& top, const capsoc_rtl_pins& pins) {
+  ON_PIN(psel) = pins.psel;
+  ON_PIN(penable) = pins.penable;
+  ON_PIN(pwrite) = pins.pwrite;
+  ON_PIN(paddr) = pins.paddr;
+  ON_PIN(pwdata) = pins.pwdata;
+  ON_PIN(pstrb) = pins.pstrb;
+  ON_PIN(sample_valid) = pins.sample_valid;
+  ON_PIN(sample_u) = pins.sample_u;
+  ON_PIN(sample_v) = pins.sample_v;
+  ON_PIN(sample_clip) = pins.sample_clip;
+}
+
+}  // namespace
+
 struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
+  using Design = capsoc::rtl::VerilatedInstance<Vcoprocessor_probe>;
+
   void sample() {
     capsoc::rtl::fetch_pins(*top, pins);
     pins.boundary = top->boundary_o;
@@ -78,6 +146,64 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
     pins.running = top->running_o;
     pins.commit = top->commit_o;
   }
+
+  void drive() {
+    if (drive_specialised()) return show();
+    settle();
+    Design::drive();
+  }
+
+  void toggle() {
+    if (clock_specialised(1) != 0) return show();
+    settle();
+    Design::toggle();
+  }
+
+  /// Up to `count` edges, and none behind the interval that ends a tick; 0 unless edges were
+  /// compiled for this state. show() or settle() has to follow.
+  uint64_t clock_specialised(uint64_t count) {
+    const SpecialisedState state = waves ? other_state : state_of(root());
+    if (state == other_state) return 0;
+    unsigned cycle = cycle_of(root());
+    uint64_t made = 0;
+    do {
+      const SpecialisedEdge edge = specialised_edges[state][cycle];
+      if (edge == nullptr) break;
+      edge(&root());
+      ++made;
+      ++cycle;
+    } while (made < count && state <= 4 && cycle < 31);
+    if (made != 0) stale_ = true;
+    return made;
+  }
+
+  /// The outputs behind registers that were moved on.
+  void show() {
+    const SpecialisedState state = state_of(root());
+    const SpecialisedEdge specialised =
+        state == other_state ? nullptr : specialised_outputs[state][cycle_of(root())];
+    (specialised != nullptr ? specialised : outputs)(&root());
+  }
+
+  /// Everything that is combinational behind registers that were moved on.
+  void settle() {
+    if (stale_) Vcoprocessor_probe___024root___eval_settle(&root());
+    stale_ = false;
+  }
+
+ private:
+  Root& root() { return *top->rootp; }
+
+  /// Puts the inputs on the design, if they do not write and the next edge can be specialised.
+  bool drive_specialised() {
+    if (waves || !has_outputs || (pins.psel && pins.pwrite) || !may_drive(root(), pins)) return false;
+    capsoc::rtl::drive_pins(*top, pins);
+    put_on_design(root(), pins);
+    stale_ = true;
+    return true;
+  }
+
+  bool stale_ = false;  // registers are ahead of what is combinational
 };
 
 namespace {
@@ -85,6 +211,10 @@ namespace {
 uint64_t clock_on(capsoc_rtl* r, uint64_t count) {
   const Vcoprocessor_probe& top = *r->top;
   uint64_t made = 0;
+  if (count != 0 && !top.boundary_o && !top.idle_o) {
+    made = r->clock_specialised(count);
+    if (made != 0) r->show();
+  }
   while (made < count && !top.boundary_o && !top.idle_o) {
     r->toggle();
     ++made;
@@ -121,6 +251,10 @@ size_t save(capsoc_rtl*, void*, size_t) {
 void restore(capsoc_rtl*, const void*, size_t) {}
 #else
 size_t save(capsoc_rtl* r, void* bytes, size_t size) {
+  r->settle();
+  // What the waves have seen is no state: all of it counts as new.
+  r->top->rootp->vlSymsp->__Vm_activity = true;
+  for (CData& changed : r->top->rootp->__Vm_traceActivity.m_storage) changed = 1;
   MemorySave stream;
   stream << *r->top;
   stream.flush();
@@ -129,14 +263,12 @@ size_t save(capsoc_rtl* r, void* bytes, size_t size) {
 }
 
 void restore(capsoc_rtl* r, const void* bytes, size_t size) {
+  r->settle();
   MemoryRestore stream(bytes, size);
   stream >> *r->top;
   r->sample();
 }
 #endif
-
-#define REGISTER(instance, variable) \
-  top.coprocessor_probe__DOT__dut__DOT__##instance##__DOT__##variable
 
 void get_state(capsoc_rtl* r, capsoc_rtl_state* state) {
   const Vcoprocessor_probe___024root& top = *r->top->rootp;
@@ -155,6 +287,7 @@ void assign(Register& place, uint64_t value, unsigned bits) {
 }
 
 void set_state(capsoc_rtl* r, const capsoc_rtl_state* state) {
+  r->settle();
   Vcoprocessor_probe___024root& top = *r->top->rootp;
 #define WORD(name, bits, instance, variable) \
   assign(REGISTER(instance, variable), state->name, bits);

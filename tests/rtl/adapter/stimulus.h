@@ -18,7 +18,8 @@ using Answers = std::vector<uint64_t>;
 
 class Traffic {
  public:
-  explicit Traffic(uint64_t seed) : random_(seed) {}
+  /// `gap`: bound of the cycles from one operation to the next.
+  explicit Traffic(uint64_t seed, uint64_t gap = 40) : random_(seed), gap_(gap) {}
 
   /// `count` operations from cycle `cycle` on. Returns the last cycle.
   uint64_t run(Device& device, int count, uint64_t cycle, Answers& answers) {
@@ -26,7 +27,7 @@ class Traffic {
     cycle += 2;
     device.write(cycle, reg_ctrl, control());
     for (int i = 0; i < count; ++i) {
-      cycle += pick(4) == 0 ? pick(400) + 2 : pick(40) + 2;
+      cycle += pick(4) == 0 ? pick(10 * gap_) + 2 : pick(gap_) + 2;
       const unsigned kind = pick(16);
       if (kind < 9) {
         answers.push_back(device.submit(cycle, word(), word(), pick(16) == 0));
@@ -85,6 +86,7 @@ class Traffic {
   }
 
   std::mt19937_64 random_;
+  uint64_t gap_;
 };
 
 }  // namespace capsoc::rtl::test

@@ -1,0 +1,31 @@
+// Edges of the Verilated coprocessor that are compiled for one state of its sequencer each; see
+// scripts/specialise_rtl.py, which makes them. For the library that holds the design.
+#pragma once
+
+class Vcoprocessor_probe___024root;
+
+namespace capsoc::rtl {
+
+using SpecialisedEdge = void (*)(Vcoprocessor_probe___024root*);
+
+/// First index of the tables; the second is the cycle of the tick. All without a reset, a LOAD and
+/// a bus access.
+enum SpecialisedState : unsigned {
+  stage_0_alone = 0,  ///< to 4: one sample in the pipeline, in this stage; none waits or comes
+  held_alone = 5,     ///< one sample, in the holding register; cycle 0 only, as those below
+  sample_alone = 6,   ///< one sample, on the pins
+  nothing_at_all = 7,
+  other_state = 8
+};
+
+/// A rising and a falling edge. Registers, those of the probe included, are then what evaluating
+/// the design makes of them; combinational variables and outputs are as before. Null: none.
+extern const SpecialisedEdge specialised_edges[8][32];
+/// The outputs, from the registers; nothing else changes.
+extern const SpecialisedEdge specialised_outputs[8][32];
+
+/// The outputs in any state, if has_outputs.
+void outputs(Vcoprocessor_probe___024root*);
+extern const bool has_outputs;
+
+}  // namespace capsoc::rtl
