@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "kit/early_write.h"
 #include "kit/guest_error.h"
 #include "kit/steady_read.h"
 
@@ -90,6 +91,10 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
   if (payload.is_write()) {
     for (unsigned i = 0; i < payload.get_data_length(); ++i)
       value |= uint32_t{data[i]} << (8 * (first + i));
+    if (auto* const told = payload.get_extension<EarlyWrite>()) {
+      told->taken = takes_early(offset, value & lanes, lanes);
+      if (told->refused()) return tlm::TLM_OK_RESPONSE;
+    }
     return write_word(offset, value & lanes, lanes) ? tlm::TLM_OK_RESPONSE
                                                     : tlm::TLM_ADDRESS_ERROR_RESPONSE;
   }
