@@ -46,6 +46,7 @@ CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& 
   // SysTick's reference clock is 1 MHz whatever HCLK does (AN385).
   clock_.on_change([this] {
     core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000));
+    set_bounds();
     core_.attention();  // the horizon is another cycle now
   });
   core_.listeners().unpredictable = log_unpredictable;
@@ -93,6 +94,7 @@ void CortexM3Tlm::reset_system() {
 void CortexM3Tlm::set_pause(const sc_core::sc_time& first, Pause pause) {
   pause_at_ = first;
   pause_ = std::move(pause);
+  set_bounds();
 }
 
 void CortexM3Tlm::resume_at(const sc_core::sc_time& time, std::function<bool()> load) {
@@ -137,12 +139,15 @@ void CortexM3Tlm::pause_if_due() {
 
 void CortexM3Tlm::thread() {
   if (!begin()) return end(EndReason::interrupted);
+  bool stays = false;  // the kernel has not gone on, and nobody else has done anything
   for (;;) {
-    settle();
-    if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
-    pause_if_due();
-    if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
-    if (reset_requested_) reset_system();
+    if (!stays) {
+      settle();
+      if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
+      pause_if_due();
+      if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+      if (reset_requested_) reset_system();
+    }
     bool one = false;
     if (debugger_ != nullptr) {
       one = debugger_->before_run();
@@ -150,8 +155,8 @@ void CortexM3Tlm::thread() {
       settle();  // what it wrote to a device
     }
     const uint64_t cycles = core_.cycles(), instructions = core_.instructions();
-    look_ahead();
-    horizon_ = horizon();
+    if (!std::exchange(stays, false)) look_ahead();
+    horizon_ = limit_;
     if (core_.cycles() >= horizon_) {
       synchronise();
       catch_up();
@@ -162,15 +167,17 @@ void CortexM3Tlm::thread() {
     // The kernel may stay where it is until something happens in it.
     const bool may_stay = (reason == StopReason::attention || reason == StopReason::budget) &&
                           !reset_requested_ && debugger_ == nullptr;
-    const bool stays = may_stay && !is_late();
+    stays = may_stay && !is_late();
     if (may_stay)
       let_kernel_follow();
     else
       synchronise();
     catch_up();
     if (std::exchange(seems_to_poll_, false) && reason == StopReason::attention &&
-        !(stays && skip_known_turns()))
+        !(stays && skip_known_turns())) {
       skip_polling();
+      stays = false;
+    }
     if (debugger_ != nullptr && debugger_->after_run(reason, advanced)) continue;
     switch (reason) {
       case StopReason::sleeping:
@@ -263,7 +270,7 @@ bool CortexM3Tlm::skip_known_turns() {
   const std::optional<Turn> turn = core_.known_turn();
   if (!turn) return false;
   polling_.looked(true);
-  core_.skip_turns(*turn, horizon());
+  core_.skip_turns(*turn, limit_);
   return true;
 }
 
@@ -290,11 +297,23 @@ void CortexM3Tlm::skip_polling() {
 /// Something happens in the kernel, or between it and the core, at or before the core's time; or
 /// the kernel is to stop and waits for its processes.
 bool CortexM3Tlm::is_late() const {
-  return is_stopping() || std::min(next_activity_, pause_at_) <= clock_.time_of(core_.cycles());
+  return core_.cycles() >= late_from_ || is_stopping();
 }
 
 void CortexM3Tlm::look_ahead() {
-  next_activity_ = sc_core::sc_time_stamp() + sc_core::sc_time_to_pending_activity();
+  looked_at_ = sc_core::sc_time_stamp();
+  next_activity_ = looked_at_ + sc_core::sc_time_to_pending_activity();
+  set_bounds();
+}
+
+/// What follows from the times, in cycles, which is what is compared at every access: the next
+/// activity, a pause or the quantum's end.
+void CortexM3Tlm::set_bounds() {
+  const sc_core::sc_time& first = std::min(next_activity_, pause_at_);
+  late_from_ = first <= looked_at_ ? 0 : clock_.next_edge(first);
+  limit_ = clock_.cycles_at(std::min(looked_at_ + quantum_, next_activity_));
+  if (pause_at_ <= next_activity_) limit_ = std::min(limit_, clock_.next_edge(pause_at_));
+  limit_ = std::max(limit_, clock_.cycles_at(looked_at_) + 1);
 }
 
 /// Lets the kernel catch up with the core.
@@ -322,14 +341,6 @@ void CortexM3Tlm::let_kernel_follow() {
 void CortexM3Tlm::catch_up() {
   const uint64_t cycle = clock_.cycles_at(sc_core::sc_time_stamp());
   if (cycle > core_.cycles()) core_.skip_to(cycle);
-}
-
-/// The first cycle that the core may not pass without the kernel: the next pending activity or the
-/// quantum's end.
-uint64_t CortexM3Tlm::horizon() const {
-  uint64_t until = clock_.cycles_at(std::min(sc_core::sc_time_stamp() + quantum_, next_activity_));
-  if (pause_at_ != sc_core::sc_max_time()) until = std::min(until, clock_.next_edge(pause_at_));
-  return std::max(until, clock_.cycles_at(sc_core::sc_time_stamp()) + 1);
 }
 
 CortexM3Tlm::Socket& CortexM3Tlm::port(uint32_t address, AccessKind kind) {
@@ -410,7 +421,8 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   payload_.set_streaming_width(size);
   latest_holds_ = false;
   wait_cycles = transport(address, kind);
-  look_ahead();
+  // A steady read that was made ahead has done nothing.
+  if (!early_.early || !steady_.steady) look_ahead();
   const bool ok = payload_.is_response_ok();
   const bool maps = payload_.is_dmi_allowed() && map_if_memory(address, kind);
   if (maps) granted_.push_back({address, kind});
@@ -425,7 +437,7 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   }
   latest_ = Transfer{address, size, value, wait_cycles};
   note_access(*latest_, steady_.steady);
-  const bool is_nearer = clock_.cycles_at(next_activity_) < horizon_;
+  const bool is_nearer = limit_ < horizon_;
   if (seems_to_poll_ || is_nearer || maps || is_late() || debugger_ != nullptr) core_.attention();
   return ok;
 }
@@ -434,7 +446,7 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
 void CortexM3Tlm::note_access(const Transfer& access, bool steady) {
   // What comes behind it may change the status again, and be over when the turn is.
   if (measuring_) {
-    steady_until_ = steady ? std::min(steady_until_, horizon()) : 0;
+    steady_until_ = steady ? std::min(steady_until_, limit_) : 0;
     read_at_ = {read_at_[1], core_.cycles()};
   }
   if (idle_ && idle_->is_work(access.address)) note_work();

@@ -79,7 +79,10 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   using Pause = std::function<sc_core::sc_time(const sc_core::sc_time& now)>;
   void set_pause(const sc_core::sc_time& first, Pause pause);
   /// The pause is wanted now, from within a call that the processor makes.
-  void pause_now() { pause_at_ = sc_core::SC_ZERO_TIME; }
+  void pause_now() {
+    pause_at_ = sc_core::SC_ZERO_TIME;
+    set_bounds();
+  }
   /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
   /// state back. False ends the simulation.
   void resume_at(const sc_core::sc_time& time, std::function<bool()> load);
@@ -110,13 +113,13 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   void sleep();
   void sleep_until_woken();
   void look_ahead();
+  void set_bounds();
   bool is_late() const;
   void let_kernel_run(const sc_core::sc_time& time);
   void synchronise();
   void let_kernel_follow();
   void catch_up();
   void settle();
-  uint64_t horizon() const;
   bool skip_known_turns();
   void skip_polling();
   void end(EndReason reason);
@@ -141,8 +144,11 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   kit::ClockDomain& clock_;
   Core core_;
   sc_core::sc_time quantum_{1, sc_core::SC_MS};
-  sc_core::sc_time next_activity_;  // of the kernel, behind the latest access or wait
-  uint64_t horizon_ = 0;            // of the run that goes on
+  sc_core::sc_time looked_at_;      // when the kernel was asked last, behind an access or a wait:
+  sc_core::sc_time next_activity_;  // its next one, which does not come near by itself
+  uint64_t late_from_ = 0;          // the first cycle at or behind which the kernel has to go on
+  uint64_t limit_ = 0;              // the first cycle that the core may not pass without it
+  uint64_t horizon_ = 0;            // the limit of the run that goes on
   sc_core::sc_event wake_;
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
