@@ -5,6 +5,7 @@
 
 #include "bus/payload.h"
 #include "bus/wait_states.h"
+#include "kit/early_write.h"
 #include "kit/steady_read.h"
 
 namespace capsoc::bus {
@@ -64,11 +65,17 @@ Decoded AhbMatrix::decode(uint64_t address) const {
 
 void AhbMatrix::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
   if (!transfers.watched()) return transfer(payload, delay);
+  auto* const write = payload.get_extension<kit::EarlyWrite>();
+  if (write != nullptr && write->early) {
+    write->taken = false;
+    return payload.set_response_status(tlm::TLM_OK_RESPONSE);
+  }
   const sc_core::sc_time begin = delay;
   transfer(payload, delay);
   transfers(payload, begin, delay);
   // Each is to be seen, so none is to be left out.
   if (auto* const told = payload.get_extension<kit::SteadyRead>()) told->steady = false;
+  if (write != nullptr) write->taken = false;
 }
 
 void AhbMatrix::transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {

@@ -5,6 +5,7 @@
 
 #include "bus/payload.h"
 #include "bus/wait_states.h"
+#include "kit/early_write.h"
 #include "kit/steady_read.h"
 
 namespace capsoc::bus {
@@ -147,8 +148,11 @@ tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payl
     transfer.set_byte_enable_length(word);
   }
   transfer.set_extension(payload.get_extension<kit::SteadyRead>());
+  if (payload.get_data_length() <= word)  // of a burst, what came before would be done
+    transfer.set_extension(payload.get_extension<kit::EarlyWrite>());
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(transfer, delay);
-  transfer.clear_extension<kit::SteadyRead>();  // it is the initiator's
+  transfer.clear_extension<kit::SteadyRead>();  // they are the initiator's
+  transfer.clear_extension<kit::EarlyWrite>();
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
   if (!transfer.is_response_ok()) return as_on_ahb(transfer.get_response_status());
   if (payload.is_read())

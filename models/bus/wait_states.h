@@ -15,6 +15,10 @@ constexpr unsigned error_response_cycles = 1;
 /// rounded period, so that a sum of wait states never drifts off the edges.
 inline void add_cycles(const kit::ClockDomain& clock, uint64_t cycles, sc_core::sc_time& delay) {
   if (cycles == 0) return;
+  if (const sc_core::sc_time* const fixed = clock.fixed_duration(cycles)) {
+    delay += *fixed;
+    return;
+  }
   delay += clock.duration(cycles, sc_core::sc_time_stamp() + delay);
 }
 

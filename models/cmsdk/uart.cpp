@@ -67,6 +67,13 @@ bool Uart::write_word(uint32_t offset, uint32_t value, uint32_t lanes) {
   return ClockedBank::write_word(offset, value, lanes);
 }
 
+/// A byte for the empty buffer moves no line before it is sent, unless its way on into the shifter
+/// is an interrupt.
+bool Uart::takes_early(uint32_t offset, uint32_t value, uint32_t lanes) const {
+  return offset == DATA.description().offset && (lanes & 0xff) != 0 && value <= 0xff &&
+         !STATE.any(state_tx_full) && !CTRL.any(ctrl_tx_interrupt);
+}
+
 void Uart::write_data(uint8_t byte) {
   // The buffer takes the newer byte; the older one is what an overrun loses.
   if (STATE.any(state_tx_full)) {

@@ -80,6 +80,7 @@ class Uart : public kit::ClockedBank {
 
  private:
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
+  bool takes_early(uint32_t offset, uint32_t value, uint32_t lanes) const override;
   void advance(uint64_t cycle) override;
   uint64_t next_change() const override;
   void connect_registers();

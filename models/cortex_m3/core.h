@@ -70,8 +70,9 @@ class Core {
   StopReason run(uint64_t until_cycle);
   /// One instruction (or the entry of one exception).
   StopReason step_instruction();
-  /// One turn of the loop the program is in, from here to here, by single steps while cycles() is
-  /// below `until_cycle` and nobody wants attention(). Nothing: it does not come back soon, or not
+  /// One turn of the loop the program is in, from here to here or, where the first turn leaves
+  /// other registers or flags, from there to there, by single steps while cycles() is below
+  /// `until_cycle` and nobody wants attention(). Nothing: it does not come back soon, or not
   /// to the same registers and flags, or it writes or does anything but compute and load; what was
   /// executed is as good as by run(). What its loads from the bus do is the caller's to know.
   std::optional<Turn> repeat_turn(uint64_t until_cycle);

@@ -1,6 +1,7 @@
 // Loops that only wait: Core::repeat_turn, Core::skip_turns.
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "cortex_m3/core.h"
 
@@ -46,20 +47,33 @@ std::optional<Turn> Core::measure_turn(uint64_t until_cycle) {
   State& state = machine_.state;
   known_turn_.forget();
   if (turns_are_seen()) return std::nullopt;
-  const Place before(state);
-  const uint64_t cycles = state.cycles, instructions = state.instructions,
-                 accesses = machine_.private_accesses;
+  const uint64_t accesses = machine_.private_accesses;
+  Place begin(state);
+  Turn before{state.cycles, state.instructions};
   std::array<uint32_t, KnownTurn::longest> addresses{};
+  unsigned length = 0;
+  bool again = false;
   for (unsigned n = 0; n < longest_turn; ++n) {
     if (is_interrupted() || machine_.requests.has(Requests::attention)) return std::nullopt;
     if (state.cycles >= until_cycle) return std::nullopt;
-    if (n < addresses.size()) addresses[n] = state.pc;
+    if (length < addresses.size()) addresses[length] = state.pc;
+    ++length;
     if (!machine_.blocks.stepping().step(only_computes)) return std::nullopt;
     if (machine_.private_accesses != accesses) return std::nullopt;
-    if (!(Place(state) == before)) continue;
-    const Turn turn{state.cycles - cycles, state.instructions - instructions};
-    if (n < addresses.size()) known_turn_.keep(machine_, addresses, n + 1, turn);
-    return turn;
+    if (state.pc != begin.pc) continue;
+    const Place place(state);
+    if (place == begin) {
+      const Turn turn{state.cycles - before.cycles, state.instructions - before.instructions};
+      if (length <= addresses.size()) known_turn_.keep(machine_, addresses, length, turn);
+      return turn;
+    }
+    // The way into a loop may leave other flags or registers behind than a turn of it does: once,
+    // the turn begins anew. Not each time: a function that a turn calls twice is passed twice.
+    if (std::exchange(again, true)) continue;
+    begin = place;
+    before = {state.cycles, state.instructions};
+    length = 0;
+    if (machine_.counts != nullptr) machine_.counts->record(true);
   }
   return std::nullopt;
 }

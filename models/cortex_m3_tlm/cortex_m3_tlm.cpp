@@ -46,11 +46,20 @@ CortexM3Tlm::CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& 
   // SysTick's reference clock is 1 MHz whatever HCLK does (AN385).
   clock_.on_change([this] {
     core_.set_systick_reference(static_cast<unsigned>(clock_.frequency_hz() / 1'000'000));
+    set_bounds();
     core_.attention();  // the horizon is another cycle now
   });
   core_.listeners().unpredictable = log_unpredictable;
+  // Putting them on and off costs as much as a hop of the bus.
+  payload_.set_extension(&steady_);
+  payload_.set_extension(&early_);
   SC_HAS_PROCESS(CortexM3Tlm);
   SC_THREAD(thread);
+}
+
+CortexM3Tlm::~CortexM3Tlm() {
+  payload_.clear_extension<kit::SteadyRead>();
+  payload_.clear_extension<kit::EarlyWrite>();
 }
 
 void CortexM3Tlm::set_interrupt(unsigned line, bool level) {
@@ -76,6 +85,7 @@ void CortexM3Tlm::note_work() {
 
 void CortexM3Tlm::reset_system() {
   reset_requested_ = false;
+  latest_holds_ = false;
   note_work();
   if (reset_request_) reset_request_();
   core_.reset();
@@ -84,6 +94,7 @@ void CortexM3Tlm::reset_system() {
 void CortexM3Tlm::set_pause(const sc_core::sc_time& first, Pause pause) {
   pause_at_ = first;
   pause_ = std::move(pause);
+  set_bounds();
 }
 
 void CortexM3Tlm::resume_at(const sc_core::sc_time& time, std::function<bool()> load) {
@@ -121,18 +132,22 @@ void CortexM3Tlm::pause_if_due() {
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   while (pause_ && pause_at_ <= now) {
     pause_at_ = sc_core::sc_max_time();
+    latest_holds_ = false;
     pause_at_ = std::max(pause_(now), now + sc_core::sc_time::from_value(1));
   }
 }
 
 void CortexM3Tlm::thread() {
   if (!begin()) return end(EndReason::interrupted);
+  bool stays = false;  // the kernel has not gone on, and nobody else has done anything
   for (;;) {
-    settle();
-    if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
-    pause_if_due();
-    if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
-    if (reset_requested_) reset_system();
+    if (!stays) {
+      settle();
+      if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
+      pause_if_due();
+      if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+      if (reset_requested_) reset_system();
+    }
     bool one = false;
     if (debugger_ != nullptr) {
       one = debugger_->before_run();
@@ -140,8 +155,8 @@ void CortexM3Tlm::thread() {
       settle();  // what it wrote to a device
     }
     const uint64_t cycles = core_.cycles(), instructions = core_.instructions();
-    look_ahead();
-    horizon_ = horizon();
+    if (!std::exchange(stays, false)) look_ahead();
+    horizon_ = limit_;
     if (core_.cycles() >= horizon_) {
       synchronise();
       catch_up();
@@ -149,14 +164,20 @@ void CortexM3Tlm::thread() {
     }
     const StopReason reason = one ? core_.step_instruction() : core_.run(horizon_);
     const bool advanced = core_.cycles() != cycles || core_.instructions() != instructions;
-    // Behind an access the kernel may stay where it is until something happens in it.
-    const bool stays =
-        reason == StopReason::attention && !reset_requested_ && debugger_ == nullptr && !is_late();
-    if (!stays) synchronise();
+    // The kernel may stay where it is until something happens in it.
+    const bool may_stay = (reason == StopReason::attention || reason == StopReason::budget) &&
+                          !reset_requested_ && debugger_ == nullptr;
+    stays = may_stay && !is_late();
+    if (may_stay)
+      let_kernel_follow();
+    else
+      synchronise();
     catch_up();
     if (std::exchange(seems_to_poll_, false) && reason == StopReason::attention &&
-        !(stays && skip_known_turns()))
+        !(stays && skip_known_turns())) {
       skip_polling();
+      stays = false;
+    }
     if (debugger_ != nullptr && debugger_->after_run(reason, advanced)) continue;
     switch (reason) {
       case StopReason::sleeping:
@@ -187,6 +208,7 @@ void CortexM3Tlm::end(EndReason reason) {
 }
 
 void CortexM3Tlm::sleep() {
+  latest_holds_ = false;
   if (idle_) idle_->fall_asleep(sc_core::sc_time_stamp());
   sleep_until_woken();
   if (idle_) idle_->wake_up(sc_core::sc_time_stamp());
@@ -233,17 +255,22 @@ void CortexM3Tlm::sleep_until_woken() {
 /// that is the end there is none: sc_stop() lets the processes of its delta cycle run.
 void CortexM3Tlm::settle() {
   while (sc_core::sc_pending_activity_at_current_time() || is_stopping())
-    wait(sc_core::SC_ZERO_TIME);
+    let_kernel_run(sc_core::SC_ZERO_TIME);
+}
+
+void CortexM3Tlm::let_kernel_run(const sc_core::sc_time& time) {
+  latest_holds_ = false;
+  wait(time);
 }
 
 /// Behind a read that the kernel has not gone on since: if it is the one of the turn measured last,
 /// and everything else is as it was there, that turn need not be measured again.
 bool CortexM3Tlm::skip_known_turns() {
-  if (idle_ || !steady_.steady || !(latest_read_ == read_of_turn_)) return false;
+  if (idle_ || !steady_.steady || !(latest_ == read_of_turn_)) return false;
   const std::optional<Turn> turn = core_.known_turn();
   if (!turn) return false;
   polling_.looked(true);
-  core_.skip_turns(*turn, horizon());
+  core_.skip_turns(*turn, limit_);
   return true;
 }
 
@@ -252,12 +279,15 @@ bool CortexM3Tlm::skip_known_turns() {
 void CortexM3Tlm::skip_polling() {
   if (idle_ || reset_requested_) return;
   steady_until_ = Core::never;
-  reads_of_turn_ = 0;
+  read_at_ = {};
   measuring_ = true;
   const std::optional<Turn> turn = core_.repeat_turn(horizon_);
   measuring_ = false;
   const bool polls = turn && steady_until_ > core_.cycles();
-  read_of_turn_ = polls && reads_of_turn_ == 1 ? latest_read_ : std::nullopt;
+  const bool reads_once = polls &&
+                          std::min(read_at_[0], read_at_[1]) < core_.cycles() - turn->cycles &&
+                          std::max(read_at_[0], read_at_[1]) >= core_.cycles() - turn->cycles;
+  read_of_turn_ = reads_once ? latest_ : std::nullopt;
   if (polls || core_.cycles() < horizon_) polling_.looked(polls);
   if (is_late()) synchronise();
   catch_up();
@@ -267,19 +297,43 @@ void CortexM3Tlm::skip_polling() {
 /// Something happens in the kernel, or between it and the core, at or before the core's time; or
 /// the kernel is to stop and waits for its processes.
 bool CortexM3Tlm::is_late() const {
-  return is_stopping() || std::min(next_activity_, pause_at_) <= clock_.time_of(core_.cycles());
+  return core_.cycles() >= late_from_ || is_stopping();
 }
 
 void CortexM3Tlm::look_ahead() {
-  next_activity_ = sc_core::sc_time_stamp() + sc_core::sc_time_to_pending_activity();
+  looked_at_ = sc_core::sc_time_stamp();
+  next_activity_ = looked_at_ + sc_core::sc_time_to_pending_activity();
+  set_bounds();
+}
+
+/// What follows from the times, in cycles, which is what is compared at every access: the next
+/// activity, a pause or the quantum's end.
+void CortexM3Tlm::set_bounds() {
+  const sc_core::sc_time& first = std::min(next_activity_, pause_at_);
+  late_from_ = first <= looked_at_ ? 0 : clock_.next_edge(first);
+  limit_ = clock_.cycles_at(std::min(looked_at_ + quantum_, next_activity_));
+  if (pause_at_ <= next_activity_) limit_ = std::min(limit_, clock_.next_edge(pause_at_));
+  limit_ = std::max(limit_, clock_.cycles_at(looked_at_) + 1);
 }
 
 /// Lets the kernel catch up with the core.
 void CortexM3Tlm::synchronise() {
   const sc_core::sc_time local = clock_.time_of(core_.cycles());
   const sc_core::sc_time now = sc_core::sc_time_stamp();
-  if (local > now) wait(local - now);
+  if (local > now) let_kernel_run(local - now);
   settle();
+}
+
+/// Lets the kernel do what it has to do up to the core's time, but go no further: the core comes
+/// at the same instant as what it waits for, which spares the kernel an instant of its own.
+void CortexM3Tlm::let_kernel_follow() {
+  while (is_late()) {
+    const sc_core::sc_time now = sc_core::sc_time_stamp();
+    if (is_stopping() || pause_at_ <= next_activity_) return synchronise();
+    if (next_activity_ > now) let_kernel_run(next_activity_ - now);
+    settle();
+    look_ahead();
+  }
 }
 
 /// After a change to a faster clock inside an instruction the domain is ahead of the core: the core
@@ -287,14 +341,6 @@ void CortexM3Tlm::synchronise() {
 void CortexM3Tlm::catch_up() {
   const uint64_t cycle = clock_.cycles_at(sc_core::sc_time_stamp());
   if (cycle > core_.cycles()) core_.skip_to(cycle);
-}
-
-/// The first cycle that the core may not pass without the kernel: the next pending activity or the
-/// quantum's end.
-uint64_t CortexM3Tlm::horizon() const {
-  uint64_t until = clock_.cycles_at(std::min(sc_core::sc_time_stamp() + quantum_, next_activity_));
-  if (pause_at_ != sc_core::sc_max_time()) until = std::min(until, clock_.next_edge(pause_at_));
-  return std::max(until, clock_.cycles_at(sc_core::sc_time_stamp()) + 1);
 }
 
 CortexM3Tlm::Socket& CortexM3Tlm::port(uint32_t address, AccessKind kind) {
@@ -327,59 +373,103 @@ void CortexM3Tlm::invalidate(int, sc_dt::uint64 first, sc_dt::uint64 last) {
                  granted_.end());
 }
 
+/// A read that does nothing need not be made at its own time where the device can be told it, nor a
+/// write that does nothing else yet.
+bool CortexM3Tlm::may_be_ahead(uint32_t address, AccessKind kind) const {
+  if (is_late()) return false;
+  if (kind == AccessKind::load) return address == steady_address_;
+  return kind == AccessKind::store && fast_forward_ && debugger_ == nullptr &&
+         address == early_address_ && payload_.get_data_length() == early_size_;
+}
+
+/// Makes the transaction that payload_ describes; returns the cycles it took.
+unsigned CortexM3Tlm::transport(uint32_t address, AccessKind kind) {
+  const bool ahead = may_be_ahead(address, kind);
+  if (!ahead) synchronise();
+  const unsigned cycles = send(address, kind, ahead);
+  if (kind != AccessKind::store || !early_.refused()) return cycles;
+  synchronise();
+  return send(address, kind, false);
+}
+
+unsigned CortexM3Tlm::send(uint32_t address, AccessKind kind, bool ahead) {
+  steady_.steady = false;
+  payload_.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  early_.early = ahead;
+  early_.taken = false;
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const sc_core::sc_time begin =
+      ahead ? clock_.time_of(core_.cycles()) - now : sc_core::SC_ZERO_TIME;
+  sc_core::sc_time delay = begin;
+  accessing_ = kind;
+  port(address, kind)->b_transport(payload_, delay);
+  accessing_.reset();
+  return static_cast<unsigned>(clock_.cycles_at(sc_core::sc_time_stamp() + delay) -
+                               clock_.cycles_at(now + begin));
+}
+
 bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
                          unsigned& wait_cycles, AccessKind kind) {
-  // A read that does nothing need not be made at its own time where the device can be told it.
-  const bool ahead = kind == AccessKind::load && address == steady_address_ && !is_late();
-  if (!ahead) synchronise();
-  Socket& socket = port(address, kind);
   uint8_t bytes[4] = {};
   if (command == tlm::TLM_WRITE_COMMAND)
     for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
-
-  tlm::tlm_generic_payload& payload = payload_;
-  payload.set_command(command);
-  payload.set_address(address);
-  payload.set_dmi_allowed(false);
-  payload.set_data_ptr(bytes);
-  payload.set_data_length(size);
-  payload.set_streaming_width(size);
-  payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
-  steady_.steady = false;
-  payload.set_extension(&steady_);
-  const sc_core::sc_time begin =
-      ahead ? clock_.time_of(core_.cycles()) - sc_core::sc_time_stamp() : sc_core::SC_ZERO_TIME;
-  sc_core::sc_time delay = begin;
-  accessing_ = kind;
-  socket->b_transport(payload, delay);
-  accessing_.reset();
-  payload.clear_extension<kit::SteadyRead>();
-  look_ahead();
-  // What comes behind it may change the status again, and be over when the turn is.
-  if (measuring_) steady_until_ = steady_.steady ? std::min(steady_until_, horizon()) : 0;
-  if (idle_ && idle_->is_work(address)) note_work();
-  const bool ok = payload.is_response_ok();
-  const sc_core::sc_time now = sc_core::sc_time_stamp();
-  wait_cycles =
-      static_cast<unsigned>(clock_.cycles_at(now + delay) - clock_.cycles_at(now + begin));
-  const bool maps = payload.is_dmi_allowed() && map_if_memory(address, kind);
+  payload_.set_command(command);
+  payload_.set_address(address);
+  payload_.set_dmi_allowed(false);
+  payload_.set_data_ptr(bytes);
+  payload_.set_data_length(size);
+  payload_.set_streaming_width(size);
+  latest_holds_ = false;
+  wait_cycles = transport(address, kind);
+  // A steady read that was made ahead has done nothing.
+  if (!early_.early || !steady_.steady) look_ahead();
+  const bool ok = payload_.is_response_ok();
+  const bool maps = payload_.is_dmi_allowed() && map_if_memory(address, kind);
   if (maps) granted_.push_back({address, kind});
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
   if (steady_.steady) steady_address_ = address;
-  latest_read_ = Read{address, size, value, wait_cycles};
-  ++reads_of_turn_;
-  seems_to_poll_ =
-      fast_forward_ && !measuring_ && polling_.is_worth_a_look(address, value, steady_.steady);
-  const bool is_nearer = clock_.cycles_at(next_activity_) < horizon_;
+  latest_holds_ = fast_forward_ && steady_.steady && ok && kind == AccessKind::load;
+  if (kind == AccessKind::store) {
+    early_address_ = early_.taken ? std::optional(address) : std::nullopt;
+    early_size_ = size;
+  }
+  latest_ = Transfer{address, size, value, wait_cycles};
+  note_access(*latest_, steady_.steady);
+  const bool is_nearer = limit_ < horizon_;
   if (seems_to_poll_ || is_nearer || maps || is_late() || debugger_ != nullptr) core_.attention();
   return ok;
 }
 
+/// What follows from every access, made or known.
+void CortexM3Tlm::note_access(const Transfer& access, bool steady) {
+  // What comes behind it may change the status again, and be over when the turn is.
+  if (measuring_) {
+    steady_until_ = steady ? std::min(steady_until_, limit_) : 0;
+    read_at_ = {read_at_[1], core_.cycles()};
+  }
+  if (idle_ && idle_->is_work(access.address)) note_work();
+  seems_to_poll_ = fast_forward_ && !measuring_ &&
+                   polling_.is_worth_a_look(access.address, access.value, steady);
+}
+
+/// The same read again, of which the device said that its answer stays as long as the kernel has
+/// nothing to do.
+bool CortexM3Tlm::holds(uint32_t address, unsigned size) const {
+  return latest_holds_ && latest_->address == address && latest_->size == size &&
+         debugger_ == nullptr && !is_late();
+}
+
 bool CortexM3Tlm::read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
                        AccessKind kind) {
-  return access(tlm::TLM_READ_COMMAND, address, size, value, wait_cycles, kind);
+  if (kind != AccessKind::load || !holds(address, size))
+    return access(tlm::TLM_READ_COMMAND, address, size, value, wait_cycles, kind);
+  value = latest_->value;
+  wait_cycles = latest_->wait_cycles;
+  note_access(*latest_, true);
+  if (seems_to_poll_) core_.attention();
+  return true;
 }
 
 bool CortexM3Tlm::write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) {

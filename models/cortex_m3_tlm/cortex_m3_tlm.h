@@ -2,13 +2,14 @@
 // to simulated time.
 //
 // The quantum is a speed knob and nothing else. The core never runs past the kernel's next pending
-// activity, and it synchronises before every access to a device, so every model sees every access
-// at its exact time, and every interrupt reaches the core at the instruction it would reach without
-// temporal decoupling.
+// activity, and before an access to a device it synchronises, or is sure that the device may be
+// told the time of the access instead. So every model sees every access at its exact time, and
+// every interrupt reaches the core at the instruction it would reach without temporal decoupling.
 #pragma once
 
 #include <tlm_utils/simple_initiator_socket.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -22,6 +23,7 @@
 #include "cortex_m3_tlm/polling_watch.h"
 #include "kit/clock_domain.h"
 #include "kit/component.h"
+#include "kit/early_write.h"
 #include "kit/steady_read.h"
 
 namespace capsoc::cortex_m3 {
@@ -39,11 +41,13 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   Socket system;  ///< everything else
 
   CortexM3Tlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
+  ~CortexM3Tlm() override;
 
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
   /// Whether the turns of a loop that only waits for a device are skipped as far as nothing can
-  /// happen. It changes nothing but the host's time.
+  /// happen, and what such loops do beside is done without the kernel where it may be. It changes
+  /// nothing but the host's time.
   void set_fast_forward(bool on) { fast_forward_ = on; }
   /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
@@ -75,7 +79,10 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   using Pause = std::function<sc_core::sc_time(const sc_core::sc_time& now)>;
   void set_pause(const sc_core::sc_time& first, Pause pause);
   /// The pause is wanted now, from within a call that the processor makes.
-  void pause_now() { pause_at_ = sc_core::SC_ZERO_TIME; }
+  void pause_now() {
+    pause_at_ = sc_core::SC_ZERO_TIME;
+    set_bounds();
+  }
   /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
   /// state back. False ends the simulation.
   void resume_at(const sc_core::sc_time& time, std::function<bool()> load);
@@ -93,15 +100,26 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   void reset_now() { reset_system(); }
 
  private:
+  /// What an access came to.
+  struct Transfer {
+    uint32_t address, size, value, wait_cycles;
+    bool operator==(const Transfer& other) const {
+      return address == other.address && size == other.size && value == other.value &&
+             wait_cycles == other.wait_cycles;
+    }
+  };
+
   void thread();
   void sleep();
   void sleep_until_woken();
   void look_ahead();
+  void set_bounds();
   bool is_late() const;
+  void let_kernel_run(const sc_core::sc_time& time);
   void synchronise();
+  void let_kernel_follow();
   void catch_up();
   void settle();
-  uint64_t horizon() const;
   bool skip_known_turns();
   void skip_polling();
   void end(EndReason reason);
@@ -110,6 +128,11 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   void reset_system();
   bool access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
               unsigned& wait_cycles, AccessKind kind);
+  unsigned transport(uint32_t address, AccessKind kind);
+  unsigned send(uint32_t address, AccessKind kind, bool ahead);
+  bool may_be_ahead(uint32_t address, AccessKind kind) const;
+  bool holds(uint32_t address, unsigned size) const;
+  void note_access(const Transfer& access, bool steady);
   bool map_if_memory(uint32_t address, AccessKind kind);
   void invalidate(int port, sc_dt::uint64 first, sc_dt::uint64 last);
   Socket& port(uint32_t address, AccessKind kind);
@@ -121,30 +144,30 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   kit::ClockDomain& clock_;
   Core core_;
   sc_core::sc_time quantum_{1, sc_core::SC_MS};
-  sc_core::sc_time next_activity_;  // of the kernel, behind the latest access or wait
-  uint64_t horizon_ = 0;            // of the run that goes on
+  sc_core::sc_time looked_at_;      // when the kernel was asked last, behind an access or a wait:
+  sc_core::sc_time next_activity_;  // its next one, which does not come near by itself
+  uint64_t late_from_ = 0;          // the first cycle at or behind which the kernel has to go on
+  uint64_t limit_ = 0;              // the first cycle that the core may not pass without it
+  uint64_t horizon_ = 0;            // the limit of the run that goes on
   sc_core::sc_event wake_;
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
   EndReason end_reason_ = EndReason::none;
   Debugger* debugger_ = nullptr;
   tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
-  kit::SteadyRead steady_;            // of the last access
+  kit::SteadyRead steady_;            // on the payload: of the last read
+  kit::EarlyWrite early_;             // on the payload: of the last write
   std::optional<uint32_t> steady_address_;  // of the last steady read
-  bool measuring_ = false;                  // a turn of a loop
+  std::optional<uint32_t> early_address_;   // of the last write that was taken early, or would be
+  unsigned early_size_ = 0;
+  bool measuring_ = false;     // a turn of a loop
   uint64_t steady_until_ = 0;  // the cycle until which all reads of a turn stay as they are
   PollingWatch polling_;
-  struct Read {
-    uint32_t address, size, value, wait_cycles;
-    bool operator==(const Read& other) const {
-      return address == other.address && size == other.size && value == other.value &&
-             wait_cycles == other.wait_cycles;
-    }
-  };
-  std::optional<Read> latest_read_;   // or write: only a steady read is one of a turn
-  std::optional<Read> read_of_turn_;  // the only one of the turn measured last
-  unsigned reads_of_turn_ = 0;
-  bool seems_to_poll_ = false;  // worth a look behind the run
+  std::optional<Transfer> latest_;        // only a steady read is one of a turn
+  bool latest_holds_ = false;             // it was a steady read, and the kernel has not gone on
+  std::optional<Transfer> read_of_turn_;  // the only one of the turn measured last
+  std::array<uint64_t, 2> read_at_{};     // the cycles of the latest two while a turn is measured
+  bool seems_to_poll_ = false;            // worth a look behind the run
   bool fast_forward_ = true;
   bool reset_requested_ = false;
   std::optional<AccessKind> accessing_;

@@ -22,15 +22,13 @@ ClockDomain::ClockDomain(uint64_t hz)
 void ClockDomain::take_frequency(uint64_t hz) {
   frequency_hz_ = hz == 0 ? 1 : hz;
   whole_period_ = ticks_per_second_ % frequency_hz_ == 0 ? ticks_per_second_ / frequency_hz_ : 0;
+  for (uint64_t n = 0; n < durations_.size(); ++n)
+    durations_[n] = sc_core::sc_time::from_value(n * whole_period_);
 }
 
-uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
-  if (time.value() <= epoch_ticks_) return epoch_cycle_;
-  if (uint64_t cycle = 0; whole_period_ != 0) {
-    const uint64_t edges = (time.value() - epoch_ticks_) / whole_period_;
-    return __builtin_add_overflow(edges, epoch_cycle_, &cycle) ? farthest : cycle;
-  }
-  const Wide edges = Wide{time.value() - epoch_ticks_} * frequency_hz_ / ticks_per_second_;
+/// Behind the epoch; where the period is no whole number of ticks, or the number is too large.
+uint64_t ClockDomain::edge_at_fraction(uint64_t ticks) const {
+  const Wide edges = Wide{ticks - epoch_ticks_} * frequency_hz_ / ticks_per_second_;
   const Wide cycle = edges + epoch_cycle_;
   return cycle > farthest ? farthest : static_cast<uint64_t>(cycle);
 }
@@ -54,11 +52,6 @@ sc_core::sc_time ClockDomain::duration(uint64_t cycles, const sc_core::sc_time& 
     return sc_core::sc_time::from_value(ticks);
   const uint64_t edge = cycles_at(time);
   return time_of(edge + cycles) - time_of(edge);
-}
-
-uint64_t ClockDomain::next_edge(const sc_core::sc_time& time) const {
-  const uint64_t cycle = cycles_at(time);
-  return time_of(cycle) < time ? cycle + 1 : cycle;
 }
 
 void ClockDomain::set_frequency(uint64_t hz) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <systemc>
@@ -33,6 +34,10 @@ class ClockDomain {
 
   /// What so many cycles take from the last edge at or before `time`.
   sc_core::sc_time duration(uint64_t cycles, const sc_core::sc_time& time) const;
+  /// The same if it is few cycles and does not depend on the time, else null.
+  const sc_core::sc_time* fixed_duration(uint64_t cycles) const {
+    return whole_period_ != 0 && cycles < durations_.size() ? &durations_[cycles] : nullptr;
+  }
 
   /// The first edge at or after `time`.
   uint64_t next_edge(const sc_core::sc_time& time) const;
@@ -50,13 +55,38 @@ class ClockDomain {
 
  private:
   void take_frequency(uint64_t hz);
+  uint64_t edge_at(uint64_t ticks) const;
+  uint64_t edge_at_fraction(uint64_t ticks) const;
 
   uint64_t ticks_per_second_;  // of the kernel's time resolution
   uint64_t frequency_hz_ = 1;
   uint64_t whole_period_ = 0;  // in ticks; 0: it is no whole number of them
   uint64_t epoch_ticks_ = 0;
   uint64_t epoch_cycle_ = 0;
+  std::array<sc_core::sc_time, 8> durations_;  // of whole periods
   std::vector<std::function<void()>> listeners_;
 };
+
+// A part of every access to a device, several times.
+
+inline uint64_t ClockDomain::edge_at(uint64_t ticks) const {
+  if (ticks <= epoch_ticks_) return epoch_cycle_;
+  uint64_t cycle = 0;
+  if (whole_period_ != 0 &&
+      !__builtin_add_overflow((ticks - epoch_ticks_) / whole_period_, epoch_cycle_, &cycle))
+    return cycle;
+  return edge_at_fraction(ticks);
+}
+
+inline uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
+  return edge_at(time.value());
+}
+
+/// The one behind the last edge before it.
+inline uint64_t ClockDomain::next_edge(const sc_core::sc_time& time) const {
+  if (time.value() <= epoch_ticks_) return epoch_cycle_;
+  const uint64_t before = edge_at(time.value() - 1);
+  return before == UINT64_MAX ? before : before + 1;
+}
 
 }  // namespace capsoc::kit

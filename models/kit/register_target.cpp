@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
+
+#include "kit/early_write.h"
 #include "kit/guest_error.h"
 #include "kit/steady_read.h"
 
@@ -26,6 +29,8 @@ bool byte_is_enabled(const tlm::tlm_generic_payload& payload, unsigned index) {
 }
 
 uint32_t lanes_of(const tlm::tlm_generic_payload& payload) {
+  if (payload.get_data_length() == 4 && payload.get_byte_enable_ptr() == nullptr)
+    return 0xFFFFFFFFu;
   const unsigned first = static_cast<unsigned>(payload.get_address() % 4);
   if (payload.get_byte_enable_ptr() == nullptr)
     return (0xFFFFFFFFu >> (8 * (4 - payload.get_data_length()))) << (8 * first);
@@ -83,20 +88,32 @@ tlm::tlm_response_status RegisterTarget::check(const tlm::tlm_generic_payload& p
 tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payload) {
   const uint32_t lanes = lanes_of(payload);
   if (lanes == 0) return tlm::TLM_OK_RESPONSE;  // no byte takes part, so no register is touched
+  const bool whole = lanes == 0xFFFFFFFFu;      // the usual case
   const unsigned first = static_cast<unsigned>(payload.get_address() % 4);
   const uint32_t offset = static_cast<uint32_t>(payload.get_address()) - first;
   unsigned char* data = payload.get_data_ptr();
   uint32_t value = 0;
   if (payload.is_write()) {
-    for (unsigned i = 0; i < payload.get_data_length(); ++i)
-      value |= uint32_t{data[i]} << (8 * (first + i));
+    if (whole)
+      std::memcpy(&value, data, 4);
+    else
+      for (unsigned i = 0; i < payload.get_data_length(); ++i)
+        value |= uint32_t{data[i]} << (8 * (first + i));
+    if (auto* const told = payload.get_extension<EarlyWrite>()) {
+      told->taken = takes_early(offset, value & lanes, lanes);
+      if (told->refused()) return tlm::TLM_OK_RESPONSE;
+    }
     return write_word(offset, value & lanes, lanes) ? tlm::TLM_OK_RESPONSE
                                                     : tlm::TLM_ADDRESS_ERROR_RESPONSE;
   }
   if (!read_word(offset, value, false)) return tlm::TLM_ADDRESS_ERROR_RESPONSE;
-  for (unsigned i = 0; i < payload.get_data_length(); ++i) {
-    if (byte_is_enabled(payload, i))
-      data[i] = static_cast<unsigned char>(value >> (8 * (first + i)));
+  if (whole) {
+    std::memcpy(data, &value, 4);
+  } else {
+    for (unsigned i = 0; i < payload.get_data_length(); ++i) {
+      if (byte_is_enabled(payload, i))
+        data[i] = static_cast<unsigned char>(value >> (8 * (first + i)));
+    }
   }
   if (auto* const told = payload.get_extension<SteadyRead>()) told->steady = is_steady(offset);
   return tlm::TLM_OK_RESPONSE;

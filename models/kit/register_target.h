@@ -50,6 +50,12 @@ class RegisterTarget : public sc_core::sc_module, public Component {
   /// True: kit::SteadyRead holds for the register at `offset`.
   virtual bool is_steady(uint32_t /*offset*/) const { return false; }
 
+  /// True: kit::EarlyWrite holds for a write as write_word() gets it, in the present state. Asked
+  /// before the write.
+  virtual bool takes_early(uint32_t /*offset*/, uint32_t /*value*/, uint32_t /*lanes*/) const {
+    return false;
+  }
+
   /// The instant of the access in progress: simulated time plus the initiator's delay. Outside an
   /// access: simulated time.
   sc_core::sc_time access_time() const { return sc_core::sc_time_stamp() + delay_; }

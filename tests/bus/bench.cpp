@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "../kit/bench_main.h"
+#include "kit/early_write.h"
 
 namespace capsoc::test {
 namespace {
@@ -61,6 +62,7 @@ void Probe::forget() {
   read_value = debug_value = 0;
   response = tlm::TLM_OK_RESPONSE;
   ready_after = sc_core::SC_ZERO_TIME;
+  takes_early = false;
 }
 
 void Probe::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
@@ -73,6 +75,7 @@ void Probe::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& del
   }
   transfers.push_back(seen);
   if (payload.is_read()) std::memcpy(payload.get_data_ptr(), &read_value, 4);
+  if (auto* const told = payload.get_extension<kit::EarlyWrite>()) told->taken = takes_early;
   delay += ready_after;
   payload.set_response_status(response);
 }

@@ -30,6 +30,7 @@ class Probe : public sc_core::sc_module {
   uint32_t debug_value = 0;
   tlm::tlm_response_status response = tlm::TLM_OK_RESPONSE;
   sc_core::sc_time ready_after;
+  bool takes_early = false;
 
   explicit Probe(sc_core::sc_module_name name);
   void forget();

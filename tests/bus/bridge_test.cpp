@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "kit/early_write.h"
 
 namespace capsoc::test {
 namespace {
@@ -157,6 +158,51 @@ TEST_F(Bridge, KnowsItsTargetsByName) {
   EXPECT_EQ(b.bridge.error(), "");
   EXPECT_EQ(b.bridge.targets(), (std::vector<std::string>{"probe", "sluggish"}));
   EXPECT_EQ(b.bridge.port("ram"), nullptr);
+}
+
+/// What the device says of a write ahead of the kernel.
+class EarlyWrites : public Bridge {
+ protected:
+  /// Whether one was taken.
+  bool write(unsigned length, bool early) {
+    told.early = early;
+    told.taken = false;
+    tlm::tlm_generic_payload payload;
+    Initiator::describe(payload, tlm::TLM_WRITE_COMMAND, at::probe, bytes, length);
+    payload.set_extension(&told);
+    EXPECT_TRUE(b.system.send(payload).ok());
+    payload.clear_extension<kit::EarlyWrite>();
+    return told.taken;
+  }
+  kit::EarlyWrite told;
+};
+
+TEST_F(EarlyWrites, AreTheDevicesToTake) {
+  for (const bool takes : {false, true}) {
+    b.probe.takes_early = takes;
+    EXPECT_EQ(write(4, true), takes);
+    EXPECT_EQ(write(1, true), takes) << "a byte is a word with a strobe";
+    EXPECT_EQ(write(4, false), takes) << "said beforehand";
+  }
+}
+
+TEST_F(EarlyWrites, AreNoBursts) {
+  b.probe.takes_early = true;
+  EXPECT_FALSE(write(8, false));
+}
+
+TEST_F(EarlyWrites, AreNotMadeWhileSomebodySeesTheTransfers) {
+  b.probe.takes_early = true;
+  unsigned seen = 0;
+  const kit::Listening listening =
+      b.matrix.transfers.listen([&](const tlm::tlm_generic_payload&, const sc_core::sc_time&,
+                                    const sc_core::sc_time&) { ++seen; });
+  EXPECT_FALSE(write(4, true));
+  EXPECT_TRUE(b.probe.transfers.empty());
+  EXPECT_EQ(seen, 0u);
+  EXPECT_FALSE(write(4, false));
+  EXPECT_EQ(b.probe.transfers.size(), 1u);
+  EXPECT_EQ(seen, 1u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench.h"
+#include "kit/early_write.h"
 
 namespace capsoc::test {
 namespace {
@@ -380,6 +381,56 @@ TEST_F(UartTest, AResetDropsWhatIsOnTheLineAndLowersTheInterrupts) {
   b.run(2 * byte_time);
   EXPECT_TRUE(sent.empty());
   EXPECT_EQ(get(state), 0u);
+}
+
+/// A write to DATA so many cycles ahead of the kernel.
+class EarlyUartWrite : public UartTest {
+ protected:
+  /// Whether it was taken.
+  bool write_early(uint32_t value, uint64_t cycles, uint64_t offset = data, unsigned length = 4) {
+    tlm::tlm_generic_payload payload;
+    Initiator::describe(payload, tlm::TLM_WRITE_COMMAND, offset,
+                        reinterpret_cast<unsigned char*>(&value), length);
+    kit::EarlyWrite told;
+    told.early = true;
+    payload.set_extension(&told);
+    const sc_core::sc_time lead = b.clock.time_of(b.cycle() + cycles) - b.clock.time_of(b.cycle());
+    EXPECT_TRUE(b.to_uart.send(payload, lead).ok());
+    payload.clear_extension<kit::EarlyWrite>();
+    EXPECT_NE(told.taken, told.refused());
+    return told.taken;
+  }
+};
+
+TEST_F(EarlyUartWrite, SendsAtItsOwnTime) {
+  enable(Uart::ctrl_tx_enable);
+  const uint64_t start = b.cycle();
+  EXPECT_TRUE(write_early('A', 7));
+  EXPECT_TRUE(write_early('B', 9)) << "the first is in the shifter";
+  b.run(2 * byte_time + 20);
+  const std::vector<std::pair<uint64_t, uint8_t>> both = {{start + 7 + byte_time, 'A'},
+                                                          {start + 7 + 2 * byte_time, 'B'}};
+  EXPECT_EQ(sent, both);
+}
+
+TEST_F(EarlyUartWrite, DoesNothingWhereItWouldBeNoticedAtOnce) {
+  const uint64_t before = errors();
+  enable(Uart::ctrl_tx_enable | Uart::ctrl_tx_interrupt);
+  EXPECT_FALSE(write_early('A', 7)) << "the empty buffer is an interrupt";
+  EXPECT_EQ(get(intstatus), 0u);
+  enable(Uart::ctrl_tx_enable);
+  EXPECT_FALSE(write_early(0x141, 7)) << "a reserved bit is reported";
+  EXPECT_FALSE(write_early(0, 7, data + 1, 1)) << "a byte that sends nothing is reported";
+  EXPECT_FALSE(write_early(Uart::ctrl_tx_enable, 7, ctrl));
+  set(data, 'X');
+  set(data, 'Y');
+  EXPECT_FALSE(write_early('Z', 7)) << "an overrun is reported";
+  EXPECT_EQ(get(state), Uart::state_tx_full);
+  EXPECT_EQ(errors(), before);
+  b.run(3 * byte_time);
+  ASSERT_EQ(sent.size(), 2u);
+  EXPECT_EQ(sent[0].second, 'X');
+  EXPECT_EQ(sent[1].second, 'Y');
 }
 
 }  // namespace

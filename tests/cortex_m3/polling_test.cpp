@@ -144,6 +144,44 @@ TEST_F(Polling, ALoopThatCallsAFunctionIsOne) {
   start({0xF000, 0xF802, 0xD0FC, 0xE7FE, 0x6820, 0x4200, 0x4770});
   EXPECT_TRUE(b.core.repeat_turn(Core::never));
 }
+TEST_F(Polling, ATurnBeginsAnewWhereTheWayIntoTheLoopLeftOtherFlags) {
+  Bench skipping, plain;
+  StepCounts steps(plain.core);
+  ExecutionCounts counts;
+  skipping.core.count_executions(&counts);
+  for (Bench* bench : {&skipping, &plain}) {
+    // adds r2,r1,#1; ldr r0,[r4]; lsls r0,#31; bpl .-4; b .
+    bench->start({0x1C4A, 0x6820, 0x07C0, 0xD5FC, 0xE7FE});
+    bench->core.set_reg(4, 0x40000000);
+    bench->core.run(bench->core.cycles() + 2);
+    ASSERT_EQ(bench->core.reg(15), Bench::program + 4) << "behind the first load";
+  }
+  const uint64_t begin = skipping.core.cycles();
+  const auto turn = skipping.core.repeat_turn(Core::never);
+  ASSERT_TRUE(turn);
+  EXPECT_EQ(turn->cycles, 8u);
+  EXPECT_EQ(turn->instructions, 3u);
+  EXPECT_EQ(skipping.core.cycles(), begin + 16) << "the second turn";
+  skipping.core.skip_turns(*turn, 5000);
+  for (Bench* bench : {&skipping, &plain}) {
+    bench->core.run(5000);
+    bench->device = 1;
+    bench->core.run(5100);
+    EXPECT_EQ(bench->core.reg(15), Bench::program + 8);
+  }
+  EXPECT_EQ(skipping.core.cycles(), plain.core.cycles());
+  EXPECT_EQ(skipping.core.instructions(), plain.core.instructions());
+  expect_same_counts(steps, counts);
+  start({0x1C4A, 0x6820, 0x07C0, 0xD5FC, 0xE7FE});
+  b.core.edit().set_xpsr(b.core.state().xpsr() ^ 0xF000'0000);
+  ASSERT_TRUE(b.core.repeat_turn(Core::never));
+  EXPECT_TRUE(b.core.known_turn()) << "by where it began anew";
+}
+TEST_F(Polling, ALoopThatCallsTheSameFunctionTwiceIsOne) {
+  // bl +8; bl +4; beq .-8; b .; ldr r0,[r4]; tst r0,r0; bx lr
+  start({0xF000, 0xF804, 0xF000, 0xF802, 0xD0FA, 0xE7FE, 0x6820, 0x4200, 0x4770});
+  EXPECT_TRUE(b.core.repeat_turn(Core::never));
+}
 TEST_F(Polling, ALoopThatCountsIsNone) {
   start({0x6820, 0x3101, 0x07C0, 0xD5FB, 0xE7FE});  // adds r1,#1 in it
   EXPECT_FALSE(b.core.repeat_turn(Core::never));

@@ -113,6 +113,20 @@ class Determinism(unittest.TestCase):
                 outcomes.append((process.returncode, process.stdout, r))
             self.assertEqual(outcomes[0], outcomes[1], program)
 
+    def test_bytes_sent_in_every_way_come_at_the_same_cycles(self):
+        # What may be done ahead of the kernel, and what may not: for a trace of the bus nothing is.
+        outcomes = {}
+        with tempfile.TemporaryDirectory() as folder:
+            for options in ((), ("--quantum", 1000), ("--quantum", 100), ("--quantum", 1e7), ("-C", "cpu.executor=stepping"),
+                            ("-C", "cpu.executor=blocks"), ("-C", "cpu.fast_forward=false"), ("--trace-bus", Path(folder) / "bus.txt")):
+                log = Path(folder) / "uart1"
+                process, r = run(FIRMWARE / "transmit.elf", "-C", f"uart1.log={log}", *options)
+                self.assertEqual(process.returncode, 0, process.stderr)
+                outcomes[options] = (process.stdout, log.read_bytes(), r["cpu"]["cycles"], r["cpu"]["instructions"])
+        for options, outcome in outcomes.items():
+            self.assertEqual(outcome, outcomes["-C", "cpu.fast_forward=false"], options)
+        self.assertGreater(int(outcomes[()][0].split()[1]), 100, "interrupts")
+
     def test_a_limit_is_at_the_same_instruction_for_all(self):
         # Loops that compute, poll a device and poll memory, cut off in the midst.
         for program in ("forever", "bench_polling", "idle"):
