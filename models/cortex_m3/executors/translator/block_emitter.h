@@ -233,6 +233,9 @@ class BlockEmitter {
   void emit_access(const Step& step, const Access& access, const Address& address);
   unsigned through_window(const Address& address, const Access& access, int number,
                           const Label& otherwise);
+  bool reaches_directly(const Address& address, const Access& access, int number) const;
+  Mem straight_through_window(const Address& address, const Access& access, int number,
+                              const Label& otherwise);
   const MemoryWindow& window(const Access& access, int number) const;
   void charge_waits(const Access& access, int window);
   void emit_slow(const SlowAccess& slow);
