@@ -2,82 +2,13 @@
 // constants, the two bits of SP that are always zero. Against stepping.
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <ostream>
 #include <string>
 #include <vector>
 
-#include "bench.h"
-#include "executors.h"
+#include "translated.h"
 
 namespace capsoc::cortex_m3::test {
-namespace {
-
-using Preparation = std::function<void(Bench&)>;
-
-/// What a program came to.
-struct Outcome {
-  std::vector<uint32_t> registers;
-  std::vector<uint8_t> ram;
-  uint64_t cycles = 0, instructions = 0, faults = 0;
-  uint32_t fault_status = 0, fault_address = 0;
-
-  bool operator==(const Outcome& o) const {
-    return registers == o.registers && ram == o.ram && cycles == o.cycles &&
-           instructions == o.instructions && faults == o.faults && fault_status == o.fault_status &&
-           fault_address == o.fault_address;
-  }
-};
-
-std::ostream& operator<<(std::ostream& out, const Outcome& o) {
-  out << std::hex;
-  for (const uint32_t value : o.registers) out << value << ' ';
-  return out << std::dec << o.cycles << " cycles, " << o.instructions << " instructions, "
-             << o.faults << " faults";
-}
-
-Outcome outcome_of(const Bench& b) {
-  Outcome o;
-  for (unsigned n = 0; n < 16; ++n) o.registers.push_back(b.core.reg(n));
-  o.registers.push_back(b.core.state().xpsr());
-  o.ram = b.ram;
-  o.cycles = b.core.cycles();
-  o.instructions = b.core.instructions();
-  o.faults = b.core.fault_count();
-  o.fault_status = b.core.last_fault().cfsr;
-  o.fault_address = b.core.last_fault().bfar;
-  return o;
-}
-
-/// The same program under stepping and translated at once; what both came to.
-Outcome agreed(const Preparation& prepare, uint64_t cycles = 3000) {
-  Bench stepping, translated;
-  stepping.core.set_executor(Executor::stepping);
-  choose(translated.core, Executor::translator);
-  for (Bench* b : {&stepping, &translated}) {
-    prepare(*b);
-    b->core.run(cycles);
-  }
-  Outcome outcome = outcome_of(stepping);
-  EXPECT_EQ(outcome, outcome_of(translated));
-  const TranslationCounts counts = translated.core.translation().value_or(TranslationCounts{});
-  EXPECT_TRUE(counts.instructions > 0 || !has_translator()) << "nothing was translated";
-  return outcome;
-}
-
-void put(Bench& b, uint32_t address, uint32_t value) {
-  std::memcpy(&b.ram[address - Bench::ram_base], &value, 4);
-}
-
-constexpr uint32_t end_of_ram = Bench::ram_base + 0x8000;
-
-/// The upper half of the host's memory does not belong to the guest.
-void shorten_ram(Bench& b) {
-  b.core.unmap_memory(end_of_ram, 0x8000);
-  for (std::size_t i = 0; i < b.ram.size(); ++i) b.ram[i] = static_cast<uint8_t>(i * 7);
-}
-
-}  // namespace
 
 /// A transfer to or from r0, which moves by a stride each time.
 struct Walk {
@@ -238,6 +169,46 @@ TEST(Windows, CodeThatIsDecodedLaterIsNotWrittenThroughAnOlderWindow) {
   });
 }
 
+TEST(Windows, AScaledIndexBelowZeroReachesWhatIsBelowItsBase) {
+  const Outcome outcome = agreed([](Bench& b) {
+    // ldr.w r1,[r0,r2,lsl #2]; str.w r1,[r3,r2,lsl #2]; adds r2,#1; b
+    b.start({0xF850, 0x1022, 0xF843, 0x1022, 0x3201, 0xE7F9});
+    for (uint32_t at = 0; at < 0x400; at += 4) put(b, Bench::ram_base + at, at);
+    b.core.set_reg(0, Bench::ram_base + 0x200);
+    b.core.set_reg(2, 0u - 100);
+    b.core.set_reg(3, Bench::ram_base + 0x1200);
+  });
+  EXPECT_EQ(outcome.faults, 0u);
+  EXPECT_NE(outcome.ram[0x1200 - 4], 0u);
+}
+
+TEST(Windows, AnAddressThatWrapsIsThatOfItsLower32Bits) {
+  const Outcome outcome = agreed([](Bench& b) {
+    b.start({0x6881, 0x1852, 0xE7FC});  // ldr r1,[r0,#8]; adds r2,r2,r1; b
+    b.core.set_reg(0, Bench::program);
+    b.core.run(200);  // hot, from the memory that begins at 0
+    b.core.set_reg(0, 0u - 4);
+  });
+  EXPECT_EQ(outcome.registers[1], Bench::program | 1) << "the reset vector";
+}
+
+/// The longest row of pages without code begins behind some, and then behind others.
+TEST(Windows, TheLongestRowForStoresMayMove) {
+  constexpr uint32_t moved_over = Bench::ram_base + 0x3000;
+  agreed([](Bench& b) {
+    // blx r5; str r1,[r0]; ldr r2,[r0]; adds r3,r3,r2; adds r1,#1; b
+    b.start({0x47A8, 0x6001, 0x6802, 0x189B, 0x3101, 0xE7F9});
+    b.core.set_reg(0, Bench::ram_base + 0x6000);
+    for (const uint32_t place : {0x1000u, 0xE000u, 0x9000u, 0x3000u}) {
+      put(b, Bench::ram_base + place, 0x47703601);  // adds r6,#1; bx lr
+      b.core.set_reg(5, (Bench::ram_base + place) | 1);
+      b.core.run(b.core.cycles() + 500);
+    }
+    b.core.set_reg(0, moved_over);
+    b.core.set_reg(1, 0x47703602);  // to add more each time
+  });
+}
+
 TEST(Limits, AreKeptByBlocksThatWaitForSlowMemory) {
   constexpr unsigned wait_states = 5;
   Bench stepping(wait_states), translated(wait_states);
@@ -273,123 +244,6 @@ TEST(Windows, OfSlowMemoryTakeItsWaitStates) {
   EXPECT_GT(instructions_with(0), 2 * instructions_with(3));
 }
 
-/// The registers that a block's last flags are made from are written by the next one before it
-/// faults; only then does that one set flags.
-TEST(Flags, LeftToTheNextBlockAreFromBeforeItWroteTheirRegisters) {
-  const Outcome outcome = agreed([](Bench& b) {
-    shorten_ram(b);
-    // add.w r1,r1,#4; ldr r3,[r1]; cmp r1,r5; cmp r1,r2; bne .-10: the last comparison before the
-    // load that faults is with the address of the fault
-    b.start({0xF101, 0x0104, 0x680B, 0x42A9, 0x4291, 0xD1F9});
-    b.core.set_reg(1, end_of_ram - 40);
-    b.core.set_reg(2, end_of_ram);
-    b.core.set_reg(13, end_of_ram - 0x100);
-  });
-  ASSERT_GT(outcome.faults, 0u);
-  uint32_t stacked = 0;
-  std::memcpy(&stacked, &outcome.ram[0x8000 - 0x100 - 4], 4);
-  EXPECT_EQ(stacked >> 28, 0b1000u) << "lower";
-}
-
-/// ... and what they are made from was put aside, and the next block puts something aside as well.
-TEST(Flags, LeftToTheNextBlockAreNotMadeFromWhatThatOnePutsAside) {
-  const Outcome outcome = agreed([](Bench& b) {
-    shorten_ram(b);
-    // movs r0,r5; add.w r0,r0,#1; add.w r6,r6,#4; ldr r3,[r6]; cmp r0,r5; ldr r3,[r6];
-    // cmp.w r1,r4,lsl #1; b .-20
-    b.start(
-        {0x0028, 0xF100, 0x0001, 0xF106, 0x0604, 0x6833, 0x42A8, 0x6833, 0xEBB1, 0x0F44, 0xE7F4});
-    b.core.set_reg(1, 10);
-    b.core.set_reg(4, 1);
-    b.core.set_reg(5, 0x7000'0000);
-    b.core.set_reg(6, end_of_ram - 40);
-    b.core.set_reg(13, end_of_ram - 0x100);
-  });
-  ASSERT_GT(outcome.faults, 0u);
-  uint32_t stacked = 0;
-  std::memcpy(&stacked, &outcome.ram[0x8000 - 0x100 - 4], 4);
-  EXPECT_EQ(stacked >> 28, 0b0010u) << "C of the comparison before the branch";
-}
-
-/// ... and that one has set flags of its own when it returns to a third that sets none.
-TEST(Flags, LeftToTheNextBlockEndWithItsReturn) {
-  const Outcome outcome = agreed([](Bench& b) {
-    shorten_ram(b);
-    // cmp r0,r1; bl f; add.w r6,r6,#4; ldr r4,[r6]; b .-12;  f: cmp r2,r3; bx lr
-    b.start({0x4288, 0xF000, 0xF804, 0xF106, 0x0604, 0x6834, 0xE7F8, 0x429A, 0x4770});
-    b.core.set_reg(0, 5);
-    b.core.set_reg(1, 5);
-    b.core.set_reg(2, 1);
-    b.core.set_reg(3, 2);
-    b.core.set_reg(6, end_of_ram - 40);
-    b.core.set_reg(13, end_of_ram - 0x100);
-  });
-  ASSERT_GT(outcome.faults, 0u);
-  uint32_t stacked = 0;
-  std::memcpy(&stacked, &outcome.ram[0x8000 - 0x100 - 4], 4);
-  EXPECT_EQ(stacked >> 28, 0b1000u) << "lower, as the function found";
-}
-
-/// A maximum and a minimum under IT, whose moves write what the comparison was of.
-TEST(Flags, OfAComparisonSurviveConditionalMovesOfItsRegisters) {
-  agreed([](Bench& b) {
-    // cmp r0,r1; itet lt; movlt r0,r1; movge r1,r0; addlt r0,#3; eors r1,r2; adds r2,#77; b .-14
-    b.start({0x4288, 0xBFB6, 0x4608, 0x4601, 0x3003, 0x4051, 0x324D, 0xE7F7});
-    b.core.set_reg(0, 0x7FFF'FFF0);
-    b.core.set_reg(1, 0x8000'0010);
-    b.core.set_reg(2, 0x5A5A'5A5A);
-  });
-}
-
-/// What nobody reads is still seen by a fault between.
-TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
-  const Outcome outcome = agreed([](Bench& b) {
-    // cmp r0,r1; sdiv r2,r3,r4; cmp r5,r6; b
-    b.start({0x4288, 0xFB93, 0xF2F4, 0x42B5, 0xE7FA});
-    const uint32_t divide_by_zero_traps = 1u << 4;
-    b.core.debug_write(0xE000ED14, &divide_by_zero_traps, 4);
-    for (const unsigned n : {0u, 1u, 4u, 6u}) b.core.set_reg(n, 5);  // equal, and then lower
-    b.core.run(60);
-    b.core.set_reg(4, 0);
-  });
-  EXPECT_GT(outcome.faults, 0u);
-}
-
-TEST(Flags, GoFromOneAdditionWithCarryToTheNextThoughTheBlockIsCutBetweenThem) {
-  constexpr unsigned divisions = 17;  // with them a block has nearly the most cycles it may have
-  for (unsigned loads = 0; loads <= 5; ++loads) {
-    SCOPED_TRACE(loads);
-    agreed([loads](Bench& b) {
-      uint32_t at = Bench::program;
-      b.start({});
-      const auto put_code = [&](unsigned times, std::initializer_list<uint16_t> code) {
-        for (; times > 0; --times, at += 2 * static_cast<uint32_t>(code.size())) b.code(at, code);
-      };
-      put_code(divisions, {0xFBB5, 0xF4F6});  // udiv r4,r5,r6
-      put_code(loads, {0x9C00});              // ldr r4,[sp]
-      put_code(1, {0x1840});                  // adds r0,r0,r1
-      put_code(8, {0x4152});                  // adcs r2,r2
-      put_code(1, {static_cast<uint16_t>(0xE000u | ((Bench::program - (at + 4)) / 2 & 0x7FF))});
-      b.core.set_reg(1, 0x8765'4321);
-      b.core.set_reg(2, 1);
-      b.core.set_reg(5, 0x7FFF'FFFF);
-      b.core.set_reg(6, 3);
-    });
-  }
-}
-TEST(Flags, GoToASubtractionWithCarryThatIsNotTranslated) {
-  // subs r0,r0,r1; sbcs r2,r2,r3; sbcs sp,r4,r5 (UNPREDICTABLE, so left to C++); mov r7,sp;
-  // mov sp,r6; adds r0,r0,r7; b .-14
-  const Outcome outcome = agreed([](Bench& b) {
-    b.start({0x1A40, 0x419A, 0xEB74, 0x0D05, 0x466F, 0x46B5, 0x19C0, 0xE7F7});
-    b.core.set_reg(1, 0x1234'5678);
-    b.core.set_reg(3, 0x8000'0001);
-    b.core.set_reg(4, 0x7777'0000);
-    b.core.set_reg(5, 0x1111'0000);
-    b.core.set_reg(6, Bench::stack);
-  });
-  EXPECT_EQ(outcome.faults, 0u);
-}
 TEST(Branches, BxToAnEvenAddressIsAFaultThoughItsCodeIsTranslated) {
   const Outcome outcome = agreed([](Bench& b) {
     b.start({0x4051, 0x4708});  // eors r1,r2; bx r1: odd, and even in the end
@@ -437,6 +291,13 @@ TEST(Operands, AtTheirBordersGiveTheSameResultsFlagsAndCycles) {
       {0x1A43, 0xEB70, 0x0201, 0xEB62, 0x0401, 0x41A2},  // subs, sbcs, sbc, sbcs
       {0xF05F, 0x4200},                                  // movs r2,#0x80000000
       {0xEA5F, 0x0230},                                  // movs r2,r0,rrx
+      {0x0042, 0x4164},                                  // lsls r2,r0,#1; adcs r4,r4
+      {0x0802, 0x4164},                                  // lsrs r2,r0,#32; adcs r4,r4
+      {0x1002, 0x4164},                                  // asrs r2,r0,#32; adcs r4,r4
+      {0x0842, 0xEA4F, 0x0331, 0x1892},  // lsrs r2,r0,#1; mov r3,r1,rrx; adds r2,r2,r2
+      {0x1042, 0xEA4F, 0x0331, 0x1892},  // asrs, likewise
+      // add.w r8,r8,r0; eor.w r9,r8,r1; sub.w r9,r9,r1; subs.w r8,r8,#1; mov r3,r9
+      {0xEB08, 0x0800, 0xEA88, 0x0901, 0xEBA9, 0x0901, 0xF1B8, 0x0801, 0x464B},
   };
   constexpr uint32_t values[] = {
       0,      1,      31,      32,      33,         63,         64,         256,        0x7FFF,

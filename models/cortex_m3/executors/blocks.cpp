@@ -10,6 +10,7 @@ namespace capsoc::cortex_m3 {
 namespace {
 
 constexpr unsigned usual_length = 32;       // a block grows past conditional branches up to here
+constexpr unsigned straight_length = 64;    // ... and up to here to the first of them
 constexpr uint32_t largest_bound = 0xFFFF;  // of Step::block_cycles
 
 // What an operation does to the flags, for those that can neither fault nor leave the block.
@@ -89,6 +90,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
   uint8_t it = 0;
   uint32_t cycles = 0, most = timing::most_refill;
   timing::Trail trail = timing::no_trail;  // no block is entered with one that pairs
+  bool branches = false;
   while (true) {
     uint32_t offset = address - start;
     if (offset + 2 > Memory::page_size) break;
@@ -103,7 +105,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     static_cast<DecodedOp&>(step) = decode(address, first, second, it);
     const bool depends =
         it != 0 || (trail & timing::trail_pairs) != 0 || timing::folds(trail, step);
-    if (steps.size() >= usual_length && !depends) break;
+    if (steps.size() >= (branches ? usual_length : straight_length) && !depends) break;
     add_cycles(step, trail, wait);
     uint32_t bound =
         step.cycles + Execute::most_extra_cycles(step, machine_.memory.map().largest_wait());
@@ -120,6 +122,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     trail = step.trail;
     steps.push_back(step);
     if (ends_block(step)) break;
+    branches = branches || is(step, kind::branch);
   }
   if (steps.empty()) return nullptr;
   const std::vector<bool> dead = dead_flags(steps);

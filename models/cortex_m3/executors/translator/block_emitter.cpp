@@ -16,7 +16,6 @@ constexpr uint8_t not_pinned = 0xFF;
 constexpr uint8_t host_number[16] = {3,          6,  7,          8,          9,          10,
                                      11,         12, not_pinned, not_pinned, not_pinned, not_pinned,
                                      not_pinned, 13, 14,         not_pinned};
-constexpr unsigned literal_pc = 15;
 constexpr uint32_t unaligned_most = 2;  // cycles of the parts of an access beyond the first
 
 }  // namespace
@@ -152,11 +151,20 @@ uint32_t BlockEmitter::written_by(const DecodedOp& op) {
   return bit(op.rd) | (is(op, kind::long_multiply) ? bit(op.ra) : 0);
 }
 
+/// Under a condition a step reads the flags of that as well, and kills none.
 BlockEmitter::Effects BlockEmitter::effects_of(const DecodedOp& op) {
+  Effects effects = effects_if_executed(op);
+  if (op.condition == condition_always) return effects;
+  if (op.condition > condition_always) return {};
+  effects.reads |= read_by_condition(op.condition);
+  effects.kills = 0;
+  return effects;
+}
+
+BlockEmitter::Effects BlockEmitter::effects_if_executed(const DecodedOp& op) {
   const auto effects = [&](uint8_t reads, uint8_t sets, uint8_t kills) {
     return op.set_flags ? Effects{reads, sets, kills, false} : Effects{reads, 0, 0, false};
   };
-  if (op.condition != condition_always) return {};
   const uint8_t carry = c_bit, none = 0;
   const uint8_t rrx = op.shift.type == ShiftType::rrx ? carry : none;
   const uint8_t logical = nz_bit | (shifter_sets_carry(op) ? carry : none);
@@ -298,10 +306,13 @@ void BlockEmitter::find_visible_flags() {
   for (std::size_t i = steps_.size(); i-- > 0;) {
     visible_[i] = live;
     const Effects effects = effects_of(*steps_[i]);
-    const bool seen = effects.exits || !is_translated(*steps_[i]) || writes_sp(*steps_[i]);
     live = static_cast<uint8_t>((live & ~effects.kills) | effects.reads);
-    if (seen) live = all_flags;
+    if (may_be_left_at(*steps_[i])) live = all_flags;
   }
+}
+
+bool BlockEmitter::may_be_left_at(const Step& step) const {
+  return effects_of(step).exits || !is_translated(step) || writes_sp(step);
 }
 
 void BlockEmitter::emit_steps() {
@@ -328,6 +339,7 @@ void BlockEmitter::emit_step(const Step& step) {
   host_kept_ = false;
   emit_operation(step);
   if (host_serial_ != serial_ && !host_kept_) host_serial_ = 0;
+  forget_host_carries();
   note_values(step);
 }
 
@@ -347,129 +359,6 @@ void BlockEmitter::emit_operation(const Step& step) {
   } else {
     keep_host_flags();  // NOP, IT, barriers
   }
-}
-
-/// Neighbours that obey one condition; one that sets flags is the last.
-std::size_t BlockEmitter::end_of_group() const {
-  std::size_t end = index_;
-  const uint8_t condition = steps_[index_]->condition;
-  while (end < cut_ && steps_[end]->condition == condition) {
-    const Step& step = *steps_[end++];
-    if (step.set_flags || step.operation == Operation::cmp_high || ends_block(step)) break;
-    if (!is_translated(step)) break;
-  }
-  return end;
-}
-
-/// What a step writes to its register, if that can be told by the host without touching its flags.
-std::optional<FlagOperand> BlockEmitter::moved_by(const Step& step) {
-  const FlagOperand n = FlagOperand::reg(step.rn), m = FlagOperand::reg(step.rm);
-  const bool whole = step.shift.amount == 0 && step.rm != literal_pc;
-  switch (step.operation) {
-    case Operation::mov_imm:
-      return FlagOperand::number(step.imm);
-    case Operation::mvn_imm:
-      return FlagOperand::number(~step.imm);
-    case Operation::mov_reg:
-    case Operation::mov_high:
-      if (!whole) break;
-      return m;
-    case Operation::add_imm:
-    case Operation::sub_imm: {
-      if (step.rn == literal_pc) break;
-      FlagOperand sum = n;
-      sum.imm = step.operation == Operation::add_imm ? step.imm : 0u - step.imm;
-      return sum;
-    }
-    case Operation::add_reg: {
-      if (!whole || step.rn == literal_pc) break;
-      FlagOperand sum = n;
-      sum.plus = m.base;
-      return sum;
-    }
-    default:
-      break;
-  }
-  return std::nullopt;
-}
-
-/// True if a group can be written as conditional moves, which count nothing. What nothing predicts
-/// costs no wrong guess then, and a second group behind it (ITE) finds the host's flags as the
-/// first did.
-bool BlockEmitter::all_are_moves(std::size_t end) const {
-  for (std::size_t i = index_; i < end; ++i) {
-    const Step& step = *steps_[i];
-    const bool plain = is_translated(step) && !step.set_flags && step.cycles == 1;
-    if (!plain || !pinned(step.rd) || step.rd == 13 || !moved_by(step)) return false;
-  }
-  return true;
-}
-
-void BlockEmitter::emit_moves(std::size_t end, Cond condition) {
-  for (; index_ < end; ++index_) {
-    const Step& step = *steps_[index_];
-    list_step(step);
-    const FlagOperand value = *moved_by(step);
-    Operand from = x86::eax;
-    if (value.base == FlagOperand::none) {
-      a_.mov(x86::eax, value.imm);
-    } else if (value.is_register()) {
-      from = at(value.base);
-    } else {
-      const Gp base = read(value.base, x86::eax);
-      if (value.plus == FlagOperand::none)
-        a_.lea(x86::eax, sum_of(base, static_cast<int32_t>(value.imm)));
-      else
-        a_.lea(x86::eax, sum_of(base, read(value.plus, x86::ecx)));
-    }
-    a_.emit(x86::Inst::cmovccFromCond(condition), host(step.rd), from);
-    values_[step.rd].reset();
-  }
-}
-
-/// Steps of an IT block under one jump, or as conditional moves. Behind it the flags are where they
-/// were before it.
-void BlockEmitter::emit_conditional_group() {
-  const std::size_t end = end_of_group();
-  const unsigned condition_code = steps_[index_]->condition;
-  uint32_t written = 0, saved = 0;
-  bool sets = false;
-  for (std::size_t i = index_; i < end; ++i) {
-    const Step& step = *steps_[i];
-    written |= written_by(step);
-    saved += step.cycles - 1u;
-    sets = sets || step.set_flags || step.operation == Operation::cmp_high;
-  }
-  const uint32_t first = steps_[index_]->address;
-  protect(written, 0, all_flags);
-  if (sets) settle_all();
-  const bool always = condition_code >= condition_always;
-  if (!always && machine_.counts == nullptr && all_are_moves(end)) {
-    emit_moves(end, condition(condition_code));
-    index_ = end - 1;
-    return;
-  }
-  const Label skip = a_.newLabel(), join = a_.newLabel();
-  if (!always) a_.j(x86::negateCond(condition(condition_code)), skip);
-  const FlagSources flags = flags_;
-  for (; index_ < end && open_; ++index_) emit_step(*steps_[index_]);
-  index_ = end - 1;
-  if (sets && open_) {
-    settle_all();
-  } else {
-    flags_ = flags;
-  }
-  host_serial_ = 0;
-  for (unsigned n = 0; n < 16; ++n)
-    if ((written >> n & 1) != 0 && n != 13) values_[n].reset();
-  if (always) return;
-  const bool counts = machine_.counts != nullptr;
-  if (open_ && (saved != 0 || counts)) a_.jmp(join);
-  a_.bind(skip);
-  if (counts) count(machine_.counts->skips(first, next_address(*steps_[index_])));
-  if (saved != 0) a_.add(x86::r15, constant(uint64_t{saved} << 32));
-  a_.bind(join);
-  open_ = true;
 }
 
 /// What is rarely executed, behind the block.

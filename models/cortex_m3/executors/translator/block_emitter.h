@@ -94,7 +94,7 @@ class BlockEmitter {
     Address address;
     int window = -1;
   };
-  enum class HostFlags : uint8_t { nz, sum, difference };
+  enum class HostFlags : uint8_t { nz, shift, sum, difference };  // shift: N, Z and C
   struct TakenBranch {
     Label label;
     const Step* step;
@@ -117,17 +117,14 @@ class BlockEmitter {
   void emit_steps();
   void emit_step(const Step& step);
   void emit_operation(const Step& step);
-  void emit_conditional_group();
-  std::size_t end_of_group() const;
-  bool all_are_moves(std::size_t end) const;
-  void emit_moves(std::size_t end, Cond condition);
-  static std::optional<FlagOperand> moved_by(const Step& step);
   void emit_cold();
   void emit_data_area();
   bool writes_sp(const Step& step) const;
   bool is_translated(const Step& step) const;
   uint32_t bound_of(const Step& step) const;
+  bool may_be_left_at(const Step& step) const;
   static Effects effects_of(const DecodedOp& op);
+  static Effects effects_if_executed(const DecodedOp& op);
   static uint32_t written_by(const DecodedOp& op);
   Label exit_at(const Step& step);
   Label stub(const BlockExit& exit);
@@ -138,12 +135,25 @@ class BlockEmitter {
     open_ = false;
   }
 
+  // emit_conditional.cpp: steps of IT blocks
+  enum class GroupForm : uint8_t { jump, moves, masked };
+  void emit_conditional_group();
+  std::size_t end_of_group(std::size_t begin) const;
+  uint8_t visible_behind_group(std::size_t begin, std::size_t end) const;
+  GroupForm form_of_group(std::size_t end) const;
+  void emit_moves(std::size_t end, Cond condition);
+  void emit_move(const Step& step, Cond condition);
+  void emit_masked(std::size_t end, Cond condition);
+  static std::optional<FlagOperand> moved_by(const Step& step);
+  static std::optional<asmjit::x86::Inst::Id> masked_by(const Step& step);
+
   // emit_listing.cpp
   void begin_listing();
   void list_step(const Step& step);
   void list_line(const char* text);
 
   // block_emitter.cpp: registers
+  static constexpr unsigned literal_pc = 15;
   static bool pinned(unsigned n);
   /// Operands as asmjit has them.
   static asmjit::Imm number(uint32_t value);
@@ -168,6 +178,9 @@ class BlockEmitter {
   void in_host(HostFlags which);
   void protect(uint32_t written, uint8_t killed, uint8_t visible);
   bool die_in_block(uint8_t which) const;
+  bool only_next_reads(uint8_t which) const;
+  void forget_host_carries();
+  static uint8_t read_by_condition(unsigned guest_condition);
   std::array<unsigned, 2> free_words() const;
   bool put_aside(uint8_t which, uint32_t registers, const unsigned* words, std::size_t count);
   FlagOperand aside(const Gp& value);
@@ -204,25 +217,31 @@ class BlockEmitter {
   void emit_sum(const Step& step);
   void emit_with_carry(const Step& step);
   void emit_high(const Step& step);
+  void emit_sp(const Step& step);
+  void carry_to_host(bool borrow);
+  bool store_shifter_carry(const Step& step) const;
+  asmjit::Operand second_operand(const Step& step, const Gp& scratch, bool carry);
+  static Gp shift_place(const Step& step);
+  static bool works_in_state(const Step& step, const asmjit::Operand& second);
+  static bool leaves_host_flags(const Shift& shift);
+  void shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry);
+  void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y,
+                     bool writes);
+  void settle_from_host(uint8_t which, const Gp& result, bool borrow);
+
+  // emit_bits.cpp
   void emit_shift_by_register(const Step& step);
   void emit_shift_with_carry(const Step& step);
   void emit_extract(const Step& step);
   void emit_extend(const Step& step);
   void emit_insert(const Step& step);
   void emit_reverse(const Step& step);
+
+  // emit_multiply.cpp
   void emit_multiply(const Step& step);
   void emit_long_multiply(const Step& step);
   void emit_divide(const Step& step);
-  void emit_sp(const Step& step);
   void charge(const Gp& cycles);
-  void carry_to_host(bool borrow);
-  bool store_shifter_carry(const Step& step) const;
-  asmjit::Operand second_operand(const Step& step, const Gp& scratch, bool carry);
-  static Gp shift_place(const Step& step);
-  void shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry);
-  void set_source_of(const Step& step, FlagSource::Of of, FlagOperand x, FlagOperand y,
-                     bool writes);
-  void settle_from_host(uint8_t which, const Gp& result, bool borrow);
 
   // emit_memory.cpp
   void emit_transfer(const Step& step);
@@ -233,6 +252,9 @@ class BlockEmitter {
   void emit_access(const Step& step, const Access& access, const Address& address);
   unsigned through_window(const Address& address, const Access& access, int number,
                           const Label& otherwise);
+  bool reaches_directly(const Address& address, const Access& access, int number) const;
+  Mem straight_through_window(const Address& address, const Access& access, int number,
+                              const Label& otherwise);
   const MemoryWindow& window(const Access& access, int number) const;
   void charge_waits(const Access& access, int window);
   void emit_slow(const SlowAccess& slow);

@@ -82,6 +82,17 @@ Operand BlockEmitter::second_operand(const Step& step, const Gp& scratch, bool c
   return scratch;
 }
 
+/// True for an operation on a register that is in no host register and that keeps the result: the
+/// host does it in one instruction.
+bool BlockEmitter::works_in_state(const Step& step, const Operand& second) {
+  return !pinned(step.rd) && step.rd == step.rn && !second.isMem();
+}
+
+/// True if the host's shift leaves N, Z and C of the result as the host's.
+bool BlockEmitter::leaves_host_flags(const Shift& shift) {
+  return shift.type <= ShiftType::asr && shift.amount >= 1 && shift.amount <= 31;
+}
+
 /// Where the second operand of an operation that may take its two either way round is shifted: in
 /// the result's place, unless the first operand is there.
 x86::Gp BlockEmitter::shift_place(const Step& step) {
@@ -199,6 +210,8 @@ void BlockEmitter::emit_logical(const Step& step) {
   const bool carry = store_shifter_carry(step);
   const Gp to = destination(step.rd, x86::eax);
   bool host = false;  // the host's N and Z are the result's
+  bool kept = false;  // ... and its carry stays there
+  bool in_place = false;
   switch (operation) {
     case Operation::mov_imm:
     case Operation::mvn_imm: {
@@ -211,7 +224,10 @@ void BlockEmitter::emit_logical(const Step& step) {
     case Operation::mov_reg:
     case Operation::mvn_reg:
       if (is_shifted(step)) {
-        shift_constant(to, step.rm, step.shift, carry);
+        const bool plain = operation == Operation::mov_reg && leaves_host_flags(step.shift);
+        host = plain;
+        kept = plain && carry && only_next_reads(c_bit);
+        shift_constant(to, step.rm, step.shift, carry && !kept);
       } else {
         keep_host_flags();
         read_to(to, step.rm);
@@ -245,7 +261,10 @@ void BlockEmitter::emit_logical(const Step& step) {
     default: {
       const Operand m = second_operand(step, shift_place(step), carry);
       const x86::Inst::Id id = logical_instruction(operation);
-      if (m.isReg() && m.as<Gp>() == to) {
+      in_place = works_in_state(step, m);
+      if (in_place) {
+        a_.emit(id, in_state(step.rd), m);
+      } else if (m.isReg() && m.as<Gp>() == to) {
         a_.emit(id, to, at(step.rn));
       } else {
         read_to(to, step.rn);
@@ -254,12 +273,10 @@ void BlockEmitter::emit_logical(const Step& step) {
       host = true;
     }
   }
-  written(step.rd, to);
-  if (carry) set_sources(c_bit, {});
-  if ((want & nz_bit) != 0) {
-    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-    if (host) in_host(HostFlags::nz);
-  }
+  if (!in_place) written(step.rd, to);
+  if (carry) set_sources(c_bit, {kept ? Of::host : Of::memory, {}, {}, 0});
+  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  if (host && want != 0) in_host(kept ? HostFlags::shift : HostFlags::nz);
 }
 
 /// TST, TEQ.
@@ -347,7 +364,10 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
     a_.lea(to, sum_of(host(step.rn), static_cast<int32_t>(0u - step.imm)));
     return;
   }
-  if (reversed) {
+  const bool in_place = writes && !reversed && works_in_state(step, second);
+  if (in_place) {
+    a_.emit(x86::Inst::kIdSub, in_state(step.rd), second);
+  } else if (reversed) {
     const bool negate = immediate && step.imm == 0;
     if (negate) {
       read_to(to, step.rn);
@@ -365,7 +385,7 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
     read_to(to, step.rn);
     a_.emit(x86::Inst::kIdSub, to, second);
   }
-  if (writes) written(step.rd, to);
+  if (writes && !in_place) written(step.rd, to);
   if (want == 0) return;
   if (!writes) return settle_from_host(want, to, true);
   in_host(HostFlags::difference);
@@ -413,13 +433,16 @@ void BlockEmitter::emit_sum(const Step& step) {
     other = aside(second.as<Gp>());
   else if (asked && doubles)
     other = aside(read(step.rm, x86::ecx));
-  if (second.isReg() && second.as<Gp>() == to) {
+  const bool in_place = writes && works_in_state(step, second);
+  if (in_place) {
+    a_.emit(x86::Inst::kIdAdd, in_state(step.rd), second);
+  } else if (second.isReg() && second.as<Gp>() == to) {
     a_.emit(x86::Inst::kIdAdd, to, at(step.rn));
   } else {
     read_to(to, step.rn);
     a_.emit(x86::Inst::kIdAdd, to, second);
   }
-  if (writes) written(step.rd, to);
+  if (writes && !in_place) written(step.rd, to);
   if (want == 0) return;
   in_host(HostFlags::sum);
   if (!writes) return set_sources(all_flags, {Of::sum, n, other, 0});
@@ -450,13 +473,9 @@ void BlockEmitter::emit_with_carry(const Step& step) {
   in_host(subtract ? HostFlags::difference : HostFlags::sum);
   set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
   set_sources(c_bit | v_bit, {Of::host, {}, {}, 0});
-  // Nobody else sees the carry if the next step takes it at once, and is translated.
-  const Step* next = index_ + 1 < cut_ && index_ + 1 < steps_.size() ? steps_[index_ + 1] : nullptr;
-  const bool chained = next != nullptr && effects_of(*next).kills == all_flags &&
-                       traits(next->operation).flags == FlagEffect::with_carry &&
-                       is_translated(*next);
-  if (!chained) settle_carries(want & (c_bit | v_bit));
-  if (!chained && (want & (c_bit | v_bit)) != (c_bit | v_bit))
+  if (only_next_reads(c_bit | v_bit)) return;
+  settle_carries(want & (c_bit | v_bit));
+  if ((want & (c_bit | v_bit)) != (c_bit | v_bit))
     set_sources(static_cast<uint8_t>((c_bit | v_bit) & ~want), {});
 }
 
@@ -472,302 +491,6 @@ void BlockEmitter::emit_high(const Step& step) {
   const Gp n = read(step.rn, x86::eax), m = read(step.rm, x86::ecx);
   a_.lea(to, sum_of(n, m));
   written(step.rd, to);
-}
-
-/// LSL, LSR, ASR and ROR by the bottom byte of a register.
-void BlockEmitter::emit_shift_by_register(const Step& step) {
-  const uint8_t want = wanted(step);
-  if ((want & c_bit) != 0) return emit_shift_with_carry(step);
-  read_to(x86::ecx, step.rm);
-  a_.movzx(x86::ecx, x86::cl);
-  const Gp n = read(step.rn, x86::eax);
-  const Gp to = destination(step.rd, x86::eax);
-  switch (step.operation) {
-    case Operation::lsl_reg:
-    case Operation::lsr_reg:
-      if (step.operation == Operation::lsl_reg)
-        a_.shlx(x86::eax, n, x86::ecx);
-      else
-        a_.shrx(x86::eax, n, x86::ecx);
-      a_.cmp(x86::ecx, 32);
-      a_.sbb(x86::ecx, x86::ecx);
-      a_.and_(x86::eax, x86::ecx);
-      break;
-    case Operation::asr_reg:
-      a_.mov(x86::edx, 31);
-      a_.cmp(x86::ecx, x86::edx);
-      a_.cmova(x86::ecx, x86::edx);
-      a_.sarx(x86::eax, n, x86::ecx);
-      break;
-    default:
-      if (n != x86::eax) a_.mov(x86::eax, n);
-      a_.ror(x86::eax, x86::cl);
-      break;
-  }
-  if (to != x86::eax) a_.mov(to, x86::eax);
-  written(step.rd, to);
-  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-}
-
-/// ... whose carry, kept where nothing is shifted, is stored. In 64 bits the last bit shifted out
-/// stays beside the result.
-void BlockEmitter::emit_shift_with_carry(const Step& step) {
-  settle(c_bit);
-  const Label unshifted = a_.newLabel();
-  read_to(x86::ecx, step.rm);
-  a_.movzx(x86::ecx, x86::cl);
-  read_to(x86::eax, step.rn);
-  unsigned carry = 31;
-  if (step.operation == Operation::ror_reg) {
-    a_.mov(x86::edx, x86::ecx);
-    a_.ror(x86::eax, x86::cl);
-    a_.test(x86::edx, x86::edx);
-  } else {
-    a_.mov(x86::edx, 63);
-    a_.cmp(x86::ecx, x86::edx);
-    a_.cmova(x86::ecx, x86::edx);
-    if (step.operation != Operation::lsl_reg) a_.shl(x86::rax, 32);
-    if (step.operation == Operation::lsl_reg)
-      a_.shlx(x86::rax, x86::rax, x86::rcx);
-    else if (step.operation == Operation::lsr_reg)
-      a_.shrx(x86::rax, x86::rax, x86::rcx);
-    else
-      a_.sarx(x86::rax, x86::rax, x86::rcx);
-    if (step.operation == Operation::lsl_reg) carry = 32;
-    a_.test(x86::ecx, x86::ecx);
-  }
-  a_.jz(unshifted);
-  a_.bt(x86::rax, carry);
-  a_.setc(state_byte(&machine_.state.c));
-  a_.bind(unshifted);
-  const bool upper = step.operation == Operation::lsr_reg || step.operation == Operation::asr_reg;
-  if (upper) a_.shr(x86::rax, 32);
-  write(step.rd, x86::eax);
-  set_sources(c_bit, {});
-  if ((wanted(step) & nz_bit) != 0)
-    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-}
-
-/// SBFX, UBFX.
-void BlockEmitter::emit_extract(const Step& step) {
-  const unsigned lsb = step.field.lsb, rest = 32 - lsb;
-  const unsigned width = std::min<unsigned>(static_cast<unsigned>(step.field.width), rest);
-  const Gp to = destination(step.rd, x86::eax);
-  read_to(to, step.rn);
-  if (step.operation == Operation::ubfx) {
-    if (lsb != 0) a_.shr(to, lsb);
-    if (width < rest) a_.and_(to, number((1u << width) - 1));
-  } else {
-    if (rest != width) a_.shl(to, rest - width);
-    if (width != 32) a_.sar(to, 32 - width);
-  }
-  written(step.rd, to);
-}
-
-void BlockEmitter::emit_extend(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
-  keep_host_flags();
-  Gp from = read(step.rm, x86::eax);
-  if ((step.shift.amount & 31) != 0) {
-    a_.rorx(x86::eax, from, step.shift.amount & 31);
-    from = x86::eax;
-  }
-  switch (step.operation) {
-    case Operation::sxtb:
-      a_.movsx(to, from.r8());
-      break;
-    case Operation::sxth:
-      a_.movsx(to, from.r16());
-      break;
-    case Operation::uxtb:
-      a_.movzx(to, from.r8());
-      break;
-    default:
-      a_.movzx(to, from.r16());
-      break;
-  }
-  written(step.rd, to);
-}
-
-/// BFI, BFC, MOVT, ADR.
-void BlockEmitter::emit_insert(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
-  if (step.operation == Operation::adr) {
-    keep_host_flags();
-    a_.mov(to, (pc_of(step) & ~3u) + step.imm);
-    return written(step.rd, to);
-  }
-  if (step.operation == Operation::movt) {
-    read_to(to, step.rd);
-    a_.and_(to, 0xFFFF);
-    if (step.imm != 0) a_.or_(to, number(step.imm << 16));
-    return written(step.rd, to);
-  }
-  if (step.field.width < 1) return keep_host_flags();
-  const auto width = static_cast<unsigned>(static_cast<uint8_t>(step.field.width));
-  const uint32_t low = width >= 32 ? ~0u : (1u << width) - 1;
-  const uint32_t mask = low << (static_cast<uint8_t>(step.field.lsb) & 31u);
-  if (step.operation == Operation::bfi) {
-    read_to(x86::ecx, step.rn);
-    if (step.field.lsb != 0) a_.shl(x86::ecx, step.field.lsb);
-    a_.and_(x86::ecx, number(mask));
-  }
-  read_to(to, step.rd);
-  a_.and_(to, number(~mask));
-  if (step.operation == Operation::bfi) a_.or_(to, x86::ecx);
-  written(step.rd, to);
-}
-
-/// REV, REV16, REVSH, RBIT, CLZ.
-void BlockEmitter::emit_reverse(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
-  const auto exchange = [&](uint32_t mask, unsigned by) {
-    a_.mov(x86::ecx, x86::eax);
-    a_.shr(x86::ecx, by);
-    a_.and_(x86::ecx, number(mask));
-    a_.and_(x86::eax, number(mask));
-    a_.shl(x86::eax, by);
-    a_.or_(x86::eax, x86::ecx);
-  };
-  read_to(x86::eax, step.rm);
-  switch (step.operation) {
-    case Operation::clz:  // without LZCNT: BSR gives the highest bit, nothing for zero
-      a_.mov(x86::ecx, 63);
-      a_.bsr(x86::eax, x86::eax);
-      a_.cmovz(x86::eax, x86::ecx);
-      a_.xor_(x86::eax, 31);
-      break;
-    case Operation::rev:
-      a_.bswap(x86::eax);
-      break;
-    case Operation::rev16:
-      a_.bswap(x86::eax);
-      a_.rol(x86::eax, 16);
-      break;
-    case Operation::revsh:
-      a_.bswap(x86::eax);
-      a_.sar(x86::eax, 16);
-      break;
-    default:
-      a_.bswap(x86::eax);
-      exchange(0x0F0F0F0F, 4);
-      exchange(0x33333333, 2);
-      exchange(0x55555555, 1);
-      break;
-  }
-  if (to != x86::eax) a_.mov(to, x86::eax);
-  written(step.rd, to);
-}
-
-/// MUL, MLA, MLS.
-void BlockEmitter::emit_multiply(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
-  if (step.operation == Operation::mul && (to == x86::eax || step.rd == step.rn)) {
-    read_to(to, step.rn);
-    a_.emit(x86::Inst::kIdImul, to, at(step.rm));
-  } else {
-    read_to(x86::eax, step.rn);
-    a_.emit(x86::Inst::kIdImul, x86::eax, at(step.rm));
-    if (step.operation == Operation::mul) {
-      a_.mov(to, x86::eax);
-    } else if (step.operation == Operation::mla) {
-      a_.emit(x86::Inst::kIdAdd, x86::eax, at(step.ra));
-      if (to != x86::eax) a_.mov(to, x86::eax);
-    } else {
-      read_to(x86::ecx, step.ra);
-      a_.sub(x86::ecx, x86::eax);
-      a_.mov(to, x86::ecx);
-    }
-  }
-  written(step.rd, to);
-  if ((wanted(step) & nz_bit) != 0)
-    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-}
-
-/// Takes cycles that depend on operands, in the lower half of a register that is cleared by it.
-void BlockEmitter::charge(const Gp& cycles) {
-  a_.shl(cycles.r64(), 32);
-  a_.sub(x86::r15, cycles.r64());
-}
-
-/// SMULL, UMULL, SMLAL, UMLAL.
-void BlockEmitter::emit_long_multiply(const Step& step) {
-  const bool is_signed = step.operation == Operation::smull || step.operation == Operation::smlal;
-  const bool accumulate = step.operation == Operation::smlal || step.operation == Operation::umlal;
-  // Cycles: one for each operand of more than 16 bits; edx counts.
-  a_.xor_(x86::edx, x86::edx);
-  for (const unsigned n : {unsigned{step.rn}, unsigned{step.rm}}) {
-    read_to(x86::eax, n);
-    if (is_signed) {
-      a_.mov(x86::ecx, x86::eax);
-      a_.neg(x86::ecx);
-      a_.cmovns(x86::eax, x86::ecx);
-    }
-    a_.cmp(x86::eax, 0x10000);
-    a_.sbb(x86::edx, -1);
-  }
-  if (accumulate) {  // 0, 1 or 3
-    a_.mov(x86::eax, x86::edx);
-    a_.shr(x86::eax, 1);
-    a_.add(x86::edx, x86::eax);
-  }
-  charge(x86::edx);
-  if (is_signed) {
-    a_.emit(x86::Inst::kIdMovsxd, x86::rax, at(step.rn));
-    a_.emit(x86::Inst::kIdMovsxd, x86::rcx, at(step.rm));
-  } else {
-    read_to(x86::eax, step.rn);
-    read_to(x86::ecx, step.rm);
-  }
-  a_.imul(x86::rax, x86::rcx);
-  if (accumulate) {
-    read_to(x86::ecx, step.ra);
-    a_.shl(x86::rcx, 32);
-    read_to(x86::edx, step.rd);
-    a_.or_(x86::rcx, x86::rdx);
-    a_.add(x86::rax, x86::rcx);
-  }
-  write(step.rd, x86::eax);
-  a_.shr(x86::rax, 32);
-  write(step.ra, x86::eax);
-}
-
-/// SDIV, UDIV. A divisor of zero is left to C++.
-void BlockEmitter::emit_divide(const Step& step) {
-  const bool is_signed = step.operation == Operation::sdiv;
-  const Label short_one = a_.newLabel();
-  const auto magnitude_to = [&](const Gp& to, const Gp& scratch, unsigned n) {
-    read_to(to, n);
-    if (!is_signed) return;
-    a_.mov(scratch, to);
-    a_.neg(scratch);
-    a_.cmovns(to, scratch);
-  };
-  magnitude_to(x86::ecx, x86::edx, step.rm);
-  a_.test(x86::ecx, x86::ecx);
-  a_.jz(exit_at(step));
-  magnitude_to(x86::eax, x86::edx, step.rn);
-  a_.cmp(x86::eax, x86::ecx);
-  a_.jb(short_one);
-  a_.bsr(x86::eax, x86::eax);
-  a_.bsr(x86::ecx, x86::ecx);
-  a_.sub(x86::eax, x86::ecx);
-  a_.shr(x86::eax, 2);
-  a_.inc(x86::eax);
-  charge(x86::eax);
-  a_.bind(short_one);
-  if (is_signed) {  // in 64 bits the smallest number by -1 wraps instead of raising an exception
-    a_.emit(x86::Inst::kIdMovsxd, x86::rax, at(step.rn));
-    a_.emit(x86::Inst::kIdMovsxd, x86::rcx, at(step.rm));
-    a_.cqo();
-    a_.idiv(x86::rcx);
-  } else {
-    read_to(x86::eax, step.rn);
-    read_to(x86::ecx, step.rm);
-    a_.xor_(x86::edx, x86::edx);
-    a_.div(x86::ecx);
-  }
-  write(step.rd, x86::eax);
 }
 
 /// Computes R13 from others: with bits that do not exist in it, it is left to C++.

@@ -46,6 +46,29 @@ bool BlockEmitter::die_in_block(uint8_t which) const {
   return false;
 }
 
+/// True if flags that are the host's need not be stored: the next step takes them from there, an
+/// addition with carry, RRX or the condition of a group, and nobody sees them behind it.
+bool BlockEmitter::only_next_reads(uint8_t which) const {
+  const std::size_t at = index_ + 1;
+  if (at >= cut_ || steps_[index_]->condition != condition_always) return false;
+  const Step& next = *steps_[at];
+  if (next.condition != condition_always || may_be_left_at(next)) return false;
+  if (next.operation == Operation::it) {
+    const std::size_t group = at + 1;
+    if (group >= cut_ || steps_[group]->condition >= condition_always) return false;
+    return (visible_behind_group(group, end_of_group(group)) & which) == 0;
+  }
+  const bool takes = traits(next.operation).flags == FlagEffect::with_carry ||
+                     (next.shift.type == ShiftType::rrx && is(next, kind::data));
+  return takes && (visible_[at] & ~effects_of(next).kills & which) == 0;
+}
+
+/// A carry that was only the host's and is no longer there was of no use to anybody.
+void BlockEmitter::forget_host_carries() {
+  for (FlagSource* source : {&flags_.c, &flags_.v})
+    if (source->of == Of::host && source->serial != host_serial_) *source = {};
+}
+
 /// Words that none of the flags is made from: three flags of two operands leave as many.
 std::array<unsigned, 2> BlockEmitter::free_words() const {
   std::array<unsigned, 2> free{};
@@ -198,6 +221,9 @@ void BlockEmitter::settle(uint8_t which) {
   if (!unsettled(flags_.nz)) which &= static_cast<uint8_t>(~nz_bit);
   if (!unsettled(flags_.c)) which &= static_cast<uint8_t>(~c_bit);
   if (!unsettled(flags_.v)) which &= static_cast<uint8_t>(~v_bit);
+  // Those that only the host has come first: computing others changes them.
+  if (which != 0 && flags_.c.of == Of::host) which |= c_bit;
+  if (which != 0 && flags_.v.of == Of::host) which |= v_bit;
   for (const uint8_t bit : {c_bit, v_bit}) {
     if ((which & bit) == 0) continue;
     const FlagSource source = bit == c_bit ? flags_.c : flags_.v;
@@ -241,11 +267,16 @@ constexpr x86::CondCode behind_difference[14] = {
 struct Needs {
   bool nz, c, v;
 };
-constexpr Needs needs[7] = {{true, false, false}, {false, true, false}, {true, false, false},
+constexpr Needs needs[8] = {{true, false, false}, {false, true, false}, {true, false, false},
                             {false, false, true}, {true, true, false},  {true, false, true},
-                            {true, false, true}};
+                            {true, false, true},  {false, false, false}};
 
 }  // namespace
+
+uint8_t BlockEmitter::read_by_condition(unsigned guest_condition) {
+  const Needs need = needs[guest_condition >> 1];
+  return static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) | (need.v ? v_bit : 0));
+}
 
 /// The condition as one of the host's, if one operation made all its flags.
 std::optional<x86::CondCode> BlockEmitter::condition_from_host(unsigned guest_condition) {
@@ -305,9 +336,7 @@ x86::CondCode BlockEmitter::condition_from_memory(unsigned guest_condition) {
 /// Makes the host's flags tell a condition of the guest (not AL).
 x86::CondCode BlockEmitter::condition(unsigned guest_condition) {
   if (const auto code = condition_from_host(guest_condition)) return *code;
-  const Needs need = needs[guest_condition >> 1];
-  settle(
-      static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) | (need.v ? v_bit : 0)));
+  settle(read_by_condition(guest_condition));
   return condition_from_memory(guest_condition);
 }
 
@@ -345,7 +374,7 @@ bool BlockEmitter::leave_recoverable(uint32_t target) {
 /// True if the block at an address sets all pending flags before it reads one or ends. The
 /// registers that it writes before that are added to `written`.
 bool BlockEmitter::stays_recoverable(uint32_t target, uint32_t& written) const {
-  constexpr unsigned furthest = 12;
+  constexpr unsigned furthest = 48;
   if (machine_.debugging.has_breakpoints()) return false;
   const Memory::Page& memory = machine_.memory.map().page(target);
   uint8_t pending =

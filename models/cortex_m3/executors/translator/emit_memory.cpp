@@ -96,10 +96,12 @@ std::optional<uint32_t> BlockEmitter::guess(const Address& address) const {
 /// to be where the stack is.
 int BlockEmitter::window_of(const Address& address, bool store) const {
   const uint32_t place = guess(address).value_or(machine_.state.r[13] - 4);
-  const auto& windows = store ? context_.write : context_.read;
-  for (unsigned i = 0; i < HostContext::windows; ++i)
-    if (windows[i].host != nullptr && place - windows[i].base < windows[i].units[0])
-      return static_cast<int>(i);
+  Access access;
+  access.store = store;
+  for (int i = 0; i < static_cast<int>(HostContext::windows * (store ? 2 : 1)); ++i) {
+    const MemoryWindow& window = this->window(access, i);
+    if (window.host != nullptr && place - window.base < window.units[0]) return i;
+  }
   return -1;
 }
 
@@ -110,14 +112,61 @@ void BlockEmitter::emit_access(const Step& step, const Access& access, const Add
   if (window < 0) return look_up(address, access, exit);
   slow_.push_back({a_.newLabel(), a_.newLabel(), exit, access, address, window});
   const SlowAccess slow = slow_.back();
-  const unsigned shift = through_window(address, access, window, slow.entry);
+  Mem place;
+  if (reaches_directly(address, access, window)) {
+    place = straight_through_window(address, access, window, slow.entry);
+  } else {
+    const unsigned shift = through_window(address, access, window, slow.entry);
+    place = x86::ptr(x86::rcx, x86::rax, shift, 0, access.size);
+  }
   charge_waits(access, window);
-  transfer(access, x86::ptr(x86::rcx, x86::rax, shift, 0, access.size));
+  transfer(access, place);
   a_.bind(slow.back);
 }
 
+/// True for an access of one register whose address can be made in 64 bits by the access itself. A
+/// sum that wraps is beyond the window then; with an index that is not scaled, which may well be
+/// negative, it is made in 32 bits first.
+bool BlockEmitter::reaches_directly(const Address& address, const Access& access,
+                                    int number) const {
+  constexpr uint32_t furthest = 0x7FFF'0000;  // what a displacement holds, and an offset more
+  const bool scaled = address.index != none && address.shift != 0;
+  const MemoryWindow& window = this->window(access, number);
+  return access.words() == 1 && access.list == 0 && address.base != none &&
+         (address.index == none || scaled) && window.fixed && window.base < furthest;
+}
+
+/// The place of such an access. Whoever waits for what is loaded waits for no more than the
+/// registers of its address: the comparison is made beside it.
+x86::Mem BlockEmitter::straight_through_window(const Address& address, const Access& access,
+                                               int number, const Label& otherwise) {
+  const MemoryWindow& window = this->window(access, number);
+  const unsigned unit = access.aligned ? 0 : log2_of(access.size);
+  const auto offset = static_cast<int32_t>(address.imm);
+  const auto displacement = static_cast<int32_t>(address.imm - window.base);
+  const bool scaled = address.index != none;
+  const Gp base = read(address.base, x86::eax);
+  const Gp index = scaled ? read(address.index, x86::ecx) : Gp(x86::ecx);
+  a_.lea(x86::rdx,
+         scaled ? sum_of(base, index, address.shift, displacement) : sum_of(base, displacement));
+  if (unit != 0) a_.rorx(x86::rdx, x86::rdx, unit);
+  a_.cmp(x86::rdx, context(&window.units[unit]));
+  a_.jae(otherwise);
+  if (!scaled) {
+    a_.mov(x86::rcx, context(&window.bias));
+    return x86::ptr(x86::rcx, base.r64(), 0, offset, access.size);
+  }
+  if (base != x86::eax) a_.mov(x86::eax, base);
+  a_.add(x86::rax, context(&window.bias));
+  return x86::ptr(x86::rax, index.r64(), address.shift, offset, access.size);
+}
+
+/// Those for reading, or those for writing, the ones with a fixed base first.
 const MemoryWindow& BlockEmitter::window(const Access& access, int number) const {
-  return (access.store ? context_.write : context_.read)[static_cast<unsigned>(number)];
+  const auto n = static_cast<unsigned>(number);
+  if (!access.store) return context_.read[n];
+  return n < HostContext::windows ? context_.write_from_base[n]
+                                  : context_.write[n - HostContext::windows];
 }
 
 /// The wait states of an access that its window has.
@@ -132,8 +181,8 @@ unsigned BlockEmitter::through_window(const Address& address, const Access& acce
   const MemoryWindow& window = this->window(access, number);
   const unsigned unit = access.aligned ? 0 : log2_of(access.size);
   const unsigned words = access.words();
-  address_to(x86::eax, address, access.store ? 0 : window.base);
-  if (access.store) a_.sub(x86::eax, context(&window.base, 4));
+  address_to(x86::eax, address, window.fixed ? window.base : 0);
+  if (!window.fixed) a_.sub(x86::eax, context(&window.base, 4));
   if (unit != 0) a_.rorx(x86::eax, x86::eax, unit);
   if (words == 1) {
     a_.cmp(x86::eax, context(&window.units[unit], 4));

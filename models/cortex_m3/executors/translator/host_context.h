@@ -12,7 +12,9 @@ namespace capsoc::cortex_m3 {
 struct MemoryWindow {
   uint64_t units[3] = {};  ///< its size in bytes, halfwords, words; 0: closed
   uint8_t* host = nullptr;
+  uint64_t bias = 0;  ///< from an address of the guest to the host's
   uint32_t base = 0;
+  bool fixed = false;        ///< the base stays as long as there is translated code
   uint32_t wait_states = 0;  ///< of its region, as long as there is translated code for it
 };
 
@@ -28,7 +30,8 @@ struct HostContext {
   WordsAside aside{};
   // Kept for a moment by a return.
   uint64_t place = 0, target = 0;
-  std::array<MemoryWindow, windows> read, write;  ///< by region
+  /// By region: for reading; for writing the longest row without code, and the one it begins with.
+  std::array<MemoryWindow, windows> read, write, write_from_base;
 };
 
 }  // namespace capsoc::cortex_m3

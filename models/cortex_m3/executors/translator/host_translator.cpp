@@ -38,7 +38,7 @@ class HostTranslator : public Translator {
   const Step* execute(const void* entry, uint64_t left);
   const Step* leave(const BlockExit& exit);
   void refresh_windows();
-  void open_window(const Memory::Region& region, MemoryWindow& read, MemoryWindow& write);
+  void open_windows(const Memory::Region& region, std::size_t number);
   void drop_all();
 
   Machine& machine_;
@@ -167,33 +167,36 @@ void HostTranslator::refresh_windows() {
   windows_of_ = memory.changes();
   context_.read.fill({});
   context_.write.fill({});
+  context_.write_from_base.fill({});
   const auto& regions = memory.regions();
   for (std::size_t i = 0; i < regions.size() && i < HostContext::windows; ++i)
-    open_window(regions[i], context_.read[i], context_.write[i]);
+    open_windows(regions[i], i);
   if (machine_.memory.is_whole_view()) return;
-  for (auto* windows : {&context_.read, &context_.write})
+  for (auto* windows : {&context_.read, &context_.write, &context_.write_from_base})
     for (MemoryWindow& window : *windows) std::fill_n(window.units, 3, 0);
 }
 
-/// The whole pages of a region for reading; for writing the longest row of them without code.
-void HostTranslator::open_window(const Memory::Region& region, MemoryWindow& read,
-                                 MemoryWindow& write) {
+/// The whole pages of a region for reading; for writing two rows of them without code.
+void HostTranslator::open_windows(const Memory::Region& region, std::size_t number) {
   const bool aligned = (region.base & (Memory::page_size - 1)) == 0;
   const uint32_t size = region.size & ~(Memory::page_size - 1);
   if (!aligned || size == 0) return;
-  const auto open = [&](MemoryWindow& window, uint32_t from, uint32_t bytes) {
+  const auto open = [&](MemoryWindow& window, uint32_t from, uint32_t bytes, bool fixed) {
     window = {{bytes, bytes / 2, bytes / 4},
               region.host + (from - region.base),
+              reinterpret_cast<uintptr_t>(region.host) - region.base,
               from,
+              fixed,
               region.wait_states};
   };
-  open(read, region.base, size);
+  open(context_.read[number], region.base, size, true);
   if (!region.writable) return;
   std::vector<uint32_t> code = machine_.memory.map().code_pages();
   std::sort(code.begin(), code.end());
-  uint32_t from = region.base, best = region.base, longest = 0;
+  uint32_t from = region.base, best = region.base, longest = 0, first = 0;
   const uint32_t end = region.base + size;  // 0 at the top of the address space
   const auto row = [&](uint32_t until) {
+    if (from == region.base) first = until - from;
     if (until - from > longest) {
       longest = until - from;
       best = from;
@@ -206,7 +209,8 @@ void HostTranslator::open_window(const Memory::Region& region, MemoryWindow& rea
     from = page + Memory::page_size;
   }
   row(end);
-  if (longest != 0) open(write, best, longest);
+  if (longest != 0) open(context_.write[number], best, longest, false);
+  open(context_.write_from_base[number], region.base, first, true);
 }
 
 /// The buffer is full: everything is translated anew where it is still hot.
