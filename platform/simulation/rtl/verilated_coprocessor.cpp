@@ -72,15 +72,15 @@ class MemoryRestore final : public VerilatedDeserialize {
 namespace {
 
 using capsoc::rtl::has_outputs;
+using capsoc::rtl::held_alone;
+using capsoc::rtl::nothing_at_all;
+using capsoc::rtl::other_state;
 using capsoc::rtl::outputs;
+using capsoc::rtl::sample_alone;
 using capsoc::rtl::specialised_edges;
 using capsoc::rtl::specialised_outputs;
 using capsoc::rtl::SpecialisedEdge;
 using capsoc::rtl::SpecialisedState;
-using capsoc::rtl::held_alone;
-using capsoc::rtl::nothing_at_all;
-using capsoc::rtl::other_state;
-using capsoc::rtl::sample_alone;
 using capsoc::rtl::stage_0_alone;
 using Root = Vcoprocessor_probe___024root;
 
@@ -196,7 +196,8 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
 
   /// Puts the inputs on the design, if they do not write and the next edge can be specialised.
   bool drive_specialised() {
-    if (waves || !has_outputs || (pins.psel && pins.pwrite) || !may_drive(root(), pins)) return false;
+    if (waves || !has_outputs || (pins.psel && pins.pwrite) || !may_drive(root(), pins))
+      return false;
     capsoc::rtl::drive_pins(*top, pins);
     put_on_design(root(), pins);
     stale_ = true;
