@@ -2,8 +2,8 @@
 """capsoc regress as a user runs it, on the real Verilated coprocessor."""
 
 import json
-import re
 import os
+import re
 import signal
 import subprocess
 import sys
