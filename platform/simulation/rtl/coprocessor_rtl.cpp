@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
 #include "coprocessor/register_map.h"
@@ -207,6 +208,11 @@ class CoprocessorRtl::Pins {
 
   std::optional<Error> open_waves(const std::string& file, unsigned period_ns) {
     settle();
+    // The writer removes what has the name and makes a file of its own.
+    std::error_code ignored;
+    if (const auto status = std::filesystem::status(file, ignored);
+        std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+      return Error{fmt::format("{}: is no file; name one for the waves", file)};
     std::FILE* test = std::fopen(file.c_str(), "wb");
     const int reason = errno;
     if (test != nullptr) std::fclose(test);

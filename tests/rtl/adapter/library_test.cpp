@@ -88,6 +88,10 @@ TEST(RtlLibrary, WavesThatCannotBeWrittenAreAnError) {
   const auto error = rtl.open_waves("/nonexistent/waves.fst");
   ASSERT_TRUE(error);
   EXPECT_NE(error->text.find("/nonexistent/waves.fst: cannot be written"), std::string::npos);
+  const std::string folder = testing::TempDir();
+  const auto no_file = rtl.open_waves(folder);
+  ASSERT_TRUE(no_file);
+  EXPECT_EQ(no_file->text, folder + ": is no file; name one for the waves");
 }
 
 }  // namespace
