@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <mutex>
+#include <string_view>
 #include <systemc>
 
 #include "cli/commands.h"
@@ -69,6 +70,35 @@ std::string exit_code_text() {
   return text;
 }
 
+/// A command in the order of --help.
+struct Command {
+  std::string_view name;
+  void (*add)(CLI::App& app, int& code);
+  bool of_all = false;  ///< reads what the others declare
+};
+
+constexpr Command commands[] = {
+    {"run", cli::add_run},
+    {"fit", cli::add_fit},
+    {"info", cli::add_info},
+    {"reproduce", cli::add_reproduce},
+    {"accuracy", cli::add_accuracy},
+    {"bench", cli::add_bench},
+    {"regress", cli::add_regress},
+    {"campaign", cli::add_campaign},
+    {"report", cli::add_report},
+    {"new", cli::add_new},
+    {"generate", cli::add_generate, true},
+};
+
+/// All commands; one alone if the command line begins with its name, since their hundreds of
+/// options would be declared at every start.
+void add_commands(CLI::App& app, std::string_view first_word, int& code) {
+  for (const Command& command : commands)
+    if (command.name == first_word && !command.of_all) return command.add(app, code);
+  for (const Command& command : commands) command.add(app, code);
+}
+
 /// What the command line asks for, as an exit code.
 int perform(int argc, char* argv[]) {
   CLI::App app{
@@ -78,17 +108,7 @@ int perform(int argc, char* argv[]) {
   app.require_subcommand(1);
   app.footer(exit_code_text());
   int code = run::exit_code::internal;
-  cli::add_run(app, code);
-  cli::add_fit(app, code);
-  cli::add_info(app, code);
-  cli::add_reproduce(app, code);
-  cli::add_accuracy(app, code);
-  cli::add_bench(app, code);
-  cli::add_regress(app, code);
-  cli::add_campaign(app, code);
-  cli::add_report(app, code);
-  cli::add_new(app, code);
-  cli::add_generate(app, code);
+  add_commands(app, argc > 1 ? argv[1] : "", code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -106,8 +106,7 @@ std::optional<Error> write_results(const run::RunResult& result, const run::RunS
   return host::write_together(files);
 }
 
-int run_command(const RunArguments& arguments) {
-  run::RunSettings settings;
+int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (auto error = collect(arguments, settings)) return refuse(error->text);
   if (arguments.list) {
     list_settings(settings);
@@ -174,8 +173,8 @@ void add_run(CLI::App& app, int& code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand(
       "run", "Run firmware on the SoC; without arguments: calibrate the sensor of Eq (21)");
-  const run::RunSettings declared;
-  for (const Setting& setting : declared.all())
+  auto settings = std::make_shared<run::RunSettings>();
+  for (const Setting& setting : settings->all())
     if (!setting.command.name.empty()) add_setting_option(*run, setting, arguments);
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")
@@ -189,7 +188,7 @@ void add_run(CLI::App& app, int& code) {
                 "List the settings that the program has, with units and ranges");
   run->add_flag("--list-params", arguments->list,
                 "List all settings with their values and where these come from");
-  run->callback([arguments, &code] { code = run_command(*arguments); });
+  run->callback([arguments, settings, &code] { code = run_command(*arguments, *settings); });
 }
 
 }  // namespace capsoc::cli
