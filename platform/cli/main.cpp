@@ -5,10 +5,14 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <systemc>
+#include <vector>
 
 #include "cli/commands.h"
 #include "cli/exit_codes.h"
@@ -91,16 +95,25 @@ constexpr Command commands[] = {
     {"generate", cli::add_generate, true},
 };
 
-/// All commands; one alone if the command line begins with its name, since their hundreds of
-/// options would be declared at every start.
-void add_commands(CLI::App& app, std::string_view first_word, int& code) {
-  for (const Command& command : commands)
-    if (command.name == first_word && !command.of_all) return command.add(app, code);
+void add_all(CLI::App& app, int& code) {
   for (const Command& command : commands) command.add(app, code);
 }
 
-/// What the command line asks for, as an exit code.
-int perform(int argc, char* argv[]) {
+/// What a line needs that is right: the options of the command that it begins with, and of the many
+/// of `run` those that it names.
+void add_needed(CLI::App& app, const std::vector<std::string>& words, int& code) {
+  if (words.empty()) return add_all(app, code);
+  if (words.front() == "run") return cli::add_run(app, code, words);
+  for (const Command& command : commands)
+    if (command.name == words.front() && !command.of_all) return command.add(app, code);
+  add_all(app, code);
+}
+
+enum class Declared { needed, all };
+
+/// What the command line asks for, as an exit code; none if that takes all declarations: help and
+/// complaints.
+std::optional<int> perform(int argc, char* argv[], Declared declared) {
   CLI::App app{
       "capsoc: a virtual prototype of a system-on-chip that calibrates angle sensors by itself",
       "capsoc"};
@@ -108,12 +121,17 @@ int perform(int argc, char* argv[]) {
   app.require_subcommand(1);
   app.footer(exit_code_text());
   int code = run::exit_code::internal;
-  add_commands(app, argc > 1 ? argv[1] : "", code);
+  if (declared == Declared::all)
+    add_all(app, code);
+  else
+    add_needed(app, {argv + std::min(argc, 1), argv + argc}, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
+    if (declared == Declared::needed) return std::nullopt;
     return app.exit(success);  // --help and --version
   } catch (const CLI::ParseError& error) {
+    if (declared == Declared::needed) return std::nullopt;
     return cli::refuse(sentence(app, error));
   } catch (const std::exception& error) {
     return cli::refuse(
@@ -121,6 +139,12 @@ int perform(int argc, char* argv[]) {
         run::exit_code::internal);
   }
   return code;
+}
+
+/// As an exit code. All options of all commands would take longer to declare than a short run.
+int perform(int argc, char* argv[]) {
+  const std::optional<int> code = perform(argc, argv, Declared::needed);
+  return code ? *code : perform(argc, argv, Declared::all).value();
 }
 
 }  // namespace
