@@ -1,13 +1,15 @@
 #include "csfn/kernels.h"
 
+#include "support/host_features.h"
+
 namespace capsoc::csfn {
 
 bool supported(Width width) {
   switch (width) {
     case Width::avx512:
-      return __builtin_cpu_supports("avx512f") != 0;
+      return host_has_avx512();
     case Width::avx2:
-      return __builtin_cpu_supports("avx2") != 0;
+      return host_has_avx2();
     case Width::sse2:
       break;
   }

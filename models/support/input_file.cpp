@@ -64,7 +64,7 @@ Result<std::string> read_input(const std::string& path, const InputLimits& limit
     return refused(path, what, limits);
   // To its end and not by its size: the kernel's own files have none, and a file may be growing.
   std::string text;
-  std::array<char, 1U << 16U> piece;
+  std::array<char, 1U << 14U> piece;  // few new pages of the stack
   for (;;) {
     const ssize_t got = ::read(file.get(), piece.data(), piece.size());
     if (got < 0 && errno == EINTR) continue;

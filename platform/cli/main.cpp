@@ -5,9 +5,14 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <systemc>
+#include <vector>
 
 #include "cli/commands.h"
 #include "cli/exit_codes.h"
@@ -69,8 +74,46 @@ std::string exit_code_text() {
   return text;
 }
 
-/// What the command line asks for, as an exit code.
-int perform(int argc, char* argv[]) {
+/// A command in the order of --help.
+struct Command {
+  std::string_view name;
+  void (*add)(CLI::App& app, int& code);
+  bool of_all = false;  ///< reads what the others declare
+};
+
+constexpr Command commands[] = {
+    {"run", cli::add_run},
+    {"fit", cli::add_fit},
+    {"info", cli::add_info},
+    {"reproduce", cli::add_reproduce},
+    {"accuracy", cli::add_accuracy},
+    {"bench", cli::add_bench},
+    {"regress", cli::add_regress},
+    {"campaign", cli::add_campaign},
+    {"report", cli::add_report},
+    {"new", cli::add_new},
+    {"generate", cli::add_generate, true},
+};
+
+void add_all(CLI::App& app, int& code) {
+  for (const Command& command : commands) command.add(app, code);
+}
+
+/// What a line needs that is right: the options of the command that it begins with, and of the many
+/// of `run` those that it names.
+void add_needed(CLI::App& app, const std::vector<std::string>& words, int& code) {
+  if (words.empty()) return add_all(app, code);
+  if (words.front() == "run") return cli::add_run(app, code, words);
+  for (const Command& command : commands)
+    if (command.name == words.front() && !command.of_all) return command.add(app, code);
+  add_all(app, code);
+}
+
+enum class Declared { needed, all };
+
+/// What the command line asks for, as an exit code; none if that takes all declarations: help and
+/// complaints.
+std::optional<int> perform(int argc, char* argv[], Declared declared) {
   CLI::App app{
       "capsoc: a virtual prototype of a system-on-chip that calibrates angle sensors by itself",
       "capsoc"};
@@ -78,22 +121,17 @@ int perform(int argc, char* argv[]) {
   app.require_subcommand(1);
   app.footer(exit_code_text());
   int code = run::exit_code::internal;
-  cli::add_run(app, code);
-  cli::add_fit(app, code);
-  cli::add_info(app, code);
-  cli::add_reproduce(app, code);
-  cli::add_accuracy(app, code);
-  cli::add_bench(app, code);
-  cli::add_regress(app, code);
-  cli::add_campaign(app, code);
-  cli::add_report(app, code);
-  cli::add_new(app, code);
-  cli::add_generate(app, code);
+  if (declared == Declared::all)
+    add_all(app, code);
+  else
+    add_needed(app, {argv + std::min(argc, 1), argv + argc}, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
+    if (declared == Declared::needed) return std::nullopt;
     return app.exit(success);  // --help and --version
   } catch (const CLI::ParseError& error) {
+    if (declared == Declared::needed) return std::nullopt;
     return cli::refuse(sentence(app, error));
   } catch (const std::exception& error) {
     return cli::refuse(
@@ -101,6 +139,12 @@ int perform(int argc, char* argv[]) {
         run::exit_code::internal);
   }
   return code;
+}
+
+/// As an exit code. All options of all commands would take longer to declare than a short run.
+int perform(int argc, char* argv[]) {
+  const std::optional<int> code = perform(argc, argv, Declared::needed);
+  return code ? *code : perform(argc, argv, Declared::all).value();
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <functional>
 #include <memory>
 
 #include "cli/commands.h"
@@ -106,8 +108,7 @@ std::optional<Error> write_results(const run::RunResult& result, const run::RunS
   return host::write_together(files);
 }
 
-int run_command(const RunArguments& arguments) {
-  run::RunSettings settings;
+int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (auto error = collect(arguments, settings)) return refuse(error->text);
   if (arguments.list) {
     list_settings(settings);
@@ -168,15 +169,24 @@ void add_setting_option(CLI::App& run, const Setting& setting,
   if (declared.form == Form::optional_value) option->expected(0, 1);
 }
 
-}  // namespace
+/// True if the command line may set it: it is no option, or one of the words.
+bool may_be_set(const SettingOption& option, const std::vector<std::string>& words) {
+  if (option.name.rfind('-', 0) != 0) return true;
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return word.compare(0, word.find('='), option.name) == 0;
+  });
+}
 
-void add_run(CLI::App& app, int& code) {
+/// Declares the command with the options of those settings that `is_needed`.
+void declare_run(CLI::App& app, int& code,
+                 const std::function<bool(const SettingOption&)>& is_needed) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand(
       "run", "Run firmware on the SoC; without arguments: calibrate the sensor of Eq (21)");
-  const run::RunSettings declared;
-  for (const Setting& setting : declared.all())
-    if (!setting.command.name.empty()) add_setting_option(*run, setting, arguments);
+  auto settings = std::make_shared<run::RunSettings>();
+  for (const Setting& setting : settings->all())
+    if (!setting.command.name.empty() && is_needed(setting.command))
+      add_setting_option(*run, setting, arguments);
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")
       ->type_name("PATH=VALUE")
@@ -189,7 +199,18 @@ void add_run(CLI::App& app, int& code) {
                 "List the settings that the program has, with units and ranges");
   run->add_flag("--list-params", arguments->list,
                 "List all settings with their values and where these come from");
-  run->callback([arguments, &code] { code = run_command(*arguments); });
+  run->callback([arguments, settings, &code] { code = run_command(*arguments, *settings); });
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& code) {
+  declare_run(app, code, [](const SettingOption&) { return true; });
+}
+
+void add_run(CLI::App& app, int& code, const std::vector<std::string>& words) {
+  declare_run(app, code,
+              [&words](const SettingOption& option) { return may_be_set(option, words); });
 }
 
 }  // namespace capsoc::cli

@@ -243,12 +243,21 @@ class Options(unittest.TestCase):
 
     def test_wrong_ones_are_named_with_the_nearest(self):
         self.refuse("--sensor", "run", "--senser", "x")
+        self.refuse("--sensor", "run", "--arithmetic", "paper", "--senser", "x")
         self.refuse("run", "rum")
         self.refuse("coprocessor.arithmetic", "run", "-C", "coprocessor.arithmetik=paper")
         self.refuse("paper, precise", "run", "--arithmetic", "exact")
         self.refuse("out of range", "run", "--quantum", "0")
         self.refuse("whole number", "run", "-C", "sensor.adc_bits=twelve")
         self.refuse("CAPSOC_SENSOR_FILE", "run", environment={"CAPSOC_SENSOR_FIEL": "x"})
+
+    def test_help_has_all_options_whichever_are_given(self):
+        text = capsoc("run", "--help").stdout
+        self.assertIn(b"--sensor", text)
+        self.assertEqual(capsoc("run", "--arithmetic", "paper", "--help").stdout, text)
+
+    def test_options_take_their_value_after_an_equals_sign(self):
+        self.assertEqual(self.value_of("coprocessor.arithmetic", "--arithmetic=paper"), "paper")
 
     def value_of(self, setting, *arguments, **keywords):
         process = capsoc("run", "--list-params", *arguments, **keywords)

@@ -1,8 +1,6 @@
 #include "cortex_m3/isa/decoder.h"
 
-#include <algorithm>
 #include <array>
-#include <vector>
 
 #include "cortex_m3/isa/alu.h"
 
@@ -49,22 +47,55 @@ constexpr unsigned precedence(const Encoding& e) {
   return e.fixed_bits + (e.form == Form::load_lit ? 32u : 0u);
 }
 
+/// The lines, those that are meant before those that match as well.
+constexpr std::array<int16_t, table_size> by_precedence() {
+  std::array<int16_t, table_size> order{};
+  for (unsigned count = 0; count < table_size; ++count) {
+    unsigned place = count;
+    for (; place > 0 && precedence(table[order[place - 1]]) < precedence(table[count]); --place)
+      order[place] = order[place - 1];
+    order[place] = static_cast<int16_t>(count);
+  }
+  return order;
+}
+
+constexpr unsigned bucket_count = 512;
+constexpr uint32_t bucket_bits = 0x1FF00000u;
+
+/// How many buckets the 32-bit lines are in, altogether.
+constexpr unsigned count_wide() {
+  unsigned count = 0;
+  for (const Encoding& e : table) {
+    if (e.length != 32) continue;
+    unsigned buckets = bucket_count;
+    for (uint32_t fixed = e.mask & bucket_bits; fixed != 0; fixed &= fixed - 1) buckets /= 2;
+    count += buckets;
+  }
+  return count;
+}
+
 /// 16-bit encodings by their value; 32-bit ones in buckets of bits 28..20, most fixed bits first.
 struct Lookup {
-  std::vector<int16_t> narrow = std::vector<int16_t>(65536, -1);
-  std::array<std::vector<int16_t>, 512> wide;
+  std::array<int16_t, 65536> narrow{};
+  std::array<uint16_t, bucket_count + 1> begins{};  ///< of the buckets, in `wide`
+  std::array<int16_t, count_wide()> wide{};
 
-  Lookup() {
-    std::vector<int16_t> order(table_size);
-    for (unsigned i = 0; i < table_size; ++i) order[i] = static_cast<int16_t>(i);
-    std::stable_sort(order.begin(), order.end(), [](int16_t a, int16_t b) {
-      return precedence(table[a]) > precedence(table[b]);
-    });
-    for (int16_t i : order) {
-      table[i].length == 16 ? add_narrow(i) : add_wide(i);
+  constexpr Lookup() {
+    for (int16_t& place : narrow) place = -1;
+    const std::array<int16_t, table_size> order = by_precedence();
+    for (const int16_t i : order)
+      if (table[i].length == 16) add_narrow(i);
+    unsigned end = 0;
+    for (uint32_t bucket = 0; bucket < bucket_count; ++bucket) {
+      for (const int16_t i : order) {
+        const Encoding& e = table[i];
+        if (e.length == 32 && ((bucket << 20 ^ e.value) & e.mask & bucket_bits) == 0)
+          wide[end++] = i;
+      }
+      begins[bucket + 1] = static_cast<uint16_t>(end);
     }
   }
-  void add_narrow(int16_t index) {
+  constexpr void add_narrow(int16_t index) {
     const Encoding& e = table[index];
     const uint32_t fields = ~e.mask & 0xFFFF;
     uint32_t bits = 0;  // each value of the fields in turn
@@ -74,19 +105,11 @@ struct Lookup {
       bits = (bits - fields) & fields;
     } while (bits != 0);
   }
-  void add_wide(int16_t index) {
-    const Encoding& e = table[index];
-    for (uint32_t bucket = 0; bucket < 512; ++bucket) {
-      uint32_t mask = e.mask & 0x1FF00000u;
-      if (((bucket << 20) & mask) == (e.value & mask)) wide[bucket].push_back(index);
-    }
-  }
 };
 
-const Lookup& lookup() {
-  static const Lookup instance;
-  return instance;
-}
+// The compiler makes it: a program would take as long as a short run does. Not `constexpr`, which
+// is an error where a compiler has less patience.
+const Lookup lookup;
 
 /// The bits of each letter of a pattern, concatenated.
 struct Fields {
@@ -312,11 +335,12 @@ unsigned encoding_count() {
 
 const Encoding* find_encoding(uint32_t encoding, unsigned size) {
   if (size == 2) {
-    int16_t index = lookup().narrow[encoding & 0xFFFF];
+    int16_t index = lookup.narrow[encoding & 0xFFFF];
     return index < 0 ? nullptr : &table[index];
   }
-  for (int16_t index : lookup().wide[(encoding >> 20) & 0x1FF]) {
-    const Encoding& e = table[index];
+  const unsigned bucket = (encoding & bucket_bits) >> 20;
+  for (unsigned i = lookup.begins[bucket]; i < lookup.begins[bucket + 1]; ++i) {
+    const Encoding& e = table[lookup.wide[i]];
     if ((encoding & e.mask) == e.value) return &e;
   }
   return nullptr;

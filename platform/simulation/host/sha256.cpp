@@ -68,7 +68,7 @@ std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return "";
   Sha256 digest;
-  char buffer[65536];
+  char buffer[16384];  // few new pages of the stack
   while (file.read(buffer, sizeof buffer) || file.gcount() > 0)
     digest.update(buffer, static_cast<std::size_t>(file.gcount()));
   return digest.hex();

@@ -18,6 +18,7 @@
 namespace capsoc {
 namespace {
 
+constexpr std::size_t usual_count = 160;  // that a run declares, and some
 constexpr uint64_t largest_file = 1U << 20U;
 
 std::string environment_name(const std::string& path) {
@@ -87,6 +88,7 @@ Setting Setting::by(SettingOption declared) && {
 }
 
 std::size_t Settings::add(Setting setting, SettingParser* parser) {
+  if (settings_.empty()) settings_.reserve(usual_count);
   built_in_.push_back(setting.value);
   settings_.push_back(std::move(setting));
   parsers_.push_back(parser);

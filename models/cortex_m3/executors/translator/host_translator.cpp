@@ -5,6 +5,7 @@
 #include "cortex_m3/executors/translator/block_emitter.h"
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
+#include "support/host_features.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -225,8 +226,7 @@ void HostTranslator::drop_all() {
 
 std::unique_ptr<Translator> Translator::make(Machine& machine, const TranslatorLimits& limits,
                                              std::string& reason) {
-  const bool bmi = __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-  if (!limits.bit_manipulation || !bmi) {
+  if (!limits.bit_manipulation || !host_has_bit_manipulation()) {
     reason = "this processor has no BMI1 and BMI2";
     return nullptr;
   }
