@@ -43,6 +43,9 @@ class MemoryAccess {
   BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged);
   BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged);
   BusResult read_physical(uint32_t address, unsigned size, uint32_t& value);
+  /// The host's bytes of words that may all be accessed directly, their wait states charged; null:
+  /// one by one, by read() and write(). No more than 16.
+  uint8_t* plain(uint32_t address, unsigned words, bool write);
 
   // For the executors.
   Memory& map() { return memory_; }
@@ -74,7 +77,7 @@ class MemoryAccess {
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.
   void collect();
-  /// Lets stores into the page of the vector table go the slow way, if somebody is told of them.
+  /// Lets stores into the vector table go the slow way, if somebody is told of them.
   void watch_vectors();
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.

@@ -257,6 +257,7 @@ class BlockEmitter {
                               const Label& otherwise);
   const MemoryWindow& window(const Access& access, int number) const;
   void charge_waits(const Access& access, int window);
+  void emit_beside_code(const Address& address, const Access& access, const Label& exit);
   void emit_slow(const SlowAccess& slow);
   void emit_unaligned(const SlowAccess& slow);
   void emit_return(const Step& step, const Access& access, const Address& address,
@@ -280,7 +281,7 @@ class BlockEmitter {
   void emit_close(const Step& step);
   static uint64_t cost(const Step& step, unsigned refill);
   void emit_entries();
-  int32_t entries_offset() const;
+  int32_t in_code_page(const void* member) const;
 
   Machine& machine_;
   HostContext& context_;

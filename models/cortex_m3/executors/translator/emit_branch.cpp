@@ -108,7 +108,7 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
     const uint32_t index = (target & (Memory::page_size - 1)) >> 1;
-    a_.mov(x86::rcx, x86::ptr(x86::rcx, entries_offset() + static_cast<int32_t>(8 * index)));
+    a_.mov(x86::rcx, x86::ptr(x86::rcx, in_code_page(page_->entries.data()) + static_cast<int32_t>(8 * index)));
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
     if (refill != 0) a_.sub(x86::rcx, refill_bytes);
@@ -116,8 +116,8 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
   }
 }
 
-int32_t BlockEmitter::entries_offset() const {
-  return static_cast<int32_t>(reinterpret_cast<const uint8_t*>(page_->entries.data()) -
+int32_t BlockEmitter::in_code_page(const void* member) const {
+  return static_cast<int32_t>(static_cast<const uint8_t*>(member) -
                               reinterpret_cast<const uint8_t*>(page_));
 }
 
@@ -152,7 +152,7 @@ void BlockEmitter::find_entry(const Step& step) {
   a_.jz(exit);
   a_.mov(x86::edx, x86::eax);
   a_.and_(x86::edx, Memory::page_size - 2);
-  a_.mov(x86::rcx, x86::ptr(x86::rcx, x86::rdx, 2, entries_offset()));
+  a_.mov(x86::rcx, x86::ptr(x86::rcx, x86::rdx, 2, in_code_page(page_->entries.data())));
   a_.test(x86::rcx, x86::rcx);
   a_.jz(exit);
   a_.and_(x86::eax, ~1);

@@ -25,6 +25,7 @@ struct HostContext {
   /// Upper half: cycles left, below zero when the budget is over. Lower half: instructions so far.
   uint64_t budget = 0;
   const Memory::Page* pages = nullptr;  ///< the view in use
+  uint64_t closed = 0;                  ///< all ones: no store beside code, its page may forbid it
   const void* leave = nullptr;          ///< the code that returns to C++
   uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
   WordsAside aside{};

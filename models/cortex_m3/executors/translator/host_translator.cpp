@@ -171,6 +171,7 @@ void HostTranslator::refresh_windows() {
   const auto& regions = memory.regions();
   for (std::size_t i = 0; i < regions.size() && i < HostContext::windows; ++i)
     open_windows(regions[i], i);
+  context_.closed = machine_.memory.is_whole_view() ? 0 : ~uint64_t{0};
   if (machine_.memory.is_whole_view()) return;
   for (auto* windows : {&context_.read, &context_.write, &context_.write_from_base})
     for (MemoryWindow& window : *windows) std::fill_n(window.units, 3, 0);
