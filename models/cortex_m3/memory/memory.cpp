@@ -32,6 +32,7 @@ Memory::Page& Memory::view_page(Page* view, uint32_t address) {
 }
 
 void Memory::clear_views() {
+  ++view_changes_;
   for (unsigned i = 0; i < views_.size(); ++i) {
     for (uint32_t index : filled_[i]) views_[i][index] = Page{};
     filled_[i].clear();

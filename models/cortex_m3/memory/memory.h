@@ -77,6 +77,8 @@ class Memory {
   const std::vector<uint32_t>& code_pages() const { return code_pages_; }
   /// Counts what changes the answer of one of these two.
   uint64_t changes() const { return changes_; }
+  /// Counts what makes a view shorter.
+  uint64_t view_changes() const { return view_changes_; }
   /// Host code was dropped, all of it.
   void forget_entries();
 
@@ -93,7 +95,7 @@ class Memory {
   std::vector<std::unique_ptr<CodePage>> retired_;
   uint32_t largest_wait_ = 0;
   uint32_t guarded_ = 0, guarded_size_ = 0;
-  uint64_t changes_ = 0;
+  uint64_t changes_ = 0, view_changes_ = 0;
 };
 
 }  // namespace capsoc::cortex_m3

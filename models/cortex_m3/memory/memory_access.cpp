@@ -109,8 +109,7 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
     if (machine_.listeners.sees_accesses)
       observe({address, value, size, true, true}, BusResult::ok);
     add_cycles(r->wait_states);
-    if (machine_.listeners.vectors && is_vector(address))
-      machine_.listeners.vectors({address, value, size});
+    if (machine_.listeners.vectors && is_vector(address)) tell_of_vector({address, value, size});
     if (!memory_.invalidate(address, size)) return BusResult::ok;
     code_dropped_ = true;  // the block that runs may be among them: leave it
     machine_.requests.raise(Requests::changed);
@@ -125,6 +124,12 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
 
 bool MemoryAccess::is_vector(uint32_t address) const {
   return address - machine_.state.scb.vector(0) < 4 * exception::count;
+}
+
+void MemoryAccess::tell_of_vector(const VectorWrite& write) {
+  if (machine_.listeners.vectors(write)) return;
+  machine_.listeners.vectors = nullptr;
+  memory_.guard(0, 0);
 }
 
 BusResult MemoryAccess::shown(const DirectAccess& access, BusResult result) const {
@@ -433,8 +438,7 @@ void MemoryAccess::collect() {
 }
 
 void MemoryAccess::watch_vectors() {
-  if (machine_.listeners.vectors)
-    memory_.guard(machine_.state.scb.vector(0), 4 * exception::count);
+  if (machine_.listeners.vectors) memory_.guard(machine_.state.scb.vector(0), 4 * exception::count);
 }
 
 bool MemoryAccess::debug_read(uint32_t address, void* data, uint32_t size) const {

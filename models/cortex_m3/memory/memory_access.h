@@ -14,6 +14,7 @@
 namespace capsoc::cortex_m3 {
 
 class Machine;
+struct VectorWrite;
 
 /// What came of an access, for an instruction: go on, leave the block behind this instruction, or a
 /// fault is noted and the instruction has done nothing.
@@ -91,6 +92,7 @@ class MemoryAccess {
   BusResult shown(const DirectAccess& access, BusResult result) const;
   /// In the vector table.
   bool is_vector(uint32_t address) const;
+  void tell_of_vector(const VectorWrite& write);
   bool mpu_applies() const;
   bool allows(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);

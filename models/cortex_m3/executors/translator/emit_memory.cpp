@@ -231,8 +231,8 @@ void BlockEmitter::look_up(const Address& address, const Access& access, const L
 }
 
 /// A store to a page that has no direct bytes for it (ZF): to those beside its code and whatever
-/// else is closed, or else an exit. rcx = the page, eax = the address; adds rdx = its bytes. What is
-/// closed is looked up in the record of the page each time: code may be decoded later.
+/// else is closed, or else an exit. rcx = the page, eax = the address; adds rdx = its bytes. What
+/// is closed is looked up in the record of the page each time: code may be decoded later.
 void BlockEmitter::emit_beside_code(const Address& address, const Access& access,
                                     const Label& exit) {
   const Label direct = a_.newLabel();
@@ -431,11 +431,9 @@ void BlockEmitter::emit_return(const Step& step, const Access& access, const Add
   a_.mov(x86::eax, x86::dword_ptr(x86::rax, last));
   find_entry(step);
   charge_waits(access, window);
-  a_.mov(context(&context_.target), x86::rcx);
-  a_.mov(x86::rcx, context(&context_.place));
-  transfer(access, x86::ptr(x86::rcx, 0, 4));
+  a_.mov(x86::rax, context(&context_.place));
+  transfer(access, x86::ptr(x86::rax, 0, 4));
   if (step.writeback) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
-  a_.mov(x86::rcx, context(&context_.target));
   go_to_entry(step, timing::refill_loaded);
 }
 
@@ -470,6 +468,9 @@ void BlockEmitter::note_values(const Step& step) {
       break;
     case Operation::adr:
       value = (pc_of(step) & ~3u) + step.imm;
+      break;
+    case Operation::mrs:
+      value = machine_.state.psp();
       break;
     case Operation::ldr:
       if (step.addressing == Addressing::literal) {
