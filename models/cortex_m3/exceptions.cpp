@@ -1,6 +1,7 @@
 #include "cortex_m3/exceptions.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "cortex_m3/isa/timing.h"
@@ -205,6 +206,10 @@ bool Exceptions::push_stack(uint32_t return_address, Cause& cause) {
       state.r[12], state.r[14], return_address, state.xpsr() | (moved ? stacked_alignment : 0)};
   const bool priv = state.privileged();
   state.r[13] = frame;
+  if (uint8_t* bytes = machine_.memory.plain(frame, 8, true)) {
+    std::memcpy(bytes, words, sizeof words);
+    return true;
+  }
   for (unsigned i = 0; i < 8; ++i) {
     const BusResult result = machine_.memory.write(frame + 4 * i, 4, words[i], priv);
     if (result <= BusResult::device) continue;
@@ -366,7 +371,9 @@ bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cau
   const uint32_t frame = psp ? state.other_sp : state.r[13];
   const bool priv = !to_thread || (state.control & 1) == 0;
   uint32_t words[8];
-  for (unsigned i = 0; i < 8; ++i) {
+  const uint8_t* const bytes = machine_.memory.plain(frame, 8, false);
+  if (bytes != nullptr) std::memcpy(words, bytes, sizeof words);
+  for (unsigned i = 0; i < 8 && bytes == nullptr; ++i) {
     const BusResult result = machine_.memory.read(frame + 4 * i, 4, words[i], priv);
     if (result <= BusResult::device) continue;
     cause = result == BusResult::bus_error ? Cause::unstacking_bus : Cause::unstacking_access;

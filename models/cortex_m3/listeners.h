@@ -44,9 +44,10 @@ struct Listeners {
   /// The first time a program runs into each UNPREDICTABLE case (unpredictable.def), with the
   /// address of the instruction, which reg(15) is meanwhile.
   std::function<void(Unpredictable which, uint32_t address)> unpredictable;
-  /// Writes of a program into its vector table (VTOR), while reg(15) is the instruction's address.
-  /// To be set before reset().
-  std::function<void(const VectorWrite&)> vectors;
+  /// Writes of a program into its vector table (VTOR), while reg(15) is the instruction's address;
+  /// false: no more of them are to be told, which unsets it. To be set before reset() or, again,
+  /// before a state is loaded.
+  std::function<bool(const VectorWrite&)> vectors;
   /// Asked when a program spins in HardFault, MemManage, BusFault or UsageFault (`b .`, the default
   /// handlers of CMSIS) and no enabled exception can preempt: true if nothing outside can, either
   /// (NMI, reset). Then run() ends with `stuck`. Empty: it never does.

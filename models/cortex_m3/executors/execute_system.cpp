@@ -220,10 +220,10 @@ bool Execute::msr(Machine& cpu, const Step& op) {
     switch (which) {
       case 8:
         cpu.state.set_msp(value);
-        break;
+        return cpu.leave(op);  // nothing hangs on a stack pointer
       case 9:
         cpu.state.set_psp(value);
-        break;
+        return cpu.leave(op);
       case 16:
         cpu.state.primask = value & 1;
         break;

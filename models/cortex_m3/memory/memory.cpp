@@ -32,6 +32,7 @@ Memory::Page& Memory::view_page(Page* view, uint32_t address) {
 }
 
 void Memory::clear_views() {
+  ++view_changes_;
   for (unsigned i = 0; i < views_.size(); ++i) {
     for (uint32_t index : filled_[i]) views_[i][index] = Page{};
     filled_[i].clear();
@@ -103,6 +104,7 @@ CodePage* Memory::code_page(uint32_t address) {
   if (p.read == nullptr) return nullptr;
   if (p.code == nullptr) {
     p.code = new CodePage;
+    if (p.write == nullptr) p.code->closed_lines = ~uint64_t{0};
     ++changes_;
     p.write = nullptr;
     for (Page* view : views_) {
@@ -111,6 +113,41 @@ CodePage* Memory::code_page(uint32_t address) {
     code_pages_.push_back(address >> page_bits);
   }
   return p.code;
+}
+
+uint8_t* Memory::beside_code(uint32_t address, uint32_t size) const {
+  const Page& page = pages_[address >> page_bits];
+  const uint32_t offset = address & (page_size - 1), last = offset + size - 1;
+  if (page.code == nullptr || last >= page_size) return nullptr;
+  const uint64_t closed = page.code->code_lines | page.code->closed_lines;
+  return ((closed >> (offset / 64) | closed >> (last / 64)) & 1) == 0 ? page.read + offset
+                                                                      : nullptr;
+}
+
+/// Of the pages that can be stored to at all: whether stores to their lines in a range go directly.
+void Memory::close(uint32_t address, uint32_t size, bool closed) {
+  constexpr uint64_t all = ~uint64_t{0};
+  while (size != 0) {
+    const uint32_t offset = address & (page_size - 1), bytes = std::min(size, page_size - offset);
+    const uint64_t lines = all << (offset / 64) & all >> (63 - (offset + bytes - 1) / 64);
+    // A page that is not stored to directly: one with a record of its code.
+    CodePage* code = closed ? code_page(address) : page(address).code;
+    if (code != nullptr && code->closed_lines != all) {
+      if (closed)
+        code->closed_lines |= lines;
+      else
+        code->closed_lines &= ~lines;
+    }
+    address += bytes;
+    size -= bytes;
+  }
+}
+
+void Memory::guard(uint32_t address, uint32_t size) {
+  if (address != guarded_ || size != guarded_size_) close(guarded_, guarded_size_, false);
+  guarded_ = address;
+  guarded_size_ = size;
+  close(address, size, true);
 }
 
 void Memory::retire(uint32_t page_index) {
@@ -155,7 +192,10 @@ bool Memory::invalidate(uint32_t address, uint32_t size) {
       kept.push_back(index);
     }
   }
-  if (found) code_pages_ = std::move(kept);
+  if (found) {
+    code_pages_ = std::move(kept);
+    close(guarded_, guarded_size_, true);  // an STM may go on there
+  }
   return found;
 }
 

@@ -56,6 +56,13 @@ class Memory {
   /// The decoded-code record of an address in mapped memory, created on demand; null elsewhere.
   CodePage* code_page(uint32_t address);
 
+  /// The host's bytes for a store in one page, which has code, beside that and what else is closed;
+  /// null for all others. No more than 64 bytes.
+  uint8_t* beside_code(uint32_t address, uint32_t size) const;
+  /// From now on this is the range of no more than a page that stores do not go to directly, in
+  /// place of the one before. To be said again where memory was mapped or all code dropped.
+  void guard(uint32_t address, uint32_t size);
+
   /// Drops decoded code that may contain any byte of the range; true if there was some.
   bool invalidate(uint32_t address, uint32_t size);
   void invalidate_all();
@@ -70,12 +77,15 @@ class Memory {
   const std::vector<uint32_t>& code_pages() const { return code_pages_; }
   /// Counts what changes the answer of one of these two.
   uint64_t changes() const { return changes_; }
+  /// Counts what makes a view shorter.
+  uint64_t view_changes() const { return view_changes_; }
   /// Host code was dropped, all of it.
   void forget_entries();
 
  private:
   void refresh(uint32_t base, uint32_t size);
   void retire(uint32_t page_index);
+  void close(uint32_t address, uint32_t size, bool closed);
 
   Page* pages_;
   std::array<Page*, 3> views_{};
@@ -84,7 +94,8 @@ class Memory {
   std::vector<uint32_t> code_pages_;
   std::vector<std::unique_ptr<CodePage>> retired_;
   uint32_t largest_wait_ = 0;
-  uint64_t changes_ = 0;
+  uint32_t guarded_ = 0, guarded_size_ = 0;
+  uint64_t changes_ = 0, view_changes_ = 0;
 };
 
 }  // namespace capsoc::cortex_m3

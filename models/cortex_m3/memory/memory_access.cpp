@@ -97,14 +97,19 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
     add_cycles(page.wait_states);
     return BusResult::ok;
   }
+  if (uint8_t* bytes = memory_.beside_code(address, size);
+      bytes != nullptr && !machine_.listeners.sees_accesses) {
+    std::memcpy(bytes, &value, size);
+    add_cycles(page.wait_states);
+    return BusResult::ok;
+  }
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->writable && r->size - (address - r->base) >= size) {
     std::memcpy(r->host + (address - r->base), &value, size);
     if (machine_.listeners.sees_accesses)
       observe({address, value, size, true, true}, BusResult::ok);
     add_cycles(r->wait_states);
-    if (machine_.listeners.vectors && is_vector(address))
-      machine_.listeners.vectors({address, value, size});
+    if (machine_.listeners.vectors && is_vector(address)) tell_of_vector({address, value, size});
     if (!memory_.invalidate(address, size)) return BusResult::ok;
     code_dropped_ = true;  // the block that runs may be among them: leave it
     machine_.requests.raise(Requests::changed);
@@ -119,6 +124,12 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
 
 bool MemoryAccess::is_vector(uint32_t address) const {
   return address - machine_.state.scb.vector(0) < 4 * exception::count;
+}
+
+void MemoryAccess::tell_of_vector(const VectorWrite& write) {
+  if (machine_.listeners.vectors(write)) return;
+  machine_.listeners.vectors = nullptr;
+  memory_.guard(0, 0);
 }
 
 BusResult MemoryAccess::shown(const DirectAccess& access, BusResult result) const {
@@ -151,6 +162,17 @@ BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, b
   if (!succeeded(result)) return result;
   unit = (unit & ~(1u << target.bit)) | (value & 1) << target.bit;
   return write_physical(target.address, size, unit);
+}
+
+uint8_t* MemoryAccess::plain(uint32_t address, unsigned words, bool write) {
+  if (mpu_applies() || machine_.listeners.sees_accesses || in_private_peripherals(address) ||
+      in_bit_band_alias(address))
+    return nullptr;
+  const Memory::Page& page = memory_.page(address);
+  uint8_t* bytes = within(write ? page.write : page.read, address, 4 * words);
+  if (bytes == nullptr && write) bytes = memory_.beside_code(address, 4 * words);
+  if (bytes != nullptr) add_cycles(uint64_t{page.wait_states} * words);
+  return bytes;
 }
 
 std::optional<Cause> MemoryAccess::fetch(uint32_t address, uint16_t& halfword) {
@@ -248,14 +270,9 @@ CodePage* MemoryAccess::executable_page(uint32_t address) {
 /// most tasks' stacks, and of data behind code or a vector table.
 uint8_t* MemoryAccess::shared_page(uint32_t address, bool write, bool user) {
   if (write && pages_ == memory_.table()) {
-    const Memory::Page& page = memory_.page(address);
-    const Memory::Region* region = page.code != nullptr ? memory_.find(address) : nullptr;
-    const unsigned line = (address & (Memory::page_size - 1)) / 64;
-    if (region == nullptr || !region->writable || (page.code->code_lines >> line & 1) != 0)
-      return nullptr;
-    if (machine_.listeners.vectors && is_vector(address)) return nullptr;
-    add_cycles(page.wait_states);
-    return page.read + (address & (Memory::page_size - 1));
+    uint8_t* bytes = memory_.beside_code(address, 1);  // aligned: in one line
+    if (bytes != nullptr) add_cycles(memory_.page(address).wait_states);
+    return bytes;
   }
   if (!direct(address).mixed || user) return nullptr;
   const Memory::Page& page = memory_.page(address);
@@ -420,9 +437,8 @@ void MemoryAccess::collect() {
   watch_vectors();
 }
 
-/// A page that may have decoded code is not stored to directly.
 void MemoryAccess::watch_vectors() {
-  if (machine_.listeners.vectors) memory_.code_page(machine_.state.scb.vector(0));
+  if (machine_.listeners.vectors) memory_.guard(machine_.state.scb.vector(0), 4 * exception::count);
 }
 
 bool MemoryAccess::debug_read(uint32_t address, void* data, uint32_t size) const {

@@ -14,6 +14,7 @@
 namespace capsoc::cortex_m3 {
 
 class Machine;
+struct VectorWrite;
 
 /// What came of an access, for an instruction: go on, leave the block behind this instruction, or a
 /// fault is noted and the instruction has done nothing.
@@ -43,6 +44,9 @@ class MemoryAccess {
   BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged);
   BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged);
   BusResult read_physical(uint32_t address, unsigned size, uint32_t& value);
+  /// The host's bytes of words that may all be accessed directly, their wait states charged; null:
+  /// one by one, by read() and write(). No more than 16.
+  uint8_t* plain(uint32_t address, unsigned words, bool write);
 
   // For the executors.
   Memory& map() { return memory_; }
@@ -74,7 +78,7 @@ class MemoryAccess {
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.
   void collect();
-  /// Lets stores into the page of the vector table go the slow way, if somebody is told of them.
+  /// Lets stores into the vector table go the slow way, if somebody is told of them.
   void watch_vectors();
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.
@@ -88,6 +92,7 @@ class MemoryAccess {
   BusResult shown(const DirectAccess& access, BusResult result) const;
   /// In the vector table.
   bool is_vector(uint32_t address) const;
+  void tell_of_vector(const VectorWrite& write);
   bool mpu_applies() const;
   bool allows(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);

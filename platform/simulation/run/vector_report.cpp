@@ -2,14 +2,27 @@
 
 #include <fmt/format.h>
 
+#include "kit/archive.h"
 #include "kit/guest_error.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::run {
 
+namespace {
+
+constexpr unsigned most = 4;
+
+}  // namespace
+
 VectorReport::VectorReport(soc::Soc& soc, const ProgramView& view) : soc_(soc), view_(view) {
-  soc.cpu.core().listeners().vectors = [this](const cortex_m3::VectorWrite& write) {
+  listen();
+}
+
+/// As long as there is room: data that lies where a short table leaves it is written often.
+void VectorReport::listen() {
+  soc_.cpu.core().listeners().vectors = [this](const cortex_m3::VectorWrite& write) {
     written(write);
+    return lines_ < most;
   };
 }
 
@@ -23,10 +36,14 @@ bool VectorReport::is_vector(const cortex_m3::VectorWrite& write) const {
   return (write.value & 1) != 0 && soc_.read_memory(write.value & ~1u, &byte, 1);
 }
 
+void VectorReport::visit(kit::Archive& archive) {
+  archive("text", text_);
+  archive("lines", lines_);
+  if (archive.loading()) listen();
+}
+
 void VectorReport::written(const cortex_m3::VectorWrite& write) {
-  if (is_vector(write)) return;
-  constexpr unsigned most = 4;
-  if (lines_ >= most) return;
+  if (lines_ >= most || is_vector(write)) return;
   ++lines_;
   const unsigned number = (write.address - soc_.cpu.core().state().scb.vector(0)) / 4;
   const std::string what = number == 0 ? "the initial stack pointer"

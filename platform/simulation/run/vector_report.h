@@ -22,12 +22,10 @@ class VectorReport {
   /// A line for each, indented by four; "" if there was none.
   const std::string& text() const { return text_; }
 
-  void visit(kit::Archive& archive) {
-    archive("text", text_);
-    archive("lines", lines_);
-  }
+  void visit(kit::Archive& archive);
 
  private:
+  void listen();
   void written(const cortex_m3::VectorWrite& write);
   bool is_vector(const cortex_m3::VectorWrite& write) const;
 

@@ -227,6 +227,11 @@ bool BlockEmitter::is_translated(const Step& step) const {
   const bool leaves = is(step, kind::any_branch) || step.rd == 15 || step.list.has(15);
   if (leaves && step.it_after != 0) return false;
   switch (step.operation) {
+    case Operation::mrs:
+    case Operation::msr:
+      return moves_stack_pointer(step);
+    case Operation::isb:
+      return stands_alone(step);
     case Operation::b:
       return pc_of(step) + step.imm != step.address;
     case Operation::ssat:
@@ -276,6 +281,7 @@ void BlockEmitter::begin(const Step* head, CodePage& page) {
   constants_.clear();
   slots_.clear();
   slow_.clear();
+  misses_.clear();
   taken_.clear();
   step_exits_.clear();
   collect_steps();
@@ -356,6 +362,10 @@ void BlockEmitter::emit_operation(const Step& step) {
     emit_transfer(step);
   } else if (is(step, kind::data_processing)) {
     emit_data(step);
+  } else if (step.operation == Operation::isb) {
+    emit_close(step);
+  } else if (step.operation == Operation::mrs || step.operation == Operation::msr) {
+    emit_stack_pointer(step);
   } else {
     keep_host_flags();  // NOP, IT, barriers
   }
@@ -374,6 +384,8 @@ void BlockEmitter::emit_cold() {
   }
   if (!slow_.empty()) list_line("outside the window");
   for (const SlowAccess& slow : slow_) emit_slow(slow);
+  if (!misses_.empty()) list_line("jumps to elsewhere");
+  for (const JumpMiss& miss : misses_) emit_miss(miss);
   list_line("ways out");
   for (const Stub& stub : stubs_) {
     a_.bind(stub.label);

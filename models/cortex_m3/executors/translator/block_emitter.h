@@ -94,6 +94,9 @@ class BlockEmitter {
     Address address;
     int window = -1;
   };
+  struct JumpMiss {
+    Label entry, back, exit;
+  };
   enum class HostFlags : uint8_t { nz, shift, sum, difference };  // shift: N, Z and C
   struct TakenBranch {
     Label label;
@@ -203,6 +206,11 @@ class BlockEmitter {
   uint8_t wanted(const Step& step) const { return step.set_flags ? visible_[index_] : 0; }
   void keep_host_flags() { host_kept_ = true; }
 
+  // emit_system.cpp
+  static bool stands_alone(const Step& step);
+  static bool moves_stack_pointer(const Step& step);
+  void emit_stack_pointer(const Step& step);
+
   // emit_counts.cpp: while executions are counted; they change rax, rdx and the host's flags
   void count(uint64_t* counter);
   void count_departure(const Step& step);
@@ -257,6 +265,7 @@ class BlockEmitter {
                               const Label& otherwise);
   const MemoryWindow& window(const Access& access, int number) const;
   void charge_waits(const Access& access, int window);
+  void emit_beside_code(const Address& address, const Access& access, const Label& exit);
   void emit_slow(const SlowAccess& slow);
   void emit_unaligned(const SlowAccess& slow);
   void emit_return(const Step& step, const Access& access, const Address& address,
@@ -276,11 +285,13 @@ class BlockEmitter {
   void emit_indirect(const Step& step);
   void emit_table_branch(const Step& step);
   void find_entry(const Step& step);
+  Mem jump(const void* of, const Gp& index) const;
+  void emit_miss(const JumpMiss& miss);
   void go_to_entry(const Step& step, unsigned refill);
   void emit_close(const Step& step);
   static uint64_t cost(const Step& step, unsigned refill);
   void emit_entries();
-  int32_t entries_offset() const;
+  int32_t in_code_page(const void* member) const;
 
   Machine& machine_;
   HostContext& context_;
@@ -321,6 +332,7 @@ class BlockEmitter {
   std::vector<Constant> constants_;
   std::vector<Slot> slots_;
   std::vector<SlowAccess> slow_;
+  std::vector<JumpMiss> misses_;
   std::vector<TakenBranch> taken_;
   std::vector<std::pair<const Step*, Label>> step_exits_;
 };

@@ -8,6 +8,9 @@ using namespace asmjit;
 
 namespace {
 
+/// The bits of an address that choose its place in the jump cache, four times as far apart there.
+constexpr uint32_t jump_index = 2 * (JumpCache::size - 1);
+
 bool same_page(uint32_t a, uint32_t b) {
   return a >> Memory::page_bits == b >> Memory::page_bits;
 }
@@ -108,7 +111,7 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
     const uint32_t index = (target & (Memory::page_size - 1)) >> 1;
-    a_.mov(x86::rcx, x86::ptr(x86::rcx, entries_offset() + static_cast<int32_t>(8 * index)));
+    a_.mov(x86::rcx, x86::ptr(x86::rcx, in_code_page(&page_->entries[index])));
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
     if (refill != 0) a_.sub(x86::rcx, refill_bytes);
@@ -116,8 +119,8 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
   }
 }
 
-int32_t BlockEmitter::entries_offset() const {
-  return static_cast<int32_t>(reinterpret_cast<const uint8_t*>(page_->entries.data()) -
+int32_t BlockEmitter::in_code_page(const void* member) const {
+  return static_cast<int32_t>(static_cast<const uint8_t*>(member) -
                               reinterpret_cast<const uint8_t*>(page_));
 }
 
@@ -138,25 +141,49 @@ void BlockEmitter::emit_indirect(const Step& step) {
 }
 
 /// rcx = the translated code at eax, whose bit 0 has to be set; leaves before the step if there is
-/// none. Addresses that return from exceptions never have some.
+/// none. Addresses that return from exceptions never have some. Changes rdx, too; State::pc has the
+/// address then.
 void BlockEmitter::find_entry(const Step& step) {
-  const Label exit = exit_at(step);
+  misses_.push_back({a_.newLabel(), a_.newLabel(), exit_at(step)});
+  static_assert(sizeof(JumpCache::target[0]) == 8 && sizeof(JumpCache::code[0]) == 8);
+  a_.mov(x86::ecx, x86::eax);
+  a_.and_(x86::ecx, jump_index);
+  a_.cmp(x86::rax, jump(context_.jumps.target.data(), x86::rcx));
+  a_.jne(misses_.back().entry);
+  a_.mov(x86::rcx, jump(context_.jumps.code.data(), x86::rcx));
+  a_.bind(misses_.back().back);
+  a_.and_(x86::eax, ~1);
+  a_.mov(state_word(&machine_.state.pc), x86::eax);
+}
+
+/// A place in the jump cache, by an address and jump_index.
+x86::Mem BlockEmitter::jump(const void* of, const Gp& index) const {
+  return x86::ptr(x86::rbp, index, 2, context(of).offsetLo32(), 8);
+}
+
+/// A target that the jump cache does not have: through the record of its page.
+void BlockEmitter::emit_miss(const JumpMiss& miss) {
+  a_.bind(miss.entry);
   a_.test(x86::al, 1);
-  a_.jz(exit);
+  a_.jz(miss.exit);
   a_.mov(x86::ecx, x86::eax);
   a_.shr(x86::ecx, Memory::page_bits);
   a_.shl(x86::ecx, 5);
   a_.add(x86::rcx, context(&context_.pages));
   a_.mov(x86::rcx, x86::ptr(x86::rcx, offsetof(Memory::Page, code)));
   a_.test(x86::rcx, x86::rcx);
-  a_.jz(exit);
+  a_.jz(miss.exit);
   a_.mov(x86::edx, x86::eax);
   a_.and_(x86::edx, Memory::page_size - 2);
-  a_.mov(x86::rcx, x86::ptr(x86::rcx, x86::rdx, 2, entries_offset()));
+  a_.mov(x86::rcx, x86::ptr(x86::rcx, x86::rdx, 2, in_code_page(page_->entries.data())));
   a_.test(x86::rcx, x86::rcx);
-  a_.jz(exit);
-  a_.and_(x86::eax, ~1);
-  a_.mov(state_word(&machine_.state.pc), x86::eax);
+  a_.jz(miss.exit);
+  a_.mov(x86::edx, x86::eax);
+  a_.and_(x86::edx, jump_index);
+  a_.mov(jump(context_.jumps.target.data(), x86::rdx), x86::rax);
+  a_.mov(jump(context_.jumps.code.data(), x86::rdx), x86::rcx);
+  a_.mov(context(&context_.jumps.used, 4), 1);
+  a_.jmp(miss.back);
 }
 
 /// Accounts for the block and goes to the code at rcx; State::pc has its address.
@@ -204,7 +231,7 @@ void BlockEmitter::emit_close(const Step& step) {
       step.trail == timing::no_trail ||
       (step.trail == timing::trail_narrow && same_page(step.address, head_->address));
   if (step.it_before != 0 || !timed_here) return give_up(step);
-  emit_edge(step, step.address, 0);
+  emit_edge(step, next_address(step), 0);
   open_ = false;
 }
 

@@ -213,7 +213,10 @@ void BlockEmitter::look_up(const Address& address, const Access& access, const L
                                                         : offsetof(Memory::Page, read));
   a_.mov(x86::rdx, x86::ptr(x86::rcx, member));
   a_.test(x86::rdx, x86::rdx);
-  a_.jz(exit);
+  if (access.store)
+    emit_beside_code(address, access, exit);
+  else
+    a_.jz(exit);
   a_.and_(x86::eax, Memory::page_size - 1);
   const unsigned words = access.words();
   if (words > 1) {
@@ -225,6 +228,38 @@ void BlockEmitter::look_up(const Address& address, const Access& access, const L
   charge(x86::ecx);
   a_.add(x86::rax, x86::rdx);
   transfer(access, x86::ptr(x86::rax, 0, access.size));
+}
+
+/// A store to a page that has no direct bytes for it (ZF): to those beside its code and whatever
+/// else is closed, or else an exit. rcx = the page, eax = the address; adds rdx = its bytes. What
+/// is closed is looked up in the record of the page each time: code may be decoded later.
+void BlockEmitter::emit_beside_code(const Address& address, const Access& access,
+                                    const Label& exit) {
+  const Label direct = a_.newLabel();
+  a_.jnz(direct);
+  a_.mov(x86::rdx, x86::ptr(x86::rcx, offsetof(Memory::Page, code)));
+  a_.test(x86::rdx, x86::rdx);
+  a_.jz(exit);
+  a_.mov(x86::rcx, x86::ptr(x86::rdx, in_code_page(&page_->code_lines)));
+  a_.or_(x86::rcx, x86::ptr(x86::rdx, in_code_page(&page_->closed_lines)));
+  a_.or_(x86::rcx, context(&context_.closed));
+  a_.shr(x86::eax, 6);
+  a_.bt(x86::rcx, x86::rax);
+  a_.jc(exit);
+  const auto to_last = static_cast<uint32_t>(4 * (access.words() - 1));
+  if (to_last != 0) {
+    address_to(x86::eax, address, 0u - to_last);
+    a_.shr(x86::eax, 6);
+    a_.bt(x86::rcx, x86::rax);
+    a_.jc(exit);
+  }
+  address_to(x86::eax, address, 0);
+  a_.mov(x86::ecx, x86::eax);
+  a_.shr(x86::ecx, Memory::page_bits);
+  a_.shl(x86::ecx, 5);
+  a_.add(x86::rcx, context(&context_.pages));
+  a_.mov(x86::rdx, x86::ptr(x86::rcx, offsetof(Memory::Page, read)));
+  a_.bind(direct);
 }
 
 void BlockEmitter::emit_slow(const SlowAccess& slow) {
@@ -396,11 +431,9 @@ void BlockEmitter::emit_return(const Step& step, const Access& access, const Add
   a_.mov(x86::eax, x86::dword_ptr(x86::rax, last));
   find_entry(step);
   charge_waits(access, window);
-  a_.mov(context(&context_.target), x86::rcx);
-  a_.mov(x86::rcx, context(&context_.place));
-  transfer(access, x86::ptr(x86::rcx, 0, 4));
+  a_.mov(x86::rax, context(&context_.place));
+  transfer(access, x86::ptr(x86::rax, 0, 4));
   if (step.writeback) a_.emit(x86::Inst::kIdAdd, at(step.rn), moved);
-  a_.mov(x86::rcx, context(&context_.target));
   go_to_entry(step, timing::refill_loaded);
 }
 
@@ -435,6 +468,9 @@ void BlockEmitter::note_values(const Step& step) {
       break;
     case Operation::adr:
       value = (pc_of(step) & ~3u) + step.imm;
+      break;
+    case Operation::mrs:
+      value = machine_.state.psp();
       break;
     case Operation::ldr:
       if (step.addressing == Addressing::literal) {

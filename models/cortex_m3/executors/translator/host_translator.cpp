@@ -52,6 +52,7 @@ class HostTranslator : public Translator {
   uint64_t warm_up_;
   uint64_t limit_ = 0;
   uint64_t windows_of_ = ~uint64_t{0};  // Memory::changes() that the windows show
+  uint64_t jumps_of_ = ~uint64_t{0};    // Memory::view_changes() that the jump cache is good for
 };
 
 void HostTranslator::run(uint64_t limit) {
@@ -163,7 +164,10 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
 void HostTranslator::refresh_windows() {
   const Memory& memory = machine_.memory.map();
   const Memory::Page* pages = machine_.memory.pages();
-  if (context_.pages == pages && windows_of_ == memory.changes()) return;
+  const bool same = context_.pages == pages && windows_of_ == memory.changes();
+  if (!same || jumps_of_ != memory.view_changes()) context_.jumps.clear();
+  jumps_of_ = memory.view_changes();
+  if (same) return;
   context_.pages = pages;
   windows_of_ = memory.changes();
   context_.read.fill({});
@@ -172,6 +176,7 @@ void HostTranslator::refresh_windows() {
   const auto& regions = memory.regions();
   for (std::size_t i = 0; i < regions.size() && i < HostContext::windows; ++i)
     open_windows(regions[i], i);
+  context_.closed = machine_.memory.is_whole_view() ? 0 : ~uint64_t{0};
   if (machine_.memory.is_whole_view()) return;
   for (auto* windows : {&context_.read, &context_.write, &context_.write_from_base})
     for (MemoryWindow& window : *windows) std::fill_n(window.units, 3, 0);
@@ -217,6 +222,7 @@ void HostTranslator::open_windows(const Memory::Region& region, std::size_t numb
 /// The buffer is full: everything is translated anew where it is still hot.
 void HostTranslator::drop_all() {
   machine_.memory.map().forget_entries();
+  context_.jumps.clear();
   buffer_.cut(first_block_);
   emitter_.forget();
   ++counts_.evictions;
