@@ -463,8 +463,10 @@ void BlockEmitter::note_values(const Step& step) {
       break;
     case Operation::add_reg:
     case Operation::add_high:
-      if (step.rm != 15 && step.rn != 15 && known(step.rn))
-        value = *known(step.rn) + (known(step.rm) ? *known(step.rm) << step.shift.amount : 0);
+      if (step.rm != 15 && step.rn != 15 && known(step.rn)) {
+        const bool scaled = known(step.rm) && step.shift.type == ShiftType::lsl;
+        value = *known(step.rn) + (scaled ? *known(step.rm) << step.shift.amount : 0);
+      }
       break;
     case Operation::adr:
       value = (pc_of(step) & ~3u) + step.imm;
