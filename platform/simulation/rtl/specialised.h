@@ -2,6 +2,7 @@
 // scripts/specialise_rtl.py, which makes them. For the library that holds the design.
 #pragma once
 
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the name is Verilator's
 class Vcoprocessor_probe___024root;
 
 namespace capsoc::rtl {
