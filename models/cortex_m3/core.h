@@ -96,15 +96,17 @@ class Core {
   void limit_translator(const TranslatorLimits& limits) { translator_limits_ = limits; }
   /// Where there can be no translator, it is blocks instead: see no_translator().
   void set_executor(Executor executor);
-  /// Why there is no translator though it was asked for; empty: nothing is missing.
-  const std::string& no_translator() const { return no_translator_; }
+  /// Why there is no translator though it was asked for; empty: nothing is missing, so far.
+  const std::string& no_translator() const {
+    return translator_ != nullptr ? translator_->refusal() : no_translator_;
+  }
   /// How often a block is executed before it is translated, 1 to 254; after set_executor().
   void set_translation_threshold(uint8_t executions) {
     if (translator_ != nullptr) translator_->set_threshold(executions);
   }
   /// What the translator has done; none without one.
   std::optional<TranslationCounts> translation() const {
-    if (translator_ == nullptr) return std::nullopt;
+    if (translator_ == nullptr || !translator_->refusal().empty()) return std::nullopt;
     return translator_->counts();
   }
 

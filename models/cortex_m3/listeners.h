@@ -55,6 +55,8 @@ struct Listeners {
 
   /// Each time that an exception becomes pending which was not, but for faults.
   std::function<void(unsigned exception)> pended;
+  /// Once, when the translator turns out to have no memory for its code: blocks go on without it.
+  std::function<void(const std::string& reason)> untranslated;
   /// Each block that is translated. Costs a text of each.
   std::function<void(const Translation&)> translated;
 

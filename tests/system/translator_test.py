@@ -77,16 +77,16 @@ class Translator(unittest.TestCase):
 
     @unittest.skipUnless(HAS_TRANSLATOR, "x86-64")
     def test_where_memory_may_not_be_executed_the_log_says_so_once(self):
-        usual, _, said = self.run_with("hello", *INFO)
+        usual, _, said = self.run_with("newlib", *INFO)
         self.assertNotIn("translator", said)
         try:
-            outcome, counts, said = self.run_with("hello", *INFO, preexec_fn=refuse_executable_memory)
+            outcome, counts, said = self.run_with("newlib", *INFO, preexec_fn=refuse_executable_memory)
         except subprocess.SubprocessError:
             self.skipTest("no seccomp")
         self.assertEqual(outcome, usual)
         self.assertIsNone(counts)
         self.assertEqual(said.count("blocks instead of the translator: this system refuses executable memory"), 1, said)
-        _, _, said = self.run_with("hello", preexec_fn=refuse_executable_memory)
+        _, _, said = self.run_with("newlib", preexec_fn=refuse_executable_memory)
         self.assertNotIn("translator", said)
 
     @unittest.skipUnless(HAS_TRANSLATOR, "x86-64")

@@ -86,8 +86,12 @@ Simulation::~Simulation() {
 /// The program, and who is told of what it does.
 std::optional<Error> Simulation::load() {
   soc_.adc.fit_converter(inputs_.adc_bits);
-  if (const std::string& reason = soc_.cpu.core().no_translator(); !reason.empty())
+  const auto untranslated = [](const std::string& reason) {
     spdlog::info("cpu.executor: blocks instead of the translator: {}", reason);
+  };
+  if (const std::string& reason = soc_.cpu.core().no_translator(); !reason.empty())
+    untranslated(reason);
+  soc_.cpu.core().listeners().untranslated = untranslated;
   watch_for_idle(settings_.limits.idle_s(), soc_);
   if (auto error = inputs_.load(settings_, soc_)) return error;
   if (settings_.stop_in_fault())

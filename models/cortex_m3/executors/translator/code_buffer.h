@@ -6,16 +6,18 @@
 namespace capsoc::cortex_m3 {
 
 /// Memory for host code, mapped twice: once to be written, once to be executed, so that no page can
-/// be both through one address. It is filled from the front and emptied as a whole.
+/// be both through one address. It is filled from the front and emptied as a whole. What never is
+/// translated shall not pay for the mappings (40 us of a start of 4 ms), so they are made late.
 class CodeBuffer {
  public:
-  explicit CodeBuffer(std::size_t bytes);
+  explicit CodeBuffer(std::size_t bytes) : size_(bytes) {}
   ~CodeBuffer();
   CodeBuffer(const CodeBuffer&) = delete;
   CodeBuffer& operator=(const CodeBuffer&) = delete;
 
-  /// False where the host refuses executable memory; nothing else may be called then.
-  bool good() const { return executable_ != nullptr; }
+  /// Maps it, the first time. False where the host refuses executable memory; nothing else may be
+  /// called then, nor before this.
+  bool open();
   /// Where the next code goes.
   std::size_t used() const { return used_; }
   std::size_t room() const { return size_ - used_; }

@@ -26,14 +26,15 @@ class HostTranslator : public Translator {
         threshold_(limits.threshold),
         warm_up_(limits.warm_up) {}
 
-  bool good() const { return buffer_.good(); }
   TranslationCounts counts() const override;
+  const std::string& refusal() const override { return refusal_; }
   void set_threshold(uint8_t executions) override { threshold_ = executions; }
   void run(uint64_t limit) override;
 
  private:
   using Entry = uint32_t (*)(State*, const void*);
 
+  bool open();
   const Step* go_on(const Step* head);
   const void* heat(const Step* head, CodePage& page);
   const Step* execute(const void* entry, uint64_t left);
@@ -48,6 +49,7 @@ class HostTranslator : public Translator {
   BlockEmitter emitter_;
   TranslationCounts counts_;
   std::size_t frame_ = 0, first_block_ = 0;
+  std::string refusal_;
   uint8_t threshold_;
   uint64_t warm_up_;
   uint64_t limit_ = 0;
@@ -61,11 +63,27 @@ void HostTranslator::run(uint64_t limit) {
   const uint64_t before = state.instructions;
   if (counts_.executed < warm_up_) {
     machine_.blocks.run(std::min(limit, state.cycles + warm_up_));
+  } else if (!open()) {
+    machine_.blocks.run(limit);
   } else {
     const Step* op = machine_.blocks.begin(limit);
     while (op != nullptr) op = go_on(op);
   }
   counts_.executed += state.instructions - before;
+}
+
+/// Maps the buffer and writes what all blocks have in common, the first time.
+bool HostTranslator::open() {
+  if (first_block_ != 0) return true;
+  if (!refusal_.empty()) return false;
+  if (!buffer_.open()) {
+    refusal_ = "this system refuses executable memory";
+    if (machine_.listeners.untranslated) machine_.listeners.untranslated(refusal_);
+    return false;
+  }
+  frame_ = emitter_.emit_frame();
+  first_block_ = buffer_.used();
+  return true;
 }
 
 TranslationCounts HostTranslator::counts() const {
@@ -93,10 +111,6 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   uint8_t& count = page.heat[index_of(head->address)];
   if (count == never) return nullptr;
   if (++count < threshold_) return nullptr;
-  if (buffer_.used() == 0) {
-    frame_ = emitter_.emit_frame();
-    first_block_ = buffer_.used();
-  }
   if (emitter_.full()) drop_all();
   refresh_windows();
   const std::size_t before = buffer_.used();
@@ -236,10 +250,7 @@ std::unique_ptr<Translator> Translator::make(Machine& machine, const TranslatorL
     reason = "this processor has no BMI1 and BMI2";
     return nullptr;
   }
-  auto translator = std::make_unique<HostTranslator>(machine, limits);
-  if (translator->good()) return translator;
-  reason = "this system refuses executable memory";
-  return nullptr;
+  return std::make_unique<HostTranslator>(machine, limits);
 }
 
 }  // namespace capsoc::cortex_m3

@@ -41,11 +41,13 @@ struct TranslationCounts {
 /// that the semantics of what is rare exist once.
 class Translator : public InstructionExecutor {
  public:
-  /// Null where the host is another one, lacks BMI1 or BMI2, or refuses executable memory; `reason`
-  /// says which.
+  /// Null where the host is another one or lacks BMI1 or BMI2; `reason` says which.
   static std::unique_ptr<Translator> make(Machine& machine, const TranslatorLimits& limits,
                                           std::string& reason);
   virtual TranslationCounts counts() const = 0;
+  /// Why there are blocks alone after all, which turns out once the warm-up is over: the host refuses
+  /// executable memory (Listeners::untranslated). Empty: nothing is in the way.
+  virtual const std::string& refusal() const = 0;
   /// How often a block is executed before it is translated, 1 to 254.
   virtual void set_threshold(uint8_t executions) = 0;
 };
