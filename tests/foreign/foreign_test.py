@@ -43,6 +43,18 @@ int main(void) {
   return 0;
 }
 """
+# Turns of four cycles, timed in the 10 ms of clock().
+CLOCK = """
+#include <stdio.h>
+#include <time.h>
+int main(void) {
+  const clock_t begin = clock();
+  unsigned left = 10000000;
+  __asm volatile(".balign 4\\n0: nop\\n subs %0, #1\\n bne 0b" : "+l"(left) : : "cc");
+  printf("a second: %.1f\\n", 1e7 / ((clock() - begin) / (double)CLOCKS_PER_SEC));
+  return 0;
+}
+"""
 ENDLESS = "int main(void) { for (;;) __asm volatile(\"\"); }"
 # Answers each byte of UART 0 with the next one, plus a number with DWT; ends at ! and says nothing to ?.
 ANSWER = """
@@ -89,15 +101,15 @@ class ForeignFirmware(unittest.TestCase):
         self.work = Path(self.folder.name)
         self.bench = foreign.Bench(BUILD / "capsoc", self.work, 60)
 
-    def run_text(self, text, expect="", arguments=()):
+    def run_text(self, text, arguments=(), **keys):
         source, elf = self.work / "program.c", self.work / "program.elf"
         source.write_text(text, encoding="utf-8")
-        entry = {"name": "program", "arguments": list(arguments)}
+        entry = {"name": "program", "arguments": list(arguments), **keys}
         self.assertIsNone(self.bench.compile(elf, [source], entry, self.work, "-O2"))
-        return self.bench.compare("program -O2", elf, expect)
+        return self.bench.compare("program -O2", elf, entry)
 
     def test_the_same_output_and_status_are_no_complaint(self):
-        verdict = self.run_text(ARGUMENTS, "1.5", ["one", "two words"])
+        verdict = self.run_text(ARGUMENTS, ["one", "two words"], expect="1.5")
         self.assertEqual((verdict.complaint, verdict.status), ("", 7))
         self.assertEqual(verdict.output.strip(), b"one 3 t 1.5")
         self.assertGreater(verdict.instructions, 1000)
@@ -106,7 +118,28 @@ class ForeignFirmware(unittest.TestCase):
         self.assertEqual(self.run_text(DWT).complaint, "other output than on QEMU")
 
     def test_an_output_without_what_is_expected_is_told(self):
-        self.assertEqual(self.run_text(ARGUMENTS, "passed", ["one", "two"]).complaint, "does not say 'passed'")
+        self.assertEqual(self.run_text(ARGUMENTS, ["one", "two"], expect="passed").complaint, "does not say 'passed'")
+
+    def test_lines_that_are_hidden_may_differ_and_no_others(self):
+        self.assertEqual(self.run_text(DWT, hide="^4 |^0 ").complaint, "")
+        self.assertEqual(self.run_text(DWT, hide="^4 ").complaint, "other output than on QEMU")
+
+    def test_a_score_is_for_a_megahertz_of_the_simulated_clock(self):
+        score = {"unit": "turns", "line": "a second: (.*)", "one": 10}
+        verdict = self.run_text(CLOCK, expect="a second", hide="a second", score=score)
+        self.assertEqual(verdict.complaint, "")
+        self.assertEqual(verdict.score.unit, "turns")
+        # 4 cycles a turn: NOP, SUBS and a taken branch of 2.
+        self.assertAlmostEqual(verdict.score.per_mhz * 10, 1e6 / 4, delta=1e6 / 4 * 0.01)
+        for text in (FAULT, ENDLESS):
+            self.bench.limit = 2
+            self.assertIsNone(self.run_text(text, score=score).score)
+
+    def test_options_are_the_simulators(self):
+        plain, fast = (self.run_text(ARGUMENTS, ["one", "two"], options=options)
+                       for options in ([], ["-C", "memory.psram.wait_states=0"]))
+        self.assertEqual((plain.instructions, plain.output), (fast.instructions, fast.output))
+        self.assertGreater(plain.cycles, fast.cycles)
 
     def test_a_fault_ends_both_alike(self):
         verdict = self.run_text(FAULT)
@@ -167,7 +200,7 @@ class ForeignFirmware(unittest.TestCase):
 
     def test_the_readme_has_a_row_for_each(self):
         listed = tomllib.loads((ROOT / "tests/foreign/programs.toml").read_text(encoding="utf-8"))
-        titles = [entry["title"] for kind in ("program", "suite", "board") for entry in listed[kind]]
+        titles = list(dict.fromkeys(entry["title"] for kind in ("program", "suite", "board") for entry in listed[kind]))
         table = (ROOT / "README.md").read_text(encoding="utf-8").split(f"{foreign.TABLE}\n")[1].split("\n\n")[0]
         rows = [re.fullmatch(r"\| (.*) \| ([\d,]+) \| \2 \| \d+\.\d \|", line) for line in table.splitlines()]
         self.assertEqual([row and row[1] for row in rows], titles)
