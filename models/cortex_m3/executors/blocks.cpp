@@ -59,9 +59,11 @@ std::vector<bool> dead_flags(const std::vector<Step>& steps) {
   return dead;
 }
 
-Step closing_step(uint32_t address, const Step& last) {
+}  // namespace
+
+Step closing_step(const Step& last) {
   Step close;
-  close.address = address;
+  close.address = next_address(last);
   close.operation = Operation::fall_through;
   close.it_before = close.it_after = last.it_after;
   close.size = 0;
@@ -71,8 +73,6 @@ Step closing_step(uint32_t address, const Step& last) {
   close.trail = last.trail;
   return close;
 }
-
-}  // namespace
 
 void Blocks::add_cycles(Step& step, uint16_t before, uint32_t wait_states) const {
   const bool folded = timing::folds(before, step) && machine_.state.scb.folds_it();
@@ -132,7 +132,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     if (machine_.counts != nullptr) Execute::bind_counted(steps[i]);
   }
   if (machine_.counts != nullptr) machine_.counts->line(steps.front().address);
-  steps.push_back(closing_step(address, steps.back()));
+  steps.push_back(closing_step(steps.back()));
   Execute::bind(steps.back());
   steps.front().block_cycles = static_cast<uint16_t>(most);
   auto block = std::make_unique<Step[]>(steps.size());
@@ -164,10 +164,9 @@ void Blocks::arrive(State& state, const DecodedOp& target) {
 inline const Step* Blocks::next(Machine& cpu) {
   State& state = cpu.state;
   const CodePage* code = cpu.memory.direct(state.pc).code;
-  if (state.it_state != 0 || (state.trail & timing::trail_pairs) != 0 || code == nullptr)
-    return nullptr;
+  if (state.it_state != 0 || code == nullptr) return nullptr;
   const Step* first = code->blocks[(state.pc & (Memory::page_size - 1)) >> 1].get();
-  if (first == nullptr || timing::folds(state.trail, *first)) return nullptr;
+  if (first == nullptr || timing::hangs_on(state.trail, *first)) return nullptr;
   // Blocks::fits, but for one pointer less on the way.
   if (state.cycles + first->block_cycles >= cpu.blocks.limit_) return nullptr;
   arrive(state, *first);
@@ -185,11 +184,17 @@ const Step* Blocks::resolve_link(Machine& cpu, const Step& branch) {
   return next(cpu);
 }
 
+/// Behind a trail that pairs a block is worth its memory where another one ended, at the beginning
+/// of a page, and not wherever a limit or an exception came between two instructions.
+bool Blocks::may_begin(const State& state) {
+  return (state.trail & timing::trail_pairs) == 0 || (state.pc & (Memory::page_size - 4)) == 0;
+}
+
 const Step* Blocks::begin(uint64_t limit) {
   State& state = machine_.state;
-  const bool between = state.it_state == 0 && (state.trail & timing::trail_pairs) == 0;
+  const bool between = state.it_state == 0 && may_begin(state);
   const Step* op = between ? find(machine_) : nullptr;
-  if (op == nullptr || timing::folds(state.trail, *op)) {
+  if (op == nullptr || timing::hangs_on(state.trail, *op)) {
     const uint64_t before = state.instructions;
     stepping_.run(limit);
     stepped_ += state.instructions - before;

@@ -48,6 +48,7 @@ class Blocks : public InstructionExecutor {
 
  private:
   static const Step* next(Machine& cpu);
+  static bool may_begin(const State& state);
   std::unique_ptr<Step[]> build(uint32_t address, CodePage& page) const;
 
   uint64_t limit_ = 0;

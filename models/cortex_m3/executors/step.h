@@ -39,6 +39,9 @@ struct Step : DecodedOp {
 };
 static_assert(sizeof(Step) == 64);
 
+/// What closes a block: it leaves for the address behind the last operation.
+Step closing_step(const Step& last);
+
 /// The blocks of one page, by the halfword they start at, and which of its lines hold code. Links
 /// join blocks of one page only, so they go when the page's code goes, all at once.
 struct CodePage {

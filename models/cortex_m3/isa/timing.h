@@ -159,7 +159,6 @@ constexpr unsigned words_fetched(uint32_t address, unsigned size) {
 using Trail = uint16_t;
 constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200, trail_refill = 0x400,
                 trail_narrow = 0x800;
-/// Those that a block cannot be entered with: its operations are timed as if there were none.
 constexpr Trail trail_pairs = trail_load | trail_data;
 
 inline Trail registers_left_by(const DecodedOp& op) {
@@ -209,6 +208,17 @@ inline int pairing(Trail before, const DecodedOp& op) {
   const bool pipelines = is(op, kind::single_transfer) && !op.writeback &&
                          !address_uses(op, before) && (is(op, kind::store) || op.rd != 15);
   return pipelines && op.cycles == 2 ? -1 : 0;
+}
+
+/// The bits of a trail that an instruction's time may hang on, but for its own refill.
+inline Trail minded_by(const DecodedOp& op) {
+  if (is(op, kind::transfer | kind::table_branch)) return trail_pairs;
+  return op.operation == Operation::it ? trail_narrow : no_trail;
+}
+/// True when a block that begins with this instruction cannot be entered behind this trail: its
+/// operations are timed as if there were none.
+inline bool hangs_on(Trail before, const DecodedOp& op) {
+  return (before & (trail_pairs | trail_narrow)) != 0 && (before & minded_by(op)) != 0;
 }
 }  // namespace timing
 }  // namespace capsoc::cortex_m3

@@ -297,11 +297,25 @@ void BlockEmitter::collect_steps() {
     cut_ = steps_.size();
     if (bound_ + bound_of(*step) > most_cycles) {
       cut_ = steps_.size() - 1;
-      return;
+      return split();
     }
     bound_ += bound_of(*step);
     if (step->operation == Operation::fall_through) return;
     if (step->condition == condition_always && !is_translated(*step)) return;
+  }
+}
+
+/// Lets the block run into another one where it is cut, or as soon before as one may begin there.
+void BlockEmitter::split() {
+  for (std::size_t i = cut_; i > 0; --i) {
+    const Step& last = *steps_[i - 1];
+    if (steps_[i]->it_before != 0 || timing::hangs_on(last.trail, *steps_[i])) continue;
+    close_ = closing_step(last);
+    Execute::bind(close_);
+    steps_.resize(i);
+    steps_.push_back(&close_);
+    cut_ = steps_.size();
+    return;
   }
 }
 
@@ -420,12 +434,13 @@ const uint8_t* BlockEmitter::finish() {
   }
   buffer_.take((size + 15) & ~std::size_t{15});
   largest_bound_ = std::max(largest_bound_, bound_);
-  return buffer.executable(start + refill_bytes);
+  return buffer.executable(start + minded_bytes);
 }
 
-/// In front of the block what it costs to be led to it by a branch.
+/// In front of the block what hangs on the way to it.
 void BlockEmitter::emit_entries() {
   static constexpr uint8_t nothing[refill_bytes] = {0x0F, 0x1F, 0x84};  // NOP of eight bytes
+  a_.embedUInt64(timing::minded_by(*head_));
   refilled_entry_ = a_.newLabel();
   a_.bind(refilled_entry_);
   if (const uint64_t beyond = timing::refill_beyond(*head_)) {
@@ -434,7 +449,7 @@ void BlockEmitter::emit_entries() {
   } else {
     a_.embed(nothing, sizeof nothing);
   }
-  if (a_.offset() != refill_bytes) errors_.any = true;
+  if (a_.offset() != minded_bytes) errors_.any = true;
   entry_ = a_.newLabel();
   a_.bind(entry_);
 }

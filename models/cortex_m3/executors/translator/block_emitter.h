@@ -47,6 +47,9 @@ class BlockEmitter {
   /// How far in front of a block's code those enter it who came by a branch that is still refilled
   /// (timing::refill_beyond).
   static constexpr int refill_bytes = 8;
+  /// In front of that: the trails that the time of the block's first operation hangs on
+  /// (timing::minded_by), for those who come from another page without a branch.
+  static constexpr int minded_bytes = 16;
   /// Most cycles that translated code takes from one look at the budget to the next.
   uint32_t largest_bound() const { return largest_bound_; }
   /// All code was dropped.
@@ -116,6 +119,7 @@ class BlockEmitter {
   void begin(const Step* head, CodePage& page);
   const uint8_t* finish();
   void collect_steps();
+  void split();
   void find_visible_flags();
   void emit_steps();
   void emit_step(const Step& step);
@@ -318,6 +322,7 @@ class BlockEmitter {
   std::size_t index_ = 0;
   uint32_t bound_ = 0;   // cycles it can take at most
   std::size_t cut_ = 0;  // the step from which on it would take too many
+  Step close_;           // stands for that step, if another block may begin with it
   bool open_ = false;    // execution reaches the end of what was written
   FlagSources flags_;
   FlagSources flags_before_;  // at the beginning of the step

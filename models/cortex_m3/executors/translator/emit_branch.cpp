@@ -82,7 +82,7 @@ void BlockEmitter::emit_conditional_branch(const Step& step, Cond taken) {
 
 /// The way to a known address behind a step, by a branch or, without a refill, without one.
 void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill) {
-  const bool here = same_page(target, step.address);
+  const bool here = same_page(target, head_->address);  // where a block is closed is elsewhere
   if (!here || !flags_.any_pending() || !leave_recoverable(target)) settle_all();
   const FlagSources left = outgoing();
   const uint32_t recipe = recipe_of(left);
@@ -114,6 +114,11 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
     a_.mov(x86::rcx, x86::ptr(x86::rcx, in_code_page(&page_->entries[index])));
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
+    constexpr timing::Trail by_neighbours = timing::trail_pairs | timing::trail_narrow;
+    if (const auto left_behind = static_cast<uint16_t>(exit.trail & by_neighbours)) {
+      a_.test(x86::word_ptr(x86::rcx, -minded_bytes), left_behind);
+      a_.jnz(out);
+    }
     if (refill != 0) a_.sub(x86::rcx, refill_bytes);
     a_.jmp(x86::rcx);
   }
@@ -226,11 +231,7 @@ void BlockEmitter::emit_table_branch(const Step& step) {
 
 /// The end of a block that runs into the next address.
 void BlockEmitter::emit_close(const Step& step) {
-  // In another page IT may fold behind this block.
-  const bool timed_here =
-      step.trail == timing::no_trail ||
-      (step.trail == timing::trail_narrow && same_page(step.address, head_->address));
-  if (step.it_before != 0 || !timed_here) return give_up(step);
+  if (step.it_before != 0) return give_up(step);
   emit_edge(step, next_address(step), 0);
   open_ = false;
 }

@@ -160,7 +160,7 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
   state.trail = exit.trail;
   if (machine_.requests.any()) return nullptr;
   const Step* next = Blocks::find(machine_);
-  if (next == nullptr || timing::folds(state.trail, *next) || !machine_.blocks.fits(*next))
+  if (next == nullptr || timing::hangs_on(state.trail, *next) || !machine_.blocks.fits(*next))
     return nullptr;
   const bool completes = (state.trail & timing::trail_refill) != 0;
   Blocks::arrive(state, *next);
