@@ -76,4 +76,14 @@ inline void shorten_ram(Bench& b) {
   for (std::size_t i = 0; i < b.ram.size(); ++i) b.ram[i] = static_cast<uint8_t>(i * 7);
 }
 
+/// Where tests of faults at the end of that memory have their stack.
+inline constexpr uint32_t stack_in_short_ram = end_of_ram - 0x100;
+
+/// N, Z, C, V as the first exception stacked them there.
+inline uint32_t stacked_flags(const Outcome& outcome) {
+  uint32_t xpsr = 0;
+  std::memcpy(&xpsr, &outcome.ram[stack_in_short_ram - 4 - Bench::ram_base], 4);
+  return xpsr >> 28;
+}
+
 }  // namespace capsoc::cortex_m3::test
