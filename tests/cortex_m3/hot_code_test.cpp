@@ -1,6 +1,6 @@
 // Random programs that loop, so that their code becomes hot: data processing, IT blocks, transfers
-// through pointers that mostly lead to memory, branches, calls and returns, in flash or in RAM that
-// the program writes. The fast executors against stepping. The long run: CAPSOC_HOT_CODE=100000.
+// through pointers that mostly lead to memory, branches, calls and returns, across the border of two
+// pages in flash or in RAM that the program writes. The fast executors against stepping. The long run: CAPSOC_HOT_CODE=100000.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -175,7 +175,9 @@ class Program {
 void prepare_loops(Bench& b, uint32_t seed) {
   std::mt19937 random(seed);
   const bool in_ram = seed % 4 == 1;
-  const uint32_t start = in_ram ? Bench::ram_base + 0x5000 : Bench::program;
+  // Most programs lie across the border of a page.
+  const uint32_t page = in_ram ? Bench::ram_base + 0x6000 : Bench::program + 0x1000;
+  const uint32_t start = page - 2 * (random() % 160);
   for (uint8_t& byte : b.ram) byte = static_cast<uint8_t>(random());
   for (std::size_t i = 0x8000; i < b.flash.size(); ++i) b.flash[i] = static_cast<uint8_t>(random());
   const std::vector<uint16_t> code = Program(random, start).build(Bench::stack - 256);

@@ -144,4 +144,28 @@ TEST(Borders, OfABlockThatIsCutCostWhatNeighboursCost) {
   }
 }
 
+/// A block that got flags uncomputed sets N and Z, is cut, and a fault behind that stacks C.
+TEST(Borders, OfABlockThatIsCutKeepTheFlagsThatWereLeftToIt) {
+  const Outcome outcome = agreed([](Bench& b) {
+    shorten_ram(b);
+    b.core.unmap_memory(Bench::ram_base, end_of_ram - Bench::ram_base);
+    b.core.map_memory(Bench::ram_base, end_of_ram - Bench::ram_base, b.ram.data(), true, 7);
+    // sub.w r0,r0,#1; cmp r0,r1; b .+2;  movs r2,#1; add.w r6,r6,#4
+    std::vector<uint16_t> code = {0xF1A0, 0x0001, 0x4288, 0xE7FF, 0x2201, 0xF106, 0x0604};
+    for (unsigned n = 0; n < 20; ++n) append(code, {"ldr r3,[r5]; nop", {0x682B, 0xBF00}});
+    append(code, {"ldr r4,[r6]; cmp r2,r1", {0x6834, 0x428A}});
+    code.push_back(static_cast<uint16_t>(0xE7FEu - code.size()));  // b to the start
+    b.start({});
+    for (std::size_t i = 0; i < code.size(); ++i)
+      b.code(Bench::program + 2 * static_cast<uint32_t>(i), {code[i]});
+    b.core.set_reg(0, 12);  // carries in the turns that link the blocks, not in the tenth
+    b.core.set_reg(1, 5);
+    b.core.set_reg(5, Bench::ram_base);
+    b.core.set_reg(6, end_of_ram - 40);
+    b.core.set_reg(13, stack_in_short_ram);
+  });
+  ASSERT_GT(outcome.faults, 0u);
+  EXPECT_EQ(stacked_flags(outcome), 0u) << "C of the comparison before the branch";
+}
+
 }  // namespace capsoc::cortex_m3::test

@@ -147,6 +147,18 @@ TEST(Flags, AreReadBehindTheGroupThatTheirSubtractionDecidesOn) {
   });
 }
 
+/// A carry is taken in the group that has written what it is made from.
+TEST(Flags, OfAComparisonReachAnAdditionInTheSameGroup) {
+  agreed([](Bench& b) {
+    // cmp r0,r1; itt ne; mulne r0,r2; adcne r3,r4; cmp r3,r4; adds r2,#77; adds r1,#13; b .-14
+    b.start({0x4288, 0xBF1C, 0x4350, 0x4163, 0x42A3, 0x324D, 0x310D, 0xE7F7});
+    b.core.set_reg(0, 0x7FFF'FFF0);
+    b.core.set_reg(1, 0x1234'5679);
+    b.core.set_reg(2, 0x8765'4321);
+    b.core.set_reg(4, 3);
+  });
+}
+
 /// ... and by a fault in such a group.
 TEST(Flags, AreStackedByAFaultInTheGroupThatTheyDecideOn) {
   const Outcome outcome = agreed([](Bench& b) {

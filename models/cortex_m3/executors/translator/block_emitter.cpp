@@ -305,18 +305,25 @@ void BlockEmitter::collect_steps() {
   }
 }
 
-/// Lets the block run into another one where it is cut, or as soon before as one may begin there.
+/// Lets the block run into another one where it is cut, or as soon before as one may begin there:
+/// with flags that are all the block's own, or none, since the recipe of those that were left to it
+/// uncomputed can be passed on as a whole only.
 void BlockEmitter::split() {
-  for (std::size_t i = cut_; i > 0; --i) {
+  std::size_t place = 0;
+  uint8_t own = 0;
+  for (std::size_t i = 1; i <= cut_; ++i) {
     const Step& last = *steps_[i - 1];
-    if (steps_[i]->it_before != 0 || timing::hangs_on(last.trail, *steps_[i])) continue;
-    close_ = closing_step(last);
-    Execute::bind(close_);
-    steps_.resize(i);
-    steps_.push_back(&close_);
-    cut_ = steps_.size();
-    return;
+    const Effects effects = effects_of(last);
+    own |= effects.sets | effects.kills;
+    const bool whole = own == 0 || own == all_flags;
+    if (whole && steps_[i]->it_before == 0 && !timing::hangs_on(last.trail, *steps_[i])) place = i;
   }
+  if (place == 0) return;
+  close_ = closing_step(*steps_[place - 1]);
+  Execute::bind(close_);
+  steps_.resize(place);
+  steps_.push_back(&close_);
+  cut_ = steps_.size();
 }
 
 /// Backwards: the flags that are read, or may be seen where the block is left, before they are set.

@@ -16,11 +16,14 @@ std::size_t BlockEmitter::end_of_group(std::size_t begin) const {
   return end;
 }
 
-/// The flags that somebody may see behind a group, or where it is left.
+/// The flags that somebody may see behind a group, where it is left, or inside it.
 uint8_t BlockEmitter::visible_behind_group(std::size_t begin, std::size_t end) const {
-  for (std::size_t i = begin; i < end; ++i)
+  uint8_t visible = visible_[end - 1];
+  for (std::size_t i = begin; i < end; ++i) {
     if (may_be_left_at(*steps_[i])) return all_flags;
-  return visible_[end - 1];
+    visible |= effects_if_executed(*steps_[i]).reads;
+  }
+  return visible;
 }
 
 /// What a step writes to its register, if that can be told by the host without touching its flags.
