@@ -1,6 +1,7 @@
 // Random programs that loop, so that their code becomes hot: data processing, IT blocks, transfers
-// through pointers that mostly lead to memory, branches, calls and returns, across the border of two
-// pages in flash or in RAM that the program writes. The fast executors against stepping. The long run: CAPSOC_HOT_CODE=100000.
+// through pointers that mostly lead to memory, branches, calls and returns, across the border of
+// two pages in flash or in RAM that the program writes. The fast executors against stepping. The
+// long run: CAPSOC_HOT_CODE=100000.
 #include <gtest/gtest.h>
 
 #include <algorithm>
