@@ -48,18 +48,29 @@ inline Outcome outcome_of(const Bench& b) {
   return o;
 }
 
-/// The same program under stepping and translated at once; what both came to.
-inline Outcome agreed(const Preparation& prepare, uint64_t cycles = 3000) {
+/// What the translator did while a program ran under stepping and translated at once, which have to
+/// come to the same.
+inline TranslationCounts translation_agrees(const Preparation& prepare_and_run,
+                                            Outcome* outcome = nullptr) {
   Bench stepping, translated;
   stepping.core.set_executor(Executor::stepping);
   choose(translated.core, Executor::translator);
-  for (Bench* b : {&stepping, &translated}) {
-    prepare(*b);
-    b->core.run(cycles);
-  }
-  Outcome outcome = outcome_of(stepping);
-  EXPECT_EQ(outcome, outcome_of(translated));
-  const TranslationCounts counts = translated.core.translation().value_or(TranslationCounts{});
+  for (Bench* b : {&stepping, &translated}) prepare_and_run(*b);
+  const Outcome expected = outcome_of(stepping);
+  EXPECT_EQ(expected, outcome_of(translated));
+  if (outcome != nullptr) *outcome = expected;
+  return translated.core.translation().value_or(TranslationCounts{});
+}
+
+/// The same program under both; what it came to.
+inline Outcome agreed(const Preparation& prepare, uint64_t cycles = 3000) {
+  Outcome outcome;
+  const TranslationCounts counts = translation_agrees(
+      [&](Bench& b) {
+        prepare(b);
+        b.core.run(cycles);
+      },
+      &outcome);
   EXPECT_TRUE(counts.instructions > 0 || !has_translator()) << "nothing was translated";
   return outcome;
 }

@@ -160,6 +160,8 @@ using Trail = uint16_t;
 constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200, trail_refill = 0x400,
                 trail_narrow = 0x800;
 constexpr Trail trail_pairs = trail_load | trail_data;
+/// What some instructions mind that are executed next (minded_by), beside the refill.
+constexpr Trail trail_for_neighbours = trail_pairs | trail_narrow;
 
 inline Trail registers_left_by(const DecodedOp& op) {
   if (op.condition != condition_always) return no_trail;
@@ -218,7 +220,7 @@ inline Trail minded_by(const DecodedOp& op) {
 /// True when a block that begins with this instruction cannot be entered behind this trail: its
 /// operations are timed as if there were none.
 inline bool hangs_on(Trail before, const DecodedOp& op) {
-  return (before & (trail_pairs | trail_narrow)) != 0 && (before & minded_by(op)) != 0;
+  return (before & trail_for_neighbours) != 0 && (before & minded_by(op)) != 0;
 }
 }  // namespace timing
 }  // namespace capsoc::cortex_m3

@@ -9,7 +9,6 @@ namespace capsoc::cortex_m3 {
 /// Both are executable at first and the second one ceases to be, since kernels that are hardened
 /// (PR_SET_MDWE) let no page become executable later. perf learns of mmap, not of mremap.
 bool CodeBuffer::open() {
-  if (executable_ != nullptr) return true;
   void* first = mmap(nullptr, size_, PROT_READ | PROT_EXEC,
                      MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (first == MAP_FAILED) return false;

@@ -15,7 +15,7 @@ class CodeBuffer {
   CodeBuffer(const CodeBuffer&) = delete;
   CodeBuffer& operator=(const CodeBuffer&) = delete;
 
-  /// Maps it, the first time. False where the host refuses executable memory; nothing else may be
+  /// Maps it, once. False where the host refuses executable memory; nothing else may be
   /// called then, nor before this.
   bool open();
   /// Where the next code goes.

@@ -114,8 +114,7 @@ void BlockEmitter::emit_edge(const Step& step, uint32_t target, unsigned refill)
     a_.mov(x86::rcx, x86::ptr(x86::rcx, in_code_page(&page_->entries[index])));
     a_.test(x86::rcx, x86::rcx);
     a_.jz(out);
-    constexpr timing::Trail by_neighbours = timing::trail_pairs | timing::trail_narrow;
-    if (const auto left_behind = static_cast<uint16_t>(exit.trail & by_neighbours)) {
+    if (const auto left_behind = static_cast<uint16_t>(exit.trail & timing::trail_for_neighbours)) {
       a_.test(x86::word_ptr(x86::rcx, -minded_bytes), left_behind);
       a_.jnz(out);
     }

@@ -63,8 +63,6 @@ void HostTranslator::run(uint64_t limit) {
   const uint64_t before = state.instructions;
   if (counts_.executed < warm_up_) {
     machine_.blocks.run(std::min(limit, state.cycles + warm_up_));
-  } else if (!open()) {
-    machine_.blocks.run(limit);
   } else {
     const Step* op = machine_.blocks.begin(limit);
     while (op != nullptr) op = go_on(op);
@@ -110,7 +108,7 @@ const Step* HostTranslator::go_on(const Step* head) {
 const void* HostTranslator::heat(const Step* head, CodePage& page) {
   uint8_t& count = page.heat[index_of(head->address)];
   if (count == never) return nullptr;
-  if (++count < threshold_) return nullptr;
+  if (++count < threshold_ || !open()) return nullptr;
   if (emitter_.full()) drop_all();
   refresh_windows();
   const std::size_t before = buffer_.used();

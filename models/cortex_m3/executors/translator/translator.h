@@ -45,8 +45,8 @@ class Translator : public InstructionExecutor {
   static std::unique_ptr<Translator> make(Machine& machine, const TranslatorLimits& limits,
                                           std::string& reason);
   virtual TranslationCounts counts() const = 0;
-  /// Why there are blocks alone after all, which turns out once the warm-up is over: the host
-  /// refuses executable memory (Listeners::untranslated). Empty: nothing is in the way.
+  /// Why there are blocks alone after all, which turns out once something is hot: the host refuses
+  /// executable memory (Listeners::untranslated). Empty: nothing is in the way.
   virtual const std::string& refusal() const = 0;
   /// How often a block is executed before it is translated, 1 to 254.
   virtual void set_threshold(uint8_t executions) = 0;
