@@ -9,7 +9,7 @@
 // Writes of other stages: T2 residue in cycle 0, T0 DET in 6, T1 (precise) or T2 (paper) amplitude
 // in 11, T3 average in 26. Cycles of T4 (P product, T word, M the word that is read):
 //   0       T = DET                    12 deviation: T                25 far: deviation >= P
-//   1       record: DET = T            13 deviation: T = |M|          26 T = |residue|
+//   1       record: DET = T            13 deviation: T = |M|          26 T = |residue|; residue_far
 //   2 .. 9  P = |M| RADIUS_LIMIT >> 8  14 beyond: T >= P              27 greater: T > M
 //   10      T = amplitude              15 greater: T > M       28 record: residue = T
 //   11      T = T - |M|                16 record: radius = T          29 record: samples = T = M + 1
@@ -164,8 +164,8 @@ module turn_judge (
     .a_i(a), .b_i(b), .minus_i(minus), .carry_i(carry), .sum_o(sum)
   );
 
-  // What the cycles find; beyond, far and full wait for the commit.
-  logic beyond_q, far_q, greater_q, full_q;
+  // What the cycles find; beyond, far, residue_far and full wait for the commit.
+  logic beyond_q, far_q, greater_q, full_q, residue_far_q;
   always_ff @(posedge clk_i) begin
     if (active) begin
       if (multiply) product_q <= sum[33:1];
@@ -173,6 +173,7 @@ module turn_judge (
           cycle_i == 5'd29) word_q <= sum[32:0];
       if (cycle_i == 5'd14) beyond_q <= sum[33];
       if (cycle_i == 5'd25) far_q <= sum[33];
+      if (cycle_i == 5'd26) residue_far_q <= sum[31:28] != '0;  // 1/16 turn or more
       if (cycle_i == 5'd15 || cycle_i == 5'd27) greater_q <= !sum[33] || fresh_q;
       if (cycle_i == 5'd30) full_q <= word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
     end
@@ -221,8 +222,8 @@ module turn_judge (
 
   // The window's flags with this sample.
   logic [7:0] octants_q, octants, clipped_q, clipped;
-  logic radius_q, wild_q, mirror_q, no_angle_q, saturated_q;
-  logic radius, wild, mirror, no_angle, saturated;
+  logic radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q;
+  logic radius, wild, mirror, no_angle, saturated, residue;
   assign octants = (octants_q & {8{!fresh_q}}) | (8'd1 << octant_i);
   assign clipped = (clipped_q & {8{!fresh_q}}) +
       8'(clip_i && !(&clipped_q && !fresh_q));
@@ -231,17 +232,18 @@ module turn_judge (
   assign mirror = (mirror_q && !fresh_q) || mirror_i;
   assign no_angle = (no_angle_q && !fresh_q) || no_angle_i;
   assign saturated = (saturated_q && !fresh_q) || saturated_i;
+  assign residue = (residue_q && !fresh_q) || residue_far_q;
   always_ff @(posedge clk_i) begin
     if (commit_i) begin
       octants_q <= octants;
       clipped_q <= clipped;
-      {radius_q, wild_q, mirror_q, no_angle_q, saturated_q} <=
-          {radius, wild, mirror, no_angle, saturated};
+      {radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q} <=
+          {radius, wild, mirror, no_angle, saturated, residue};
     end
   end
 
   // Its end.
-  logic complete, timeout, one_turn, winding, good;
+  logic complete, timeout, one_turn, winding, fault, good;
   logic [6:0] upper;  // 1/64 turn: 61 .. 66 and -67 .. -62 differ in the sign alone
   assign upper = sum[30:24];
   assign complete = !count_q && (by_angle_q ? sum[31] != sum[30] : turn_i);
@@ -254,8 +256,8 @@ module turn_judge (
     endcase
   end
   assign winding = wild || !one_turn;
-  assign good = &octants && clipped == '0 && !(timeout || radius || mirror || no_angle || saturated) &&
-      (count_q || !winding);
+  assign fault = clipped != '0 || radius || mirror || no_angle || saturated || residue;
+  assign good = &octants && !timeout && !fault && (count_q || !winding);
 
   // The alarm.
   logic [4:0] glitches_q, glitches;
@@ -273,12 +275,12 @@ module turn_judge (
     if (ended_o) good_turns = good ? good_turns_q + 2'(good_turns_q != 2'd3) : '0;
     if (alarm_next_o) good_turns = '0;
   end
-  assign permits_o = !alarm_next_o && good_turns >= turns_q;
+  assign permits_o = !alarm_next_o && good_turns >= turns_q && (turns_q == '0 || !fault);
 
   logic any_q;
   logic [7:0] turn_count_q;
-  logic [22:0] flags, flags_q;
-  assign flags = {good, saturated, no_angle, mirror, winding, radius, timeout, clipped, octants};
+  logic [23:0] flags, flags_q;
+  assign flags = {residue, good, saturated, no_angle, mirror, winding, radius, timeout, clipped, octants};
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       {fresh_q, bank_q, any_q, any_sample_q, alarm_q} <= 5'b10000;
@@ -306,7 +308,7 @@ module turn_judge (
   assign last_timeout_o = ends ? timeout : flags_q[16];
   assign bank_o = !bank_q;
   assign any_o = any_q;
-  assign turn_flags_o = {turn_count_q, 1'b0, flags_q};
+  assign turn_flags_o = {turn_count_q, flags_q};
   assign good_turns_o = good_turns_q;
   assign alarm_o = alarm_q;
 

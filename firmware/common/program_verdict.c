@@ -6,14 +6,36 @@
 
 struct program_verdict program_verdict = {.magic = PROGRAM_VERDICT_MAGIC};
 
-int pass_within(const char* name, uint32_t bound) {
-  program_verdict.bound = bound;
+// Rounded up, so that what is printed holds as well.
+static void print_bound(uint32_t angle) {
+  print_fixed((int64_t)angle * 360 + 2148, 32, 6, 0);
+  print_text(" deg");
+}
+
+int pass_within(const char* name, const struct verdict_claim* claim) {
+  program_verdict.claim = *claim;
   program_verdict.state = program_verdict_pass;
   print_text(name);
   print_text(": pass: every angle within ");
-  // Half a millionth more, so that what is printed holds as well.
-  print_fixed((int64_t)bound * 360 + 2148, 32, 6, 0);
-  print_text(" deg\n");
+  print_bound(claim->bound);
+  if (claim->samples != 0) {
+    print_text(", last ");
+    print_unsigned(claim->samples, 0);
+    print_text(" samples");
+  }
+  const char* separator = ", if ";
+  if ((claim->conditions & verdict_if_no_sample_is_stale) != 0) {
+    print_text(separator);
+    print_text("no sample is stale");
+    separator = " and ";
+  }
+  if ((claim->conditions & verdict_if_harmonics_are_small) != 0) {
+    print_text(separator);
+    print_text("harmonics along the circle stay below ");
+    print_fixed((int64_t)claim->unseen * 360, 32, 2, 0);
+    print_text(" deg");
+  }
+  print_text("\n");
   return 0;
 }
 

@@ -1,11 +1,11 @@
 // The verdict of a program as an object in its memory, beside the line that it prints: `capsoc run`
-// finds it by its name, puts it in the result file and holds its bound against the sensor's truth.
+// finds it by its name, puts it in the result file and compares its bound with the sensor's truth.
 #ifndef CAPSOC_PROGRAM_VERDICT_H
 #define CAPSOC_PROGRAM_VERDICT_H
 
 #include <stdint.h>
 
-#define PROGRAM_VERDICT_MAGIC UINT32_C(0x31524556)  // of this layout
+#define PROGRAM_VERDICT_MAGIC UINT32_C(0x32524556)  // of this layout
 
 enum program_verdict_state {
   program_verdict_none = 0,  // it has not come so far
@@ -13,17 +13,33 @@ enum program_verdict_state {
   program_verdict_fail = 2,
 };
 
+// What a pass takes for granted, since the samples do not show it.
+enum program_verdict_condition {
+  verdict_if_no_sample_is_stale = 1,  // a sample may repeat an old one
+  verdict_if_harmonics_are_small = 2,  // those along the circle stay below `unseen`
+};
+
+// What a pass says. Angles in 2^-32 turn.
+struct verdict_claim {
+  uint32_t bound;       // no angle is further from the truth at the instant of its sample
+  uint32_t samples;     // the last so many of them are meant; 0: all that the program used
+  uint32_t motion;      // of the shaft from one sample to the next; 0: not known
+  uint32_t unseen;      // see verdict_if_harmonics_are_small
+  uint32_t conditions;  // enum program_verdict_condition, added up
+};
+
 struct program_verdict {
   uint32_t magic;
-  uint32_t state;   // enum program_verdict_state
-  uint32_t bound;   // with pass: no angle is further from the truth, 2^-32 turn
-  char reason[96];  // with fail: one sentence; ends with a 0
+  uint32_t state;              // enum program_verdict_state
+  struct verdict_claim claim;  // with pass
+  char reason[160];            // with fail: one sentence; ends with a 0
 };
 
 extern struct program_verdict program_verdict;
 
-// "<name>: pass: every angle within <bound> deg\n". Returns the exit status 0.
-int pass_within(const char* name, uint32_t bound);
+// "<name>: pass: every angle within <bound> deg", then the samples that are meant and the
+// conditions, in one line. Returns the exit status 0.
+int pass_within(const char* name, const struct verdict_claim* claim);
 // "<name>: fail: <reason>\n". Returns the exit status 1.
 int fail_because(const char* name, const char* reason);
 

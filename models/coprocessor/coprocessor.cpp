@@ -193,8 +193,8 @@ void Coprocessor::start_results(Packet& packet) {
                                packet.turn};
   pending_.judge =
       judge(judge_, judged, judge_settings_, settings_.source != ReferenceSource::numeric);
-  pending_.lock = settled && pending_.error_average < lock_threshold_ && !pending_.judge.alarm &&
-                  pending_.judge.good_turns >= judge_settings_.turns;
+  pending_.lock = settled && pending_.error_average < lock_threshold_ &&
+                  pending_.judge.permits_lock(judge_settings_.turns);
   pending_.diverged = settled && pending_.error_average > diverge_threshold_;
 }
 

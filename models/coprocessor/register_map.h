@@ -125,6 +125,7 @@ inline constexpr uint32_t turn_winding = description::TURN_FLAGS_WINDING_mask;
 inline constexpr uint32_t turn_mirror = description::TURN_FLAGS_MIRROR_mask;
 inline constexpr uint32_t turn_noangle = description::TURN_FLAGS_NOANGLE_mask;
 inline constexpr uint32_t turn_sat = description::TURN_FLAGS_SAT_mask;
+inline constexpr uint32_t turn_residue = description::TURN_FLAGS_RESIDUE_mask;
 inline constexpr uint32_t turn_good = description::TURN_FLAGS_GOOD_mask;
 inline constexpr unsigned turn_count_shift = description::TURN_FLAGS_TURN_COUNT_shift;
 

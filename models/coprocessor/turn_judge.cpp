@@ -10,6 +10,10 @@ namespace {
 constexpr int64_t turn_30 = int64_t{1} << 30;
 constexpr unsigned alarm_at = 16;
 constexpr uint32_t clipped_most = 255;
+constexpr uint32_t residue_limit = uint32_t{1} << 28;  // 1/16 turn
+// Of a sample; a window with one of them is not good.
+constexpr uint32_t sample_faults = turn_clipped_mask | turn_radius | turn_mirror | turn_noangle |
+                                   turn_sat | turn_residue;
 
 uint32_t magnitude(int64_t value) {
   return static_cast<uint32_t>(value < 0 ? -value : value);
@@ -28,7 +32,8 @@ bool one_turn(int32_t winding) {
 
 uint32_t sample_flags(const JudgedSample& s, bool beyond) {
   return (1u << (s.angle >> 29)) | (beyond ? turn_radius : 0) | (s.mirror ? turn_mirror : 0) |
-         (s.no_angle ? turn_noangle : 0) | (s.saturated ? turn_sat : 0);
+         (s.no_angle ? turn_noangle : 0) | (s.saturated ? turn_sat : 0) |
+         (magnitude(s.residue) >= residue_limit ? turn_residue : 0);
 }
 
 void count_clipped(TurnRecord& window) {
@@ -37,8 +42,7 @@ void count_clipped(TurnRecord& window) {
 }
 
 bool is_good(uint32_t flags, bool count) {
-  const uint32_t faults = turn_clipped_mask | turn_timeout | turn_radius | turn_mirror |
-                          turn_noangle | turn_sat | (count ? 0 : turn_winding);
+  const uint32_t faults = sample_faults | turn_timeout | (count ? 0 : turn_winding);
   return (flags & turn_octants_mask) == turn_octants_mask && (flags & faults) == 0;
 }
 
@@ -68,6 +72,12 @@ void count_glitch(TurnJudge& next, bool glitch) {
 
 bool is_beyond(uint32_t deviation, int32_t det, uint32_t n) {
   return n != 0 && deviation >= (uint64_t{magnitude(det)} * n) >> 8;
+}
+
+bool TurnJudge::permits_lock(unsigned turns) const {
+  const uint32_t flags = ended ? last.flags : window.flags;
+  const bool fault = (flags & sample_faults) != 0;
+  return !alarm && good_turns >= turns && (turns == 0 || !fault);
 }
 
 TurnJudge judge(const TurnJudge& state, const JudgedSample& sample, const JudgeSettings& settings,

@@ -14,7 +14,7 @@ struct JudgeSettings {
   // 2^-8 of |DET|; 0: none
   uint32_t radius_limit = field(description::JUDGE_reset, description::JUDGE_RADIUS_LIMIT_mask);
   uint32_t alarm_limit = field(description::JUDGE_reset, description::JUDGE_ALARM_LIMIT_mask);
-  // Good windows that LOCK needs, 0..3
+  // Good windows that LOCK needs, 0..3; 0: neither does the window under way matter
   unsigned turns = field(description::JUDGE_reset, description::JUDGE_TURNS_mask);
   bool count = false;       // windows of turn_limit samples
   uint32_t turn_limit = 0;  // samples; 0: no time-out
@@ -61,6 +61,10 @@ struct TurnJudge {
   uint32_t deviation = 0;  // Q1.31
   int32_t travel = 0;      // 2^-30 turn
   bool ended = false;      // it ended its window
+
+  // LOCK of the last sample, as far as the judge is concerned: not while its window has a sample
+  // for which it will not be good, unless LOCK needs no turns.
+  bool permits_lock(unsigned turns) const;
 
   void visit(kit::Archive& archive);
 };

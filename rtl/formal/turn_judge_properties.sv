@@ -59,7 +59,9 @@ module turn_judge_properties (
   (* hierconn *) logic [7:0] \dut.clipped_q ;
   (* hierconn *) logic [4:0] \dut.glitches_q ;
   (* hierconn *) logic [1:0] \dut.good_turns_q ;
-  (* hierconn *) logic [22:0] \dut.flags ;
+  (* hierconn *) logic \dut.residue_far_q ;
+  (* hierconn *) logic \dut.residue_q ;
+  (* hierconn *) logic [23:0] \dut.flags ;
 
   // Short names; P, T, M as in the unit's text.
   logic [31:0] m, size;
@@ -84,13 +86,13 @@ module turn_judge_properties (
 
   // What the registers hold after this cycle.
   logic [32:0] p_due, t_due;
-  logic beyond_due, far_due, greater_due, full_due;
+  logic beyond_due, far_due, greater_due, full_due, residue_far_due;
   logic [29:0] step_due;
   always @* begin
     p_due = p;
     t_due = t;
-    {beyond_due, far_due, greater_due, full_due} =
-        {\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q };
+    {beyond_due, far_due, greater_due, full_due, residue_far_due} =
+        {\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_far_q };
     step_due = \dut.step_q ;
     if (active) begin
       if (multiplies) p_due = sum[33:1];
@@ -103,6 +105,7 @@ module turn_judge_properties (
       endcase
       if (cycle_i == 5'd14) beyond_due = {1'b0, m} >= p;
       if (cycle_i == 5'd25) far_due = {1'b0, m} >= p;
+      if (cycle_i == 5'd26) residue_far_due = size >= 32'h1000_0000;
       if (cycle_i == 5'd15 || cycle_i == 5'd27) greater_due = fresh || t > {1'b0, m};
       if (cycle_i == 5'd30) begin
         full_due = \dut.turn_limit_q != '0 && t[31:0] >= \dut.turn_limit_q ;
@@ -129,19 +132,19 @@ module turn_judge_properties (
 
   logic known = 1'b0;
   logic [32:0] p_was, t_was;
-  logic [3:0] found_was;
+  logic [4:0] found_was;
   logic [29:0] step_was;
   always @(posedge clk_i) begin
     known     <= 1'b1;
     p_was     <= p_due;
     t_was     <= t_due;
-    found_was <= {beyond_due, far_due, greater_due, full_due};
+    found_was <= {beyond_due, far_due, greater_due, full_due, residue_far_due};
     step_was  <= step_due;
   end
 
   // At the commit.
   logic [31:0] travel;
-  logic wild, one_turn, complete, glitch, radius, mirror, no_angle, saturated, timeout, good;
+  logic wild, one_turn, complete, glitch, radius, mirror, no_angle, saturated, residue, timeout, good, fault;
   logic [4:0] glitches;
   logic [7:0] octants, clipped;
   logic [1:0] turns;
@@ -159,13 +162,14 @@ module turn_judge_properties (
   assign mirror    = (\dut.mirror_q && !fresh) || mirror_i;
   assign no_angle  = (\dut.no_angle_q && !fresh) || no_angle_i;
   assign saturated = (\dut.saturated_q && !fresh) || saturated_i;
+  assign residue   = (\dut.residue_q && !fresh) || \dut.residue_far_q ;
   assign octants   = (fresh ? 8'd0 : \dut.octants_q ) | (8'd1 << octant_i);
   assign clipped   = (fresh ? 8'd0 : \dut.clipped_q ) +
       8'(clip_i && (fresh || \dut.clipped_q != 8'd255));
   assign glitches  = glitch ? (\dut.glitches_q == 5'd16 ? 5'd16 : \dut.glitches_q + 5'd1)
                             : (\dut.glitches_q == 5'd0 ? 5'd0 : \dut.glitches_q - 5'd1);
-  assign good = octants == 8'hFF && clipped == 8'd0 && !timeout && !radius && !mirror && !no_angle &&
-      !saturated && (\dut.count_q || (one_turn && !wild));
+  assign fault = radius || mirror || no_angle || saturated || residue || clipped != 8'd0;
+  assign good = octants == 8'hFF && !timeout && !fault && (\dut.count_q || (one_turn && !wild));
   always @* begin
     turns = \dut.good_turns_q ;
     if (complete || \dut.full_q ) turns = !good ? 2'd0 : turns == 2'd3 ? 2'd3 : turns + 2'd1;
@@ -186,7 +190,7 @@ module turn_judge_properties (
     if (known) begin
       assert (\dut.product_q == p_was);
       assert (\dut.word_q == t_was);
-      assert ({\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q } == found_was);
+      assert ({\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_far_q } == found_was);
       assert (\dut.step_q == step_was);
     end
     if (active) begin
@@ -206,11 +210,11 @@ module turn_judge_properties (
     end
     if (commit) begin
       assert (write && data == travel && address == {2'b11, \dut.bank_q , 2'd2});
-      assert (\dut.flags == {good, saturated, no_angle, mirror, wild || !one_turn, radius, timeout, clipped,
+      assert (\dut.flags == {residue, good, saturated, no_angle, mirror, wild || !one_turn, radius, timeout, clipped,
                              octants});
       assert (ended == (complete || \dut.full_q ));
       assert (alarm_next == (glitches == 5'd16 || (alarm && glitches != 5'd0)));
-      assert (permits == (!alarm_next && turns >= \dut.turns_q ));
+      assert (permits == (!alarm_next && turns >= \dut.turns_q && !(\dut.turns_q != 2'd0 && fault)));
     end
     // Words of other stages, under their sample's slot.
     if (stage_i[2] && cycle_i == 5'd0)

@@ -154,7 +154,7 @@ module coprocessor_probe #(
   endfunction
 
   function automatic logic [31:0] next_turn_flags();
-    next_turn_flags = dut.u_datapath.u_turn_judge.ended_o ? {dut.turn_flags[31:24] + 8'd1, 1'b0, dut.u_datapath.u_turn_judge.flags}
+    next_turn_flags = dut.u_datapath.u_turn_judge.ended_o ? {dut.turn_flags[31:24] + 8'd1, dut.u_datapath.u_turn_judge.flags}
                                     : dut.turn_flags;
   endfunction
 

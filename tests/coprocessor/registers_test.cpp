@@ -26,7 +26,7 @@ class Registers : public testing::Test {
 
 TEST_F(Registers, HaveTheirResetValues) {
   EXPECT_EQ(read(reg_id), 0x43415053u);
-  EXPECT_EQ(read(reg_version), 0x00010003u);
+  EXPECT_EQ(read(reg_version), 0x00010004u);
   for (uint32_t r = reg_step_au; r <= reg_step_cv; r += 4) EXPECT_EQ(read(r), 1349307u);
   EXPECT_EQ(read(reg_loop), 0xA04u);
   EXPECT_EQ(read(reg_lock_threshold), 1u << 21);

@@ -30,7 +30,7 @@ class CoprocessorTlm : public capsoc::test::DeviceTest {
 
 TEST_F(CoprocessorTlm, SaysWhoItIs) {
   EXPECT_EQ(bus.value_at(ID_offset), 0x43415053u);
-  EXPECT_EQ(bus.value_at(VERSION_offset), 0x00010003u);
+  EXPECT_EQ(bus.value_at(VERSION_offset), 0x00010004u);
 }
 
 TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {

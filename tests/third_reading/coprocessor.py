@@ -138,8 +138,7 @@ class Coprocessor:
         r.blocks.ended = turn_ended
         r.since_reset += 1
         settled_in = r.since_reset >= 64
-        lock = (settled_in and sample.average < settings.lock_threshold and not r.judge.alarm
-                and r.judge.good_turns >= settings.turns)
+        lock = settled_in and sample.average < settings.lock_threshold and r.judge.permits_lock(settings.turns)
         r.diverged = settled_in and sample.average > settings.diverge_threshold
         for holds, flag in ((True, names.RESULT), (sample.clip, names.CLIP), (sample.sat, names.SAT),
                             (sample.zero, names.ZERO), (sample.unsettled, names.UNSETTLED), (r.diverged, names.DIVERGED),

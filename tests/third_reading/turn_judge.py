@@ -5,7 +5,7 @@ from reference_generator import NUMERIC
 
 ONE_TURN = 1 << 30  # of travel
 
-TIMEOUT, RADIUS, WINDING, MIRROR, NOANGLE, SAT, GOOD = (1 << bit for bit in range(16, 23))
+TIMEOUT, RADIUS, WINDING, MIRROR, NOANGLE, SAT, GOOD, RESIDUE = (1 << bit for bit in range(16, 24))
 
 
 class TurnJudge:
@@ -17,6 +17,7 @@ class TurnJudge:
         self.alarm = False
         self.good_turns = 0
         self.turn_count = 0
+        self.spoilt = False  # the window of the last sample, up to it
         # Registers
         self.radius_max = self.residue_max = self.winding = self.turn_samples = self.turn_det = self.turn_flags = 0
         self.open_window()
@@ -24,7 +25,7 @@ class TurnJudge:
     def open_window(self):
         self.largest_deviation = self.largest_residue = self.travel = self.samples = 0
         self.octants = self.clipped = 0
-        self.reasons = 0  # RADIUS, WINDING (wild), MIRROR, NOANGLE, SAT of a sample
+        self.reasons = 0  # RADIUS, WINDING (wild), MIRROR, NOANGLE, SAT, RESIDUE of a sample
 
     def take(self, sample, settings):
         """One sample, with the settings that its T4 read. Returns whether a window ended."""
@@ -36,12 +37,17 @@ class TurnJudge:
 
         self.follow_alarm(reaches(settings.alarm_limit) or sample.clip)
         self.add(sample, deviation, reaches(settings.radius_limit))
+        self.spoilt = self.clipped != 0 or bool(self.reasons & (RADIUS | MIRROR | NOANGLE | SAT | RESIDUE))
         ends_anyway, ends = self.window_ends(sample, settings)
         if ends:
             self.conclude(sample, settings, time_out=not settings.count and not ends_anyway)
         if self.alarm:
             self.good_turns = 0
         return ends
+
+    def permits_lock(self, turns):
+        """After take: of the sample that it took."""
+        return not self.alarm and self.good_turns >= turns and not (turns and self.spoilt)
 
     def follow_alarm(self, glitch):
         self.glitches = min(16, self.glitches + 1) if glitch else max(0, self.glitches - 1)
@@ -62,7 +68,8 @@ class TurnJudge:
         self.clipped = min(255, self.clipped + sample.clip)
         wild = not -3 * ONE_TURN <= 2 * self.travel < 3 * ONE_TURN
         for reason, holds in ((RADIUS, beyond), (WINDING, wild), (MIRROR, sample.mirror),
-                              (NOANGLE, sample.zero or sample.unsettled), (SAT, sample.sat)):
+                              (NOANGLE, sample.zero or sample.unsettled), (SAT, sample.sat),
+                              (RESIDUE, abs(sample.residue) >= TURN_32 // 16)):
             if holds:
                 self.reasons |= reason
 
@@ -84,7 +91,7 @@ class TurnJudge:
         if not (61 <= sixty_fourths <= 66 or -67 <= sixty_fourths <= -62):
             flags |= WINDING
         good = (self.octants == 0xFF and self.clipped == 0
-                and not flags & (TIMEOUT | RADIUS | MIRROR | NOANGLE | SAT)
+                and not flags & (TIMEOUT | RADIUS | MIRROR | NOANGLE | SAT | RESIDUE)
                 and (not flags & WINDING or settings.count))
         if good:
             flags |= GOOD

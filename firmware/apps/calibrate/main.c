@@ -27,6 +27,7 @@
 #include "program_settings.h"
 #include "program_verdict.h"
 #include "sampling.h"
+#include "sensor_change.h"
 #include "supervision.h"
 
 #define SETTINGS(NUMBER, TEXT)                                                 \
@@ -62,21 +63,24 @@ static void print_banner(void) {
 }
 
 static int judge(struct judgement* judgement) {
-  judgement_look(judgement);
   print_text("error average ");
   print_q31((int32_t)COPROCESSOR->ERROR_AVERAGE, 0);
   print_text("\n");
   const char* reason = judgement_objection(judgement);
+  if (reason != NULL) {
+    const char* const change =
+        sensor_change(&judgement->shape, &calibration_parameters.parameters);
+    if (change != NULL) reason = change;
+  }
   if (reason == NULL) reason = error_sentence(COPROCESSOR->FLAGS);
   if (reason != NULL) return fail_because("calibrate", reason);
-  return pass_within("calibrate", judgement_bound(judgement));
+  return pass("calibrate", judgement);
 }
 
 // False if the signal ended before.
 static bool calibrate(struct judgement* judgement) {
-  if (!print_angles(0, settings.samples, settings.angle_stride)) return false;
-  judgement_look(judgement);
-  return judgement->judged != 0 || judgement_wait(judgement, COPROCESSOR->TURN_LIMIT);
+  if (!print_angles(judgement, 0, settings.samples, settings.angle_stride)) return false;
+  return judgement->whole != 0 || judgement_wait(judgement, COPROCESSOR->TURN_LIMIT);
 }
 
 int main(void) {
@@ -109,7 +113,7 @@ int main(void) {
   COPROCESSOR->CTRL = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                       COPROCESSOR_CTRL_IE_RESULT_Msk |
                       COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
-  sampling_count_zeros();
+  sampling_count_oddities();
   if (!sampling_start(settings.rate_hz)) {
     print_text("calibrate: the ADC refuses the sampling rate\n");
     return status_refused;
@@ -117,11 +121,14 @@ int main(void) {
   struct judgement judgement = {.limit = settings.limit_deg,
                                 .unseen = settings.harmonics_deg,
                                 .fewest = 1,
+                                .watches = settings.window_samples == 0,
                                 .mirrored = reversed(parameters),
+                                .covers = true,
                                 .has_parameters = true,
                                 .parameters = *parameters};
   print_parameter_table(parameters);
   if (!calibrate(&judgement)) print_end(sampling_count());
   sampling_stop();
+  judgement_finish(&judgement);
   return judge(&judgement);
 }

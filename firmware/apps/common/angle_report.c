@@ -14,12 +14,12 @@ void print_angle(uint32_t sample) {
   print_text(" deg\n");
 }
 
-bool print_angles(uint32_t first, uint32_t count, uint32_t stride) {
+bool print_angles(struct judgement* judgement, uint32_t first, uint32_t count, uint32_t stride) {
   for (uint32_t sample = first + stride; sample <= first + count; sample += stride) {
-    if (!sampling_wait(sample)) return false;
+    if (!judgement_until(judgement, sample)) return false;
     print_angle(sample);
   }
-  return sampling_wait(first + count);  // what is less than a stride
+  return judgement_until(judgement, first + count);  // what is less than a stride
 }
 
 void print_end(uint32_t samples) {

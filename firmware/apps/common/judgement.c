@@ -10,9 +10,17 @@
 // Limits of the drift in a turn (0.05, as relative change or radians) and of nothing else: those of
 // the radius, the winding and the rest are the coprocessor's.
 #define DRIFT_LIMIT (RADIAN / 20)
+// Turns with parameters that differ by more than this (0.001) are not compared with one another.
+#define SAME_PARAMETERS (RADIAN / 1000)
 // Fewer samples of 0 in both channels may be the place where the circle crosses 0.
 #define ZEROS_LIMIT 3
+// Chance repeats 1 of 250 samples of 12 bits at an amplitude of 0.02.
+#define REPEATS_LIMIT(samples) ((samples) / 64 + 2)
+// A drift that does not grow smaller may go on for so many turns and have gone on before.
+#define LONGEST_DRIFT 32
 #define HALF_TURN (UINT32_C(1) << 31)
+// Of the looks, which take a raw sample for its shape.
+#define SHAPE_EVERY 16
 
 static uint32_t field(uint32_t word, uint32_t mask, uint32_t position) {
   return (word & mask) >> position;
@@ -51,141 +59,235 @@ static uint32_t drift_between(const struct coprocessor_parameters* before,
   return larger(drift, ratio(difference(now->b2, before->b2), a2));
 }
 
-// A late or a doubled sample does not leave the circle: it is off by as much as the shaft turns
-// meanwhile.
-static uint32_t motion_in_window(void) {
-  const uint32_t samples = COPROCESSOR->TURN_SAMPLES;
-  if (samples == 0 || (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_COUNT_Msk) != 0) return 0;
-  return capped(((uint64_t)magnitude(COPROCESSOR->WINDING) * 4 + samples - 1) / samples);
+static bool by_count(void) {
+  return (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_COUNT_Msk) != 0;
 }
 
 void judgement_disturbed(struct judgement* judgement) {
+  judgement->cut = true;
+}
+
+void judgement_restart(struct judgement* judgement) {
   judgement->discard = 1;
+  judgement->cut = false;
+  judgement->before = 0;
+  judgement->spoilt = NULL;
+  judgement->learning_turns = 0;
+  evenness_restart(&judgement->evenness);
 }
 
-void judgement_look(struct judgement* judgement) {
-  const uint32_t flags = COPROCESSOR->TURN_FLAGS;
-  const uint32_t ended =
-      field(flags, COPROCESSOR_TURN_FLAGS_TURN_COUNT_Msk, COPROCESSOR_TURN_FLAGS_TURN_COUNT_Pos);
-  const uint32_t fresh = (ended - judgement->ended) & 0xFF;
-  if (fresh == 0) return;
-  judgement->ended = ended;
-  const struct coprocessor_parameters parameters = coprocessor_read_parameters();
-  const struct turn_evidence turn = {
-      .flags = flags,
-      .radius = ratio(COPROCESSOR->RADIUS_MAX, magnitude(COPROCESSOR->TURN_DET)),
-      .residue = COPROCESSOR->RESIDUE_MAX,
-      .drift = judgement->has_parameters ? drift_between(&judgement->parameters, &parameters)
-                                         : HALF_TURN,
-      .zeros = sampling_zeros() - judgement->zeros,
-      .motion = motion_in_window(),
-  };
-  judgement->zeros += turn.zeros;
-  judgement->parameters = parameters;
-  judgement->has_parameters = true;
-  const uint32_t discard = judgement->discard;
-  judgement->discard = 0;
-  if (fresh <= discard) return;
-  if (turn.residue != 0) judgement->residue = turn.residue;
-  judgement->turns[judgement->judged % judgement_turns] = turn;
-  ++judgement->judged;
+void judgement_cover(struct judgement* judgement) {
+  judgement->covers = true;
 }
 
-// The coprocessor's word, or nothing against the turn but that it was mirrored as expected.
-static bool good(const struct judgement* judgement, uint32_t flags, bool counts) {
+// The coprocessor's word, or nothing against the window but that it was mirrored as expected, or
+// that it was cut short.
+static bool good(const struct judgement* judgement, const struct turn_evidence* turn) {
+  const uint32_t flags = turn->flags;
   if ((flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0) return true;
-  if (!judgement->mirrored || (flags & COPROCESSOR_TURN_FLAGS_MIRROR_Msk) == 0) return false;
-  const uint32_t winding = counts ? 0 : COPROCESSOR_TURN_FLAGS_WINDING_Msk;
-  const uint32_t bad = COPROCESSOR_TURN_FLAGS_CLIPPED_Msk | COPROCESSOR_TURN_FLAGS_SAT_Msk |
-                       COPROCESSOR_TURN_FLAGS_NOANGLE_Msk | COPROCESSOR_TURN_FLAGS_RADIUS_Msk |
-                       COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk | winding;
+  uint32_t bad = COPROCESSOR_TURN_FLAGS_CLIPPED_Msk | COPROCESSOR_TURN_FLAGS_SAT_Msk |
+                 COPROCESSOR_TURN_FLAGS_NOANGLE_Msk | COPROCESSOR_TURN_FLAGS_RADIUS_Msk |
+                 COPROCESSOR_TURN_FLAGS_RESIDUE_Msk;
+  if (!judgement->mirrored) bad |= COPROCESSOR_TURN_FLAGS_MIRROR_Msk;
+  if (!turn->whole) return (flags & bad) == 0;
+  bad |= COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk;
+  if (!by_count()) bad |= COPROCESSOR_TURN_FLAGS_WINDING_Msk;
   const uint32_t octants = COPROCESSOR_TURN_FLAGS_OCTANTS_Msk;
   return (flags & bad) == 0 && (flags & octants) == octants;
 }
 
-// The plainest cause first: what makes the others. What is good may have a winding that does not
-// count (JUDGE.COUNT).
-static const char* objection_to(const struct judgement* judgement,
-                                const struct turn_evidence* turn) {
+// Whether the angle has not gone round as a turn does.
+static bool moved_otherwise(const struct turn_evidence* turn) {
+  const uint32_t octants = COPROCESSOR_TURN_FLAGS_OCTANTS_Msk;
+  const uint32_t motion = COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk | COPROCESSOR_TURN_FLAGS_WINDING_Msk |
+                          COPROCESSOR_TURN_FLAGS_MIRROR_Msk;
+  return turn->whole && ((turn->flags & motion) != 0 || (turn->flags & octants) != octants);
+}
+
+// The raw samples know what a loop that fits nothing cannot tell. Null if they say no more than the
+// flags.
+static const char* cause_by_shape(const struct judgement* judgement,
+                                  const struct turn_evidence* turn) {
+  struct signal_ellipse ellipse;
+  switch (signal_shape_kind(&judgement->shape, &ellipse)) {
+    case signal_at_rest:
+      return "both channels stand still: the shaft rests, or the sensor is dead";
+    case signal_u_dead:
+      return "channel U stands still while V moves: look for a dead or constant channel";
+    case signal_v_dead:
+      return "channel V stands still while U moves: look for a dead or constant channel";
+    case signal_same:
+      return "the channels carry the same signal: look for a short circuit between them";
+    case signal_elliptic:
+      if (!moved_otherwise(turn) || by_count()) return NULL;
+      if (judgement->numeric)
+        return "the samples are a sensor's, but the shaft does not turn at frequency_hz: it rests, "
+               "swings or has another speed";
+      return "the samples are a sensor's, but the shaft makes no whole turns in time: it rests, "
+             "swings or is too slow";
+    default:
+      return NULL;
+  }
+}
+
+// The plainest cause first: what makes the others.
+static const char* cause_of(const struct judgement* judgement, const struct turn_evidence* turn) {
   static const struct {
     uint32_t flag;
     const char* sentence;
   } causes[] = {
-      {COPROCESSOR_TURN_FLAGS_CLIPPED_Msk,
-       "the ADC clipped samples of the last turns: reduce the gain"},
       {COPROCESSOR_TURN_FLAGS_SAT_Msk, "a value in the coprocessor saturated in the last turns"},
       {COPROCESSOR_TURN_FLAGS_NOANGLE_Msk,
        "the signals give no angle: look for a dead or constant channel"},
       {COPROCESSOR_TURN_FLAGS_RADIUS_Msk,
        "the calibrated signals do not stay on a circle: noise, harmonics or a broken channel"},
+      {COPROCESSOR_TURN_FLAGS_RESIDUE_Msk,
+       "the angle leaves its reference by 22.5 degrees or more: stale samples or an uneven shaft"},
       {COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk,
        "no whole turn was seen in time: the shaft rests or is too slow"},
       {COPROCESSOR_TURN_FLAGS_WINDING_Msk,
        "the angle does not go round once a turn: is the speed right?"},
       {COPROCESSOR_TURN_FLAGS_MIRROR_Msk, "the rotation is the other way round"},
   };
-  const bool counts = (COPROCESSOR->JUDGE & COPROCESSOR_JUDGE_COUNT_Msk) != 0;
-  if (!good(judgement, turn->flags, counts)) {
-    const uint32_t flags = counts ? turn->flags & ~COPROCESSOR_TURN_FLAGS_WINDING_Msk : turn->flags;
-    for (size_t i = 0; i < sizeof causes / sizeof causes[0]; ++i)
-      if ((flags & causes[i].flag) != 0) return causes[i].sentence;
-    return "parts of the turn had no samples: the shaft rests or swings";
-  }
+  if ((turn->flags & COPROCESSOR_TURN_FLAGS_CLIPPED_Msk) != 0)
+    return "the ADC clipped samples of the last turns: reduce the gain";
+  const char* const shape = cause_by_shape(judgement, turn);
+  if (shape != NULL) return shape;
+  uint32_t flags = turn->flags;
+  if (by_count() || !turn->whole) flags &= ~COPROCESSOR_TURN_FLAGS_WINDING_Msk;
+  for (size_t i = 0; i < sizeof causes / sizeof causes[0]; ++i)
+    if ((flags & causes[i].flag) != 0) return causes[i].sentence;
+  return "parts of the turn had no samples: the shaft rests or swings";
+}
+
+static const char* objection_to(const struct judgement* judgement,
+                                const struct turn_evidence* turn) {
+  if (!good(judgement, turn)) return cause_of(judgement, turn);
   if (turn->zeros >= ZEROS_LIMIT)
     return "samples are 0 in both channels again and again: the converter drops out";
+  if (by_count() && turn->repeats >= REPEATS_LIMIT(turn->samples))
+    return "samples come again bit for bit: the converter or its link holds old ones";
   if (turn->drift >= DRIFT_LIMIT) return "the parameters still drift by 5 % a turn or more";
   return NULL;
 }
 
-// The window that ended `back` windows ago, 0: the last; null if it is not kept.
-static const struct turn_evidence* turn_before(const struct judgement* judgement, uint32_t back) {
-  if (back >= judgement_turns || back >= judgement->judged) return NULL;
-  return &judgement->turns[(judgement->judged - 1 - back) % judgement_turns];
+static void keep_worst(struct turn_evidence* worst, const struct turn_evidence* turn) {
+  worst->radius = larger(worst->radius, turn->radius);
+  worst->residue = larger(worst->residue, turn->residue);
+  worst->drift = larger(worst->drift, turn->drift);
+  worst->jump = larger(worst->jump, turn->jump);
 }
 
-static uint64_t bound_of(const struct judgement* judgement, const struct turn_evidence* turn) {
-  const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
-  const uint64_t by_residue = 2 * (uint64_t)larger(turn->residue, judgement->residue);
-  const bool by_residue_alone = judgement->corrected && judgement->numeric;
-  const uint64_t error = by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
-  return error + turn->drift + turn->motion + judgement->unseen;
+static void cover(struct judgement* judgement, const struct turn_evidence* turn) {
+  keep_worst(&judgement->worst, turn);
+  judgement->samples += turn->samples;
+  if (judgement->objection == NULL) judgement->objection = objection_to(judgement, turn);
+  if (turn->whole) ++judgement->whole;
 }
 
-uint32_t judgement_bound_of_last(const struct judgement* judgement) {
-  const struct turn_evidence* const turn = turn_before(judgement, 0);
-  if (turn == NULL || (turn->flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) == 0) return HALF_TURN;
-  return capped(bound_of(judgement, turn));
-}
-
-uint32_t judgement_bound(const struct judgement* judgement) {
-  uint64_t worst = 0;
-  uint32_t good_turns = 0;
-  for (;; ++good_turns) {
-    const struct turn_evidence* const turn = turn_before(judgement, good_turns);
-    if (turn == NULL || objection_to(judgement, turn) != NULL) break;
-    const uint64_t total = bound_of(judgement, turn);
-    if (total > worst) worst = total;
+// A window that is cut short before anything is covered ends the row of whole ones.
+static void keep_before(struct judgement* judgement, const struct turn_evidence* turn) {
+  judgement->spoilt = objection_to(judgement, turn);
+  if (!turn->whole || judgement->spoilt != NULL) {
+    judgement->before = 0;
+    return;
   }
-  return good_turns == 0 ? HALF_TURN : capped(worst);
+  for (uint32_t i = judgement_turns - 1; i > 0; --i) judgement->turns[i] = judgement->turns[i - 1];
+  judgement->turns[0] = *turn;
+  if (judgement->before < judgement_turns) ++judgement->before;
 }
 
-const char* judgement_objection(const struct judgement* judgement) {
-  for (uint32_t back = 0; back < judgement->fewest; ++back) {
-    const struct turn_evidence* const turn = turn_before(judgement, back);
-    if (turn == NULL) return "the signal ended before enough whole turns were seen";
-    const char* const objection = objection_to(judgement, turn);
-    if (objection != NULL) return objection;
+// Of turns with demodulation: a drift that does not become smaller goes on.
+static void keep_learning(struct judgement* judgement, uint32_t drift) {
+  judgement->learning[1] = judgement->learning[0];
+  judgement->learning[0] = drift;
+  if (judgement->learning_turns < 2) ++judgement->learning_turns;
+  if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
+}
+
+static struct turn_evidence read_window(struct judgement* judgement, uint32_t flags) {
+  const struct coprocessor_parameters parameters = coprocessor_read_parameters();
+  struct turn_evidence turn = {
+      .flags = flags,
+      .samples = COPROCESSOR->TURN_SAMPLES,
+      .radius = ratio(COPROCESSOR->RADIUS_MAX, magnitude(COPROCESSOR->TURN_DET)),
+      .residue = COPROCESSOR->RESIDUE_MAX,
+      .drift = judgement->has_parameters ? drift_between(&judgement->parameters, &parameters)
+                                         : HALF_TURN,
+      .zeros = sampling_zeros() - judgement->zeros,
+      .repeats = sampling_repeats() - judgement->repeats,
+      .whole = !judgement->cut,
+  };
+  judgement->zeros += turn.zeros;
+  judgement->repeats += turn.repeats;
+  judgement->parameters = parameters;
+  judgement->has_parameters = true;
+  return turn;
+}
+
+static void look_at_shape(struct judgement* judgement) {
+  // Between two results, so the two belong together.
+  if (!judgement->watches || judgement->looks % SHAPE_EVERY == 0)
+    signal_shape_feed(&judgement->shape, COPROCESSOR->RAW_U, COPROCESSOR->RAW_V);
+  ++judgement->looks;
+}
+
+void judgement_look(struct judgement* judgement) {
+  if (judgement->watches) {
+    const uint32_t now = sampling_count();
+    evenness_feed(&judgement->evenness, COPROCESSOR->ANGLE, now - judgement->watched);
+    judgement->watched = now;
   }
-  const uint32_t status = COPROCESSOR->STATUS;
-  if ((status & COPROCESSOR_STATUS_ALARM_Msk) != 0) return "the signals have left their circle";
-  // It counts no mirrored turn.
-  if (!judgement->mirrored && field(status, COPROCESSOR_STATUS_GOOD_TURNS_Msk,
-                                    COPROCESSOR_STATUS_GOOD_TURNS_Pos) < judgement->fewest)
-    return "a turn shortly before the end was not good";
-  if ((status & COPROCESSOR_STATUS_VALID_Msk) == 0) return "the last sample has no valid angle";
-  if (judgement_bound(judgement) > judgement->limit)
-    return "the evidence allows an angle error above limit_deg";
-  return NULL;
+  look_at_shape(judgement);
+  const uint32_t flags = COPROCESSOR->TURN_FLAGS;
+  const uint32_t ended =
+      field(flags, COPROCESSOR_TURN_FLAGS_TURN_COUNT_Msk, COPROCESSOR_TURN_FLAGS_TURN_COUNT_Pos);
+  const uint32_t fresh = (ended - judgement->ended) & 0xFF;
+  if (fresh == 0) return;
+  judgement->ended = ended;
+  struct turn_evidence turn = read_window(judgement, flags);
+  judgement->cut = false;
+  const uint32_t discard = judgement->discard;
+  judgement->discard = 0;
+  if (judgement->watches) {
+    const bool even = turn.whole && fresh == 1 && discard == 0 && good(judgement, &turn);
+    turn.jump = evenness_end_window(&judgement->evenness, even);
+  }
+  if (fresh <= discard) return;
+  if (fresh - discard > 1) {
+    judgement->before = 0;
+    if (judgement->covers && judgement->objection == NULL)
+      judgement->objection = "turns ended without being looked at: lower rate_hz";
+  }
+  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_DEMOD_Msk) != 0 && turn.whole)
+    keep_learning(judgement, turn.drift);
+  if (judgement->covers)
+    cover(judgement, &turn);
+  else
+    keep_before(judgement, &turn);
+  if (turn.whole) ++judgement->judged;
+}
+
+// Samples in which no more than one window ends.
+static uint32_t stride(const struct judgement* judgement) {
+  if (judgement->watches) return 1;
+  uint64_t shortest = COPROCESSOR->TURN_LIMIT / 6;  // it is 1.5 turns, and they may become shorter
+  if (by_count()) shortest = COPROCESSOR->TURN_LIMIT / 2;
+  if (judgement->numeric) {
+    const int64_t frequency = coprocessor_frequency();
+    const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
+    shortest = speed != 0 ? (UINT64_C(1) << 47) / speed : UINT32_MAX;
+  }
+  return shortest < 1 ? 1 : shortest < UINT32_MAX ? (uint32_t)shortest : UINT32_MAX;
+}
+
+bool judgement_until(struct judgement* judgement, uint32_t count) {
+  const uint32_t most = stride(judgement);
+  for (uint32_t now = sampling_count(); now < count; now = sampling_count()) {
+    if (!sampling_wait(count - now < most ? count : now + most)) return false;
+    judgement_look(judgement);
+  }
+  return true;
 }
 
 bool judgement_wait(struct judgement* judgement, uint32_t most) {
@@ -196,4 +298,118 @@ bool judgement_wait(struct judgement* judgement, uint32_t most) {
     if (!sampling_wait(now + 1)) return false;
   }
   return true;
+}
+
+// The last sample once more, with the reference where it was for it, ends the window.
+void judgement_finish(struct judgement* judgement) {
+  while ((COPROCESSOR->STATUS & COPROCESSOR_STATUS_BUSY_Msk) != 0) continue;
+  judgement_look(judgement);
+  if (sampling_count() == 0) return;
+  COPROCESSOR->CTRL &= ~(COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_ADC_Msk |
+                         COPROCESSOR_CTRL_IE_RESULT_Msk);
+  coprocessor_set_phase((coprocessor_phase() - (uint64_t)coprocessor_frequency()) &
+                        ((UINT64_C(1) << 48) - 1));
+  COPROCESSOR->TURN_LIMIT = 1;
+  judgement->cut = true;
+  coprocessor_submit(COPROCESSOR->RAW_U, COPROCESSOR->RAW_V);
+  while ((COPROCESSOR->STATUS & COPROCESSOR_STATUS_BUSY_Msk) != 0) continue;
+  judgement_look(judgement);
+}
+
+// The whole turns that a pass needs besides what is covered.
+static uint32_t needed_before(const struct judgement* judgement) {
+  return judgement->fewest > judgement->whole ? judgement->fewest - judgement->whole : 0;
+}
+
+static struct turn_evidence worst_of_all(const struct judgement* judgement) {
+  struct turn_evidence worst = judgement->worst;
+  for (uint32_t i = 0; i < needed_before(judgement); ++i) keep_worst(&worst, &judgement->turns[i]);
+  return worst;
+}
+
+uint32_t judgement_covered(const struct judgement* judgement) {
+  uint32_t samples = judgement->samples - 1;  // but for the one that ended the last window
+  for (uint32_t i = 0; i < needed_before(judgement); ++i) samples += judgement->turns[i].samples;
+  return samples;
+}
+
+uint32_t judgement_motion(const struct judgement* judgement) {
+  if (by_count()) return 0;
+  if (judgement->numeric) {
+    const int64_t frequency = coprocessor_frequency();
+    return capped((uint64_t)((frequency < 0 ? -frequency : frequency) + 65535) >> 16);
+  }
+  const double step = judgement->evenness.mean_step;
+  return capped((uint64_t)(step < 0 ? -step : step));
+}
+
+// What the parameters may still be off by, if their last changes go on as they were: those of a loop
+// that settles shrink from turn to turn, those of a drift, or of another signal at almost the same
+// speed, do not.
+static uint64_t wander(const struct judgement* judgement) {
+  if (judgement->learning_turns < 2 || by_count()) return 0;
+  const uint64_t last = judgement->learning[0], before = judgement->learning[1];
+  const uint64_t longest = last * LONGEST_DRIFT;
+  if (before <= last) return longest;
+  const uint64_t rest = last * last / (before - last);
+  return rest < longest ? rest : longest;
+}
+
+static uint64_t radius_and_residue(const struct judgement* judgement,
+                                   const struct turn_evidence* turn) {
+  const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
+  const uint64_t by_residue = 2 * (uint64_t)turn->residue;
+  const bool by_residue_alone = judgement->corrected && judgement->numeric;
+  return by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
+}
+
+// A sample that is stale is off by its jump, and by what the sensor is off, which is seldom more than
+// half of what the evidence allows.
+static uint64_t with_jump(uint64_t error, uint64_t jump) {
+  const uint64_t both = error - error / 4 + jump;
+  return both > error ? both : error;
+}
+
+bool judgement_assumes_harmonics(const struct judgement* judgement) {
+  if (judgement->unseen == 0 || judgement->numeric) return false;
+  return !judgement->watches ||
+         2 * (uint64_t)evenness_deviation(&judgement->evenness) > judgement->unseen;
+}
+
+// Harmonics along the circle do not leave it. A steady shaft shows them; of an unsteady one what
+// repeats from turn to turn is the sensor's.
+uint64_t judgement_with_harmonics(const struct judgement* judgement, uint64_t error) {
+  if (!judgement->watches) return error + judgement->unseen;
+  const bool assumed = judgement_assumes_harmonics(judgement);
+  const uint64_t seen = 2 * (uint64_t)(assumed ? evenness_repeating(&judgement->evenness)
+                                               : evenness_deviation(&judgement->evenness));
+  const uint64_t allowed = error + (assumed ? judgement->unseen : 0);
+  return seen > allowed ? seen : allowed;
+}
+
+uint32_t judgement_bound(const struct judgement* judgement) {
+  if (judgement->before < needed_before(judgement)) return HALF_TURN;
+  const struct turn_evidence worst = worst_of_all(judgement);
+  const uint64_t error = judgement_with_harmonics(judgement, radius_and_residue(judgement, &worst));
+  return capped(with_jump(error, worst.jump) + worst.drift + wander(judgement));
+}
+
+uint32_t judgement_bound_of_last(const struct judgement* judgement) {
+  if (judgement->before == 0) return HALF_TURN;
+  const struct turn_evidence* const turn = &judgement->turns[0];
+  return capped(with_jump(radius_and_residue(judgement, turn), turn->jump) + turn->drift);
+}
+
+const char* judgement_objection(const struct judgement* judgement) {
+  if (judgement->objection != NULL) return judgement->objection;
+  if (judgement->before < needed_before(judgement)) {
+    if (judgement->spoilt != NULL) return judgement->spoilt;
+    return "the signal ended before enough whole turns were seen";
+  }
+  const uint32_t status = COPROCESSOR->STATUS;
+  if ((status & COPROCESSOR_STATUS_ALARM_Msk) != 0) return "the signals have left their circle";
+  if ((status & COPROCESSOR_STATUS_VALID_Msk) == 0) return "the last sample has no valid angle";
+  if (judgement_bound(judgement) > judgement->limit)
+    return "the evidence allows an angle error above limit_deg";
+  return NULL;
 }

@@ -1,6 +1,7 @@
-// Evidence for a verdict: what the coprocessor's turn judge found in the last turns, and the bound
-// of the angle error that follows from it (docs/coprocessor.md, "For firmware: a verdict and its
-// bound").
+// Evidence for a verdict: what the coprocessor's turn judge found in each window, and the bound of
+// the angle error that follows from it (docs/coprocessor.md, "For firmware: a verdict and its
+// bound"). A bound is about the samples that are *covered*: from judgement_cover to
+// judgement_finish without a gap, and the whole turns before that a pass needs besides.
 #ifndef CAPSOC_JUDGEMENT_H
 #define CAPSOC_JUDGEMENT_H
 
@@ -8,22 +9,27 @@
 #include <stdint.h>
 
 #include "coprocessor.h"
+#include "evenness.h"
+#include "signal_shape.h"
 
-// Turns whose evidence is kept; the coprocessor's GOOD_TURNS counts to 3, too.
+// Windows before the covered ones whose evidence is kept; `fewest` is at most one more.
 enum { judgement_turns = 3 };
 
 // What one window says. Angles in 2^-32 turn.
 struct turn_evidence {
   uint32_t flags;    // TURN_FLAGS
+  uint32_t samples;  // TURN_SAMPLES
   uint32_t radius;   // rho, radians: the calibrated ellipse's largest deviation from its circle
   uint32_t residue;  // largest |RESIDUE|
   uint32_t drift;    // largest change in the turn: amplitudes, offsets (relative), beta (radians)
   uint32_t zeros;    // samples of 0 in both channels, if they are counted
-  uint32_t motion;   // of the shaft within one sample; 0 for samples in any order
+  uint32_t repeats;  // samples that are bit for bit the one before, if they are counted
+  uint32_t jump;     // largest step of the angle beyond the mean one, if the angles are watched
+  bool whole;        // a turn, or a full window in any order; not cut short at either end
 };
 
 struct judgement {
-  uint32_t fewest;  // good turns in a row that a pass needs, 1 to 3
+  uint32_t fewest;  // whole good turns that a pass needs, 1 to judgement_turns
   uint32_t limit;   // largest bound that may pass, 2^-32 turn
   bool numeric;     // the reference is numeric: RESIDUE is the angle's error, at constant speed
   uint32_t unseen;  // error that no evidence can show, from the data sheet, 2^-32 turn
@@ -31,42 +37,81 @@ struct judgement {
   // the radius bounds nothing then. Numeric reference only.
   bool corrected;
   bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
+  // The samples come in order of time and there is no numeric reference: every angle is watched.
+  bool watches;
   // The rest starts at 0.
-  uint32_t zeros;    // sampling_zeros() at the end of the window before
-  uint32_t ended;    // TURN_COUNT at the last look
-  uint32_t discard;  // windows still to be left out
-  uint32_t judged;   // windows kept since the beginning
-  uint32_t residue;  // of the last window with a reference that shows it (not the angle itself)
+  bool covers;             // judgement_cover was called
+  bool cut;                // the window under way began or ends elsewhere than a turn does
+  uint32_t zeros;          // sampling_zeros() at the end of the window before
+  uint32_t repeats;        // sampling_repeats(), likewise
+  uint32_t ended;          // TURN_COUNT at the last look
+  uint32_t discard;        // windows still to be left out
+  uint32_t judged;         // whole windows kept since the beginning
+  uint32_t watched;        // sample whose angle was watched last
+  uint32_t learning[2];    // drifts of the last two turns of demodulation, the last one first
+  uint32_t learning_turns;
   bool has_parameters;
   struct coprocessor_parameters parameters;  // at the end of the window before
-  struct turn_evidence turns[judgement_turns];
+  struct turn_evidence turns[judgement_turns];  // whole ones before what is covered, the last first
+  uint32_t before;     // of them that are good, without a gap up to what is covered
+  const char* spoilt;  // what speaks against the window before what is covered; null: nothing
+  // Of what is covered
+  uint32_t samples;                 // judged
+  uint32_t whole;                   // whole windows
+  struct turn_evidence worst;       // the largest of each
+  const char* objection;            // the first; null: none
+  struct evenness evenness;
+  uint32_t looks;
+  struct signal_shape shape;  // raw samples of the whole run, some of them
 };
 
-// After a change of source, FREQ, PHASE or parameters: the window in progress began before it and
-// is left out.
+// The window in progress is no turn: what ends one has changed (the source, FREQ, PHASE). What it
+// shows still counts.
 void judgement_disturbed(struct judgement* judgement);
 
+// Everything so far is of another setting, for instance another direction: it is forgotten, and the
+// window in progress is left out.
+void judgement_restart(struct judgement* judgement);
+
+// From the next sample on a pass is about every angle. Before it, the last turns may be needed, too.
+void judgement_cover(struct judgement* judgement);
+
 // Keeps the record of the window that ended last, if it is a new one. To be called just after a
-// result. Of windows shorter than the time between two calls only the last is kept; that those
-// between were good, GOOD_TURNS says.
+// result. What is covered has a gap if more than one window ended since the last call.
 void judgement_look(struct judgement* judgement);
 
-// Sleeps from sample to sample until one more window is kept, or for `most` samples. False if the
-// signal ended before.
+// Sleeps until the coprocessor has `count` results, looking often enough that no window is missed.
+// False if the signal ended before.
+bool judgement_until(struct judgement* judgement, uint32_t count);
+
+// Sleeps until one more whole window is kept, or for `most` samples. False if the signal ended
+// before.
 bool judgement_wait(struct judgement* judgement, uint32_t most);
 
-// The largest error that an angle can have, 2^-32 turn, by the worst of the last good turns: the
-// larger of K radius and 2 residue, the drift, one sample of motion, and `unseen`. K = 2 numeric,
-// else 4: without a reference only half of the harmonics leaves the circle. Half a turn if there is
-// no better.
-uint32_t judgement_bound(const struct judgement* judgement);
+// After the last sample, with the ADC stopped: ends the window under way, so that it is judged to
+// its last sample. Nothing is learnt and no other result is read afterwards.
+void judgement_finish(struct judgement* judgement);
 
-// The same of the last window alone, whatever the parameters moved by in it; half a turn if it was
-// not good.
+// The largest error that an angle at its sampling instant can have, 2^-32 turn, over all that is
+// covered. Half a turn if there is no better.
+uint32_t judgement_bound(const struct judgement* judgement);
+// Whether the bound holds only if the sensor's harmonics along the circle stay below `unseen`: the
+// motion does not show them.
+bool judgement_assumes_harmonics(const struct judgement* judgement);
+// Samples that the bound is about.
+uint32_t judgement_covered(const struct judgement* judgement);
+// Of the shaft from one sample to the next, 2^-32 turn, mean of the last whole turn; 0 for samples
+// in any order.
+uint32_t judgement_motion(const struct judgement* judgement);
+
+// The bound by the window that ended last alone, without harmonics along the circle; half a turn if
+// it was not good.
 uint32_t judgement_bound_of_last(const struct judgement* judgement);
 
-// Null if the last `fewest` turns are good and nothing speaks against the last sample; else one
-// sentence.
+// What it is with them: `error` and the larger of what the motion shows and what is assumed.
+uint64_t judgement_with_harmonics(const struct judgement* judgement, uint64_t error);
+
+// Null if nothing speaks against what is covered; else one sentence, the plainest cause.
 const char* judgement_objection(const struct judgement* judgement);
 
 #endif

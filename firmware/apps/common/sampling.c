@@ -12,13 +12,23 @@ static volatile uint32_t events;   // moves with each of them and at the end of 
 static volatile int32_t sample_u, sample_v;
 static volatile bool ended;
 static volatile uint32_t zeros;
-static bool counts_zeros;
+static volatile uint32_t repeats;
+static bool counts_oddities;
+
+static void count_oddities(void) {
+  static int32_t u_before, v_before;
+  const int32_t u = COPROCESSOR->RAW_U, v = COPROCESSOR->RAW_V;
+  if (u == 0 && v == 0) ++zeros;
+  if (results != 0 && u == u_before && v == v_before) ++repeats;
+  u_before = u;
+  v_before = v;
+}
 
 // Runs once a sample, 100,000 times in a calibration: one access to the bus where nobody wants
 // more.
 void COPROCESSOR_Handler(void) {
   COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_RESULT_Msk;
-  if (counts_zeros && COPROCESSOR->RAW_U == 0 && COPROCESSOR->RAW_V == 0) ++zeros;
+  if (counts_oddities) count_oddities();
   ++results;
   ++events;
   __DSB();  // the line is down before the return looks at it
@@ -53,12 +63,16 @@ void sampling_stop(void) {
   NVIC_DisableIRQ(COPROCESSOR_IRQn);
 }
 
-void sampling_count_zeros(void) {
-  counts_zeros = true;
+void sampling_count_oddities(void) {
+  counts_oddities = true;
 }
 
 uint32_t sampling_zeros(void) {
   return zeros;
+}
+
+uint32_t sampling_repeats(void) {
+  return repeats;
 }
 
 uint32_t sampling_count(void) {

@@ -16,12 +16,13 @@
 // refuses the rate.
 bool sampling_start(uint32_t rate_hz);
 
-// From here on samples that are 0 in both channels are counted, at two more accesses to the bus
-// for each sample. A converter that drops out gives such samples, and where the offsets are as
-// large as the amplitudes they lie on the sensor's circle, so that nothing else shows them.
-void sampling_count_zeros(void);
+// From here on samples that are 0 in both channels, and samples that are bit for bit the one before,
+// are counted, at two more accesses to the bus for each sample. A converter that drops out or holds
+// gives such samples; they may lie on the sensor's circle, so that nothing else shows them.
+void sampling_count_oddities(void);
 // Those counted so far.
 uint32_t sampling_zeros(void);
+uint32_t sampling_repeats(void);
 void sampling_stop(void);
 // Results of the coprocessor since sampling_start.
 uint32_t sampling_count(void);

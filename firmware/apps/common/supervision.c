@@ -20,6 +20,14 @@ static void report(const struct supervision* state, uint32_t samples, const char
   print_text(text);
 }
 
+// With a turn that fits: an average error of a quarter of the smaller amplitude is no lock, whatever
+// the turns say.
+static void set_lock_threshold(const struct supervision* state) {
+  if (state->judgement.before == 0) return;
+  const int32_t a1 = state->judgement.parameters.a1, a2 = state->judgement.parameters.a2;
+  COPROCESSOR->LOCK_THRESHOLD = (uint32_t)(a1 < a2 ? a1 : a2) / 4;
+}
+
 static void collect_errors(struct supervision* state) {
   const uint32_t counting = state->locked_at != 0 ? TRANSIENT_FLAGS | LASTING_FLAGS : LASTING_FLAGS;
   state->errors |= COPROCESSOR->FLAGS & counting;
@@ -40,11 +48,13 @@ bool supervise(struct supervision* state, uint32_t samples) {
   const uint32_t status = COPROCESSOR->STATUS;
   collect_errors(state);
   judgement_look(&state->judgement);
+  set_lock_threshold(state);
   follow_lock(state, samples, (status & COPROCESSOR_STATUS_LOCK_Msk) != 0);
   state->mirror_since = (status & COPROCESSOR_STATUS_MIRROR_Msk) != 0 ? state->mirror_since + 1 : 0;
   if (state->mirror_since <= state->mirror_seconds) return false;
   coprocessor_reverse_reference();
-  judgement_disturbed(&state->judgement);
+  COPROCESSOR->LOCK_THRESHOLD = UINT32_MAX;
+  judgement_restart(&state->judgement);
   COPROCESSOR->FLAGS = TRANSIENT_FLAGS;
   report(state, samples, " s: rotation is reversed: reference turned round\n");
   state->mirror_since = 0;
@@ -54,14 +64,14 @@ bool supervise(struct supervision* state, uint32_t samples) {
 
 bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_seconds) {
   for (uint32_t seconds = 1; seconds * state->rate_hz <= samples; ++seconds) {
-    if (!sampling_wait(seconds * state->rate_hz)) return false;
+    if (!judgement_until(&state->judgement, seconds * state->rate_hz)) return false;
     supervise(state, seconds * state->rate_hz);
     if (seconds % progress_seconds == 0) {
       const struct coprocessor_parameters parameters = coprocessor_read_parameters();
       print_progress(seconds, &parameters);
     }
   }
-  return sampling_wait(samples);  // what is less than a second
+  return judgement_until(&state->judgement, samples);  // what is less than a second
 }
 
 const char* error_sentence(uint32_t errors) {
@@ -73,6 +83,16 @@ const char* error_sentence(uint32_t errors) {
     return "the error was a quarter of full scale or more (DIVERGED)";
   if ((errors & COPROCESSOR_FLAGS_SAT_Msk) != 0) return "a value saturated after the lock (SAT)";
   return NULL;
+}
+
+int pass(const char* name, const struct judgement* judgement) {
+  struct verdict_claim claim = {.bound = judgement_bound(judgement),
+                                .samples = judgement_covered(judgement),
+                                .motion = judgement_motion(judgement),
+                                .unseen = judgement->unseen};
+  if (!judgement->numeric) claim.conditions |= verdict_if_no_sample_is_stale;
+  if (judgement_assumes_harmonics(judgement)) claim.conditions |= verdict_if_harmonics_are_small;
+  return pass_within(name, &claim);
 }
 
 int verdict(struct supervision* state) {
@@ -88,5 +108,5 @@ int verdict(struct supervision* state) {
   if (reason == NULL) reason = error_sentence(state->errors);
   if (reason == NULL && !locked) reason = "no lock";
   if (reason != NULL) return fail_because(state->name, reason);
-  return pass_within(state->name, judgement_bound(&state->judgement));
+  return pass(state->name, &state->judgement);
 }

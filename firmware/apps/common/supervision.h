@@ -11,7 +11,7 @@ struct supervision {
   const char* name;         // of the program, for the verdict
   uint32_t rate_hz;         // samples a second
   uint32_t mirror_seconds;  // that the mirror flag may stand before the reference is turned round
-  struct judgement judgement;  // with `fewest`, `numeric` and `motion` set
+  struct judgement judgement;  // with its settings
   // The rest starts at 0.
   uint32_t mirror_since;  // seconds
   uint32_t locked_at;     // sample count at which the present lock was first seen; 0: not locked
@@ -30,9 +30,12 @@ bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_s
 // One sentence for FLAGS that must not be raised; null without one.
 const char* error_sentence(uint32_t errors);
 
-// The last look at the flags, before the ADC stops. Reports the time of the lock and the verdict:
+// The last look at the flags, after judgement_finish. Reports the time of the lock and the verdict:
 // a pass with the bound of the angle error that the last turns vouch for, or the reason why there
 // is none. Returns 0 or 1.
 int verdict(struct supervision* state);
+
+// The pass alone, with what the judgement says of its samples. Returns 0.
+int pass(const char* name, const struct judgement* judgement);
 
 #endif

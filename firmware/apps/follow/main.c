@@ -127,9 +127,10 @@ static void look(struct session* session, uint32_t sample) {
   const uint32_t flags = COPROCESSOR->TURN_FLAGS;
   const uint32_t ended =
       (flags & COPROCESSOR_TURN_FLAGS_TURN_COUNT_Msk) >> COPROCESSOR_TURN_FLAGS_TURN_COUNT_Pos;
-  if (ended == session->judgement.ended) return;
+  const bool none = ended == session->judgement.ended;
   const uint32_t samples = COPROCESSOR->TURN_SAMPLES;
   judgement_look(&session->judgement);
+  if (none) return;
   if ((flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0) turn_was_good(session, sample, samples);
   const bool timed_out = (flags & COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk) != 0;
   carry_out(session, follower_turn_ended(&session->follower, samples, timed_out));
@@ -162,7 +163,7 @@ static uint32_t follow(struct session* session) {
   return sample - 1;
 }
 
-static int conclude(const struct session* session) {
+static int conclude(const struct session* session, uint32_t samples) {
   if (session->locked_at == 0) return fail_because("follow", "too few good turns for a lock");
   if ((session->errors & COPROCESSOR_FLAGS_CLIP_Msk) != 0)
     return fail_because("follow", "the ADC clipped samples: reduce the gain");
@@ -170,9 +171,17 @@ static int conclude(const struct session* session) {
     return fail_because("follow", "the signals have left their circle");
   const char* const reason = error_sentence(session->errors);
   if (reason != NULL) return fail_because("follow", reason);
-  if (session->worst > settings.limit_deg)
+  const uint64_t bound = judgement_with_harmonics(&session->judgement, session->worst);
+  if (bound > settings.limit_deg)
     return fail_because("follow", "the evidence allows an angle error above limit_deg");
-  return pass_within("follow", session->worst);
+  struct verdict_claim claim = {.bound = (uint32_t)bound,
+                                .samples = samples - session->locked_at,
+                                .motion = judgement_motion(&session->judgement),
+                                .unseen = settings.harmonics_deg,
+                                .conditions = verdict_if_no_sample_is_stale};
+  if (judgement_assumes_harmonics(&session->judgement))
+    claim.conditions |= verdict_if_harmonics_are_small;
+  return pass_within("follow", &claim);
 }
 
 static void report(const struct session* session, uint32_t samples) {
@@ -211,7 +220,7 @@ int main(void) {
   if (turn == 0) return fail_because("follow", "no turn seen");
   struct session session = {
       .follower = {.longest = settings.longest_turn_seconds * settings.rate_hz},
-      .judgement = {.unseen = settings.harmonics_deg}};
+      .judgement = {.unseen = settings.harmonics_deg, .watches = true}};
   coprocessor_lock_by_turns();
   COPROCESSOR->CTRL = LEARNING;
   COPROCESSOR->TURN_LIMIT = follower_watchdog(turn);
@@ -223,5 +232,5 @@ int main(void) {
   sampling_stop();
   if (samples < settings.seconds * settings.rate_hz) print_end(samples);
   report(&session, samples);
-  return conclude(&session);
+  return conclude(&session, samples);
 }

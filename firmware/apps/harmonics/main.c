@@ -292,9 +292,10 @@ int main(void) {
     return fail_because(name, reason);
   }
   const uint32_t learnt = sampling_count();
-  if (!print_angles(learnt, settings.calibration_samples, settings.angle_stride) ||
-      !judgement_wait(&state.judgement, COPROCESSOR->TURN_LIMIT))
+  judgement_cover(&state.judgement);
+  if (!print_angles(&state.judgement, learnt, settings.calibration_samples, settings.angle_stride))
     print_end(sampling_count());
   sampling_stop();
+  judgement_finish(&state.judgement);
   return verdict(&state);
 }

@@ -52,6 +52,8 @@ PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
+// A turn that is no whole number of samples ends one or two after those that were asked for.
+enum { rest_of_turn = 2 };
 
 // Table 11's two times: of the clock, and from a sample to what was made of it.
 static void print_banner(uint32_t clock_hz) {
@@ -91,17 +93,11 @@ static bool set_up_coprocessor(uint32_t clock_hz) {
   return true;
 }
 
-// At most a turn of the reference.
-static uint32_t samples_of_turn(void) {
-  const int64_t frequency = coprocessor_frequency();
-  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
-  return speed == 0 ? 0 : (uint32_t)((((uint64_t)1 << 48) + speed - 1) / speed) + 2;
-}
-
-static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
+static bool calibrate(struct judgement* judgement, const struct coprocessor_parameters* stored,
+                      uint32_t first) {
   print_text("calibration with the stored parameters\n");
   print_parameter_table(stored);
-  return print_angles(first, settings.calibration_samples, settings.angle_stride);
+  return print_angles(judgement, first, settings.calibration_samples, settings.angle_stride);
 }
 
 int main(void) {
@@ -135,14 +131,15 @@ int main(void) {
   const uint32_t demodulated = sampling_count();
   COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&stored);
-  judgement_disturbed(&state.judgement);
+  judgement_cover(&state.judgement);
   if (!complete) {
     print_end(demodulated);
     print_parameter_table(&stored);
-  } else if (!calibrate(&stored, demodulated) ||
-             !judgement_wait(&state.judgement, samples_of_turn())) {
+  } else if (!calibrate(&state.judgement, &stored, demodulated) ||
+             !judgement_wait(&state.judgement, rest_of_turn)) {
     print_end(sampling_count());
   }
   sampling_stop();
+  judgement_finish(&state.judgement);
   return verdict(&state);
 }

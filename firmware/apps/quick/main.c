@@ -139,20 +139,22 @@ int main(void) {
                               .judgement = {.limit = settings.limit_deg,
                                             .unseen = known ? 0 : settings.harmonics_deg,
                                             .fewest = 2,
-                                            .numeric = known}};
+                                            .numeric = known,
+                                            .watches = !known}};
   const bool complete = learn(&state, control, turn);
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   const uint32_t learnt = sampling_count();
   COPROCESSOR->CTRL = control & ~(COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk);
   coprocessor_load_parameters(&stored);
-  judgement_disturbed(&state.judgement);
+  judgement_cover(&state.judgement);
   print_parameter_table(&stored);
   if (!complete) {
     print_end(learnt);
-  } else if (!print_angles(learnt, settings.calibration_samples, settings.angle_stride) ||
-             !judgement_wait(&state.judgement, COPROCESSOR->TURN_LIMIT)) {
+  } else if (!print_angles(&state.judgement, learnt, settings.calibration_samples,
+                           settings.angle_stride)) {
     print_end(sampling_count());
   }
   sampling_stop();
+  judgement_finish(&state.judgement);
   return verdict(&state);
 }

@@ -153,15 +153,16 @@ int main(void) {
   const uint32_t learnt = sampling_count();
   COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&stored);
-  judgement_disturbed(&supervised.judgement);
+  judgement_cover(&supervised.judgement);
   print_cost(&cost);
   print_parameter_table(&stored);
   if (!more) {
     print_end(learnt);
-  } else if (!print_angles(learnt, settings.calibration_samples, settings.angle_stride) ||
+  } else if (!print_angles(&supervised.judgement, learnt, settings.calibration_samples, settings.angle_stride) ||
              !judgement_wait(&supervised.judgement, 4)) {
     print_end(sampling_count());
   }
   sampling_stop();
+  judgement_finish(&supervised.judgement);
   return verdict(&supervised);
 }

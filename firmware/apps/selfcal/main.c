@@ -1,8 +1,8 @@
 // Self-calibration at a known speed, as in the paper: demodulate for 400 s against the numeric
 // reference, store the six parameters, then calibrate with the stored ones for one revolution.
 //
-// A pass needs good turns of demodulation and of calibration, and says how far the angle can be
-// off.
+// A pass needs two good turns, of calibration or the last of demodulation, and is about all of the
+// calibration.
 //
 // Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board.
@@ -39,6 +39,8 @@ PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
+// A turn that is no whole number of samples ends one or two after those that were asked for.
+enum { rest_of_turn = 2 };
 
 static void print_banner(uint32_t clock_hz) {
   print_text("selfcal: self-calibration at a known speed\n");
@@ -67,20 +69,11 @@ static bool set_up_coprocessor(uint32_t clock_hz) {
   return true;
 }
 
-// Samples until the reference's turn ends if it does so at once: a turn that is no whole number of
-// samples ends one sample after those that were asked for.
-static uint32_t rest_of_turn(void) {
-  const int64_t frequency = coprocessor_frequency();
-  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
-  const uint64_t phase = coprocessor_phase();
-  const uint64_t way = frequency < 0 ? phase : (UINT64_C(1) << 48) - phase;
-  return way <= 2 * speed ? 2 : 0;
-}
-
-static bool calibrate(const struct coprocessor_parameters* stored, uint32_t first) {
+static bool calibrate(struct judgement* judgement, const struct coprocessor_parameters* stored,
+                      uint32_t first) {
   print_text("calibration with the stored parameters\n");
   print_parameter_table(stored);
-  return print_angles(first, settings.calibration_samples, settings.angle_stride);
+  return print_angles(judgement, first, settings.calibration_samples, settings.angle_stride);
 }
 
 int main(void) {
@@ -115,14 +108,15 @@ int main(void) {
   const uint32_t demodulated = sampling_count();
   COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&stored);
-  judgement_disturbed(&state.judgement);
+  judgement_cover(&state.judgement);
   if (!complete) {
     print_end(demodulated);
     print_parameter_table(&stored);
-  } else if (!calibrate(&stored, demodulated) ||
-             !judgement_wait(&state.judgement, rest_of_turn())) {
+  } else if (!calibrate(&state.judgement, &stored, demodulated) ||
+             !judgement_wait(&state.judgement, rest_of_turn)) {
     print_end(sampling_count());
   }
   sampling_stop();
+  judgement_finish(&state.judgement);
   return verdict(&state);
 }

@@ -38,6 +38,7 @@
          "1 / the share of phi's drift that corrects the frequency, a second")                \
   NUMBER(uint32_t, kp, 10, 0, 31, 1, "", "tracking loop: phase += error >> kp")               \
   NUMBER(uint32_t, ki, 22, 0, 31, 1, "", "tracking loop: frequency += error >> ki")           \
+  HARMONICS_SETTING(NUMBER)                                                                   \
   LIMIT_SETTING(NUMBER)                                                                       \
   PROGRESS_SETTING(NUMBER)                                                                    \
   MIRROR_SETTING(NUMBER)
@@ -128,7 +129,8 @@ static void trim_frequency(struct session* session, uint32_t second) {
 static bool run(struct session* session, uint32_t from, uint32_t until, bool trim) {
   for (uint32_t second = from; second <= until; ++second) {
     const uint32_t sample = second * settings.rate_hz;
-    if (!sampling_wait(sample - session->first_sample)) return false;
+    if (!judgement_until(&session->supervision.judgement, sample - session->first_sample))
+      return false;
     if (supervise(&session->supervision, sample)) session->has_phi = false;
     if (trim) trim_frequency(session, second);
     if (second % settings.progress_seconds == 0) {
@@ -145,18 +147,17 @@ static uint32_t later(uint32_t one, uint32_t other) {
 
 static bool show_angle_reference(struct session* session, uint32_t from) {
   struct judgement* const judgement = &session->supervision.judgement;
-  judgement_look(judgement);
-  const uint32_t turns = judgement->judged;
+  judgement_cover(judgement);
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_ANGLE);
   print_text("angle reference\n");
   for (uint32_t second = from; second <= settings.angle_until; ++second) {
     const uint32_t sample = second * settings.rate_hz;
-    if (!sampling_wait(sample - session->first_sample)) return false;
+    if (!judgement_until(judgement, sample - session->first_sample)) return false;
     supervise(&session->supervision, sample);
     print_angle(sample);
   }
   // At least one turn with this reference, or the watchdog's word.
-  return judgement->judged > turns || judgement_wait(judgement, COPROCESSOR->TURN_LIMIT);
+  return judgement->whole != 0 || judgement_wait(judgement, COPROCESSOR->TURN_LIMIT);
 }
 
 // Through the three references. False if the signal ended before.
@@ -165,6 +166,7 @@ static bool calibrate(struct session* session) {
   if (!run(session, begin, settings.numeric_until, true)) return false;
   COPROCESSOR->CTRL = control(COPROCESSOR_CTRL_REF_TRACKING);
   judgement_disturbed(&session->supervision.judgement);
+  session->supervision.judgement.watches = true;
   print_text("tracking reference\n");
   const uint32_t tracking_begin = later(begin, settings.numeric_until + 1);
   if (!run(session, tracking_begin, settings.tracking_until, false)) return false;
@@ -199,7 +201,10 @@ int main(void) {
       .supervision = {.name = "track",
                       .rate_hz = settings.rate_hz,
                       .mirror_seconds = settings.mirror_seconds,
-                      .judgement = {.limit = settings.limit_deg, .fewest = 2, .discard = 1}}};
+                      .judgement = {.limit = settings.limit_deg,
+                                    .unseen = settings.harmonics_deg,
+                                    .fewest = 2,
+                                    .discard = 1}}};
   uint64_t turn = 0;
   if (!measure_turn(&turn, &session.first_sample)) {
     return fail_because("track", "no turn seen");
@@ -209,5 +214,6 @@ int main(void) {
   session.trim_from = (session.first_sample + (uint32_t)(turn >> 8)) / settings.rate_hz + 1;
   if (!calibrate(&session)) report_end(session.first_sample + sampling_count());
   sampling_stop();
+  judgement_finish(&session.supervision.judgement);
   return verdict(&session.supervision);
 }

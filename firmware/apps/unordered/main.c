@@ -5,7 +5,8 @@
 // Not for slow motion in order: the step is far above 1.5 omega of 0.05 Hz (docs/coprocessor.md).
 //
 // Samples in any order make no turns: they are judged by the window, which must hold every part of
-// the turn. A pass says nothing of samples that come twice or late.
+// the turn. Samples that come twice at once are seen; of other stale ones, and of harmonics along the
+// circle, a pass says that it knows nothing.
 //
 // Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board.
@@ -77,7 +78,7 @@ int main(void) {
   const uint32_t gates = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                          COPROCESSOR_CTRL_IE_RESULT_Msk |
                          COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
-  sampling_count_zeros();
+  sampling_count_oddities();
   if (!sampling_start(settings.rate_hz)) {
     print_text("unordered: the ADC refuses the sampling rate\n");
     return status_refused;
@@ -98,14 +99,15 @@ int main(void) {
   const uint32_t demodulated = sampling_count();
   COPROCESSOR->CTRL = gates;
   coprocessor_load_parameters(&stored);
-  judgement_disturbed(&state.judgement);
+  judgement_cover(&state.judgement);
   print_parameter_table(&stored);
   if (!complete) {
     print_end(demodulated);
-  } else if (!print_angles(demodulated, settings.calibration_samples, settings.angle_stride) ||
-             !judgement_wait(&state.judgement, settings.window_samples)) {
+  } else if (!print_angles(&state.judgement, demodulated, settings.calibration_samples,
+                           settings.angle_stride)) {
     print_end(sampling_count());
   }
   sampling_stop();
+  judgement_finish(&state.judgement);
   return verdict(&state);
 }

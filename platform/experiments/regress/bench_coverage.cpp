@@ -183,6 +183,14 @@ void Bench::cover_judge(const Nodes& n) {
   const int32_t half_turns = static_cast<int32_t>(n.travel) >> 29;
   hit(half_turns == 3 || half_turns == -4, 25);
   const bool ended = (flags ^ turn_flags_) >> turn_count_shift != 0;
+  const bool turns_count = (judge_ & description::JUDGE_TURNS_mask) != 0;
+  hit((flags & turn_residue) != 0, 28);
+  hit(!ended && turns_count && (changed & status_ & status_lock) != 0 &&
+          (status & status_alarm) == 0,
+      29);
+  constexpr int64_t residue_limit = int64_t{1} << 28;
+  hit(std::abs(n.residue) == residue_limit - 1, 30);
+  hit(std::abs(n.residue) == residue_limit, 31);
   const bool was_good = (turn_flags_ & turn_good) != 0;
   const bool some = turn_flags_ >> turn_count_shift != 0;
   hit(ended && flags >> turn_count_shift == 0, 27);

@@ -79,6 +79,7 @@ void run_turn_count(Bench& bench, Random& random, const Budget&);
 void run_limit_bits(Bench& bench, Random& random, const Budget&);
 void run_turn_limit(Bench& bench, Random& random, const Budget&);
 void run_passes(Bench& bench, Random& random, const Budget&);
+void run_residue_limit(Bench& bench, Random& random, const Budget&);
 void run_alarm(Bench& bench, Random& random, const Budget&);
 
 // scenarios_block.cpp

@@ -55,6 +55,8 @@ const std::vector<Scenario>& scenarios() {
       {"limit_bits", "limits of the judge of which each bit decides", 0, 0, run_limit_bits},
       {"turn_limit", "each bit of the window's longest length alone", 0, 0, run_turn_limit},
       {"passes", "a reference that passes 0 by a hair, or stands", 0, 0, run_passes},
+      {"residue_limit", "residues at the limit of a good turn; LOCK that falls within a turn", 0, 0,
+       run_residue_limit},
       {"alarm", "glitches, alarm and freeze, and their settings at every edge", 0, 0, run_alarm},
       {"magnitudes", "magnitudes beside one half, offsets beside 1", 0, 0, run_magnitudes},
       {"golden", "a drawn sensor: ANGLE against what the CSFN makes of the same samples", 0, 0,

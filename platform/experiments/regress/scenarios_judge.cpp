@@ -250,6 +250,41 @@ void run_passes(Bench& bench, Random&, const Budget&) {
       }
 }
 
+void run_residue_limit(Bench& bench, Random&, const Budget&) {
+  // A shaft at rest and a reference that stands, 1/16 turn off either way, and a unit beside it.
+  for (int sign : {1, -1})
+    for (int beside : {-1, 0, 1}) {
+      if (bench.failed()) return;
+      Shaft shaft(bench, ctrl_calib, 0);
+      bench.write(reg_turn_limit, 2);
+      bench.write(reg_judge, judge_word(1, true));
+      shaft.move(1, 0);
+      bench.drain();
+      const auto found = static_cast<int32_t>(bench.read(reg_residue));
+      const uint32_t phase = static_cast<uint32_t>(found) -
+                             static_cast<uint32_t>(sign * ((int32_t{1} << 28) + beside));
+      bench.write_pair(reg_phase_lo, int64_t{phase} << 16);
+      shaft.move(3, 0);
+      shaft.read();
+    }
+  // Locked, then one sample that is wrong in one way alone.
+  const double step = 1.0 / turn_samples;
+  for (uint32_t from : {0u, 1u})
+    for (unsigned way = 0; way < 4; ++way) {
+      if (bench.failed()) return;
+      Shaft shaft(bench, ctrl_calib | source(from) | ctrl_ie_lock, step);
+      shaft.move(4 * turn_samples, step);
+      shaft.read();
+      if (way == 3) bench.write_pair(reg_phase_lo, turn_48 / 4);
+      shaft.move(1, step, way == 0 ? 1.5 : way == 2 ? 0 : 1, way == 1);
+      shaft.read();
+      for (unsigned i = 0; i < 6; ++i) {
+        shaft.move(turn_samples / 2, step);
+        shaft.read();
+      }
+    }
+}
+
 void run_alarm(Bench& bench, Random& random, const Budget&) {
   const double step = 1.0 / turn_samples;
   const uint32_t learning = ctrl_calib | ctrl_demod | ctrl_ie_alarm;

@@ -39,8 +39,12 @@ std::optional<ParameterWords> to_words(const Parameters& values) {
                         fraction(values.b2), turn(values.beta),   turn(values.phi)};
 }
 
-Metrics::Metrics(std::optional<Parameters> truth, double revolution_s)
-    : truth_(truth), revolution_s_(revolution_s) {}
+Metrics::Metrics(std::optional<Parameters> truth, double revolution_s,
+                 std::optional<TruthAlignment> alignment)
+    : truth_(truth), revolution_s_(revolution_s), alignment_(alignment) {
+  if (alignment_ && std::fabs(alignment_->zero_turns) > own_zero_turns)
+    zero_turns_ = alignment_->zero_turns;
+}
 
 void Metrics::accepted(const SensorTruth& sample) {
   in_flight_.push_back(sample);
@@ -80,7 +84,8 @@ void Metrics::result(const CoprocessorResult& result) {
   if (!sample.has_truth) return;
   errors_.angle_known = true;
 
-  const double turns = sample.angle_turns - std::floor(sample.angle_turns);
+  const double aligned = sample.angle_turns + zero_turns_;
+  const double turns = aligned - std::floor(aligned);
   if (result.demodulating || !has_demodulated_) {
     const double raw = std::atan2(sample.u, sample.v);
     keep_larger(errors_.uncalibrated_max,
@@ -91,12 +96,38 @@ void Metrics::result(const CoprocessorResult& result) {
                       degrees_per_turn);
   }
   if (!result.angle_valid) return;
-  const double error = std::fabs(turn_difference(result.angle / q32, turns)) * degrees_per_turn;
-  if (result.demodulating) {
-    keep_last_revolution({sample.time_s, error});
-  } else if (!in_change) {
-    keep_larger(errors_.calibration_mode_max, error);
+  for (Direction* way : {&as_recorded_, &reversed_}) {
+    const double expected = way == &reversed_ ? 0.5 - turns : turns;
+    const double error =
+        std::fabs(turn_difference(result.angle / q32, expected)) * degrees_per_turn;
+    keep_suffix(*way, error);
+    if (result.demodulating) {
+      keep_last_revolution(*way, {sample.time_s, error});
+    } else if (!in_change) {
+      keep_larger(way->calibration_mode_max, error);
+    }
   }
+}
+
+const Metrics::Direction& Metrics::direction() const {
+  const bool program_reversed = std::cos(to_values(words_).beta) < 0;
+  const bool sensor_reversed =
+      truth_ ? std::cos(truth_->beta) < 0 : alignment_ && alignment_->reversed;
+  return program_reversed != sensor_reversed ? reversed_ : as_recorded_;
+}
+
+void Metrics::keep_suffix(Direction& direction, double degrees) const {
+  auto& suffixes = direction.suffixes;
+  while (!suffixes.empty() && suffixes.back().degrees <= degrees) suffixes.pop_back();
+  suffixes.push_back({samples_, degrees});
+  if (suffixes.size() > most_suffixes) suffixes.pop_front();
+}
+
+std::optional<double> Metrics::largest_error_of_last(uint64_t samples) const {
+  const uint64_t first = samples < samples_ ? samples_ - samples + 1 : 1;
+  for (const NumberedError& error : direction().suffixes)
+    if (error.sample >= first) return error.degrees;
+  return std::nullopt;
 }
 
 /// Angles with and without the correction are two things: the largest error is that of the last.
@@ -107,19 +138,21 @@ bool Metrics::follow_correction(bool correcting) {
   correcting_ = correcting;
   if (in_change_ == 0) return false;
   --in_change_;
-  errors_.calibration_mode_max.reset();
+  as_recorded_.calibration_mode_max.reset();
+  reversed_.calibration_mode_max.reset();
   return true;
 }
 
-void Metrics::keep_last_revolution(TimedError newest) {
+void Metrics::keep_last_revolution(Direction& direction, TimedError newest) const {
+  auto& last_revolution = direction.last_revolution;
   // Less than half a sample's worth of rounding: a turn of n samples is n of them, not n + 1.
   const double age = revolution_s_ * (1 - 1e-9);
-  last_revolution_.push_back(newest);
+  last_revolution.push_back(newest);
   // A time that goes back is a sensor that began anew.
-  while (newest.time_s - last_revolution_.front().time_s >= age ||
-         newest.time_s < last_revolution_.front().time_s ||
-         last_revolution_.size() > longest_revolution)
-    last_revolution_.pop_front();
+  while (newest.time_s - last_revolution.front().time_s >= age ||
+         newest.time_s < last_revolution.front().time_s ||
+         last_revolution.size() > longest_revolution)
+    last_revolution.pop_front();
 }
 
 Convergence Metrics::convergence() const {
@@ -130,7 +163,8 @@ Convergence Metrics::convergence() const {
 
 AngleErrors Metrics::angle_errors() const {
   AngleErrors errors = errors_;
-  for (const TimedError& error : last_revolution_)
+  errors.calibration_mode_max = direction().calibration_mode_max;
+  for (const TimedError& error : direction().last_revolution)
     keep_larger(errors.calibrated_max_last_revolution, error.degrees);
   return errors;
 }
@@ -157,6 +191,16 @@ void AngleErrors::visit(kit::Archive& archive) {
   archive("uncalibrated_max", uncalibrated_max);
   archive("uncalibrated_max_paper", uncalibrated_max_paper);
   archive("calibrated_max_last_revolution", calibrated_max_last_revolution);
+}
+
+void Metrics::NumberedError::visit(kit::Archive& archive) {
+  archive("sample", sample);
+  archive("degrees", degrees);
+}
+
+void Metrics::Direction::visit(kit::Archive& archive) {
+  archive.sequence("last_revolution", last_revolution, longest_revolution + 1);
+  archive.sequence("suffixes", suffixes, most_suffixes + 1);
   archive("calibration_mode_max", calibration_mode_max);
 }
 
@@ -174,7 +218,8 @@ void Metrics::visit(kit::Archive& archive) {
   archive("correcting", correcting_);
   archive("in_change", in_change_);
   archive("converged_since_s", converged_since_s_);
-  archive.sequence("last_revolution", last_revolution_, longest_revolution + 1);
+  archive("as_recorded", as_recorded_);
+  archive("reversed", reversed_);
   archive("errors", errors_);
 }
 

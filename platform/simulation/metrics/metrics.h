@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kit/archive.h"
+#include "metrics/truth_alignment.h"
 #include "support/constants.h"
 
 namespace capsoc::metrics {
@@ -96,7 +97,9 @@ class Metrics {
  public:
   /// `truth`: the sensor's parameters where known. `revolution_s`: of one turn of the sensor, in
   /// the sensor's time.
-  Metrics(std::optional<Parameters> truth, double revolution_s);
+  /// `alignment`: of a recording with angles.
+  Metrics(std::optional<Parameters> truth, double revolution_s,
+          std::optional<TruthAlignment> alignment = std::nullopt);
 
   /// A sample that the coprocessor accepted; results arrive in the same order.
   void accepted(const SensorTruth& sample);
@@ -110,7 +113,11 @@ class Metrics {
   /// truth of a numeric reference that began there, not of a program that measured or tracked the
   /// speed, took the angle as its reference or never demodulated.
   bool phi_comparable() const { return has_demodulated_ && !phi_shifted_; }
+  /// By the program's own direction: where its beta lies a quarter turn on the other side of the
+  /// sensor's, its angle is half a turn less the sensor's.
   AngleErrors angle_errors() const;
+  /// Largest error of the last `samples` results (degrees), as above; nothing if none is known.
+  std::optional<double> largest_error_of_last(uint64_t samples) const;
   /// The parameters at the end of demodulation; without one, those that were preset.
   const ParameterWords& words() const { return words_; }
   void preset(const ParameterWords& words) { words_ = words; }
@@ -125,14 +132,35 @@ class Metrics {
     void visit(kit::Archive& archive);
   };
 
+  /// The largest error of each suffix of the results: those that a later one exceeds are gone.
+  struct NumberedError {
+    uint64_t sample = 0;
+    double degrees = 0;
+
+    void visit(kit::Archive& archive);
+  };
+  /// Errors in one direction of counting.
+  struct Direction {
+    std::deque<TimedError> last_revolution;  ///< of demodulation, the newest last
+    std::deque<NumberedError> suffixes;
+    std::optional<double> calibration_mode_max;
+
+    void visit(kit::Archive& archive);
+  };
+
   static constexpr std::size_t longest_revolution = 10'000'000;  ///< samples
+  static constexpr std::size_t most_suffixes = 65536;
 
   bool within_one_percent(const ParameterWords& words) const;
   bool follow_correction(bool correcting);
-  void keep_last_revolution(TimedError newest);
+  void keep_last_revolution(Direction& direction, TimedError newest) const;
+  void keep_suffix(Direction& direction, double degrees) const;
+  const Direction& direction() const;
 
   std::optional<Parameters> truth_;
   double revolution_s_;
+  std::optional<TruthAlignment> alignment_;
+  double zero_turns_ = 0;  ///< added to the recorded angle
   uint64_t samples_ = 0;
   std::deque<SensorTruth> in_flight_;
   ParameterWords words_;
@@ -141,7 +169,7 @@ class Metrics {
   bool correcting_ = false;
   unsigned in_change_ = 0;  ///< results of samples that may have entered before CORRECT changed
   std::optional<double> converged_since_s_;
-  std::deque<TimedError> last_revolution_;  ///< of demodulation, the newest last
+  Direction as_recorded_, reversed_;
   AngleErrors errors_;
 };
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "loader/elf_image.h"
 #include "metrics/metrics.h"
@@ -16,9 +17,14 @@ namespace capsoc::metrics {
 struct ProgramVerdict {
   bool pass = false;
   double bound_deg = 0;  ///< with pass: no angle is said to be further from the truth
-  std::string reason;    ///< with fail
-  /// Largest error of the angles that the bound speaks of, degrees: those of calibration mode,
-  /// without any those of the last turn of demodulation. Nothing where the truth is not known.
+  /// With pass, only if it says so: the last so many samples are meant.
+  std::optional<uint64_t> samples;
+  std::optional<double> motion_deg;     ///< with pass: of the shaft from sample to sample
+  std::vector<std::string> conditions;  ///< with pass: what it takes for granted, for a reader
+  std::string reason;                   ///< with fail
+  /// Largest error of the angles that the bound speaks of, degrees: those of `samples`, else those
+  /// of calibration mode, without any those of the last turn of demodulation. Nothing where the
+  /// truth is not known.
   std::optional<double> largest_error_deg;
 
   /// Nothing where there is no bound or no truth.
@@ -34,6 +40,6 @@ using ReadMemory = std::function<bool(uint32_t address, void* bytes, uint32_t si
 /// Nothing if the program has no such object, or has not come to a verdict, or what is there is
 /// none.
 std::optional<ProgramVerdict> read_verdict(const loader::ElfImage& program, const ReadMemory& read,
-                                           const AngleErrors& errors);
+                                           const Metrics& metrics);
 
 }  // namespace capsoc::metrics

@@ -60,11 +60,12 @@ constexpr std::array<Bit, 12> ctrl_bits = {
      {coprocessor::ctrl_ie_error, &capsoc_rtl_state::ie_error},
      {coprocessor::ctrl_ie_turn, &capsoc_rtl_state::ie_turn},
      {coprocessor::ctrl_ie_alarm, &capsoc_rtl_state::ie_alarm}}};
-constexpr std::array<Bit, 4> window_bits = {
+constexpr std::array<Bit, 5> window_bits = {
     {{coprocessor::turn_radius, &capsoc_rtl_state::window_radius},
      {coprocessor::turn_mirror, &capsoc_rtl_state::window_mirror},
      {coprocessor::turn_noangle, &capsoc_rtl_state::window_no_angle},
-     {coprocessor::turn_sat, &capsoc_rtl_state::window_saturated}}};
+     {coprocessor::turn_sat, &capsoc_rtl_state::window_saturated},
+     {coprocessor::turn_residue, &capsoc_rtl_state::window_residue}}};
 
 int64_t extended(uint64_t word48) {
   return static_cast<int64_t>(word48 << 16) >> 16;

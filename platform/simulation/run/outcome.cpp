@@ -97,13 +97,14 @@ std::string divergence_of(const RunSettings& settings, const rtl::Lockstep* lock
          (error ? error->text + "\n" : fmt::format("waves of both sides: {}\n", waves));
 }
 
-void take_verdict(const loader::ElfImage& program, soc::Soc& soc, RunResult& result) {
+void take_verdict(const loader::ElfImage& program, soc::Soc& soc,
+                  const metrics::Metrics& metrics, RunResult& result) {
   result.verdict = metrics::read_verdict(
       program,
       [&soc](uint32_t address, void* bytes, uint32_t size) {
         return soc.read_memory(address, bytes, size);
       },
-      result.errors);
+      metrics);
   if (!result.verdict || result.verdict->bound_holds().value_or(true) ||
       result.code != exit_code::pass)
     return;

@@ -25,7 +25,8 @@ void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts&
               const StackMarks& stacks, const Limit& limit, bool out_of_time, RunResult& result);
 
 /// A pass whose bound the truth does not keep is none.
-void take_verdict(const loader::ElfImage& program, soc::Soc& soc, RunResult& result);
+void take_verdict(const loader::ElfImage& program, soc::Soc& soc, const metrics::Metrics& metrics,
+                  RunResult& result);
 
 /// What could not be written is told of by the run's exit code if nothing worse has happened.
 void take_losses(std::vector<std::string> lost, RunResult& result);

@@ -96,6 +96,10 @@ ordered_json verdict_json(const metrics::ProgramVerdict& verdict) {
   } else {
     j["reason"] = verdict.reason;
   }
+  j["samples"] = nullptr;
+  if (verdict.samples) j["samples"] = *verdict.samples;
+  j["motion_deg"] = number_or_null(verdict.motion_deg);
+  j["conditions"] = verdict.conditions;
   j["largest_error_deg"] = number_or_null(verdict.largest_error_deg);
   j["bound_holds"] = nullptr;
   if (const auto holds = verdict.bound_holds()) j["bound_holds"] = *holds;

@@ -140,6 +140,7 @@ Result<RunInputs> read_inputs(const RunSettings& settings) {
   inputs.source = std::move(trace.value().source);
   inputs.sensor_sha256 = trace.value().sha256;
   inputs.recorded_speed = metrics::recorded_speed(*inputs.source);
+  inputs.alignment = metrics::recorded_alignment(*inputs.source);
   const long long adc_bits = settings.sensor.adc_bits() != 0
                                  ? settings.sensor.adc_bits()
                                  : inputs.source->description().adc_bits.value_or(32);
@@ -171,7 +172,7 @@ metrics::Metrics RunInputs::make_metrics() const {
   double frequency = std::fabs(description.frequency_hz.value_or(0));
   if (recorded_speed)
     frequency = std::fabs(*recorded_speed) * description.sample_rate_hz.value_or(0);
-  metrics::Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20);
+  metrics::Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20, alignment);
   if (preset) metrics.preset(*preset);
   return metrics;
 }

@@ -65,6 +65,7 @@ struct RunInputs {
   std::string sensor_sha256;
   unsigned adc_bits = 0;
   std::optional<double> recorded_speed;  ///< of the sensor, turns a sample
+  std::optional<metrics::TruthAlignment> alignment;  ///< of a recording with angles
   std::optional<metrics::ParameterWords> preset;
 
   /// The programs into the SoC's memories and the start of the processor. An Error: they do not

@@ -225,6 +225,10 @@ std::vector<std::string> Simulation::close() {
   for (std::string& sentence : checkpoints_->failures()) lost.push_back(std::move(sentence));
   progress_.finish();
   match_.finish();
+  if (auto sentence = metrics::own_zero(inputs_.sensor_file, inputs_.alignment)) {
+    spdlog::warn("{}", *sentence);
+    result_.sensor_warnings.push_back(std::move(*sentence));
+  }
   observation_.finish();
   kit::summarise_guest_errors();
   kit::set_guest_error_context({});
@@ -251,7 +255,7 @@ RunResult Simulation::finish() {
   std::vector<std::string> lost = close();
   conclude(settings_, soc_, *ports_, stacks_, limit_, host_limit_.out_of_time(), result_);
   result_.errors = metrics_.angle_errors();
-  take_verdict(inputs_.program, soc_, result_);
+  take_verdict(inputs_.program, soc_, metrics_, result_);
   priorities_.finish(result_.code == exit_code::pass);
   result_.wall_s = host_limit_.elapsed_s();
   if (settings_.golden()) take_golden(soc_, record_, metrics_.words(), result_);
