@@ -15,7 +15,7 @@ enum program_verdict_state {
 
 // What a pass takes for granted, since the samples do not show it.
 enum program_verdict_condition {
-  verdict_if_no_sample_is_stale = 1,  // a sample may repeat an old one
+  verdict_if_no_sample_is_stale = 1,   // a sample may repeat an old one
   verdict_if_harmonics_are_small = 2,  // those along the circle stay below `unseen`
 };
 

@@ -12,8 +12,8 @@ constexpr unsigned alarm_at = 16;
 constexpr uint32_t clipped_most = 255;
 constexpr uint32_t residue_limit = uint32_t{1} << 28;  // 1/16 turn
 // Of a sample; a window with one of them is not good.
-constexpr uint32_t sample_faults = turn_clipped_mask | turn_radius | turn_mirror | turn_noangle |
-                                   turn_sat | turn_residue;
+constexpr uint32_t sample_faults =
+    turn_clipped_mask | turn_radius | turn_mirror | turn_noangle | turn_sat | turn_residue;
 
 uint32_t magnitude(int64_t value) {
   return static_cast<uint32_t>(value < 0 ? -value : value);

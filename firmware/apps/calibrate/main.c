@@ -68,8 +68,7 @@ static int judge(struct judgement* judgement) {
   print_text("\n");
   const char* reason = judgement_objection(judgement);
   if (reason != NULL) {
-    const char* const change =
-        sensor_change(&judgement->shape, &calibration_parameters.parameters);
+    const char* const change = sensor_change(&judgement->shape, &calibration_parameters.parameters);
     if (change != NULL) reason = change;
   }
   if (reason == NULL) reason = error_sentence(COPROCESSOR->FLAGS);

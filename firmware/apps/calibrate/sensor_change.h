@@ -1,4 +1,5 @@
-// What has changed of a sensor since its parameters were written, by the ellipse of its raw samples.
+// What has changed of a sensor since its parameters were written, by the ellipse of its raw
+// samples.
 #ifndef CAPSOC_SENSOR_CHANGE_H
 #define CAPSOC_SENSOR_CHANGE_H
 

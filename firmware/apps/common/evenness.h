@@ -1,8 +1,8 @@
 // How evenly the angle goes round, from the angles of samples that come in order of time.
 //
-// A sensor's harmonics move the angle along its circle by the same amount at the same place of every
-// turn; where the shaft turns steadily they show as a speed that seems to change. A stale sample
-// shows as a jump. Touches no register, so that it runs on a host as well.
+// A sensor's harmonics move the angle along its circle by the same amount at the same place of
+// every turn; where the shaft turns steadily they show as a speed that seems to change. A stale
+// sample shows as a jump. Touches no register, so that it runs on a host as well.
 #ifndef CAPSOC_EVENNESS_H
 #define CAPSOC_EVENNESS_H
 
@@ -17,16 +17,16 @@ struct evenness {
   uint32_t angle;  // of the last sample
   bool any;        // there was one; the first only says where the angle is
   uint32_t samples;
-  int64_t travel;             // since the last sample of the window before
-  int64_t longest, shortest;  // step of one sample, signed
-  uint32_t marks;             // passed so far
+  int64_t travel;               // since the last sample of the window before
+  int64_t longest, shortest;    // step of one sample, signed
+  uint32_t marks;               // passed so far
   double when[evenness_marks];  // sample at which each was passed, with its fraction
   // Over all whole turns.
   uint32_t turns;
-  double mean_step;              // of the last whole turn, signed
-  double sum[evenness_marks];    // deviations from a steady turn
+  double mean_step;               // of the last whole turn, signed
+  double sum[evenness_marks];     // deviations from a steady turn
   double before[evenness_marks];  // those of the turn before
-  double change;                 // sum over turns of the mean square change from turn to turn
+  double change;                  // sum over turns of the mean square change from turn to turn
 };
 
 // The angle of the next sample, `elapsed` samples after the one before (1 unless some were missed).

@@ -19,8 +19,6 @@
 // A drift that does not grow smaller may go on for so many turns and have gone on before.
 #define LONGEST_DRIFT 32
 #define HALF_TURN (UINT32_C(1) << 31)
-// Of the looks, which take a raw sample for its shape.
-#define SHAPE_EVERY 16
 
 static uint32_t field(uint32_t word, uint32_t mask, uint32_t position) {
   return (word & mask) >> position;
@@ -226,10 +224,8 @@ static struct turn_evidence read_window(struct judgement* judgement, uint32_t fl
 }
 
 static void look_at_shape(struct judgement* judgement) {
-  // Between two results, so the two belong together.
-  if (!judgement->watches || judgement->looks % SHAPE_EVERY == 0)
-    signal_shape_feed(&judgement->shape, COPROCESSOR->RAW_U, COPROCESSOR->RAW_V);
-  ++judgement->looks;
+  struct sampling_probe probe;
+  while (sampling_take_probe(&probe)) signal_shape_feed(&judgement->shape, probe.u, probe.v);
 }
 
 void judgement_look(struct judgement* judgement) {
@@ -305,8 +301,8 @@ void judgement_finish(struct judgement* judgement) {
   while ((COPROCESSOR->STATUS & COPROCESSOR_STATUS_BUSY_Msk) != 0) continue;
   judgement_look(judgement);
   if (sampling_count() == 0) return;
-  COPROCESSOR->CTRL &= ~(COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_ADC_Msk |
-                         COPROCESSOR_CTRL_IE_RESULT_Msk);
+  COPROCESSOR->CTRL &=
+      ~(COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_ADC_Msk | COPROCESSOR_CTRL_IE_RESULT_Msk);
   coprocessor_set_phase((coprocessor_phase() - (uint64_t)coprocessor_frequency()) &
                         ((UINT64_C(1) << 48) - 1));
   COPROCESSOR->TURN_LIMIT = 1;
@@ -343,9 +339,9 @@ uint32_t judgement_motion(const struct judgement* judgement) {
   return capped((uint64_t)(step < 0 ? -step : step));
 }
 
-// What the parameters may still be off by, if their last changes go on as they were: those of a loop
-// that settles shrink from turn to turn, those of a drift, or of another signal at almost the same
-// speed, do not.
+// What the parameters may still be off by, if their last changes go on as they were: those of a
+// loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
+// same speed, do not.
 static uint64_t wander(const struct judgement* judgement) {
   if (judgement->learning_turns < 2 || by_count()) return 0;
   const uint64_t last = judgement->learning[0], before = judgement->learning[1];
@@ -363,8 +359,8 @@ static uint64_t radius_and_residue(const struct judgement* judgement,
   return by_radius > by_residue && !by_residue_alone ? by_radius : by_residue;
 }
 
-// A sample that is stale is off by its jump, and by what the sensor is off, which is seldom more than
-// half of what the evidence allows.
+// A sample that is stale is off by its jump, and by what the sensor is off, which is seldom more
+// than half of what the evidence allows.
 static uint64_t with_jump(uint64_t error, uint64_t jump) {
   const uint64_t both = error - error / 4 + jump;
   return both > error ? both : error;

@@ -40,28 +40,27 @@ struct judgement {
   // The samples come in order of time and there is no numeric reference: every angle is watched.
   bool watches;
   // The rest starts at 0.
-  bool covers;             // judgement_cover was called
-  bool cut;                // the window under way began or ends elsewhere than a turn does
-  uint32_t zeros;          // sampling_zeros() at the end of the window before
-  uint32_t repeats;        // sampling_repeats(), likewise
-  uint32_t ended;          // TURN_COUNT at the last look
-  uint32_t discard;        // windows still to be left out
-  uint32_t judged;         // whole windows kept since the beginning
-  uint32_t watched;        // sample whose angle was watched last
-  uint32_t learning[2];    // drifts of the last two turns of demodulation, the last one first
+  bool covers;           // judgement_cover was called
+  bool cut;              // the window under way began or ends elsewhere than a turn does
+  uint32_t zeros;        // sampling_zeros() at the end of the window before
+  uint32_t repeats;      // sampling_repeats(), likewise
+  uint32_t ended;        // TURN_COUNT at the last look
+  uint32_t discard;      // windows still to be left out
+  uint32_t judged;       // whole windows kept since the beginning
+  uint32_t watched;      // sample whose angle was watched last
+  uint32_t learning[2];  // drifts of the last two turns of demodulation, the last one first
   uint32_t learning_turns;
   bool has_parameters;
-  struct coprocessor_parameters parameters;  // at the end of the window before
+  struct coprocessor_parameters parameters;     // at the end of the window before
   struct turn_evidence turns[judgement_turns];  // whole ones before what is covered, the last first
   uint32_t before;     // of them that are good, without a gap up to what is covered
   const char* spoilt;  // what speaks against the window before what is covered; null: nothing
   // Of what is covered
-  uint32_t samples;                 // judged
-  uint32_t whole;                   // whole windows
-  struct turn_evidence worst;       // the largest of each
-  const char* objection;            // the first; null: none
+  uint32_t samples;            // judged
+  uint32_t whole;              // whole windows
+  struct turn_evidence worst;  // the largest of each
+  const char* objection;       // the first; null: none
   struct evenness evenness;
-  uint32_t looks;
   struct signal_shape shape;  // raw samples of the whole run, some of them
 };
 
@@ -73,7 +72,8 @@ void judgement_disturbed(struct judgement* judgement);
 // window in progress is left out.
 void judgement_restart(struct judgement* judgement);
 
-// From the next sample on a pass is about every angle. Before it, the last turns may be needed, too.
+// From the next sample on a pass is about every angle. Before it, the last turns may be needed,
+// too.
 void judgement_cover(struct judgement* judgement);
 
 // Keeps the record of the window that ended last, if it is a new one. To be called just after a

@@ -14,6 +14,12 @@ static volatile bool ended;
 static volatile uint32_t zeros;
 static volatile uint32_t repeats;
 static bool counts_oddities;
+// Every 397th sample: a prime, so that they are no few places of the turn.
+enum { probe_period = 397, probes_most = 16 };
+static volatile struct sampling_probe probes[probes_most];
+static volatile uint32_t probes_kept;
+static uint32_t probes_taken;
+static uint32_t until_probe = 1;
 
 static void count_oddities(void) {
   static int32_t u_before, v_before;
@@ -24,11 +30,19 @@ static void count_oddities(void) {
   v_before = v;
 }
 
+static void keep_probe(void) {
+  until_probe = probe_period;
+  probes[probes_kept % probes_most] =
+      (struct sampling_probe){.u = COPROCESSOR->RAW_U, .v = COPROCESSOR->RAW_V};
+  ++probes_kept;
+}
+
 // Runs once a sample, 100,000 times in a calibration: one access to the bus where nobody wants
 // more.
 void COPROCESSOR_Handler(void) {
   COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_RESULT_Msk;
   if (counts_oddities) count_oddities();
+  if (--until_probe == 0) keep_probe();
   ++results;
   ++events;
   __DSB();  // the line is down before the return looks at it
@@ -73,6 +87,13 @@ uint32_t sampling_zeros(void) {
 
 uint32_t sampling_repeats(void) {
   return repeats;
+}
+
+bool sampling_take_probe(struct sampling_probe* probe) {
+  if (probes_kept - probes_taken > probes_most) probes_taken = probes_kept - probes_most;
+  if (probes_taken == probes_kept) return false;
+  *probe = probes[probes_taken++ % probes_most];
+  return true;
 }
 
 uint32_t sampling_count(void) {

@@ -16,13 +16,20 @@
 // refuses the rate.
 bool sampling_start(uint32_t rate_hz);
 
-// From here on samples that are 0 in both channels, and samples that are bit for bit the one before,
-// are counted, at two more accesses to the bus for each sample. A converter that drops out or holds
-// gives such samples; they may lie on the sensor's circle, so that nothing else shows them.
+// From here on samples that are 0 in both channels, and samples that are bit for bit the one
+// before, are counted, at two more accesses to the bus for each sample. A converter that drops out
+// or holds gives such samples; they may lie on the sensor's circle, so that nothing else shows
+// them.
 void sampling_count_oddities(void);
 // Those counted so far.
 uint32_t sampling_zeros(void);
 uint32_t sampling_repeats(void);
+
+// A few raw samples, Q1.31, spread over the turns. False if there is none that was not taken yet.
+struct sampling_probe {
+  int32_t u, v;
+};
+bool sampling_take_probe(struct sampling_probe* probe);
 void sampling_stop(void);
 // Results of the coprocessor since sampling_start.
 uint32_t sampling_count(void);

@@ -49,8 +49,8 @@ static double about_mean(const struct signal_shape* shape, double u, double v, i
   double sum = 0;
   for (int p = 0; p <= i; ++p)
     for (int q = 0; q <= j; ++q)
-      sum += choose[i][p] * choose[j][q] * power(-u, i - p) * power(-v, j - q) *
-             shape->moments[p][q];
+      sum +=
+          choose[i][p] * choose[j][q] * power(-u, i - p) * power(-v, j - q) * shape->moments[p][q];
   return sum;
 }
 
@@ -61,12 +61,13 @@ static struct standard standardise(const struct signal_shape* shape) {
   s.v_spread = sqrt(fmax(0, about_mean(shape, s.u, s.v, 0, 2) / n));
   for (int i = 0; i < orders; ++i)
     for (int j = 0; i + j < orders; ++j)
-      s.moments[i][j] = about_mean(shape, s.u, s.v, i, j) /
-                        (n * power(s.u_spread, i) * power(s.v_spread, j));
+      s.moments[i][j] =
+          about_mean(shape, s.u, s.v, i, j) / (n * power(s.u_spread, i) * power(s.v_spread, j));
   return s;
 }
 
-// c0 x^2 + c1 x y + c2 y^2 + c3 x + c4 y = 1 by least squares: Gauss with pivots. False if the samples do not tell a conic.
+// c0 x^2 + c1 x y + c2 y^2 + c3 x + c4 y = 1 by least squares: Gauss with pivots. False if the
+// samples do not tell a conic.
 static bool solve(double m[unknowns][unknowns + 1], double solution[unknowns]) {
   for (int column = 0; column < unknowns; ++column) {
     int pivot = column;
@@ -117,7 +118,8 @@ static double distance(const struct standard* s, const double c[unknowns], doubl
   return sqrt(fmax(0, 1 - fitted)) / 2 / fabs(scale);
 }
 
-enum signal_kind signal_shape_kind(const struct signal_shape* shape, struct signal_ellipse* ellipse) {
+enum signal_kind signal_shape_kind(const struct signal_shape* shape,
+                                   struct signal_ellipse* ellipse) {
   if (shape->samples < fewest_samples) return signal_unknown;
   const double u_range = number(shape->u_greatest) - number(shape->u_least);
   const double v_range = number(shape->v_greatest) - number(shape->v_least);

@@ -9,9 +9,9 @@
 
 struct signal_shape {
   uint32_t samples;
-  int32_t u_first, v_first;  // Q1.31; the moments are about it
+  int32_t u_first, v_first;                          // Q1.31; the moments are about it
   int32_t u_least, u_greatest, v_least, v_greatest;  // Q1.31
-  double moments[5][5];  // [i][j]: sum of u^i v^j, i + j up to 4
+  double moments[5][5];                              // [i][j]: sum of u^i v^j, i + j up to 4
 };
 
 // An ellipse as a sensor's: full scale 1, radians, |beta| below a quarter turn.
@@ -32,6 +32,7 @@ enum signal_kind {
 void signal_shape_feed(struct signal_shape* shape, int32_t u, int32_t v);
 
 // What the samples lie on. The ellipse is written for signal_elliptic only.
-enum signal_kind signal_shape_kind(const struct signal_shape* shape, struct signal_ellipse* ellipse);
+enum signal_kind signal_shape_kind(const struct signal_shape* shape,
+                                   struct signal_ellipse* ellipse);
 
 #endif

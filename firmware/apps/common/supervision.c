@@ -20,8 +20,8 @@ static void report(const struct supervision* state, uint32_t samples, const char
   print_text(text);
 }
 
-// With a turn that fits: an average error of a quarter of the smaller amplitude is no lock, whatever
-// the turns say.
+// With a turn that fits: an average error of a quarter of the smaller amplitude is no lock,
+// whatever the turns say.
 static void set_lock_threshold(const struct supervision* state) {
   if (state->judgement.before == 0) return;
   const int32_t a1 = state->judgement.parameters.a1, a2 = state->judgement.parameters.a2;

@@ -158,7 +158,8 @@ int main(void) {
   print_parameter_table(&stored);
   if (!more) {
     print_end(learnt);
-  } else if (!print_angles(&supervised.judgement, learnt, settings.calibration_samples, settings.angle_stride) ||
+  } else if (!print_angles(&supervised.judgement, learnt, settings.calibration_samples,
+                           settings.angle_stride) ||
              !judgement_wait(&supervised.judgement, 4)) {
     print_end(sampling_count());
   }

@@ -197,14 +197,13 @@ int main(void) {
     print_text("track: the ADC refuses the sampling rate\n");
     return status_refused;
   }
-  struct session session = {
-      .supervision = {.name = "track",
-                      .rate_hz = settings.rate_hz,
-                      .mirror_seconds = settings.mirror_seconds,
-                      .judgement = {.limit = settings.limit_deg,
-                                    .unseen = settings.harmonics_deg,
-                                    .fewest = 2,
-                                    .discard = 1}}};
+  struct session session = {.supervision = {.name = "track",
+                                            .rate_hz = settings.rate_hz,
+                                            .mirror_seconds = settings.mirror_seconds,
+                                            .judgement = {.limit = settings.limit_deg,
+                                                          .unseen = settings.harmonics_deg,
+                                                          .fewest = 2,
+                                                          .discard = 1}}};
   uint64_t turn = 0;
   if (!measure_turn(&turn, &session.first_sample)) {
     return fail_because("track", "no turn seen");

@@ -5,8 +5,8 @@
 // Not for slow motion in order: the step is far above 1.5 omega of 0.05 Hz (docs/coprocessor.md).
 //
 // Samples in any order make no turns: they are judged by the window, which must hold every part of
-// the turn. Samples that come twice at once are seen; of other stale ones, and of harmonics along the
-// circle, a pass says that it knows nothing.
+// the turn. Samples that come twice at once are seen; of other stale ones, and of harmonics along
+// the circle, a pass says that it knows nothing.
 //
 // Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board.

@@ -41,9 +41,11 @@ std::optional<ParameterWords> to_words(const Parameters& values) {
 
 Metrics::Metrics(std::optional<Parameters> truth, double revolution_s,
                  std::optional<TruthAlignment> alignment)
-    : truth_(truth), revolution_s_(revolution_s), alignment_(alignment) {
-  if (alignment_ && std::fabs(alignment_->zero_turns) > own_zero_turns)
-    zero_turns_ = alignment_->zero_turns;
+    : truth_(truth),
+      revolution_s_(revolution_s),
+      sensor_reversed_(truth ? std::cos(truth->beta) < 0 : alignment && alignment->reversed) {
+  if (alignment && std::fabs(alignment->zero_turns) > own_zero_turns)
+    zero_turns_ = alignment->zero_turns;
 }
 
 void Metrics::accepted(const SensorTruth& sample) {
@@ -96,36 +98,31 @@ void Metrics::result(const CoprocessorResult& result) {
                       degrees_per_turn);
   }
   if (!result.angle_valid) return;
-  for (Direction* way : {&as_recorded_, &reversed_}) {
-    const double expected = way == &reversed_ ? 0.5 - turns : turns;
-    const double error =
-        std::fabs(turn_difference(result.angle / q32, expected)) * degrees_per_turn;
-    keep_suffix(*way, error);
-    if (result.demodulating) {
-      keep_last_revolution(*way, {sample.time_s, error});
-    } else if (!in_change) {
-      keep_larger(way->calibration_mode_max, error);
-    }
+  const double expected = counts_reversed(result.words.beta) ? 0.5 - turns : turns;
+  const double error = std::fabs(turn_difference(result.angle / q32, expected)) * degrees_per_turn;
+  keep_suffix(error);
+  if (result.demodulating) {
+    keep_last_revolution({sample.time_s, error});
+  } else if (!in_change) {
+    keep_larger(errors_.calibration_mode_max, error);
   }
 }
 
-const Metrics::Direction& Metrics::direction() const {
-  const bool program_reversed = std::cos(to_values(words_).beta) < 0;
-  const bool sensor_reversed =
-      truth_ ? std::cos(truth_->beta) < 0 : alignment_ && alignment_->reversed;
-  return program_reversed != sensor_reversed ? reversed_ : as_recorded_;
+bool Metrics::counts_reversed(uint32_t beta) const {
+  constexpr uint32_t quarter = uint32_t{1} << 30;
+  const bool program_reversed = beta - quarter < 2 * quarter;
+  return program_reversed != sensor_reversed_;
 }
 
-void Metrics::keep_suffix(Direction& direction, double degrees) const {
-  auto& suffixes = direction.suffixes;
-  while (!suffixes.empty() && suffixes.back().degrees <= degrees) suffixes.pop_back();
-  suffixes.push_back({samples_, degrees});
-  if (suffixes.size() > most_suffixes) suffixes.pop_front();
+void Metrics::keep_suffix(double degrees) {
+  while (!suffixes_.empty() && suffixes_.back().degrees <= degrees) suffixes_.pop_back();
+  suffixes_.push_back({samples_, degrees});
+  if (suffixes_.size() > most_suffixes) suffixes_.pop_front();
 }
 
 std::optional<double> Metrics::largest_error_of_last(uint64_t samples) const {
   const uint64_t first = samples < samples_ ? samples_ - samples + 1 : 1;
-  for (const NumberedError& error : direction().suffixes)
+  for (const NumberedError& error : suffixes_)
     if (error.sample >= first) return error.degrees;
   return std::nullopt;
 }
@@ -138,21 +135,19 @@ bool Metrics::follow_correction(bool correcting) {
   correcting_ = correcting;
   if (in_change_ == 0) return false;
   --in_change_;
-  as_recorded_.calibration_mode_max.reset();
-  reversed_.calibration_mode_max.reset();
+  errors_.calibration_mode_max.reset();
   return true;
 }
 
-void Metrics::keep_last_revolution(Direction& direction, TimedError newest) const {
-  auto& last_revolution = direction.last_revolution;
+void Metrics::keep_last_revolution(TimedError newest) {
   // Less than half a sample's worth of rounding: a turn of n samples is n of them, not n + 1.
   const double age = revolution_s_ * (1 - 1e-9);
-  last_revolution.push_back(newest);
+  last_revolution_.push_back(newest);
   // A time that goes back is a sensor that began anew.
-  while (newest.time_s - last_revolution.front().time_s >= age ||
-         newest.time_s < last_revolution.front().time_s ||
-         last_revolution.size() > longest_revolution)
-    last_revolution.pop_front();
+  while (newest.time_s - last_revolution_.front().time_s >= age ||
+         newest.time_s < last_revolution_.front().time_s ||
+         last_revolution_.size() > longest_revolution)
+    last_revolution_.pop_front();
 }
 
 Convergence Metrics::convergence() const {
@@ -163,8 +158,7 @@ Convergence Metrics::convergence() const {
 
 AngleErrors Metrics::angle_errors() const {
   AngleErrors errors = errors_;
-  errors.calibration_mode_max = direction().calibration_mode_max;
-  for (const TimedError& error : direction().last_revolution)
+  for (const TimedError& error : last_revolution_)
     keep_larger(errors.calibrated_max_last_revolution, error.degrees);
   return errors;
 }
@@ -191,17 +185,12 @@ void AngleErrors::visit(kit::Archive& archive) {
   archive("uncalibrated_max", uncalibrated_max);
   archive("uncalibrated_max_paper", uncalibrated_max_paper);
   archive("calibrated_max_last_revolution", calibrated_max_last_revolution);
+  archive("calibration_mode_max", calibration_mode_max);
 }
 
 void Metrics::NumberedError::visit(kit::Archive& archive) {
   archive("sample", sample);
   archive("degrees", degrees);
-}
-
-void Metrics::Direction::visit(kit::Archive& archive) {
-  archive.sequence("last_revolution", last_revolution, longest_revolution + 1);
-  archive.sequence("suffixes", suffixes, most_suffixes + 1);
-  archive("calibration_mode_max", calibration_mode_max);
 }
 
 void Metrics::TimedError::visit(kit::Archive& archive) {
@@ -218,8 +207,8 @@ void Metrics::visit(kit::Archive& archive) {
   archive("correcting", correcting_);
   archive("in_change", in_change_);
   archive("converged_since_s", converged_since_s_);
-  archive("as_recorded", as_recorded_);
-  archive("reversed", reversed_);
+  archive.sequence("last_revolution", last_revolution_, longest_revolution + 1);
+  archive.sequence("suffixes", suffixes_, most_suffixes + 1);
   archive("errors", errors_);
 }
 

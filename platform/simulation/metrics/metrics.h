@@ -113,10 +113,10 @@ class Metrics {
   /// truth of a numeric reference that began there, not of a program that measured or tracked the
   /// speed, took the angle as its reference or never demodulated.
   bool phi_comparable() const { return has_demodulated_ && !phi_shifted_; }
-  /// By the program's own direction: where its beta lies a quarter turn on the other side of the
-  /// sensor's, its angle is half a turn less the sensor's.
+  /// In the program's own direction: while its beta is beyond a quarter turn and the sensor's is
+  /// not, or the other way round, its angle is half a turn less the sensor's.
   AngleErrors angle_errors() const;
-  /// Largest error of the last `samples` results (degrees), as above; nothing if none is known.
+  /// Largest error of the last `samples` results, degrees; nothing if none is known.
   std::optional<double> largest_error_of_last(uint64_t samples) const;
   /// The parameters at the end of demodulation; without one, those that were preset.
   const ParameterWords& words() const { return words_; }
@@ -139,27 +139,18 @@ class Metrics {
 
     void visit(kit::Archive& archive);
   };
-  /// Errors in one direction of counting.
-  struct Direction {
-    std::deque<TimedError> last_revolution;  ///< of demodulation, the newest last
-    std::deque<NumberedError> suffixes;
-    std::optional<double> calibration_mode_max;
-
-    void visit(kit::Archive& archive);
-  };
 
   static constexpr std::size_t longest_revolution = 10'000'000;  ///< samples
   static constexpr std::size_t most_suffixes = 65536;
 
   bool within_one_percent(const ParameterWords& words) const;
   bool follow_correction(bool correcting);
-  void keep_last_revolution(Direction& direction, TimedError newest) const;
-  void keep_suffix(Direction& direction, double degrees) const;
-  const Direction& direction() const;
+  void keep_last_revolution(TimedError newest);
+  void keep_suffix(double degrees);
+  bool counts_reversed(uint32_t beta) const;
 
   std::optional<Parameters> truth_;
   double revolution_s_;
-  std::optional<TruthAlignment> alignment_;
   double zero_turns_ = 0;  ///< added to the recorded angle
   uint64_t samples_ = 0;
   std::deque<SensorTruth> in_flight_;
@@ -169,7 +160,9 @@ class Metrics {
   bool correcting_ = false;
   unsigned in_change_ = 0;  ///< results of samples that may have entered before CORRECT changed
   std::optional<double> converged_since_s_;
-  Direction as_recorded_, reversed_;
+  bool sensor_reversed_;                    ///< beta beyond a quarter turn
+  std::deque<TimedError> last_revolution_;  ///< of demodulation, the newest last
+  std::deque<NumberedError> suffixes_;
   AngleErrors errors_;
 };
 

@@ -62,8 +62,8 @@ ProgramVerdict verdict_of(const Object& object) {
   if ((object.conditions & no_sample_is_stale) != 0)
     verdict.conditions.emplace_back("no sample is stale");
   if ((object.conditions & harmonics_are_small) != 0)
-    verdict.conditions.push_back(fmt::format("harmonics along the circle stay below {:.2f} deg",
-                                             degrees(object.unseen)));
+    verdict.conditions.push_back(
+        fmt::format("harmonics along the circle stay below {:.2f} deg", degrees(object.unseen)));
   return verdict;
 }
 
@@ -91,8 +91,9 @@ std::optional<ProgramVerdict> read_verdict(const loader::ElfImage& program, cons
   if (verdict->samples)
     verdict->largest_error_deg = metrics.largest_error_of_last(*verdict->samples);
   else
-    verdict->largest_error_deg = errors.calibration_mode_max ? errors.calibration_mode_max
-                                                             : errors.calibrated_max_last_revolution;
+    verdict->largest_error_deg = errors.calibration_mode_max
+                                     ? errors.calibration_mode_max
+                                     : errors.calibrated_max_last_revolution;
   return verdict;
 }
 

@@ -97,8 +97,8 @@ std::string divergence_of(const RunSettings& settings, const rtl::Lockstep* lock
          (error ? error->text + "\n" : fmt::format("waves of both sides: {}\n", waves));
 }
 
-void take_verdict(const loader::ElfImage& program, soc::Soc& soc,
-                  const metrics::Metrics& metrics, RunResult& result) {
+void take_verdict(const loader::ElfImage& program, soc::Soc& soc, const metrics::Metrics& metrics,
+                  RunResult& result) {
   result.verdict = metrics::read_verdict(
       program,
       [&soc](uint32_t address, void* bytes, uint32_t size) {

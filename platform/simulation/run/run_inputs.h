@@ -64,7 +64,7 @@ struct RunInputs {
   std::unique_ptr<sensor::Source> source;
   std::string sensor_sha256;
   unsigned adc_bits = 0;
-  std::optional<double> recorded_speed;  ///< of the sensor, turns a sample
+  std::optional<double> recorded_speed;              ///< of the sensor, turns a sample
   std::optional<metrics::TruthAlignment> alignment;  ///< of a recording with angles
   std::optional<metrics::ParameterWords> preset;
 

@@ -377,8 +377,8 @@ class Pipeline {
                                        {p.amplitude, p.det, p.residue, polar_.angle, p.clip,
                                         p.saturated, p.zero || p.unsettled, p.mirror, p.turn},
                                        r.judge, r.settings.source != ReferenceSource::numeric);
-      lock_ = settled_ >= 63 && average_ < r.lock_threshold &&
-              next_judge_.permits_lock(r.judge.turns);
+      lock_ =
+          settled_ >= 63 && average_ < r.lock_threshold && next_judge_.permits_lock(r.judge.turns);
       diverged_ = settled_ >= 63 && average_ > r.diverge_threshold;
       ++vectors_;
     }
