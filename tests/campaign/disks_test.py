@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Stores on disks without shared memory, without locks, and on those that may only be read; sqlite3 is the oracle."""
 
+import contextlib
 import errno
 import os
 import signal
@@ -32,7 +33,7 @@ class Disks(unittest.TestCase):
         return (done.stdout + done.stderr).decode()
 
     def ask(self, name, question):
-        with sqlite3.connect(self.folder / name) as store:
+        with contextlib.closing(sqlite3.connect(self.folder / name)) as store:
             return store.execute(question).fetchone()[0]
 
     def test_without_shared_memory(self):

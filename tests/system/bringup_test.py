@@ -160,8 +160,9 @@ it is a name: 1
             ["qemu-system-arm", "-M", "mps2-an385", "-display", "none", "-monitor", "none", "-serial", "stdio",
              "-semihosting-config", "enable=on,target=native", "-kernel", FIRMWARE / "semihosting_calls.elf"],
             capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL, cwd=self.folder)
-        lines = [line for line in theirs.stdout.decode().splitlines() if line not in ("[out]", "x")]
-        self.assertEqual(lines, [self.QEMU_DIFFERS.get(line, line) for line in self.SPECIFIED.splitlines()])
+        # Whether its input can be written is a matter of the host's descriptor there.
+        lines = [line for line in theirs.stdout.decode().splitlines() if line not in ("[out]", "x") and not line.startswith("write to its input")]
+        self.assertEqual(lines, [self.QEMU_DIFFERS.get(line, line) for line in self.SPECIFIED.splitlines() if not line.startswith("write to its input")])
 
     def test_a_text_has_any_length(self):
         expected = "".join("\n" if i % 50 == 49 else chr(ord("a") + i % 26) for i in range(30000))

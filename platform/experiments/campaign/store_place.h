@@ -28,7 +28,7 @@ class StoreCopy {
   StoreCopy(const StoreCopy&) = delete;
   StoreCopy& operator=(const StoreCopy&) = delete;
 
-  std::string path() const { return folder_ + "/copy.sqlite"; }
+  std::string path() const { return folder_ + "/store"; }
 
  private:
   explicit StoreCopy(std::string folder) : folder_(std::move(folder)) {}
