@@ -30,6 +30,7 @@ void Core::reset() {
   state.thumb = (pc & 1) != 0;
   machine_.requests.raise(Requests::changed);
   if (!good) machine_.exceptions.lock_up();
+  machine_.debugging.set_up_trace();
   if (machine_.listeners.observer != nullptr) machine_.listeners.observer->started(*this);
 }
 
@@ -41,6 +42,8 @@ State& Core::edit() {
 void Core::visit(kit::Archive& archive) {
   State& state = machine_.state;
   state.visit(archive);
+  uint32_t stimulus_ports = machine_.debugging.stimulus_ports();
+  archive("stimulus_ports", stimulus_ports);
   if (!archive.loading() || !archive.ok()) return;
   machine_.event = {};
   known_turn_.forget();
@@ -48,6 +51,8 @@ void Core::visit(kit::Archive& archive) {
   machine_.debugging.forget_arrival();
   state.dwt.restored(state.scb.tracing(), state.scb.monitor_steps());
   machine_.memory.regions_changed();
+  // What the program has made of the trace since stays as it is.
+  if (stimulus_ports != machine_.debugging.stimulus_ports()) machine_.debugging.set_up_trace();
 }
 
 void Core::set_executor(Executor executor) {

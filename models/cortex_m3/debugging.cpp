@@ -29,6 +29,25 @@ bool Debugging::at_breakpoint() {
   return true;
 }
 
+uint32_t Debugging::control_and_status() const {
+  constexpr uint32_t c_debugen = 1, c_halt = 1u << 1, s_regrdy = 1u << 16, s_halt = 1u << 17;
+  if (!halting_) return 0;
+  return halted_ ? c_debugen | c_halt | s_regrdy | s_halt : c_debugen;
+}
+
+void Debugging::show_stimulus(uint32_t ports, bool on) {
+  stimulus_ports_ = on ? stimulus_ports_ | ports : stimulus_ports_ & ~ports;
+  if (!on) machine_.state.itm.disable(ports);
+  traces_ = traces_ || on;
+  set_up_trace();
+}
+
+void Debugging::set_up_trace() {
+  if (!traces_) return;
+  machine_.state.itm.enable(stimulus_ports_);
+  machine_.system.enable_tracing();
+}
+
 // Pages with a watched byte are missing in the views, so that every access to them takes the slow
 // path; without watchpoints there is no view but the MPU's.
 void Debugging::set_watchpoint(const Watchpoint& watchpoint) {

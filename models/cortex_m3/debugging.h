@@ -43,6 +43,19 @@ class Debugging {
   /// of raising a fault.
   void set_halting(bool enabled) { halting_ = enabled; }
   bool halting() const { return halting_; }
+  /// Whether the debugger holds the processor; only DHCSR shows it.
+  void set_halted(bool halted) { halted_ = halted; }
+  /// DHCSR (C1.6.2): C_DEBUGEN while a debugger is attached, C_HALT, S_HALT and S_REGRDY while it
+  /// holds the processor.
+  uint32_t control_and_status() const;
+
+  /// As the printf viewer of a debugger does (C1.7): DEMCR.TRCENA, ITM_TCR.ITMENA and the bits of
+  /// ITM_TER that `ports` names (bit n is port n) are set, now and after each reset. Off: these
+  /// bits of ITM_TER are cleared, and trace stays on.
+  void show_stimulus(uint32_t ports, bool on);
+  uint32_t stimulus_ports() const { return stimulus_ports_; }
+  /// After a reset, or a restored state that another debugger left.
+  void set_up_trace();
 
   /// Ends run() behind the instruction that made such an access.
   void set_watchpoint(const Watchpoint& watchpoint);
@@ -64,7 +77,9 @@ class Debugging {
   uint32_t passed_pc_ = 0;
   std::vector<Watchpoint> watchpoints_;
   WatchHit watch_hit_;
-  bool halting_ = false;
+  bool halting_ = false, halted_ = false;
+  bool traces_ = false;
+  uint32_t stimulus_ports_ = 0;
 };
 
 }  // namespace capsoc::cortex_m3

@@ -81,6 +81,12 @@ Result<std::string> read_input(const std::string& path, const InputLimits& limit
   return text;
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (text.substr(0, mark.size()) == mark) text.remove_prefix(mark.size());
+  return text;
+}
+
 std::optional<Error> check_input(const std::string& path, const InputLimits& limits) {
   const OpenFile file(path);
   if (const std::string what = objection(file, limits); !what.empty())

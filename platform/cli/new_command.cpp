@@ -12,6 +12,7 @@
 #include "soc/board_registers.h"
 #include "support/printable.h"
 #include "support/result.h"
+#include "support/shell.h"
 
 namespace capsoc::cli {
 namespace {
@@ -109,7 +110,8 @@ int new_command(const std::string& folder) {
     if (!was_there) fs::remove_all(place, ignored);
     return refuse(error->text);
   }
-  host::say("{}: a project that prints; build and run it with: make -C {} run\n", folder, folder);
+  host::say("{}: a project that prints; build and run it with: make -C {} run\n",
+            printable(folder, 400), shell_word(folder));
   return run::exit_code::pass;
 }
 

@@ -3,6 +3,7 @@
 
 import getpass
 import os
+import shlex
 import shutil
 import signal
 import socket
@@ -149,6 +150,16 @@ class Scripts(unittest.TestCase):
             script = (Path(folder) / "d.slurm/array.sh").read_text()
             self.assertIn("#SBATCH --array=1-4\n", script)
             self.assertIn("#SBATCH --partition=long\n", script)
+            process = slurm("--no-submit", "--sbatch", "--comment=a b's", "--sbatch", "-p long", "--sbatch", '--mail-user="quoted by the user"')
+            self.assertEqual(process.returncode, 0, process.stderr)
+            script = (Path(folder) / "d.slurm/array.sh").read_text()
+            options = [word for line in script.splitlines() if line.startswith("#SBATCH ") for word in shlex.split(line[8:])]
+            for word in ("--comment=a b's", "-p", "long", "--mail-user=quoted by the user"):
+                self.assertIn(word, options)
+            process = slurm("--no-submit", "--sbatch", "--comment=a\nreboot")
+            self.assertEqual(process.returncode, 2)
+            self.assertIn("has more than one line", process.stderr.decode())
+            slurm("--no-submit", "--sbatch", "--partition=long")
             for task in range(1, 5):  # any scheduler can do the same
                 done = subprocess.run(["sh", "d.slurm/array.sh"], env={**CLEAN, "SLURM_ARRAY_TASK_ID": str(task)}, cwd=folder,
                                       capture_output=True, check=False)

@@ -117,6 +117,9 @@ TEST_F(ClientTest, StopPointsGoWithTheirOwner) {
   EXPECT_EQ(ask("z0,100,2"), "OK");
   EXPECT_EQ(target.points.size(), 1U);
   EXPECT_EQ(ask("Z5,0,0"), "");
+  EXPECT_EQ(ask("Z0,d4,2"), "OK");
+  EXPECT_EQ(ask("z0,d4,4"), "OK") << "as LLDB removes it";
+  EXPECT_EQ(target.points.size(), 1U);
   {
     Client other(target);
     other.handle({Arrival::Kind::packet, "Z1,200,2"});
@@ -160,6 +163,35 @@ TEST_F(ClientTest, MonitorAnswersEveryLine) {
   monitor("reset halt");
   EXPECT_EQ(request.kind, Request::Kind::halt);
   EXPECT_NE(answer_monitor("unheard of").text.find("not known"), std::string::npos);
+}
+
+/// LLDB's gdb-remote extension; a hole has no permissions and ends where the next range begins.
+TEST_F(ClientTest, RegionsAndHolesOfTheMemoryMap) {
+  EXPECT_EQ(ask("qMemoryRegionInfo:20000000"), "start:20000000;size:10000;permissions:rwx;");
+  EXPECT_EQ(ask("qMemoryRegionInfo:2000ffff"), "start:20000000;size:10000;permissions:rwx;");
+  EXPECT_EQ(ask("qMemoryRegionInfo:0"), "start:0;size:20000000;");
+  EXPECT_EQ(ask("qMemoryRegionInfo:20010000"), "start:20010000;size:10000;");
+  EXPECT_EQ(ask("qMemoryRegionInfo:20020fff"), "start:20020000;size:1000;permissions:rwx;");
+  EXPECT_EQ(ask("qMemoryRegionInfo:ffffffff"), "start:20021000;size:dffdf000;");
+  EXPECT_EQ(ask("qMemoryRegionInfo:"), "E01");
+  EXPECT_EQ(ask("qMemoryRegionInfo:100000000"), "E01");
+}
+
+TEST_F(ClientTest, StimulusPortsAreEnabledAndDisabled) {
+  const auto check = [](const std::string& line, uint32_t ports, bool on) {
+    const MonitorAnswer answer = answer_monitor(line);
+    EXPECT_EQ(answer.stimulus_ports, ports) << line;
+    EXPECT_EQ(answer.stimulus_on, on) << line;
+    EXPECT_EQ(answer.text.empty(), ports != 0) << line;
+  };
+  check("itm port 0 on", 1, true);
+  check("itm port 31 1", 1U << 31U, true);
+  check("itm port 3 off", 8, false);
+  check("itm ports on", 0xFFFFFFFF, true);
+  check("itm ports 0", 0xFFFFFFFF, false);
+  for (const char* wrong :
+       {"itm", "itm port", "itm port 32 on", "itm port x on", "itm port 1 maybe", "itm ports"})
+    check(wrong, 0, false);
 }
 
 TEST_F(ClientTest, DetachesAndEnds) {

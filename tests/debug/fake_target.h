@@ -40,7 +40,7 @@ class FakeTarget : public Target {
   }
   void reset() override { ++resets; }
   std::string state() override { return "Thread mode"; }
-  std::string memory_map() override { return debug::memory_map({{base, size}}); }
+  std::vector<MemoryRange> memory_ranges() override { return {{base, size}, {0x20020000, 0x1000}}; }
 };
 
 }  // namespace capsoc::debug::test

@@ -82,6 +82,7 @@ class Packets {
                                              "qSupported:",
                                              "qXfer:features:read:target.xml:",
                                              "qXfer:memory-map:read::",
+                                             "qMemoryRegionInfo:",
                                              "qXfer:threads:read::",
                                              "qCRC:",
                                              "qfThreadInfo",

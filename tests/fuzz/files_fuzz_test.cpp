@@ -96,6 +96,54 @@ TEST(FileFuzz, DamagedHex) {
   }
 }
 
+/// A record of an S type and the width of its address in bytes, with a right checksum.
+std::string s_record(char type, unsigned width, uint32_t address, const std::string& data) {
+  std::string bytes(1, static_cast<char>(width + data.size() + 1));
+  for (unsigned i = width; i > 0; --i) bytes += static_cast<char>(address >> (8 * (i - 1)));
+  bytes += data;
+  unsigned sum = 0;
+  std::string line = fmt::format("S{}", type);
+  for (const char c : bytes) {
+    line += fmt::format("{:02X}", static_cast<uint8_t>(c));
+    sum += static_cast<uint8_t>(c);
+  }
+  return line + fmt::format("{:02X}\n", ~sum & 0xFF);
+}
+
+/// The kinds of damage that pass the checksum come from here, the others from Damage.
+std::string s_record_file(Damage& damage) {
+  std::string text = s_record('0', 2, 0, "f");
+  const uint64_t count = 4 + damage.below(12);
+  for (uint64_t record = 0; record < count; ++record) {
+    const bool odd = damage.below(16) == 0;
+    const char type = static_cast<char>('0' + (odd ? damage.below(10) : 3));
+    const auto address =
+        static_cast<uint32_t>(odd ? damage.below(uint64_t{1} << 32U) : 0x20000000 + 16 * record);
+    text += s_record(type, odd ? static_cast<unsigned>(damage.below(5)) : 4, address,
+                     std::string(odd ? damage.below(6) : 16, 'x'));
+  }
+  if (damage.below(4) == 0) text += s_record('5', 2, static_cast<uint32_t>(count), "");
+  return text + s_record('7', 4, 0x20000009, "");
+}
+
+TEST(FileFuzz, DamagedSRecords) {
+  const uint64_t count = file_count(4000);
+  Tally tally("S-records", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    Damage damage(number);
+    std::string text = s_record_file(damage);
+    if (damage.below(2) != 0) text = damage.text(text);
+    const auto image = loader::parse_srec("f.srec", text);
+    if (!image) {
+      tally.refuse(image.error(), "f.srec", number);
+      continue;
+    }
+    tally.accept();
+    for (const loader::Segment& segment : image.value().segments)
+      ASSERT_LE(uint64_t{segment.address} + segment.memory_size, uint64_t{1} << 32U) << number;
+  }
+}
+
 TEST(FileFuzz, DamagedSensorDescriptions) {
   const std::string whole = content("traces/soc_experiment.toml") +
                             "[speed_disturbance]\nscale = 1e-2\nrecord_samples = 100\nseed = 1\n";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <iconv.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -17,11 +18,18 @@ inline std::string content(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// One line that a terminal shows as it is.
-inline bool is_plain(const std::string& text) {
-  for (const char c : text)
-    if (c < 0x20 || c > 0x7E) return false;
-  return true;
+/// One line that a terminal shows as it is: UTF-8 without control characters.
+inline bool is_plain(std::string text) {
+  std::u32string characters(text.size(), U'\0');
+  const iconv_t converter = iconv_open("UTF-32LE", "UTF-8");
+  char *from = text.data(), *to = reinterpret_cast<char*>(characters.data());
+  std::size_t left = text.size(), room = 4 * characters.size();
+  const bool is_utf8 = iconv(converter, &from, &left, &to, &room) != static_cast<std::size_t>(-1);
+  iconv_close(converter);
+  characters.resize(characters.size() - room / 4);
+  for (const char32_t c : characters)
+    if (c < 0x20 || (c > 0x7E && c < 0xA0) || (c >= 0x202A && c <= 0x202E)) return false;
+  return is_utf8;
 }
 
 /// Counts outcomes, and prints them at the end.

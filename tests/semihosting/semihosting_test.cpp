@@ -174,6 +174,37 @@ TEST_F(SemihostingTest, TheConsole) {
   EXPECT_EQ(console_text, "one\ntext\nt");
 }
 
+/// The specification: R0 has "the same value as field 3" if the call has failed.
+TEST_F(SemihostingTest, AReadThatFailsHasReadNothing) {
+  put(buffer, "x");
+  const uint32_t written = open("f", 4), screen = open(":tt", 4);
+  for (const uint32_t handle : {written, screen, 77U}) {
+    EXPECT_EQ(call(0x06, {handle, buffer, 5}), 5U);
+    EXPECT_EQ(error(), EBADF);
+  }
+  EXPECT_EQ(text_at(buffer), "x");
+}
+
+TEST_F(SemihostingTest, AWrittenTextHasAnyLengthAndEndsWithMemoryAtTheLatest) {
+  std::string text;
+  for (unsigned i = 0; i < 30000; ++i) text += static_cast<char>('a' + i % 26);
+  uint32_t result = 0;
+  for (const uint32_t begin : {buffer, buffer + 1, buffer + 63}) {
+    console_text.clear();
+    put(begin, text);
+    EXPECT_TRUE(guest.call(0x04, begin, result));
+    console.flush();
+    EXPECT_EQ(console_text, text);
+  }
+  console_text.clear();
+  const uint32_t last = FakeMemory::base + FakeMemory::size - 3;
+  memory.write(last, "end", 3);
+  EXPECT_TRUE(guest.call(0x04, last, result));
+  EXPECT_TRUE(guest.call(0x04, bad, result));
+  console.flush();
+  EXPECT_EQ(console_text, "end");
+}
+
 TEST_F(SemihostingTest, TimeIsSimulatedTime) {
   now_ns = 3'250'000'007;
   EXPECT_EQ(call(0x10, {}), 325U);
@@ -229,7 +260,8 @@ TEST_F(SemihostingTest, PointersOutsideMemoryAreErrors) {
   EXPECT_EQ(error(), EFAULT);
   EXPECT_EQ(call(0x05, {file, buffer, 16}), 0U);
   EXPECT_EQ(call(0x0A, {file, 0}), 0U);
-  EXPECT_EQ(call(0x06, {file, bad, 8}), failure);
+  EXPECT_EQ(call(0x06, {file, bad, 8}), 8U);
+  EXPECT_EQ(error(), EFAULT);
   EXPECT_EQ(call(0x01, {bad, 0, 4}), failure);
   EXPECT_EQ(call(0x01, {name, 0, 0xFFFFFFFF}), failure);
   EXPECT_EQ(error(), ENAMETOOLONG);

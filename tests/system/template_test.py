@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import shlex
 import subprocess
 import tempfile
 import unittest
@@ -46,6 +47,22 @@ class Template(unittest.TestCase):
         self.do("cmake", "--build", "build", "-j4")
         self.assertEqual(self.do(BUILD / "capsoc", "run", "build/app.elf"), PRINTED)
         self.assertIn(PRINTED, self.do("cmake", "--build", "build", "--target", "run"))
+
+    def test_folders_of_any_name(self):
+        for name in ("my app (copy)", "it's mine", "größe 日本", "a & b", "[old], 100 % = done"):
+            self.app = self.folder / name
+            said = self.new(self.app)
+            command = re.fullmatch(r".*: a project that prints; build and run it with: (.*)\n", said)[1]
+            shown = subprocess.run(command.replace("make ", f"make -s CAPSOC={shlex.quote(str(BUILD))} ", 1), shell=True, capture_output=True,
+                                   text=True, check=False, env=CLEAN)
+            self.assertEqual((shown.returncode, shown.stdout), (0, PRINTED), shown.stderr)
+            self.do("cmake", "-B", "build", "--toolchain", "toolchain.cmake", f"-DCAPSOC={BUILD}")
+            self.assertIn(PRINTED, self.do("cmake", "--build", "build", "-j4", "--target", "run"))
+            # The coverage of a project in such a folder has its sources.
+            for elf in ("app.elf", "build/app.elf"):
+                self.do(BUILD / "capsoc", "run", elf, "--coverage", "c.info")
+                self.assertIn(f"SF:{self.app}/main.c\n", (self.app / "c.info").read_text())
+                (self.app / "c.info").unlink()
 
     def test_without_warnings(self):
         done = subprocess.run(["make", "-j4"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)

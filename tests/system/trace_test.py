@@ -142,6 +142,9 @@ class Refusals(Traced):
         (self.folder / "null").symlink_to("/dev/null")
         self.refuse("null: is no file", "--trace-waves", self.folder / "null")
         self.refuse("call the waves .fst", "--trace-waves", self.folder / "w.gtkw")
+        for option in (["--trace-waves"], ["--waves"], ["--coprocessor", "lockstep", "--waves"], ["--coprocessor", "rtl", "--waves"]):
+            for name in ("w.vcd", "W.VCD", "w.ghw"):
+                self.refuse("waves are written in FST alone; name the file ", *option, self.folder / name)
 
     def test_bounds_that_mean_nothing(self):
         trace = ("--trace-bus", self.folder / "b")

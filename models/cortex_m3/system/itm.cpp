@@ -19,6 +19,11 @@ bool Itm::port_enabled(unsigned port, bool tracing) const {
   return tracing && (tcr_ & tcr_itmena) != 0 && ((ter_ >> port) & 1) != 0;
 }
 
+void Itm::enable(uint32_t which) {
+  ter_ |= which;
+  tcr_ |= tcr_itmena;
+}
+
 bool Itm::open_to_user(uint32_t address) const {
   const unsigned port = port_of(address);
   return port < ports && ((tpr_ >> (port / 8)) & 1) == 0;

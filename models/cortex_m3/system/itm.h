@@ -25,6 +25,11 @@ class Itm {
   static unsigned port_of(uint32_t address) { return (address - ppb::ITM_STIM) / 4; }
   bool port_enabled(unsigned port, bool tracing) const;
 
+  /// A debugger's access: ITMENA, and the bits of ITM_TER that `which` has, are set. Neither the
+  /// lock nor another register changes.
+  void enable(uint32_t which);
+  void disable(uint32_t which) { ter_ &= ~which; }
+
   uint32_t read(uint32_t address, bool tracing) const;
   /// A register that is no port. `value` holds what was written, from bit 0.
   void write(uint32_t address, unsigned size, uint32_t value);

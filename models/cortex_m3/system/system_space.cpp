@@ -11,7 +11,7 @@ constexpr uint32_t icsr_nmipendset = 1u << 31, icsr_pendsvset = 1u << 28, icsr_p
                    icsr_pendstset = 1u << 26, icsr_pendstclr = 1u << 25, icsr_isrpending = 1u << 22,
                    icsr_rettobase = 1u << 11;
 constexpr unsigned icsr_vectpending = 12;
-constexpr uint32_t demcr_mon_pend = 1u << 17;
+constexpr uint32_t demcr_mon_pend = 1u << 17, demcr_trcena = 1u << 24;
 constexpr uint32_t intid = 0x1FF;
 
 uint32_t word_of(uint32_t address) {
@@ -58,6 +58,7 @@ uint32_t SystemSpace::peek(uint32_t address) const {
     case Room::exceptions:
       return address == ppb::ICSR ? icsr() : 0;
     case Room::debug:
+      if (address == ppb::DHCSR) return machine_.debugging.control_and_status();
       return state.scb.demcr() |
              (state.nvic.is_pending(exception::debug_monitor) ? demcr_mon_pend : 0);
     case Room::constant:
@@ -130,6 +131,8 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
         machine_.exceptions.pend(exception::first_interrupt + (write.value & intid));
       break;
     case Room::debug:
+      // A program cannot write C_DEBUGEN, and without it nothing else of DHCSR.
+      if (address == ppb::DHCSR) break;
       write_demcr(write.over(peek(address)));
       break;
     default:
@@ -170,6 +173,10 @@ void SystemSpace::write_demcr(uint32_t value) {
   else
     state.nvic.set_pending(exception::debug_monitor, false);
   select_observation();
+}
+
+void SystemSpace::enable_tracing() {
+  if (!machine_.state.scb.tracing()) write_demcr(peek(ppb::DEMCR) | demcr_trcena);
 }
 
 void SystemSpace::select_observation() {

@@ -29,6 +29,8 @@ class SystemSpace {
   void check_write(const Step& op, uint32_t address, unsigned size, uint32_t value, bool done);
   void check_basepri(const Step& op, uint32_t value);
 
+  /// A debugger's access: DEMCR.TRCENA is set.
+  void enable_tracing();
   /// What has to be looked at at each instruction or access, from DEMCR and the DWT's registers.
   void select_observation();
 

@@ -11,6 +11,20 @@ constexpr int patience_ms = 20'000;  // for another process that writes
 
 /// What somebody does about it.
 const char* advice(int code) {
+  switch (code) {
+    case SQLITE_IOERR_SHMOPEN:
+    case SQLITE_IOERR_SHMSIZE:
+    case SQLITE_IOERR_SHMLOCK:
+    case SQLITE_IOERR_SHMMAP:
+      return "programs share no memory on its disk: copy the store to another disk";
+    case SQLITE_IOERR_LOCK:
+    case SQLITE_IOERR_RDLOCK:
+    case SQLITE_IOERR_UNLOCK:
+    case SQLITE_IOERR_CHECKRESERVEDLOCK:
+      return "its disk has no locks: copy the store to another disk";
+    default:
+      break;
+  }
   switch (code & 0xFF) {
     case SQLITE_FULL:
       return "make room on the disk and resume: what was there is still there";
@@ -32,14 +46,28 @@ const char* advice(int code) {
   }
 }
 
+/// As a URI has it: what is neither a letter, a digit nor / . - _ becomes %xx.
+std::string uri_path(const std::string& path) {
+  std::string uri;
+  for (const char c : path) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                       c == '/' || c == '.' || c == '-' || c == '_';
+    uri += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Database>> Database::open(const std::string& path, Mode mode) {
   std::unique_ptr<Database> database(new Database(path));
-  const int flags = SQLITE_OPEN_READWRITE | (mode == Mode::create ? SQLITE_OPEN_CREATE : 0);
+  const bool as_is = mode == Mode::as_is;
+  const int flags = as_is ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
+                          : SQLITE_OPEN_READWRITE | (mode == Mode::create ? SQLITE_OPEN_CREATE : 0);
   sqlite3* handle = nullptr;
-  // A name that begins with "file:" would be taken for a URI otherwise; "./" is in nobody's way.
-  const std::string name = path.rfind('/', 0) == 0 ? path : "./" + path;
+  // A name that begins with "file:" would be taken for a URI otherwise; "./" prevents that.
+  const std::string plain = path.rfind('/', 0) == 0 ? path : "./" + path;
+  const std::string name = as_is ? "file:" + uri_path(plain) + "?immutable=1" : plain;
   const int code = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
   database->handle_.reset(handle);
   if (code != SQLITE_OK) return database->error();
@@ -49,7 +77,10 @@ Result<std::unique_ptr<Database>> Database::open(const std::string& path, Mode m
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   if (auto error = database->execute("PRAGMA cell_size_check = ON")) return *error;
-  if (mode != Mode::read) return database;
+  // Before the first access; then SQLite keeps in its own memory what it would share.
+  if (mode == Mode::alone)
+    if (auto error = database->execute("PRAGMA locking_mode = EXCLUSIVE")) return *error;
+  if (mode != Mode::read && !as_is) return database;
   if (auto error = database->execute("PRAGMA query_only = ON")) return *error;
   return database;
 }
@@ -59,6 +90,22 @@ Error Database::error() const {
   const int code = handle != nullptr ? sqlite3_extended_errcode(handle) : SQLITE_NOMEM;
   const char* words = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
   return Error{fmt::format("{}: {}; {}", path_, words, advice(code))};
+}
+
+bool Database::lacks_writing() const {
+  const int code = sqlite3_extended_errcode(handle_.get());
+  switch (code & 0xFF) {
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      return true;
+    case SQLITE_IOERR:
+      return code == SQLITE_IOERR_SHMOPEN || code == SQLITE_IOERR_SHMSIZE ||
+             code == SQLITE_IOERR_SHMLOCK || code == SQLITE_IOERR_SHMMAP ||
+             code == SQLITE_IOERR_LOCK || code == SQLITE_IOERR_RDLOCK;
+    default:
+      return false;
+  }
 }
 
 std::optional<Error> Database::execute(const std::string& sql) const {

@@ -49,8 +49,10 @@ class Statement {
 class Database {
  public:
   enum class Mode {
-    read,  ///< changes nothing; a reader cleans up behind a writer that was killed, as SQLite does
+    read,   ///< changes nothing; a reader cleans up behind a writer that was killed, as SQLite does
+    as_is,  ///< reads the file alone, without locks; nobody may write to it meanwhile
     write,
+    alone,  ///< as write, without shared memory: no other process may use the file meanwhile
     create
   };
   /// Error: "path: what is wrong; what to do".
@@ -65,6 +67,8 @@ class Database {
   Result<int64_t> number(const std::string& sql) const;
   /// What SQLite says of its last call, as a sentence.
   Error error() const;
+  /// Of its last call: it would have had to write, to lock or to share memory, and cannot.
+  bool lacks_writing() const;
 
  private:
   struct Close {

@@ -18,6 +18,17 @@ namespace {
 
 constexpr uint64_t largest_description = 1U << 20U;
 
+/// As a line of the script has it: sbatch splits it at blanks, as a shell does. The option's own
+/// name stays as it is, and so does what the user has quoted.
+std::string sbatch_option(const std::string& words) {
+  const std::size_t end = words.find_first_of("= ");
+  if (end == std::string::npos) return words;
+  const std::string value = words.substr(end + 1);
+  const bool quoted = value.size() > 1 && (value.front() == '\'' || value.front() == '"') &&
+                      value.front() == value.back();
+  return words.substr(0, end + 1) + (quoted || value.empty() ? value : shell_word(value));
+}
+
 /// Options of sbatch that both scripts begin with. %a and %j are Slurm's.
 std::string head(const SlurmPlan& plan, const std::string& job, const std::string& log) {
   std::string text = "#!/bin/sh\n";
@@ -26,7 +37,7 @@ std::string head(const SlurmPlan& plan, const std::string& job, const std::strin
   option("--output=" + shell_word(plan.folder + "/" + log));
   option("--open-mode=append");
   option("--requeue");  // a task that begins again goes on with its store
-  for (const std::string& words : plan.options) option(words);
+  for (const std::string& words : plan.options) option(sbatch_option(words));
   return text;
 }
 
@@ -93,6 +104,10 @@ Result<std::string> sbatch(const std::string& arguments) {
 }  // namespace
 
 Result<SlurmScripts> write_scripts(const SlurmPlan& plan) {
+  for (const std::string& words : plan.options)
+    if (words.find('\n') != std::string::npos)
+      return Error{fmt::format("--sbatch {}: has more than one line; give one option",
+                               printable(words, 80))};
   std::error_code failure;
   std::filesystem::create_directories(plan.folder, failure);
   if (failure)

@@ -67,19 +67,59 @@ Result<std::unique_ptr<Store>> Store::open(const std::string& path, Database::Mo
   if (!there && mode != Database::Mode::create)
     return Error{path + ": there is no such store; capsoc campaign run makes one"};
   std::unique_ptr<Store> store(new Store);
-  if (mode != Database::Mode::read) {
-    store->lock_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (store->lock_ < 0)
-      return Error{fmt::format("{}: cannot be written ({}); name another store", path,
-                               std::strerror(errno))};
-  }
-  auto database = Database::open(path, mode);
-  if (!database) return Error{database.error()};
-  store->database_ = std::move(database.value());
-  if (mode != Database::Mode::read)
-    if (auto error = store->lock()) return Error{path + error->text};
+  store->path_ = path;
+  const bool reads = mode == Database::Mode::read;
+  if (auto error = reads ? store->open_to_read() : store->open_to_write(mode)) return *error;
   if (auto error = store->prepare(mode)) return *error;
   return store;
+}
+
+std::optional<Error> Store::open_database(const std::string& file, Database::Mode mode) {
+  auto database = Database::open(file, mode);
+  if (!database) return Error{database.error()};
+  database_ = std::move(database.value());
+  return std::nullopt;
+}
+
+std::optional<Error> Store::open_to_write(Database::Mode mode) {
+  lock_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (lock_ < 0)
+    return Error{
+        fmt::format("{}: cannot be written ({}); name another store", path_, std::strerror(errno))};
+  // SQLite would take it for another program's lock, and wait.
+  if (const std::string reason = why_no_locks(lock_); !reason.empty())
+    return Error{fmt::format("{}: its file system has no locks ({}); name a store on another disk",
+                             path_, reason)};
+  shares_memory_ = shares_memory(lock_);
+  if (auto error = open_database(path_, mode)) return error;
+  if (auto error = lock()) return Error{path_ + error->text};
+  return shares_memory_ ? std::nullopt : leave_wal();
+}
+
+/// A store from another disk may be in WAL mode, in which this disk cannot even read it.
+std::optional<Error> Store::leave_wal() {
+  if (auto error = open_database(path_, Database::Mode::alone)) return error;
+  if (auto error = database_->execute("PRAGMA journal_mode = DELETE")) return error;
+  return open_database(path_, Database::Mode::write);
+}
+
+/// SQLite reads a store in WAL mode only if it can lock it, share memory and make files beside it.
+std::optional<Error> Store::open_to_read() {
+  std::string no_locks;
+  if (const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC); file >= 0) {
+    no_locks = why_no_locks(file);
+    ::close(file);
+  }
+  if (no_locks.empty()) {
+    if (auto error = open_database(path_, Database::Mode::read)) return error;
+    if (database_->number("SELECT count(*) FROM sqlite_master")) return std::nullopt;
+    if (!database_->lacks_writing()) return database_->error();
+  }
+  if (!has_unfinished(path_)) return open_database(path_, Database::Mode::as_is);
+  auto copy = StoreCopy::of(path_);
+  if (!copy) return Error{copy.error()};
+  copy_ = std::move(copy.value());
+  return open_database(copy_->path(), Database::Mode::read);
 }
 
 Store::~Store() {
@@ -126,7 +166,10 @@ std::optional<Error> Store::prepare(Database::Mode mode) {
   }
   if (mode == Database::Mode::read) return std::nullopt;
   // FULL: a row that was reported is on the disk when the power goes.
-  if (auto error = d.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL")) return error;
+  const char* const journal = shares_memory_ ? "WAL" : "DELETE";
+  if (auto error =
+          d.execute(fmt::format("PRAGMA journal_mode = {}; PRAGMA synchronous = FULL", journal)))
+    return error;
   if (tables.value() > 0) return std::nullopt;
   auto transaction = Transaction::begin(d);
   if (!transaction) return Error{transaction.error()};

@@ -11,6 +11,7 @@
 
 #include "campaign/database.h"
 #include "campaign/plan.h"
+#include "campaign/store_place.h"
 #include "support/result.h"
 
 namespace capsoc::campaign {
@@ -47,13 +48,14 @@ class Store {
   static Result<std::unique_ptr<Store>> open(const std::string& path);
   /// Error: it is not there, or no store.
   static Result<std::unique_ptr<Store>> open_existing(const std::string& path);
-  /// To look at it; while a campaign goes on, too.
+  /// To look at it; while a campaign goes on, too. It may be on a disk that is read-only, or has no
+  /// locks and no shared memory.
   static Result<std::unique_ptr<Store>> read(const std::string& path);
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
-  const std::string& path() const { return database_->path(); }
+  const std::string& path() const { return path_; }
   /// Nothing in a new one.
   Result<std::optional<StoredPlan>> plan() const;
   /// The plan in place of the one there; rows stay.
@@ -73,9 +75,16 @@ class Store {
  private:
   Store() = default;
   static Result<std::unique_ptr<Store>> open(const std::string& path, Database::Mode mode);
+  std::optional<Error> open_to_write(Database::Mode mode);
+  std::optional<Error> open_to_read();
+  std::optional<Error> open_database(const std::string& file, Database::Mode mode);
+  std::optional<Error> leave_wal();
   std::optional<Error> lock();
   std::optional<Error> prepare(Database::Mode mode);
 
+  std::string path_;
+  std::unique_ptr<StoreCopy> copy_;  // what database_ is open on, if it is not the store itself
+  bool shares_memory_ = true;
   int lock_ = -1;  // closed after the database: closing any descriptor drops SQLite's own locks
   std::unique_ptr<Database> database_;
 };

@@ -274,6 +274,10 @@ Request Client::monitor(std::string_view hex) {
   const MonitorAnswer answer = answer_monitor(*line);
   if (answer.reset) target_.reset();
   if (!answer.save.empty()) print(target_.save(answer.save));
+  if (answer.stimulus_ports != 0)
+    if (const std::string said = target_.show_stimulus(answer.stimulus_ports, answer.stimulus_on);
+        !said.empty())
+      print(said);
   if (!answer.text.empty()) print(answer.text);
   reply(ok);
   if (answer.halt) return {Request::Kind::halt};
@@ -292,6 +296,10 @@ void Client::query(std::string_view text) {
   if (text == "C") return reply("QC1");
   if (take(text, "Attached")) return reply("1");  // quitting detaches, and the run goes on
   if (take(text, "Symbol:")) return reply(ok);
+  if (take(text, "MemoryRegionInfo:")) {
+    const auto address = take_number(text);
+    return reply(address ? region_info(target_.memory_ranges(), *address) : malformed);
+  }
   reply("");
 }
 
@@ -310,7 +318,7 @@ void Client::transfer(std::string_view text) {
   if (take(text, "features:read:target.xml:")) {
     document = target_description();
   } else if (take(text, "memory-map:read::")) {
-    document = target_.memory_map();
+    document = memory_map(target_.memory_ranges());
   } else if (take(text, "threads:read::")) {
     document = thread_list(target_.state());
   } else if (take(text, "features:read:")) {
@@ -396,7 +404,8 @@ void Client::write_memory(std::string_view text, bool binary) {
   reply(target_.write_memory(range->first, *bytes) ? ok : no_memory);
 }
 
-/// kind,address,size; for breakpoints the size is the length of the instruction.
+/// kind,address,size; of a breakpoint the size is the length of the instruction, of which LLDB says
+/// another one when it removes it.
 void Client::stop_point(std::string_view text, bool insert) {
   const auto number = take_number(text);
   if (number && *number > 4) return reply("");
@@ -404,15 +413,16 @@ void Client::stop_point(std::string_view text, bool insert) {
   const auto range = take_range(text);
   if (!range) return reply(malformed);
   const auto kind = static_cast<StopPoint>(*number);
-  const std::tuple key{kind, range->first, range->second};
+  const uint32_t size = *number < 2 ? 0 : range->second;
+  const std::tuple key{kind, range->first, size};
   const bool known = stop_points_.count(key) != 0;
   if (insert && !known) {  // a repeated packet changes nothing
     constexpr std::size_t most = 1024;
-    if (stop_points_.size() >= most || !target_.set(kind, range->first, range->second))
+    if (stop_points_.size() >= most || !target_.set(kind, range->first, size))
       return reply(refused);
     stop_points_.insert(key);
   } else if (!insert && known) {
-    target_.clear(kind, range->first, range->second);
+    target_.clear(kind, range->first, size);
     stop_points_.erase(key);
   }
   reply(ok);

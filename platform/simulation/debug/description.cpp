@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "debug/target.h"
+#include <algorithm>
 
 namespace capsoc::debug {
 namespace {
@@ -40,6 +40,22 @@ std::string memory_map(const std::vector<MemoryRange>& ranges) {
     text += fmt::format("<memory type=\"ram\" start=\"{:#x}\" length=\"{:#x}\"/>\n", range.start,
                         range.length);
   return text + "</memory-map>\n";
+}
+
+std::string region_info(std::vector<MemoryRange> ranges, uint32_t address) {
+  std::sort(ranges.begin(), ranges.end(),
+            [](const MemoryRange& a, const MemoryRange& b) { return a.start < b.start; });
+  uint64_t hole = 0, end = uint64_t{1} << 32U;
+  for (const MemoryRange& range : ranges) {
+    if (range.start > address) {
+      end = range.start;
+      break;
+    }
+    hole = range.start + range.length;
+    if (address < hole)
+      return fmt::format("start:{:x};size:{:x};permissions:rwx;", range.start, range.length);
+  }
+  return fmt::format("start:{:x};size:{:x};", hole, end - hole);
 }
 
 std::string thread_list(const std::string& state) {

@@ -5,17 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "debug/target.h"
+
 namespace capsoc::debug {
 
 /// Features org.gnu.gdb.arm.m-profile and org.gnu.gdb.arm.m-system.
 std::string target_description();
 
-/// A range that a debugger may read and write.
-struct MemoryRange {
-  uint64_t start, length;
-};
 /// All of type ram: GDB loads by plain writes, and refuses only what is not listed.
 std::string memory_map(const std::vector<MemoryRange>& ranges);
+
+/// The answer to LLDB's qMemoryRegionInfo: the range or the hole around an address, up to its
+/// neighbours. A hole has no permissions.
+std::string region_info(std::vector<MemoryRange> ranges, uint32_t address);
 
 std::string thread_list(const std::string& state);
 

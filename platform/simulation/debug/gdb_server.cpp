@@ -18,6 +18,7 @@ GdbServer::GdbServer(soc::Soc& soc, std::unique_ptr<Connections> connections, bo
       give_up_(std::move(give_up)),
       halted_(halted) {
   soc_.cpu.set_debugger(this);
+  soc_.cpu.core().debugging().set_halted(halted);
 }
 
 GdbServer::~GdbServer() {
@@ -176,6 +177,7 @@ void GdbServer::leave(const Socket* socket) {
 
 void GdbServer::halt(const StopCause& cause) {
   halted_ = true;
+  soc_.cpu.core().debugging().set_halted(true);
   cause_ = cause;
   how_ = {};
   for (Session& session : sessions_) {
@@ -187,6 +189,7 @@ void GdbServer::halt(const StopCause& cause) {
 void GdbServer::resume(const Resume& how) {
   if (halted_) soc_.cpu.core().debugging().pass_breakpoint();
   halted_ = false;
+  soc_.cpu.core().debugging().set_halted(false);
   how_ = how;
 }
 

@@ -32,6 +32,9 @@ class GdbServer : public cortex_m3::Debugger {
   /// Who saves the state for `monitor save`.
   void on_save(SocTarget::Saver saver) { target_.on_save(std::move(saver)); }
 
+  /// The stimulus port of the ITM whose text the run shows.
+  void show_stimulus_of(unsigned port) { target_.show_stimulus_of(port); }
+
   /// Tells the clients that the run is over.
   void finish(int exit_code);
 

@@ -1,6 +1,7 @@
 // The words of GDB's `monitor`.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace capsoc::debug {
@@ -9,6 +10,8 @@ namespace capsoc::debug {
 /// for the console.
 struct MonitorAnswer {
   bool reset = false, halt = false, resume = false;
+  uint32_t stimulus_ports = 0;  ///< of the ITM, bit n is port n; 0: they stay as they are
+  bool stimulus_on = false;
   std::string save;  ///< the file that the state goes to
   std::string text;
 };

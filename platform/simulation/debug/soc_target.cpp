@@ -196,14 +196,23 @@ std::string SocTarget::state() {
   return core.sleeping() ? mode + ", asleep" : mode;
 }
 
-std::string SocTarget::memory_map() {
+std::vector<MemoryRange> SocTarget::memory_ranges() {
   std::vector<MemoryRange> ranges;
   for (const bus::MapEntry& entry : soc_.ahb.map())
     if (entry.kind != bus::TargetKind::unimplemented) ranges.push_back({entry.base, entry.size});
   ranges.push_back({sram_bits, bit_band_size});
   ranges.push_back({device_bits, bit_band_size});
   ranges.push_back({private_bus, private_bus_size});
-  return debug::memory_map(ranges);
+  return ranges;
+}
+
+std::string SocTarget::show_stimulus(uint32_t ports, bool on) {
+  soc_.cpu.core().debugging().show_stimulus(ports, on);
+  if (!on || (shown_port_ && ports == 1U << *shown_port_)) return "";
+  if (!shown_port_)
+    return "itm: the text goes nowhere; start capsoc run with --itm stdout or --itm file:PATH\n";
+  return fmt::format("itm: only the text of port {} is shown; choose another by -C itm.port=N\n",
+                     *shown_port_);
 }
 
 std::string SocTarget::save(const std::string& file) {

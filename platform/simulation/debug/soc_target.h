@@ -25,7 +25,10 @@ class SocTarget : public Target {
   using Saver = std::function<std::optional<Error>(const std::string& file)>;
   void on_save(Saver saver) { saver_ = std::move(saver); }
   std::string save(const std::string& file) override;
-  std::string memory_map() override;
+  std::vector<MemoryRange> memory_ranges() override;
+  /// The run shows the text of this port; without it, that of none.
+  void show_stimulus_of(unsigned port) { shown_port_ = port; }
+  std::string show_stimulus(uint32_t ports, bool on) override;
 
   /// Whose breakpoint it is, of those at the address.
   StopPoint breakpoint_kind(uint32_t address) const;
@@ -36,6 +39,7 @@ class SocTarget : public Target {
 
   soc::Soc& soc_;
   Saver saver_;
+  std::optional<unsigned> shown_port_;
   std::map<uint32_t, std::array<unsigned, 2>> breakpoints_;  ///< how often set: software, hardware
 };
 

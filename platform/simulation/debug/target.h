@@ -50,6 +50,11 @@ constexpr unsigned first_system_register = 17;
 /// The number that GDB gives xpsr (the fpa registers of old lie between pc and it).
 constexpr unsigned xpsr_number = 25;
 
+/// A range of addresses; its end may be that of the address space.
+struct MemoryRange {
+  uint64_t start, length;
+};
+
 /// The processor as a debugger sees it. Nothing takes simulated time.
 class Target {
  public:
@@ -62,7 +67,7 @@ class Target {
   virtual std::string read_memory(uint32_t address, uint32_t size) = 0;
   /// Devices take it as a write of their own bus. False if any byte has no place.
   virtual bool write_memory(uint32_t address, const std::string& bytes) = 0;
-  /// False for what cannot be watched.
+  /// False for what cannot be watched. The size of a breakpoint is 0.
   virtual bool set(StopPoint kind, uint32_t address, uint32_t size) = 0;
   virtual void clear(StopPoint kind, uint32_t address, uint32_t size) = 0;
   /// Everything back to its reset state.
@@ -71,8 +76,14 @@ class Target {
   virtual std::string save(const std::string& /*file*/) { return "nothing can be saved here\n"; }
   /// For the thread list: what the processor does, in words.
   virtual std::string state() = 0;
-  /// The memory map of the protocol, an XML document.
-  virtual std::string memory_map() = 0;
+  /// Ranges that can be read and written, in any order and without overlap; what is between them
+  /// is a hole.
+  virtual std::vector<MemoryRange> memory_ranges() = 0;
+  /// Enables or disables stimulus ports of the ITM (bit n is port n). A line for the console says
+  /// where their text is, "" if it is shown.
+  virtual std::string show_stimulus(uint32_t /*ports*/, bool /*on*/) {
+    return "there is no ITM here\n";
+  }
 };
 
 /// How a client wants the processor to go on.

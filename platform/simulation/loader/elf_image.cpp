@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "loader/demangle.h"
 #include "support/input_file.h"
 #include "support/printable.h"
 
@@ -14,7 +15,7 @@ namespace capsoc::loader {
 namespace {
 
 constexpr uint64_t largest_program = 256U << 20U;  // debugging information included
-constexpr std::size_t longest_name = 400;
+constexpr std::size_t longest_name = 990;          // mangled ones of templates are long
 using ElfHandle = std::unique_ptr<Elf, int (*)(Elf*)>;
 
 Error wrong(const std::string& path, const std::string& what) {
@@ -122,12 +123,15 @@ std::string ElfImage::symbolise(uint32_t address) const {
   const Symbol* symbol = symbol_at(address);
   if (symbol == nullptr) return "";
   const uint32_t offset = (address & ~1u) - symbol->address;
-  return offset == 0 ? symbol->name : fmt::format("{}+{:#x}", symbol->name, offset);
+  const std::string name = demangled(symbol->name);
+  return offset == 0 ? name : fmt::format("{}+{:#x}", name, offset);
 }
 
 std::optional<uint32_t> ElfImage::address_of(const std::string& name) const {
   for (const Symbol& symbol : symbols)
     if (symbol.name == name) return symbol.address;
+  for (const Symbol& symbol : symbols)
+    if (demangled(symbol.name) == name) return symbol.address;
   return std::nullopt;
 }
 
@@ -173,7 +177,9 @@ Result<ElfImage> parse_elf(const std::string& path, std::string bytes) {
   elf_version(EV_CURRENT);
   const ElfHandle elf(elf_memory(bytes.data(), bytes.size()), elf_end);
   if (!elf || elf_kind(elf.get()) != ELF_K_ELF)
-    return wrong(path, "is not an ELF file; build it with arm-none-eabi-gcc -mcpu=cortex-m3");
+    return wrong(path,
+                 "is no ELF file, no Intel HEX and no S-records; build it with arm-none-eabi-gcc "
+                 "-mcpu=cortex-m3, or load raw bytes where they belong with --load FILE@ADDRESS");
   GElf_Ehdr header;
   if (gelf_getehdr(elf.get(), &header) == nullptr)
     return wrong(path, "its ELF header is damaged; rebuild it");

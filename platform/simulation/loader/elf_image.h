@@ -22,8 +22,8 @@ struct Segment {
 struct Symbol {
   uint32_t address;
   uint32_t size;
-  std::string name;      ///< as a terminal and a text file may have it (support/printable.h)
-  bool weak = false;     ///< an alias that another definition may replace
+  std::string name;   ///< mangled, as a terminal and a text file may have it (support/printable.h)
+  bool weak = false;  ///< an alias that another definition may replace
   bool is_code = false;  ///< a function, or a label of assembly
 };
 
@@ -49,8 +49,10 @@ struct ElfImage {
   /// Whether the file says that code is there; without mapping symbols it does not.
   bool is_code(uint32_t address) const;
 
-  /// "name+0x12" of the symbol that covers the address (Thumb bit ignored), "" if there is none.
+  /// "name+0x12", demangled, of the symbol that covers the address (Thumb bit ignored), "" if there
+  /// is none.
   std::string symbolise(uint32_t address) const;
+  /// By the symbol's name, or by its demangled one.
   std::optional<uint32_t> address_of(const std::string& name) const;
 
   /// The initial contents of an object. Nothing unless there is an object of that name whose bytes

@@ -7,13 +7,18 @@
 
 namespace capsoc::loader {
 
-/// An ELF executable or an Intel HEX file, told apart by their first byte. HEX has no symbols.
+/// An ELF executable, an Intel HEX file or S-records, told apart by their first bytes. The last two
+/// have no symbols.
 Result<ElfImage> load_program(const std::string& path);
 
 /// Intel HEX: records 00 to 05. Damage is an error that names file and line.
 Result<ElfImage> load_hex(const std::string& path);
 /// The text of such a file.
 Result<ElfImage> parse_hex(const std::string& path, const std::string& text);
+
+/// The text of a file of Motorola S-records: types 0 to 9 without 4, their count checked. Damage is
+/// an error that names file and line.
+Result<ElfImage> parse_srec(const std::string& path, const std::string& text);
 
 /// `FILE@ADDRESS`: the bytes of a file as they are, from the address on (0x.. or decimal).
 /// `FILE` alone: as load_program().

@@ -35,6 +35,10 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const RunSettings& settings, 
       ItmOutput::open(settings.itm.backend(), static_cast<unsigned>(settings.itm.port()), give_up);
   if (!itm) return Error{itm.error()};
   ports->itm_ = std::move(itm.value());
+  // Who asks for the text is the debugger that enables it.
+  const auto itm_port = static_cast<unsigned>(settings.itm.port());
+  const bool itm_shown = ItmOutput::is_shown(settings.itm.backend());
+  if (itm_shown) soc.cpu.core().debugging().show_stimulus(1U << itm_port, true);
   soc.cpu.core().listeners().stimulus = [self, &soc](unsigned port, uint32_t value, unsigned size) {
     soc.cpu.note_work();
     self->itm_->put(port, value, size);
@@ -57,6 +61,7 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const RunSettings& settings, 
   });
   if (!gdb) return Error{gdb.error()};
   ports->gdb_ = std::move(gdb.value());
+  if (ports->gdb_ != nullptr && itm_shown) ports->gdb_->show_stimulus_of(itm_port);
   return ports;
 }
 

@@ -20,6 +20,8 @@ class ItmOutput {
   static Result<std::unique_ptr<ItmOutput>> open(const std::string& place, unsigned port,
                                                  const serial::GiveUp& give_up);
 
+  /// False: `place` is null, and the text goes nowhere.
+  static bool is_shown(const std::string& place) { return place != "null"; }
   /// A write of `size` bytes, the lowest one first; those to other ports are dropped.
   void put(unsigned port, uint32_t value, unsigned size);
   void visit(kit::Archive& archive) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "loader/demangle.h"
 #include "support/printable.h"
 #include "trace/exception_name.h"
 
@@ -149,7 +150,8 @@ std::string ProgramView::pointed_at(uint32_t value) const {
     const std::string text = text_at(value);
     const auto word = read_word(value & ~3u);
     std::string about = program_.symbol_at(value);
-    if ((value & 1) != 0) about = fmt::format("{}+{:#x}", symbol->name, value - symbol->address);
+    if ((value & 1) != 0)
+      about = fmt::format("{}+{:#x}", loader::demangled(symbol->name), value - symbol->address);
     if (!text.empty()) return about + " = " + text;
     return word ? fmt::format("{} = {:#010x}", about, *word) : about;
   }

@@ -45,7 +45,7 @@ enum Operation : uint32_t {
 
 constexpr uint32_t application_exit = 0x20026;  // ADP_Stopped_ApplicationExit
 constexpr uint32_t ticks_per_second = 1'000'000'000;
-constexpr uint32_t longest_name = 1024, longest_text = 4096, piece = 4096;
+constexpr uint32_t longest_name = 1024, piece = 4096;
 constexpr std::size_t most_files = 64, most_warnings = 8;
 constexpr unsigned first_write_mode = 4, first_append_mode = 8, mode_count = 12;
 // Magic and feature byte 0: SYS_EXIT_EXTENDED, and `:tt` for append is stderr.
@@ -246,20 +246,21 @@ std::string Semihosting::take(File& from, std::size_t most, int& error) {
   return bytes;
 }
 
-/// The result of a read is the number of bytes that the buffer lacks.
+/// The result of a read is the number of bytes that were not read, after an error, too; SYS_ERRNO
+/// tells an error from the end of the file.
 int64_t Semihosting::read(uint32_t argument) {
   const auto block = words<3>(argument);
   if (!block) return -1;
   const auto [handle, address, size] = *block;
   File* const from = file(handle);
-  if (from == nullptr) return -1;
+  if (from == nullptr) return size;
   for (uint32_t done = 0; done < size;) {
     int error = 0;
     const std::string bytes = take(*from, std::min(piece, size - done), error);
-    if (error != 0) return fail(error);
-    if (bytes.empty()) return size - done;
     const auto count = static_cast<uint32_t>(bytes.size());
-    if (!memory_.write(address + done, bytes.data(), count)) return fail(EFAULT);
+    if (error == 0 && !memory_.write(address + done, bytes.data(), count)) error = EFAULT;
+    if (error != 0) errno_ = error;
+    if (error != 0 || bytes.empty()) return size - done;
     done += count;
     if (from->kind == File::Kind::console_in) return size - done;  // a line, not a bufferful
   }
@@ -362,14 +363,19 @@ int64_t Semihosting::elapsed(uint32_t argument) {
   return memory_.write(argument, answer.data(), sizeof answer) ? 0 : fail(EFAULT);
 }
 
+/// Up to the zero, or to the end of memory. Each piece ends at an aligned address, so that it is in
+/// one memory or in none.
 void Semihosting::write_text(uint32_t address) {
-  std::string text;
-  char character = 0;
-  while (text.size() < longest_text &&
-         memory_.read(address + static_cast<uint32_t>(text.size()), &character, 1) &&
-         character != '\0')
-    text += character;
-  console_.write(text);
+  std::array<char, 64> bytes{};
+  for (;;) {
+    const auto size = static_cast<uint32_t>(bytes.size()) - address % bytes.size();
+    if (!memory_.read(address, bytes.data(), size)) return;
+    const std::string_view text(bytes.data(), size);
+    const std::size_t end = std::min<std::size_t>(text.find('\0'), size);
+    console_.write(text.substr(0, end));
+    if (end != size) return;
+    address += size;
+  }
 }
 
 /// In 32-bit states the argument of SYS_EXIT is the reason itself and carries no status.

@@ -46,7 +46,7 @@ std::string in_seconds(uint64_t picoseconds) {
 Result<std::vector<PinEvent>> parse_pin_script(const std::string& file, const std::string& text,
                                                unsigned pins) {
   std::vector<PinEvent> events;
-  std::istringstream lines(text);
+  std::istringstream lines{std::string(without_byte_order_mark(text))};
   unsigned number = 0;
   const auto wrong = [&](const std::string& what) {
     return Error{fmt::format("{}:{}: {}", file, number, what)};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "source/prologue.h"
+#include "support/printable.h"
 
 namespace capsoc::source {
 namespace {
@@ -53,8 +54,9 @@ bool leave_exception(uint32_t exc_return, Context& context, const ReadWord& read
 }  // namespace
 
 std::string to_text(const SourceLine& line) {
-  if (line.file.empty()) return "";
-  return line.line == 0 ? line.file : fmt::format("{}:{}", line.file, line.line);
+  constexpr std::size_t longest = 200;
+  const std::string file = printable(line.file, longest);
+  return line.line == 0 || file.empty() ? file : fmt::format("{}:{}", file, line.line);
 }
 
 std::string to_text(const Place& place) {

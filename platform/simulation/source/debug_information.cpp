@@ -3,22 +3,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
+#include "loader/demangle.h"
 #include "source/elf_copy.h"
 #include "support/printable.h"
 
 namespace capsoc::source {
 namespace {
 
-constexpr std::size_t longest_name = 200;
+constexpr std::size_t longest_name = 200, longest_mangled = 1000;
 /// More of anything than a program of the board's 64 MiB has: damage.
-constexpr std::size_t most_units = 1U << 16, most_rows = 1U << 23;
+constexpr std::size_t most_units = 1U << 16, most_rows = 1U << 23, most_files = 1U << 16;
+constexpr std::size_t longest_path = 4096;  // PATH_MAX
 
 std::string clean(const char* name) {
-  if (name == nullptr) return "";
-  std::string text = printable(name, longest_name);
-  return text.rfind("./", 0) == 0 ? text.substr(2) : text;
+  return name == nullptr ? "" : printable(name, longest_name);
+}
+
+/// A longer one names no file.
+std::string path_of(const char* name) {
+  const std::string_view text = name == nullptr ? "" : name;
+  return text.size() > longest_path ? "" : without_controls(text);
+}
+
+std::string for_reports(const std::string& file) {
+  return file.rfind("./", 0) == 0 ? file.substr(2) : file;
+}
+
+/// Of a unit, or of the skeleton that split debug information leaves in the program.
+bool has_code(Dwarf_Die& unit) {
+  return dwarf_tag(&unit) == DW_TAG_compile_unit || dwarf_tag(&unit) == DW_TAG_skeleton_unit;
 }
 
 std::string why() {
@@ -28,11 +44,16 @@ std::string why() {
 
 std::string function_name(Dwarf_Die* die) {
   Dwarf_Attribute attribute;
-  for (const unsigned kind : {DW_AT_name, DW_AT_linkage_name})
-    if (const char* name = dwarf_formstring(dwarf_attr_integrate(die, kind, &attribute));
-        name != nullptr)
-      return clean(name);
-  return "";
+  const auto text = [&](unsigned kind) {
+    return dwarf_formstring(dwarf_attr_integrate(die, kind, &attribute));
+  };
+  // C++ and Rust: it has the namespaces and the parameters, too.
+  if (const char* name = text(DW_AT_linkage_name); name != nullptr) {
+    const std::string whole = loader::demangled(printable(name, longest_mangled));
+    if (whole != name) return printable(whole, longest_name);
+  }
+  const char* name = text(DW_AT_name);
+  return clean(name != nullptr ? name : text(DW_AT_linkage_name));
 }
 
 unsigned number_of(Dwarf_Die* die, unsigned kind) {
@@ -50,7 +71,7 @@ SourceLine call_of(Dwarf_Die* inlined, Dwarf_Die* unit) {
   std::size_t count = 0;
   const unsigned file = number_of(inlined, DW_AT_call_file);
   if (dwarf_getsrcfiles(unit, &files, &count) == 0 && file < count)
-    call.file = clean(dwarf_filesrc(files, file, nullptr, nullptr));
+    call.file = for_reports(path_of(dwarf_filesrc(files, file, nullptr, nullptr)));
   return call;
 }
 
@@ -150,7 +171,7 @@ void DebugInformation::read_units() {
     if (dwarf_offdie(copy_->dwarf(), at + header, &unit) == nullptr ||
         dwarf_tag(&unit) == DW_TAG_invalid)
       complain(fmt::format("the unit at {:#x} of .debug_info: {}", at, why()));
-    else if (dwarf_tag(&unit) == DW_TAG_compile_unit) {
+    else if (has_code(unit)) {
       read_ranges(unit);
       read_rows(unit);
     }
@@ -178,12 +199,12 @@ void DebugInformation::read_ranges(Dwarf_Die& unit) {
   if (at < 0) complain(fmt::format("the addresses of {}: {}", function_name(&unit), why()));
 }
 
-unsigned DebugInformation::file_index(const char* name) {
-  const std::string text = clean(name);
-  const auto found = std::find(files_.rbegin(), files_.rend(), text);
-  if (found != files_.rend()) return static_cast<unsigned>(files_.rend() - found - 1);
-  files_.push_back(text);
-  return static_cast<unsigned>(files_.size() - 1);
+unsigned DebugInformation::file_index(const char* name, const std::string& folder) {
+  std::string text = files_.size() < most_files ? path_of(name) : "";
+  const auto [found, added] =
+      file_numbers_.try_emplace({folder, text}, static_cast<unsigned>(files_.size()));
+  if (added) files_.push_back({std::move(text), folder});
+  return found->second;
 }
 
 void DebugInformation::read_rows(Dwarf_Die& unit) {
@@ -191,8 +212,12 @@ void DebugInformation::read_rows(Dwarf_Die& unit) {
   std::size_t count = 0;
   if (dwarf_getsrclines(&unit, &lines, &count) != 0)
     return complain(fmt::format("the lines of {}: {}", function_name(&unit), why()));
+  Dwarf_Attribute attribute;
+  const std::string folder =
+      path_of(dwarf_formstring(dwarf_attr(&unit, DW_AT_comp_dir, &attribute)));
   const char* last_name = nullptr;
   unsigned last_file = 0;
+  bool first = true;
   for (std::size_t i = 0; i < count && rows_.size() < most_rows; ++i) {
     Dwarf_Line* const line = dwarf_onesrcline(lines, i);
     Dwarf_Addr address = 0;
@@ -204,22 +229,28 @@ void DebugInformation::read_rows(Dwarf_Die& unit) {
     dwarf_linebeginstatement(line, &statement);
     if (address == 0 || address >= left_out) continue;
     const char* const name = dwarf_linesrc(line, nullptr, nullptr);
-    if (name != last_name || rows_.empty()) last_file = file_index(name);
+    if (name != last_name || first) last_file = file_index(name, folder);
     last_name = name;
+    first = false;
     rows_.push_back({static_cast<uint32_t>(address), last_file,
                      static_cast<unsigned>(std::max(number, 0)), end, statement});
   }
 }
 
-std::optional<SourceLine> DebugInformation::line_at(uint32_t address) const {
+const DebugInformation::Row* DebugInformation::row_at(uint32_t address) const {
   auto row = std::upper_bound(rows_.begin(), rows_.end(), address,
                               [](uint32_t a, const Row& r) { return a < r.address; });
-  if (row == rows_.begin()) return std::nullopt;
+  if (row == rows_.begin()) return nullptr;
   --row;
   // Line 0: the compiler names none; what stands before it is next to it.
   while (row != rows_.begin() && !row->end && row->line == 0) --row;
-  if (row->end || row->line == 0) return std::nullopt;
-  return SourceLine{files_[row->file], row->line};
+  return row->end || row->line == 0 ? nullptr : &*row;
+}
+
+std::optional<SourceLine> DebugInformation::line_at(uint32_t address) const {
+  const Row* const row = row_at(address);
+  if (row == nullptr) return std::nullopt;
+  return SourceLine{for_reports(files_[row->file].name), row->line};
 }
 
 std::vector<Place> DebugInformation::places_at(uint32_t address) const {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "source/call_frame_information.h"
@@ -15,9 +17,16 @@ namespace capsoc::source {
 
 class ElfCopy;
 
+/// A source file as the compiler was given it. Control characters are replaced; all other bytes are
+/// those of the name.
+struct SourceFile {
+  std::string name;    ///< absolute, or relative to `folder`
+  std::string folder;  ///< where the compiler ran (DW_AT_comp_dir); "": not known
+};
+
 /// A line of a source file; line 0: the file alone is known.
 struct SourceLine {
-  std::string file;
+  std::string file;  ///< SourceFile::name without a leading "./"
   unsigned line = 0;
 };
 
@@ -57,7 +66,9 @@ class DebugInformation {
     bool statement = false;
   };
   const std::vector<Row>& rows() const { return rows_; }
-  const std::vector<std::string>& files() const { return files_; }
+  const std::vector<SourceFile>& files() const { return files_; }
+  /// The row whose line an address has, null if it has none.
+  const Row* row_at(uint32_t address) const;
 
   /// One sentence for each part that is there and cannot be read.
   std::vector<std::string> complaints() const { return {complaints_.begin(), complaints_.end()}; }
@@ -70,7 +81,7 @@ class DebugInformation {
   void read_units();
   void read_ranges(Dwarf_Die& unit);
   void read_rows(Dwarf_Die& unit);
-  unsigned file_index(const char* name);
+  unsigned file_index(const char* name, const std::string& folder);
   void complain(const std::string& what) const;
 
   std::string name_;
@@ -78,7 +89,8 @@ class DebugInformation {
   Dwarf_CFI* frames_ = nullptr;
   std::vector<Unit> units_;
   std::vector<Row> rows_;  ///< by address
-  std::vector<std::string> files_;
+  std::vector<SourceFile> files_;
+  std::map<std::pair<std::string, std::string>, unsigned> file_numbers_;  ///< by folder and name
   mutable std::set<std::string> complaints_;
 };
 

@@ -5,13 +5,17 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
 #include "cortex_m3/isa/decoder.h"
 #include "host/files.h"
 #include "host/sha256.h"
+#include "loader/demangle.h"
 #include "support/input_file.h"
+#include "support/printable.h"
+#include "trace/source_paths.h"
 
 namespace capsoc::trace {
 namespace {
@@ -48,12 +52,15 @@ class Counts {
   std::map<uint32_t, ExecutionCounts::Totals> pages_;
 };
 
-/// True for the sources of a library that was compiled on another machine (newlib): genhtml stops
-/// where it finds no source. So it is with lines whose file has lost its name.
-bool is_elsewhere(const std::string& file) {
-  std::error_code ignored;
-  return file.empty() || file.rfind("../", 0) == 0 ||
-         (file.rfind('/', 0) == 0 && !std::filesystem::exists(file, ignored));
+/// Where each file of an image's debug information is, "" for what is not here: genhtml stops where
+/// it finds no source.
+std::vector<std::string> paths_of(const loader::ElfImage& image,
+                                  const DebugInformation& information) {
+  const SourcePaths sources(image.path);
+  std::vector<std::string> paths;
+  for (const source::SourceFile& file : information.files())
+    paths.push_back(sources.find(file).value_or(""));
+  return paths;
 }
 
 /// Adds what one image's code came to.
@@ -61,7 +68,12 @@ class Collector {
  public:
   Collector(const soc::Soc& soc, const Counts& counts, const loader::ElfImage& image,
             const DebugInformation& information, ProgramCoverage& coverage)
-      : soc_(soc), counts_(counts), image_(image), information_(information), coverage_(coverage) {
+      : soc_(soc),
+        counts_(counts),
+        image_(image),
+        information_(information),
+        paths_(paths_of(image, information)),
+        coverage_(coverage) {
     for (const loader::Segment& segment : image.segments)
       budget_ += most_visits * segment.bytes.size();
   }
@@ -76,7 +88,10 @@ class Collector {
   }
 
  private:
-  FileCoverage& file(const std::string& name) { return coverage_.files[name]; }
+  /// Null: the file is not here.
+  FileCoverage* file(unsigned index) {
+    return paths_[index].empty() ? nullptr : &coverage_.files[paths_[index]];
+  }
 
   /// Addresses that belong to a row of the line table.
   template <typename Visit>
@@ -96,13 +111,17 @@ class Collector {
         count = std::max(count, counts_.executed(at));
     });
     for (const auto& [key, count] : most)
-      file(information_.files()[std::get<0>(key)]).lines[std::get<1>(key)] += count;
+      if (FileCoverage* const of = file(std::get<0>(key))) of->lines[std::get<1>(key)] += count;
   }
 
   void add_function(const loader::Symbol& symbol) {
-    const auto at = information_.line_at(symbol.address);
-    if (!at) return;
-    FileCoverage::Function& function = file(at->file).functions[symbol.name];
+    const auto* const at = information_.row_at(symbol.address);
+    FileCoverage* const of = at == nullptr ? nullptr : file(at->file);
+    if (of == nullptr) return;
+    const std::string name = loader::demangled(symbol.name);
+    // The symbols of one constructor have one name.
+    if (!functions_.emplace(symbol.address, name).second) return;
+    FileCoverage::Function& function = of->functions[name];
     if (function.line == 0) function.line = at->line;
     function.calls += counts_.begun(symbol.address);
   }
@@ -149,20 +168,41 @@ class Collector {
   }
 
   void add_outcomes(uint32_t address, const FileCoverage::Outcomes& outcomes) {
-    const auto at = information_.line_at(address);
-    if (!at) return;
-    unsigned& block = blocks_[{at->file, at->line}];
-    file(at->file).decisions[{at->line, block++}] = outcomes;
+    const auto* const at = information_.row_at(address);
+    FileCoverage* const of = at == nullptr ? nullptr : file(at->file);
+    if (of == nullptr) return;
+    unsigned& block = blocks_[{paths_[at->file], at->line}];
+    of->decisions[{at->line, block++}] = outcomes;
   }
 
   const soc::Soc& soc_;
   const Counts& counts_;
   const loader::ElfImage& image_;
   const DebugInformation& information_;
+  const std::vector<std::string> paths_;  ///< by the file's index
   ProgramCoverage& coverage_;
+  std::set<std::pair<uint32_t, std::string>> functions_;  ///< those added, by address and name
   std::map<std::pair<std::string, unsigned>, unsigned> blocks_;
   uint64_t budget_ = 0;  ///< instructions that may still be looked at
 };
+
+/// An Error: there is no source of the program on this machine.
+std::optional<Error> refuse_missing_sources(const source::Program& program) {
+  std::size_t count = 0;
+  std::string first;
+  for (std::size_t i = 0; i < program.images().size(); ++i) {
+    const DebugInformation& information = *program.debug_information()[i];
+    for (const std::string& path : paths_of(*program.images()[i], information))
+      if (!path.empty()) return std::nullopt;
+    count += information.files().size();
+    for (const source::SourceFile& file : information.files())
+      if (first.empty()) first = file.name;
+  }
+  return Error{fmt::format(
+      "--coverage: {}: none of its {} source files is on this machine (the first: {}); run it "
+      "where they are, or compile it without a prefix map",
+      program.images().front()->path, count, printable(first, 200))};
+}
 
 }  // namespace
 
@@ -174,6 +214,7 @@ Result<std::unique_ptr<Coverage>> Coverage::attach(soc::Soc& soc, const source::
   if (!has_lines)
     return Error{fmt::format("--coverage: {} has no lines of source; compile it with -g",
                              program.images().front()->path)};
+  if (auto error = refuse_missing_sources(program)) return *error;
   std::unique_ptr<Coverage> coverage(new Coverage(soc, program, path));
   if (auto error = host::check_writable(path)) return *error;
   if (auto error = coverage->read_earlier()) return *error;
@@ -215,8 +256,6 @@ ProgramCoverage Coverage::collect() const {
   for (std::size_t i = 0; i < program_.images().size(); ++i)
     Collector(soc_, counts, *program_.images()[i], *program_.debug_information()[i], coverage)
         .collect();
-  for (auto file = coverage.files.begin(); file != coverage.files.end();)
-    file = is_elsewhere(file->first) ? coverage.files.erase(file) : std::next(file);
   return coverage;
 }
 

@@ -21,7 +21,8 @@ namespace capsoc::trace {
 class Coverage {
  public:
   /// A file that is there already is added to. An Error: it is of another program or no such file,
-  /// it cannot be written, or the program has no lines. Both must outlive it.
+  /// it cannot be written, or the program has no lines, or none of a source that is here. Both must
+  /// outlive it.
   static Result<std::unique_ptr<Coverage>> attach(soc::Soc& soc, const source::Program& program,
                                                   const std::string& path);
   ~Coverage();

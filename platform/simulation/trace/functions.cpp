@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "loader/demangle.h"
+
 namespace capsoc::trace {
 namespace {
 
@@ -21,7 +23,7 @@ void Functions::add(const loader::ElfImage& image) {
   });
   functions_.resize(1);
   for (const loader::Symbol& symbol : symbols_)
-    functions_.push_back({symbol.address & ~1U, symbol.name});
+    functions_.push_back({symbol.address & ~1U, loader::demangled(symbol.name)});
   known_.clear();
 }
 
@@ -64,6 +66,8 @@ std::string Functions::place(uint32_t address) {
 std::optional<uint32_t> Functions::address_of(const std::string& name) const {
   for (const loader::Symbol& symbol : symbols_)
     if (symbol.name == name) return symbol.address & ~1U;
+  for (std::size_t i = 0; i < symbols_.size(); ++i)
+    if (functions_[i + 1].name == name) return symbols_[i].address & ~1U;
   return std::nullopt;
 }
 

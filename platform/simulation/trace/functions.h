@@ -16,7 +16,7 @@ class Functions {
  public:
   struct Function {
     uint32_t address = 0;
-    std::string name;
+    std::string name;  ///< demangled
   };
   /// Index of what has no symbol.
   static constexpr uint32_t unknown = 0;
@@ -31,6 +31,7 @@ class Functions {
 
   /// "main+0x4", or "" without a symbol.
   std::string place(uint32_t address);
+  /// By the symbol's name, or by its demangled one.
   std::optional<uint32_t> address_of(const std::string& name) const;
   /// All names that have an address.
   std::vector<std::string> names() const;

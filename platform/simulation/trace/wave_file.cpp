@@ -1,9 +1,14 @@
 #include "trace/wave_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "host/link_target.h"
@@ -35,11 +40,28 @@ bool is_whole(const std::string& path) {
   return at != 0;
 }
 
+/// Of the other formats that GTKWave and simulators have.
+bool is_other_format(std::string extension) {
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* other : {".vcd", ".ghw", ".lxt", ".lxt2", ".vzt", ".vpd", ".wlf", ".fsdb"})
+    if (extension == other) return true;
+  return false;
+}
+
 }  // namespace
 
 WaveFile::WaveFile(const std::string& path) : file_(path), hierarchy_(file_.growing() + ".hier") {}
 
 Result<WaveFile> WaveFile::at(const std::string& path) {
+  std::filesystem::path fst(path);
+  if (is_other_format(fst.extension().string())) {
+    fst.replace_extension(".fst");
+    return Error{
+        fmt::format("{}: waves are written in FST alone; name the file {} (of GTKWave, "
+                    "fst2vcd makes a VCD file of it)",
+                    path, fst.filename().string())};
+  }
   if (host::place_of(path).in_place()) return Error{path + ": is no file; name one for the waves"};
   if (auto error = host::check_writable(path)) return *error;
   return WaveFile(path);

@@ -13,7 +13,7 @@ namespace capsoc::trace {
 /// tell of a disk that was full, so the file is looked through before it gets its name.
 class WaveFile {
  public:
-  /// An Error: nothing can be written there.
+  /// An Error: nothing can be written there, or the name is that of another format.
   static Result<WaveFile> at(const std::string& path);
 
   /// What the library opens.

@@ -1,0 +1,39 @@
+// What the disk of a store can do, and a store that may only be read.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "support/result.h"
+
+namespace capsoc::campaign {
+
+/// Why the file has no POSIX locks, which SQLite needs to write: the words of the system, or "".
+std::string why_no_locks(int file);
+
+/// Whether programs that map the file share its memory, which SQLite's WAL needs (sqlite.org,
+/// wal.html). False for the file systems of networks, whose computers do not share it.
+bool shares_memory(int file);
+
+/// Whether a writer that was killed left something beside the file that belongs to it.
+bool has_unfinished(const std::string& store);
+
+/// A copy of a store, with what is beside it, in a folder of its own that goes with it.
+class StoreCopy {
+ public:
+  /// Error: there is no place for it.
+  static Result<std::unique_ptr<StoreCopy>> of(const std::string& store);
+  ~StoreCopy();
+  StoreCopy(const StoreCopy&) = delete;
+  StoreCopy& operator=(const StoreCopy&) = delete;
+
+  std::string path() const { return folder_ + "/store"; }
+
+ private:
+  explicit StoreCopy(std::string folder) : folder_(std::move(folder)) {}
+
+  std::string folder_;
+};
+
+}  // namespace capsoc::campaign
