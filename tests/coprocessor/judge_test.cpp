@@ -116,7 +116,8 @@ TEST_F(Judge, CountsGoodTurnsAndLocksByThem) {
                    fixed::to_q31(s.a2 * std::cos(shaft + s.phi + s.beta) + s.b2), true);
   bench.dut.advance(bench.cycle + latency_cycles);
   shaft += tau / 1000;
-  EXPECT_TRUE(locked()) << "until the turn ends";
+  EXPECT_FALSE(locked()) << "at once";
+  EXPECT_EQ(read(reg_status) >> status_good_turns_shift & 3, 3u) << "its turn is not over";
   turn(s, 999, tau / 1000);
   EXPECT_FALSE(locked());
   EXPECT_EQ(turn_flags() & turn_clipped_mask, 1u << turn_clipped_shift);
@@ -134,6 +135,7 @@ TEST_F(Judge, AlarmsAfterSixteenGlitchesAndLockFallsWithIt) {
   fit(s);
   turn(s, 1001, tau / 1000);
   ASSERT_TRUE(locked());
+  bench.write(reg_judge, read(reg_judge) & ~judge_turns_mask);  // the alarm alone
   for (int i = 1; i <= 16; ++i) {
     EXPECT_TRUE(locked()) << i;
     EXPECT_FALSE(bench.dut.interrupt()) << i;
@@ -151,6 +153,40 @@ TEST_F(Judge, AlarmsAfterSixteenGlitchesAndLockFallsWithIt) {
   turn(s, 1, tau / 1000);
   EXPECT_EQ(read(reg_status) & status_alarm, 0u);
   EXPECT_EQ(read(reg_flags) & flag_alarm, 0u);
+}
+
+TEST_F(Judge, LockFallsWithTheFirstSampleThatSpoilsItsTurn) {
+  // Each way alone: beyond the radius, clipped, without an angle, 22.5 degrees off the reference.
+  const Sensor s;
+  for (int way = 0; way < 4; ++way) {
+    SCOPED_TRACE(way);
+    bench.start(ctrl_calib, 1.0 / 1000, 0);
+    bench.write(reg_lock_threshold, turns_alone);
+    shaft = 0;
+    fit(s);
+    turn(s, 1001, tau / 1000);
+    ASSERT_TRUE(locked());
+    if (way == 0) raw(s.b1 + s.a1 * 1.5 * std::sin(s.phi), s.b2 + s.a2 * 1.5 * std::cos(s.beta));
+    if (way == 1) raw(s.b1, s.b2 + s.a2, true);
+    if (way == 2) raw(s.b1, s.b2);
+    if (way == 3) shaft += tau / 16 + tau / 1000;
+    if (way == 3) turn(s, 1, tau / 1000);
+    EXPECT_FALSE(locked());
+    EXPECT_EQ(read(reg_status) & status_alarm, 0u);
+  }
+}
+
+TEST_F(Judge, AResidueOfASixteenthTurnIsNoGoodTurn) {
+  const Sensor s;
+  for (const double off : {0.0624, 0.0626, -0.0624, -0.0626}) {
+    bench.start(ctrl_calib, 1.0 / 1000, 0);
+    shaft = tau * off;
+    fit(s);
+    turn(s, 1001, tau / 1000);
+    const bool beyond = std::fabs(off) > 1.0 / 16;
+    EXPECT_EQ((turn_flags() & turn_residue) != 0, beyond) << off;
+    EXPECT_EQ((turn_flags() & turn_good) != 0, !beyond) << off;
+  }
 }
 
 TEST_F(Judge, AlternatingGlitchesRaiseNoAlarm) {
