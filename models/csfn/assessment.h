@@ -9,9 +9,11 @@ namespace capsoc::csfn {
 /// "noise": that of the samples against the ellipse's smaller half axis.
 Gate check_noise(const DistanceFit& fit, double limit);
 
-/// Fills in intervals, bound (with its gate) or warning. Returns what noise alone explains.
-Intervals assess(const Samples& samples, const DistanceFit& fit, const IdentifyOptions& options,
-                 Identification& found);
+/// Tests what the fit leaves of the samples; fills in the tests' results, intervals, notes, bound
+/// (with its gate) or warning. resolution: distances that say nothing, unit of the samples. Returns
+/// what noise alone explains.
+Intervals assess(const Samples& samples, const DistanceFit& fit, double resolution,
+                 const IdentifyOptions& options, Identification& found);
 
 /// The same when harmonics were identified.
 void assess_harmonics(Identification& found);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "csfn/angle_change.h"
 #include "csfn/calibration.h"
 #include "csfn/circle_plane.h"
 #include "csfn/distributions.h"
@@ -10,8 +11,6 @@
 
 namespace capsoc::csfn {
 namespace {
-
-constexpr int angles = 180;
 
 using Square = Eigen::Matrix<double, 5, 5>;
 
@@ -26,42 +25,57 @@ Square covariance_of(const Evidence& evidence) {
       evidence.fit.noise < 2 * evidence.resolution ? 1 - evidence.repeated : 1;
   const double floor = evidence.resolution * evidence.resolution;
   const double least = evidence.fit.noise * evidence.fit.noise;
-  Square covariance = evidence.fit.covariance / std::max(independent, 1e-9);
+  Square covariance = evidence.covariance / std::max(independent, 1e-9);
   if (least < floor)
     covariance = evidence.fit.unit_covariance * floor / std::max(independent, 1e-9);
   return covariance;
 }
 
-/// Derivatives of the angle at theta by the change of the circle. Its origin turns along: where U's
-/// sine has its peak a stretch moves nothing.
-Change angle_by_change(double theta) {
-  Change by;
-  by << 0, -std::sin(theta), std::cos(theta), -std::sin(2 * theta), std::cos(2 * theta) + 1;
-  return by;
-}
-
-double largest_angle(const Square& covariance) {
-  double square = 0;
-  for (int i = 0; i < angles; ++i) {
-    const Change by = angle_by_change(2 * pi * i / angles);
-    square = std::max(square, by.dot(covariance * by));
-  }
-  return std::sqrt(square);
-}
-
-double largest_difference(const Parameters& one, const Parameters& other) {
+double largest_difference(const Parameters& one, const Parameters& other, const Coverage& within) {
+  constexpr int angles = 180;
   double largest = 0;
   for (int i = 0; i < angles; ++i) {
     const double theta = 2 * pi * i / angles;
+    if (!within.has(theta)) continue;
     const Point at = point_at({other, {}, {}}, theta);
     largest = std::max(largest, std::abs(wrapped(angle_of(one, at.u, at.v) - theta)));
   }
   return largest;
 }
 
+/// Of the noise's part of the bound, radians.
+constexpr double largest_beyond_arc = 0.35;
+
 /// Rounding of the arithmetic, relative to the largest value.
 double rounding_of(const Parameters& p) {
   return 0x1p-51 * std::max(std::abs(p.b1) + p.a1, std::abs(p.b2) + p.a2);
+}
+
+/// Harmonics that may hide: the amplitude that was measured less what noise makes of it, and a part
+/// of what noise hides.
+double hidden_amplitude(const Structure& structure) {
+  return std::hypot(structure.amplitude, structure.noise);
+}
+
+AngleError error_within(const Evidence& evidence, const Coverage& coverage) {
+  const auto within = [&](double theta) { return coverage.has(theta); };
+  AngleError error;
+  // Scheffe: for all angles at once, five parameters.
+  const double width = std::sqrt(5 * f_quantile(1 - bound_confidence, 5, evidence.freedom));
+  error.noise = width * largest_angle_of(covariance_of(evidence), within);
+  // The second order of an error of that size.
+  error.noise *= 1 + error.noise;
+  error.method = largest_difference(evidence.answer, evidence.fit.parameters, coverage);
+  error.drift = evidence.drift;
+  if (evidence.structure.last_order > 0) {
+    const double amplitude = hidden_amplitude(evidence.structure);
+    error.harmonics =
+        amplitude * (angle_by_amplitude + 3 * largest_angle_of(evidence.structure.leak, within));
+  }
+  error.resolution = rounding_of(evidence.answer) * largest_angle_of(systematic(evidence), within);
+  error.parameters = error.noise + error.method + error.drift + error.resolution;
+  error.total = error.parameters + error.harmonics;
+  return error;
 }
 
 }  // namespace
@@ -71,7 +85,7 @@ Intervals intervals_of(const Evidence& evidence, double confidence) {
   const Square by = parameters_by_change(q);
   const Square noise = by * covariance_of(evidence) * by.transpose();
   const Square floor = by * systematic(evidence) * by.transpose();
-  const double width = student_quantile(confidence, evidence.count - 5);
+  const double width = student_quantile(confidence, evidence.freedom);
   const double rounding = rounding_of(p);
   const double harmonics =
       evidence.structure.found ? angle_by_amplitude * evidence.structure.amplitude : 0;
@@ -85,18 +99,15 @@ Intervals intervals_of(const Evidence& evidence, double confidence) {
 
 AngleBound bound_of(const Evidence& evidence) {
   AngleBound bound;
-  // Scheffe: for all angles at once, five parameters.
-  const double width = std::sqrt(5 * f_quantile(1 - bound_confidence, 5, evidence.count - 5));
-  bound.noise = width * largest_angle(covariance_of(evidence));
-  // The second order of an error of that size.
-  bound.noise *= 1 + bound.noise;
-  bound.method = largest_difference(evidence.answer, evidence.fit.parameters);
-  if (evidence.structure.last_order > 0) {
-    bound.harmonics =
-        angle_by_amplitude * std::hypot(evidence.structure.amplitude, evidence.structure.noise);
+  AngleError& turn = bound;
+  turn = error_within(evidence, Coverage::whole());
+  // Beyond an arc that leaves the angle so uncertain its derivatives there say nothing.
+  if (evidence.coverage.part < 1 && turn.noise > largest_beyond_arc) {
+    turn.noise = turn.parameters = pi;
+    turn.total = pi + turn.harmonics;
   }
-  bound.resolution = rounding_of(evidence.answer) * largest_angle(systematic(evidence));
-  bound.total = bound.noise + bound.method + bound.harmonics + bound.resolution;
+  bound.arc = error_within(evidence, evidence.coverage);
+  bound.arc_degrees = 360 * evidence.coverage.part;
   return bound;
 }
 

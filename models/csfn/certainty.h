@@ -1,6 +1,7 @@
-// What an identification vouches for: intervals of the parameters and a bound of the angle.
+// What an identification guarantees: intervals of the parameters and a bound of the angle.
 #pragma once
 
+#include "csfn/coverage.h"
 #include "csfn/distance_fit.h"
 #include "csfn/samples.h"
 #include "csfn/structure.h"
@@ -13,15 +14,23 @@ struct Intervals {
   double confidence = 0;
 };
 
-/// Largest error of the calibrated angle over the whole turn against U = a1 sin(theta) + b1,
-/// radians. The noise of the single sample that is calibrated later is not in it, nor is a single
-/// harmonic whose effect is along the curve: no test of the samples' distances sees that.
-struct AngleBound {
-  double total = 0;       ///< the sum of what follows
+/// Largest error of the calibrated angle against U = a1 sin(theta) + b1, radians, over the whole
+/// turn or over a part of it. The noise of the single sample that is calibrated later is not in it,
+/// nor is a single harmonic whose effect is along the curve: no test of the samples' distances sees
+/// that.
+struct AngleError {
+  double total = 0;       ///< parameters and harmonics
+  double parameters = 0;  ///< the sum of noise, method, drift and resolution
   double noise = 0;       ///< exceeded in one record of a thousand
   double method = 0;      ///< by how much the answer's angle differs from the distance fit's
+  double drift = 0;       ///< of the sensor while it was recorded
   double harmonics = 0;   ///< of harmonics that are too small to be found
   double resolution = 0;  ///< of the converter or of the arithmetic
+};
+
+struct AngleBound : AngleError {
+  AngleError arc;            ///< over the part of the turn that the samples cover
+  double arc_degrees = 360;  ///< the size of that part
 };
 
 constexpr double bound_confidence = 0.999;  ///< of the bound's noise
@@ -35,7 +44,12 @@ constexpr double angle_by_amplitude = 6;
 struct Evidence {
   Parameters answer;  ///< of the method that was asked for
   DistanceFit fit;
+  /// Of the ellipse's change (circle_plane.h), with what correlation of the noise does to it.
+  Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
+  double freedom = 0;  ///< degrees of freedom behind it
   Structure structure;
+  Coverage coverage;
+  double drift = 0;       ///< of the angle, radians
   double count = 0;       ///< samples
   double resolution = 0;  ///< the error that a sample has however often it is taken, its unit
   /// Samples that are the same as another, as a part of all: they say nothing about rounding.

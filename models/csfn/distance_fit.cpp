@@ -63,18 +63,25 @@ Terms6 rest_of(const Channel& u, const Channel& v, const Parameters& p, double n
   return rest;
 }
 
-/// Derivatives of rest_of() by the change and the logarithm of the noise.
+/// Derivatives of rest_of() by the change and the logarithm of the noise. Of a short arc the sums
+/// hardly depend on one combination of the changes: it is followed by itself, and to both sides.
 Square6 derivatives(const Channel& u, const Channel& v, const DistanceFit& fit,
                     const Square5& covariance) {
-  const Terms6 here = rest_of(u, v, fit.parameters, fit.noise);
-  Square6 by;
-  for (int k = 0; k < 6; ++k) {
-    const double step = k < 5 ? 0.05 * std::sqrt(covariance(k, k)) : 0.01;
-    const Change change = k < 5 ? Change(step * Change::Unit(k)) : Change(Change::Zero());
-    const double noise = k < 5 ? fit.noise : fit.noise * (1 + step);
-    by.col(k) = (rest_of(u, v, changed(fit.parameters, change), noise) - here) / step;
+  const SymmetricEigen axes = eigen_of_symmetric(covariance);
+  Square6 along = Square6::Zero(), directions = Square6::Identity();
+  for (int k = 0; k < 5; ++k) {
+    const double step = 0.05 * std::sqrt(std::max(axes.values[k], 0.0));
+    const Change change = step * axes.vectors.col(k);
+    along.col(k) = (rest_of(u, v, changed(fit.parameters, change), fit.noise) -
+                    rest_of(u, v, changed(fit.parameters, -change), fit.noise)) /
+                   (2 * step);
   }
-  return by;
+  constexpr double step = 0.01;
+  along.col(5) = (rest_of(u, v, fit.parameters, fit.noise * (1 + step)) -
+                  rest_of(u, v, fit.parameters, fit.noise * (1 - step))) /
+                 (2 * step);
+  directions.topLeftCorner<5, 5>() = axes.vectors;
+  return along * directions.transpose();
 }
 
 Square5 covariance_of(const Channel& u, const Channel& v, const DistanceFit& fit,

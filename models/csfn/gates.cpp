@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -11,32 +10,9 @@
 #include "csfn/fused_network.h"
 #include "csfn/robust_fit.h"
 #include "csfn/sentence.h"
-#include "support/constants.h"
 
 namespace capsoc::csfn {
 namespace {
-
-/// The circle is divided into sectors to find the gaps without sorting and without an arctangent a
-/// sample: equal parts of a square around it, 0.07 to 0.14 degrees wide.
-constexpr int sectors = 3200;
-/// A gap up to this is the spacing of the samples, not a part of the circle that is missing.
-constexpr double smallest_gap = 10;
-
-/// Where a direction cuts the square |x| + |y| = 1, as 0 .. 4 around it.
-double place_on_square(double x, double y) {
-  const double along = y / (std::abs(x) + std::abs(y));
-  if (x < 0) return 2 - along;
-  return along < 0 ? 4 + along : along;
-}
-
-/// Its inverse, in degrees.
-double degrees_at(double place) {
-  const double folded = std::fmod(place, 4);
-  const double y = folded <= 1 ? folded : folded <= 3 ? 2 - folded : folded - 4;
-  const double x = folded <= 2 ? 1 - folded : folded - 3;
-  const double angle = std::atan2(y, x) * 180 / pi;
-  return (angle < 0 ? angle + 360 : angle) + 360 * std::floor(place / 4);
-}
 
 Gate at_least(const char* name, double value, double limit, std::string reason) {
   const bool passed = value >= limit;
@@ -218,34 +194,6 @@ Gate check_plateau(const Channel& u, const Channel& v, const Plateau& plateau,
         text(" value, %.2g inside the ellipse of the others; lower the gain", inward / count);
   }
   return gate;
-}
-
-Coverage coverage_of(const Channel& u, const Channel& v, const Parameters& parameters) {
-  std::bitset<sectors> occupied;
-  const double inverse_cosine = 1 / std::cos(parameters.beta);
-  const double tangent = std::tan(parameters.beta);
-  for (Eigen::Index i = 0; i < u.size(); ++i) {  // Eq (4)
-    const double sine = (u[i] - parameters.b1) / parameters.a1;
-    const double cosine = (v[i] - parameters.b2) / parameters.a2 * inverse_cosine + sine * tangent;
-    const double sector = place_on_square(cosine, sine) * (sectors / 4.0);
-    if (sector >= 0) occupied.set(std::min(static_cast<int>(sector), sectors - 1));
-  }
-  if (occupied.none()) return {};
-  int first = 0;
-  while (!occupied[first]) ++first;
-  // Samples that are far apart because they are few leave no gap.
-  const double spacing = std::max(smallest_gap, 4 * 360.0 / static_cast<double>(occupied.count()));
-  Coverage coverage = {1, 0};
-  int last = first;
-  for (int i = first + 1; i <= first + sectors; ++i) {
-    if (!occupied[i % sectors]) continue;
-    const double gap = degrees_at(i * 4.0 / sectors) - degrees_at(last * 4.0 / sectors);
-    coverage.largest_gap = std::max(coverage.largest_gap, gap);
-    if (gap > spacing) coverage.part -= gap / 360;
-    last = i;
-  }
-  coverage.part = std::max(coverage.part, 0.0);
-  return coverage;
 }
 
 std::vector<Gate> check_answer(const Channel& u, const Channel& v, const Parameters& parameters,

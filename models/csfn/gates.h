@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "csfn/coverage.h"
 #include "csfn/samples.h"
 
 namespace capsoc::csfn {
@@ -21,13 +22,16 @@ struct Gate {
 Gate failed_gate(const char* name, std::string reason);
 
 struct GateLimits {
-  int64_t samples = 16;        ///< at least
-  double coverage = 0.5;       ///< at least this part of the circle, 0..1
-  double gap = 150;            ///< largest part of the circle without a sample, at most, degrees
-  double residual = 0.35;      ///< rms of 1 - Y, at most
-  double noise = 0.25;         ///< in units of the ellipse's smaller half axis, at most
-  double outliers = 0.2;       ///< part of the samples, at most
-  double bound = 30;           ///< of the angle's error but for harmonics, at most, degrees
+  int64_t samples = 16;  ///< at least
+  /// At least this part of the circle, 0..1, and the largest part of it without a sample, at most,
+  /// degrees. No limits by themselves: what is missing shows in the bound.
+  double coverage = 0, gap = 360;
+  double residual = 0.35;  ///< rms of 1 - Y, at most
+  double noise = 0.25;     ///< in units of the ellipse's smaller half axis, at most
+  double outliers = 0.2;   ///< part of the samples, at most
+  /// Of the angle's error but for harmonics, over the part of the turn that the samples cover, at
+  /// most, degrees.
+  double bound = 30;
   double phase = 1.5;          ///< |beta| at most, radians: beyond, the ellipse is nearly a line
   double magnification = 100;  ///< amplitude at most this many times half the channel's range
   /// Values at or beyond +-full_scale are clipped. 0: not known. A channel whose samples pile up
@@ -59,12 +63,5 @@ Gate check_plateau(const Channel& u, const Channel& v, const Plateau& plateau,
 /// Checks of what was identified: "coverage", "gap", "phase", "magnification", "residual".
 std::vector<Gate> check_answer(const Channel& u, const Channel& v, const Parameters& parameters,
                                const GateLimits& limits);
-
-/// How the samples lie on the circle.
-struct Coverage {
-  double part = 0;         ///< of the circle that is covered, 0..1
-  double largest_gap = 0;  ///< degrees
-};
-Coverage coverage_of(const Channel& u, const Channel& v, const Parameters& parameters);
 
 }  // namespace capsoc::csfn

@@ -64,13 +64,15 @@ Result<Identification> identify(const Samples& all, const IdentifyOptions& optio
   Identification found;
   found.method = options.method;
   found.gates = check_record(all.u, all.v, options.gates, options.step);
+  if (found.gates.back().name == std::string("clipping"))
+    confirm_clipping(all, options, found.gates.back());
   if (found.rejected()) return found;
   const double resolution = resolution_of(all, options);
   found.gates.push_back(check_plateaus(all, resolution, options));
   if (found.rejected()) return found;
   const RobustFit robust = separate(all, resolution, options, found);
   if (found.rejected()) return found;
-  const Samples& samples = robust.kept;
+  const Samples& samples = robust.of(all);
   found.companions = companions_of(samples);
   if (auto gate = apply_method(samples, robust.fit, options, found)) {
     found.gates.push_back(std::move(*gate));
@@ -84,8 +86,7 @@ Result<Identification> identify(const Samples& all, const IdentifyOptions& optio
   found.gates.push_back(check_noise(robust.fit, options.gates.noise));
   const Scatter scatter = scatter_of(samples.u, samples.v, found.network_parameters);
   found.residuals = {scatter.rms, scatter.largest, robust.fit.noise};
-  found.structure = structure_of(samples.u, samples.v, robust.fit, resolution);
-  const Intervals explained = assess(samples, robust.fit, options, found);
+  const Intervals explained = assess(samples, robust.fit, resolution, options, found);
   found.handedness = handedness_of(scatter, samples.u.size());
   for (Companion& companion : found.companions) {
     if (!companion.parameters) continue;

@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "csfn/certainty.h"
+#include "csfn/correlation.h"
 #include "csfn/gates.h"
 #include "csfn/harmonics.h"
+#include "csfn/positions.h"
 #include "csfn/samples.h"
+#include "csfn/steadiness.h"
 #include "csfn/training.h"
 #include "support/result.h"
 
@@ -87,7 +90,19 @@ struct Identification {
   std::optional<AngleBound> bound;
   /// One sentence when harmonics were found that were not asked for. Empty otherwise.
   std::string warning;
+  /// Why `intervals` is not to be used: a drift, one-sided noise, noise that is correlated over too
+  /// much of the record, or an arc that is too short. Empty: it is.
+  std::string no_intervals;
+  /// Sentences on what the samples are: correlated noise, few angles, a part of the turn.
+  std::vector<std::string> notes;
   Structure structure;
+  Coverage coverage;
+  Positions positions;
+  NoiseCorrelation correlation;
+  /// By how much correlated noise widens the widest interval; 1 without.
+  double widening = 1;
+  SensorDrift drift;
+  OneSided one_sided;
   /// Samples left out, places in the record, and how far they are from the ellipse in units of the
   /// noise.
   std::vector<Eigen::Index> outliers;

@@ -6,6 +6,7 @@
 #include "csfn/calibration.h"
 #include "csfn/circle_plane.h"
 #include "csfn/distributions.h"
+#include "csfn/ellipse_distance.h"
 #include "csfn/ellipse_fit.h"
 #include "csfn/random.h"
 #include "support/constants.h"
@@ -71,6 +72,51 @@ Result<Parameters> closed_form(const Channel& u, const Channel& v) {
   return fit ? fit : fit_direct(u, v);
 }
 
+/// Cells of the plane in which the samples are counted, a side, and how many times as many as the
+/// average cell one may have.
+constexpr int cells = 64;
+constexpr double fullest = 8;
+/// Samples that a start is looked for in; of longer records, so many spread over it.
+constexpr Eigen::Index most_for_start = 1 << 17;
+constexpr double golden_step = 0.61803398874989484820;
+
+/// Places of samples, of which no cell of the plane has more than a few times the others'; empty
+/// when all of a record may be used.
+std::vector<Eigen::Index> evenly_placed(const Channel& u, const Channel& v) {
+  const double least_u = u.minCoeff(), least_v = v.minCoeff();
+  const double scale_u = cells / std::max(u.maxCoeff() - least_u, 1e-300);
+  const double scale_v = cells / std::max(v.maxCoeff() - least_v, 1e-300);
+  const auto cell_of = [&](Eigen::Index i) {
+    const int x = std::min(static_cast<int>((u[i] - least_u) * scale_u), cells - 1);
+    const int y = std::min(static_cast<int>((v[i] - least_v) * scale_v), cells - 1);
+    return static_cast<std::size_t>(x * cells + y);
+  };
+  const Eigen::Index stride = (u.size() - 1) / most_for_start + 1;
+  const Eigen::Index steps = (u.size() - 1) / stride + 1;
+  // In step with no period of the samples.
+  const auto place_of = [&](Eigen::Index k) {
+    double turns = 0;
+    const double within = std::modf(static_cast<double>(k) * golden_step, &turns);
+    return std::min(k * stride + static_cast<Eigen::Index>(within * static_cast<double>(stride)),
+                    u.size() - 1);
+  };
+  std::vector<Eigen::Index> samples(cells * cells), used(cells * cells);
+  for (Eigen::Index k = 0; k < steps; ++k) ++samples[cell_of(place_of(k))];
+  const auto occupied = static_cast<double>(
+      samples.size() - static_cast<std::size_t>(std::count(samples.begin(), samples.end(), 0)));
+  const auto limit = static_cast<Eigen::Index>(fullest * static_cast<double>(steps) / occupied) + 1;
+  const bool even = *std::max_element(samples.begin(), samples.end()) <= limit;
+  std::vector<Eigen::Index> places;
+  if (even && stride == 1) return places;
+  for (Eigen::Index k = 0; k < steps; ++k) {
+    const std::size_t cell = cell_of(place_of(k));
+    // Every so many of a full cell's, spread over the record.
+    const Eigen::Index every = (samples[cell] - 1) / limit + 1;
+    if (used[cell]++ % every == 0) places.push_back(place_of(k));
+  }
+  return places;
+}
+
 /// The best of everything and of the draws.
 std::optional<Parameters> best_draw(const Channel& u, const Channel& v) {
   Random random(draws_seed);
@@ -108,6 +154,7 @@ double reach_of(Eigen::Index count, Eigen::Index kept) {
 std::vector<Eigen::Index> within(const Channel& u, const Channel& v, const Parameters& p,
                                  double noise, double reach, RobustFit& robust) {
   const CirclePlane plane(p);
+  const EllipseDistance exact(p);
   std::vector<Eigen::Index> places;
   robust.outliers.clear();
   robust.nearest = HUGE_VAL;
@@ -115,7 +162,7 @@ std::vector<Eigen::Index> within(const Channel& u, const Channel& v, const Param
   for (Eigen::Index i = 0; i < u.size(); ++i) {
     double distance = std::abs(first_order_distance(plane, u[i], v[i]));
     if (distance > first_order_reach * noise || distance > reach / 2) {
-      distance = std::abs(distance_from(p, u[i], v[i]));
+      distance = std::abs(exact.at(u[i], v[i]));
     }
     if (distance <= reach) {
       places.push_back(i);
@@ -131,29 +178,12 @@ std::vector<Eigen::Index> within(const Channel& u, const Channel& v, const Param
 }  // namespace
 
 double distance_from(const Parameters& p, double u, double v) {
-  const SignalModel model{p, {}, {}};
-  constexpr int places = 24;
-  double theta = 0, least = HUGE_VAL;
-  for (int i = 0; i < places; ++i) {
-    const Point at = point_at(model, 2 * pi * i / places);
-    const double distance = std::hypot(u - at.u, v - at.v);
-    if (distance >= least) continue;
-    least = distance;
-    theta = 2 * pi * i / places;
-  }
-  for (int i = 0; i < 20; ++i) {  // Gauss and Newton, kept from leaving the neighbourhood
-    const Point at = point_at(model, theta), along = tangent_at(model, theta);
-    const double step =
-        ((u - at.u) * along.u + (v - at.v) * along.v) / (along.u * along.u + along.v * along.v);
-    theta += std::clamp(step, -0.1, 0.1);
-    if (std::abs(step) < 1e-12) break;
-  }
-  const Point at = point_at(model, theta);
-  const double distance = std::min(least, std::hypot(u - at.u, v - at.v));
-  return CirclePlane(p).at(u, v).length < 1 ? -distance : distance;
+  return EllipseDistance(p).at(u, v);
 }
 
-std::optional<RobustStart> robust_start(const Channel& u, const Channel& v) {
+namespace {
+
+std::optional<RobustStart> start_of(const Channel& u, const Channel& v) {
   const std::optional<Parameters> drawn_best = best_draw(u, v);
   if (!drawn_best) return std::nullopt;
   RobustStart start{*drawn_best, normal_by_median * median_distance(*drawn_best, u, v)};
@@ -175,6 +205,15 @@ std::optional<RobustStart> robust_start(const Channel& u, const Channel& v) {
   return start;
 }
 
+}  // namespace
+
+std::optional<RobustStart> robust_start(const Channel& u, const Channel& v) {
+  const std::vector<Eigen::Index> places = evenly_placed(u, v);
+  if (places.empty()) return start_of(u, v);
+  const Samples some = taken(u, v, places);
+  return start_of(some.u, some.v);
+}
+
 RobustFit fit_robustly(const Channel& u, const Channel& v, const RobustStart& start,
                        double resolution) {
   RobustFit robust;
@@ -185,7 +224,6 @@ RobustFit fit_robustly(const Channel& u, const Channel& v, const RobustStart& st
     const double noise = std::max(robust.fit.noise, resolution / 10);
     const double reach = std::max(resolution, noise * reach_of(u.size(), u.size()));
     within(u, v, robust.fit.parameters, noise, reach, robust);
-    robust.kept = {u, v};
     if (robust.outliers.empty()) return robust;
   }
   robust.fit = {};
@@ -201,10 +239,11 @@ RobustFit fit_robustly(const Channel& u, const Channel& v, const RobustStart& st
     std::vector<Eigen::Index> places = within(u, v, robust.fit.parameters, noise, reach, robust);
     if (places == last) return robust;
     robust.kept = taken(u, v, places);
-    kept = robust.kept.u.size();
-    if (kept <= 5 || check_samples(robust.kept.u, robust.kept.v)) return robust;
+    const Samples& some = *robust.kept;
+    kept = some.u.size();
+    if (kept <= 5 || check_samples(some.u, some.v)) return robust;
     const Parameters from = robust.fit.parameters;
-    robust.fit = fit_distances(robust.kept.u, robust.kept.v, from);
+    robust.fit = fit_distances(some.u, some.v, from);
     if (!robust.fit.converged) return robust;
     allowance = 1;
     last = std::move(places);

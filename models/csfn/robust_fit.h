@@ -11,7 +11,9 @@ namespace capsoc::csfn {
 
 struct RobustFit {
   DistanceFit fit;  ///< of the kept samples
-  Samples kept;
+  /// Nothing: all samples were kept. They are not copied then.
+  std::optional<Samples> kept;
+  const Samples& of(const Samples& all) const { return kept ? *kept : all; }
   /// Places in the record, ascending, and the smallest and largest distance in units of the noise.
   std::vector<Eigen::Index> outliers;
   double nearest = 0, farthest = 0;
@@ -21,7 +23,8 @@ struct RobustFit {
 /// half: the one of the smallest median distance (Rousseeuw, J. Am. Stat. Ass. 79, 1984) among
 /// closed-form fits of everything and of small draws, then refined on the samples near it. Nothing
 /// when no draw gives an ellipse. Samples that check_samples() takes; the draws are the same on
-/// every run.
+/// every run. Where a sensor rests, most of its samples say the same: a place counts as often as
+/// eight of the others at most.
 struct RobustStart {
   Parameters parameters;
   double noise = 0;  ///< 1.4826 times the median distance

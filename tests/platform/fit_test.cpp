@@ -138,13 +138,46 @@ TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
   EXPECT_EQ(header.find(testing::TempDir()), std::string::npos) << "no path of this machine";
 }
 
-TEST(Fit, AGateRejectsAShortArcWithAReason) {
+TEST(Fit, AnArcIsJudgedByItsBound) {
   metrics::SampleRecord arc = one_turn(sensor, 1000);
   arc.resize(150);
-  const Trace trace(to_recording(arc));
-  const auto fitted = fit(trace.path(), {});
+  const Trace clean(to_recording(arc));
+  const auto fitted = fit(clean.path(), {});
   ASSERT_TRUE(fitted) << fitted.error();
-  EXPECT_NE(fitted.value().rejection, "");
+  ASSERT_EQ(fitted.value().rejection, "");
+  const auto j = to_json(fitted.value(), {}, "capsoc fit x");
+  EXPECT_NEAR(j["angle_bound_deg"]["arc_degrees"].get<double>(), 54, 2);
+  EXPECT_LE(j["angle_bound_deg"]["arc"]["total"], j["angle_bound_deg"]["total"]);
+  EXPECT_NE(to_table(fitted.value()).find("degrees that the samples cover"), std::string::npos);
+  arc.resize(25);
+  const Trace coarse(to_recording(arc));
+  FitOptions options;
+  options.record.adc_bits = 12;
+  const auto rejected = fit(coarse.path(), options);
+  ASSERT_TRUE(rejected) << rejected.error();
+  EXPECT_NE(rejected.value().rejection, "");
+}
+
+TEST(Fit, AColumnThatIsNoAngleIsNamed) {
+  const auto said = [](double factor) {
+    std::string rows = "t,u,v,angle_deg\n";
+    for (int i = 0; i < 500; ++i) {
+      const double turns = 3.2 * i / 500, theta = 2 * pi * turns;
+      const csfn::Point at = csfn::point_at({sensor, {}, {}}, theta);
+      rows += std::to_string(i / 250.0) + "," + std::to_string(at.u) + "," + std::to_string(at.v) +
+              "," + std::to_string(factor * 360 * (turns - std::floor(turns))) + "\n";
+    }
+    const Trace trace(rows);
+    const auto fitted = fit(trace.path(), {});
+    EXPECT_TRUE(fitted) << fitted.error();
+    return fitted.value().angle_column;
+  };
+  EXPECT_EQ(said(1), "");
+  EXPECT_NE(said(radians_per_degree).find("radians"), std::string::npos);
+  EXPECT_NE(said(1 / 360.0).find("turns"), std::string::npos);
+  // The recording's reader folds angles into one turn, so what counts beyond 360 is named as no
+  // angle.
+  EXPECT_NE(said(4096 / 360.0).find("does not turn with the signals"), std::string::npos);
 }
 
 TEST(Fit, AllMethodsAgreeOnCleanSamples) {

@@ -684,7 +684,9 @@ class Fit(unittest.TestCase):
 
     def test_a_gate_rejects_a_short_arc(self):
         rows = (TRACES / "recorded_example.csv").read_text().splitlines()
-        self.refuse_file(3, ("\n".join(rows[:2 + 40]) + "\n").encode(), ": ")
+        path = self.folder / "arc.csv"
+        path.write_text("\n".join(rows[:3 + 20]) + "\n")
+        self.refuse(3, f"{path}: ", path, "--adc-bits", "12")
 
     def test_the_header_is_for_the_compiler(self):
         r = self.fit(TRACES / "soc_eq21.toml", "--method", "lm")

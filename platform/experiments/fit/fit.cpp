@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "csfn/calibration.h"
 #include "csfn/fused_network.h"
@@ -50,6 +51,52 @@ AngleErrors angle_errors(const Record& record, const csfn::Identification& answe
     errors.with_harmonics =
         peak_to_peak(angles_of(answer.harmonics.model, true, record.samples), record.angle);
   return errors;
+}
+
+/// How well an angle turns with another, whichever way round: 1 for a constant between them.
+double turning_with(const Eigen::ArrayXd& angles, const Eigen::ArrayXd& truth, double factor) {
+  std::complex<double> direct = 0, reversed = 0;
+  for (Eigen::Index i = 0; i < angles.size(); ++i) {
+    direct += std::polar(1.0, angles[i] - factor * truth[i]);
+    reversed += std::polar(1.0, angles[i] + factor * truth[i]);
+  }
+  return std::max(std::abs(direct), std::abs(reversed)) / static_cast<double>(angles.size());
+}
+
+/// Empty for a column of angles that turns with the signals, or none; otherwise what it seems to
+/// be.
+std::string reason_against_angle(const Record& record, const csfn::Parameters& parameters) {
+  constexpr double turns_along = 0.7, certain = 0.95;
+  if (record.angle.size() == 0) return "";
+  const Eigen::ArrayXd angles = angles_of({parameters}, false, record.samples);
+  if (turning_with(angles, record.angle, 1) > turns_along) return "";
+  struct Unit {
+    double factor;
+    const char* name;
+  };
+  std::vector<Unit> units = {{degrees_per_radian, "radians"}, {360, "turns"}, {3.6, "percent"}};
+  for (int bits = 10; bits <= 24; ++bits)
+    units.push_back({360 / std::ldexp(1.0, bits), "counts of an encoder"});
+  for (const Unit& unit : units)
+    if (turning_with(angles, record.angle, unit.factor) > certain)
+      return fmt::format(
+          "the column of the true angle does not turn with the signals; it seems to be {}: write "
+          "degrees",
+          unit.name);
+  for (int pairs = 2; pairs <= 64; ++pairs) {
+    if (turning_with(angles, record.angle, pairs) > certain)
+      return fmt::format(
+          "the column of the true angle does not turn with the signals, which turn {} times as "
+          "fast: a sensor of {} pole pairs; write the electrical angle",
+          pairs, pairs);
+    if (turning_with(angles, record.angle, 1.0 / pairs) > certain)
+      return fmt::format(
+          "the column of the true angle turns {} times as fast as the signals: write the angle of "
+          "one period of the signals",
+          pairs);
+  }
+  return "the column of the true angle does not turn with the signals: it is not used; look at its "
+         "unit and whether it belongs to these samples";
 }
 
 std::optional<csfn::Parameters> truth_of(const sensor::Description& d) {
@@ -160,6 +207,9 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
     return fit;
   }
   fit.words = *words;
+  fit.angle_column = reason_against_angle(fit.record, p);
+  // A column of something else is no truth for anything that follows.
+  if (!fit.angle_column.empty()) fit.record.angle.resize(0);
   fit.errors = angle_errors(fit.record, fit.answer);
   if (options.all_methods) fit.attempts = all_attempts(fit, identify);
   return fit;

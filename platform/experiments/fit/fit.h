@@ -47,6 +47,9 @@ struct Fit {
   metrics::ParameterWords words;          ///< phi is 0
   std::optional<csfn::Parameters> truth;  ///< canonical
   AngleErrors errors;
+  /// One sentence when the true angle of the record does not turn with its signals: it is not used
+  /// then. Empty otherwise.
+  std::string angle_column;
   std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first, the
                                   ///< papers' other methods (peers.h) last
 };

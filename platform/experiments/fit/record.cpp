@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <utility>
 
 #include "golden/trace.h"
 #include "peripherals/quantiser.h"
@@ -15,10 +15,6 @@ namespace {
 
 constexpr uint64_t samples_of_endless = 100'000;  // the main job's
 constexpr uint64_t largest_record = 100'000'000;  // 2.4 GB
-
-Eigen::ArrayXd to_array(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::ArrayXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
 
 double largest_value(unsigned bits) {
   return 1 - std::ldexp(1.0, 1 - static_cast<int>(bits));
@@ -31,21 +27,29 @@ double converted(double value, unsigned bits) {
 }
 
 struct Columns {
-  std::vector<double> u, v, angle;
-  bool has_angle = true;
+  Eigen::ArrayXd u, v, angle;  ///< without a true angle the last is empty
 };
 
+/// At most `count` samples, each kept once.
 Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
   const double rate = source.description().sample_rate_hz.value_or(250);
-  Columns columns;
-  for (uint64_t k = 0; k < count; ++k) {
-    const auto value = source.sample(k, static_cast<double>(k) / rate);
+  const auto size = static_cast<Eigen::Index>(count);
+  Columns columns{Eigen::ArrayXd(size), Eigen::ArrayXd(size), Eigen::ArrayXd()};
+  bool has_angle = true;
+  Eigen::Index k = 0;
+  for (; k < size; ++k) {
+    const auto value = source.sample(static_cast<uint64_t>(k), static_cast<double>(k) / rate);
     if (!value) break;
-    columns.u.push_back(converted(value->u, bits));
-    columns.v.push_back(converted(value->v, bits));
-    columns.angle.push_back(2 * pi * value->angle_turns);
-    columns.has_angle = columns.has_angle && value->has_truth;
+    columns.u[k] = converted(value->u, bits);
+    columns.v[k] = converted(value->v, bits);
+    has_angle = has_angle && value->has_truth;
+    if (!has_angle) continue;
+    if (k == 0) columns.angle.resize(size);
+    columns.angle[k] = 2 * pi * value->angle_turns;
   }
+  if (!has_angle) columns.angle.resize(0);
+  for (Eigen::ArrayXd* column : {&columns.u, &columns.v, &columns.angle})
+    if (column->size() > k) column->conservativeResize(k);
   return columns;
 }
 
@@ -69,9 +73,9 @@ Result<Record> read_record(const std::string& path, const RecordOptions& options
     return Error{fmt::format("{}: {} samples are too many; give --samples with at most {}",
                              trace.name, length, largest_record)};
 
-  const Columns columns = convert(*trace.source, count, record.adc_bits);
-  record.samples = {to_array(columns.u), to_array(columns.v)};
-  if (columns.has_angle) record.angle = to_array(columns.angle);
+  Columns columns = convert(*trace.source, std::min(count, length), record.adc_bits);
+  record.samples = {std::move(columns.u), std::move(columns.v)};
+  record.angle = std::move(columns.angle);
   return record;
 }
 

@@ -31,8 +31,8 @@ std::vector<ParameterRow> rows_of(const Fit& fit) {
   using P = csfn::Parameters;
   using I = csfn::Intervals;
   const auto row = [&](const char* name, int64_t word, double P::*value, double I::*interval) {
-    ParameterRow r{name, word, fit.answer.parameters.*value, fit.answer.intervals.*interval,
-                   {},   {}};
+    ParameterRow r{name, word, fit.answer.parameters.*value, {}, {}, {}};
+    if (fit.answer.no_intervals.empty()) r.interval = fit.answer.intervals.*interval;
     if (!fit.truth) return r;
     r.truth = (*fit.truth).*value;
     if (*r.truth != 0) r.relative_error = (r.value - *r.truth) / *r.truth;
@@ -180,28 +180,58 @@ std::string outliers_line(const csfn::Identification& answer) {
   return text + (answer.outliers.size() > named ? " ...\n" : "\n");
 }
 
-/// What is vouched for, or why nothing is.
+std::string error_text(const csfn::AngleError& error, bool tested) {
+  const std::string harmonics =
+      tested ? fmt::format("{:.2g} of harmonics of several orders, too small to be found",
+                           error.harmonics * degrees_per_radian)
+             : std::string("nothing of harmonics, which these samples do not show");
+  return fmt::format(
+      "{:.2g} deg: {:.2g} of the parameters (noise {:.2g} at {:g} %, method {:.2g}, drift {:.2g}, "
+      "resolution {:.2g}) and {}",
+      error.total * degrees_per_radian, error.parameters * degrees_per_radian,
+      error.noise * degrees_per_radian, 100 * csfn::bound_confidence,
+      error.method * degrees_per_radian, error.drift * degrees_per_radian,
+      error.resolution * degrees_per_radian, harmonics);
+}
+
+/// What is guaranteed, or why nothing is.
 std::string bound_line(const csfn::Identification& answer) {
   if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
   const csfn::AngleBound& bound = *answer.bound;
-  return fmt::format(
-      "angle bound  {:.2g} deg over the whole turn: noise {:.2g} ({:g} %), harmonics of several "
-      "orders, too small to be found {:.2g}, method {:.2g}, resolution {:.2g}\n"
-      "             not in it: a single harmonic that moves samples along the ellipse\n",
-      bound.total * degrees_per_radian, bound.noise * degrees_per_radian,
-      100 * csfn::bound_confidence, bound.harmonics * degrees_per_radian,
-      bound.method * degrees_per_radian, bound.resolution * degrees_per_radian);
+  const bool tested = answer.structure.last_order > 0 || answer.harmonics.identified;
+  std::string text =
+      fmt::format("angle bound  over the whole turn {}\n", error_text(bound, tested));
+  if (bound.arc_degrees < 360)
+    text += fmt::format("             over the {:.0f} degrees that the samples cover {}\n",
+                        bound.arc_degrees, error_text(bound.arc, tested));
+  return text + "             not in it: a single harmonic that moves samples along the ellipse\n";
+}
+
+ordered_json error_json(const csfn::AngleError& error) {
+  return {{"total", error.total * degrees_per_radian},
+          {"parameters", error.parameters * degrees_per_radian},
+          {"confidence", csfn::bound_confidence},
+          {"noise", error.noise * degrees_per_radian},
+          {"harmonics", error.harmonics * degrees_per_radian},
+          {"method", error.method * degrees_per_radian},
+          {"drift", error.drift * degrees_per_radian},
+          {"resolution", error.resolution * degrees_per_radian}};
 }
 
 ordered_json bound_json(const csfn::Identification& answer) {
   if (!answer.bound) return nullptr;
-  const csfn::AngleBound& bound = *answer.bound;
-  return {{"total", bound.total * degrees_per_radian},
-          {"confidence", csfn::bound_confidence},
-          {"noise", bound.noise * degrees_per_radian},
-          {"harmonics", bound.harmonics * degrees_per_radian},
-          {"method", bound.method * degrees_per_radian},
-          {"resolution", bound.resolution * degrees_per_radian}};
+  ordered_json j = error_json(*answer.bound);
+  j["arc_degrees"] = answer.bound->arc_degrees;
+  j["arc"] = error_json(answer.bound->arc);
+  return j;
+}
+
+/// Why there are no intervals, and what the samples are.
+std::string notes_lines(const csfn::Identification& answer) {
+  std::string text;
+  if (!answer.no_intervals.empty()) text += "intervals    none: " + answer.no_intervals + "\n";
+  for (const std::string& note : answer.notes) text += "note         " + note + "\n";
+  return text;
 }
 
 std::string gates_line(const csfn::Identification& answer) {
@@ -240,6 +270,8 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
                     {"noise", answer.residuals.noise}};
   j["angle_bound_deg"] = bound_json(answer);
   j["warning"] = answer.warning;
+  j["no_intervals"] = answer.no_intervals;
+  j["notes"] = answer.notes;
   j["outliers"] = answer.outliers;
   j["structure"] = {{"found", answer.structure.found},
                     {"order", answer.structure.order},
@@ -250,6 +282,7 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
   j["companions"] = companions_json(answer);
   j["disagreement"] = answer.disagreement;
   j["harmonics"] = harmonics_json(answer.harmonics);
+  j["angle_column"] = fit.angle_column;
   j["angle_error_deg"] = {
       {"uncalibrated_peak_to_peak", number_or_null(fit.errors.uncalibrated)},
       {"calibrated_peak_to_peak", number_or_null(fit.errors.calibrated)},
@@ -313,11 +346,14 @@ std::string to_table(const Fit& fit) {
   text += fmt::format("rotation     {}\n", csfn::to_string(answer.handedness));
   text += gates_line(answer);
   text += outliers_line(answer);
+  text += notes_lines(answer);
   text += bound_line(answer);
   if (!answer.disagreement.empty()) text += fmt::format("companions   {}\n", answer.disagreement);
   if (!answer.harmonics.reason.empty()) text += harmonics_table(answer.harmonics);
-  text += fmt::format("angle error  {} before, {} after (peak to peak)\n",
-                      degrees(fit.errors.uncalibrated), degrees(fit.errors.calibrated));
+  text += fit.angle_column.empty()
+              ? fmt::format("angle error  {} before, {} after (peak to peak)\n",
+                            degrees(fit.errors.uncalibrated), degrees(fit.errors.calibrated))
+              : fmt::format("angle error  not known: {}\n", fit.angle_column);
   if (fit.errors.with_harmonics)
     text += fmt::format("             {} with the harmonics taken off\n",
                         degrees(fit.errors.with_harmonics));
