@@ -135,7 +135,7 @@ TEST_F(Judge, AlarmsAfterSixteenGlitchesAndLockFallsWithIt) {
   fit(s);
   turn(s, 1001, tau / 1000);
   ASSERT_TRUE(locked());
-  bench.write(reg_judge, read(reg_judge) & ~judge_turns_mask);  // the alarm alone
+  bench.write(reg_judge, read(reg_judge) & ~(3u << judge_turns_shift));  // the alarm alone
   for (int i = 1; i <= 16; ++i) {
     EXPECT_TRUE(locked()) << i;
     EXPECT_FALSE(bench.dut.interrupt()) << i;
