@@ -35,7 +35,7 @@ void add_save_file(const RunSettings& settings, std::vector<host::FileUse>& uses
 std::vector<host::FileUse> files_of(const RunSettings& settings) {
   std::vector<host::FileUse> uses;
   for (const Setting& setting : settings.all()) {
-    if (setting.kind == SettingKind::input)
+    if (setting.kind == SettingKind::input && setting.path != settings.sensor.file.about().path)
       uses.push_back({Kind::input, setting.name(), setting.value});
     if (setting.kind == SettingKind::output)
       uses.push_back({Kind::output, setting.name(), setting.value});
@@ -48,6 +48,8 @@ std::vector<host::FileUse> files_of(const RunSettings& settings) {
     for (const SavePoint& point : points.value())
       uses.push_back({Kind::output, settings.checkpoint.save.name(), point.file});
   // What the settings' values do not say as they are.
+  for (const std::string& file : sensor::files_of(settings.sensor.file()))
+    uses.push_back({Kind::input, settings.sensor.file.name(), file});
   uses.push_back({Kind::input, "the program", program_of(settings)});
   for (const std::string& place : places_to_load(settings))
     uses.push_back({Kind::input, settings.firmware.load.name(), place.substr(0, place.rfind('@'))});

@@ -77,7 +77,12 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
       priorities_(soc_, view_, static_cast<unsigned>(settings.cpu.priority_bits())),
       limit_("limit", settings.limits.simulated_s()),
       host_limit_(settings.limits.host_s()),
-      real_time_(settings.limits.realtime()) {}
+      real_time_(settings.limits.realtime()) {
+  for (const std::string& sentence : inputs_.sensor_warnings) {
+    spdlog::warn("{}", sentence);
+    result_.sensor_warnings.push_back(sentence);
+  }
+}
 
 Simulation::~Simulation() {
   kit::set_guest_error_context({});
