@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -247,11 +248,16 @@ std::optional<Error> add_time_and_angle(const std::vector<ColumnName>& names,
   return std::nullopt;
 }
 
+/// As a clock does, and no signal for long: without a fall, and as steeply at the end as before.
 bool rises(const std::vector<std::vector<double>>& rows) {
   if (rows.size() < 3) return false;
   for (std::size_t k = 1; k < rows.size(); ++k)
-    if (rows[k].front() < rows[k - 1].front()) return false;
-  return rows.back().front() > rows.front().front();
+    if (!(rows[k].front() >= rows[k - 1].front())) return false;
+  const double all = rows.back().front() - rows.front().front();
+  const double half = rows[(rows.size() - 1) / 2].front() - rows.front().front();
+  const double expected =
+      all * static_cast<double>((rows.size() - 1) / 2) / static_cast<double>(rows.size() - 1);
+  return all > 0 && std::fabs(half - expected) < 0.1 * all;
 }
 
 std::vector<ColumnName> numbered(std::size_t columns) {

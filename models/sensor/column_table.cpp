@@ -12,8 +12,14 @@ namespace capsoc::sensor {
 namespace {
 
 Result<ColumnChoice> choose(const ColumnTable& table, const RecordingOptions& options) {
+  if (table.channels && table.columns.size() != 2 && options.columns.empty())
+    return Error{fmt::format("there {} {} of sound; choose two with --columns 1,2",
+                             table.columns.size() == 1 ? "is" : "are",
+                             table.columns.size() == 1
+                                 ? std::string("one channel")
+                                 : fmt::format("{} channels", table.columns.size()))};
   if (table.named) return choose_columns(table.names, options.columns);
-  constexpr std::size_t probed = 50;
+  constexpr std::size_t probed = 10'000;
   std::vector<std::vector<double>> rows;
   std::size_t count = probed;
   for (const auto& column : table.columns) count = std::min(count, column.size());

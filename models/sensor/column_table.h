@@ -16,7 +16,8 @@ struct ColumnTable {
   std::vector<ColumnName> names;  ///< "1", "2", ... where `named` is not set
   std::vector<std::vector<double>> columns;
   bool named = true;
-  std::optional<double> rate_hz;     ///< where the file states it
+  bool channels = false;          ///< of a sound: only two of them tell by themselves what they are
+  std::optional<double> rate_hz;  ///< where the file states it
   std::vector<std::string> remarks;  ///< sentences without the file's name
 };
 

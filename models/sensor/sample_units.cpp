@@ -73,8 +73,8 @@ UnitGuess guess_unit(const ValueRange& range, const std::string& unit) {
     return volts(least, most, 1e3, "millivolts");
   if (largest <= 1) return {"full scale", 1, 0};
   // Counts of a real converter; above 2^32 no whole number is one.
-  if (range.whole && largest < std::ldexp(1.0, 32) && largest > 32)
-    return least >= 0 ? unsigned_counts(most) : signed_counts(largest);
+  if (range.whole && largest > 32 && largest < std::ldexp(1.0, least < 0 ? 31 : 32))
+    return least < 0 ? signed_counts(largest) : unsigned_counts(most);
   if (largest <= 30) return volts(least, most, 1, "volts");
   if (largest <= 100) {
     if (least >= 0) return {"percent", 50, 50};

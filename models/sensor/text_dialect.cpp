@@ -11,7 +11,8 @@ namespace capsoc::sensor {
 namespace {
 
 constexpr char separators[] = {'\t', ';', ',', '|', ' '};
-constexpr std::size_t most_probed = 50;
+constexpr std::size_t most_shapes = 50;
+constexpr std::size_t most_probed = 10'000;
 
 struct Line {
   unsigned long number;
@@ -102,7 +103,7 @@ Guess guess_by(const std::vector<Line>& lines, char separator, std::size_t least
                                     [&](const auto& other) { return other.first == shape; });
     if (known != shapes.end())
       ++known->second;
-    else if (shapes.size() < most_probed)
+    else if (shapes.size() < most_shapes)
       shapes.emplace_back(shape, 1);
   }
   Guess best;

@@ -14,6 +14,8 @@ constexpr double gap_steps = 1.75;
 // Above, stamps are uneven, and no single gap is worth a sentence.
 constexpr double most_gaps = 0.05;
 constexpr double coarse_part = 0.2;
+constexpr double restart_part = 0.02;
+constexpr double most_restarts = 0.05;  // of the rows; above, they are in no order
 
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
@@ -53,8 +55,8 @@ void TimeStamps::take(const Stamp& stamp) {
   const double step = stamp.seconds - last_;
   const Place place = {last_, stamp.seconds, stamp.line};
   if (step < 0) {
-    // A clock that begins again falls by all that it has risen.
-    if (-step < 0.5 * (most_ - least_)) ++small_falls_;
+    // A clock that begins again falls to where it began.
+    if (stamp.seconds > least_ + restart_part * (most_ - least_)) ++small_falls_;
     if (falls_++ == 0) first_fall_ = place;
   } else if (step == 0) {
     if (equal_++ == 0) first_equal_ = place;
@@ -98,7 +100,8 @@ void TimeStamps::remark_on_gaps(Verdict& verdict) const {
 
 void TimeStamps::remark_on_falls(Verdict& verdict) const {
   if (falls_ == 0) return;
-  if (small_falls_ > 0) {
+  if (small_falls_ > 0 ||
+      static_cast<double>(falls_) > most_restarts * static_cast<double>(rows_)) {
     verdict.line = first_fall_.line;
     verdict.error =
         fmt::format("t falls from {} to {}{}; sort the rows by time", first_fall_.before,

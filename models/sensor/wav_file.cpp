@@ -101,6 +101,8 @@ Result<ColumnTable> read_wav(std::string_view bytes, const std::string& file) {
       const std::size_t frames = data.size() / format->block;
       ColumnTable table;
       table.names = numbered_names(format->channels);
+      table.named = false;
+      table.channels = true;
       table.columns.resize(format->channels);
       for (std::size_t channel = 0; channel < format->channels; ++channel) {
         table.columns[channel].reserve(frames);
