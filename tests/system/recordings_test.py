@@ -434,5 +434,86 @@ class Sds(Case):
         self.assertIn("Resolver.sds.yml", process.stderr.decode())
 
 
+class Written(Case):
+    """`--record` in other formats, read by programs that are not ours and by capsoc again."""
+
+    def record(self, name, *options):
+        """The recording, and the same run's as CSV; rows of numbers by column."""
+        files = {}
+        for file in ("r.csv", name):
+            process = self.capsoc("run", "--record", file, "-P", "demodulation_samples=2000", "-P", "calibration_samples=0",
+                                  "--uart0", "null", *options)
+            self.assertIn(process.returncode, (0, 1), process.stderr.decode())
+        lines = [line for line in (self.folder / "r.csv").read_text().splitlines() if not line.startswith("#")]
+        names = lines[0].split(",")
+        rows = [[float(cell or "nan") for cell in line.split(",")] for line in lines[1:]]
+        files.update(zip(names, map(list, zip(*rows))))
+        return files
+
+    def test_wav(self):
+        right = self.record("r.wav")
+        with wave.open(str(self.folder / "r.wav"), "rb") as file:
+            self.assertEqual((file.getnchannels(), file.getsampwidth(), file.getframerate()), (2, 4, 250))
+            words = struct.unpack(f"<{2 * file.getnframes()}i", file.readframes(file.getnframes()))
+        self.assertEqual([word / 2 ** 31 for word in words[0::2]], right["u"])
+        self.assertEqual([word / 2 ** 31 for word in words[1::2]], right["v"])
+        said = subprocess.run(["sox", "--info", "r.wav"], cwd=self.folder, capture_output=True, check=True, text=True)
+        self.assertEqual(said.stderr, "")
+        self.assertIn("32-bit Signed Integer PCM", said.stdout)
+        process = self.capsoc("run", "--record", "s.wav", "--record-columns", "u,v,a1")
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("a WAV file has the channels u and v", process.stderr.decode())
+        self.assertFalse((self.folder / "s.wav").exists())
+
+    def check_mat(self, right):
+        script = ("import sys, json, scipy.io as io\nm = io.loadmat('r.mat')\n"
+                  "print(json.dumps({k: v.ravel().tolist() for k, v in m.items() if not k.startswith('_')}))")
+        said = subprocess.run([PYTHON, "-c", script], cwd=self.folder, capture_output=True, check=True, text=True)
+        read = json.loads(said.stdout)
+        self.assertEqual(list(read), list(right))
+        for name, column in right.items():
+            self.assertEqual(repr(read[name]), repr(column), name)
+
+    def test_mat(self):
+        self.check_mat(self.record("r.mat"))
+        self.check_mat(self.record("r.mat", "--record-columns", "sample,t,u,v,angle_deg,found_deg,a1,status"))
+
+    def test_sds(self):
+        right = self.record("r.0.sds")
+        data = (self.folder / "r.0.sds").read_bytes()
+        self.assertEqual(len(data), 24 * len(right["u"]))
+        for k in range(len(right["u"])):
+            slot, size, u, v, angle = struct.unpack_from("<IIiid", data, 24 * k)
+            self.assertEqual((slot, size), (round(1000 * right["t"][k]), 16))
+            self.assertEqual((u / 2 ** 31, v / 2 ** 31, angle), (right["u"][k], right["v"][k], right["angle_deg"][k]))
+        meta = (self.folder / "r.sds.yml").read_text()
+        self.assertIn("sample-frequency: 250\n  tick-frequency: 1000\n", meta)
+        self.assertIn("  - value: u\n    type: int32_t\n    scale: 4.656612873077393e-10\n", meta)
+        # Nothing of a run that writes over its own input.
+        process = self.capsoc("run", "--sensor", "r.0.sds", "--record", "r.1.sds")
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("r.sds.yml", process.stderr.decode())
+
+    def test_each_is_a_recording_again(self):
+        self.record("r.mat")
+        parameters = []
+        for name in ("r.csv", "r.wav", "r.mat", "r.0.sds"):
+            if name in ("r.wav", "r.0.sds"):
+                self.record(name)
+            process = self.capsoc("run", "--sensor", name, "-P", "demodulation_samples=1500", "-P", "calibration_samples=0",
+                                  "--uart0", "null", "--json", "r.json")
+            self.assertIn(process.returncode, (0, 1), process.stderr.decode())
+            parameters.append({n: p["word"] for n, p in json.loads((self.folder / "r.json").read_text())["parameters"].items()})
+        self.assertEqual(parameters, parameters[:1] * 4)
+
+    def test_a_sensor_without_a_truth(self):
+        (self.folder / "t.csv").write_text("u,v\n" + "0.1,0.2\n" * 10)
+        for name in ("r.mat", "r.sds"):
+            self.capsoc("run", "--sensor", "t.csv", "--record", name, "--uart0", "null")
+        self.assertNotIn(b"angle_deg", (self.folder / "r.mat").read_bytes())
+        self.assertNotIn("angle_deg", (self.folder / "r.sds.yml").read_text())
+        self.assertEqual((self.folder / "r.sds").stat().st_size, 160)
+
+
 if __name__ == "__main__":
     unittest.main()

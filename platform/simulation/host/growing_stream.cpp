@@ -49,6 +49,11 @@ void GrowingStream::write(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stream_.get()) != text.size()) fail();
 }
 
+void GrowingStream::replace(long place, std::string_view bytes) {
+  if (error_ != 0) return;
+  if (std::fflush(stream_.get()) != 0 || !write_at(fileno(stream_.get()), bytes, place)) fail();
+}
+
 void GrowingStream::shrink(const Rewrite& rewrite) {
   if (error_ != 0) return;
   if (std::fflush(stream_.get()) != 0) return fail();

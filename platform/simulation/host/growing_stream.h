@@ -24,6 +24,10 @@ class GrowingStream {
   /// The first failure is kept for finish(), and what comes after it is dropped.
   void write(std::string_view text);
 
+  /// Puts other bytes in the place of some that were written, `place` bytes behind the first: a
+  /// head that has sizes. What is written next still goes to the end.
+  void replace(long place, std::string_view bytes);
+
   /// Appends to `out` what becomes of the next piece of the text; no more bytes than it had so far.
   using Rewrite = std::function<void(std::string_view piece, std::string& out)>;
   /// Writes all that there is again, shorter.

@@ -1,5 +1,6 @@
 #include "run/run_files.h"
 
+#include "metrics/sample_writer.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"
@@ -39,6 +40,9 @@ std::vector<host::FileUse> files_of(const RunSettings& settings) {
       uses.push_back({Kind::input, setting.name(), setting.value});
     if (setting.kind == SettingKind::output)
       uses.push_back({Kind::output, setting.name(), setting.value});
+    if (setting.path == settings.results.record.about().path)
+      for (const std::string& file : metrics::files_of_recording(setting.value))
+        if (file != setting.value) uses.push_back({Kind::output, "the metadata of --record", file});
     if (setting.kind == SettingKind::backend)
       uses.push_back({Kind::output, setting.name(), path_of_backend(setting.value)});
     if (setting.kind == SettingKind::backend && setting.value.rfind("script:", 0) == 0)
