@@ -2,8 +2,9 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "sensor/recording_options.h"
+#include "sensor/sample_column.h"
 #include "sensor/source.h"
 #include "support/result.h"
 
@@ -13,27 +14,27 @@ namespace capsoc::sensor {
 /// description().sample_rate_hz, when that is known.
 class RecordedSource final : public Source {
  public:
-  struct Row {
-    double u, v;
-    double angle_turns;  ///< in [0, 1), 0 without truth
-  };
-
-  RecordedSource(Description description, std::vector<Row> rows, bool has_truth);
+  /// `u` and `v` in units of full scale; `angle`, in turns in [0, 1), is empty without truth.
+  RecordedSource(Description description, SampleColumn u, SampleColumn v, SampleColumn angle);
 
   std::optional<SensorValue> sample(uint64_t k, double t_seconds) override;
   void rewind() override {}
   const Description& description() const override { return description_; }
 
+  /// The columns, for what needs all samples at once; whoever takes them leaves the source empty.
+  SampleColumn& u() { return u_; }
+  SampleColumn& v() { return v_; }
+  SampleColumn& angle() { return angle_; }
+
  private:
   Description description_;
-  std::vector<Row> rows_;
-  bool has_truth_;
+  SampleColumn u_, v_, angle_;
 };
 
-/// Reads a CSV record: a header row, then one row a sample. Columns by name, in any order: `u` and
-/// `v` (full scale 1), optionally `angle_deg` (true angle in degrees, any number of turns) and `t`
-/// (seconds, increasing; gives the sample rate). Other columns are ignored. Empty lines and lines
-/// that start with '#' do not count; CR LF is a line end. `file` is only used in error sentences.
-Result<RecordedSource> read_recording(std::string_view text, const std::string& file);
+/// Reads a recording that is text (traces/README.md has the dialects): one row a sample, the
+/// columns by name or as `options` say. `file` is only used in error sentences: "file:line: what is
+/// wrong; what to do".
+Result<RecordedSource> read_recording(std::string_view text, const std::string& file,
+                                      const RecordingOptions& options = {});
 
 }  // namespace capsoc::sensor

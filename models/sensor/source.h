@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace capsoc::sensor {
 
@@ -35,6 +36,11 @@ struct Description {
   std::optional<double> sample_rate_hz;  ///< rate that the signal is meant for, or was recorded at
   std::optional<int> adc_bits;           ///< converter width, 12 .. 32
   std::optional<uint64_t> samples;       ///< length of the record
+  // Of a recording only.
+  std::string unit = {};                  ///< what its values were taken for, with --scale auto
+  double full_scale = 1, zero = 0;        ///< values of the file that are 1 and 0 of full scale
+  std::optional<double> step = {};        ///< of the grid that all values lie on, of full scale
+  std::vector<std::string> remarks = {};  ///< sentences: what its user should know
 };
 
 /// A sensor. Deterministic: the same k and t after rewind() give the same bits.

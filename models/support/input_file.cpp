@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace capsoc {
 namespace {
@@ -24,6 +25,7 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   int get() const { return descriptor_; }
+  int release() { return std::exchange(descriptor_, -1); }
 
  private:
   int descriptor_;
@@ -58,24 +60,55 @@ Error refused(const std::string& path, const std::string& what, const InputLimit
 
 }  // namespace
 
-Result<std::string> read_input(const std::string& path, const InputLimits& limits) {
-  const OpenFile file(path);
+Result<InputFile> InputFile::open(const std::string& path, const InputLimits& limits) {
+  OpenFile file(path);
   if (const std::string what = objection(file, limits); !what.empty())
     return refused(path, what, limits);
+  struct stat status {};
+  // The kernel's own files have no size and are not empty.
+  if (!limits.may_be_empty && fstat(file.get(), &status) == 0 && status.st_size == 0) {
+    char first = 0;
+    if (::pread(file.get(), &first, 1, 0) == 0) return refused(path, "is empty", limits);
+  }
+  return InputFile(path, limits, file.release());
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      limits_(std::move(other.limits_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      taken_(other.taken_) {}
+
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<std::size_t> InputFile::read(char* bytes, std::size_t size) {
+  ssize_t got = 0;
+  do {
+    got = ::read(descriptor_, bytes, size);
+  } while (got < 0 && errno == EINTR);
+  if (got < 0)
+    return refused(path_, std::string("cannot be read (") + std::strerror(errno) + ")", limits_);
+  taken_ += static_cast<uint64_t>(got);
+  if (taken_ > limits_.largest)
+    return refused(path_,
+                   "has more than the " + std::to_string(limits_.largest) + " bytes that are read",
+                   limits_);
+  return static_cast<std::size_t>(got);
+}
+
+Result<std::string> read_input(const std::string& path, const InputLimits& limits) {
+  auto file = InputFile::open(path, limits);
+  if (!file) return Error{file.error()};
   // To its end and not by its size: the kernel's own files have none, and a file may be growing.
   std::string text;
   std::array<char, 1U << 14U> piece;  // few new pages of the stack
   for (;;) {
-    const ssize_t got = ::read(file.get(), piece.data(), piece.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0)
-      return refused(path, std::string("cannot be read (") + std::strerror(errno) + ")", limits);
-    if (got == 0) break;
-    text.append(piece.data(), static_cast<std::size_t>(got));
-    if (text.size() > limits.largest)
-      return refused(path,
-                     "has more than the " + std::to_string(limits.largest) + " bytes that are read",
-                     limits);
+    const auto got = file.value().read(piece.data(), piece.size());
+    if (!got) return Error{got.error()};
+    if (got.value() == 0) break;
+    text.append(piece.data(), got.value());
   }
   if (text.empty() && !limits.may_be_empty) return refused(path, "is empty", limits);
   return text;

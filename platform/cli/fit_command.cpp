@@ -17,6 +17,8 @@
 #include "host/files.h"
 #include "report/page.h"
 #include "run/results.h"
+#include "sensor/load.h"
+#include "support/number.h"
 #include "support/printable.h"
 #include "support/shell.h"
 
@@ -33,6 +35,7 @@ struct FitArguments {
   std::string json, header, html;  ///< all empty: none was named
   bool curves = false;
   std::string convergence;
+  std::string full_scale, zero, scale;   ///< as they were given
   std::vector<std::string> assignments;  ///< sensor.KEY=VALUE
   std::string command = "capsoc fit";    ///< that gives the same fit
 };
@@ -66,11 +69,12 @@ int print_tables(const FitArguments& arguments) {
 /// No output is the trace or another output, and all of them can be written.
 std::optional<Error> check_files(const FitArguments& arguments) {
   using Kind = host::FileUse::Kind;
-  const std::vector<host::FileUse> uses = {{Kind::input, "TRACE", arguments.trace},
-                                           {Kind::output, "--json", arguments.json},
-                                           {Kind::output, "--header", arguments.header},
-                                           {Kind::output, "--html", arguments.html},
-                                           {Kind::output, "--convergence", arguments.convergence}};
+  std::vector<host::FileUse> uses = {{Kind::output, "--json", arguments.json},
+                                     {Kind::output, "--header", arguments.header},
+                                     {Kind::output, "--html", arguments.html},
+                                     {Kind::output, "--convergence", arguments.convergence}};
+  for (const std::string& file : sensor::files_of(arguments.trace))
+    uses.insert(uses.begin(), {Kind::input, "TRACE", file});
   if (auto error = host::check_uses(uses)) return error;
   for (const host::FileUse& use : uses)
     if (use.kind == Kind::output && !use.path.empty())
@@ -86,11 +90,38 @@ std::optional<Error> take_assignments(FitArguments& arguments) {
     if (assignment.rfind(prefix, 0) != 0 || equals == std::string::npos)
       return Error{fmt::format("-C {}: write sensor.KEY=VALUE, for instance -C sensor.a1=0.5",
                                printable(assignment))};
-    arguments.options.record.keys.push_back(
-        {assignment.substr(prefix.size(), equals - prefix.size()), assignment.substr(equals + 1),
-         "-C " + assignment});
+    const std::string key = assignment.substr(prefix.size(), equals - prefix.size());
+    const std::string value = assignment.substr(equals + 1);
+    // As settings of capsoc run, they are no keys of a description.
+    if (key == "columns")
+      arguments.options.record.recording.columns = value;
+    else if (key == "full_scale" || key == "zero" || key == "scale")
+      (key == "zero"    ? arguments.zero
+       : key == "scale" ? arguments.scale
+                        : arguments.full_scale) = value;
+    else
+      arguments.options.record.keys.push_back({key, value, "-C " + assignment});
     arguments.command += " -C " + shell_word(assignment);
   }
+  return std::nullopt;
+}
+
+/// The unit of a recording's values.
+std::optional<Error> take_scale(FitArguments& arguments) {
+  sensor::RecordingOptions& recording = arguments.options.record.recording;
+  for (const auto& [name, text, value] :
+       {std::make_tuple("--full-scale", &arguments.full_scale, &recording.full_scale),
+        std::make_tuple("--zero", &arguments.zero, &recording.zero)}) {
+    if (text->empty()) continue;
+    *value = finite_number(*text);
+    if (!*value)
+      return Error{fmt::format("{} cannot be '{}'; give a number", name, printable(*text))};
+  }
+  if (!arguments.scale.empty() && arguments.scale != "auto")
+    return Error{
+        fmt::format("--scale cannot be '{}'; give auto, or a unit by --full-scale and --zero",
+                    printable(arguments.scale))};
+  recording.automatic_scale = arguments.scale == "auto";
   return std::nullopt;
 }
 
@@ -118,11 +149,14 @@ int fit_command(FitArguments& arguments) {
   if (arguments.trace.empty()) return refuse("fit needs a TRACE, --tables or --table; try --help");
   choose_method(arguments);
   if (auto error = take_assignments(arguments)) return refuse(error->text);
+  if (auto error = take_scale(arguments)) return refuse(error->text);
   if (auto error = check_files(arguments)) return refuse(error->text);
   const auto fitted = fit::fit(arguments.trace, arguments.options);
   if (!fitted) return refuse(fitted.error());
   if (const std::string& reason = fitted.value().rejection; !reason.empty())
     return refuse(fmt::format("{}: {}", arguments.trace, reason), run::exit_code::rejected);
+  for (const std::string& sentence : fitted.value().record.warnings)
+    host::say("warning: {}\n", sentence);
   return report(arguments, fitted.value());
 }
 
@@ -133,7 +167,8 @@ void add_fit(CLI::App& app, int& code) {
   CLI::App* fit = app.add_subcommand(
       "fit", "Identify a sensor's parameters from a trace; writes calibration.json and .h");
   fit->add_option("trace", arguments->trace,
-                  "Sensor description (TOML) or recording (CSV); -: standard input")
+                  "Sensor description (TOML) or recording (text, WAV, MAT, SDS; or U.csv,V.csv); "
+                  "-: standard input")
       ->type_name("TRACE");
   fit->add_flag("--tables", arguments->tables,
                 "Instead of a trace: print how exact every method is on generated records");
@@ -192,6 +227,18 @@ void add_fit(CLI::App& app, int& code) {
                         "Width of the converter (default: as the trace says)")
             ->transform(whole_number(12, 32)),
         "N");
+  input(fit->add_option("--columns", arguments->options.record.recording.columns,
+                        "Columns of a recording by name or number from 1 (or U,V, or T,U,V)"),
+        "T,U,V,ANGLE");
+  input(fit->add_option("--full-scale", arguments->full_scale,
+                        "Value of a recording that is full scale (12 bits: 2048)"),
+        "X");
+  input(fit->add_option("--zero", arguments->zero,
+                        "Value of a recording that is zero (12 bits: 2048)"),
+        "X");
+  input(fit->add_option("--scale", arguments->scale,
+                        "Find full scale and zero of a recording by its values"),
+        "auto");
   fit->add_option("-C", arguments->assignments, "Set a key of the description")
       ->type_name("sensor.KEY=VALUE")
       ->allow_extra_args(false);
@@ -214,7 +261,8 @@ void add_fit(CLI::App& app, int& code) {
   fit->callback([arguments, inputs, &code] {
     for (const CLI::Option* option : inputs)
       if (option->count() > 0)
-        arguments->command += fmt::format(" {} {}", option->get_name(), option->as<std::string>());
+        arguments->command +=
+            fmt::format(" {} {}", option->get_name(), shell_word(option->as<std::string>()));
     if (arguments->json.empty() && arguments->header.empty() && arguments->html.empty()) {
       arguments->json = "calibration.json";
       arguments->header = "calibration.h";

@@ -4,9 +4,11 @@
 // reads outside them, too.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "damage.h"
 #include "loader/elf_image.h"
@@ -14,8 +16,11 @@
 #include "loader/program_settings.h"
 #include "metrics/parameter_file.h"
 #include "sensor/described_source.h"
+#include "sensor/mat_file.h"
 #include "sensor/recorded_source.h"
+#include "sensor/sds_file.h"
 #include "sensor/toml_reader.h"
+#include "sensor/wav_file.h"
 #include "serial/pin_line.h"
 #include "support/setting_fields.h"
 #include "tally.h"
@@ -180,6 +185,163 @@ TEST(FileFuzz, DamagedRecordings) {
     ASSERT_TRUE(value) << number;
     EXPECT_TRUE(std::isfinite(value->u) && std::isfinite(value->v)) << number;
     EXPECT_TRUE(value->angle_turns >= 0.0 && value->angle_turns < 1.0) << number;
+  }
+}
+
+/// Text in several dialects, so that what guesses them meets damage, too.
+TEST(FileFuzz, DamagedDialects) {
+  std::string rows[4] = {"sep=;\nt;u;v\n", "Model,X\nTIME,\"CH1\",CH2,angle_rad\n(ms),(V),(V),\n",
+                         "# sin cos\n", ""};
+  for (int k = 0; k < 60; ++k) {
+    const double u = 0.5 * std::sin(0.1 * k), v = 0.5 * std::cos(0.1 * k);
+    rows[0] += fmt::format("{};0,{:06.0f};{}0,{:06.0f}\n", k, 1e6 * std::fabs(u), v < 0 ? "-" : "",
+                           1e6 * std::fabs(v));
+    rows[1] += fmt::format("{},{},\"{}\",{},\n", k, u, v, 0.1 * k);
+    rows[2] += fmt::format("  {}\t {}\n", u, v);
+    rows[3] += fmt::format("{},{},{}\r", k, 2048 + std::round(1000 * u), std::round(1000 * v));
+  }
+  const uint64_t count = file_count(8000);
+  Tally tally("dialects", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    sensor::RecordingOptions options;
+    options.automatic_scale = number % 3 != 0;
+    if (number % 7 == 0) options.columns = "2,3";
+    auto result = sensor::read_recording(Damage(number).text(rows[number % 4]), "f.csv", options);
+    if (!result) {
+      tally.refuse(result.error(), result.error()[0] == '-' ? "--" : "f.csv", number);
+      continue;
+    }
+    tally.accept();
+    for (uint64_t k = 0; const auto value = result.value().sample(k, 0); ++k)
+      ASSERT_TRUE(std::isfinite(value->u) && std::isfinite(value->v)) << number;
+  }
+}
+
+template <typename Number>
+void append(std::string& bytes, Number number) {
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+/// What a table of a damaged binary file gives.
+void judge_table(const Result<sensor::ColumnTable>& table, uint64_t number, Tally& tally) {
+  if (!table) {
+    tally.refuse(table.error(), "f.bin", number);
+    return;
+  }
+  auto source = sensor::read_table(table.value(), "f.bin", {});
+  if (!source) {
+    tally.refuse(source.error(), "f.bin", number);
+    return;
+  }
+  tally.accept();
+  ASSERT_TRUE(std::isfinite(source.value().sample(0, 0)->u)) << number;
+}
+
+TEST(FileFuzz, DamagedWav) {
+  std::string whole = "RIFF....WAVEfmt ";
+  append(whole, uint32_t{16});
+  for (const uint16_t half : {1, 2, 250, 0, 1000, 0, 4, 16}) append(whole, half);
+  whole += "data";
+  append(whole, uint32_t{800});
+  for (int k = 0; k < 200; ++k) {
+    append(whole, static_cast<int16_t>(10000 * std::sin(0.1 * k)));
+    append(whole, static_cast<int16_t>(10000 * std::cos(0.1 * k)));
+  }
+  const uint64_t count = file_count(8000);
+  Tally tally("WAV", count);
+  for (uint64_t number = 0; number < count; ++number)
+    judge_table(sensor::read_wav(Damage(number).binary(whole, 48, 40), "f.bin"), number, tally);
+}
+
+/// A variable of a MAT file, packed or not.
+std::string mat_vector(const std::string& name, const std::vector<double>& values, bool packed) {
+  std::string body;
+  for (const uint32_t word : {6U, 8U, 6U, 0U, 5U, 8U, static_cast<uint32_t>(values.size()), 1U})
+    append(body, word);
+  append(body, 0x10001U);
+  body += name + std::string(3, '\0');
+  append(body, uint32_t{9});
+  append(body, static_cast<uint32_t>(8 * values.size()));
+  for (const double value : values) append(body, value);
+  std::string element;
+  append(element, uint32_t{14});
+  append(element, static_cast<uint32_t>(body.size()));
+  element += body;
+  if (!packed) return element;
+  uLongf size = compressBound(element.size());
+  std::string deflated(size, '\0');
+  compress(reinterpret_cast<Bytef*>(deflated.data()), &size,
+           reinterpret_cast<const Bytef*>(element.data()), element.size());
+  deflated.resize(size);
+  std::string out;
+  append(out, uint32_t{15});
+  append(out, static_cast<uint32_t>(deflated.size()));
+  return out + deflated;
+}
+
+TEST(FileFuzz, DamagedMat) {
+  std::vector<double> u, v;
+  for (int k = 0; k < 60; ++k) {
+    u.push_back(0.5 * std::sin(0.1 * k));
+    v.push_back(0.5 * std::cos(0.1 * k));
+  }
+  std::string head = "MATLAB 5.0 MAT-file";
+  head.resize(124, ' ');
+  head += std::string("\0\1IM", 4);
+  const uint64_t count = file_count(8000);
+  Tally tally("MAT", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    const bool packed = number % 2 != 0;
+    // Packed bytes are damaged before they are packed, or nothing would get past the checksum.
+    std::string one = mat_vector("u", u, false), other = mat_vector("v", v, packed);
+    if (number % 4 != 3) {
+      one = Damage(number).binary(one, 64, 16);
+      if (number % 4 == 1) {
+        uLongf size = compressBound(one.size());
+        std::string deflated(size, '\0');
+        compress(reinterpret_cast<Bytef*>(deflated.data()), &size,
+                 reinterpret_cast<const Bytef*>(one.data()), one.size());
+        deflated.resize(size);
+        one.clear();
+        append(one, uint32_t{15});
+        append(one, static_cast<uint32_t>(size));
+        one += deflated;
+      }
+      judge_table(sensor::read_mat(head + one + other, "f.bin"), number, tally);
+    } else {
+      judge_table(sensor::read_mat(Damage(number).binary(head + one + other, 200, 100), "f.bin"),
+                  number, tally);
+    }
+  }
+}
+
+TEST(FileFuzz, DamagedSds) {
+  const std::string metadata =
+      "sds:\n  name: x\n  frequency: 250\n  tick-frequency: 1000\n  content:\n  - value: u\n"
+      "    type: int16_t\n    scale: 0.00003\n  - value: v\n    type: int16_t\n    dim-x: 1\n"
+      "    scale: 0.00003\n    offset: 0.1\n";
+  std::string whole;
+  for (uint32_t block = 0; block < 8; ++block) {
+    append(whole, block * 100);
+    append(whole, uint32_t{40});
+    for (int k = 0; k < 10; ++k) {
+      append(whole, static_cast<int16_t>(10000 * std::sin(0.1 * k)));
+      append(whole, static_cast<int16_t>(10000 * std::cos(0.1 * k)));
+    }
+  }
+  const uint64_t count = file_count(8000);
+  Tally tally("SDS", count);
+  for (uint64_t number = 0; number < count; ++number) {
+    const bool text = number % 2 != 0;
+    const auto described =
+        sensor::read_sds_metadata(text ? Damage(number).text(metadata) : metadata, "f.bin");
+    if (!described) {
+      tally.refuse(described.error(), "f.bin", number);
+      continue;
+    }
+    judge_table(sensor::read_sds(text ? whole : Damage(number).binary(whole, 60, 50),
+                                 described.value(), "f.bin"),
+                number, tally);
   }
 }
 

@@ -156,10 +156,20 @@ TEST(SensorMatch, AVerySlowReferenceIsNotHeldToDigitsThatItsUpperWordHasNot) {
 }
 
 sensor::RecordedSource rows(const std::vector<double>& turns, bool truth = true) {
-  std::vector<sensor::RecordedSource::Row> rows;
-  for (const double angle : turns) rows.push_back({0.1, 0.2, angle - std::floor(angle)});
-  sensor::Description description;
-  return {description, rows, truth};
+  sensor::SampleColumn u, v, angle;
+  for (const double turn : turns) {
+    u.push_back(0.1);
+    v.push_back(0.2);
+    if (truth) angle.push_back(turn - std::floor(turn));
+  }
+  return {sensor::Description{}, std::move(u), std::move(v), std::move(angle)};
+}
+
+TEST(RecordedSpeed, LeavesAGapOut) {
+  std::vector<double> turns;
+  for (int k = 0; k < 2000; ++k) turns.push_back(0.002 * (k < 1000 ? k : k + 100));
+  sensor::RecordedSource source = rows(turns);
+  EXPECT_NEAR(metrics::recorded_speed(source).value_or(0), 0.002, 1e-12);
 }
 
 TEST(RecordedSpeed, IsTheMeanOfTheTrueAngles) {

@@ -16,26 +16,28 @@ TEST(Load, SaysThatAFileIsMissing) {
   EXPECT_EQ(
       error_of_file("traces/none.toml"),
       "traces/none.toml: cannot be read (No such file or directory); name a sensor description "
-      "(.toml) or a recording (.csv)");
+      "(.toml) or a recording (.csv, .txt, .wav, .mat, .sds)");
   EXPECT_EQ(
       error_of_file("traces/none.csv"),
       "traces/none.csv: cannot be read (No such file or directory); name a sensor description "
-      "(.toml) or a recording (.csv)");
+      "(.toml) or a recording (.csv, .txt, .wav, .mat, .sds)");
 }
 
 TEST(Load, SaysWhichKindsOfFileItKnows) {
-  EXPECT_EQ(error_of_file("traces/README.md"),
-            "traces/README.md: the kind of file is not known; name it .toml (description) or .csv "
-            "(recording)");
+  EXPECT_EQ(
+      error_of_file("traces/README.md"),
+      "traces/README.md: the kind of file is not known; name a sensor description (.toml) or a "
+      "recording (.csv, .txt, .wav, .mat, .sds)");
   EXPECT_NE(error_of_file(""), "no error");
 }
 
 TEST(Load, DoesNotTakeADirectoryForAFile) {
   const std::string directory = ::testing::TempDir() + "folder.csv";
   std::filesystem::create_directories(directory);
-  EXPECT_EQ(
-      error_of_file(directory),
-      directory + ": is a directory; name a sensor description (.toml) or a recording (.csv)");
+  EXPECT_EQ(error_of_file(directory),
+            directory +
+                ": is a directory; name a sensor description (.toml) or a recording (.csv, .txt, "
+                ".wav, .mat, .sds)");
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ class FitSettings : public Settings {
     options.record.adc_bits = static_cast<unsigned>(sensor.adc_bits());
     options.record.samples = static_cast<uint64_t>(samples());
     options.record.keys = sensor.keys();
+    if (const auto recording = sensor.recording()) options.record.recording = recording.value();
     options.identify.method = method();
     options.identify.harmonics.highest = static_cast<int>(harmonics());
     return options;
@@ -54,6 +55,10 @@ class FitSettings : public Settings {
     if (harmonics() != 0) option("--harmonics", harmonics);
     if (samples() != 0) option("--samples", samples);
     if (sensor.adc_bits() != 0) option("--adc-bits", sensor.adc_bits);
+    option("--columns", sensor.columns);
+    option("--full-scale", sensor.full_scale);
+    option("--zero", sensor.zero);
+    option("--scale", sensor.scale);
     for (const sensor::KeyValue& key : sensor.keys())
       text += " -C " + shell_word(fmt::format("sensor.{}={}", key.name, key.value));
     return text;
@@ -69,14 +74,21 @@ class FitWork final : public Work {
   Result<Job> prepare(const std::vector<Assignment>& assignments) override {
     FitSettings settings;
     if (auto error = set_all(assignments, settings)) return *error;
-    return Job{settings_identity(settings) + input_identity(settings.sensor.file()),
-               settings.command()};
+    const auto recording = settings.sensor.recording();
+    if (!recording) return Error{recording.error()};
+    std::string identity = settings_identity(settings);
+    for (const std::string& file : sensor::files_of(settings.sensor.file()))
+      identity += input_identity(file);
+    return Job{std::move(identity), settings.command()};
   }
 
   std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep&) override {
     FitSettings settings;
     if (auto error = set_all(assignments, settings)) return error;
-    const auto source = sensor::load(settings.sensor.file(), settings.sensor.keys());
+    const auto recording = settings.sensor.recording();
+    if (!recording) return Error{recording.error()};
+    const auto source =
+        sensor::load(settings.sensor.file(), settings.sensor.keys(), recording.value());
     return source ? std::nullopt : std::make_optional(Error{source.error()});
   }
 

@@ -187,9 +187,7 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   }
   csfn::IdentifyOptions identify = options.identify;
   identify.gates.full_scale = fit.record.full_scale;
-  // 32 bits stand for a converter without steps (record.h).
-  if (fit.record.adc_bits < 32)
-    identify.step = std::ldexp(1.0, 1 - static_cast<int>(fit.record.adc_bits));
+  identify.step = fit.record.step;
   auto answer = csfn::identify(fit.record.samples, identify);
   if (!answer) return Error{fmt::format("{}: {}", trace, answer.error())};
   fit.answer = std::move(answer.value());

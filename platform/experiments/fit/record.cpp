@@ -8,6 +8,8 @@
 
 #include "golden/trace.h"
 #include "peripherals/quantiser.h"
+#include "sensor/recorded_source.h"
+#include "sensor/sample_column.h"
 #include "support/constants.h"
 
 namespace capsoc::fit {
@@ -26,37 +28,53 @@ double converted(double value, unsigned bits) {
   return std::clamp(value, -1.0, largest_value(bits));
 }
 
-struct Columns {
-  Eigen::ArrayXd u, v, angle;  ///< without a true angle the last is empty
-};
+Eigen::ArrayXd taken(sensor::SampleColumn& column, uint64_t count) {
+  const auto size = std::min<std::size_t>(count, column.size());
+  Eigen::ArrayXd values(static_cast<Eigen::Index>(size));
+  column.take(values.data(), size);
+  return values;
+}
 
-/// At most `count` samples, each kept once.
-Columns convert(sensor::Source& source, uint64_t count, unsigned bits) {
+/// A recording's columns move, so that ten million samples are in memory once.
+void take_columns(sensor::RecordedSource& source, uint64_t count, Record& record) {
+  record.samples.u = taken(source.u(), count);
+  record.samples.v = taken(source.v(), count);
+  record.angle = taken(source.angle(), count);
+  for (Eigen::ArrayXd* channel : {&record.samples.u, &record.samples.v})
+    for (double& value : *channel) value = converted(value, record.adc_bits);
+  for (double& angle : record.angle) angle = 2 * pi * angle;
+}
+
+void take_samples(sensor::Source& source, uint64_t count, Record& record) {
   const double rate = source.description().sample_rate_hz.value_or(250);
-  const auto size = static_cast<Eigen::Index>(count);
-  Columns columns{Eigen::ArrayXd(size), Eigen::ArrayXd(size), Eigen::ArrayXd()};
+  sensor::SampleColumn u, v, angle;
   bool has_angle = true;
-  Eigen::Index k = 0;
-  for (; k < size; ++k) {
-    const auto value = source.sample(static_cast<uint64_t>(k), static_cast<double>(k) / rate);
+  for (uint64_t k = 0; k < count; ++k) {
+    const auto value = source.sample(k, static_cast<double>(k) / rate);
     if (!value) break;
-    columns.u[k] = converted(value->u, bits);
-    columns.v[k] = converted(value->v, bits);
+    u.push_back(converted(value->u, record.adc_bits));
+    v.push_back(converted(value->v, record.adc_bits));
+    angle.push_back(2 * pi * value->angle_turns);
     has_angle = has_angle && value->has_truth;
-    if (!has_angle) continue;
-    if (k == 0) columns.angle.resize(size);
-    columns.angle[k] = 2 * pi * value->angle_turns;
   }
-  if (!has_angle) columns.angle.resize(0);
-  for (Eigen::ArrayXd* column : {&columns.u, &columns.v, &columns.angle})
-    if (column->size() > k) column->conservativeResize(k);
-  return columns;
+  record.samples = {taken(u, count), taken(v, count)};
+  if (has_angle) record.angle = taken(angle, count);
+}
+
+/// The converter is the one that took the recording, where the values show its step.
+void take_step(Record& record) {
+  if (record.adc_bits < 32) {
+    record.step = std::ldexp(1.0, 1 - static_cast<int>(record.adc_bits));
+    return;
+  }
+  record.step = record.description.step.value_or(0);
+  record.full_scale = record.step > 0 ? 1 - record.step : record.full_scale;
 }
 
 }  // namespace
 
 Result<Record> read_record(const std::string& path, const RecordOptions& options) {
-  auto opened = golden::open_trace(path, options.keys);
+  auto opened = golden::open_trace(path, options.keys, options.recording);
   if (!opened) return Error{opened.error()};
   const golden::Trace& trace = opened.value();
   Record record;
@@ -73,9 +91,12 @@ Result<Record> read_record(const std::string& path, const RecordOptions& options
     return Error{fmt::format("{}: {} samples are too many; give --samples with at most {}",
                              trace.name, length, largest_record)};
 
-  Columns columns = convert(*trace.source, std::min(count, length), record.adc_bits);
-  record.samples = {std::move(columns.u), std::move(columns.v)};
-  record.angle = std::move(columns.angle);
+  record.warnings = golden::warnings_of(trace);
+  if (auto* recorded = dynamic_cast<sensor::RecordedSource*>(trace.source.get()))
+    take_columns(*recorded, count, record);
+  else
+    take_samples(*trace.source, count, record);
+  take_step(record);
   return record;
 }
 

@@ -9,6 +9,7 @@
 
 #include "csfn/samples.h"
 #include "sensor/description_keys.h"
+#include "sensor/recording_options.h"
 #include "sensor/source.h"
 #include "support/result.h"
 
@@ -18,6 +19,7 @@ struct RecordOptions {
   unsigned adc_bits = 0;  ///< width of the converter, 12 to 32; 0: as the trace says, else 32
   uint64_t samples = 0;   ///< at most so many; 0: all, of a trace without an end 100,000
   std::vector<sensor::KeyValue> keys = {};  ///< laid over a description
+  sensor::RecordingOptions recording = {};  ///< what a recording's columns and numbers mean
 };
 
 /// The samples of a trace in order, converted as the ADC front-end converts them (32 bits: clipped,
@@ -30,6 +32,8 @@ struct Record {
   sensor::Description description;
   unsigned adc_bits = 32;
   double full_scale = 1;  ///< the converter's largest value: what reaches it may be clipped
+  double step = 0;        ///< of the converter, full scale; 0: not known, or none
+  std::vector<std::string> warnings;  ///< sentences on the recording, with its file
 };
 
 /// Reads what `capsoc run --sensor` takes. Error: one sentence with file and line for what cannot

@@ -240,6 +240,23 @@ std::string gates_line(const csfn::Identification& answer) {
   return "gates        passed: " + names + "\n";
 }
 
+/// A recording's unit is worth a word.
+bool has_unit(const sensor::Description& d) {
+  return d.full_scale != 1 || d.zero != 0 || d.step.has_value();
+}
+
+std::string unit_line(const sensor::Description& d) {
+  if (!has_unit(d)) return "";
+  std::string text = "values       ";
+  if (d.full_scale != 1 || d.zero != 0)
+    text += fmt::format("{}{}full scale {}, zero {}", d.unit, d.unit.empty() ? "" : ": ",
+                        d.full_scale, d.zero);
+  if (d.step)
+    text += fmt::format("{}in steps of {:.4g} of full scale{}", text.back() == ' ' ? "" : ", ",
+                        *d.step, fmt::format(" ({:.4g} bits)", 1 - std::log2(*d.step)));
+  return text + "\n";
+}
+
 }  // namespace
 
 ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::string& command) {
@@ -252,6 +269,12 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
       {{{"role", "sensor"}, {"path", fit.record.path}, {"sha256", fit.record.sha256}}});
   j["samples"] = fit.record.samples.u.size();
   j["adc_bits"] = fit.record.adc_bits;
+  if (const sensor::Description& d = fit.record.description; has_unit(d))
+    j["unit"] = {{"name", d.unit},
+                 {"full_scale", d.full_scale},
+                 {"zero", d.zero},
+                 {"step", number_or_null(d.step)}};
+  if (!fit.record.warnings.empty()) j["sensor_warnings"] = fit.record.warnings;
   j["method"] = csfn::to_string(answer.method);
   j["stop_reason"] = csfn::to_string(answer.stopped);
   j["iterations"] = answer.iterations;
@@ -330,9 +353,10 @@ std::string to_convergence(const Fit& fit) {
 
 std::string to_table(const Fit& fit) {
   const csfn::Identification& answer = fit.answer;
-  std::string text =
-      fmt::format("trace        {}: {} samples, {} bits\nmethod       {}\n\n", fit.record.path,
-                  fit.record.samples.u.size(), fit.record.adc_bits, how(fit));
+  std::string text = fmt::format("trace        {}: {} samples, {} bits\n", fit.record.path,
+                                 fit.record.samples.u.size(), fit.record.adc_bits);
+  text += unit_line(fit.record.description);
+  text += fmt::format("method       {}\n\n", how(fit));
   text += fmt::format("{:<10}{:>14}{:>16}{:>14}{:>16}{:>16}\n", "parameter", "word", "identified",
                       fmt::format("+- ({:g} %)", 100 * answer.intervals.confidence), "true",
                       "relative error");

@@ -39,31 +39,48 @@ bool same_setting(const SamplingState& a, const SamplingState& b) {
          std::abs(int64_t{a.frequency} * 2 + 1) == std::abs(int64_t{b.frequency} * 2 + 1);
 }
 
+/// Calls `take` with the turns from each sample of a recording to the next. False: a sample has no
+/// true angle. Rewinds the source.
+template <typename Take>
+bool each_step(sensor::Source& source, Take take) {
+  std::optional<double> before;
+  bool known = true;
+  source.rewind();
+  for (uint64_t k = 0; known; ++k) {
+    const auto value = source.sample(k, 0);
+    if (!value) break;
+    known = value->has_truth;
+    if (known && before) take(turn_difference(value->angle_turns, *before));
+    before = value->angle_turns;
+  }
+  source.rewind();
+  return known;
+}
+
 }  // namespace
 
 std::optional<double> recorded_speed(sensor::Source& source) {
   if (source.description().motion != sensor::MotionKind::recorded) return std::nullopt;
   double net = 0, travelled = 0;
   uint64_t steps = 0;
-  std::optional<double> before;
-  source.rewind();
-  for (uint64_t k = 0;; ++k) {
-    const auto value = source.sample(k, 0);
-    if (!value) break;
-    if (!value->has_truth) return std::nullopt;
-    if (before) {
-      const double step = turn_difference(value->angle_turns, *before);
-      net += step;
-      travelled += std::fabs(step);
-      ++steps;
-    }
-    before = value->angle_turns;
-  }
-  source.rewind();
+  const bool known = each_step(source, [&](double step) {
+    net += step;
+    travelled += std::fabs(step);
+    ++steps;
+  });
   // Random angles go a quarter of a turn on average, as often back as forth.
-  const bool steady = steps > 0 && std::fabs(net) > 0.9 * travelled;
+  const bool steady = known && steps > 0 && std::fabs(net) > 0.9 * travelled;
   if (!steady) return std::nullopt;
-  return net / static_cast<double>(steps);
+  // Where rows are missing, a step is that of many.
+  const double longest = 3 * travelled / static_cast<double>(steps);
+  double regular = 0;
+  uint64_t regular_steps = 0;
+  each_step(source, [&](double step) {
+    if (std::fabs(step) > longest) return;
+    regular += step;
+    ++regular_steps;
+  });
+  return regular / static_cast<double>(regular_steps);
 }
 
 SensorMatch::SensorMatch(std::string file, const sensor::Description& description,

@@ -53,11 +53,14 @@ struct ResultSettings {
                SettingOption::Form::flag, "true"})};
   /// The run gathers what a report draws.
   bool wants_curves() const { return curves() || !html.empty(); }
-  TextField record{all, setting("results.record", SettingKind::output, "",
-                                "where the coprocessor's samples go (CSV); empty: nowhere")
-                            .is_place()
-                            .by({"--record", "FILE.csv",
-                                 "Write the samples that the coprocessor saw as a recording"})};
+  TextField record{all,
+                   setting("results.record", SettingKind::output, "",
+                           "where the coprocessor's samples go (.csv, .wav, .mat, .sds); empty: "
+                           "nowhere")
+                       .is_place()
+                       .by({"--record", "FILE.csv",
+                            "Write the samples that the coprocessor saw as a recording (or "
+                            ".wav, .mat, .sds)"})};
   TextField record_columns{
       all, setting("results.record_columns", SettingKind::text, "",
                    "columns of that file, separated by commas; empty: t,u,v,angle_deg")

@@ -1,5 +1,6 @@
 #include "run/run_files.h"
 
+#include "metrics/sample_writer.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"
@@ -35,10 +36,13 @@ void add_save_file(const RunSettings& settings, std::vector<host::FileUse>& uses
 std::vector<host::FileUse> files_of(const RunSettings& settings) {
   std::vector<host::FileUse> uses;
   for (const Setting& setting : settings.all()) {
-    if (setting.kind == SettingKind::input)
+    if (setting.kind == SettingKind::input && setting.path != settings.sensor.file.about().path)
       uses.push_back({Kind::input, setting.name(), setting.value});
     if (setting.kind == SettingKind::output)
       uses.push_back({Kind::output, setting.name(), setting.value});
+    if (setting.path == settings.results.record.about().path)
+      for (const std::string& file : metrics::files_of_recording(setting.value))
+        if (file != setting.value) uses.push_back({Kind::output, "the metadata of --record", file});
     if (setting.kind == SettingKind::backend)
       uses.push_back({Kind::output, setting.name(), path_of_backend(setting.value)});
     if (setting.kind == SettingKind::backend && setting.value.rfind("script:", 0) == 0)
@@ -48,6 +52,8 @@ std::vector<host::FileUse> files_of(const RunSettings& settings) {
     for (const SavePoint& point : points.value())
       uses.push_back({Kind::output, settings.checkpoint.save.name(), point.file});
   // What the settings' values do not say as they are.
+  for (const std::string& file : sensor::files_of(settings.sensor.file()))
+    uses.push_back({Kind::input, settings.sensor.file.name(), file});
   uses.push_back({Kind::input, "the program", program_of(settings)});
   for (const std::string& place : places_to_load(settings))
     uses.push_back({Kind::input, settings.firmware.load.name(), place.substr(0, place.rfind('@'))});

@@ -18,6 +18,8 @@
 #include "run/run_settings.h"
 #include "sensor/description_keys.h"
 #include "sensor/load.h"
+#include "support/number.h"
+#include "support/printable.h"
 
 namespace capsoc::run {
 namespace {
@@ -88,11 +90,35 @@ SensorSettings::SensorSettings(Settings& settings)
 std::vector<sensor::KeyValue> SensorSettings::keys() const {
   std::vector<sensor::KeyValue> keys;
   const std::string prefix = "sensor.";
+  const std::vector<const SettingField*> own = {&file,       &adc_bits, &columns,
+                                                &full_scale, &zero,     &scale};
+  const auto is_own = [&own](const Setting& setting) {
+    return std::any_of(own.begin(), own.end(), [&](const SettingField* field) {
+      return setting.path == field->about().path;
+    });
+  };
   for (const Setting& setting : all.of_group(prefix))
-    if (setting.source != SettingSource::built_in && setting.path != file.about().path &&
-        setting.path != adc_bits.about().path)
+    if (setting.source != SettingSource::built_in && !is_own(setting))
       keys.push_back({setting.path.substr(prefix.size()), setting.value, setting.origin});
   return keys;
+}
+
+Result<sensor::RecordingOptions> SensorSettings::recording() const {
+  sensor::RecordingOptions options;
+  options.columns = columns();
+  options.automatic_scale = scale() == "auto";
+  if (!scale.empty() && !options.automatic_scale)
+    return Error{fmt::format("{} cannot be '{}'; give auto, or a unit by --full-scale and --zero",
+                             scale.name(), printable(scale()))};
+  for (const auto& [field, number] :
+       {std::make_pair(&full_scale, &options.full_scale), std::make_pair(&zero, &options.zero)}) {
+    if (field->empty()) continue;
+    *number = finite_number(field->text());
+    if (!*number)
+      return Error{
+          fmt::format("{} cannot be '{}'; give a number", field->name(), printable(field->text()))};
+  }
+  return options;
 }
 
 std::string program_of(const RunSettings& settings) {
@@ -135,8 +161,11 @@ Result<RunInputs> read_inputs(const RunSettings& settings) {
 
   inputs.sensor_file = settings.sensor.file();
   if (auto error = taken_standard_input(settings)) return *error;
-  auto trace = golden::open_trace(inputs.sensor_file, settings.sensor.keys());
+  const auto recording = settings.sensor.recording();
+  if (!recording) return Error{recording.error()};
+  auto trace = golden::open_trace(inputs.sensor_file, settings.sensor.keys(), recording.value());
   if (!trace) return Error{trace.error()};
+  inputs.sensor_warnings = golden::warnings_of(trace.value());
   inputs.source = std::move(trace.value().source);
   inputs.sensor_sha256 = trace.value().sha256;
   inputs.recorded_speed = metrics::recorded_speed(*inputs.source);

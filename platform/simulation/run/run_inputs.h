@@ -54,6 +54,32 @@ struct SensorSettings {
   IntegerField adc_bits{all, setting("sensor.adc_bits", SettingKind::integer, "0",
                                      "width of the converter at reset; 0: as the sensor says")
                                  .in(0, 32)};
+  // Of recordings. Not in results unless they are set: a description has none of them.
+  TextField columns{
+      all, of_recording("columns",
+                        "columns of a recording: U,V or T,U,V,ANGLE by name or number; empty: by "
+                        "name")
+               .by({"--columns", "T,U,V,ANGLE",
+                    "Columns of a recording by name or number from 1 (or U,V, or T,U,V)"})};
+  TextField full_scale{
+      all,
+      of_recording("full_scale", "value of a recording that is 1 of full scale; empty: 1")
+          .by({"--full-scale", "X", "Value of a recording that is full scale (12 bits: 2048)"})};
+  TextField zero{all,
+                 of_recording("zero", "value of a recording that is 0 of full scale; empty: 0")
+                     .by({"--zero", "X", "Value of a recording that is zero (12 bits: 2048)"})};
+  TextField scale{
+      all, of_recording("scale", "auto: find full scale and zero of a recording by its values")
+               .by({"--scale", "auto", "Find full scale and zero of a recording by its values"})};
+  /// What they say of a recording. Error: a value that is no number.
+  Result<sensor::RecordingOptions> recording() const;
+
+ private:
+  static Setting of_recording(const std::string& name, const char* help) {
+    Setting declared = setting("sensor." + name, SettingKind::text, "", help);
+    declared.optional = true;
+    return declared;
+  }
 };
 
 struct RunInputs {
@@ -63,6 +89,7 @@ struct RunInputs {
   std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
   std::unique_ptr<sensor::Source> source;
   std::string sensor_sha256;
+  std::vector<std::string> sensor_warnings;  ///< on a recording, with its file
   unsigned adc_bits = 0;
   std::optional<double> recorded_speed;              ///< of the sensor, turns a sample
   std::optional<metrics::TruthAlignment> alignment;  ///< of a recording with angles
