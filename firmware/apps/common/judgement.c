@@ -17,7 +17,7 @@
 // Chance repeats 1 of 250 samples of 12 bits at an amplitude of 0.02.
 #define REPEATS_LIMIT(samples) ((samples) / 64 + 2)
 // A drift that does not grow smaller may go on for so many turns and have gone on before.
-#define LONGEST_DRIFT 32
+#define LONGEST_DRIFT 16
 #define HALF_TURN (UINT32_C(1) << 31)
 
 static uint32_t field(uint32_t word, uint32_t mask, uint32_t position) {
@@ -163,7 +163,7 @@ static const char* objection_to(const struct judgement* judgement,
   if (!good(judgement, turn)) return cause_of(judgement, turn);
   if (turn->zeros >= ZEROS_LIMIT)
     return "samples are 0 in both channels again and again: the converter drops out";
-  if (by_count() && turn->repeats >= REPEATS_LIMIT(turn->samples))
+  if (judgement->shuffled && turn->repeats >= REPEATS_LIMIT(turn->samples))
     return "samples come again bit for bit: the converter or its link holds old ones";
   if (turn->drift >= DRIFT_LIMIT) return "the parameters still drift by 5 % a turn or more";
   return NULL;
@@ -393,14 +393,16 @@ uint32_t judgement_bound(const struct judgement* judgement) {
 uint32_t judgement_bound_of_last(const struct judgement* judgement) {
   if (judgement->before == 0) return HALF_TURN;
   const struct turn_evidence* const turn = &judgement->turns[0];
-  return capped(with_jump(radius_and_residue(judgement, turn), turn->jump) + turn->drift);
+  return capped(radius_and_residue(judgement, turn) + turn->drift);
 }
 
 const char* judgement_objection(const struct judgement* judgement) {
+  static const char too_short[] = "the signal ended before enough whole turns were seen";
+  if (judgement->judged == 0) return too_short;
   if (judgement->objection != NULL) return judgement->objection;
   if (judgement->before < needed_before(judgement)) {
     if (judgement->spoilt != NULL) return judgement->spoilt;
-    return "the signal ended before enough whole turns were seen";
+    return too_short;
   }
   const uint32_t status = COPROCESSOR->STATUS;
   if ((status & COPROCESSOR_STATUS_ALARM_Msk) != 0) return "the signals have left their circle";

@@ -36,6 +36,7 @@ struct judgement {
   // The harmonic correction works, so the radius is what the sensor has, and RESIDUE what is left:
   // the radius bounds nothing then. Numeric reference only.
   bool corrected;
+  bool shuffled;  // samples in random order: bit for bit the one before is a stale one
   bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
   // The samples come in order of time and there is no numeric reference: every angle is watched.
   bool watches;
@@ -104,8 +105,8 @@ uint32_t judgement_covered(const struct judgement* judgement);
 // in any order.
 uint32_t judgement_motion(const struct judgement* judgement);
 
-// The bound by the window that ended last alone, without harmonics along the circle; half a turn if
-// it was not good.
+// The bound by the window that ended last alone, without harmonics along the circle and stale
+// samples; half a turn if it was not good.
 uint32_t judgement_bound_of_last(const struct judgement* judgement);
 
 // What it is with them: `error` and the larger of what the motion shows and what is assumed.

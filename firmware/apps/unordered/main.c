@@ -87,11 +87,13 @@ int main(void) {
   COPROCESSOR->CTRL = gates | COPROCESSOR_CTRL_DEMOD_Msk;
 
   // The angle has no direction that could be turned round.
-  struct supervision state = {
-      .name = "unordered",
-      .rate_hz = settings.rate_hz,
-      .mirror_seconds = UINT32_MAX,
-      .judgement = {.limit = settings.limit_deg, .unseen = settings.harmonics_deg, .fewest = 1}};
+  struct supervision state = {.name = "unordered",
+                              .rate_hz = settings.rate_hz,
+                              .mirror_seconds = UINT32_MAX,
+                              .judgement = {.limit = settings.limit_deg,
+                                            .unseen = settings.harmonics_deg,
+                                            .fewest = 1,
+                                            .shuffled = true}};
   const bool complete =
       demodulate(&state, settings.demodulation_samples, settings.progress_seconds);
   // Before anything is printed: the next sample is already one of the calibration.
