@@ -160,6 +160,7 @@ TEST_F(Judge, LockFallsWithTheFirstSampleThatSpoilsItsTurn) {
   const Sensor s;
   for (int way = 0; way < 4; ++way) {
     SCOPED_TRACE(way);
+    bench.write(reg_ctrl, ctrl_srst);
     bench.start(ctrl_calib, 1.0 / 1000, 0);
     bench.write(reg_lock_threshold, turns_alone);
     shaft = 0;
@@ -179,6 +180,7 @@ TEST_F(Judge, LockFallsWithTheFirstSampleThatSpoilsItsTurn) {
 TEST_F(Judge, AResidueOfASixteenthTurnIsNoGoodTurn) {
   const Sensor s;
   for (const double off : {0.0624, 0.0626, -0.0624, -0.0626}) {
+    bench.write(reg_ctrl, ctrl_srst);
     bench.start(ctrl_calib, 1.0 / 1000, 0);
     shaft = tau * off;
     fit(s);
