@@ -203,7 +203,7 @@ class Inputs(unittest.TestCase):
         self.check("another machine", CAPSOC)
 
     def test_a_file_that_is_no_elf(self):
-        self.check("not an ELF", TRACES / "soc_eq21.toml")
+        self.check("is no ELF file", TRACES / "soc_eq21.toml")
 
     def test_an_elf_cut_short(self):
         whole = (FIRMWARE / "hello.elf").read_bytes()
