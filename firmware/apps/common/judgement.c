@@ -197,9 +197,10 @@ static void keep_before(struct judgement* judgement, const struct turn_evidence*
 
 // Of turns with demodulation: a drift that does not become smaller goes on.
 static void keep_learning(struct judgement* judgement, uint32_t drift) {
+  judgement->learning[2] = judgement->learning[1];
   judgement->learning[1] = judgement->learning[0];
   judgement->learning[0] = drift;
-  if (judgement->learning_turns < 2) ++judgement->learning_turns;
+  if (judgement->learning_turns < 3) ++judgement->learning_turns;
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
 }
 
@@ -343,12 +344,14 @@ uint32_t judgement_motion(const struct judgement* judgement) {
 // loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
 // same speed, do not.
 static uint64_t wander(const struct judgement* judgement) {
-  if (judgement->learning_turns < 2 || by_count()) return 0;
+  if (judgement->learning_turns < 3 || by_count()) return 0;
   const uint64_t last = judgement->learning[0], before = judgement->learning[1];
-  const uint64_t longest = last * LONGEST_DRIFT;
-  if (before <= last) return longest;
-  const uint64_t rest = last * last / (before - last);
-  return rest < longest ? rest : longest;
+  const uint64_t first = judgement->learning[2];
+  const bool settles = before >= 2 * last && first >= 2 * before;
+  if (settles && before > last) return last * last / (before - last);
+  uint64_t largest = last > before ? last : before;
+  if (first > largest) largest = first;
+  return LONGEST_DRIFT * largest;
 }
 
 static uint64_t radius_and_residue(const struct judgement* judgement,

@@ -49,7 +49,7 @@ struct judgement {
   uint32_t discard;      // windows still to be left out
   uint32_t judged;       // whole windows kept since the beginning
   uint32_t watched;      // sample whose angle was watched last
-  uint32_t learning[2];  // drifts of the last two turns of demodulation, the last one first
+  uint32_t learning[3];  // drifts of the last two turns of demodulation, the last one first
   uint32_t learning_turns;
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before

@@ -39,8 +39,6 @@ PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
-// A turn that is no whole number of samples ends one or two after those that were asked for.
-enum { rest_of_turn = 2 };
 
 static void print_banner(uint32_t clock_hz) {
   print_text("selfcal: self-calibration at a known speed\n");
@@ -67,6 +65,16 @@ static bool set_up_coprocessor(uint32_t clock_hz) {
   coprocessor_lock_by_turns();
   coprocessor_set_steps(settings.step != 0 ? settings.step : coprocessor_fastest_step(frequency));
   return true;
+}
+
+// Samples until the reference's turn ends if it does so at once: a turn that is no whole number of
+// samples ends one sample after those that were asked for.
+static uint32_t rest_of_turn(void) {
+  const int64_t frequency = coprocessor_frequency();
+  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
+  const uint64_t phase = coprocessor_phase();
+  const uint64_t way = frequency < 0 ? phase : (UINT64_C(1) << 48) - phase;
+  return way <= 2 * speed ? 2 : 0;
 }
 
 static bool calibrate(struct judgement* judgement, const struct coprocessor_parameters* stored,
@@ -113,7 +121,7 @@ int main(void) {
     print_end(demodulated);
     print_parameter_table(&stored);
   } else if (!calibrate(&state.judgement, &stored, demodulated) ||
-             !judgement_wait(&state.judgement, rest_of_turn)) {
+             !judgement_wait(&state.judgement, rest_of_turn())) {
     print_end(sampling_count());
   }
   sampling_stop();
