@@ -296,7 +296,7 @@ def fixed(values, decimals):
 
 
 def write(path, u, v, angle):
-    """A recording with the true angle. Values beyond +-1 are left for the converter to clip; beyond +-1.1 they would be another unit."""
+    """A recording with the true angle. Values beyond +-1 are left for the converter to clip, up to +-1.05: far beyond is another unit."""
     columns = [fixed(np.clip(u, -1.05, 1.05), 9), fixed(np.clip(v, -1.05, 1.05), 9), fixed(angle % 1 * 360, 6)]
     comma = np.full((len(u), 1), ord(","), dtype=np.uint8)
     rows = np.hstack([columns[0], comma, columns[1], comma, columns[2], np.full((len(u), 1), ord("\n"), dtype=np.uint8)])

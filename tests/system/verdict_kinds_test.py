@@ -46,7 +46,7 @@ class Recordings(unittest.TestCase):
             self.assertNotEqual(first, self.write("b.csv", kind, 3, "calibrate", "--seed", 2))
 
     def test_numbers_are_written_as_they_are(self):
-        u, v, angle = np.array([0.0, -0.25, 1.5, -12.000000001]), np.array([1e-9, -1e-9, 0.999999999, 0]), np.array([0, 0.25, -0.25, 3.5])
+        u, v, angle = np.array([0.0, -0.25, 1.03, -1.049999999]), np.array([1e-9, -1e-9, 0.999999999, 0]), np.array([0, 0.25, -0.25, 3.5])
         verdict_sensors.write(self.folder / "n.csv", u, v, angle)
         rows = (self.folder / "n.csv").read_text().splitlines()
         self.assertEqual(rows[0], "u,v,angle_deg")
