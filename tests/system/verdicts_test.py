@@ -317,7 +317,7 @@ class Drawn(unittest.TestCase):
         process = subprocess.run([SOURCE / "scripts" / "verdicts", "--good", "3", "--broken", "1", "--programs", "selfcal,track",
                                   "--seed", "2", "--build", BUILD], capture_output=True, text=True, timeout=900, check=False)
         self.assertEqual(process.returncode, 0, process.stdout + process.stderr)
-        self.assertIn("wrong passes: 0 of 128", process.stdout)
+        self.assertIn("wrong passes: 0 of 272", process.stdout)
 
 
 if __name__ == "__main__":
