@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 
 #include "csfn/calibration.h"
 #include "fit/report.h"
 #include "golden/golden.h"
 #include "metrics/sample_record.h"
+#include "metrics/sample_writer.h"
 #include "support/constants.h"
 
 namespace capsoc::fit {
@@ -31,7 +33,14 @@ class Trace {
 };
 
 std::string to_recording(const metrics::SampleRecord& samples) {
-  return metrics::to_recording(samples, "test", metrics::record_columns("", "test").value());
+  const std::string path = testing::TempDir() + std::to_string(getpid()) + "fit_test_recording.csv";
+  auto writer = metrics::begin_recording({path, "test", metrics::record_columns("", "").value()});
+  for (const metrics::RecordedSample& sample : samples) writer.value()->add(sample);
+  EXPECT_FALSE(writer.value()->finish());
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  std::remove(path.c_str());
+  return text.str();
 }
 
 metrics::SampleRecord one_turn(const csfn::Parameters& p, int count) {

@@ -1,4 +1,4 @@
-// The samples that the coprocessor saw and what it made of them, kept and written as a recording.
+// The samples that the coprocessor saw, its results for them, and the columns of a recording.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ inline bool has_error(const RecordedSample& sample) {
   return sample.has_truth && sample.result && sample.result->angle_valid;
 }
 
-/// In the order in which they came. A deque: growing moves nothing, and a long run's megabytes are
-/// touched once.
+/// Samples in memory, in the order in which they came; grows with the run. A deque: growing moves
+/// nothing. For recordings on disk see sample_writer.h.
 using SampleRecord = std::deque<RecordedSample>;
 
 /// The columns of a recording, in order; positions in a table of all.
@@ -47,11 +47,12 @@ using RecordColumns = std::vector<std::size_t>;
 /// lists all and begins with `origin`.
 Result<RecordColumns> record_columns(const std::string& names, const std::string& origin);
 
-/// A recording as `capsoc run` and `capsoc fit` read it (traces/README.md), if u and v are among
-/// the columns. angle_deg is left out unless it is known for all samples; other cells without a
-/// value are empty. Numbers have all their digits, so that u and v become the same words again in
-/// a converter of 32 bits.
-std::string to_recording(const SampleRecord& samples, const std::string& origin,
-                         const RecordColumns& columns);
+/// Name of a column as it stands in a recording's heading, for instance "angle_deg".
+const char* column_name(std::size_t column);
+
+/// Value of a column for one sample, in the column's unit (docs/results.md); none: an empty cell.
+/// Words are whole numbers. `index` counts samples from 0.
+std::optional<double> column_value(std::size_t column, const RecordedSample& sample,
+                                   std::size_t index);
 
 }  // namespace capsoc::metrics

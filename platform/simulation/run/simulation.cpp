@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "host/end_signals.h"
-#include "host/files.h"
 #include "kit/guest_error.h"
 #include "run/fault_report.h"
 #include "run/golden_check.h"
@@ -123,9 +122,10 @@ std::optional<Error> Simulation::open() {
   ports_ = std::move(ports.value());
   if (real_time_.on()) ports_->pace_by([this] { pace(); });
   if (!settings_.uarts.fail.empty()) printed_lines_.begin();
-  if (settings_.golden() || !settings_.results.record().empty())
-    recording_ = observation_.samples.listen(
+  if (settings_.golden())
+    keeping_ = observation_.samples.listen(
         [this](const metrics::RecordedSample& sample) { record_.push_back(sample); });
+  if (auto error = begin_recording()) return error;
   if (settings_.results.wants_curves()) {
     drawing_ = observation_.samples.listen(
         [this](const metrics::RecordedSample& sample) { curves_.add(sample); });
@@ -137,6 +137,18 @@ std::optional<Error> Simulation::open() {
                      [this](const sc_core::sc_time& now) { return pause(now); });
   ports_->on_save(
       [this](const std::string& file) { return checkpoints_->save_beside(file, "monitor save"); });
+  return std::nullopt;
+}
+
+std::optional<Error> Simulation::begin_recording() {
+  const std::string& file = settings_.results.record();
+  if (file.empty()) return std::nullopt;
+  auto writer = metrics::begin_recording(
+      {file, "The coprocessor's samples of " + reproducing_command(settings_), columns_});
+  if (!writer) return Error{writer.error()};
+  recording_ = std::move(writer.value());
+  recorded_ = observation_.samples.listen(
+      [this](const metrics::RecordedSample& sample) { recording_->add(sample); });
   return std::nullopt;
 }
 
@@ -235,10 +247,7 @@ std::vector<std::string> Simulation::close() {
   result_.divergence = divergence_of(settings_, backend_.lockstep, soc_);
   if (backend_.rtl != nullptr && backend_.lockstep == nullptr) backend_.rtl->close_waves();
   if (backend_.waves) keep(backend_.waves->finish());
-  if (const std::string& file = settings_.results.record(); !file.empty())
-    keep(host::write_whole(
-        file, metrics::to_recording(record_, "The coprocessor's samples of " + result_.command,
-                                    columns_)));
+  if (recording_ != nullptr) keep(recording_->finish());
   return lost;
 }
 

@@ -9,6 +9,7 @@
 #include "kit/probe.h"
 #include "metrics/sample_curves.h"
 #include "metrics/sample_record.h"
+#include "metrics/sample_writer.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/host_ports.h"
@@ -72,6 +73,7 @@ class Simulation {
 
   std::optional<Error> load();
   std::optional<Error> open();
+  std::optional<Error> begin_recording();
   std::vector<checkpoint::Part> parts();
   std::optional<Error> plan_restore();
   bool restore();
@@ -94,9 +96,10 @@ class Simulation {
   metrics::SensorMatch match_;
   Progress progress_;
   Observation observation_;
-  metrics::SampleRecord record_;
+  metrics::SampleRecord record_;  // for --golden
+  std::unique_ptr<metrics::SampleWriter> recording_;
   metrics::SampleCurves curves_;
-  kit::Listening recording_, drawing_;
+  kit::Listening keeping_, recorded_, drawing_;
   UartText uart0_text_;
   PriorityReport priorities_;
   VectorReport vectors_{soc_, view_};
