@@ -17,6 +17,12 @@ bool is_stopping() {
 }
 
 constexpr uint64_t never = std::numeric_limits<uint64_t>::max();
+/// What the core executes at once, however long the quantum is: a tenth of a second of the host
+/// where every instruction is traced.
+constexpr uint64_t longest_run = 1U << 16U;
+/// Cycles after which a program that never needs the kernel (it reads devices that have no events)
+/// gives way to it: 10 ms at the board's 25 MHz.
+constexpr uint64_t longest_ahead = 1U << 18U;
 constexpr uint32_t code_region_end =
     0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
 
@@ -141,11 +147,16 @@ void CortexM3Tlm::thread() {
   if (!begin()) return end(EndReason::interrupted);
   bool stays = false;  // the kernel has not gone on, and nobody else has done anything
   for (;;) {
+    if (stays && (core_.cycles() - asked_at_ >= longest_ahead || is_called())) {
+      synchronise();
+      catch_up();
+      stays = false;
+    }
     if (!stays) {
       settle();
       if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
       pause_if_due();
-      if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+      if (is_interrupted()) return end(EndReason::interrupted);
       if (reset_requested_) reset_system();
     }
     bool one = false;
@@ -156,7 +167,7 @@ void CortexM3Tlm::thread() {
     }
     const uint64_t cycles = core_.cycles(), instructions = core_.instructions();
     if (!std::exchange(stays, false)) look_ahead();
-    horizon_ = limit_;
+    horizon_ = std::min(limit_, core_.cycles() + longest_run);
     if (core_.cycles() >= horizon_) {
       synchronise();
       catch_up();
@@ -200,6 +211,12 @@ void CortexM3Tlm::thread() {
     }
     if (end_reason_ != EndReason::none) return;
   }
+}
+
+bool CortexM3Tlm::is_interrupted() {
+  called_.store(false, std::memory_order_relaxed);
+  asked_at_ = core_.cycles();
+  return interrupted_ && interrupted_();
 }
 
 void CortexM3Tlm::end(EndReason reason) {
@@ -246,7 +263,7 @@ void CortexM3Tlm::sleep_until_woken() {
       idle_->wake_up(sc_core::sc_time_stamp());  // what was slept so far counts
     }
     pause_if_due();
-    if (interrupted_ && interrupted_()) return end(EndReason::interrupted);
+    if (is_interrupted()) return end(EndReason::interrupted);
     if (debugger_ != nullptr && debugger_->wants_attention()) return;
   }
 }
@@ -438,7 +455,8 @@ bool CortexM3Tlm::access(tlm::tlm_command command, uint32_t address, unsigned si
   latest_ = Transfer{address, size, value, wait_cycles};
   note_access(*latest_, steady_.steady);
   const bool is_nearer = limit_ < horizon_;
-  if (seems_to_poll_ || is_nearer || maps || is_late() || debugger_ != nullptr) core_.attention();
+  if (seems_to_poll_ || is_nearer || maps || is_late() || debugger_ != nullptr || is_called())
+    core_.attention();
   return ok;
 }
 

@@ -10,6 +10,7 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -65,8 +66,17 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   /// What the access that is on a socket now is for; nothing: it is not the core's (a debugger's).
   std::optional<AccessKind> accessing() const { return accessing_; }
 
-  /// Asked once a quantum: true ends the simulation (a limit of the host's time, a signal).
+  /// Asked again and again while the core executes, hundreds of thousands of cycles apart at the
+  /// most, and soon after interrupt() whatever the core does: true ends the simulation (a limit of
+  /// the host's time, a signal).
   void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
+  /// Has that asked soon by a core that executes. A signal handler may call it.
+  void interrupt() { called_.store(true, std::memory_order_relaxed); }
+  /// The same for a core that sleeps, which may be at any simulated time: for whoever runs the
+  /// kernel, while it is paused.
+  void wake_if_interrupted() {
+    if (is_called()) wake_.notify(sc_core::SC_ZERO_TIME);
+  }
 
   /// Ends the simulation when the program has been idle for so long (idle_watch.h).
   void set_idle_watch(IdleWatch watch) { idle_.emplace(std::move(watch)); }
@@ -110,6 +120,8 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   };
 
   void thread();
+  bool is_called() const { return called_.load(std::memory_order_relaxed); }
+  bool is_interrupted();
   void sleep();
   void sleep_until_woken();
   void look_ahead();
@@ -150,6 +162,8 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   uint64_t limit_ = 0;              // the first cycle that the core may not pass without it
   uint64_t horizon_ = 0;            // the limit of the run that goes on
   sc_core::sc_event wake_;
+  std::atomic<bool> called_{false};  // by interrupt()
+  uint64_t asked_at_ = 0;            // the cycle at which interrupted_ was asked last
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
   EndReason end_reason_ = EndReason::none;

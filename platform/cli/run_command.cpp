@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/refuse.h"
+#include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "report/page.h"
@@ -108,6 +109,13 @@ std::optional<Error> write_results(const run::RunResult& result, const run::RunS
   return host::write_together(files);
 }
 
+/// A run that was ended before it began.
+int code_of_refusal() {
+  if (const int signal = host::noted_signal(); signal != 0)
+    return run::exit_code::signal_base + signal;
+  return host::is_ending() ? run::exit_code::limit : run::exit_code::usage;
+}
+
 int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (auto error = collect(arguments, settings)) return refuse(error->text);
   if (arguments.list) {
@@ -124,7 +132,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
   auto result = run::run(settings);
-  if (!result) return refuse(result.error());
+  if (!result) return refuse(result.error(), code_of_refusal());
   const run::RunResult& r = result.value();
   if (!r.divergence.empty()) host::say("\n{}", r.divergence);
   if (!r.fault_report.empty()) host::say("\n{}", r.fault_report);

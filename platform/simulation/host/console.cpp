@@ -5,13 +5,17 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <iostream>
+
+#include "host/end_signals.h"
 
 namespace capsoc::host {
 namespace {
@@ -56,16 +60,32 @@ void reserve_standard_streams() {
   }
 }
 
+namespace {
+
+constexpr int patience_ms = 10;
+/// Of all that is said after a signal or a limit, to a pipe that is full.
+constexpr int longest_farewell_ms = 200;
+
+/// False: nobody reads, and the program is to end.
+bool wait_for_standard_error() {
+  static std::atomic<int> waited_ms{0};
+  pollfd polled{STDERR_FILENO, POLLOUT, 0};
+  while (poll(&polled, 1, patience_ms) <= 0)
+    if (is_ending() && (waited_ms += patience_ms) > longest_farewell_ms) return false;
+  return true;
+}
+
+}  // namespace
+
 void say(std::string_view text) {
   const WithoutBrokenPipe quiet;
-  while (!text.empty()) {
-    const ssize_t done = write(STDERR_FILENO, text.data(), text.size());
+  while (!text.empty() && wait_for_standard_error()) {
+    // A pipe that is writable takes so much without blocking.
+    const ssize_t done =
+        write(STDERR_FILENO, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
     if (done > 0) {
       text.remove_prefix(static_cast<std::size_t>(done));
-    } else if (done < 0 && errno == EAGAIN) {
-      pollfd polled{STDERR_FILENO, POLLOUT, 0};
-      poll(&polled, 1, -1);
-    } else if (done == 0 || errno != EINTR) {
+    } else if (done == 0 || (errno != EINTR && errno != EAGAIN)) {
       return;
     }
   }

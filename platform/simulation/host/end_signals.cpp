@@ -26,6 +26,8 @@ constexpr int end_signals[] = {SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 std::atomic<RemovedAtSignal::Entry*> entries{nullptr};
 std::atomic<pid_t> child_process{0};
 std::atomic<int> noted{0};
+std::atomic<void (*)()> called_on_signals{nullptr};
+std::atomic<bool> out_of_time{false};
 std::atomic<int> exit_without_room{0};
 std::atomic<bool> report_asked{false};
 
@@ -55,6 +57,7 @@ void end_without_room(int) {
 
 void note(int number) {
   noted = number;
+  call_for_signal();
 }
 
 void handle(void (*handler)(int)) {
@@ -88,6 +91,22 @@ void note_signal(int number) {
 
 int noted_signal() {
   return noted;
+}
+
+void note_end_of_time() {
+  out_of_time = true;
+}
+
+bool is_ending() {
+  return out_of_time || noted != 0;
+}
+
+void call_on_signals(void (*function)()) {
+  called_on_signals = function;
+}
+
+void call_for_signal() {
+  if (void (*const function)() = called_on_signals) function();
 }
 
 void note_report_signal() {

@@ -24,6 +24,17 @@ void note_signal(int number);
 /// The last one that came; 0: none.
 int noted_signal();
 
+/// A limit of the host's time was reached.
+void note_end_of_time();
+/// Whether that was noted, or a signal: what still waits for a slow reader should give up.
+bool is_ending();
+
+/// From here on each of these signals calls this function, which may do what a signal handler may;
+/// null: none.
+void call_on_signals(void (*function)());
+/// For handlers of other signals: as if one of these had come.
+void call_for_signal();
+
 /// From here on SIGUSR1 asks for a report of what is done so far, and ends nothing.
 void note_report_signal();
 /// Whether it came since the last call.

@@ -41,6 +41,8 @@ std::optional<Error> check_in_place(const std::string& path, const Place& place)
 }  // namespace
 
 Error cannot_write(const std::string& path, int error) {
+  if (error == EINTR)
+    return Error{path + ": cannot be written: the program was ended while it waited for a reader"};
   return Error{
       fmt::format("{}: cannot be written ({}); name another file", path, std::strerror(error))};
 }
@@ -61,6 +63,27 @@ Result<std::string> read_standard_input(std::size_t largest) {
   }
 }
 
+int open_to_write(const std::string& path, int flags) {
+  constexpr useconds_t nap_us = 10000;
+  // A pipe without a reader is refused at once so, with ENXIO.
+  const int how = O_WRONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | flags;
+  int file = -1;
+  while ((file = open(path.c_str(), how)) < 0 && errno == ENXIO) {
+    struct stat status {};
+    if (stat(path.c_str(), &status) != 0 || !S_ISFIFO(status.st_mode)) {
+      errno = ENXIO;
+      return -1;
+    }
+    if (is_ending()) {
+      errno = EINTR;
+      return -1;
+    }
+    usleep(nap_us);
+  }
+  if (file >= 0) fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
+  return file;
+}
+
 std::string growing_name(const std::string& path) {
   const Place place = place_of(path);
   return place.in_place() ? path : fmt::format("{}.{}.tmp", place.path, getpid());
@@ -68,6 +91,10 @@ std::string growing_name(const std::string& path) {
 
 std::FILE* open_growing(const std::string& path) {
   const Place place = place_of(path);
+  if (place.special && place.descriptor < 0) {
+    const int file = open_to_write(place.path, 0);
+    return file < 0 ? nullptr : fdopen(file, "wb");
+  }
   if (place.descriptor < 0) return std::fopen(growing_name(path).c_str(), "wb");
   // Opened anew it would begin at the front of a file that others write to as well.
   const int copy = fcntl(place.descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);

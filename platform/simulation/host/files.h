@@ -31,6 +31,11 @@ std::optional<Error> write_together(const std::vector<TextFile>& files);
 /// The sentence for what cannot be written; `error` as errno has it.
 Error cannot_write(const std::string& path, int error);
 
+/// Opens what exists for writing, with O_CLOEXEC and these flags. A pipe that nobody reads waits
+/// for its reader until the program is ending. A descriptor, or -1 with errno (EINTR: it was
+/// ending).
+int open_to_write(const std::string& path, int flags);
+
 /// Where a file grows until it is whole: beside its place. A device, a pipe or a descriptor of this
 /// program (/dev/stdout) grows in its place.
 std::string growing_name(const std::string& path);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "host/console.h"
+#include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "kit/guest_error.h"
@@ -28,6 +29,7 @@ std::atomic<bool> save_wanted{false};
 
 void want_save(int) {
   save_wanted = true;
+  host::call_for_signal();
 }
 
 std::string seconds_of(const sc_core::sc_time& time) {

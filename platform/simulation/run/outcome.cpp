@@ -4,6 +4,7 @@
 
 #include <csignal>
 
+#include "host/end_signals.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_settings.h"
 #include "trace/wave_file.h"

@@ -15,6 +15,10 @@ constexpr Seconds shortest_sleep{0.0005}, longest_sleep{0.01};
 
 }  // namespace
 
+sc_core::sc_time RealTime::slice() const {
+  return {longest_sleep.count() * factor_, sc_core::SC_SEC};
+}
+
 void RealTime::pace(const sc_core::sc_time& now, const std::function<bool()>& give_up) {
   if (!on()) return;
   const auto due = std::chrono::duration_cast<Clock::duration>(Seconds(now.to_seconds() / factor_));

@@ -16,6 +16,8 @@ class RealTime {
   explicit RealTime(double factor) : factor_(factor) {}
 
   bool on() const { return factor_ > 0; }
+  /// Simulated time between two calls of pace() that nobody notices: 10 ms of the host.
+  sc_core::sc_time slice() const;
 
   /// Returns when the host's time has come for the simulated one, or when `give_up` says so.
   /// Simulated time that is behind catches up, but for no more than a second of the host: what a

@@ -108,11 +108,13 @@ std::optional<Error> Simulation::load() {
 /// What belongs to the host.
 std::optional<Error> Simulation::open() {
   soc_.cpu.set_interrupted([this] {
-    pace();
+    if (real_time_.on()) pace();
+    host_limit_.answered();
     return interrupted();
   });
   // Before anything is opened that a signal should close again.
   host::note_end_signals();
+  if (auto error = host_limit_.watch([this] { call_from_signal(); })) return error;
   auto tracer = attach_tracer(settings_, view_);
   if (!tracer) return Error{tracer.error()};
   tracer_ = std::move(tracer.value());
@@ -195,7 +197,10 @@ void Simulation::pace() {
 
 bool Simulation::interrupted() {
   if (checkpoints_ != nullptr) checkpoints_->look_for_signal();
-  return host_limit_.reached();
+  if (!host_limit_.reached()) return false;
+  // A call of the program that gave up waiting for the host is its last one.
+  soc_.cpu.core().attention();
+  return true;
 }
 
 /// The processor stands between two instructions: out of its process, as long as nobody advances.
@@ -209,6 +214,41 @@ sc_core::sc_time Simulation::pause(const sc_core::sc_time& now) {
   return std::min(next, stop_at_);
 }
 
+/// In a signal handler. The kernel's pause is a flag that it looks at behind every delta cycle.
+void Simulation::call_from_signal() {
+  called_ = true;
+  soc_.cpu.interrupt();
+  sc_core::sc_pause();
+}
+
+/// Until nothing is left to happen, or somebody stops or pauses the kernel. A signal's pause is
+/// none: it wakes a processor that sleeps while only devices have events.
+void Simulation::simulate() {
+  for (;;) {
+    if (real_time_.on())
+      simulate_slice();
+    else
+      sc_core::sc_start();
+    if (stopped_ || sc_core::sc_get_status() != sc_core::SC_PAUSED) return;
+    if (called_.exchange(false))
+      soc_.cpu.wake_if_interrupted();
+    else if (!real_time_.on() || !sc_core::sc_pending_activity())
+      return;
+  }
+}
+
+/// Paced time is held while only devices have events, too.
+void Simulation::simulate_slice() {
+  pace();
+  const bool begun = sc_core::sc_get_status() == sc_core::SC_PAUSED;
+  const sc_core::sc_time slice = real_time_.slice();
+  const sc_core::sc_time left = sc_core::sc_max_time() - sc_core::sc_time_stamp();
+  const sc_core::sc_time next =
+      begun ? sc_core::sc_time_to_pending_activity() : sc_core::SC_ZERO_TIME;
+  sc_core::sc_start(slice < left && next < left - slice ? next + slice : left,
+                    sc_core::SC_EXIT_ON_STARVATION);
+}
+
 Result<bool> Simulation::advance_to(const sc_core::sc_time& time) {
   if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return false;
   if (time <= sc_core::sc_time_stamp() && stopped_) return true;
@@ -216,7 +256,7 @@ Result<bool> Simulation::advance_to(const sc_core::sc_time& time) {
   stopped_ = false;
   // Before the first instruction the processor does not know yet.
   if (time != sc_core::sc_max_time()) soc_.cpu.pause_now();
-  sc_core::sc_start();
+  simulate();
   if (not_restored_) return *not_restored_;
   return stopped_;
 }
@@ -261,6 +301,7 @@ std::vector<std::string> Simulation::close() {
 }
 
 RunResult Simulation::finish() {
+  host_limit_.stop_watching();
   result_.command = reproducing_command(settings_);
   pace();  // a sleep that the end of the run cut short
   if (real_time_.lost_s() > 0)

@@ -1,6 +1,7 @@
 // One run of the SoC in the hands of its host: built, moved on in simulated time, saved, finished.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "metrics/sample_writer.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
+#include "run/host_limit.h"
 #include "run/host_ports.h"
 #include "run/observation.h"
 #include "run/printed_lines.h"
@@ -78,6 +80,9 @@ class Simulation {
   std::optional<Error> plan_restore();
   bool restore();
   bool interrupted();
+  void call_from_signal();
+  void simulate();
+  void simulate_slice();
   void pace();
   sc_core::sc_time pause(const sc_core::sc_time& now);
   std::vector<std::string> close();
@@ -114,6 +119,7 @@ class Simulation {
   std::unique_ptr<Checkpoints> checkpoints_;
   sc_core::sc_time stop_at_ = sc_core::sc_max_time();
   bool stopped_ = false;
+  std::atomic<bool> called_{false};
 };
 
 /// From settings to the result in one call; an Error as Simulation has it.

@@ -45,7 +45,7 @@ Result<std::unique_ptr<CharacterBackend>> FileBackend::to_file(const std::string
   const bool exists = stat(path.c_str(), &status) == 0;
   if (!exists)
     if (auto error = host::check_writable(path)) return *error;
-  host::Descriptor file(exists ? open(path.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC) : -1);
+  host::Descriptor file(exists ? host::open_to_write(path, 0) : -1);
   if (exists && !file.valid()) return host::cannot_write(path, errno);
   const int number = file.get();
   std::unique_ptr<FileBackend> backend(
