@@ -155,8 +155,8 @@ void CortexM3Tlm::thread() {
     if (!stays) {
       settle();
       if (sc_core::sc_get_status() == sc_core::SC_STOPPED) return;
-      pause_if_due();
       if (is_interrupted()) return end(EndReason::interrupted);
+      pause_if_due();
       if (reset_requested_) reset_system();
     }
     bool one = false;
@@ -259,11 +259,11 @@ void CortexM3Tlm::sleep_until_woken() {
     }
     settle();
     catch_up();
+    if (is_interrupted()) return end(EndReason::interrupted);
     if (idle_ && pause_at_ <= sc_core::sc_time_stamp()) {
       idle_->wake_up(sc_core::sc_time_stamp());  // what was slept so far counts
     }
     pause_if_due();
-    if (is_interrupted()) return end(EndReason::interrupted);
     if (debugger_ != nullptr && debugger_->wants_attention()) return;
   }
 }

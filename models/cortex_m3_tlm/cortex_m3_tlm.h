@@ -78,6 +78,10 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
     if (is_called()) wake_.notify(sc_core::SC_ZERO_TIME);
   }
 
+  /// Behind the end of the simulation: a core that sleeps has done so until now, whoever woke it
+  /// in between.
+  void count_sleep() { catch_up(); }
+
   /// Ends the simulation when the program has been idle for so long (idle_watch.h).
   void set_idle_watch(IdleWatch watch) { idle_.emplace(std::move(watch)); }
   /// The program did something at this instant that is seen outside: it is not idle.

@@ -173,7 +173,7 @@ class Backends(Case):
             for way in ("print", "wfi_adc", "wfi_for_good", "poll_gpio", "poll_uart"):
                 self.both(way, "--uart0", backend)
                 self.both(way, "--uart0", "null", "--uart1", backend)
-            self.both("print", "--uart0", backend, "-C", "uart.wait=true")
+            self.both("print", "--uart0", backend, "-C", "run.uart_wait=true")
             self.both("semihosting_read", "--semihosting-console", backend)
 
     def test_input_that_never_comes(self):
@@ -181,8 +181,8 @@ class Backends(Case):
             silent, writer = os.pipe()
             self.addCleanup(os.close, silent)
             self.addCleanup(os.close, writer)
-            console = "stdio" if way == "semihosting_read" else "null"
-            self.both(way, "--uart1", "null" if console == "stdio" else "stdio", "--semihosting-console", console, stdin=silent)
+            taker = ("--semihosting-console",) if way == "semihosting_read" else ("--uart0", "null", "--uart1")
+            self.both(way, *taker, "stdio", stdin=silent)
 
     def test_a_debugger_that_does_not_come(self):
         for way in SOME:
@@ -223,7 +223,7 @@ class Checkpoints(Case):
             if way in ENDS_ITSELF:
                 continue
             with self.subTest(way):
-                process = self.start(way)
+                process = self.start(way, stderr=subprocess.DEVNULL)
                 self.wait_until_it_runs(process)
                 process.send_signal(signal.SIGUSR1)
                 until = time.monotonic() + SOON

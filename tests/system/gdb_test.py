@@ -596,10 +596,22 @@ class Probes(Comparison, unittest.TestCase):
             for data in self.WORDS.values():
                 self.probe(run, data, wait=0.02)
                 self.assertEqual(client.register(15), pc)
-            client.packet("vCont;c")
-            self.probe(run, b"\x03")
-            self.assertEqual(client.answer(), "W00")
+            self.assertEqual(client.ask("vCont;c"), "W00")
             self.check_same(run)
+
+    def test_a_session_that_runs_is_not_halted_by_another_client(self):
+        with Run(FOREVER, "--uart0", "null") as run, Packets(run) as client:
+            client.packet("c")
+            for data in self.WORDS.values():
+                self.probe(run, data, wait=0.02)
+            client.socket.settimeout(0.2)
+            with self.assertRaises(TimeoutError):
+                client.answer()
+            client.socket.settimeout(30)
+            client.send(b"\x03")
+            self.assertTrue(client.answer().startswith("T02"))
+            client.packet("k")
+            run.end()
 
     def test_the_first_packet_behind_noise_makes_a_debugger(self):
         with Run(FOREVER, "--uart0", "null") as run:

@@ -302,6 +302,7 @@ std::vector<std::string> Simulation::close() {
 
 RunResult Simulation::finish() {
   host_limit_.stop_watching();
+  soc_.cpu.count_sleep();
   result_.command = reproducing_command(settings_);
   pace();  // a sleep that the end of the run cut short
   if (real_time_.lost_s() > 0)
