@@ -10,17 +10,15 @@ import resource
 import signal
 import sqlite3
 import subprocess
-import tempfile
 import time
 import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(__file__).resolve().parents[2]
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "campaign"}
+
 KILLS = int(os.environ.get("CAPSOC_TEST_KILLS", "10"))
 
 # Half a second of a sensor: long enough for samples, a few milliseconds of the host.
@@ -73,12 +71,7 @@ def rows_of_any(store):
     return rows
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class CampaignCase(Case):
     def describe(self, text, name="d.toml"):
         (self.folder / name).write_text(text)
         return name
@@ -105,7 +98,7 @@ class Case(unittest.TestCase):
         return self.folder / name
 
 
-class Descriptions(Case):
+class Descriptions(CampaignCase):
     """What is wrong in a description is a sentence with its line, and nothing is started."""
 
     def wrong(self, expected, text, line=None):
@@ -205,7 +198,7 @@ class Descriptions(Case):
             self.assertEqual(again, json.loads(result))
 
 
-class Rows(Case):
+class Rows(CampaignCase):
     """The same rows for any number of jobs, shards and order; a changed description does what is new."""
 
     def test_jobs_shards_and_merge(self):
@@ -282,7 +275,7 @@ class Rows(Case):
         self.assertEqual(shares, list(range(20)))
 
 
-class Workers(Case):
+class Workers(CampaignCase):
     """A run that crashes, hangs or eats is a result with its command."""
 
     def endings(self, description, code=1, **keywords):
@@ -358,7 +351,7 @@ firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
         self.assertEqual(sorted(os.listdir(self.path("kept"))), [key[:16] + ".csv" for key in keys])
 
 
-class Kills(Case):
+class Kills(CampaignCase):
     """SIGKILL at random moments: the store is that of an uninterrupted campaign, and no run is done twice."""
 
     def test_random_moments(self):
@@ -411,7 +404,7 @@ class Kills(Case):
         self.fail("the worker lives on")
 
 
-class Disks(Case):
+class Disks(CampaignCase):
     def test_a_full_disk_loses_nothing(self):
         self.describe(DRAWN.format(runs=60))
         self.campaign("run", "d.toml", "--store", "whole.sqlite")
@@ -503,7 +496,7 @@ class Disks(Case):
         self.assertIn("is of another description than d.sqlite", said)
 
 
-class Reports(Case):
+class Reports(CampaignCase):
     def test_text_json_and_junit(self):
         self.describe(DRAWN.format(runs=30).replace("error_deg < 20", "error_deg < 5").replace("least_yield = 0", "least_yield = 0.999"))
         out, _ = self.campaign("run", "d.toml", "--json", "r.json", "--junit", "r.xml", code=1)
@@ -600,7 +593,7 @@ offset = "abs(parameters.b2.true)"
         self.assertRegex(said, r"5 runs, seed 5, store d.sqlite\n5 of 5 runs, 0 running, [0-9.e+]+ runs/s, \d failed in \d+ s\n")
 
 
-class Commands(Case):
+class Commands(CampaignCase):
     """Somebody else's program as a run."""
 
     def describe_command(self, line, results="", more="", axis="value.a = [1, 2, 3]"):
@@ -701,7 +694,7 @@ class Commands(Case):
         self.refuse("output.x", "run", "d.toml")
 
 
-class Kinds(Case):
+class Kinds(CampaignCase):
     """fit and regress; the campaigns that come with capsoc."""
 
     def test_fit(self):

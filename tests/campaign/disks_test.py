@@ -7,21 +7,20 @@ import os
 import signal
 import sqlite3
 import subprocess
-import sys
-import tempfile
 import time
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-from campaign_test import CAPSOC, CLEAN, DRAWN  # noqa: E402
+from campaign_test import DRAWN
+
+from harness import CAPSOC, CLEAN, Case
+
+CTEST = {"name": "campaign: other disks", "whole": True}
 
 
-class Disks(unittest.TestCase):
+class Disks(Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.folder.chmod(0o755)
         (self.folder / "d.toml").write_text(DRAWN.format(runs=20))
         subprocess.run(["cc", "-shared", "-fPIC", "-w", Path(__file__).with_name("no_shared_memory.c"), "-o", self.folder / "disk.so", "-ldl"], check=True)

@@ -8,14 +8,16 @@ import shutil
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-from campaign_test import CAPSOC, CLEAN, DRAWN, rows_of  # noqa: E402
+from campaign_test import DRAWN, rows_of
+
+from harness import CAPSOC, CLEAN
+
+CTEST = {"name": "campaign slurm", "timeout": 1200, "long": ["Slurm"]}
 
 RUNS = int(os.environ.get("CAPSOC_TEST_SLURM_RUNS", "1000"))
 TASKS = 20

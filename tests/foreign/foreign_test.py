@@ -5,7 +5,6 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
-import os
 import re
 import subprocess
 import sys
@@ -14,9 +13,11 @@ import tomllib
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-BUILD = Path(os.environ.pop("CAPSOC_TEST_BUILD"))  # not a setting of capsoc
-SCRIPT = ROOT / "scripts" / "foreign_firmware"
+from harness import BUILD, CAPSOC, SOURCE
+
+CTEST = {"name": "foreign firmware", "whole": True, "timeout": 120}
+
+SCRIPT = SOURCE / "scripts" / "foreign_firmware"
 
 sys.dont_write_bytecode = True
 loader = importlib.machinery.SourceFileLoader("foreign_firmware", str(SCRIPT))
@@ -77,6 +78,7 @@ int main(void) {
 # Sends what it is given, a byte a test, and wants the next one back.
 RUNNER = """
 import os, sys, tty
+
 terminal, folder, *sent = sys.argv[2].removeprefix("port:"), sys.argv[4], *sys.argv[5:]
 os.makedirs(folder)
 line = os.open(terminal, os.O_RDWR | os.O_NOCTTY)
@@ -99,7 +101,7 @@ class ForeignFirmware(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.work = Path(self.folder.name)
-        self.bench = foreign.Bench(BUILD / "capsoc", self.work, 60)
+        self.bench = foreign.Bench(CAPSOC, self.work, 60)
 
     def run_text(self, text, arguments=(), **keys):
         source, elf = self.work / "program.c", self.work / "program.elf"
@@ -190,7 +192,7 @@ class ForeignFirmware(unittest.TestCase):
 
     def test_a_board_that_does_not_start_is_one_sentence(self):
         with self.assertRaisesRegex(foreign.ForeignError, "opens no terminal: .*nothing.elf"):
-            with foreign.Board([BUILD / "capsoc", "run", "nothing.elf", "--uart0", "pty"], self.work):
+            with foreign.Board([CAPSOC, "run", "nothing.elf", "--uart0", "pty"], self.work):
                 pass
 
     def test_what_does_not_compile_is_one_sentence(self):
@@ -199,9 +201,9 @@ class ForeignFirmware(unittest.TestCase):
             foreign.run_board_suite(self.bench, entry, self.work, "-O2")
 
     def test_the_readme_has_a_row_for_each(self):
-        listed = tomllib.loads((ROOT / "tests/foreign/programs.toml").read_text(encoding="utf-8"))
+        listed = tomllib.loads((SOURCE / "tests/foreign/programs.toml").read_text(encoding="utf-8"))
         titles = list(dict.fromkeys(entry["title"] for kind in ("program", "suite", "board") for entry in listed[kind]))
-        table = (ROOT / "README.md").read_text(encoding="utf-8").split(f"{foreign.TABLE}\n")[1].split("\n\n")[0]
+        table = (SOURCE / "README.md").read_text(encoding="utf-8").split(f"{foreign.TABLE}\n")[1].split("\n\n")[0]
         rows = [re.fullmatch(r"\| (.*) \| ([\d,]+) \| \2 \| \d+\.\d \|", line) for line in table.splitlines()]
         self.assertEqual([row and row[1] for row in rows], titles)
 

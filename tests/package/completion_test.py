@@ -6,12 +6,13 @@ import pty
 import re
 import select
 import subprocess
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+from harness import BUILD, CAPSOC, Case
+
+CTEST = {"name": "package: completion", "whole": True}
+
 SHARE = BUILD / "generated" / "share"
 BASH = SHARE / "bash-completion/completions/capsoc"
 ZSH = SHARE / "zsh/site-functions/_capsoc"
@@ -76,11 +77,9 @@ class Terminal:
         os.waitpid(self.child, 0)
 
 
-class Completion(unittest.TestCase):
+class Completion(Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         for name in FILES:
             (self.folder / name).parent.mkdir(exist_ok=True)
             (self.folder / name).touch()
@@ -120,12 +119,12 @@ class Completion(unittest.TestCase):
 
     def test_what_the_program_lists_is_completed(self):
         """Nobody keeps a second list: every setting and every option of the help is there."""
-        settings = output_of(BUILD / "capsoc", "run", "--list-params").splitlines()
+        settings = output_of(CAPSOC, "run", "--list-params").splitlines()
         # program.NAME and the like stand for what the program or the sensor has.
         paths = {line.split()[0] for line in settings if not line.split()[0].endswith(".NAME")}
         self.assertEqual(paths, set(output_of("bash", "-c", f"source {BASH}; _capsoc_settings").split()))
         for command in ("run", "fit", "regress", "bench cpu"):
-            words = output_of(BUILD / "capsoc", *command.split(), "--help")
+            words = output_of(CAPSOC, *command.split(), "--help")
             options = set(re.findall(r"^  (?:-\w,)?(--?[\w-]+)", words, re.MULTILINE))
             known = set(output_of("bash", "-c", f"source {BASH}; _capsoc_options 'capsoc {command}'").split())
             self.assertGreater(len(options), 3)

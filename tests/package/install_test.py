@@ -4,13 +4,15 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+from harness import BUILD
+
+CTEST = {"name": "package: install", "whole": True}
+
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")}
 
 

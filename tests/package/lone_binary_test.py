@@ -3,27 +3,23 @@
 
 import hashlib
 import json
-import os
 import shutil
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "package: lone_binary", "whole": True}
+
 DEFAULT = SOURCE / "traces" / "soc_eq21.toml"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 
 
-class LoneBinary(unittest.TestCase):
+class LoneBinary(Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name).resolve()
+        super().setUp()
         (self.folder / "bin").mkdir()
         (self.folder / "work").mkdir()
-        shutil.copy2(BUILD / "capsoc", self.folder / "bin" / "capsoc")
+        shutil.copy2(CAPSOC, self.folder / "bin" / "capsoc")
 
     def capsoc(self, *arguments, code=0):
         done = subprocess.run([self.folder / "bin" / "capsoc", *map(str, arguments)], cwd=self.folder / "work",
@@ -46,13 +42,13 @@ class LoneBinary(unittest.TestCase):
         return next(i for i in result["inputs"] if i["role"] == "sensor")
 
     def test_any_firmware_runs_with_the_sensor_that_is_built_in(self):
-        result = self.result(BUILD / "firmware" / "hello.elf")
+        result = self.result(FIRMWARE / "hello.elf")
         self.assertEqual(self.sensor_of(result),
                          {"role": "sensor", "path": "built-in:soc_eq21.toml",
                           "sha256": hashlib.sha256(DEFAULT.read_bytes()).hexdigest()})
 
     def test_the_sensor_that_is_built_in_is_the_trace(self):
-        selfcal = [BUILD / "firmware" / "selfcal.elf", "--simlimit", "30"]
+        selfcal = [FIRMWARE / "selfcal.elf", "--simlimit", "30"]
         runs = [self.result(*selfcal, *options, code=124) for options in ([], ["--sensor", DEFAULT])]
         self.assertGreater(runs[0]["samples"], 1000)
         for key in ("samples", "parameters", "angle_error_deg", "uart0", "cpu"):
@@ -64,7 +60,7 @@ class LoneBinary(unittest.TestCase):
         (self.folder / "bin" / "traces").mkdir()
         text = DEFAULT.read_text().replace("0.6079", "0.5000")
         (self.folder / "bin" / "traces" / "soc_eq21.toml").write_text(text)
-        result = self.result(BUILD / "firmware" / "hello.elf")
+        result = self.result(FIRMWARE / "hello.elf")
         self.assertEqual(self.sensor_of(result)["path"], str(self.folder / "bin" / "traces" / "soc_eq21.toml"))
         self.assertEqual(self.sensor_of(result)["sha256"], hashlib.sha256(text.encode()).hexdigest())
 
@@ -99,7 +95,7 @@ class LoneBinary(unittest.TestCase):
         self.assertIn("bin/firmware/bench_list_search.elf", self.refusal("bench", "cpu"))
         self.assertIn("bin/libcapsoc_rtl_precise.so", self.refusal("regress"))
         self.assertIn("bin/libcapsoc_rtl_precise.so",
-                      self.refusal("run", BUILD / "firmware" / "hello.elf", "--coprocessor", "rtl"))
+                      self.refusal("run", FIRMWARE / "hello.elf", "--coprocessor", "rtl"))
 
 
 if __name__ == "__main__":

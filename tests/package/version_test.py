@@ -9,8 +9,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+from harness import BUILD, CAPSOC, Case, SOURCE
+
+CTEST = {"name": "package: version", "whole": True}
+
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith(("CAPSOC_", "GIT_"))}
 
 
@@ -23,20 +25,18 @@ class Program(unittest.TestCase):
         header = next(BUILD.glob("**/generated/commit.h")).read_text()
         commit = re.search('CAPSOC_COMMIT "(.+)"', header)[1]
         version = re.search(r"VERSION (\d+\.\d+\.\d+)", (SOURCE / "CMakeLists.txt").read_text())[1]
-        self.assertEqual(do(BUILD / "capsoc", "--version"), f"capsoc {version} (commit {commit})\n")
+        self.assertEqual(do(CAPSOC, "--version"), f"capsoc {version} (commit {commit})\n")
         with tempfile.TemporaryDirectory() as folder:
-            do(BUILD / "capsoc", "run", BUILD / "firmware/hello.elf", "--json", "r.json", cwd=folder)
+            do(CAPSOC, "run", BUILD / "firmware/hello.elf", "--json", "r.json", cwd=folder)
             versions = json.loads((Path(folder) / "r.json").read_text())["versions"]
         self.assertEqual((versions["capsoc"], versions["commit"]), (version, commit))
 
 
-class Commit(unittest.TestCase):
+class Commit(Case):
     """cmake/commit.cmake in repositories of its own."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name).resolve()
+        super().setUp()
         self.sources = self.folder / "sources"
         (self.sources / "part").mkdir(parents=True)
         (self.sources / "file").write_text("1\n")

@@ -9,8 +9,11 @@ import unittest
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-MUTATION = ROOT / "scripts" / "mutation"
+from harness import SOURCE
+
+CTEST = {"name": "quality: places of the faults", "whole": True}
+
+MUTATION = SOURCE / "scripts" / "mutation"
 
 
 def load(path):
@@ -26,17 +29,17 @@ def load(path):
 
 
 def listed(path, table):
-    return tomllib.loads((ROOT / path).read_text(encoding="utf-8"))[table]
+    return tomllib.loads((SOURCE / path).read_text(encoding="utf-8"))[table]
 
 
 class FaultPlaces(unittest.TestCase):
     def planted_texts(self, path, old, new, folder=""):
-        planted = load(ROOT / "scripts" / "planted_tree.py")
+        planted = load(SOURCE / "scripts" / "planted_tree.py")
         faults = listed(path, "fault")
         self.assertGreater(len(faults), 10)
         for fault in faults:
             with self.subTest(fault["name"]):
-                file = ROOT / folder / fault["file"]
+                file = SOURCE / folder / fault["file"]
                 self.assertNotEqual(planted.exchanged(file, fault[old], fault[new]), file.read_text(encoding="utf-8"))
 
     def test_mutation(self):
@@ -44,7 +47,7 @@ class FaultPlaces(unittest.TestCase):
         every = faults.read_faults(MUTATION / "faults.txt")
         self.assertGreater(len(every), 100)
         with tempfile.TemporaryDirectory() as folder:
-            files = faults.mutation.sources(Path(folder), ROOT / "rtl")
+            files = faults.mutation.sources(Path(folder), SOURCE / "rtl")
             for fault in every:
                 with self.subTest(fault["name"]):
                     faults.planted(files, [fault])
@@ -55,7 +58,7 @@ class FaultPlaces(unittest.TestCase):
         faults = load(MUTATION / "faults")
         fault = {"name": "n", "arithmetic": "both", "file": "nowhere.sv", "place": "@(a)@", "new": "b"}
         with self.assertRaisesRegex(faults.mutation.MutationError, "nowhere.sv"):
-            faults.planted([ROOT / "rtl" / "sequencer.sv"], [fault])
+            faults.planted([SOURCE / "rtl" / "sequencer.sv"], [fault])
 
     def test_lockstep(self):
         self.planted_texts("tests/rtl/planted_faults.toml", "old", "new")
@@ -70,11 +73,11 @@ class FaultPlaces(unittest.TestCase):
         self.planted_texts("tests/system/verdict_faults.toml", "text", "fault")
 
     def test_proofs(self):
-        formal = load(ROOT / "scripts" / "formal")
+        formal = load(SOURCE / "scripts" / "formal")
         for proof in listed("rtl/formal/proofs.toml", "proof"):
             with self.subTest(proof["name"]), tempfile.TemporaryDirectory() as folder:
                 fault = proof["fault"]
-                text = (ROOT / "rtl" / fault["file"]).read_text(encoding="utf-8")
+                text = (SOURCE / "rtl" / fault["file"]).read_text(encoding="utf-8")
                 (Path(folder) / fault["file"]).write_text(text, encoding="utf-8")
                 formal.plant(fault, Path(folder))
 

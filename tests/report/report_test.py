@@ -2,21 +2,17 @@
 """Reports: what a person sees, in a real browser without a network."""
 
 import json
-import os
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import browser  # noqa: E402
+import browser
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
+from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "report", "timeout": 600}
 
 HOSTILE = (
     "<script>window.hacked=1</script>", "</script><script>window.hacked=2</script>", "<img src=x onerror=window.hacked=3>",
@@ -29,16 +25,10 @@ HOSTILE = (
 
 
 def capsoc(*arguments, stdin=b""):
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin, env=clean)
+    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin, env=CLEAN)
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class ReportCase(Case):
     def done(self, process, code=0):
         self.assertEqual(process.returncode, code, process.stdout.decode() + process.stderr.decode())
 
@@ -55,7 +45,7 @@ class Case(unittest.TestCase):
         return page
 
 
-class Seen(Case):
+class Seen(ReportCase):
     """Tests that open pages."""
 
     def setUp(self):
@@ -70,9 +60,9 @@ class Seen(Case):
         self.browser.wait("return document.documentElement.dataset.ready", "the page's script has run")
         if draw_all:
             self.browser.run("dispatchEvent(new Event('beforeprint')); dispatchEvent(new Event('afterprint'));")
-        self.clean(page)
+        self.CLEAN(page)
 
-    def clean(self, page):
+    def CLEAN(self, page):
         self.assertEqual(self.browser.console(), [])
         self.assertLessEqual(set(self.browser.requests()), {page.resolve().as_uri()})
 
@@ -90,7 +80,7 @@ class Seen(Case):
                 self.browser.emulate(width=width, dark=dark)
                 self.layout_holds(width, dark)
         self.browser.emulate(width=1200, dark=False)
-        self.clean(page)
+        self.CLEAN(page)
 
     def points_are_there(self):
         figures = self.figures()
@@ -214,7 +204,7 @@ class Runs(OfACommand):
                 near = min(range(len(first["x"])), key=lambda k: abs(first["x"][k] - shown))
             value = float(re.search(re.escape(first["name"]) + r": ([-0-9.e]+)", text)[1])
             self.assertAlmostEqual(value, first["y"][near], delta=abs(first["y"][near]) * 1e-6)
-        self.clean(self.html)
+        self.CLEAN(self.html)
 
     def test_keys_read_points_and_zoom(self):
         self.open(self.html)
@@ -256,7 +246,7 @@ class Runs(OfACommand):
         log = self.browser.run("""const f = document.querySelector('figure[data-figure=a1]'), b = [...f.querySelectorAll('button')].find((b) => b.textContent === 'Log');
             const before = f.plot.getOption('logscale'); b.click(); return [before, f.plot.getOption('logscale'), b.textContent]""")
         self.assertEqual(log, [False, True, "Linear"])
-        self.clean(self.html)
+        self.CLEAN(self.html)
 
     def test_the_same_result_gives_the_same_bytes(self):
         again = self.report(self.json)
@@ -348,7 +338,7 @@ class Campaigns(Seen):
                 strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg, body link, body style').length,
                 names: [...document.querySelectorAll('select option')].map((o) => o.textContent)}""")
             self.assertEqual((found["hacked"], found["scripts"], found["strange"]), (None, 3, 0))
-            self.clean(page)
+            self.CLEAN(page)
 
     def test_damage_is_no_error_of_the_page(self):
         whole = self.campaign(30)
@@ -376,7 +366,7 @@ class Hostile(Seen):
         self.assertEqual((found["hacked"], found["scripts"], found["strange"], found["handlers"]), (None, 3, 0, 0))
         for text in texts:
             self.assertIn(re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]", "\ufffd", text), found["text"])
-        self.clean(page)
+        self.CLEAN(page)
 
     def test_in_every_text_of_a_result(self):
         for text in HOSTILE:
@@ -482,8 +472,7 @@ class Others(Seen):
 
     def test_fit_alone_writes_no_calibration(self):
         page = self.folder / "f.html"
-        clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-        self.done(subprocess.run([CAPSOC, "fit", SOURCE / "traces" / "csfn_eq.toml", "--html", page], cwd=self.folder, env=clean,
+        self.done(subprocess.run([CAPSOC, "fit", SOURCE / "traces" / "csfn_eq.toml", "--html", page], cwd=self.folder, env=CLEAN,
                                  capture_output=True, check=False))
         self.assertEqual([f.name for f in self.folder.iterdir()], ["f.html"])
 
@@ -545,7 +534,7 @@ class Others(Seen):
         self.assertTrue({"a1", "fit-ellipse"} <= set(self.figures()))
 
 
-class Refusals(Case):
+class Refusals(ReportCase):
     """What is no result is a sentence and exit code 2, and nothing is written."""
 
     def refuse(self, expected, *arguments):
@@ -586,7 +575,7 @@ class Refusals(Case):
         self.assertEqual(process.returncode, 74, process.stderr.decode())
 
 
-class Unchanged(Case):
+class Unchanged(ReportCase):
     """A report changes nothing of what a run does."""
 
     def test_results_without_a_report_have_none_of_it(self):

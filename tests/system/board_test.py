@@ -3,18 +3,16 @@
 QEMU's board does otherwise, line by line on both."""
 
 import json
-import os
 import re
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE
+
+CTEST = {"name": "board", "timeout": 600}
+
 
 
 def run(program, *options):

@@ -4,23 +4,16 @@
 import json
 import os
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "bring-up", "timeout": 600}
+
 RESETS = int(os.environ.get("CAPSOC_RESETS", "20"))
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class BringUpCase(Case):
     def run_it(self, elf, *options):
         """Exit code, stdout, stderr and results."""
         result = self.folder / "r.json"
@@ -35,7 +28,7 @@ class Case(unittest.TestCase):
         return path
 
 
-class Semihosting(Case):
+class Semihosting(BringUpCase):
     """newlib's rdimon, start-up included."""
 
     def rdimon(self, *options):
@@ -79,7 +72,7 @@ class Semihosting(Case):
         self.assertIn("/nonexistent: cannot be opened", said)
 
 
-class Calls(Case):
+class Calls(BringUpCase):
     """Each call against the semihosting specification (Arm, "Semihosting for AArch32 and AArch64", 2.0) and against QEMU."""
 
     # What SYS_READ and SYS_WRITE have not done is their result, all of it if they fail.
@@ -176,7 +169,7 @@ it is a name: 1
         self.assertEqual((theirs.stdout + theirs.stderr).decode(), expected)
 
 
-class VectorTable(Case):
+class VectorTable(BringUpCase):
     """A program whose vector table is not at 0."""
 
     def test_it_is_found(self):
@@ -211,7 +204,7 @@ class VectorTable(Case):
         self.assertIn(b"nothing is loaded at 0", done.stderr)
 
 
-class FaultHandler(Case):
+class FaultHandler(BringUpCase):
     """A fault handler that branches to itself."""
 
     def spin(self, mode, *options):
@@ -239,7 +232,7 @@ class FaultHandler(Case):
         self.assertEqual(self.spin(3, "--simlimit", 0.1)[0], 124)
 
 
-class Resets(Case):
+class Resets(BringUpCase):
     """Reset the board many times in one process, then run the main job; CAPSOC_RESETS sets how often."""
 
     def test_the_main_job_is_the_same_as_in_a_fresh_process(self):

@@ -2,30 +2,23 @@
 """Runs that are saved on their way, and what becomes of those that go on."""
 
 import json
-import os
 import re
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-FIRMWARE = BUILD / "firmware"
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "checkpoints", "timeout": 900}
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
+class CheckpointCase(Case):
     def capsoc(self, *arguments, code=0):
-        done = subprocess.run([BUILD / "capsoc", "run", *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
+        done = subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
                               env=CLEAN, cwd=self.folder)
         self.assertEqual(done.returncode, code, done.stderr)
         return done
@@ -37,7 +30,7 @@ class Case(unittest.TestCase):
         return json.loads((self.folder / name).read_text())
 
 
-class Cuts(Case):
+class Cuts(CheckpointCase):
     """scripts/checkpoint_cuts in small."""
 
     def cuts(self, count, *options):
@@ -57,7 +50,7 @@ class Cuts(Case):
                   "selfcal,track,unordered", "--seed", "7")
 
 
-class Places(Case):
+class Places(CheckpointCase):
     def test_several_checkpoints_and_a_chain_of_them(self):
         self.capsoc("--json", "whole.json", "--uart0", "file:whole")
         self.capsoc("--uart0", "file:first", "--save", "a@10", "--save", "b@250.5")
@@ -100,7 +93,7 @@ class Places(Case):
         self.assertEqual(sorted(path.name for path in self.folder.glob("later*")), ["later-9.capsoc"])
 
     def test_on_a_signal(self):
-        run = subprocess.Popen([BUILD / "capsoc", "run", FIRMWARE / "forever.elf", "--uart0", "null", "--timelimit", "60"], cwd=self.folder,
+        run = subprocess.Popen([CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--timelimit", "60"], cwd=self.folder,
                                env=CLEAN, stderr=subprocess.PIPE, text=True)
         try:
             deadline = time.monotonic() + 50
@@ -152,7 +145,7 @@ class Places(Case):
         self.assertTrue(whole.endswith(rest))
 
 
-class Refusals(Case):
+class Refusals(CheckpointCase):
     def refused(self, sentence, *arguments):
         said = self.capsoc(*arguments, code=2).stderr
         self.assertIn(sentence, said)
@@ -184,7 +177,7 @@ class Refusals(Case):
         self.refused("capsoc", "--restore", ".")
 
     def save_while_it_computes(self, kind):
-        run = subprocess.Popen([BUILD / "capsoc", "run", FIRMWARE / "forever.elf", "--uart0", "null", "--gdb", "0", "--halt", "--coprocessor",
+        run = subprocess.Popen([CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--gdb", "0", "--halt", "--coprocessor",
                                 kind], cwd=self.folder, env=CLEAN, stderr=subprocess.PIPE, text=True)
         try:
             port = re.search(r"127\.0\.0\.1:(\d+)", run.stderr.readline()).group(1)

@@ -9,11 +9,10 @@ import unittest
 from collections import Counter, defaultdict
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "coverage"}
+
 CONDITIONS = ["eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le"]
 CONDITIONS = {name: number for number, name in enumerate(CONDITIONS)} | {"hs": 2, "lo": 3}
 
@@ -101,13 +100,8 @@ def relative(place):
     return (file, int(line)) if line.isdigit() and int(line) and not file.startswith(("..", "/")) else None
 
 
-class Counts(unittest.TestCase):
+class Counts(Case):
     maxDiff = 3000
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
     def check(self, name, *options, code=0):
         elf = FIRMWARE / f"{name}.elf"

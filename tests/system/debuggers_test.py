@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
 """What a debugger changes for the program (ITM, DHCSR), and LLDB as a client."""
 
-import os
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-from gdb_test import BUILD, CAPSOC, CLEAN, DEBUGGEE, Packets, Run, gdb  # noqa: E402
+from gdb_test import DEBUGGEE, Run, gdb
 
-FIRMWARE = BUILD / "firmware"
+from harness import CAPSOC, CLEAN, FIRMWARE
+
+CTEST = {"name": "debuggers"}
+
 VIEWER, PRESENCE = FIRMWARE / "viewer.elf", FIRMWARE / "presence.elf"
 TEXT = "by itm\nABCCD\n"
 

@@ -5,20 +5,18 @@ import json
 import os
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-ENDLESS = BUILD / "firmware" / "endless.elf"
+from harness import FIRMWARE, SOURCE, Case, signal_is_caught
+
+CTEST = {"name": "ends", "timeout": 600}
+
+ENDLESS = FIRMWARE / "endless.elf"
 SENSOR = SOURCE / "traces" / "soc_eq21.toml"
 SOON = 20  # seconds; a tenth of one is what it takes on an idle machine
 LIMIT = 124
 ENDING = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM)
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 
 WAYS = ("compute wfi_adc wfe_adc wfi_fast_adc wfi_timer wfi_tick sleep_on_exit wfi_pending wfi_for_good poll_gpio poll_uart "
         "poll_timer poll_adc poll_running_adc poll_coprocessor poll_systick poll_two poll_and_count write_gpio "
@@ -27,27 +25,11 @@ ENDS_ITSELF = ("wfi_timer", "wfi_for_good")  # without a host that could wake it
 SOME = ("compute", "wfi_adc", "wfi_tick", "poll_gpio", "poll_running_adc", "poll_coprocessor")
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name).resolve()
-
+class EndlessCase(Case):
     def start(self, way, *options, **keywords):
-        arguments = [CAPSOC, "run", ENDLESS, "--sensor", SENSOR, "-P", f"way={WAYS.index(way)}", "--json", "r.json",
+        arguments = ["run", ENDLESS, "--sensor", SENSOR, "-P", f"way={WAYS.index(way)}", "--json", "r.json",
                      *map(str, options)]
-        keywords = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "env": CLEAN,
-                    "cwd": self.folder, **keywords}
-        process = subprocess.Popen(arguments, **keywords)
-        self.addCleanup(self.kill, process)
-        return process
-
-    @staticmethod
-    def kill(process):
-        """The test's own safety net."""
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
+        return super().start(*arguments, **{"stdout": subprocess.DEVNULL, **keywords})
 
     def wait(self, process, code, reason):
         began = time.monotonic()
@@ -58,7 +40,7 @@ class Case(unittest.TestCase):
         took = time.monotonic() - began
         if log := os.environ.get("CAPSOC_TEST_TIMES"):
             with open(log, "a", encoding="ascii") as file:
-                file.write(f"{took:.3f} {' '.join(map(str, process.args[4:]))}\n")
+                file.write(f"{took:.3f} {' '.join(map(str, process.args))}\n")
         said = process.stderr.read().decode() if process.stderr else ""
         self.assertEqual(process.returncode, code, said)
         result = json.loads((self.folder / "r.json").read_text())
@@ -71,8 +53,7 @@ class Case(unittest.TestCase):
         """Until it has caught its signals, and a little longer: no result depends on how far it has come."""
         until = time.monotonic() + SOON
         while time.monotonic() < until and process.poll() is None:
-            status = Path(f"/proc/{process.pid}/status").read_text()
-            if int(status.split("SigCgt:")[1].split()[0], 16) >> (signal.SIGALRM - 1) & 1:
+            if signal_is_caught(process, signal.SIGALRM):
                 break
             time.sleep(0.01)
         time.sleep(seconds)
@@ -89,7 +70,7 @@ class Case(unittest.TestCase):
         return self.wait(process, 128 + number, f"ended by signal {int(number)}")
 
 
-class Limits(Case):
+class Limits(EndlessCase):
     def test_every_way(self):
         for way in WAYS:
             if way in ENDS_ITSELF:
@@ -113,7 +94,7 @@ class Limits(Case):
                     self.ends_by_limit(way, *options)
 
 
-class Signals(Case):
+class Signals(EndlessCase):
     def test_every_way(self):
         for number, way in enumerate(WAYS):
             if way in ENDS_ITSELF:
@@ -136,7 +117,7 @@ class Signals(Case):
                     self.ends_by_limit(way, "--coprocessor", coprocessor)
 
 
-class Backends(Case):
+class Backends(EndlessCase):
     """A host that takes nothing, gives nothing, or is not there."""
 
     def both(self, way, *options, **keywords):
@@ -217,7 +198,7 @@ class Backends(Case):
             self.both("poll_gpio", *options)
 
 
-class Checkpoints(Case):
+class Checkpoints(EndlessCase):
     def test_a_signal_saves_whatever_the_processor_does(self):
         for way in WAYS:
             if way in ENDS_ITSELF:
@@ -236,7 +217,7 @@ class Checkpoints(Case):
                 saved[0].unlink()
 
 
-class Unchanged(Case):
+class Unchanged(EndlessCase):
     """Where the host cuts in changes nothing but the end."""
 
     def results(self, process, code):

@@ -2,19 +2,17 @@
 """Failures that a report explains by itself: cause, line and call stack, held against gdb-multiarch's."""
 
 import json
-import os
 import re
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
+from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE
+
+CTEST = {"name": "failures"}
+
 FAILURES = FIRMWARE / "failures.elf"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 NULL_WRITE, OVERFLOW, SVC_PRIORITY, DEADLOCK, ASLEEP, LOST_WRITE, FAILED_CHECK, FAULT_IN_HANDLER, PRINTED_WARNING = range(1, 10)
 
 

@@ -2,7 +2,6 @@
 """`capsoc run --gdb` with the real client, gdb-multiarch, and with bare packets where the client hides what is asked."""
 
 import json
-import os
 import re
 import socket
 import subprocess
@@ -12,12 +11,12 @@ import time
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-DEBUGGEE = BUILD / "firmware" / "debuggee.elf"
-FOREVER = BUILD / "firmware" / "forever.elf"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE
+
+CTEST = {"name": "gdb"}
+
+DEBUGGEE = FIRMWARE / "debuggee.elf"
+FOREVER = FIRMWARE / "forever.elf"
 
 
 class Run:
@@ -209,7 +208,7 @@ class Registers(unittest.TestCase):
     """Peripheral registers by the names of the SVD description (scripts/gdb/svd.py)."""
 
     def test_coprocessor_registers_by_name(self):
-        with Run(BUILD / "firmware" / "selfcal.elf", "--halt", "--simlimit", "2") as run:
+        with Run(FIRMWARE / "selfcal.elf", "--halt", "--simlimit", "2") as run:
             out = gdb(run, """
 source scripts/gdb/svd.py
 svd list
@@ -236,7 +235,7 @@ except gdb.error as error:
 end
 print $svd("ADC.COUNT") == *(unsigned*)0x4000d020
 kill
-""", elf=BUILD / "firmware" / "selfcal.elf")
+""", elf=FIRMWARE / "selfcal.elf")
             run.end()
         for text in ("COPROCESSOR          0x4000c000", "CLOCKCTRL            0x4000e000", "PERIOD               0x4000d010",
                      "$1 = 0x43415053", "$2 = 161", "$3 = 0", "CTRL                 0x4000c008", "A1                   0x4000c080",
@@ -261,10 +260,10 @@ for name in [line.split()[0] for line in gdb.execute("svd list", to_string=True)
     word = int.from_bytes(bytes(gdb.selected_inferior().read_memory(int(address, 16), 4)), "little")
     print("register", name, register, "same" if shown == word else "differs")
 """ % (SOURCE / "scripts/gdb/svd.py")
-        with tempfile.NamedTemporaryFile("w", suffix=".py") as file, Run(BUILD / "firmware" / "hello.elf", "--halt") as run:
+        with tempfile.NamedTemporaryFile("w", suffix=".py") as file, Run(FIRMWARE / "hello.elf", "--halt") as run:
             file.write(script)
             file.flush()
-            out = gdb(run, f"\nsource {file.name}\nkill\n", elf=BUILD / "firmware" / "hello.elf")
+            out = gdb(run, f"\nsource {file.name}\nkill\n", elf=FIRMWARE / "hello.elf")
             run.end()
         found = re.findall(r"^register (\w+) (\w+) (same|differs)$", out, re.MULTILINE)
         self.assertGreater(len(found), 400)
@@ -485,7 +484,7 @@ class Protocol(Comparison, unittest.TestCase):
             self.assertEqual(client.register(15), client.word(4) & ~1)
 
     def test_a_fault_handler_that_branches_to_itself_stops(self):
-        with Run(BUILD / "firmware" / "spin.elf", "--halt") as run, Packets(run) as client:
+        with Run(FIRMWARE / "spin.elf", "--halt") as run, Packets(run) as client:
             for _ in range(2):
                 self.assertTrue(client.ask("vCont;c").startswith("T0b"))
                 self.assertEqual(client.register(25) & 0x1FF, 3, "in the HardFault handler")
@@ -582,7 +581,7 @@ class Probes(Comparison, unittest.TestCase):
 
     def test_a_crash_ends_the_run_though_a_silent_client_is_there(self):
         for program, code in (("divzero", 5), ("evenjump", 5)):
-            with Run(BUILD / "firmware" / f"{program}.elf", "--halt") as run, \
+            with Run(FIRMWARE / f"{program}.elf", "--halt") as run, \
                     socket.create_connection(("127.0.0.1", run.port), timeout=30):
                 with Packets(run) as client:
                     self.assertEqual(client.ask("D"), "OK")

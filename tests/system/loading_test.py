@@ -1,24 +1,17 @@
 #!/usr/bin/env python3
 """Intel HEX, S-records, raw binaries and several images, as objcopy writes them."""
 
-import os
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-HELLO = BUILD / "firmware" / "hello.elf"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "system: Loading", "whole": True, "timeout": 120}
+
+HELLO = FIRMWARE / "hello.elf"
 
 
-class Loading(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class Loading(Case):
     def objcopy(self, form, *options, elf=HELLO):
         path = self.folder / f"{elf.stem}.{form}"
         subprocess.run(["arm-none-eabi-objcopy", "-O", form, *options, elf, path], check=True)
@@ -33,17 +26,17 @@ class Loading(unittest.TestCase):
         self.assertEqual(expected, (0, b"hello from capsoc\n"))
         self.assertEqual(self.run_it(self.objcopy("ihex"))[:2], expected)
         # Over another program, which never ends: the last image wins.
-        forever = BUILD / "firmware" / "forever.elf"
+        forever = FIRMWARE / "forever.elf"
         self.assertEqual(self.run_it(forever, "--load", f"{self.objcopy('binary')}@0")[:2], expected)
         self.assertEqual(self.run_it(forever, "--load", f"{self.objcopy('binary')}@0x21000000", "--load",
                                      self.objcopy("ihex"))[:2], expected)
 
     def test_s_records_are_the_same_program(self):
         """Of 16, 24 and 32 bits of address, and with lines of any length."""
-        forever = BUILD / "firmware" / "forever.elf"
+        forever = FIRMWARE / "forever.elf"
         for name, options in (("hello", ()), ("hello", ("--srec-forceS3",)), ("hello", ("--srec-len=200",)), ("hello_psram", ()),
                               ("hello_sram", ())):
-            elf = BUILD / "firmware" / f"{name}.elf"
+            elf = FIRMWARE / f"{name}.elf"
             expected = self.run_it(elf)[:2]
             self.assertEqual(expected, (0, b"hello from capsoc\n"))
             srec = self.objcopy("srec", *options, elf=elf)

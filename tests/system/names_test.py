@@ -5,13 +5,12 @@ other versions of DWARF; names that are not ASCII; names of C++ and Rust. Oracle
 import os
 import re
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case
+
+CTEST = {"name": "names"}
+
 GCC = ("arm-none-eabi-gcc", "-mcpu=cortex-m3", "-mthumb", "-ffreestanding", "-O1")
 CLANG = ("clang", "--target=thumbv7m-none-eabi", "-ffreestanding", "-O1")
 LINK = ("arm-none-eabi-gcc", "-mcpu=cortex-m3", "-mthumb", "-nostdlib", "-nostartfiles", "-Wl,--no-warn-rwx-segments")
@@ -54,13 +53,11 @@ int main(void) {
 """
 
 
-class Case(unittest.TestCase):
+class ProgramCase(Case):
     maxDiff = 4000
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="capsoc-names-")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name).resolve()
+        super().setUp()
         self.write("link.ld", SCRIPT)
         self.write("start.c", START)
 
@@ -109,7 +106,7 @@ class Case(unittest.TestCase):
         self.do("lcov", "--summary", self.folder / "c.info", cwd="elsewhere")
 
 
-class Folders(Case):
+class Folders(ProgramCase):
     def setUp(self):
         super().setUp()
         self.main, self.part = self.write("project/src/main.c", MAIN), self.write("project/src/lib/part.c", PART)
@@ -195,7 +192,7 @@ class Folders(Case):
         self.assertEqual(self.sources(self.cover(elf)), named)
 
 
-class NotAscii(Case):
+class NotAscii(ProgramCase):
     def test_folders_files_and_functions(self):
         main = self.write("Öl prüfen/größe.c", """volatile int summe;
 __attribute__((noinline)) int größe(int π) {
@@ -254,7 +251,6 @@ int main(void) {
             self.assertNotRegex(text, "[\x00-\x08\x0b-\x1f\x7f-\x9f]")
         self.assertIn("f?[31m???12", (self.folder / "c.info").read_text())
 
-
 CPP = """namespace outer {
 template <typename T> struct Box {
   explicit Box(T v);
@@ -282,7 +278,7 @@ extern "C" int main() {
 """
 
 
-class Demangled(Case):
+class Demangled(ProgramCase):
     def build(self, compiler=GCC):
         self.write("main.cpp", CPP)
         self.do(*compiler, "-x", "c++", "-fno-exceptions", "-fno-rtti", "-g", "-c", "main.cpp", "-o", "1.o")

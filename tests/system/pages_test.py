@@ -13,8 +13,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+from harness import BUILD, CAPSOC, SOURCE
+
+CTEST = {"name": "pages", "timeout": 600}
+
 DOCS = SOURCE / "docs"
 
 
@@ -101,7 +103,7 @@ class Picture(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             drawn = Path(folder) / "main_job.svg"
             script = SOURCE / "scripts" / "main_job_picture"
-            process = subprocess.run([script, "--capsoc", BUILD / "capsoc", "--output", drawn], capture_output=True,
+            process = subprocess.run([script, "--capsoc", CAPSOC, "--output", drawn], capture_output=True,
                                      text=True, check=False)
             self.assertEqual(process.returncode, 0, process.stderr)
             self.assertEqual(drawn.read_text(), (DOCS / "images" / "main_job.svg").read_text(),

@@ -5,15 +5,16 @@ import csv
 import io
 import json
 import math
-import os
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-PROGRAM = BUILD / "firmware" / "paper.elf"
+from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE
+
+CTEST = {"name": "papers", "timeout": 600}
+
+PROGRAM = FIRMWARE / "paper.elf"
 EXPERIMENT = SOURCE / "traces" / "soc_experiment.toml"
 NAMES = ("a1", "a2", "b1", "b2", "beta", "phi")
 
@@ -24,11 +25,10 @@ ALL_HARDWARE = HARDWARE + ("-C", "coprocessor.paper_reference_lead=2", "-C", "co
 
 
 def capsoc(*arguments):
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-    return subprocess.run([BUILD / "capsoc", *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False, env=clean)
+    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False, env=CLEAN)
 
 
-class Case(unittest.TestCase):
+class PaperCase(unittest.TestCase):
     """A run with its result file."""
 
     def run_json(self, *arguments, code=0):
@@ -43,7 +43,7 @@ class Case(unittest.TestCase):
         return [results["parameters"][name]["word"] for name in NAMES]
 
 
-class Table8(Case):
+class Table8(PaperCase):
     """The same six words by the model alone (`capsoc reproduce`), by firmware on the SoC, and by the RTL."""
 
     @classmethod
@@ -81,7 +81,7 @@ class Table8(Case):
         self.assertIn("capsoc_rtl_table_8", process.stderr)
 
 
-class Table9(Case):
+class Table9(PaperCase):
     """Its words in calibration mode, beta near half a turn."""
 
     WORDS = dict(zip(NAMES, (1308364580, 1336685245, 274228330, 388108700, 2105078019, 3700681650)))
@@ -123,7 +123,7 @@ class Table9(Case):
         self.assertIn("calibrate: fail: the sensor has changed since calibration: the offset of U has moved", text)
 
 
-class Experiment(Case):
+class Experiment(PaperCase):
     """Section 4.3: with the reference at the shaft's speed the firmware passes and is below the paper's errors."""
 
     def errors(self, *arguments):

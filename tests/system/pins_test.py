@@ -1,26 +1,22 @@
 #!/usr/bin/env python3
 """GPIO, buttons and LEDs on files, scripts and sockets."""
 
-import os
 import re
 import socket
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-PINS = BUILD / "firmware" / "pins.elf"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "system: Pins", "whole": True}
+
+PINS = FIRMWARE / "pins.elf"
 PATIENCE = 60
 
 
-class Pins(unittest.TestCase):
+class Pins(Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.script = self.folder / "pins.txt"
         self.script.write_text("# time pin level\n0.010 0 1\n0.010 2 1\n\n0.020 0 0  # 4\n0.030 2 0\n")
         self.buttons = self.folder / "buttons.txt"

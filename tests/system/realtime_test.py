@@ -2,27 +2,19 @@
 """`--realtime`: simulated time paced to the host's. How long a run takes, when a key arrives, and that nothing else changes."""
 
 import json
-import os
 import re
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "realtime", "serial": True, "long": ["TenSeconds"]}
 
 
-class Paced(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
+class Paced(Case):
     def start(self, program, *options):
         return subprocess.Popen([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", self.folder / "r.json", *map(str, options)],
                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=CLEAN)

@@ -3,17 +3,16 @@
 
 import json
 import math
-import os
 import random
 import struct
 import subprocess
-import tempfile
 import unittest
 import wave
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "recordings"}
+
 PAGE = SOURCE / "docs" / "recordings.md"
 # Debian's own: it has scipy.
 PYTHON = "/usr/bin/python3"
@@ -35,15 +34,9 @@ def samples(noise=1e-4):
     return rows
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class RecordingCase(Case):
     def capsoc(self, *arguments, **keywords):
-        clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-        return subprocess.run([BUILD / "capsoc", *map(str, arguments)], capture_output=True, timeout=300, check=False, env=clean,
+        return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN,
                               cwd=self.folder, **keywords)
 
     def fit(self, *arguments, warnings=0, **keywords):
@@ -59,7 +52,7 @@ class Case(unittest.TestCase):
         said = process.stderr.decode()
         self.assertEqual((process.returncode, process.stdout), (2, b""), said)
         self.assertEqual(len(said.splitlines()), 1, said)
-        run = self.capsoc("run", BUILD / "firmware" / "hello.elf", "--sensor", *arguments, **keywords)
+        run = self.capsoc("run", FIRMWARE / "hello.elf", "--sensor", *arguments, **keywords)
         self.assertEqual(run.returncode, 2, run.stderr)
         self.assertEqual(run.stderr.decode(), said)
         return said
@@ -75,7 +68,7 @@ class Case(unittest.TestCase):
             self.assertAlmostEqual(p[name], right, delta=6e-4, msg=name)
 
 
-class Dialects(Case):
+class Dialects(RecordingCase):
     """Each row of the table is written, read, and found to be the sensor."""
 
     def rows(self):
@@ -137,7 +130,7 @@ class Dialects(Case):
         else:
             self.assertIsNone(errors["calibrated_peak_to_peak"])
         # The run reads the same: its samples are the record's, and its rate where there is one.
-        process = self.capsoc("run", BUILD / "firmware" / "calibrate.elf", "--parameters", "c.json", "--sensor", name, *options,
+        process = self.capsoc("run", FIRMWARE / "calibrate.elf", "--parameters", "c.json", "--sensor", name, *options,
                               "--uart0", "null", "--json", "r.json")
         self.assertIn(process.returncode, (0, 1), process.stderr.decode())
         self.assertNotIn("warning", process.stderr.decode())
@@ -151,7 +144,7 @@ class Dialects(Case):
                 self.check(row)
 
 
-class Refusals(Case):
+class Refusals(RecordingCase):
     """What is not read, in one sentence that names what is there and what chooses."""
 
     def write(self, name, head, pattern="{u:.6f},{v:.6f}", rows=None):
@@ -224,12 +217,12 @@ class Refusals(Case):
         before = (self.folder / "v.csv").read_bytes()
         process = self.capsoc("fit", "u.csv,v.csv", "--json", "v.csv")
         self.assertEqual(process.returncode, 2)
-        process = self.capsoc("run", BUILD / "firmware" / "hello.elf", "--sensor", "u.csv,v.csv", "--json", "v.csv")
+        process = self.capsoc("run", FIRMWARE / "hello.elf", "--sensor", "u.csv,v.csv", "--json", "v.csv")
         self.assertEqual(process.returncode, 2)
         self.assertEqual((self.folder / "v.csv").read_bytes(), before)
 
 
-class TimeStamps(Case):
+class TimeStamps(RecordingCase):
     """Lost, doubled and coarse stamps: one warning that names the place, the same of fit and run."""
 
     def record(self, rows, times=None):
@@ -239,7 +232,7 @@ class TimeStamps(Case):
     def both(self):
         result, said = self.fit("a.csv", warnings=1)
         self.assertEqual(["warning: " + said for said in result["sensor_warnings"]], said.splitlines())
-        process = self.capsoc("run", BUILD / "firmware" / "hello.elf", "--sensor", "a.csv", "--json", "r.json")
+        process = self.capsoc("run", FIRMWARE / "hello.elf", "--sensor", "a.csv", "--json", "r.json")
         self.assertEqual(process.stderr.decode().splitlines()[0], said.strip())
         self.assertEqual(json.loads((self.folder / "r.json").read_text())["sensor_warnings"][0], said.strip()[len("warning: "):])
         return said
@@ -272,7 +265,7 @@ class TimeStamps(Case):
         self.assertIn("sort the rows by time", self.refused("a.csv"))
 
 
-class Wav(Case):
+class Wav(RecordingCase):
     """WAV files of Python's wave and of sox."""
 
     def write(self, width, channels=2):
@@ -323,7 +316,7 @@ class Wav(Case):
         self.assertIn("there is one channel of sound", self.refused("a.wav"))
 
 
-class Mat(Case):
+class Mat(RecordingCase):
     """MAT files of scipy."""
 
     def scipy(self, code, *arguments):
@@ -364,7 +357,7 @@ class Mat(Case):
         self.assertIn("version 7.3 (HDF5); save it with -v7", self.refused("a.mat"))
 
 
-class Sds(Case):
+class Sds(RecordingCase):
     """Recordings of Arm's SDS-Framework, written as its documentation says."""
 
     META = "sds:\n  name: Resolver\n  description: two coils\n  sample-frequency: 250\n  content:\n"
@@ -434,7 +427,7 @@ class Sds(Case):
         self.assertIn("Resolver.sds.yml", process.stderr.decode())
 
 
-class Written(Case):
+class Written(RecordingCase):
     """`--record` in other formats, read by programs that are not ours and by capsoc again."""
 
     def record(self, name, *options):

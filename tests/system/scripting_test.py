@@ -3,34 +3,24 @@
 
 import csv
 import json
-import os
 import re
 import shlex
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-TRACES = SOURCE / "traces"
+from harness import CAPSOC, CLEAN, Case, FIRMWARE, TRACES
+
+CTEST = {"name": "scripting"}
+
 
 
 def capsoc(*arguments, environment=None, stdin=b""):
     """Runs the program; stdout and stderr as bytes."""
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
     return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin,
-                          env={**clean, **(environment or {})})
+                          env={**CLEAN, **(environment or {})})
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class ScriptingCase(Case):
     def run_soc(self, *arguments, code=0, **keywords):
         """`capsoc run` with its results read back."""
         path = self.folder / "r.json"
@@ -47,7 +37,7 @@ class Case(unittest.TestCase):
         self.assertIn(expected, text)
 
 
-class ProgramSettings(Case):
+class ProgramSettings(ScriptingCase):
     """`-P name=value` and what else sets them."""
 
     def listed(self, *arguments, **keywords):
@@ -126,7 +116,7 @@ class ProgramSettings(Case):
         self.assertEqual(again.stdout, first.stdout)
 
 
-class SensorSettings(Case):
+class SensorSettings(ScriptingCase):
     """`-C sensor.KEY=value` over a description, and what comes on standard input."""
 
     SHORT = ("--simlimit", 0.5, "--uart0", "null")
@@ -224,7 +214,7 @@ class SensorSettings(Case):
         self.assertEqual(results[0]["inputs"][0]["sha256"], results[1]["inputs"][0]["sha256"])
 
 
-class Record(Case):
+class Record(ScriptingCase):
     """`--record-columns`"""
 
     ALL = ("sample,t,u,v,angle_deg,found_deg,found_word,error_deg,a1,a2,b1,b2,beta_rad,phi_rad,err_u,err_v,error_average,"
@@ -305,7 +295,7 @@ class Record(Case):
         self.assertFalse(path.exists())
 
 
-class Tables(Case):
+class Tables(ScriptingCase):
     """`--table`, `--json` and `--csv` of what prints tables."""
 
     def data(self, *arguments, code=0):

@@ -11,11 +11,13 @@ import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
+from harness import CAPSOC, SOURCE
+
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCE / "scripts" / "gdb"))
 import svd  # noqa: E402
+
+CTEST = {"name": "svd: parser", "whole": True, "timeout": 120}
 
 OTHERS = """<device><name>X</name><size>0x20</size><access>read-write</access><peripherals>
 <peripheral><name>TIM0</name><baseAddress>0x40000000</baseAddress><registers>
@@ -68,7 +70,7 @@ class Own(unittest.TestCase):
 
     def test_all_our_peripherals_are_there(self):
         # The devices of the map as capsoc prints it that the AN385 has not.
-        printed = subprocess.run([BUILD / "capsoc", "info"], stdout=subprocess.PIPE, check=True, text=True).stdout
+        printed = subprocess.run([CAPSOC, "info"], stdout=subprocess.PIPE, check=True, text=True).stdout
         entries = re.findall(r"^(0x[0-9a-f]+) +0x[0-9a-f]+ +(\w+) +device", printed, re.MULTILINE)
         own = {int(base, 16) for base, name in entries if name in ("coprocessor", "adc_front_end", "clock_controller")}
         self.assertEqual({p.base for p in self.device.peripherals.values()}, own)
@@ -111,12 +113,12 @@ class Board(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.file = Path(folder.name) / "board.svd"
-        subprocess.run([BUILD / "capsoc", "info", "--svd", self.file], check=True)
+        subprocess.run([CAPSOC, "info", "--svd", self.file], check=True)
         self.device = svd.Device()
         self.device.load(self.file)
 
     def test_every_device_of_the_map_is_there_and_the_processor(self):
-        printed = subprocess.run([BUILD / "capsoc", "info"], stdout=subprocess.PIPE, check=True, text=True).stdout
+        printed = subprocess.run([CAPSOC, "info"], stdout=subprocess.PIPE, check=True, text=True).stdout
         devices = {int(base, 16) for base in re.findall(r"^(0x[0-9a-f]+) +0x[0-9a-f]+ +\w+ +device", printed, re.MULTILINE)}
         own = {0xE0000000, 0xE0001000, 0xE000E000, 0xE000E010, 0xE000E100, 0xE000ED00, 0xE000ED90, 0xE000EDF0}
         self.assertEqual({p.base for p in self.device.peripherals.values()}, devices | own)

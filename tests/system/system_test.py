@@ -10,18 +10,16 @@ import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-TRACES = SOURCE / "traces"
+from harness import BUILD, CAPSOC, CLEAN, FIRMWARE, TRACES
+
+CTEST = {"name": "system", "timeout": 600}
+
 
 
 def capsoc(*arguments, environment=None):
     """Runs the program; stdout and stderr as bytes and text."""
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
     return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False,
-                          env={**clean, **(environment or {})})
+                          env={**CLEAN, **(environment or {})})
 
 
 def run(*arguments):
@@ -586,8 +584,7 @@ class Recursive(unittest.TestCase):
 
 def in_folder(folder, *arguments):
     """The program with `folder` as its current folder."""
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, env=clean,
+    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, env=CLEAN,
                           cwd=folder)
 
 

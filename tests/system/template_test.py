@@ -6,26 +6,25 @@ import os
 import re
 import shlex
 import subprocess
-import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+from harness import BUILD, CAPSOC, Case, SOURCE
+
+CTEST = {"name": "system: Template", "whole": True, "timeout": 120}
+
 PRINTED = "hello\nangle: 30.0000 degrees\n"
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS")}
 
 
-class Template(unittest.TestCase):
+class Template(Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.app = self.folder / "app"
         self.new(self.app)
 
     def new(self, *arguments, code=0):
-        done = subprocess.run([BUILD / "capsoc", "new", *map(str, arguments)], capture_output=True, text=True, check=False, env=CLEAN)
+        done = subprocess.run([CAPSOC, "new", *map(str, arguments)], capture_output=True, text=True, check=False, env=CLEAN)
         self.assertEqual(done.returncode, code, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         return done.stderr
@@ -45,7 +44,7 @@ class Template(unittest.TestCase):
     def test_cmake(self):
         self.do("cmake", "-B", "build", "--toolchain", "toolchain.cmake", f"-DCAPSOC={BUILD}")
         self.do("cmake", "--build", "build", "-j4")
-        self.assertEqual(self.do(BUILD / "capsoc", "run", "build/app.elf"), PRINTED)
+        self.assertEqual(self.do(CAPSOC, "run", "build/app.elf"), PRINTED)
         self.assertIn(PRINTED, self.do("cmake", "--build", "build", "--target", "run"))
 
     def test_folders_of_any_name(self):
@@ -60,7 +59,7 @@ class Template(unittest.TestCase):
             self.assertIn(PRINTED, self.do("cmake", "--build", "build", "-j4", "--target", "run"))
             # The coverage of a project in such a folder has its sources.
             for elf in ("app.elf", "build/app.elf"):
-                self.do(BUILD / "capsoc", "run", elf, "--coverage", "c.info")
+                self.do(CAPSOC, "run", elf, "--coverage", "c.info")
                 self.assertIn(f"SF:{self.app}/main.c\n", (self.app / "c.info").read_text())
                 (self.app / "c.info").unlink()
 
@@ -84,14 +83,14 @@ int main(void) {
 }
 """.replace("\\\\", "\\"))
         self.do("make", "-j4", f"CAPSOC={BUILD}")
-        done = subprocess.run([BUILD / "capsoc", "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+        done = subprocess.run([CAPSOC, "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
         self.assertEqual(done.stdout, "0.667 1e-300 99999\nno more\n")
         self.assertIn("ended with status 7", done.stderr)
 
     def test_a_failure_is_told_with_its_own_lines(self):
         (self.app / "main.c").write_text("int main(void) {\n  *(volatile int*)0x60000000 = 1;\n  return 0;\n}\n")
         self.do("make", "-j4", f"CAPSOC={BUILD}")
-        done = subprocess.run([BUILD / "capsoc", "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+        done = subprocess.run([CAPSOC, "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
         self.assertEqual(done.returncode, 5)
         self.assertRegex(done.stderr, r"by +0x[0-9a-f]{8}  main\S*, \S*main.c:2,")
 
@@ -105,7 +104,7 @@ int main(void) {
 
     def test_the_machine_interface_as_cortex_debug_uses_it(self):
         self.do("make", "-j4", f"CAPSOC={BUILD}")
-        run = subprocess.Popen([BUILD / "capsoc", "run", "app.elf", "--gdb", "0", "--halt"], cwd=self.app, stdout=subprocess.PIPE,
+        run = subprocess.Popen([CAPSOC, "run", "app.elf", "--gdb", "0", "--halt"], cwd=self.app, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, env=CLEAN)
         try:
             port = re.search(r"127\.0\.0\.1:(\d+)", run.stderr.readline().decode()).group(1)
@@ -169,7 +168,7 @@ PROGRAM_SETTINGS(SETTINGS)
         text = text.replace('printf("angle: %.4f', 'printf("%s: ", settings.label);\n  printf("%.1f')
         main.write_text(text.replace("angle_of(0.5235987756)", "angle_of(0.5235987756) + settings.offset / 10.0"))
         self.do("make", f"CAPSOC={BUILD}")
-        run = [BUILD / "capsoc", "run", "app.elf"]
+        run = [CAPSOC, "run", "app.elf"]
         self.assertEqual(self.do(*run), "hello\nangle: 29.7 degrees\n")
         self.assertEqual(self.do(*run, "-P", "offset=-100", "-P", "label=phi"), "hello\nphi: 20.0 degrees\n")
         listing = self.do(*run, "--list-program-settings", "-P", "share=0.25")

@@ -2,32 +2,25 @@
 """Traces of `capsoc run`: what is in them, and that they change nothing else."""
 
 import json
-import os
 import re
 import struct
 import subprocess
-import tempfile
 import unittest
 from collections import Counter
 from pathlib import Path
 from random import Random
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "trace"}
+
 
 
 def capsoc(*arguments):
     return subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN)
 
 
-class Traced(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class Traced(Case):
     def run_with(self, program, *options):
         """Exit code, UART bytes, results without what the host's clock says, stderr."""
         path = self.folder / "r.json"
@@ -299,7 +292,7 @@ class Profile(Traced):
     def test_costs_have_the_lines_that_addr2line_names(self):
         place = self.folder / "p.out"
         self.run_with("profiled", "--profile", place)
-        files, now, call, compared = {}, None, False, Counter()
+        files, now, compared = {}, None, Counter()
         for line in place.read_text().splitlines():
             if found := re.match(r"(fl|fi|cfi)=(\(\d+\))(?: (.*))?", line):
                 file = files.setdefault(found.group(2), found.group(3))

@@ -2,7 +2,6 @@
 """traces/README.md's table of what each trace gives: every row is run as it stands there."""
 
 import json
-import os
 import re
 import subprocess
 import tempfile
@@ -10,9 +9,10 @@ import unittest
 from collections import namedtuple
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-TRACES = SOURCE / "traces"
+from harness import CAPSOC, CLEAN, FIRMWARE, TRACES
+
+CTEST = {"name": "system: Traces", "whole": True, "timeout": 600}
+
 
 Row = namedtuple("Row", "trace program code verdict angle warning")
 
@@ -27,9 +27,8 @@ def rows():
 
 
 def capsoc(folder, *arguments):
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-    return subprocess.run([BUILD / "capsoc", *map(str, arguments)], capture_output=True, text=True, timeout=300,
-                          check=False, env=clean, cwd=folder)
+    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, text=True, timeout=300,
+                          check=False, env=CLEAN, cwd=folder)
 
 
 class Table(unittest.TestCase):
@@ -45,7 +44,7 @@ class Table(unittest.TestCase):
             fit = capsoc(folder, "fit", trace)
             self.assertEqual(fit.returncode, 0, fit.stderr)
             options = ["--parameters", "calibration.json", *options]
-        elf = BUILD / "firmware" / f"{program}.elf"
+        elf = FIRMWARE / f"{program}.elf"
         process = capsoc(folder, "run", elf, "--sensor", trace, "--json", "r.json", *options)
         errors = json.loads((Path(folder) / "r.json").read_text())["angle_error_deg"]
         of_mode = "calibration_mode_max" if program == "calibrate" else "calibrated_max_last_revolution"

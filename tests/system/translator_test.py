@@ -7,14 +7,13 @@ import os
 import re
 import struct
 import subprocess
-import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "system: Translator", "whole": True}
+
 HAS_TRANSLATOR = os.uname().machine == "x86_64"
 INFO = ("--log-level", "info")
 
@@ -32,12 +31,7 @@ def refuse_executable_memory():
         raise OSError(ctypes.get_errno(), "no seccomp")
 
 
-class Translator(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class Translator(Case):
     def run_with(self, program, *options, **how):
         """What the run came to, without what the host's clock says, and what it said."""
         path = self.folder / "r.json"

@@ -7,18 +7,17 @@ import re
 import signal
 import socket
 import subprocess
-import tempfile
 import threading
 import time
 import tty
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "uart"}
+
 ECHO, FOREVER, HELLO = FIRMWARE / "echo.elf", FIRMWARE / "forever.elf", FIRMWARE / "hello.elf"
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 ECHO_BYTES = int(os.environ.get("CAPSOC_ECHO_BYTES", "100000"))
 PATIENCE = 60 + ECHO_BYTES / 10000  # seconds of the host; only a hang is that long
 
@@ -32,12 +31,7 @@ def request(data):
     return len(data).to_bytes(4, "little") + data
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class UartCase(Case):
     def start(self, elf, *options, stdin=subprocess.DEVNULL):
         process = subprocess.Popen([CAPSOC, "run", elf, *map(str, options)], stdin=stdin, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, env=CLEAN)
@@ -100,7 +94,7 @@ def write_all(descriptor, data):
         data = data[os.write(descriptor, data):]
 
 
-class Echo(Case):
+class Echo(UartCase):
     """Every byte arrives, in both directions; CAPSOC_ECHO_BYTES sets how many."""
 
     def test_tcp(self):
@@ -165,7 +159,7 @@ class Echo(Case):
         self.assertEqual((process.returncode, out), (0, request(data)))
 
 
-class Clients(Case):
+class Clients(UartCase):
     """Clients come and go; the run stays."""
 
     def plain(self, *options):
@@ -280,7 +274,7 @@ class Clients(Case):
         self.assertEqual([a for a in local if a.endswith(f":{port:04X}")], [f"0100007F:{port:04X}"])
 
 
-class Options(Case):
+class Options(UartCase):
     """Logs, patterns, and what is refused."""
 
     def run_it(self, elf, *options):

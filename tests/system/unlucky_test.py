@@ -7,30 +7,22 @@ import resource
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 import xml.etree.ElementTree
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CAPSOC = BUILD / "capsoc"
-FIRMWARE = BUILD / "firmware"
-TRACES = SOURCE / "traces"
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, TRACES
+
+CTEST = {"name": "unlucky"}
+
 HELLO, FOREVER, RDIMON = FIRMWARE / "hello.elf", FIRMWARE / "forever.elf", FIRMWARE / "rdimon.elf"
 ITM = FIRMWARE / "itm.elf"
 PATIENCE = 120
 LOST = 74
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name).resolve()
-
+class UnluckyCase(Case):
     def start(self, *arguments, **keywords):
         keywords = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": CLEAN,
                     "cwd": self.folder, **keywords}
@@ -69,7 +61,7 @@ class Case(unittest.TestCase):
         self.assertEqual(self.names(), before, arguments)
 
 
-class Streams(Case):
+class Streams(UnluckyCase):
     """Standard streams that are closed, full or left."""
 
     def test_stderr_that_takes_nothing_changes_nothing(self):
@@ -173,7 +165,7 @@ class Streams(Case):
         self.assertEqual(self.names(), [])
 
 
-class Disks(Case):
+class Disks(UnluckyCase):
     """A disk that is full, by a limit on the size of files; nothing is lost without a word and an exit code."""
 
     def limited(self, size, *arguments):
@@ -246,7 +238,7 @@ class Disks(Case):
             self.assertEqual((self.folder / name).read_text(), "old", name)
 
 
-class Signals(Case):
+class Signals(UnluckyCase):
     """Every signal that ends a program ends it with 128 + n and leaves nothing half-made."""
 
     ENDING = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM)
@@ -343,7 +335,7 @@ class Signals(Case):
                 (self.folder / name).unlink()
 
 
-class Conflicts(Case):
+class Conflicts(UnluckyCase):
     """No output is an input or another output, whatever they are called."""
 
     def setUp(self):
@@ -489,7 +481,7 @@ class Conflicts(Case):
         self.assertTrue((self.folder / "pipe").is_fifo())
 
 
-class FitFiles(Case):
+class FitFiles(UnluckyCase):
     """Which files `capsoc fit` writes."""
 
     def test_only_what_was_named(self):
@@ -517,7 +509,7 @@ class FitFiles(Case):
             self.assertEqual(self.names(), ["r.csv"])
 
 
-class Inputs(Case):
+class Inputs(UnluckyCase):
     """Every option that reads a file, with things that are none."""
 
     def setUp(self):
@@ -606,7 +598,7 @@ class Inputs(Case):
         return None
 
 
-class Numbers(Case):
+class Numbers(UnluckyCase):
     """Every number has its range, and nothing that is no number becomes one."""
 
     def test_every_option_of_every_command(self):

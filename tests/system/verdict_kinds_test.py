@@ -9,14 +9,16 @@ import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
+from harness import BUILD, Case, FIRMWARE, SOURCE
+
 sys.path.insert(0, str(SOURCE / "scripts"))
 
 import numpy as np  # noqa: E402
 
 import verdict_kinds  # noqa: E402
 import verdict_sensors  # noqa: E402
+
+CTEST = {"name": "verdict kinds", "interpreter": "/usr/bin/python3"}
 
 KINDS = [*verdict_kinds.GOOD, *verdict_kinds.BROKEN]
 
@@ -26,12 +28,7 @@ def verdicts(*options, build=BUILD):
                           check=False)
 
 
-class Recordings(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class Recordings(Case):
     def write(self, name, kind, case, program, *options):
         path = self.folder / name
         process = verdicts("--write", path, "--kinds", kind, "--case", case, "--programs", program, *options)
@@ -95,20 +92,15 @@ class Recordings(unittest.TestCase):
         self.assertGreater(early, 5)
 
 
-class Answers(unittest.TestCase):
+class Answers(Case):
     """What scripts/verdicts makes of the answers of capsoc."""
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
     def planted(self, change):
         """A build folder whose capsoc lies: `change` is Python that alters the dictionary `verdict`, and may set `code`."""
         fake = self.folder / "build"
         fake.mkdir(exist_ok=True)
         if not (fake / "firmware").exists():
-            (fake / "firmware").symlink_to(BUILD / "firmware")
+            (fake / "firmware").symlink_to(FIRMWARE)
         (fake / "capsoc").write_text(f"""#!/usr/bin/python3
 import json, subprocess, sys
 process = subprocess.run([{str(BUILD / 'capsoc')!r}, *sys.argv[1:]], stdout=subprocess.PIPE)

@@ -3,15 +3,13 @@
 
 import json
 import math
-import os
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-BUILD = Path(os.environ.get("CAPSOC_TEST_BUILD", "build")).resolve()
-SOURCE = Path(os.environ.get("CAPSOC_TEST_SOURCE", ".")).resolve()
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+
+CTEST = {"name": "verdicts", "timeout": 900}
+
 RATE = 250
 
 
@@ -38,15 +36,10 @@ class Noise:
         return total * math.sqrt(3) * self.size
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class VerdictCase(Case):
     def run_program(self, program, *options):
         """Exit code and verdict of the result file."""
-        process = subprocess.run([BUILD / "capsoc", "run", BUILD / "firmware" / f"{program}.elf", "--json", "r.json",
+        process = subprocess.run([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", "r.json",
                                   *map(str, options)], capture_output=True, text=True, timeout=300, check=False, env=CLEAN,
                                  cwd=self.folder)
         self.assertTrue((self.folder / "r.json").exists(), process.stderr)
@@ -75,7 +68,7 @@ def good_v(x):
     return 0.5 * math.cos(x + 0.1) - 0.05
 
 
-class Broken(Case):
+class Broken(VerdictCase):
     """The broken sensors that once locked and passed: each is refused, with a sentence."""
 
     def check(self, sensor, words, program="selfcal", *options):
@@ -209,7 +202,7 @@ class Broken(Case):
         self.check(sensor, "above limit_deg", "selfcal", "-P", f"limit_deg={verdict['bound_deg'] / 2:.3f}")
 
 
-class Bounds(Case):
+class Bounds(VerdictCase):
     """A pass says how far an angle can be off, and `capsoc run` looks."""
 
     def check(self, most, program, *options):

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """The model's answers to the regression's scenarios against the third reading, and the checker against wrong answers."""
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -10,9 +9,12 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
+from harness import BUILD  # noqa: E402
 from registers import NAMES  # noqa: E402
 
-RECORDER = os.environ["CAPSOC_TEST_RECORDER"]
+CTEST = {"name": "third reading", "timeout": 3600, "long": ["PreciseLong", "PaperLong"]}
+
+RECORDER = BUILD / "platform" / "experiments" / "regress" / "record_answers"
 CHECKER = Path(__file__).resolve().with_name("check_answers.py")
 # Random samples and accesses of a recording, beside the directed scenarios.
 SHORT = ("--samples", "2000", "--accesses", "2000")

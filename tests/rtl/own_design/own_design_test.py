@@ -2,7 +2,6 @@
 """RTL of one's own: find_package(capsoc) from an install tree, capsoc_add_rtl_library(), capsoc regress."""
 
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -10,18 +9,16 @@ import tempfile
 import unittest
 from pathlib import Path
 
-BUILD = Path(os.environ["CAPSOC_TEST_BUILD"])
-PROGRAM = BUILD / "capsoc"
+from harness import BUILD, CAPSOC, CLEAN
+
+CTEST = {"name": "rtl: a design of one's own", "whole": True, "timeout": 600}
+
 PROJECT = Path(__file__).resolve().parent / "project"
-CORE = os.environ["CAPSOC_TEST_RTL"].split(":")
-
-
-# capsoc takes CAPSOC_... for its settings.
-ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("CAPSOC_")}
+CORE = (BUILD / "generated" / "rtl_sources.txt").read_text(encoding="utf-8").splitlines()
 
 
 def run(*command, cwd=None):
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, cwd=cwd, env=ENVIRONMENT)
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, cwd=cwd, env=CLEAN)
 
 
 class OwnDesign(unittest.TestCase):
@@ -49,7 +46,7 @@ class OwnDesign(unittest.TestCase):
         assert done.returncode == 0, done.stdout[-4000:] + done.stderr
 
     def regress(self, library, *arguments):
-        return run(PROGRAM, "regress", "--arithmetic", "precise", "--rtl-library", self.build / library, "--seeds", "1",
+        return run(CAPSOC, "regress", "--arithmetic", "precise", "--rtl-library", self.build / library, "--seeds", "1",
                    "--samples", "500", "--accesses", "500", *arguments, cwd=self.folder)
 
     def test_it_agrees_at_its_pins(self):
@@ -76,11 +73,11 @@ class OwnDesign(unittest.TestCase):
         self.assertTrue(times[0] <= int(marker) <= times[-1] + 40, (times[0], marker, times[-1]))
 
     def test_an_edit_needs_the_library_alone(self):
-        program = PROGRAM.stat().st_mtime_ns
+        program = CAPSOC.stat().st_mtime_ns
         sources = [json.loads((self.folder / "edit.json").read_text())["arithmetics"]["precise"]["rtl"]["sources"]
                    for number in range(2) if self.edit_and_regress(number)]
         self.assertEqual(len(set(sources)), 2)
-        self.assertEqual(PROGRAM.stat().st_mtime_ns, program)
+        self.assertEqual(CAPSOC.stat().st_mtime_ns, program)
 
     def edit_and_regress(self, number):
         with open(self.folder / "project" / "angle_unit.sv", "a", encoding="utf-8") as file:
@@ -93,14 +90,14 @@ class OwnDesign(unittest.TestCase):
     def test_the_soc_needs_to_see_its_inside(self):
         library = self.build / "libangle_unit.so"
         for backend in ("rtl", "lockstep"):
-            done = run(PROGRAM, "run", "--coprocessor", backend, "--rtl-library", library, "--simlimit", "0.01", cwd=self.folder)
+            done = run(CAPSOC, "run", "--coprocessor", backend, "--rtl-library", library, "--simlimit", "0.01", cwd=self.folder)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(f"{library}: shows its pins and nothing of its inside", done.stderr)
         (self.folder / "exceptions.txt").write_text("# none\n")
         done = self.regress("libangle_unit.so", "--coverage", "c", "--coverage-exceptions", "exceptions.txt")
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn("leave that out", done.stderr)
-        done = run(PROGRAM, "regress", "--arithmetic", "paper", "--rtl-library", library)
+        done = run(CAPSOC, "regress", "--arithmetic", "paper", "--rtl-library", library)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn("its arithmetic is precise", done.stderr)
 

@@ -7,9 +7,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-GENERATOR = ROOT / "scripts" / "generate_nodes.py"
-LIST = ROOT / "models" / "coprocessor" / "nodes.def"
+from harness import SOURCE
+
+CTEST = {"name": "coprocessor: the probe's nodes are made of their list", "whole": True}
+
+GENERATOR = SOURCE / "scripts" / "generate_nodes.py"
+LIST = SOURCE / "models" / "coprocessor" / "nodes.def"
 
 # Three lines, so that the nodes of a test start on line 4.
 HEAD = """// a list

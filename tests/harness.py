@@ -1,0 +1,76 @@
+"""What the Python tests share: places, a clean environment, and a case that has a folder and ends what it started.
+
+CMake gives the places. By hand, in the top folder: PYTHONPATH=tests python3 tests/system/gdb_test.py Session
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+# Taken away: what a test starts has no settings of the test's.
+SOURCE = Path(os.environ.pop("CAPSOC_TEST_SOURCE", Path(__file__).resolve().parents[1])).resolve()
+BUILD = Path(os.environ.pop("CAPSOC_TEST_BUILD", SOURCE / "build")).resolve()
+CAPSOC = BUILD / "capsoc"
+FIRMWARE = BUILD / "firmware"
+TRACES = SOURCE / "traces"
+#: Without settings of capsoc, which would come before a test's own.
+CLEAN = {name: value for name, value in os.environ.items() if not name.startswith("CAPSOC_")}
+
+
+def without_host_times(result):
+    """A copy of a result file without what the host's clock and the translator's mood say: the same from every run."""
+    result = json.loads(json.dumps(result))
+    result["time"].pop("wall_s")
+    result["cpu"].pop("mips")
+    result.pop("translator", None)
+    return result
+
+
+def signal_is_caught(process, number):
+    """Whether a process has a handler of its own for a signal (Linux)."""
+    status = Path(f"/proc/{process.pid}/status").read_text(encoding="ascii", errors="replace")
+    return bool(int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1)
+
+
+class Case(unittest.TestCase):
+    """A test with a folder of its own, which is removed."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="capsoc-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name).resolve()
+
+    def start(self, *arguments, **keywords):
+        """capsoc in the background, in the test's folder; it does not outlive the test."""
+        keywords = {
+            "stdin": subprocess.DEVNULL,
+            "stdout": subprocess.PIPE,
+            "stderr": subprocess.PIPE,
+            "env": CLEAN,
+            "cwd": self.folder,
+            **keywords,
+        }
+        process = subprocess.Popen([CAPSOC, *map(str, arguments)], **keywords)
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        """Of one that may still run."""
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def result(self, name="r.json"):
+        """A result file in the test's folder, read."""
+        return json.loads((self.folder / name).read_text(encoding="utf-8"))
+
+    def check_refused(self, code, out, said, *words):
+        """Exit code 2, nothing on standard output, and one sentence with the words."""
+        self.assertEqual((code, out), (2, b""), said)
+        self.assertEqual(len(said.strip().splitlines()), 1, said)
+        for word in words:
+            self.assertIn(str(word), said)
