@@ -103,11 +103,13 @@ def read_node(arguments, line, formats):
     if stage not in STAGES:
         raise ListError(line, f"{name} is of stage '{stage}'; write 0 to 4 or {COMMIT}")
     if form not in formats:
-        raise ListError(line, f"{name} has the format '{form}', which no FORMAT above has; write one of {', '.join(formats)}")
+        raise ListError(
+            line, f"{name} has the format '{form}', which no FORMAT above has; write one of {', '.join(formats)}"
+        )
     if when not in ("end", "wire") and not is_string(when):
         raise ListError(line, f"{name} is taken at '{when}'; write end, wire or \"condition\"")
     if not is_string(rtl):
-        raise ListError(line, f"{name} has no value in the RTL; write it as \"expression\"")
+        raise ListError(line, f'{name} has no value in the RTL; write it as "expression"')
     return Node(name, stage, formats[form], when, unquoted(rtl), line)
 
 
@@ -153,8 +155,10 @@ def extension(form):
     high = PORT_BITS - form.width
     fill = f"{{{high}{{word[{form.width - 1}]}}}}" if form.signed else f"{high}'d0"
     value = f"{{{fill}, word}}" if high else "word"
-    return (f"  function automatic logic [{PORT_BITS - 1}:0] extended_{form.name}(input logic [{form.width - 1}:0] word);\n"
-            f"    extended_{form.name} = {value};\n  endfunction\n\n")
+    return (
+        f"  function automatic logic [{PORT_BITS - 1}:0] extended_{form.name}(input logic [{form.width - 1}:0] word);\n"
+        f"    extended_{form.name} = {value};\n  endfunction\n\n"
+    )
 
 
 def captures(formats, nodes, notice, source):

@@ -63,9 +63,7 @@ class Element:
         try:
             return int(text, 0)
         except ValueError:
-            raise DescriptionError(
-                self.find(tag).line, f"<{tag}> is '{text}'; write a decimal or 0x number"
-            ) from None
+            raise DescriptionError(self.find(tag).line, f"<{tag}> is '{text}'; write a decimal or 0x number") from None
 
 
 @dataclass
@@ -170,9 +168,7 @@ def parse_xml(path):
         parser.Parse(path.read_bytes(), True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        raise DescriptionError(
-            error.lineno, f"not well-formed XML ({reason}); xmllint shows the place"
-        ) from None
+        raise DescriptionError(error.lineno, f"not well-formed XML ({reason}); xmllint shows the place") from None
     return root[0]
 
 
@@ -186,9 +182,7 @@ def read_name(element):
 def read_access(element, default):
     access = element.value("access", default)
     if access not in ACCESSES:
-        raise DescriptionError(
-            element.find("access").line, f"access '{access}' is unknown; use {', '.join(ACCESSES)}"
-        )
+        raise DescriptionError(element.find("access").line, f"access '{access}' is unknown; use {', '.join(ACCESSES)}")
     return access
 
 
@@ -198,9 +192,7 @@ def read_values(element, width):
     for entry in group.all("enumeratedValue") if group else []:
         number = entry.number("value")
         if not 0 <= number < 1 << width:
-            raise DescriptionError(
-                entry.line, f"value {number} does not fit {width} bits; widen the field"
-            )
+            raise DescriptionError(entry.line, f"value {number} does not fit {width} bits; widen the field")
         values.append((read_name(entry), number, entry.value("description")))
     return values
 
@@ -215,9 +207,7 @@ def read_field(element, access):
         raise DescriptionError(element.line, f"{name} is bits {high}:{low}; use 31 >= high >= low")
     modified = element.value("modifiedWriteValues", "modify")
     if modified not in ("modify", "oneToClear"):
-        raise DescriptionError(
-            element.line, f"modifiedWriteValues '{modified}' is not supported; use oneToClear"
-        )
+        raise DescriptionError(element.line, f"modifiedWriteValues '{modified}' is not supported; use oneToClear")
     return Field(
         name,
         element.value("description"),
@@ -234,9 +224,7 @@ def check_fields(register):
     expected = 0
     for part in sorted(register.fields, key=lambda each: each.low):
         if part.low < expected:
-            raise DescriptionError(
-                part.line, f"{register.name}.{part.name} overlaps the field below it; move one"
-            )
+            raise DescriptionError(part.line, f"{register.name}.{part.name} overlaps the field below it; move one")
         if part.low > expected:
             raise DescriptionError(
                 part.line,
@@ -247,8 +235,7 @@ def check_fields(register):
     if register.fields and expected != 32:
         raise DescriptionError(
             register.line,
-            f"{register.name} says nothing about bits 31:{expected}; "
-            f"add a field RESERVED_31_{expected}",
+            f"{register.name} says nothing about bits 31:{expected}; " f"add a field RESERVED_31_{expected}",
         )
     check_unique(register.fields, register.name)
 
@@ -334,10 +321,10 @@ def read_peripheral(element):
             )
     name = read_name(element)
     check_unique(registers, name)
-    interrupts = [(read_name(i), i.number("value"), i.value("description"))
-                  for i in element.all("interrupt")]
-    return Peripheral(name, element.value("description"), element.number("baseAddress"), size,
-                      interrupts, registers, element.line)
+    interrupts = [(read_name(i), i.number("value"), i.value("description")) for i in element.all("interrupt")]
+    return Peripheral(
+        name, element.value("description"), element.number("baseAddress"), size, interrupts, registers, element.line
+    )
 
 
 def read_device(path):
@@ -347,17 +334,13 @@ def read_device(path):
     parts = root.find("peripherals")
     if parts is None:
         raise DescriptionError(root.line, "<device> lacks <peripherals>; add it")
-    peripherals = sorted((read_peripheral(each) for each in parts.all("peripheral")),
-                         key=lambda each: each.base)
+    peripherals = sorted((read_peripheral(each) for each in parts.all("peripheral")), key=lambda each: each.base)
     check_unique(peripherals, "the device")
     for below, above in zip(peripherals, peripherals[1:]):
         if above.base < below.base + below.size:
-            raise DescriptionError(
-                above.line, f"{above.name} overlaps {below.name} at {above.base:#x}; move one"
-            )
+            raise DescriptionError(above.line, f"{above.name} overlaps {below.name} at {above.base:#x}; move one")
     cpu = root.find("cpu")
-    return Device(root.value("name"), root.value("description"), peripherals,
-                  cpu.number("nvicPrioBits") if cpu else 0)
+    return Device(root.value("name"), root.value("description"), peripherals, cpu.number("nvicPrioBits") if cpu else 0)
 
 
 # Writing
@@ -398,10 +381,16 @@ def c_fields(peripheral):
 
 
 def device_header(device, source):
-    lines = [f"/* {device.description}. {NOTICE.format(source=source)} */", "",
-             "#ifndef CAPSOC_DEVICE_H", "#define CAPSOC_DEVICE_H", "",
-             "#include <stdint.h>", "",
-             "/* As in CMSIS: what software may do with a register. */"]
+    lines = [
+        f"/* {device.description}. {NOTICE.format(source=source)} */",
+        "",
+        "#ifndef CAPSOC_DEVICE_H",
+        "#define CAPSOC_DEVICE_H",
+        "",
+        "#include <stdint.h>",
+        "",
+        "/* As in CMSIS: what software may do with a register. */",
+    ]
     for name, meaning in (("__IM", "volatile const"), ("__OM", "volatile"), ("__IOM", "volatile")):
         lines += [f"#ifndef {name}", f"#define {name} {meaning}", "#endif"]
     lines += ["", "/* Interrupt lines of the NVIC */"]
@@ -410,9 +399,12 @@ def device_header(device, source):
             lines.append(f"#define {name}_IRQn {number} /* {description} */")
     for peripheral in device.peripherals:
         lines += [""] + c_struct(peripheral)
-        lines += ["", f"#define {peripheral.name}_BASE 0x{peripheral.base:08X}UL",
-                  f"#define {peripheral.name} "
-                  f"((CAPSOC_{peripheral.name}_Type *){peripheral.name}_BASE)", ""]
+        lines += [
+            "",
+            f"#define {peripheral.name}_BASE 0x{peripheral.base:08X}UL",
+            f"#define {peripheral.name} " f"((CAPSOC_{peripheral.name}_Type *){peripheral.name}_BASE)",
+            "",
+        ]
         lines += c_fields(peripheral)
     return "\n".join(lines + ["", "#endif", ""])
 
@@ -429,24 +421,30 @@ namespace capsoc::registers {
 
 
 def cpp_namespace(peripheral):
-    lines = ["", f"/// {peripheral.description}",
-             f"namespace {peripheral.name.lower()} {{", "",
-             f"inline constexpr uint32_t base_address = 0x{peripheral.base:08X};",
-             f"inline constexpr uint32_t block_size = 0x{peripheral.size:X};"]
+    lines = [
+        "",
+        f"/// {peripheral.description}",
+        f"namespace {peripheral.name.lower()} {{",
+        "",
+        f"inline constexpr uint32_t base_address = 0x{peripheral.base:08X};",
+        f"inline constexpr uint32_t block_size = 0x{peripheral.size:X};",
+    ]
     for name, number, _ in peripheral.interrupts:
         suffix = "" if name == peripheral.name else "_" + name.lower()
         lines.append(f"inline constexpr unsigned interrupt{suffix} = {number};")
     for register in peripheral.registers:
-        lines += ["", f"inline constexpr uint32_t {register.name}_offset = 0x{register.offset:03X};",
-                  f"inline constexpr uint32_t {register.name}_reset = 0x{register.reset:08X};"]
+        lines += [
+            "",
+            f"inline constexpr uint32_t {register.name}_offset = 0x{register.offset:03X};",
+            f"inline constexpr uint32_t {register.name}_reset = 0x{register.reset:08X};",
+        ]
         for part in register.fields:
             if part.reserved:
                 continue
             prefix = f"{register.name}_{part.name}"
             lines.append(f"inline constexpr uint32_t {prefix}_mask = 0x{part.mask:08X};")
             lines.append(f"inline constexpr unsigned {prefix}_shift = {part.low};")
-            lines += [f"inline constexpr uint32_t {prefix}_{name.lower()} = {value};"
-                      for name, value, _ in part.values]
+            lines += [f"inline constexpr uint32_t {prefix}_{name.lower()} = {value};" for name, value, _ in part.values]
     lines += ["", "inline constexpr RegisterDescription table[] = {"]
     for register in peripheral.registers:
         lines.append(
@@ -481,13 +479,20 @@ def reference_page(device, source):
             lines += ["", f"Interrupt {number}, {name}: {description}."]
         lines += ["", "| offset | name | access | reset | meaning |", "|---|---|---|---|---|"]
         for register in peripheral.registers:
-            lines.append(f"| 0x{register.offset:03X} | {register.name} | {register.access} | "
-                         f"0x{register.reset:08X} | {cell(register.description)} |")
+            lines.append(
+                f"| 0x{register.offset:03X} | {register.name} | {register.access} | "
+                f"0x{register.reset:08X} | {cell(register.description)} |"
+            )
         for register in peripheral.registers:
             if not register.fields:
                 continue
-            lines += ["", f"### {peripheral.name}.{register.name}", "",
-                      "| bits | field | access | meaning |", "|---|---|---|---|"]
+            lines += [
+                "",
+                f"### {peripheral.name}.{register.name}",
+                "",
+                "| bits | field | access | meaning |",
+                "|---|---|---|---|",
+            ]
             for part in register.fields:
                 if part.reserved:
                     continue
@@ -503,58 +508,74 @@ def sv_package(peripheral, source):
     name = f"capsoc_{peripheral.name.lower()}_pkg"
     # Registers are words of a block, so that all addresses of a package have one width.
     width = max(1, (peripheral.size - 1).bit_length())
-    lines = [f"// {NOTICE.format(source=source)}",
-             "// Offsets in bytes, reset values, lowest and highest bit of every field (LSB, MSB).",
-             f"package {name};", "",
-             "  // No design needs every name of its description.",
-             "  // verilator lint_off UNUSEDPARAM"]
+    lines = [
+        f"// {NOTICE.format(source=source)}",
+        "// Offsets in bytes, reset values, lowest and highest bit of every field (LSB, MSB).",
+        f"package {name};",
+        "",
+        "  // No design needs every name of its description.",
+        "  // verilator lint_off UNUSEDPARAM",
+    ]
     for register in peripheral.registers:
         prefix = register.name
-        lines += ["",
-                  f"  localparam logic [{width - 1}:0] {prefix}_OFFSET = "
-                  f"{width}'h{register.offset:0{(width + 3) // 4}X};",
-                  f"  localparam logic [31:0] {prefix}_RESET = 32'h{register.reset:08X};"]
+        lines += [
+            "",
+            f"  localparam logic [{width - 1}:0] {prefix}_OFFSET = "
+            f"{width}'h{register.offset:0{(width + 3) // 4}X};",
+            f"  localparam logic [31:0] {prefix}_RESET = 32'h{register.reset:08X};",
+        ]
         for part in register.fields:
             if part.reserved:
                 continue
-            lines += [f"  localparam int {prefix}_{part.name}_LSB = {part.low};",
-                      f"  localparam int {prefix}_{part.name}_MSB = {part.high};"]
+            lines += [
+                f"  localparam int {prefix}_{part.name}_LSB = {part.low};",
+                f"  localparam int {prefix}_{part.name}_MSB = {part.high};",
+            ]
             bits = part.high - part.low + 1
-            lines += [f"  localparam logic [{bits - 1}:0] {prefix}_{part.name}_{value_name} = "
-                      f"{bits}'d{value};"
-                      for value_name, value, _ in part.values]
+            lines += [
+                f"  localparam logic [{bits - 1}:0] {prefix}_{part.name}_{value_name} = " f"{bits}'d{value};"
+                for value_name, value, _ in part.values
+            ]
     return "\n".join(lines + ["", "  // verilator lint_on UNUSEDPARAM", f"endpackage : {name}", ""])
 
 
 def sv_selects(peripheral, source):
-    """The type with one bit for each register, and the decoder that sets them. The type stands outside of the package, for
-    the reason that rtl/coprocessor_types.sv gives."""
+    """The type with one bit for each register, and the decoder that sets them. The type stands outside of the
+    package, for the reason that rtl/coprocessor_types.sv gives."""
     name = f"capsoc_{peripheral.name.lower()}_selects"
     words = [register.offset // 4 for register in peripheral.registers]
     width = max(1, (peripheral.size - 1).bit_length())
     bits = max(words, default=0).bit_length() or 1  # of the number of a word; the address has zeros above
     gaps = [word for word in range(1 << bits) if word not in words]
     above = f"address_i[{width - 1}:{bits + 2}] == '0 & " if width > bits + 2 else ""
-    lines = [f"// {NOTICE.format(source=source)}",
-             "// Which register an address names: one bit for each. The bits look at the number of the word alone; mapped_o says",
-             "// whether there is a register at this address.",
-             "typedef struct packed {"]
+    lines = [
+        f"// {NOTICE.format(source=source)}",
+        "// Which register an address names: one bit for each. The bits look at the number of the word alone; "
+        "mapped_o says",
+        "// whether there is a register at this address.",
+        "typedef struct packed {",
+    ]
     lines += [f"  logic {register.name};" for register in peripheral.registers]
-    lines += [f"}} {name}_t;", "",
-              f"module {name} (",
-              f"  input  logic [{width - 1}:0] address_i,  // of a byte",
-              f"  output {name}_t select_o,",
-              "  output logic mapped_o",
-              ");", "",
-              f"  logic [{bits - 1}:0] word;",
-              f"  logic [{len(words) - 1}:0] hits;",
-              f"  assign word = address_i[{bits + 1}:2];"]
-    lines += [f"  assign hits[{len(words) - 1 - place}] = word == {bits}'h{word:0{(bits + 3) // 4}X};  // {register.name}"
-              for place, (word, register) in enumerate(zip(words, peripheral.registers))]
+    lines += [
+        f"}} {name}_t;",
+        "",
+        f"module {name} (",
+        f"  input  logic [{width - 1}:0] address_i,  // of a byte",
+        f"  output {name}_t select_o,",
+        "  output logic mapped_o",
+        ");",
+        "",
+        f"  logic [{bits - 1}:0] word;",
+        f"  logic [{len(words) - 1}:0] hits;",
+        f"  assign word = address_i[{bits + 1}:2];",
+    ]
+    lines += [
+        f"  assign hits[{len(words) - 1 - place}] = word == {bits}'h{word:0{(bits + 3) // 4}X};  // {register.name}"
+        for place, (word, register) in enumerate(zip(words, peripheral.registers))
+    ]
     # Few words have no register: they take less than an OR over all that have one.
     inside = "".join(f" & word != {bits}'h{word:0{(bits + 3) // 4}X}" for word in gaps)
-    lines += ["  assign select_o = hits;",
-              f"  assign mapped_o = {above}address_i[1:0] == '0{inside};"]
+    lines += ["  assign select_o = hits;", f"  assign mapped_o = {above}address_i[1:0] == '0{inside};"]
     return "\n".join(lines + ["", f"endmodule : {name}", ""])
 
 
@@ -571,8 +592,7 @@ def reserved_values(register):
         named = {value for _, value, _ in part.values}
         unnamed = [value for value in range(1 << bits) if value not in named]
         if unnamed:
-            rules.append({"rule": "field", "field": part.name, "low": part.low, "high": part.high,
-                          "values": unnamed})
+            rules.append({"rule": "field", "field": part.name, "low": part.low, "high": part.high, "values": unnamed})
     return rules
 
 
@@ -580,20 +600,21 @@ def test_table(device, source):
     """Every register for programs: masks as numbers, reserved write values as rules."""
     peripherals = {}
     for peripheral in device.peripherals:
-        registers = [{
-            "name": register.name,
-            "offset": register.offset,
-            "access": register.access,
-            "reset": register.reset,
-            "implemented": (register.readable_mask | register.writable_mask
-                            | register.one_to_clear_mask),
-            "readable": register.readable_mask,
-            "writable": register.writable_mask,
-            "one_to_clear": register.one_to_clear_mask,
-            "reserved_values": reserved_values(register),
-        } for register in peripheral.registers]
-        peripherals[peripheral.name] = {"base": peripheral.base, "size": peripheral.size,
-                                        "registers": registers}
+        registers = [
+            {
+                "name": register.name,
+                "offset": register.offset,
+                "access": register.access,
+                "reset": register.reset,
+                "implemented": (register.readable_mask | register.writable_mask | register.one_to_clear_mask),
+                "readable": register.readable_mask,
+                "writable": register.writable_mask,
+                "one_to_clear": register.one_to_clear_mask,
+                "reserved_values": reserved_values(register),
+            }
+            for register in peripheral.registers
+        ]
+        peripherals[peripheral.name] = {"base": peripheral.base, "size": peripheral.size, "registers": registers}
     table = {"notice": NOTICE.format(source=source), "peripherals": peripherals}
     return json.dumps(table, indent=1) + "\n"
 
@@ -611,14 +632,19 @@ def main(arguments):
     try:
         device = read_device(source)
         output.mkdir(parents=True, exist_ok=True)
-        for name, make in (("capsoc_device.h", device_header), ("capsoc_registers.h", cpp_header),
-                           ("registers.md", reference_page), ("capsoc_registers.json", test_table)):
+        for name, make in (
+            ("capsoc_device.h", device_header),
+            ("capsoc_registers.h", cpp_header),
+            ("registers.md", reference_page),
+            ("capsoc_registers.json", test_table),
+        ):
             write_if_changed(output / name, make(device, source.name))
         for peripheral in device.peripherals:
             if peripheral.name in SYNTHESISED:
                 for part, make in (("pkg", sv_package), ("selects", sv_selects)):
-                    write_if_changed(output / f"capsoc_{peripheral.name.lower()}_{part}.sv",
-                                     make(peripheral, source.name))
+                    write_if_changed(
+                        output / f"capsoc_{peripheral.name.lower()}_{part}.sv", make(peripheral, source.name)
+                    )
     except DescriptionError as error:
         print(f"{source}:{error.line}: {error}", file=sys.stderr)
         return 2

@@ -51,16 +51,18 @@ def function(comment, name, index_bits, value_bits, values):
     """A case, and the same as one word for Verilator, which makes a tree of comparisons of a case, at every use."""
     words = ", ".join(f"32'd{value}" for value in reversed(values + [0] * ((1 << index_bits) - len(values))))
     constant = name.capitalize() + "Words"
-    lines = ["`ifdef VERILATOR",
-             f"localparam logic [{(32 << index_bits) - 1}:0] {constant} = {{{words}}};",
-             "`endif", "",
-             f"// {comment}",
-             f"function automatic logic [{value_bits - 1}:0] {name}"
-             f"(input logic [{index_bits - 1}:0] index);",
-             "`ifdef VERILATOR",
-             f"  {name} = {constant}[{{index, 5'd0}} +: {value_bits}];",
-             "`else",
-             "  case (index)"]
+    lines = [
+        "`ifdef VERILATOR",
+        f"localparam logic [{(32 << index_bits) - 1}:0] {constant} = {{{words}}};",
+        "`endif",
+        "",
+        f"// {comment}",
+        f"function automatic logic [{value_bits - 1}:0] {name}" f"(input logic [{index_bits - 1}:0] index);",
+        "`ifdef VERILATOR",
+        f"  {name} = {constant}[{{index, 5'd0}} +: {value_bits}];",
+        "`else",
+        "  case (index)",
+    ]
     lines += [f"    {index_bits}'d{index}: {name} = {value_bits}'d{value};" for index, value in enumerate(values)]
     lines += [f"    default: {name} = '0;", "  endcase", "`endif", "endfunction", ""]
     return "\n".join(lines)

@@ -16,8 +16,8 @@ class PlantError(Exception):
 
 @contextlib.contextmanager
 def free_folder(work):
-    """The first of WORK/worker-1, WORK/worker-2, ... that nobody else is in: those who plant side by side, each in a tree of
-    its own, which the next one builds on."""
+    """The first of WORK/worker-1, WORK/worker-2, ... that nobody else is in: those who plant side by side, each in a
+    tree of its own, which the next one builds on."""
     for number in itertools.count(1):
         folder = work / f"worker-{number}"
         folder.mkdir(parents=True, exist_ok=True)
@@ -31,7 +31,9 @@ def free_folder(work):
 
 
 def copy_tree(tree):
-    """The tracked files of the working tree and no others; unchanged ones keep their times, so that little is built again."""
+    """The tracked files of the working tree and no others; unchanged ones keep their times, so that little is built
+    again.
+    """
     listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, text=True, check=True)
     names = [name for name in listed.stdout.split("\0") if name and (ROOT / name).is_file()]
     for name in names:
@@ -66,7 +68,21 @@ def run(command, log):
 
 
 def configure(tree, log, *options):
-    code, _ = run(["cmake", "-S", tree, "-B", tree / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCAPSOC_TESTS=OFF", *options], log)
+    code, _ = run(
+        [
+            "cmake",
+            "-S",
+            tree,
+            "-B",
+            tree / "build",
+            "-G",
+            "Ninja",
+            "-DCMAKE_BUILD_TYPE=Release",
+            "-DCAPSOC_TESTS=OFF",
+            *options,
+        ],
+        log,
+    )
     if code:
         raise PlantError(f"CMake failed; see {log}")
 

@@ -86,8 +86,7 @@ def rtl_sources(folder):
     """Generated packages, packages, modules: a package goes before whoever uses it."""
     folder.mkdir(parents=True, exist_ok=True)
     registers = ROOT / "models" / "registers" / "capsoc.svd"
-    for script, *arguments in (["generate_registers.py", registers, folder],
-                               ["generate_tables.py", folder]):
+    for script, *arguments in (["generate_registers.py", registers, folder], ["generate_tables.py", folder]):
         run([sys.executable, ROOT / "scripts" / script, *arguments], folder / "generate.log")
     own = sorted(RTL.glob("*.sv"), key=lambda path: (not path.stem.endswith(("_pkg", "_types")), path.name))
     return [str(path) for path in [*sorted(folder.glob("*.sv")), *own]]
@@ -101,24 +100,43 @@ def synthesise(sources, paper, folder, flatten, top=TOP):
     mapped = [path for path in sources if Path(path).name != "add_subtract.sv"]
     name = "flat" if flatten else "units"
     flow = f"synth_intel_alm -family cyclonev -noiopad -noclkbuf -nodsp -top {top}"
-    script = [f"read_verilog -sv {' '.join(mapped)}",
-              f"read_verilog -sv -icells {folder}/add_subtract.sv",
-              f"chparam -set Paper {int(paper)} {TOP}" if top == TOP else "",
-              f"{flow} -run begin:coarse", "proc", *(["flatten"] if flatten else []),
-              "opt -nodffe -nosdff", "wreduce", "peepopt", "opt_clean"]
+    script = [
+        f"read_verilog -sv {' '.join(mapped)}",
+        f"read_verilog -sv -icells {folder}/add_subtract.sv",
+        f"chparam -set Paper {int(paper)} {TOP}" if top == TOP else "",
+        f"{flow} -run begin:coarse",
+        "proc",
+        *(["flatten"] if flatten else []),
+        "opt -nodffe -nosdff",
+        "wreduce",
+        "peepopt",
+        "opt_clean",
+    ]
     for widest, narrowest in DSP_RULES:
-        script += [f"techmap -map +/mul2dsp.v -D DSP_A_MAXWIDTH={widest} -D DSP_B_MAXWIDTH={widest} "
-                   f"-D DSP_A_MINWIDTH={narrowest} -D DSP_B_MINWIDTH={narrowest} "
-                   f"-D DSP_NAME=__MUL{widest}X{widest}", "chtype -set $mul t:$__soft_mul"]
-    script += [f"techmap -map {folder}/dsp_map.v",
-               f"{flow} -run coarse:check" + ("" if flatten else " -noflatten"),
-               f"tee -o {folder}/{name}.json stat -json"]
+        script += [
+            f"techmap -map +/mul2dsp.v -D DSP_A_MAXWIDTH={widest} -D DSP_B_MAXWIDTH={widest} "
+            f"-D DSP_A_MINWIDTH={narrowest} -D DSP_B_MINWIDTH={narrowest} "
+            f"-D DSP_NAME=__MUL{widest}X{widest}",
+            "chtype -set $mul t:$__soft_mul",
+        ]
+    script += [
+        f"techmap -map {folder}/dsp_map.v",
+        f"{flow} -run coarse:check" + ("" if flatten else " -noflatten"),
+        f"tee -o {folder}/{name}.json stat -json",
+    ]
     if flatten:
         # One wire a bit and short names: Verilator 5.006 gets vectors whose bits depend on one
         # another wrong, and such names make its output ten times as long.
-        script += [f"rename -top {top}_netlist", "check -assert", "setundef -zero", "splitnets",
-                   "opt_clean -purge", "rename -hide w:* c:*", "rename -enumerate -pattern n%",
-                   f"write_verilog -noattr {folder}/netlist.v"]
+        script += [
+            f"rename -top {top}_netlist",
+            "check -assert",
+            "setundef -zero",
+            "splitnets",
+            "opt_clean -purge",
+            "rename -hide w:* c:*",
+            "rename -enumerate -pattern n%",
+            f"write_verilog -noattr {folder}/netlist.v",
+        ]
     (folder / f"{name}.ys").write_text("\n".join(script) + "\n")
     run([find("yosys", "yosys"), "-q", "-s", str(folder / f"{name}.ys")], folder / f"{name}.log")
     # With more than one module, yosys 0.23 puts a table in plain text behind this member.
@@ -144,18 +162,29 @@ def figures(counts):
 
     halves = sum(cell(f"ALUT{n}") for n in (2, 3, 4, 5)) + cell("NOT") + cell("ALUT_ARITH") + cell("MLAB")
     alm = cell("ALUT6") + -(-halves // 2)
-    return {"alm": alm, "alm_upper": alm + cell("ALUT5") // 2,
-            "dsp": cell("MUL27X27") + -(-cell("MUL18X18") // 2) + -(-cell("MUL9X9") // 3),
-            "registers": cell("FF"),
-            "memory_bits": 32 * cell("MLAB") + 10240 * cell("M10K")}
+    return {
+        "alm": alm,
+        "alm_upper": alm + cell("ALUT5") // 2,
+        "dsp": cell("MUL27X27") + -(-cell("MUL18X18") // 2) + -(-cell("MUL9X9") // 3),
+        "registers": cell("FF"),
+        "memory_bits": 32 * cell("MLAB") + 10240 * cell("M10K"),
+    }
 
 
 def longest_path(folder):
     """Nanoseconds and cells, or None: `sta` follows every path, and a netlist can have too many of them."""
-    cells = [f"read_verilog -specify -lib -D cyclonev +/intel_alm/common/{kind}_sim.v"
-             for kind in ("alm", "dff", "dsp", "mem", "misc")]
-    script = [*cells, "delete =MISTRAL_FF", f"read_verilog -specify -lib {folder}/flip_flop.v",
-              f"read_verilog {folder}/netlist.v", "hierarchy -auto-top", f"tee -o {folder}/sta.txt sta"]
+    cells = [
+        f"read_verilog -specify -lib -D cyclonev +/intel_alm/common/{kind}_sim.v"
+        for kind in ("alm", "dff", "dsp", "mem", "misc")
+    ]
+    script = [
+        *cells,
+        "delete =MISTRAL_FF",
+        f"read_verilog -specify -lib {folder}/flip_flop.v",
+        f"read_verilog {folder}/netlist.v",
+        "hierarchy -auto-top",
+        f"tee -o {folder}/sta.txt sta",
+    ]
     (folder / "sta.ys").write_text("\n".join(script) + "\n")
     try:
         run([find("yosys", "yosys"), "-q", "-s", str(folder / "sta.ys")], folder / "sta.log", timeout=STA_SECONDS)

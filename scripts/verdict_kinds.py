@@ -1,4 +1,6 @@
-"""The kinds of random sensors that `verdicts` knows, good and broken. Each draws its sizes, times and places from its case."""
+"""The kinds of random sensors that `verdicts` knows, good and broken. Each draws its sizes, times and places from its
+case.
+"""
 
 import math
 
@@ -8,6 +10,7 @@ from verdict_signals import SIGNALS
 
 
 # --- sensors that count their angle otherwise: (u, v, angle) of a case
+
 
 def swapped(case):
     """U is the cosine and V the sine: it turns the other way round."""
@@ -37,7 +40,8 @@ LEGAL = {
 }
 
 
-# Motion, style of use and programs of the kinds of good sensors: by what docs/verdicts.md and the programs say that they need.
+# Motion, style of use and programs of the kinds of good sensors: by what docs/verdicts.md and the programs say that
+# they need.
 GOOD = {
     "good": (steady, None, None),
     "good: long": (steady, "long", None),
@@ -47,7 +51,8 @@ GOOD = {
     "good: rests": (with_rests, None, ("follow",)),
     "good: turns back": (reversing, None, ("follow",)),
 }
-# What a pass may say that it takes for granted, by a word of its line: a kind of these is then outside what the pass is about.
+# What a pass may say that it takes for granted, by a word of its line: a kind of these is then outside what the pass
+# is about.
 CONDITIONS = {
     "stale": {*ORDERS},
     "ripple": {"ripple of the turn"},
@@ -58,14 +63,18 @@ BROKEN = [*MOTIONS, *ORDERS, *SIGNALS, *LEGAL, "two at once"]
 
 def two_at_once(case):
     """Two of the kinds above together, each of another group."""
+
     def one_of(group, kinds):
         return kinds[case.draw.choice(sorted(kinds))] if group in groups else None
+
     groups = case.draw.sample(("motion", "order", "signal"), 2)
     return put_together(case, one_of("motion", MOTIONS) or steady, one_of("signal", SIGNALS), one_of("order", ORDERS))
 
 
 def put_together(case, motion, signal, order):
-    """Channels and angle of a motion, a change of the signals and an order of the samples; none: nothing wrong with it."""
+    """Channels and angle of a motion, a change of the signals and an order of the samples; none: nothing wrong with
+    it.
+    """
     angle = motion(case)
     u, v = case.sensor.signals(angle, case.arrays)
     if signal is not None:

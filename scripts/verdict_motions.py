@@ -1,6 +1,7 @@
 """How the shaft of a random sensor moves, and which sample comes when, a kind at a time, for `verdicts`.
 
-MOTIONS are angles in turns: angle(case). ORDERS give samples of another time: the number of the sample that comes, for each sample.
+MOTIONS are angles in turns: angle(case). ORDERS give samples of another time: the number of the sample that comes,
+for each sample.
 """
 
 import math
@@ -76,7 +77,7 @@ def rests_and_swings(case):
         how = draw.choice(("rest", "turn", "turn", "back", "swing"))
         wave = np.sin(TURN * np.arange(size) / (case.plan.turn * draw.uniform(0.3, 2)))
         piece = {"rest": 0, "turn": speed, "back": -speed, "swing": speed * draw.uniform(0.3, 3) * wave}[how]
-        pieces[at:at + size] = (piece * np.ones(size))[:case.n - at]
+        pieces[at : at + size] = (piece * np.ones(size))[: case.n - at]
         at += size
     return case.sensor.phi + np.cumsum(pieces)
 
@@ -111,7 +112,7 @@ def indexed_randomly(case):
     """A table of a few positions in random order, each held for a while."""
     positions, hold = int(log_uniform(case.draw, 3, 500)), max(1, int(log_uniform(case.draw, 1, 200)))
     visits = case.arrays.randint(0, positions, case.n // hold + 1)
-    return np.repeat(visits, hold)[:case.n] / positions + case.sensor.phi
+    return np.repeat(visits, hold)[: case.n] / positions + case.sensor.phi
 
 
 def rest_in_stretch(case):
@@ -123,6 +124,7 @@ def rest_in_stretch(case):
 
 # --- motions of good sensors
 
+
 def changing_speed(case):
     """A shaft whose speed changes slowly: between a third of the speed and all of it, or by some percent."""
     spread = case.draw.choice((0.05, 0.2, 0.6))
@@ -133,7 +135,10 @@ def with_rests(case):
     """A shaft that rests now and then, for up to two turns, and turns in between."""
     moving = case.arrays.random_sample(int(case.n / case.plan.turn * 2) + 2) < 0.7
     moving[:8] = True
-    return case.sensor.phi + np.cumsum(moving[(case.k * 2 / case.plan.turn).astype(int)]) * case.sensor.speed / case.plan.rate
+    return (
+        case.sensor.phi
+        + np.cumsum(moving[(case.k * 2 / case.plan.turn).astype(int)]) * case.sensor.speed / case.plan.rate
+    )
 
 
 def reversing(case):
@@ -144,6 +149,7 @@ def reversing(case):
 
 
 # --- orders: sample k is that of another time
+
 
 def stale(case):
     """Samples, some or every so many, are old ones; the age is fixed or random."""
@@ -203,7 +209,10 @@ def swapped_pairs(case):
     """Neighbours, or neighbouring blocks, in the wrong order."""
     draw = case.draw
     size = max(1, int(case.plan.turn * log_uniform(draw, 1e-5, 0.3)))
-    inside = case.inside(case.stretch(0.1, 5)) & (case.arrays.random_sample(case.n // (2 * size) + 1) < draw.uniform(0.05, 1))[case.k // (2 * size)]
+    inside = (
+        case.inside(case.stretch(0.1, 5))
+        & (case.arrays.random_sample(case.n // (2 * size) + 1) < draw.uniform(0.05, 1))[case.k // (2 * size)]
+    )
     other = np.where(case.k // size % 2 == 0, case.k + size, case.k - size)
     return np.where(inside & (other < case.n), other, case.k)
 

@@ -1,7 +1,7 @@
 """Random sensors and the recordings that `verdicts` gives to the self-calibration programs.
 
-A case is "SEED KIND NUMBER PROGRAM"; the same case gives the same samples. Angles are in turns, signals in full scale of the
-converter, times in samples.
+A case is "SEED KIND NUMBER PROGRAM"; the same case gives the same samples. Angles are in turns, signals in full scale
+of the converter, times in samples.
 """
 
 import dataclasses
@@ -43,8 +43,9 @@ class Sensor:
         if draw.random() < 0.7:
             shares = [draw.random() for _ in range(8)]
             total = draw.uniform(0, 0.02)
-            self.harmonics = [(i % 2, 2 + i // 2, total * s / sum(shares), draw.uniform(0, 2 * math.pi))
-                              for i, s in enumerate(shares)]
+            self.harmonics = [
+                (i % 2, 2 + i // 2, total * s / sum(shares), draw.uniform(0, 2 * math.pi)) for i, s in enumerate(shares)
+            ]
         self.ripple = (log_uniform(draw, 1e-4, 0.02), draw.uniform(0.005, 0.2))
         if draw.random() < 0.5:
             self.ripple = (0, 0.01)
@@ -86,6 +87,7 @@ class Sensor:
 @dataclasses.dataclass
 class Plan:
     """How a program runs: its settings, the recording that it needs, and the samples that a pass is about (nearly)."""
+
     elf: str
     settings: list
     length: int
@@ -107,8 +109,14 @@ def options(**values):
 def in_mode(elf, settings, demodulation, calibration, speed, margin):
     """A plan of a program that demodulates and then calibrates."""
     end = demodulation + calibration
-    return Plan(elf, settings, end + margin, (demodulation, end), speed,
-                phases={"demodulation": (0, demodulation), "calibration": (demodulation, end)})
+    return Plan(
+        elf,
+        settings,
+        end + margin,
+        (demodulation, end),
+        speed,
+        phases={"demodulation": (0, demodulation), "calibration": (demodulation, end)},
+    )
 
 
 # How a program is used, and the speeds in turns a second of each but "usual", which is the program's own.
@@ -143,8 +151,15 @@ def plan_numeric(elf, **extra):
         least = 30_001 if elf == "paper" else 0
         demodulation = 100_000 if usual else max(least, odd_turns(draw, turn, 20, 26))
         calibration = calibration_of(draw, style, turn)
-        settings = [] if usual else options(frequency_hz=speed, demodulation_samples=demodulation, calibration_samples=calibration, **extra)
+        settings = (
+            []
+            if usual
+            else options(
+                frequency_hz=speed, demodulation_samples=demodulation, calibration_samples=calibration, **extra
+            )
+        )
         return in_mode(elf, settings, demodulation, calibration, speed, 100)
+
     return plan
 
 
@@ -154,12 +169,18 @@ def plan_recursive(draw, style):
     turn = RATE / speed
     demodulation = 20_000 if style == "usual" else odd_turns(draw, turn, 18, 24)
     calibration = 1_000 if style == "usual" else odd_turns(draw, turn, 1.05, 8)
-    settings = options(frequency_hz=speed, forgetting=round(0.5 / turn, 6), demodulation_samples=demodulation, calibration_samples=calibration)
+    settings = options(
+        frequency_hz=speed,
+        forgetting=round(0.5 / turn, 6),
+        demodulation_samples=demodulation,
+        calibration_samples=calibration,
+    )
     return in_mode("recursive", settings, demodulation, calibration, speed, 100)
 
 
 def plan_blocks(elf, turns, known):
     """quick and harmonics: so many turns until they calibrate."""
+
     def plan(draw, style):
         speed = speed_for(draw, style)
         turn = RATE / speed
@@ -168,7 +189,10 @@ def plan_blocks(elf, turns, known):
         settings += [] if style == "usual" else options(calibration_samples=calibration)
         settings += options(measuring_seconds=400) if style == "slow" and not known else []
         begin = int(turn * turns)
-        return Plan(elf, settings, begin + calibration + int(1.6 * turn), (begin - int(turn), begin + calibration), speed)
+        return Plan(
+            elf, settings, begin + calibration + int(1.6 * turn), (begin - int(turn), begin + calibration), speed
+        )
+
     return plan
 
 
@@ -178,8 +202,15 @@ def plan_track(draw, style):
     shown = until + (20 if style == "usual" else draw.randint(200, 1000) if style == "long" else draw.randint(5, 80))
     settings = [] if style == "usual" else options(tracking_until=until, angle_until=shown)
     end = shown * RATE
-    return Plan("track", settings, end + int(1.7 * RATE / speed), (until * RATE - int(2 * RATE / speed), end), speed, claimed="two turns",
-                phases={"numeric": (25_000, 37_500), "tracking": (37_500, until * RATE), "angle": (until * RATE, end)})
+    return Plan(
+        "track",
+        settings,
+        end + int(1.7 * RATE / speed),
+        (until * RATE - int(2 * RATE / speed), end),
+        speed,
+        claimed="two turns",
+        phases={"numeric": (25_000, 37_500), "tracking": (37_500, until * RATE), "angle": (until * RATE, end)},
+    )
 
 
 def plan_unordered(draw, style):
@@ -187,7 +218,11 @@ def plan_unordered(draw, style):
     demodulation = 100_000 if usual else draw.randint(20_000, 100_000)
     calibration = 5_000 if usual else draw.randint(100_000, 300_000) if style == "long" else draw.randint(2_000, 40_000)
     window = 4_750 if usual else draw.randint(1_000, 10_000)
-    settings = [] if usual else options(demodulation_samples=demodulation, calibration_samples=calibration, window_samples=window)
+    settings = (
+        []
+        if usual
+        else options(demodulation_samples=demodulation, calibration_samples=calibration, window_samples=window)
+    )
     return in_mode("unordered", settings, 500 + demodulation, calibration, SPEED, window + 10)
 
 
@@ -203,15 +238,24 @@ def plan_calibrate(draw, style):
 def plan_follow(draw, style):
     rate = 250 if style == "usual" else draw.choice((250, 500, 1000))
     speed = {"usual": 1.0, "other": round(log_uniform(draw, 0.3, rate / 80), 4)}.get(style) or speed_for(draw, style)
-    turns = {"usual": 120, "long": draw.randint(200, 500), "slow": draw.randint(12, 20)}.get(style) or draw.randint(15, 120)
+    turns = {"usual": 120, "long": draw.randint(200, 500), "slow": draw.randint(12, 20)}.get(style) or draw.randint(
+        15, 120
+    )
     seconds = min(math.ceil(turns / speed), 300_000 // rate)
     settings = options(rate_hz=rate, seconds=seconds)
     settings += options(measuring_seconds=400, longest_turn_seconds=100) if style == "slow" else []
     if style == "other" and draw.random() < 0.3:
         settings += options(drift_per_s=draw.choice((0, 0.01)))
     begin = int(2.2 * rate / speed)
-    return Plan("follow", settings, begin + seconds * rate, (begin + int(7 * rate / speed), begin + seconds * rate), speed, rate,
-                claimed="since the lock")
+    return Plan(
+        "follow",
+        settings,
+        begin + seconds * rate,
+        (begin + int(7 * rate / speed), begin + seconds * rate),
+        speed,
+        rate,
+        claimed="since the lock",
+    )
 
 
 PLANS = {
@@ -250,7 +294,8 @@ class Case:
     def stretch(self, shortest=0.02, longest=3.0):
         """First sample and end of a stretch of so many turns, at places where a program may have ceased to judge.
 
-        Anywhere; early in the judged time; its end, beyond the last whole turn; one of the program's phases; or all from one sample on.
+        Anywhere; early in the judged time; its end, beyond the last whole turn; one of the program's phases; or all
+        from one sample on.
         """
         draw, turn, (begin, end) = self.draw, self.plan.turn, self.plan.judged
         size = turn * log_uniform(draw, shortest, longest)
@@ -290,16 +335,20 @@ def fixed(values, decimals):
     text[:, 4] = ord(".")
     for at in range(5 + decimals - 3, 4, -3):
         scaled, part = np.divmod(scaled, 1000)
-        text[:, at:at + 3] = DIGITS[part]
+        text[:, at : at + 3] = DIGITS[part]
     text[:, 1:4] = DIGITS[scaled]
     return text
 
 
 def write(path, u, v, angle):
-    """A recording with the true angle. Values beyond +-1 are left for the converter to clip, up to +-1.05: far beyond is another unit."""
+    """A recording with the true angle. Values beyond +-1 are left for the converter to clip, up to +-1.05: far beyond
+    is another unit.
+    """
     columns = [fixed(np.clip(u, -1.05, 1.05), 9), fixed(np.clip(v, -1.05, 1.05), 9), fixed(angle % 1 * 360, 6)]
     comma = np.full((len(u), 1), ord(","), dtype=np.uint8)
-    rows = np.hstack([columns[0], comma, columns[1], comma, columns[2], np.full((len(u), 1), ord("\n"), dtype=np.uint8)])
+    rows = np.hstack(
+        [columns[0], comma, columns[1], comma, columns[2], np.full((len(u), 1), ord("\n"), dtype=np.uint8)]
+    )
     with open(path, "wb") as file:
         file.write(b"u,v,angle_deg\n")
         file.write(rows.tobytes())

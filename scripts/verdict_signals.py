@@ -1,6 +1,7 @@
 """What breaks the channels of a random sensor, a kind at a time, for `verdicts`.
 
-Each of SIGNALS changes the channels: (u, v) = change(case, u, v, angle), with u and v in full scale of the converter and the angle in turns.
+Each of SIGNALS changes the channels: (u, v) = change(case, u, v, angle), with u and v in full scale of the converter
+and the angle in turns.
 """
 
 import numpy as np
@@ -10,16 +11,20 @@ from verdict_sensors import TURN, log_uniform, sign
 
 def constant(channel, value):
     """A channel that has one value."""
+
     def change(case, u, v, angle):
         shifted = np.full(case.n, (case.sensor.b1, case.sensor.b2)[channel] + value)
         return (shifted, v) if channel == 0 else (u, shifted)
+
     return change
 
 
 def noise_only(size):
     """Noise and nothing else."""
+
     def change(case, u, v, angle):
         return case.arrays.normal(0, size, case.n), case.arrays.normal(0, size, case.n)
+
     return change
 
 
@@ -105,17 +110,22 @@ def modulated(case, u, v, angle):
 
 def modulated_by_turn(order):
     """An eccentric magnet: both amplitudes change `order` times a turn, together or each with its own phase."""
+
     def change(case, u, v, angle):
         draw, s = case.draw, case.sensor
         depth, phase = log_uniform(draw, 0.02, 0.3), draw.uniform(0, 1)
         other = phase if draw.random() < 0.7 else draw.uniform(0, 1)
-        return ((u - s.b1) * (1 + depth * np.sin(TURN * (order * angle + phase))) + s.b1,
-                (v - s.b2) * (1 + depth * np.sin(TURN * (order * angle + other))) + s.b2)
+        return (
+            (u - s.b1) * (1 + depth * np.sin(TURN * (order * angle + phase))) + s.b1,
+            (v - s.b2) * (1 + depth * np.sin(TURN * (order * angle + other))) + s.b2,
+        )
+
     return change
 
 
 def neighbour(ratios, largest):
     """A neighbouring track that turns at another speed couples into both channels."""
+
     def change(case, u, v, angle):
         draw, s = case.draw, case.sensor
         size = log_uniform(draw, 0.01, largest)
@@ -126,6 +136,7 @@ def neighbour(ratios, largest):
         if case.shuffled:
             other = TURN * (ratio * s.angle(case.seconds) + phase)
         return u + size * s.a1 * np.sin(other), v + size * s.a2 * np.cos(other + TURN * skew)
+
     return change
 
 
@@ -151,7 +162,11 @@ def dead_zone(case, u, v, angle):
 def bent(case, u, v, angle):
     """Channels with a cubic or saturating characteristic, one or both."""
     draw, s = case.draw, case.sensor
-    size, shape, which = log_uniform(draw, 0.01, 0.33), draw.choice(("cubic", "tanh", "rail")), draw.choice(("U", "V", "both", "both"))
+    size, shape, which = (
+        log_uniform(draw, 0.01, 0.33),
+        draw.choice(("cubic", "tanh", "rail")),
+        draw.choice(("U", "V", "both", "both")),
+    )
 
     def curve(x):
         if shape == "cubic":
@@ -159,6 +174,7 @@ def bent(case, u, v, angle):
         if shape == "tanh":
             return np.tanh(3 * size * x) / (3 * size)
         return np.clip(x, -1, 1.05 - size)
+
     if which != "V":
         u = s.b1 + s.a1 * curve((u - s.b1) / s.a1)
     if which != "U":
@@ -187,7 +203,11 @@ def telegraph(case, u, v, angle):
     draw = case.draw
     flips = case.arrays.random_sample(case.n) < 1 / (case.plan.turn * log_uniform(draw, 0.003, 3))
     state = np.cumsum(flips) % 2 * log_uniform(draw, 0.003, 0.3)
-    return (u + state * case.sensor.a1, v) if draw.random() < 0.6 else (u + state * case.sensor.a1, v - state * case.sensor.a2)
+    return (
+        (u + state * case.sensor.a1, v)
+        if draw.random() < 0.6
+        else (u + state * case.sensor.a1, v - state * case.sensor.a2)
+    )
 
 
 def shaped_noise(case, gain):
@@ -199,10 +219,12 @@ def shaped_noise(case, gain):
 
 def coloured(gain_of):
     """Noise that is not white."""
+
     def change(case, u, v, angle):
         draw, s = case.draw, case.sensor
         gain, size = gain_of(draw), log_uniform(draw, 3e-4, 0.1)
         return u + size * s.a1 * shaped_noise(case, gain), v + size * s.a2 * shaped_noise(case, gain)
+
     return change
 
 
@@ -240,6 +262,7 @@ def missing_codes(case, u, v, angle):
     def converted(x):
         code = np.clip(np.floor((x + 1) * codes / 2), 0, codes - 1).astype(int)
         return (np.maximum(code - missing[code], 0) + 0.5) * 2 / codes - 1
+
     return converted(u), converted(v)
 
 
@@ -268,10 +291,12 @@ def huge_offset(case, u, v, angle):
 
 def channel_gone(holds):
     """A channel that keeps its value from some sample on (holds), or is lost."""
+
     def change(case, u, v, angle):
         first, end = case.stretch()
         gone = case.inside((first, end if case.draw.random() < 0.3 else case.n))
         return np.where(gone, u[first] if holds else case.arrays.normal(0, 1e-4, case.n), u), v
+
     return change
 
 

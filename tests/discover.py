@@ -39,8 +39,11 @@ def classes_with_tests(tree):
 def read(path):
     """(CTEST, classes with tests) of a file."""
     tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
-    said = [node.value for node in tree.body
-            if isinstance(node, ast.Assign) and [getattr(target, "id", None) for target in node.targets] == ["CTEST"]]
+    said = [
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign) and [getattr(target, "id", None) for target in node.targets] == ["CTEST"]
+    ]
     if len(said) != 1:
         raise BadTest(f"{path}: has no CTEST = {{...}}; say how it is run (tests/discover.py lists the keys)")
     settings = ast.literal_eval(said[0])
@@ -56,7 +59,7 @@ def entries(path, settings, classes):
     """(name, class or nothing, whether it takes long) of each entry."""
     long = settings.get("long", [])
     if unknown := set([] if long is True else long) - set(classes):
-        raise BadTest(f"{path}: CTEST[\"long\"] has no class {sorted(unknown)[0]}")
+        raise BadTest(f'{path}: CTEST["long"] has no class {sorted(unknown)[0]}')
     if settings.get("whole"):
         yield settings["name"], None, long is True
     else:

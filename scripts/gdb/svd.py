@@ -8,7 +8,8 @@
     (gdb) print $svd("COPROCESSOR.STATUS.LOCK")
 
 Names are completed by Tab and taken in any case. Registers whose reading has a side effect (readAction) or that are
-write-only are shown by "svd PERIPHERAL.REGISTER" and not by "svd PERIPHERAL". The parser at the top knows nothing of GDB.
+write-only are shown by "svd PERIPHERAL.REGISTER" and not by "svd PERIPHERAL". The parser at the top knows nothing of
+GDB.
 """
 
 import copy
@@ -249,7 +250,9 @@ if gdb is not None:
         return int.from_bytes(bytes(memory), "little")
 
     def line(register, word):
-        return f"{register.name:<20} {register.address:#010x}  {word:#0{2 + 2 * register.size}x}  {register.meaning(word)}"
+        return (
+            f"{register.name:<20} {register.address:#010x}  {word:#0{2 + 2 * register.size}x}  {register.meaning(word)}"
+        )
 
     def show_fields(register, word):
         for field in register.fields:
@@ -339,9 +342,12 @@ if gdb is not None:
     SvdFunction()
     # Not __file__: in a script that sources this one it is that script's.
     HERE = Path((lambda: None).__code__.co_filename).resolve().parent
-    for DEFAULT in (HERE / "board.svd",  # a project of capsoc new; the sources, built and not; an install tree
-                    HERE.parents[1] / "build/generated/board.svd", HERE.parents[1] / "models/registers/capsoc.svd",
-                    HERE.parent / "svd/board.svd"):
+    for DEFAULT in (
+        HERE / "board.svd",  # a project of capsoc new; the sources, built and not; an install tree
+        HERE.parents[1] / "build/generated/board.svd",
+        HERE.parents[1] / "models/registers/capsoc.svd",
+        HERE.parent / "svd/board.svd",
+    ):
         if DEFAULT.exists():
             DEVICE.load(DEFAULT)
             break

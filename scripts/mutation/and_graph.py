@@ -37,7 +37,9 @@ class Circuit:
         return self.word("o", re.compile(rf"\S+\.{re.escape(name)}\[(\d+)\]"))
 
     def word(self, kind, pattern):
-        found = {int(match[1]): literal for text, literal in self.names[kind].items() if (match := pattern.fullmatch(text))}
+        found = {
+            int(match[1]): literal for text, literal in self.names[kind].items() if (match := pattern.fullmatch(text))
+        }
         return [found[bit] for bit in range(len(found))]
 
 
@@ -96,8 +98,11 @@ class Graph:
         value = {0: 0}
         for node in self.below(literals):
             pair = self.pairs[node]
-            value[node] = variables.get(node, 0) if pair is None else \
-                (value[pair[0] >> 1] ^ pair[0] & 1) & (value[pair[1] >> 1] ^ pair[1] & 1)
+            value[node] = (
+                variables.get(node, 0)
+                if pair is None
+                else (value[pair[0] >> 1] ^ pair[0] & 1) & (value[pair[1] >> 1] ^ pair[1] & 1)
+            )
         return [value[literal >> 1] ^ literal & 1 for literal in literals]
 
     def write(self, literal, file):
@@ -166,6 +171,8 @@ class Mutants:
     def differences(self, mutant):
         """Pairs of literals of the results (registers' next values, then outputs) that may differ."""
         value = self.computed(self.choose(mutant), self.original)
-        pairs = ((self.original[literal >> 1] ^ literal & 1, value[literal >> 1] ^ literal & 1)
-                 for literal in self.circuit.results)
+        pairs = (
+            (self.original[literal >> 1] ^ literal & 1, value[literal >> 1] ^ literal & 1)
+            for literal in self.circuit.results
+        )
         return [(a, b) for a, b in pairs if a != b]

@@ -14,10 +14,26 @@ from and_graph import Circuit, Graph, Mutants
 # What the facts are about; yosys makes outputs of them, which do not count as outputs here.
 WEIGHTS = ["au", "bu", "cu", "av", "bv", "cv"]
 TICK = ["stage", "load", "cycle"]
-PASSES = ["expose " + " ".join([*(f"w:u_datapath.{name} w:u_datapath.g_*.u_core.{name}" for name in TICK),
-                               *(f"w:u_register_bank.u_state.{name}" for name in WEIGHTS)]),
-          "memory_map", "opt_clean", "async2sync", "dffunmap", "simplemap", "techmap", "opt_clean", "dffunmap",
-          "setundef -zero", "aigmap", "opt_clean"]
+PASSES = [
+    "expose "
+    + " ".join(
+        [
+            *(f"w:u_datapath.{name} w:u_datapath.g_*.u_core.{name}" for name in TICK),
+            *(f"w:u_register_bank.u_state.{name}" for name in WEIGHTS),
+        ]
+    ),
+    "memory_map",
+    "opt_clean",
+    "async2sync",
+    "dffunmap",
+    "simplemap",
+    "techmap",
+    "opt_clean",
+    "dffunmap",
+    "setundef -zero",
+    "aigmap",
+    "opt_clean",
+]
 SOLVER_SECONDS = 60  # of the processor: a proof takes a second or two; multipliers can take for ever
 
 
@@ -63,8 +79,13 @@ class Prover:
         any_stage, any_load = graph.any(stage), graph.any(load)
         running = graph.either(any_stage, any_load)
         # A LOAD is in one step and alone; no cycles are counted when nothing runs.
-        wrong = [graph.both(load[0], load[1]), graph.both(load[0], load[2]), graph.both(load[1], load[2]),
-                 graph.both(any_load, any_stage), graph.both(graph.any(cycle), running ^ 1)]
+        wrong = [
+            graph.both(load[0], load[1]),
+            graph.both(load[0], load[2]),
+            graph.both(load[1], load[2]),
+            graph.both(any_load, any_stage),
+            graph.both(graph.any(cycle), running ^ 1),
+        ]
         if self.paper:  # a weight is a word of Q1.31; yosys has removed the bits below it
             wrong += [graph.differ(*bits(name)[-2:]) for name in WEIGHTS]
         return graph.any(wrong) ^ 1
@@ -73,7 +94,7 @@ class Prover:
         """The facts hold in the state of all zeros, which a reset leaves, and go on to hold."""
         value = self.mutants.original
         now = [value[literal >> 1] for literal in self.circuit.registers]
-        after = [value[literal >> 1] ^ literal & 1 for literal in self.circuit.results[:self.count]]
+        after = [value[literal >> 1] ^ literal & 1 for literal in self.circuit.results[: self.count]]
         facts, facts_after = self.statements(now), self.statements(after)
         if self.graph.evaluate([facts], {}) != [1] or not self.never(self.graph.both(facts, facts_after ^ 1)):
             raise Unproved("what equivalence.py states of the registers does not hold")
@@ -87,7 +108,9 @@ class Prover:
         self.graph.write(literal, file)
         limit = ["prlimit", f"--cpu={SOLVER_SECONDS}"]
         # One that was stopped says nothing: not known.
-        done = subprocess.run([*limit, "yosys-abc", "-q", f"read_aiger {file}; iprove"], check=False, capture_output=True, text=True)
+        done = subprocess.run(
+            [*limit, "yosys-abc", "-q", f"read_aiger {file}; iprove"], check=False, capture_output=True, text=True
+        )
         return "UNSATISFIABLE" in done.stdout
 
     def prove(self, mutant):

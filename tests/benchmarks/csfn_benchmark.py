@@ -50,10 +50,15 @@ def numpy_gradient(nodes, u, v):
     xx, yy, xy = x * x, y * y, x * y
     w = 1 - 1 / np.sqrt(a * (xx + yy) + 2 * b * xy)
     wx, wy, wxx, wyy, wxy = (np.dot(w, s) / len(u) for s in (x, y, xx, yy, xy))
-    return np.array([
-        -2 * (a * wxx + b * wxy) / a1, -2 * (a * wyy + b * wxy) / a2,
-        -2 * (a * wx + b * wy) / a1, -2 * (a * wy + b * wx) / a2,
-        (wxx + wyy) * a_by_t + 2 * wxy * b_by_t])
+    return np.array(
+        [
+            -2 * (a * wxx + b * wxy) / a1,
+            -2 * (a * wyy + b * wxy) / a2,
+            -2 * (a * wx + b * wy) / a1,
+            -2 * (a * wy + b * wx) / a2,
+            (wxx + wyy) * a_by_t + 2 * wxy * b_by_t,
+        ]
+    )
 
 
 class NumpyAdam:
@@ -63,9 +68,9 @@ class NumpyAdam:
     def update(self, nodes, gradient):
         self.k += 1
         self.m = DECAY1 * self.m + (1 - DECAY1) * gradient
-        self.v = DECAY2 * self.v + (1 - DECAY2) * gradient ** 2
-        step = RATE / (1 - DECAY1 ** self.k)
-        nodes -= step * self.m / (np.sqrt(self.v / (1 - DECAY2 ** self.k)) + EPSILON)
+        self.v = DECAY2 * self.v + (1 - DECAY2) * gradient**2
+        step = RATE / (1 - DECAY1**self.k)
+        nodes -= step * self.m / (np.sqrt(self.v / (1 - DECAY2**self.k)) + EPSILON)
 
 
 def best_of(runs, iterations, run):
@@ -84,7 +89,7 @@ def time_numpy(batch):
     def run(iterations):
         nodes, adam, at = start(u, v), NumpyAdam(), 0
         for _ in range(iterations):
-            adam.update(nodes, numpy_gradient(nodes, u[at:at + batch], v[at:at + batch]))
+            adam.update(nodes, numpy_gradient(nodes, u[at : at + batch], v[at : at + batch]))
             at = at + batch if at + 2 * batch <= len(u) else 0
         error = abs(nodes[:4] - (A1, A2, B1, B2)).max()
         assert iterations < 1000 or error < 0.05, "the NumPy network does not converge"
@@ -103,13 +108,13 @@ def time_torch(torch, batch):
         optimizer = torch.optim.Adam(nodes, lr=RATE)
         at = 0
         for _ in range(iterations):
-            u1 = (u[at:at + batch] - b1) / a1           # Eq (5)
-            v1 = (v[at:at + batch] - b2) / a2
-            v2 = (v1 - u1) * math.sqrt(0.5)             # Eq (8)
+            u1 = (u[at : at + batch] - b1) / a1  # Eq (5)
+            v1 = (v[at : at + batch] - b2) / a2
+            v2 = (v1 - u1) * math.sqrt(0.5)  # Eq (8)
             u2 = (v1 + u1) * math.sqrt(0.5)
-            root = torch.sqrt(1 + t * t)                # Eq (23)
+            root = torch.sqrt(1 + t * t)  # Eq (23)
             y = torch.sqrt((root / (1 + t) * v2) ** 2 + (root / (1 - t) * u2) ** 2)
-            loss = ((1 - y) ** 2).mean()                # Eq (15)
+            loss = ((1 - y) ** 2).mean()  # Eq (15)
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
@@ -123,7 +128,10 @@ def time_torch(torch, batch):
 def time_cpp(program):
     text = subprocess.run(
         [program, "--benchmark_format=json", "--benchmark_repetitions=5", "--benchmark_min_time=0.1"],
-        check=True, capture_output=True, text=True).stdout
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     scale = {"ns": 1e-3, "us": 1.0, "ms": 1e3, "s": 1e6}
     best = {}
     for row in json.loads(text)["benchmarks"]:
@@ -165,15 +173,16 @@ def main():
             # The ratios are stated for the paper's batch; Python's own cost, the same for every batch,
             # weighs less in a larger one.
             if batch == 100:
-                mark += judge(ratio >= LEAST_RATIO[name],
-                              f"{name}: ratio {ratio:.0f}, bound {LEAST_RATIO[name]}")
+                mark += judge(ratio >= LEAST_RATIO[name], f"{name}: ratio {ratio:.0f}, bound {LEAST_RATIO[name]}")
         print(line + mark)
     print("\nthe rest of the C++ program")
     for name, microseconds in cpp.items():
         mark = ""
         if name == "identification/adam/100000":
-            mark = judge(microseconds <= IDENTIFICATION_MS * 1e3,
-                         f"{name}: {microseconds / 1e3:.1f} ms, bound {IDENTIFICATION_MS}")
+            mark = judge(
+                microseconds <= IDENTIFICATION_MS * 1e3,
+                f"{name}: {microseconds / 1e3:.1f} ms, bound {IDENTIFICATION_MS}",
+            )
         print(f"{name:42} {microseconds:12.3f} us{mark}")
     print("\nthe paper: 464 us an iteration of batch 100, 46.42 s for 100,000")
     for text in missed:

@@ -31,7 +31,9 @@ least_yield = 0
 program.demodulation_samples = 100
 program.calibration_samples = 20
 """
-DRAWN = SHORT + """
+DRAWN = (
+    SHORT
+    + """
 [[axes]]
 combine = "independent"
 runs = {runs}
@@ -47,6 +49,7 @@ error_deg = "angle_error_deg.calibration_mode_max"
 "measured" = "samples > 100 and error_deg != null"
 "small" = "error_deg < 20"
 """
+)
 
 
 def rows_of(store):
@@ -77,8 +80,15 @@ class CampaignCase(Case):
         return name
 
     def campaign(self, *arguments, code=0, **keywords):
-        process = subprocess.run([CAPSOC, "campaign", *map(str, arguments)], capture_output=True, cwd=self.folder, env=CLEAN,
-                                 timeout=280, check=False, **keywords)
+        process = subprocess.run(
+            [CAPSOC, "campaign", *map(str, arguments)],
+            capture_output=True,
+            cwd=self.folder,
+            env=CLEAN,
+            timeout=280,
+            check=False,
+            **keywords,
+        )
         self.assertEqual(process.returncode, code, process.stdout.decode() + process.stderr.decode())
         return process.stdout.decode(), process.stderr.decode()
 
@@ -91,8 +101,14 @@ class CampaignCase(Case):
         self.assertEqual(sorted(os.listdir(self.folder)), before, "nothing is started")
 
     def start(self, *arguments, **keywords):
-        return subprocess.Popen([CAPSOC, "campaign", *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                cwd=self.folder, env=CLEAN, **keywords)
+        return subprocess.Popen(
+            [CAPSOC, "campaign", *map(str, arguments)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            cwd=self.folder,
+            env=CLEAN,
+            **keywords,
+        )
 
     def path(self, name):
         return self.folder / name
@@ -113,19 +129,33 @@ class Descriptions(CampaignCase):
         self.wrong("there is no key 'sead' in the description; did you mean seed", 'name = "n"\nsead = 1\n', 2)
         self.wrong("'seed' in the description is no whole number", 'name = "n"\nseed = -1\n', 2)
         self.wrong("there is no kind 'walk' of work", 'name = "n"\nkind = "walk"\n')
-        self.wrong("there is no key 'second' in [limits]; did you mean seconds", 'name = "n"\n[limits]\nsecond = 1\n', 3)
+        self.wrong(
+            "there is no key 'second' in [limits]; did you mean seconds", 'name = "n"\n[limits]\nsecond = 1\n', 3
+        )
         self.wrong("'axes' in the description is no list of tables; write [[axes]]", 'name = "n"\naxes = 3\n', 2)
 
     def test_settings(self):
-        self.wrong("there is no setting 'sensor.a3'; did you mean sensor.a1", 'name = "n"\n[settings]\nsensor.a3 = 1\n', 3)
-        self.wrong("coprocessor.arithmetic cannot be 'fast'; choose one of paper, precise",
-                   'name = "n"\n[settings]\ncoprocessor.arithmetic = "fast"\n', 3)
-        self.wrong("sensor.a1 must be a text, a number or true/false; several values make an axis", 'name = "n"\n[settings]\nsensor.a1 = [1, 2]\n', 3)
+        self.wrong(
+            "there is no setting 'sensor.a3'; did you mean sensor.a1", 'name = "n"\n[settings]\nsensor.a3 = 1\n', 3
+        )
+        self.wrong(
+            "coprocessor.arithmetic cannot be 'fast'; choose one of paper, precise",
+            'name = "n"\n[settings]\ncoprocessor.arithmetic = "fast"\n',
+            3,
+        )
+        self.wrong(
+            "sensor.a1 must be a text, a number or true/false; several values make an axis",
+            'name = "n"\n[settings]\nsensor.a1 = [1, 2]\n',
+            3,
+        )
         self.wrong("results.json says where something goes", 'name = "n"\n[settings]\nresults.json = "r"\n', 3)
         self.wrong(f"{FIRMWARE}/selfcal.elf has no setting 'stap'", 'name = "n"\n[settings]\nprogram.stap = 1\n', 3)
 
-        self.wrong("coprocessor.backend = lockstep writes the waves of a difference",
-                   'name = "n"\n[settings]\ncoprocessor.backend = "lockstep"\n', 3)
+        self.wrong(
+            "coprocessor.backend = lockstep writes the waves of a difference",
+            'name = "n"\n[settings]\ncoprocessor.backend = "lockstep"\n',
+            3,
+        )
 
     def test_axes(self):
         def axes(text, expected, line=3):
@@ -135,15 +165,31 @@ class Descriptions(CampaignCase):
         axes("sensor.a1 = {}", "the axis 'sensor.a1' is empty")
         axes("sensor.a1 = 0.5", "'sensor.a1' has one value")
         axes("sensor.a1 = { uniform = [0.1, 0.5] }", "the axis 'sensor.a1' is empty; give it count = N")
-        axes("sensor.a1 = { range = [0.1, 0.5], points = 1 }", "'points' in the axis 'sensor.a1' is no whole number from 2")
+        axes(
+            "sensor.a1 = { range = [0.1, 0.5], points = 1 }",
+            "'points' in the axis 'sensor.a1' is no whole number from 2",
+        )
         axes("sensor.a1 = { log_range = [0, 0.5], points = 3 }", "'log_range' in the axis 'sensor.a1' has no logarithm")
-        axes("sensor.a1 = { normal = [0.5, 0], count = 3 }", "'normal' in the axis 'sensor.a1' is [mean, standard deviation]; the latter is above 0")
-        axes("sensor.a1 = { integers = [0.5, 2], count = 3 }", "'integers' in the axis 'sensor.a1' is no list of two whole numbers")
-        axes("sensor.a1 = { uniform = [0.1, nan], count = 3 }", "'uniform' in the axis 'sensor.a1' is no list of two numbers")
+        axes(
+            "sensor.a1 = { normal = [0.5, 0], count = 3 }",
+            "'normal' in the axis 'sensor.a1' is [mean, standard deviation]; the latter is above 0",
+        )
+        axes(
+            "sensor.a1 = { integers = [0.5, 2], count = 3 }",
+            "'integers' in the axis 'sensor.a1' is no list of two whole numbers",
+        )
+        axes(
+            "sensor.a1 = { uniform = [0.1, nan], count = 3 }",
+            "'uniform' in the axis 'sensor.a1' is no list of two numbers",
+        )
         axes("sensor.a1 = { uniform = [0.1, 0.2], cuont = 3 }", "there is no key 'cuont' in the axis 'sensor.a1'")
         axes('combine = "some"\nsensor.a1 = [1]', "'combine' in [[axes]] is none of product, zip")
         axes('combine = "independent"\nsensor.a1 = [1]', 'combine = "independent" needs runs = N', 2)
-        axes('combine = "zip"\nsensor.a1 = [0.1, 0.2]\nsensor.a2 = [0.3]', "'sensor.a2' has 1 values and 'sensor.a1' 2; axes of a zip have as many", 5)
+        axes(
+            'combine = "zip"\nsensor.a1 = [0.1, 0.2]\nsensor.a2 = [0.3]',
+            "'sensor.a2' has 1 values and 'sensor.a1' 2; axes of a zip have as many",
+            5,
+        )
         axes("sensor.a4 = [1, 2]", "there is no setting 'sensor.a4'")
         axes("sensor.adc_bits = [12, 40]", "sensor.adc_bits = 40 is out of range; give 0 to 32")
         axes("sensor.a1 = [0.1, 0.2]\n[[axes]]\nsensor.a1 = [0.3]", "'sensor.a1' has values in d.toml:3 already", 5)
@@ -151,10 +197,22 @@ class Descriptions(CampaignCase):
 
     def test_a_million_million_runs(self):
         million = "{ range = [0.1, 0.2], points = 1000000 }"
-        self.wrong("with this the campaign has more than 1000000 runs", f'name = "n"\n[[axes]]\nsensor.a1 = {million}\nsensor.a2 = {million}\n', 3)
-        self.wrong("with this the campaign has more than 1000000 runs", f'name = "n"\n[[axes]]\nsensor.a1 = {million}\n[[axes]]\nsensor.a2 = {million}\n', 5)
-        self.wrong("with this the campaign has more than 1000000 runs",
-                   f'name = "n"\n[[axes]]\nsensor.a1 = {million}\n[repetitions]\ncount = 1000000\nseeds = ["sensor.noise.seed"]\n', 4)
+        self.wrong(
+            "with this the campaign has more than 1000000 runs",
+            f'name = "n"\n[[axes]]\nsensor.a1 = {million}\nsensor.a2 = {million}\n',
+            3,
+        )
+        self.wrong(
+            "with this the campaign has more than 1000000 runs",
+            f'name = "n"\n[[axes]]\nsensor.a1 = {million}\n[[axes]]\nsensor.a2 = {million}\n',
+            5,
+        )
+        self.wrong(
+            "with this the campaign has more than 1000000 runs",
+            f'name = "n"\n[[axes]]\nsensor.a1 = {million}\n[repetitions]\n'
+            'count = 1000000\nseeds = ["sensor.noise.seed"]\n',
+            4,
+        )
 
     def test_expressions(self):
         def criterion(text, expected):
@@ -162,7 +220,9 @@ class Descriptions(CampaignCase):
             self.refuse(expected, "check", "d.toml")
             self.refuse("d.toml:3: ", "run", "d.toml")
 
-        criterion("exit.kode == 0", "good 'exit.kode' is no metric, no key of a result and no axis; did you mean exit.code")
+        criterion(
+            "exit.kode == 0", "good 'exit.kode' is no metric, no key of a result and no axis; did you mean exit.code"
+        )
         criterion("exit.code ==", "a number, a name or '(' is missing at character 13")
         criterion("exit.code = 0", "an operator or the end is missing at character 11")
         criterion("log(3) > 1", "abs, sqrt, log10, min or max")
@@ -170,13 +230,22 @@ class Descriptions(CampaignCase):
         criterion("(" * 1000 + "1" + ")" * 1000, "too deep")
         criterion("1 " + "+ 1" * 3000, "longer than")
         self.wrong("'good' in [criteria] is no text", 'name = "n"\n[criteria]\ngood = 1\n', 3)
-        self.wrong("sensor.a1 'seed' is no axis and is not in [settings]", 'name = "n"\n[derived]\nsensor.a1 = "seed * 2"\n', 3)
-        self.wrong("sensor.a2 = sensor.a1 / 0 has no value in a run", 'name = "n"\n[settings]\nsensor.a1 = 1\n[derived]\nsensor.a2 = "sensor.a1 / 0"\n', 5)
+        self.wrong(
+            "sensor.a1 'seed' is no axis and is not in [settings]", 'name = "n"\n[derived]\nsensor.a1 = "seed * 2"\n', 3
+        )
+        self.wrong(
+            "sensor.a2 = sensor.a1 / 0 has no value in a run",
+            'name = "n"\n[settings]\nsensor.a1 = 1\n[derived]\nsensor.a2 = "sensor.a1 / 0"\n',
+            5,
+        )
         self.wrong("[metrics] has no 'x'", 'name = "n"\nworst = "x"\n', 2)
 
     def test_a_good_one_says_what_it_would_do(self):
-        self.describe(SHORT + "[[axes]]\nsensor.a1 = { range = [0.2, 0.4], points = 3 }\ncoprocessor.arithmetic = ['precise', 'paper']\n"
-                      "[derived]\nsensor.a2 = 'sensor.a1 * 2'\n")
+        self.describe(
+            SHORT + "[[axes]]\nsensor.a1 = { range = [0.2, 0.4], points = 3 }\n"
+            "coprocessor.arithmetic = ['precise', 'paper']\n"
+            "[derived]\nsensor.a2 = 'sensor.a1 * 2'\n"
+        )
         out, _ = self.campaign("check", "d.toml")
         lines = out.splitlines()
         self.assertEqual(lines[0], "campaign short (run): 6 runs, seed 5")
@@ -257,14 +326,20 @@ class Rows(CampaignCase):
         database.close()
 
     def test_combinations(self):
-        self.describe(SHORT + '[[axes]]\ncombine = "zip"\nsensor.a1 = [0.2, 0.3]\nsensor.a2 = { log_range = [0.1, 0.4], points = 2 }\n'
-                      '[[axes]]\nsensor.b1 = [0, 0.1, 0.1]\n[repetitions]\ncount = 2\nseeds = ["sensor.noise.seed"]\n'
-                      '[derived]\nsensor.noise.sigma = "0.001"\n')
+        self.describe(
+            SHORT
+            + '[[axes]]\ncombine = "zip"\nsensor.a1 = [0.2, 0.3]\nsensor.a2 = { log_range = [0.1, 0.4], points = 2 }\n'
+            '[[axes]]\nsensor.b1 = [0, 0.1, 0.1]\n[repetitions]\ncount = 2\nseeds = ["sensor.noise.seed"]\n'
+            '[derived]\nsensor.noise.sigma = "0.001"\n'
+        )
         out, _ = self.campaign("check", "d.toml")
         self.assertIn("8 runs, 4 more are the same as these", out)
         self.campaign("run", "d.toml")
         values = [json.loads(axes) for _, _, axes in rows_of(self.path("d.sqlite"))[0]]
-        self.assertEqual([v[:3] for v in values[::2]], [["0.2", "0.1", "0"], ["0.2", "0.1", "0.1"], ["0.3", "0.4", "0"], ["0.3", "0.4", "0.1"]])
+        self.assertEqual(
+            [v[:3] for v in values[::2]],
+            [["0.2", "0.1", "0"], ["0.2", "0.1", "0.1"], ["0.3", "0.4", "0"], ["0.3", "0.4", "0.1"]],
+        )
         self.assertEqual(len({v[3] for v in values}), 2)
 
     def test_a_hypercube_fills_every_share_once(self):
@@ -284,13 +359,15 @@ class Workers(CampaignCase):
         return out, said, [row[1] for row in rows_of(self.path("d.sqlite"))[1]]
 
     def test_out_of_time(self):
-        out, said, endings = self.endings(f"""
+        out, said, endings = self.endings(
+            f"""
 name = "hang"
 [limits]
 seconds = 0.7
 [[axes]]
 firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
-""")
+"""
+        )
         self.assertEqual(sorted(endings), ["finished", "out of time"])
         self.assertIn("2 of 2 runs, 0 running", said)
         self.assertIn("1 failed", said)
@@ -344,7 +421,12 @@ firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
 
     def test_failures_are_recorded(self):
         self.describe(DRAWN.format(runs=3) + '[keep]\nfailures = "kept"\n')
-        text = (self.folder / "d.toml").read_text().replace("error_deg < 20", "error_deg < 1e-9").replace("least_yield = 0\n", "")
+        text = (
+            (self.folder / "d.toml")
+            .read_text()
+            .replace("error_deg < 20", "error_deg < 1e-9")
+            .replace("least_yield = 0\n", "")
+        )
         self.describe(text)
         self.campaign("run", "d.toml", code=1)
         keys = sorted(row[0] for row in rows_of(self.path("d.sqlite"))[1])
@@ -439,9 +521,14 @@ class Disks(CampaignCase):
         store.close()
         self.path("empty.sqlite").touch()
         self.path("folder.sqlite").mkdir()
-        for name, expected in (("text", "no store of a campaign"), ("foreign", "a database of another program"),
-                               ("newer", "a store of a newer capsoc (version 99"), ("empty", "another program"),
-                               ("folder", "no regular file"), ("none", "there is no such store")):
+        for name, expected in (
+            ("text", "no store of a campaign"),
+            ("foreign", "a database of another program"),
+            ("newer", "a store of a newer capsoc (version 99"),
+            ("empty", "another program"),
+            ("folder", "no regular file"),
+            ("none", "there is no such store"),
+        ):
             with self.subTest(name):
                 self.refuse(expected, "report", f"{name}.sqlite")
                 self.refuse(expected if name != "empty" else "holds no campaign", "resume", f"{name}.sqlite")
@@ -458,13 +545,17 @@ class Disks(CampaignCase):
             for _ in range(draw.choice((1, 20, 400))):
                 damaged[draw.randrange(len(damaged))] = draw.randrange(256)
             if draw.random() < 0.3:
-                damaged = damaged[:draw.randrange(len(damaged))]
+                damaged = damaged[: draw.randrange(len(damaged))]
             self.path("x.sqlite").write_bytes(damaged)
             for command in (("report", "x.sqlite"), ("export", "x.sqlite", "--all")):
-                process = subprocess.run([CAPSOC, "campaign", *command], capture_output=True, cwd=self.folder, env=CLEAN, check=False)
+                process = subprocess.run(
+                    [CAPSOC, "campaign", *command], capture_output=True, cwd=self.folder, env=CLEAN, check=False
+                )
                 self.assertIn(process.returncode, (0, 1, 2), process.stderr)
                 if process.returncode == 2:
-                    self.assertEqual(len(process.stderr.decode(errors="replace").strip().splitlines()), 1, process.stderr)
+                    self.assertEqual(
+                        len(process.stderr.decode(errors="replace").strip().splitlines()), 1, process.stderr
+                    )
 
     def test_one_campaign_a_store(self):
         self.describe(f'name = "c"\n[[axes]]\nfirmware.elf = ["{FIRMWARE}/forever.elf"]\n')
@@ -498,7 +589,11 @@ class Disks(CampaignCase):
 
 class Reports(CampaignCase):
     def test_text_json_and_junit(self):
-        self.describe(DRAWN.format(runs=30).replace("error_deg < 20", "error_deg < 5").replace("least_yield = 0", "least_yield = 0.999"))
+        self.describe(
+            DRAWN.format(runs=30)
+            .replace("error_deg < 20", "error_deg < 5")
+            .replace("least_yield = 0", "least_yield = 0.999")
+        )
         out, _ = self.campaign("run", "d.toml", "--json", "r.json", "--junit", "r.xml", code=1)
         report = json.loads(self.path("r.json").read_text())
         with open(self.path("t.csv"), "w", encoding="utf-8") as file:
@@ -511,7 +606,9 @@ class Reports(CampaignCase):
         self.assertEqual((report["runs"], report["done"], report["passed"]), (30, 30, passed))
         # Wilson's interval, from its formula.
         z, n, p = 1.959963984540054, 30, passed / 30
-        centre, width = (p + z * z / (2 * n)) / (1 + z * z / n), z * (p * (1 - p) / n + z * z / (4 * n * n)) ** 0.5 / (1 + z * z / n)
+        centre, width = (p + z * z / (2 * n)) / (1 + z * z / n), z * (p * (1 - p) / n + z * z / (4 * n * n)) ** 0.5 / (
+            1 + z * z / n
+        )
         for value, expected in zip(report["yield_interval"], (centre - width, centre + width)):
             self.assertAlmostEqual(value, expected, places=9)
         metric = report["metrics"][0]
@@ -522,7 +619,9 @@ class Reports(CampaignCase):
         self.assertEqual([round(e["worst"], 9) for e in report["worst"]], [round(e, 9) for e in errors[:-11:-1]])
         self.assertEqual(set(metric["sensitivity"]), set(report["worst"][0]["axes"]))
         suite = ElementTree.parse(self.path("r.xml")).getroot().find("testsuite")
-        self.assertEqual((suite.get("tests"), suite.get("failures"), suite.get("errors")), ("30", str(30 - passed), "0"))
+        self.assertEqual(
+            (suite.get("tests"), suite.get("failures"), suite.get("errors")), ("30", str(30 - passed), "0")
+        )
         self.assertEqual(len(suite.findall("testcase")), 30)
         self.assertIn("again: capsoc run", suite.find("testcase/failure").text)
         self.assertIn(f"yield {100 * passed / 30:.2f} % ({passed} of 30)", out)
@@ -541,11 +640,16 @@ class Reports(CampaignCase):
         # The same page from the store, and from the JSON.
         self.campaign("report", "d.sqlite", "--html", "again.html")
         self.assertEqual(self.path("again.html").read_text(), page)
-        subprocess.run([CAPSOC, "report", self.path("r.json"), "--html", self.path("later.html")], check=True, cwd=self.path("."))
+        subprocess.run(
+            [CAPSOC, "report", self.path("r.json"), "--html", self.path("later.html")], check=True, cwd=self.path(".")
+        )
         self.assertEqual(self.path("later.html").read_text(), page)
         # No output is another one, and none is begun where it cannot be written.
-        for said, *options in (("--html r.json and --json r.json are the same", "--html", "r.json", "--json", "r.json"),
-                               ("none/r.html: cannot be written", "--html", "none/r.html"), ("--html d.sqlite", "--html", "d.sqlite")):
+        for said, *options in (
+            ("--html r.json and --json r.json are the same", "--html", "r.json", "--json", "r.json"),
+            ("none/r.html: cannot be written", "--html", "none/r.html"),
+            ("--html d.sqlite", "--html", "d.sqlite"),
+        ):
             self.assertIn(said, self.campaign("report", "d.sqlite", *options, code=2)[1])
 
     def test_columns(self):
@@ -568,7 +672,9 @@ class Reports(CampaignCase):
         self.assertIn("time.wall_s", json.loads(self.path("c.json").read_text()))
 
     def test_a_sensitivity_finds_what_decides(self):
-        self.describe(SHORT + """
+        self.describe(
+            SHORT
+            + """
 [[axes]]
 combine = "latin_hypercube"
 runs = 60
@@ -578,7 +684,8 @@ sensor.phi_rad = { uniform = [0, 6] }
 [metrics]
 a1 = "parameters.a1.true"
 offset = "abs(parameters.b2.true)"
-""")
+"""
+        )
         self.campaign("run", "d.toml", "--json", "r.json")
         a1, offset = json.loads(self.path("r.json").read_text())["metrics"]
         self.assertGreater(a1["sensitivity"]["sensor.a1"]["correlation"], 0.999)
@@ -590,28 +697,37 @@ offset = "abs(parameters.b2.true)"
     def test_progress_in_a_log(self):
         self.describe(DRAWN.format(runs=5))
         _, said = self.campaign("run", "d.toml")
-        self.assertRegex(said, r"5 runs, seed 5, store d.sqlite\n5 of 5 runs, 0 running, [0-9.e+]+ runs/s, \d failed in \d+ s\n")
+        self.assertRegex(
+            said, r"5 runs, seed 5, store d.sqlite\n5 of 5 runs, 0 running, [0-9.e+]+ runs/s, \d failed in \d+ s\n"
+        )
 
 
 class Commands(CampaignCase):
     """Somebody else's program as a run."""
 
     def describe_command(self, line, results="", more="", axis="value.a = [1, 2, 3]"):
-        self.describe(f"name = 'c'\nkind = 'command'\nleast_yield = 0\n[settings]\ncommand.line = '''{line}'''\n"
-                      f"command.results = '{results}'\n{more}\n[[axes]]\n{axis}\n")
+        self.describe(
+            f"name = 'c'\nkind = 'command'\nleast_yield = 0\n[settings]\ncommand.line = '''{line}'''\n"
+            f"command.results = '{results}'\n{more}\n[[axes]]\n{axis}\n"
+        )
 
     def results(self):
         rows = sorted(rows_of_any(self.path("d.sqlite")), key=lambda row: row[2])
         return [(row[1], json.loads(row[3]) if row[3] else None, row[4]) for row in rows]
 
     def test_values_reach_it_and_its_object_is_the_result(self):
-        self.describe_command('echo "{\\"square\\": $((a * a)), \\"word\\": \\"$word\\"}"; echo said >&2; exit $((a == 2))',
-                              "square, word", 'value.word = "it\'s $a `pwd`"')
+        self.describe_command(
+            'echo "{\\"square\\": $((a * a)), \\"word\\": \\"$word\\"}"; echo said >&2; exit $((a == 2))',
+            "square, word",
+            'value.word = "it\'s $a `pwd`"',
+        )
         self.campaign("run", "d.toml", "--json", "r.json")
         for number, (ending, result, log) in enumerate(self.results(), 1):
             self.assertEqual(ending, "finished")
             self.assertEqual(result["output"], {"square": number * number, "word": "it's $a `pwd`"})
-            self.assertEqual(result["exit"], {"code": int(number == 2), "reason": "failure" if number == 2 else "success"})
+            self.assertEqual(
+                result["exit"], {"code": int(number == 2), "reason": "failure" if number == 2 else "success"}
+            )
             self.assertEqual(log, "said\n" if number == 2 else "")
             again = subprocess.run(result["command"], shell=True, capture_output=True, check=False)
             self.assertEqual(json.loads(again.stdout), result["output"])
@@ -621,14 +737,18 @@ class Commands(CampaignCase):
         self.assertAlmostEqual(metric["summary"]["mean"], 14 / 3)
 
     def test_what_is_no_result_is_refused(self):
-        for line, expected in (("echo 7", "no JSON object, '7'"), ("echo '{}'", "printed no 'x'"),
-                               ("echo '{\"x\": 1'", "no JSON object"), ("true", "no JSON object, ''"),
-                               ("yes '{}' | head -c 17000000", "more than 16 MiB")):
+        for line, expected in (
+            ("echo 7", "no JSON object, '7'"),
+            ("echo '{}'", "printed no 'x'"),
+            ("echo '{\"x\": 1'", "no JSON object"),
+            ("true", "no JSON object, ''"),
+            ("yes '{}' | head -c 17000000", "more than 16 MiB"),
+        ):
             with self.subTest(line):
                 self.path("d.sqlite").unlink(missing_ok=True)
                 self.describe_command(line, "x", axis="value.a = [1]")
                 self.campaign("run", "d.toml")
-                (ending, result, _), = self.results()
+                ((ending, result, _),) = self.results()
                 self.assertIn("refused: ", ending)
                 self.assertIn(expected, ending)
                 self.assertIsNone(result)
@@ -641,7 +761,10 @@ class Commands(CampaignCase):
 
     def test_its_processes_end_with_it(self):
         marker = 1000 + os.getpid()
-        for line, ending in ((f"sleep {marker} & sleep {marker}; true", "out of time"), (f"sleep {marker} >/dev/null & true", "finished")):
+        for line, ending in (
+            (f"sleep {marker} & sleep {marker}; true", "out of time"),
+            (f"sleep {marker} >/dev/null & true", "finished"),
+        ):
             with self.subTest(ending):
                 self.path("d.sqlite").unlink(missing_ok=True)
                 self.describe_command(line, more="[limits]\nseconds = 0.5", axis="value.a = [1]")
@@ -670,8 +793,12 @@ class Commands(CampaignCase):
         self.describe_command("true", more="command.inputs = 'file, in'")
         _, said = self.campaign("run", "d.toml")
         self.assertIn("3 of 3 runs", said)
-        for change in (lambda: self.path("in/a").write_text("2"), lambda: self.path("in/b").write_text("1"),
-                       lambda: self.path("in/b").rename(self.path("in/c")), lambda: self.path("file").write_text("2")):
+        for change in (
+            lambda: self.path("in/a").write_text("2"),
+            lambda: self.path("in/b").write_text("1"),
+            lambda: self.path("in/b").rename(self.path("in/c")),
+            lambda: self.path("file").write_text("2"),
+        ):
             _, said = self.campaign("run", "d.toml")
             self.assertIn("3 runs are in d.sqlite already", said)
             change()
@@ -679,18 +806,23 @@ class Commands(CampaignCase):
             self.assertNotIn("already", said)
 
     def test_what_is_wrong_is_a_sentence(self):
-        for expected, arguments in (("d.toml:5: command.line: /bin/sh: 1: Syntax error", {"line": "if"}),
-                                    ("d.toml:7: command.inputs: there is no nothing; make it first",
-                                     {"line": "true", "more": "command.inputs = 'nothing'"}),
-                                    ("d.toml: command.line is missing", {"line": ""}),
-                                    ("value.A", {"line": "true", "axis": "value.A = [1]"}),
-                                    ("d.toml:9: command.results is the same in every run",
-                                     {"line": "true", "axis": "command.results = ['x']"})):
+        for expected, arguments in (
+            ("d.toml:5: command.line: /bin/sh: 1: Syntax error", {"line": "if"}),
+            (
+                "d.toml:7: command.inputs: there is no nothing; make it first",
+                {"line": "true", "more": "command.inputs = 'nothing'"},
+            ),
+            ("d.toml: command.line is missing", {"line": ""}),
+            ("value.A", {"line": "true", "axis": "value.A = [1]"}),
+            ("d.toml:9: command.results is the same in every run", {"line": "true", "axis": "command.results = ['x']"}),
+        ):
             with self.subTest(expected):
                 self.describe_command(**arguments)
                 self.refuse(expected, "run", "d.toml")
-        self.describe("name = 'c'\nkind = 'command'\n[settings]\ncommand.line = 'true'\n[[axes]]\nvalue.a = [1]\n"
-                      "[criteria]\ngood = 'output.x == 1'\n")
+        self.describe(
+            "name = 'c'\nkind = 'command'\n[settings]\ncommand.line = 'true'\n[[axes]]\nvalue.a = [1]\n"
+            "[criteria]\ngood = 'output.x == 1'\n"
+        )
         self.refuse("output.x", "run", "d.toml")
 
 
@@ -698,7 +830,8 @@ class Kinds(CampaignCase):
     """fit and regress; the campaigns that come with capsoc."""
 
     def test_fit(self):
-        self.describe("""
+        self.describe(
+            """
 name = "fit"
 kind = "fit"
 [settings]
@@ -716,30 +849,46 @@ inside = "abs(parameters.a1.value - parameters.a1.true) <= parameters.a1.interva
 [criteria]
 identified = "exit.code == 0"
 near = "error < 0.001"
-""")
+"""
+        )
         self.campaign("run", "d.toml", "--json", "r.json")
         report = json.loads(self.path("r.json").read_text())
         self.assertEqual(report["passed"], 20)
         self.assertGreater(report["metrics"][1]["summary"]["mean"], 0.7)
         _, _, command, result, _ = rows_of_any(self.path("d.sqlite"))[0]
         self.assertRegex(command, r"^capsoc fit \S+ --samples 600 -C sensor.a1=")
-        subprocess.run([str(CAPSOC)] + command.split()[1:] + ["--json", "again.json"], cwd=self.folder, env=CLEAN, check=True,
-                       capture_output=True)
+        subprocess.run(
+            [str(CAPSOC)] + command.split()[1:] + ["--json", "again.json"],
+            cwd=self.folder,
+            env=CLEAN,
+            check=True,
+            capture_output=True,
+        )
         again, stored = json.loads(self.path("again.json").read_text()), json.loads(result)
         self.assertEqual(again["parameters"], stored["parameters"])
 
     def test_fit_takes_keys_of_the_sensor(self):
-        for assignment, expected in (("a1=1", "write sensor.KEY=VALUE"), ("sensor.a7=1", "a7"), ("sensor.a1", "write sensor.KEY=VALUE"),
-                                     ("sensor.a1=x", "sensor.a1=x")):
-            process = subprocess.run([CAPSOC, "fit", "built-in:soc_eq21.toml", "-C", assignment], capture_output=True, cwd=self.folder,
-                                     env=CLEAN, check=False)
+        for assignment, expected in (
+            ("a1=1", "write sensor.KEY=VALUE"),
+            ("sensor.a7=1", "a7"),
+            ("sensor.a1", "write sensor.KEY=VALUE"),
+            ("sensor.a1=x", "sensor.a1=x"),
+        ):
+            process = subprocess.run(
+                [CAPSOC, "fit", "built-in:soc_eq21.toml", "-C", assignment],
+                capture_output=True,
+                cwd=self.folder,
+                env=CLEAN,
+                check=False,
+            )
             self.assertEqual(process.returncode, 2)
             self.assertIn(expected, process.stderr.decode())
 
     def test_regress(self):
         if not (BUILD / "libcapsoc_rtl_precise.so").exists():
             self.skipTest("the RTL is not built")
-        self.describe("""
+        self.describe(
+            """
 name = "regress"
 kind = "regress"
 [settings]
@@ -748,27 +897,36 @@ regress.accesses = 200
 [[axes]]
 regress.scenario = ["registers", "noise"]
 regress.seed = [1, 2]
-""")
+"""
+        )
         out, _ = self.campaign("run", "d.toml")
         self.assertIn("0: no difference", out)
         command = rows_of_any(self.path("d.sqlite"))[0][2]
-        self.assertRegex(command, r"^capsoc regress --arithmetic precise --scenario \w+ --first-seed [12] --seeds 1 --samples \d+")
+        self.assertRegex(
+            command, r"^capsoc regress --arithmetic precise --scenario \w+ --first-seed [12] --seeds 1 --samples \d+"
+        )
 
     def test_lockstep(self):
         if not (BUILD / "libcapsoc_rtl_precise.so").exists():
             self.skipTest("the RTL is not built")
-        self.describe(SHORT + '[[axes]]\ncoprocessor.backend = ["tlm", "rtl", "lockstep"]\n[keep]\nfailures = "kept"\n'
-                      '[criteria]\nsame = "exit.code != 4"\n')
+        self.describe(
+            SHORT + '[[axes]]\ncoprocessor.backend = ["tlm", "rtl", "lockstep"]\n[keep]\nfailures = "kept"\n'
+            '[criteria]\nsame = "exit.code != 4"\n'
+        )
         out, _ = self.campaign("run", "d.toml")
         self.assertIn("yield 100.00 % (3 of 3)", out)
         words = {json.loads(row[3])["uart0"]["sha256"] for row in rows_of_any(self.path("d.sqlite"))}
         self.assertEqual(len(words), 1)
 
     def without_its_command(self, text):
-        """The same with a command that only prints all results, and inputs that are there: a check takes the first run's time."""
+        """The same with a command that only prints all results, and inputs that are there: a check takes the first
+        run's time.
+        """
         command = re.search(r"^command.line = '(\S+) (.*)'$", text, re.MULTILINE)
         self.assertTrue(os.access(SOURCE / command[1], os.X_OK), command[1])
-        usage = subprocess.run([SOURCE / command[1], "--help"], capture_output=True, check=True, text=True, env=CLEAN).stdout
+        usage = subprocess.run(
+            [SOURCE / command[1], "--help"], capture_output=True, check=True, text=True, env=CLEAN
+        ).stdout
         for option in re.findall(r"--\w+", command[2]):
             self.assertIn(option, usage)
         results = re.search(r'^command.results = "(.*)"$', text, re.MULTILINE)[1].split(", ")
@@ -779,23 +937,30 @@ regress.seed = [1, 2]
         self.path("input").write_text("an input")
         text = text.replace(", ".join(inputs), "input")
         printed = json.dumps({name: 1 for name in results})
-        return text.replace(command[0], "command.line = \"\"\"echo '" + printed + "'\"\"\"")
+        return text.replace(command[0], 'command.line = """echo \'' + printed + '\'"""')
 
     def test_ready_campaigns(self):
         campaigns = sorted((SOURCE / "campaigns").glob("*.toml"))
         self.assertGreaterEqual(len(campaigns), 10)
         for path in campaigns:
             with self.subTest(path.name):
-                if ("kind = \"regress\"" in path.read_text() or "lockstep" in path.read_text()) and not (BUILD / "libcapsoc_rtl_precise.so").exists():
+                if ('kind = "regress"' in path.read_text() or "lockstep" in path.read_text()) and not (
+                    BUILD / "libcapsoc_rtl_precise.so"
+                ).exists():
                     continue
                 text = path.read_text().replace('"build/', f'"{BUILD}/')
                 if 'kind = "command"' in text:
                     text = self.without_its_command(path.read_text())
                 self.describe(text)
                 self.campaign("check", "d.toml")
-        listed = subprocess.run([CAPSOC, "regress", "--list"], capture_output=True, check=True, env=CLEAN).stdout.decode()
+        listed = subprocess.run(
+            [CAPSOC, "regress", "--list"], capture_output=True, check=True, env=CLEAN
+        ).stdout.decode()
         text = (SOURCE / "campaigns/regression.toml").read_text().partition("regress.scenario = [")[2].partition("]")[0]
-        self.assertEqual([word.strip('" ') for word in text.replace("\n", "").split(",")], [line.split()[0] for line in listed.splitlines()])
+        self.assertEqual(
+            [word.strip('" ') for word in text.replace("\n", "").split(",")],
+            [line.split()[0] for line in listed.splitlines()],
+        )
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""capsoc campaign slurm on a real Slurm: slurmctld and two slurmd of Debian's packages, in the foreground, of this user alone."""
+"""capsoc campaign slurm on a real Slurm: slurmctld and two slurmd of Debian's packages, in the foreground, of this
+user alone.
+"""
 
 import getpass
 import os
@@ -64,7 +66,10 @@ def free_ports(count):
     return ports
 
 
-@unittest.skipUnless(shutil.which("slurmctld") and shutil.which("slurmd") and shutil.which("sbatch"), "slurmctld, slurmd and slurm-client are not installed")
+@unittest.skipUnless(
+    shutil.which("slurmctld") and shutil.which("slurmd") and shutil.which("sbatch"),
+    "slurmctld, slurmd and slurm-client are not installed",
+)
 class Slurm(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="capsoc-slurm-")
@@ -74,8 +79,11 @@ class Slurm(unittest.TestCase):
         for name in ("state", "spool-one", "spool-two"):
             (cluster / name).mkdir(parents=True)
         port, one, two = free_ports(3)
-        (cluster / "slurm.conf").write_text(CONFIGURATION.format(host=socket.gethostname(), folder=cluster, user=getpass.getuser(),
-                                                                 port=port, one=one, two=two))
+        (cluster / "slurm.conf").write_text(
+            CONFIGURATION.format(
+                host=socket.gethostname(), folder=cluster, user=getpass.getuser(), port=port, one=one, two=two
+            )
+        )
         self.environment = {**CLEAN, "SLURM_CONF": str(cluster / "slurm.conf")}
         self.daemon("slurmctld", "-D", "-c")
         self.wait(lambda: "UP" in self.ask("scontrol", "ping"), 60)
@@ -93,7 +101,11 @@ class Slurm(unittest.TestCase):
         self.addCleanup(end)
 
     def ask(self, *command):
-        return subprocess.run(command, env=self.environment, capture_output=True, check=False, cwd=self.folder).stdout.decode().strip()
+        return (
+            subprocess.run(command, env=self.environment, capture_output=True, check=False, cwd=self.folder)
+            .stdout.decode()
+            .strip()
+        )
 
     def wait(self, condition, seconds=ENOUGH):
         end = time.monotonic() + seconds
@@ -112,8 +124,13 @@ class Slurm(unittest.TestCase):
 
     def test_killed_requeued_and_drained(self):
         (self.folder / "d.toml").write_text(DRAWN.format(runs=RUNS))
-        process = subprocess.run([CAPSOC, "campaign", "slurm", "d.toml", "--tasks", str(TASKS)], env=self.environment, cwd=self.folder,
-                                 capture_output=True, check=False)
+        process = subprocess.run(
+            [CAPSOC, "campaign", "slurm", "d.toml", "--tasks", str(TASKS)],
+            env=self.environment,
+            cwd=self.folder,
+            capture_output=True,
+            check=False,
+        )
         self.assertEqual(process.returncode, 0, process.stderr.decode())
         words = process.stdout.decode().split("\n")[1].replace(",", "").replace(":", "").split()
         array, last = words[1], words[3]
@@ -131,8 +148,13 @@ class Slurm(unittest.TestCase):
         self.assertIn("0", self.ask("scontrol", "show", "job", last).partition("ExitCode=")[2][:1], self.logs())
         report = (self.folder / "d.slurm/report.log").read_text()
         self.assertIn(f"{RUNS} of {RUNS} runs done, 0 without a result", report)
-        subprocess.run([CAPSOC, "campaign", "run", "d.toml", "--store", "local.sqlite"], env=CLEAN, cwd=self.folder, check=True,
-                       capture_output=True)
+        subprocess.run(
+            [CAPSOC, "campaign", "run", "d.toml", "--store", "local.sqlite"],
+            env=CLEAN,
+            cwd=self.folder,
+            check=True,
+            capture_output=True,
+        )
         self.assertEqual(rows_of(self.folder / "d.sqlite"), rows_of(self.folder / "local.sqlite"))
 
 
@@ -144,18 +166,33 @@ class Scripts(unittest.TestCase):
             (Path(folder) / "d.toml").write_text(DRAWN.format(runs=20))
 
             def slurm(*options, **environment):
-                return subprocess.run([CAPSOC, "campaign", "slurm", "d.toml", "--tasks", "4", *options], env={**CLEAN, **environment},
-                                      cwd=folder, capture_output=True, check=False)
+                return subprocess.run(
+                    [CAPSOC, "campaign", "slurm", "d.toml", "--tasks", "4", *options],
+                    env={**CLEAN, **environment},
+                    cwd=folder,
+                    capture_output=True,
+                    check=False,
+                )
 
             process = slurm("--no-submit", "--sbatch", "--partition=long")
             self.assertEqual(process.returncode, 0, process.stderr)
             script = (Path(folder) / "d.slurm/array.sh").read_text()
             self.assertIn("#SBATCH --array=1-4\n", script)
             self.assertIn("#SBATCH --partition=long\n", script)
-            process = slurm("--no-submit", "--sbatch", "--comment=a b's", "--sbatch", "-p long", "--sbatch", '--mail-user="quoted by the user"')
+            process = slurm(
+                "--no-submit",
+                "--sbatch",
+                "--comment=a b's",
+                "--sbatch",
+                "-p long",
+                "--sbatch",
+                '--mail-user="quoted by the user"',
+            )
             self.assertEqual(process.returncode, 0, process.stderr)
             script = (Path(folder) / "d.slurm/array.sh").read_text()
-            options = [word for line in script.splitlines() if line.startswith("#SBATCH ") for word in shlex.split(line[8:])]
+            options = [
+                word for line in script.splitlines() if line.startswith("#SBATCH ") for word in shlex.split(line[8:])
+            ]
             for word in ("--comment=a b's", "-p", "long", "--mail-user=quoted by the user"):
                 self.assertIn(word, options)
             process = slurm("--no-submit", "--sbatch", "--comment=a\nreboot")
@@ -163,8 +200,13 @@ class Scripts(unittest.TestCase):
             self.assertIn("has more than one line", process.stderr.decode())
             slurm("--no-submit", "--sbatch", "--partition=long")
             for task in range(1, 5):  # any scheduler can do the same
-                done = subprocess.run(["sh", "d.slurm/array.sh"], env={**CLEAN, "SLURM_ARRAY_TASK_ID": str(task)}, cwd=folder,
-                                      capture_output=True, check=False)
+                done = subprocess.run(
+                    ["sh", "d.slurm/array.sh"],
+                    env={**CLEAN, "SLURM_ARRAY_TASK_ID": str(task)},
+                    cwd=folder,
+                    capture_output=True,
+                    check=False,
+                )
                 self.assertEqual(done.returncode, 0, done.stderr)
             (Path(folder) / "d.slurm/task-2.sqlite").unlink()
             done = subprocess.run(["sh", "d.slurm/last.sh"], env=CLEAN, cwd=folder, capture_output=True, check=False)

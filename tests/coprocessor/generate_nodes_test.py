@@ -71,9 +71,11 @@ class Generator(unittest.TestCase):
         self.assertIn("node_b_o <= extended_q1_31(dut.b);", self.made("captures"))
 
     def test_a_value_is_taken_when_the_list_says(self):
-        self.run_on(HEAD + A + 'NODE(b, 1, flag, packet.b, wire, "dut.b")\n'
-                    'NODE(c, 2, flag, f(packet.c), "dut.x && (dut.y, 1)", "{dut.c[1], dut.c[0]}")\n'
-                    'NODE(d, commit_stage, flag, d(), end, "dut.d")\n')
+        self.run_on(
+            HEAD + A + 'NODE(b, 1, flag, packet.b, wire, "dut.b")\n'
+            'NODE(c, 2, flag, f(packet.c), "dut.x && (dut.y, 1)", "{dut.c[1], dut.c[0]}")\n'
+            'NODE(d, commit_stage, flag, d(), end, "dut.d")\n'
+        )
         text = re.sub("`line .*\n", "", self.made("captures"))
         self.assertIn("  assign node_b_o = extended_flag(dut.b);", text)
         self.assertIn("if (ends[0]) begin\n      node_a_o <= ", text)
@@ -107,8 +109,14 @@ class Generator(unittest.TestCase):
         self.expect_error(HEAD + A.replace("flag", "flags"), 4, "'flags'", "flag, q1_31")
 
     def test_a_format_that_is_none(self):
-        for wrong in ("0, false, 0, word", "65, false, 0, word", "x, false, 0, word", "8, no, 0, word",
-                      "8, true, 9, number", "8, true, 0, colour"):
+        for wrong in (
+            "0, false, 0, word",
+            "65, false, 0, word",
+            "x, false, 0, word",
+            "8, no, 0, word",
+            "8, true, 9, number",
+            "8, true, 0, colour",
+        ):
             self.expect_error(HEAD + f"FORMAT(f, {wrong})\n" + A, 4, "f ", "write")
 
     def test_a_time_or_a_value_that_is_none(self):

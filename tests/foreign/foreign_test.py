@@ -56,7 +56,7 @@ int main(void) {
   return 0;
 }
 """
-ENDLESS = "int main(void) { for (;;) __asm volatile(\"\"); }"
+ENDLESS = 'int main(void) { for (;;) __asm volatile(""); }'
 # Answers each byte of UART 0 with the next one, plus a number with DWT; ends at ! and says nothing to ?.
 ANSWER = """
 #define UART0 ((volatile unsigned*)0x40004000u)
@@ -138,8 +138,10 @@ class ForeignFirmware(unittest.TestCase):
             self.assertIsNone(self.run_text(text, score=score).score)
 
     def test_options_are_the_simulators(self):
-        plain, fast = (self.run_text(ARGUMENTS, ["one", "two"], options=options)
-                       for options in ([], ["-C", "memory.psram.wait_states=0"]))
+        plain, fast = (
+            self.run_text(ARGUMENTS, ["one", "two"], options=options)
+            for options in ([], ["-C", "memory.psram.wait_states=0"])
+        )
         self.assertEqual((plain.instructions, plain.output), (fast.instructions, fast.output))
         self.assertGreater(plain.cycles, fast.cycles)
 
@@ -156,8 +158,14 @@ class ForeignFirmware(unittest.TestCase):
         source, elf, runner = self.work / "program.c", self.work / "program.elf", self.work / "runner.py"
         source.write_text(ANSWER, encoding="utf-8")
         runner.write_text(RUNNER, encoding="utf-8")
-        entry = {"name": "board", "title": "A board", "runner": runner.name, "expect": "tests performed", "limit": limit,
-                 "passes": {"plain": sent}}
+        entry = {
+            "name": "board",
+            "title": "A board",
+            "runner": runner.name,
+            "expect": "tests performed",
+            "limit": limit,
+            "passes": {"plain": sent},
+        }
         self.assertIsNone(self.bench.compile(elf, [source], entry, self.work, "-O2", [f"-DDWT={dwt}"]))
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             row = foreign.run_passes(self.bench, entry, self.work, elf, "board -O2")
@@ -167,8 +175,9 @@ class ForeignFirmware(unittest.TestCase):
     def test_a_board_that_answers_alike_has_no_difference(self):
         row, printed = self.run_board("a", "b")
         self.assertEqual((row.count, row.same), (2, 2), printed)
-        self.assertIn("board -O2 plain: 3 tests, 2 pass on both, 0 fail on both alike, 1 not for this target, 0 differ\n",
-                      printed)
+        self.assertIn(
+            "board -O2 plain: 3 tests, 2 pass on both, 0 fail on both alike, 1 not for this target, 0 differ\n", printed
+        )
         self.assertRegex(printed, r"\| A board \| 2 \| 2 \| [0-9.]+ \|\n")
 
     def test_a_board_that_answers_otherwise_is_told(self):
@@ -197,7 +206,9 @@ class ForeignFirmware(unittest.TestCase):
 
     def test_what_does_not_compile_is_one_sentence(self):
         entry = {"name": "board", "make": [["-f", "nothing.mk", "{build}"]]}
-        with self.assertRaisesRegex(foreign.ForeignError, r"^board -O2 does not compile: make: \*\*\* .*nothing.mk.*Stop\.$"):
+        with self.assertRaisesRegex(
+            foreign.ForeignError, r"^board -O2 does not compile: make: \*\*\* .*nothing.mk.*Stop\.$"
+        ):
             foreign.run_board_suite(self.bench, entry, self.work, "-O2")
 
     def test_the_readme_has_a_row_for_each(self):
@@ -215,7 +226,9 @@ class ForeignFirmware(unittest.TestCase):
     def test_wrong_options_are_one_sentence(self):
         self.assertIn("is missing; build it first", self.refused("--build", self.work))
         self.assertIn("Not a directory", self.refused("--build", BUILD, "--work", SCRIPT / "work"))
-        self.assertIn("no program with 'cobol'", self.refused("--build", BUILD, "--work", self.work, "--match", "cobol"))
+        self.assertIn(
+            "no program with 'cobol'", self.refused("--build", BUILD, "--work", self.work, "--match", "cobol")
+        )
         self.assertIn("no level -O9", self.refused("--build", BUILD, "--work", self.work, "--level=-O9"))
 
 

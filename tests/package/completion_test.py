@@ -44,7 +44,9 @@ LINES = {
 
 
 def output_of(*command, **options):
-    return subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=60, check=True, env=CLEAN, **options).stdout
+    return subprocess.run(
+        [*map(str, command)], capture_output=True, text=True, timeout=60, check=True, env=CLEAN, **options
+    ).stdout
 
 
 class Terminal:
@@ -96,11 +98,18 @@ class Completion(Case):
                 self.assertEqual(terminal.read_to(r"RAN<([^>\r\n]*)>")[1].strip(), expected)
 
     def test_bash(self):
-        self.on_a_terminal(f"PS1='> '; capsoc() {{ echo \"RAN<$*>\"; }}; source {BASH}", "bash", "--norc", "--noprofile", "-i")
+        self.on_a_terminal(
+            f"PS1='> '; capsoc() {{ echo \"RAN<$*>\"; }}; source {BASH}", "bash", "--norc", "--noprofile", "-i"
+        )
 
     def test_zsh(self):
-        self.on_a_terminal(f"PS1='> '; capsoc() {{ print \"RAN<$*>\" }}; fpath=({ZSH.parent} $fpath); autoload -Uz compinit; "
-                           f"compinit -u -d {self.folder}/dump", "zsh", "-f", "-i")
+        self.on_a_terminal(
+            f"PS1='> '; capsoc() {{ print \"RAN<$*>\" }}; fpath=({ZSH.parent} $fpath); autoload -Uz compinit; "
+            f"compinit -u -d {self.folder}/dump",
+            "zsh",
+            "-f",
+            "-i",
+        )
 
     def test_fish(self):
         for typed, expected in LINES.items():
@@ -138,25 +147,38 @@ class Manual(unittest.TestCase):
     def test_there_is_a_page_for_every_command(self):
         commands = output_of("bash", "-c", f"source {BASH}; _capsoc_commands capsoc").split()
         pages = {page.stem for page in (SHARE / "man/man1").iterdir()}
-        self.assertEqual(pages, {"capsoc", "capsoc-bench-cpu", *(f"capsoc-campaign-{command}" for command in CAMPAIGN),
-                                 *(f"capsoc-{command}" for command in commands)})
+        self.assertEqual(
+            pages,
+            {
+                "capsoc",
+                "capsoc-bench-cpu",
+                *(f"capsoc-campaign-{command}" for command in CAMPAIGN),
+                *(f"capsoc-{command}" for command in commands),
+            },
+        )
         self.assertNotIn("capsoc-generate", pages)
 
     def test_pages_render_without_a_warning(self):
         for page in (SHARE / "man/man1").iterdir():
-            groff = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z", page], capture_output=True, text=True, check=True)
+            groff = subprocess.run(
+                ["groff", "-man", "-Tutf8", "-ww", "-z", page], capture_output=True, text=True, check=True
+            )
             self.assertEqual(groff.stderr, "", page)
-            man = subprocess.run(["man", "--warnings", "-l", page], capture_output=True, text=True, check=True, env=CLEAN)
+            man = subprocess.run(
+                ["man", "--warnings", "-l", page], capture_output=True, text=True, check=True, env=CLEAN
+            )
             self.assertEqual(man.stderr, "", page)
             self.assertRegex(man.stdout, r"(?s)NAME.*SYNOPSIS.*DESCRIPTION.*EXIT STATUS.*SEE ALSO")
 
     def test_a_page_reads_as_the_help(self):
         page = output_of("man", "-l", SHARE / "man/man1/capsoc-run.1")
         text = " ".join(re.sub(r".\x08", "", page).split())
-        for part in ("--coprocessor tlm|rtl|lockstep The model, the Verilated RTL, or both compared",
-                     "-C PATH=VALUE Set any setting. May be repeated.",
-                     "coprocessor.arithmetic=paper|precise paper or precise. Built-in: precise.",
-                     "128+n ended by signal n"):
+        for part in (
+            "--coprocessor tlm|rtl|lockstep The model, the Verilated RTL, or both compared",
+            "-C PATH=VALUE Set any setting. May be repeated.",
+            "coprocessor.arithmetic=paper|precise paper or precise. Built-in: precise.",
+            "128+n ended by signal n",
+        ):
             self.assertIn(part, text)
 
     def test_no_path_of_the_build_is_in_them(self):

@@ -13,7 +13,9 @@ from harness import BUILD
 
 CTEST = {"name": "package: install", "whole": True}
 
-CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")}
+CLEAN = {
+    k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")
+}
 
 
 class Installed(unittest.TestCase):
@@ -22,8 +24,14 @@ class Installed(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         top = Path(folder.name).resolve()
-        done = subprocess.run(["cmake", "--install", BUILD, "--prefix", top / "first"], capture_output=True, text=True,
-                              timeout=120, check=False, env=CLEAN)
+        done = subprocess.run(
+            ["cmake", "--install", BUILD, "--prefix", top / "first"],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+            env=CLEAN,
+        )
         if done.returncode != 0:
             raise AssertionError(done.stdout + done.stderr)
         cls.tree = top / "moved" / "to a place with blanks"
@@ -37,8 +45,16 @@ class Installed(unittest.TestCase):
         self.work = Path(folder.name)
 
     def do(self, *command, code=0, environment=None):
-        done = subprocess.run([*map(str, command)], cwd=self.work, capture_output=True, text=True, timeout=250, check=False,
-                              env=CLEAN | (environment or {}), stdin=subprocess.DEVNULL)
+        done = subprocess.run(
+            [*map(str, command)],
+            cwd=self.work,
+            capture_output=True,
+            text=True,
+            timeout=250,
+            check=False,
+            env=CLEAN | (environment or {}),
+            stdin=subprocess.DEVNULL,
+        )
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout
 
@@ -52,8 +68,10 @@ class Installed(unittest.TestCase):
     def test_the_main_job_takes_its_files_from_the_tree(self):
         result = self.result("--simlimit", "2", code=124)
         self.assertGreater(result["samples"], 100)
-        self.assertEqual([i["path"] for i in result["inputs"]],
-                         [str(self.share / "capsoc/firmware/selfcal.elf"), str(self.share / "capsoc/traces/soc_eq21.toml")])
+        self.assertEqual(
+            [i["path"] for i in result["inputs"]],
+            [str(self.share / "capsoc/firmware/selfcal.elf"), str(self.share / "capsoc/traces/soc_eq21.toml")],
+        )
 
     def test_the_rtl_comes_from_the_tree(self):
         self.assertTrue((BUILD / "libcapsoc_rtl_precise.so").exists(), "build the target capsoc_rtl first")
@@ -76,8 +94,10 @@ class Installed(unittest.TestCase):
         self.assertNotIn(str(BUILD), listed)
         self.assertIn(str(self.share / "capsoc/firmware/selfcal.elf"), listed)
         names = [f"bench_{k}.elf" for k in ("list_search", "matrix", "state_machine", "crc", "sort", "strings")]
-        self.assertLessEqual({*names, "calibrate.elf", "track.elf", "unordered.elf", "hello.elf"},
-                             {p.name for p in (self.share / "capsoc/firmware").iterdir()})
+        self.assertLessEqual(
+            {*names, "calibrate.elf", "track.elf", "unordered.elf", "hello.elf"},
+            {p.name for p in (self.share / "capsoc/firmware").iterdir()},
+        )
 
     def test_nothing_needs_the_build_tree(self):
         for file in (self.tree / "bin/capsoc", *(self.tree / "lib/capsoc").iterdir()):
@@ -94,34 +114,66 @@ class Installed(unittest.TestCase):
         link.symlink_to(self.tree)
         (self.work / "bin").mkdir()
         (self.work / "bin" / "capsoc").symlink_to(link / "bin" / "capsoc")
-        for name, options, environment in (("named", [f"CAPSOC={self.tree}"], {}),
-                                           ("found", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
-                                           ("linked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"})):
+        for name, options, environment in (
+            ("named", [f"CAPSOC={self.tree}"], {}),
+            ("found", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
+            ("linked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"}),
+        ):
             app = self.work / name
             self.do(self.tree / "bin/capsoc", "new", app)
             self.assertEqual(self.do("make", "-s", "-C", app, *options, "run", environment=environment), expected)
-        for name, options, environment in (("cnamed", [f"-DCAPSOC={self.tree}"], {}),
-                                           ("cfound", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
-                                           ("clinked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"})):
+        for name, options, environment in (
+            ("cnamed", [f"-DCAPSOC={self.tree}"], {}),
+            ("cfound", [], {"PATH": f"{link}/bin:{os.environ['PATH']}"}),
+            ("clinked", [], {"PATH": f"{self.work}/bin:{os.environ['PATH']}"}),
+        ):
             app = self.work / name
             self.do(self.tree / "bin/capsoc", "new", app)
-            self.do("cmake", "-S", app, "-B", app / "build", "--toolchain", app / "toolchain.cmake", *options,
-                    environment=environment)
-            self.assertIn(expected, self.do("cmake", "--build", app / "build", "--target", "run", environment=environment))
+            self.do(
+                "cmake",
+                "-S",
+                app,
+                "-B",
+                app / "build",
+                "--toolchain",
+                app / "toolchain.cmake",
+                *options,
+                environment=environment,
+            )
+            self.assertIn(
+                expected, self.do("cmake", "--build", app / "build", "--target", "run", environment=environment)
+            )
 
     def test_gdb_knows_the_registers(self):
-        listed = self.do("gdb-multiarch", "-nx", "-batch", "-ex", f"source {self.share}/capsoc/gdb/svd.py", "-ex", "svd list")
+        listed = self.do(
+            "gdb-multiarch", "-nx", "-batch", "-ex", f"source {self.share}/capsoc/gdb/svd.py", "-ex", "svd list"
+        )
         self.assertIn("COPROCESSOR", listed)
 
     def test_pages_and_completions(self):
         page = self.do("man", "-M", self.share / "man", "capsoc-run")
         self.assertIn("coprocessor.arithmetic", re.sub(r".\x08", "", page))
         completion = self.share / "bash-completion/completions/capsoc"
-        self.assertEqual(self.do("bash", "-c", 'source "$0"; complete -p capsoc', completion), "complete -F _capsoc capsoc\n")
-        self.do("zsh", "-fc", 'fpath=($0 $fpath); autoload -Uz compinit; compinit -u -d $PWD/dump; '
-                '[[ $_comps[capsoc] == _capsoc ]] && autoload +X _capsoc', self.share / "zsh/site-functions")
-        self.assertIn("lockstep", self.do("fish", "--no-config", "-c", "source $argv[1]; complete -C 'capsoc run --coprocessor '",
-                                          self.share / "fish/vendor_completions.d/capsoc.fish"))
+        self.assertEqual(
+            self.do("bash", "-c", 'source "$0"; complete -p capsoc', completion), "complete -F _capsoc capsoc\n"
+        )
+        self.do(
+            "zsh",
+            "-fc",
+            "fpath=($0 $fpath); autoload -Uz compinit; compinit -u -d $PWD/dump; "
+            "[[ $_comps[capsoc] == _capsoc ]] && autoload +X _capsoc",
+            self.share / "zsh/site-functions",
+        )
+        self.assertIn(
+            "lockstep",
+            self.do(
+                "fish",
+                "--no-config",
+                "-c",
+                "source $argv[1]; complete -C 'capsoc run --coprocessor '",
+                self.share / "fish/vendor_completions.d/capsoc.fish",
+            ),
+        )
 
     def test_licence_and_documents(self):
         documents = self.share / "doc/capsoc"

@@ -22,8 +22,15 @@ class LoneBinary(Case):
         shutil.copy2(CAPSOC, self.folder / "bin" / "capsoc")
 
     def capsoc(self, *arguments, code=0):
-        done = subprocess.run([self.folder / "bin" / "capsoc", *map(str, arguments)], cwd=self.folder / "work",
-                              capture_output=True, text=True, timeout=250, check=False, env=CLEAN)
+        done = subprocess.run(
+            [self.folder / "bin" / "capsoc", *map(str, arguments)],
+            cwd=self.folder / "work",
+            capture_output=True,
+            text=True,
+            timeout=250,
+            check=False,
+            env=CLEAN,
+        )
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
 
@@ -43,9 +50,14 @@ class LoneBinary(Case):
 
     def test_any_firmware_runs_with_the_sensor_that_is_built_in(self):
         result = self.result(FIRMWARE / "hello.elf")
-        self.assertEqual(self.sensor_of(result),
-                         {"role": "sensor", "path": "built-in:soc_eq21.toml",
-                          "sha256": hashlib.sha256(DEFAULT.read_bytes()).hexdigest()})
+        self.assertEqual(
+            self.sensor_of(result),
+            {
+                "role": "sensor",
+                "path": "built-in:soc_eq21.toml",
+                "sha256": hashlib.sha256(DEFAULT.read_bytes()).hexdigest(),
+            },
+        )
 
     def test_the_sensor_that_is_built_in_is_the_trace(self):
         selfcal = [FIRMWARE / "selfcal.elf", "--simlimit", "30"]
@@ -94,8 +106,9 @@ class LoneBinary(Case):
         self.assertIn("bin/traces/soc_experiment.toml", self.refusal("reproduce"))
         self.assertIn("bin/firmware/bench_list_search.elf", self.refusal("bench", "cpu"))
         self.assertIn("bin/libcapsoc_rtl_precise.so", self.refusal("regress"))
-        self.assertIn("bin/libcapsoc_rtl_precise.so",
-                      self.refusal("run", FIRMWARE / "hello.elf", "--coprocessor", "rtl"))
+        self.assertIn(
+            "bin/libcapsoc_rtl_precise.so", self.refusal("run", FIRMWARE / "hello.elf", "--coprocessor", "rtl")
+        )
 
 
 if __name__ == "__main__":

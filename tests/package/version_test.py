@@ -17,7 +17,9 @@ CLEAN = {k: v for k, v in os.environ.items() if not k.startswith(("CAPSOC_", "GI
 
 
 def do(*command, cwd=None):
-    return subprocess.run([*map(str, command)], cwd=cwd, capture_output=True, text=True, timeout=60, check=True, env=CLEAN).stdout
+    return subprocess.run(
+        [*map(str, command)], cwd=cwd, capture_output=True, text=True, timeout=60, check=True, env=CLEAN
+    ).stdout
 
 
 class Program(unittest.TestCase):
@@ -51,7 +53,15 @@ class Commit(Case):
 
     def commit(self, sources=None):
         self.header = self.folder / "commit.h"
-        do("cmake", "-D", f"FOLDER={sources or self.sources}", "-D", f"OUTPUT={self.header}", "-P", SOURCE / "cmake/commit.cmake")
+        do(
+            "cmake",
+            "-D",
+            f"FOLDER={sources or self.sources}",
+            "-D",
+            f"OUTPUT={self.header}",
+            "-P",
+            SOURCE / "cmake/commit.cmake",
+        )
         return re.search('CAPSOC_COMMIT "(.+)"', self.header.read_text())[1]
 
     def test_outside_git_it_is_unknown(self):

@@ -67,7 +67,9 @@ class FaultPlaces(unittest.TestCase):
         self.planted_texts("tests/third_reading/common_faults.toml", "old", "new", "models/coprocessor")
 
     def test_translator(self):
-        self.planted_texts("tests/cortex_m3/translator_faults.toml", "old", "new", "models/cortex_m3/executors/translator")
+        self.planted_texts(
+            "tests/cortex_m3/translator_faults.toml", "old", "new", "models/cortex_m3/executors/translator"
+        )
 
     def test_verdicts(self):
         self.planted_texts("tests/system/verdict_faults.toml", "text", "fault")

@@ -37,16 +37,27 @@ print(*sorted(own))
 
 def registered():
     """Name -> words of the command, of every CTest entry."""
-    done = subprocess.run(["ctest", "--test-dir", BUILD, "--show-only=json-v1"], capture_output=True, check=True, env=CLEAN)
-    return {test["name"]: test.get("command", []) for test in json.loads(done.stdout[done.stdout.index(b"{") :])["tests"]}
+    done = subprocess.run(
+        ["ctest", "--test-dir", BUILD, "--show-only=json-v1"], capture_output=True, check=True, env=CLEAN
+    )
+    return {
+        test["name"]: test.get("command", []) for test in json.loads(done.stdout[done.stdout.index(b"{") :])["tests"]
+    }
 
 
 def classes_of(path):
     """The classes whose tests unittest would run out of a file, by the interpreter in its first line."""
     first = path.read_text(encoding="utf-8").split("\n", 1)[0]
     interpreter = first.removeprefix("#!") if first.startswith("#!/usr/bin/python") else sys.executable
-    environment = {**CLEAN, "CAPSOC_TEST_BUILD": str(BUILD), "CAPSOC_TEST_SOURCE": str(SOURCE), "PYTHONPATH": str(TESTS)}
-    done = subprocess.run([interpreter, "-c", LOADER, path], capture_output=True, text=True, check=False, env=environment)
+    environment = {
+        **CLEAN,
+        "CAPSOC_TEST_BUILD": str(BUILD),
+        "CAPSOC_TEST_SOURCE": str(SOURCE),
+        "PYTHONPATH": str(TESTS),
+    }
+    done = subprocess.run(
+        [interpreter, "-c", LOADER, path], capture_output=True, text=True, check=False, env=environment
+    )
     if done.returncode != 0:
         raise AssertionError(f"{path}: {done.stderr}")
     return done.stdout.split()
@@ -58,7 +69,11 @@ def without_comments(text):
 
 def googletests(path):
     """Suite.Name of each TEST, TEST_F and TEST_P of a source."""
-    found = re.findall(r"^\s*TEST(?:_F|_P)?\(\s*(\w+)\s*,\s*(\w+)\s*\)", without_comments(path.read_text(encoding="utf-8")), re.MULTILINE)
+    found = re.findall(
+        r"^\s*TEST(?:_F|_P)?\(\s*(\w+)\s*,\s*(\w+)\s*\)",
+        without_comments(path.read_text(encoding="utf-8")),
+        re.MULTILINE,
+    )
     return [f"{suite}.{name}" for suite, name in found]
 
 
@@ -68,7 +83,11 @@ class Registered(unittest.TestCase):
         cls.entries = registered()
 
     def test_python(self):
-        files = [path for path in sorted(TESTS.rglob("*.py")) if re.search(r"^import unittest|^from unittest", path.read_text(), re.MULTILINE)]
+        files = [
+            path
+            for path in sorted(TESTS.rglob("*.py"))
+            if re.search(r"^import unittest|^from unittest", path.read_text(), re.MULTILINE)
+        ]
         self.assertGreater(len(files), 40)
         commands = [[word for word in command if not word.startswith("-")] for command in self.entries.values()]
         for path in files:
@@ -77,7 +96,9 @@ class Registered(unittest.TestCase):
             for name in classes_of(path):
                 with self.subTest(path=path, name=name):
                     whole = any(command[1:] == [str(path)] for command in commands)
-                    self.assertTrue(whole or any(command[1:] == [str(path), name] for command in commands), "is in no run")
+                    self.assertTrue(
+                        whole or any(command[1:] == [str(path), name] for command in commands), "is in no run"
+                    )
 
     def test_googletest(self):
         names = {re.sub(r"^[^:]*: (?:\w+/)?", "", name) for name in self.entries}
@@ -92,7 +113,13 @@ class Registered(unittest.TestCase):
 
     def test_programs(self):
         """Executable files of tests/ and the checks among the scripts are an entry's command, or named by a test."""
-        done = subprocess.run(["git", "-C", SOURCE, "ls-files", "-s", "tests", "scripts"], capture_output=True, text=True, check=True, env=CLEAN)
+        done = subprocess.run(
+            ["git", "-C", SOURCE, "ls-files", "-s", "tests", "scripts"],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=CLEAN,
+        )
         files = [Path(line.split("\t")[1]) for line in done.stdout.splitlines() if line.startswith("100755")]
         checked = [path for path in files if path.parts[0] == "tests" or re.match("check_|lint_", path.name)]
         self.assertGreater(len(checked), 2)

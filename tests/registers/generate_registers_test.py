@@ -25,15 +25,19 @@ TAIL = "</registers></peripheral></peripherals></device>\n"
 
 
 def field(name, bits, access="read-write", extra=""):
-    return (f"<field><name>{name}</name><description>f</description><bitRange>[{bits}]</bitRange>"
-            f"<access>{access}</access>{extra}</field>")
+    return (
+        f"<field><name>{name}</name><description>f</description><bitRange>[{bits}]</bitRange>"
+        f"<access>{access}</access>{extra}</field>"
+    )
 
 
 def register(name, offset, reset="0", fields="", access="read-write"):
     inner = f"<fields>{fields}</fields>" if fields else ""
-    return (f"<register><name>{name}</name><description>r</description>"
-            f"<addressOffset>{offset}</addressOffset><access>{access}</access>"
-            f"<resetValue>{reset}</resetValue>{inner}</register>\n")
+    return (
+        f"<register><name>{name}</name><description>r</description>"
+        f"<addressOffset>{offset}</addressOffset><access>{access}</access>"
+        f"<resetValue>{reset}</resetValue>{inner}</register>\n"
+    )
 
 
 class Generator(unittest.TestCase):
@@ -87,26 +91,34 @@ class Generator(unittest.TestCase):
         members = re.findall(r"^  logic (\w+);$", decoder.split("} capsoc_coprocessor_selects_t;")[0], re.M)
         hits = re.findall(r"assign hits\[(\d+)\] = word == 6'h(\w+);  // (\w+)", decoder)
         self.assertEqual(members, [register["name"] for register in registers])
-        self.assertEqual([(int(bit), int(word, 16), name) for bit, word, name in hits],
-                         [(len(members) - 1 - place, register["offset"] // 4, register["name"])
-                          for place, register in enumerate(registers)])
+        self.assertEqual(
+            [(int(bit), int(word, 16), name) for bit, word, name in hits],
+            [
+                (len(members) - 1 - place, register["offset"] // 4, register["name"])
+                for place, register in enumerate(registers)
+            ],
+        )
         self.assertIn("assign word = address_i[7:2];", decoder)
-        self.assertIn("assign mapped_o = address_i[11:8] == '0 & address_i[1:0] == '0 & word != 6'h2B & word != 6'h3A;", decoder)
+        self.assertIn(
+            "assign mapped_o = address_i[11:8] == '0 & address_i[1:0] == '0 & word != 6'h2B & word != 6'h3A;", decoder
+        )
 
     def test_only_what_is_synthesised_has_a_decoder(self):
         self.run_generator(DESCRIPTION)
-        self.assertEqual([path.name for path in sorted(self.output.glob("*.sv"))],
-                         ["capsoc_coprocessor_pkg.sv", "capsoc_coprocessor_selects.sv"])
+        self.assertEqual(
+            [path.name for path in sorted(self.output.glob("*.sv"))],
+            ["capsoc_coprocessor_pkg.sv", "capsoc_coprocessor_selects.sv"],
+        )
 
     def test_the_table_for_programs_has_masks_and_reserved_values(self):
         self.run_generator(DESCRIPTION)
         registers = json.loads(self.made("capsoc_registers.json"))["peripherals"]["COPROCESSOR"]["registers"]
         by_name = {register["name"]: register for register in registers}
         self.assertEqual(by_name["CTRL"]["implemented"], 0x80003FFF)
-        self.assertEqual(by_name["CTRL"]["reserved_values"],
-                         [{"rule": "field", "field": "REF", "low": 2, "high": 3, "values": [3]}])
-        self.assertEqual(by_name["A1"]["reserved_values"],
-                         [{"rule": "range", "minimum": 0, "maximum": 0x7FFFFFFF}])
+        self.assertEqual(
+            by_name["CTRL"]["reserved_values"], [{"rule": "field", "field": "REF", "low": 2, "high": 3, "values": [3]}]
+        )
+        self.assertEqual(by_name["A1"]["reserved_values"], [{"rule": "range", "minimum": 0, "maximum": 0x7FFFFFFF}])
         self.assertEqual(by_name["STATUS"]["reserved_values"], [])
 
     def test_gaps_between_registers_are_reserved_words(self):
@@ -116,8 +128,13 @@ class Generator(unittest.TestCase):
 
     def test_masks_separate_writable_from_write_one_to_clear(self):
         clears = "<modifiedWriteValues>oneToClear</modifiedWriteValues>"
-        fields = (field("RW", "3:0") + field("RO", "7:4", "read-only") + field("W1C", "8:8", extra=clears)
-                  + field("WO", "9:9", "write-only") + field("RESERVED_31_10", "31:10", "read-only"))
+        fields = (
+            field("RW", "3:0")
+            + field("RO", "7:4", "read-only")
+            + field("W1C", "8:8", extra=clears)
+            + field("WO", "9:9", "write-only")
+            + field("RESERVED_31_10", "31:10", "read-only")
+        )
         result = self.run_on(HEAD + register("A", "0x4", "0x1F5", fields) + TAIL)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn(
@@ -174,8 +191,10 @@ class Generator(unittest.TestCase):
         self.expect_error(HEAD + "<register><name>A</name></register>\n" + TAIL, 5, "lacks <description>")
 
     def test_a_range_of_write_values_that_is_none(self):
-        wrong = register("A", "0").replace("</register>", "<writeConstraint><range><minimum>2</minimum>"
-                                           "<maximum>1</maximum></range></writeConstraint></register>")
+        wrong = register("A", "0").replace(
+            "</register>",
+            "<writeConstraint><range><minimum>2</minimum>" "<maximum>1</maximum></range></writeConstraint></register>",
+        )
         self.expect_error(HEAD + wrong + TAIL, 5, "range 2 to 1")
 
     def test_overlapping_peripherals(self):

@@ -42,8 +42,12 @@ class Regression(unittest.TestCase):
                 self.assertEqual(arithmetic["missing"], [])
 
     def test_output_does_not_depend_on_jobs(self):
-        texts = {regress("--scenario", "traffic", "--samples", "300", "--accesses", "900", "--seeds", "3", "--jobs",
-                         jobs).stdout for jobs in ("1", "2", "3")}
+        texts = {
+            regress(
+                "--scenario", "traffic", "--samples", "300", "--accesses", "900", "--seeds", "3", "--jobs", jobs
+            ).stdout
+            for jobs in ("1", "2", "3")
+        }
         self.assertEqual(len(texts), 1)
 
 
@@ -57,9 +61,27 @@ class Failures(unittest.TestCase):
 
     def faulty(self, fault, *arguments):
         return subprocess.run(
-            [CAPSOC, "regress", "--arithmetic", "precise", "--rtl-library", FAULTY, "--samples", "500", "--accesses", "500",
-             "--seeds", "1", *arguments], capture_output=True, text=True, check=False, cwd=self.folder,
-            env={**os.environ, "CAPSOC_TEST_FAULT": fault})
+            [
+                CAPSOC,
+                "regress",
+                "--arithmetic",
+                "precise",
+                "--rtl-library",
+                FAULTY,
+                "--samples",
+                "500",
+                "--accesses",
+                "500",
+                "--seeds",
+                "1",
+                *arguments,
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=self.folder,
+            env={**os.environ, "CAPSOC_TEST_FAULT": fault},
+        )
 
     def signals_of(self, waves):
         """Full names and ranges as GTKWave's own converter reads them."""
@@ -95,22 +117,33 @@ class Failures(unittest.TestCase):
             self.assertEqual(marker, 40 * cycle)
             self.assertTrue(times[0] <= marker <= times[-1], (times[0], marker, times[-1]))
             case = ElementTree.parse(self.folder / "junit.xml").getroot().find("testsuite/testcase")
-            self.assertEqual([line for line in case.find("system-out").text.split("\n") if line],
-                             [f"[[ATTACHMENT|{self.folder.resolve()}/w/precise-traffic-1.{kind}]]" for kind in ("fst", "gtkw")])
+            self.assertEqual(
+                [line for line in case.find("system-out").text.split("\n") if line],
+                [f"[[ATTACHMENT|{self.folder.resolve()}/w/precise-traffic-1.{kind}]]" for kind in ("fst", "gtkw")],
+            )
 
     def test_the_printed_command_makes_the_waves(self):
         done = self.faulty("value", "--scenario", "ties")
         self.assertEqual(done.returncode, 4, done.stdout + done.stderr)
-        command = next(line for line in done.stdout.splitlines() if line.startswith("waves: "))[len("waves: "):]
+        command = next(line for line in done.stdout.splitlines() if line.startswith("waves: "))[len("waves: ") :]
         make, show = command.split("; ")
         self.assertEqual(show, "gtkwave waves/precise-ties-1.fst waves/precise-ties-1.gtkw")
-        subprocess.run(make.replace("capsoc", str(CAPSOC), 1), shell=True, check=False, cwd=self.folder,
-                       env={**os.environ, "CAPSOC_TEST_FAULT": "value"}, capture_output=True)
-        self.assertEqual({file.name for file in (self.folder / "waves").iterdir()},
-                         {"precise-ties-1.fst", "precise-ties-1.gtkw"})
+        subprocess.run(
+            make.replace("capsoc", str(CAPSOC), 1),
+            shell=True,
+            check=False,
+            cwd=self.folder,
+            env={**os.environ, "CAPSOC_TEST_FAULT": "value"},
+            capture_output=True,
+        )
+        self.assertEqual(
+            {file.name for file in (self.folder / "waves").iterdir()}, {"precise-ties-1.fst", "precise-ties-1.gtkw"}
+        )
 
     def test_rtl_that_hangs_fails_its_runs(self):
-        done = self.faulty("hang", "--scenario", "ties", "--scenario", "registers", "--time-limit", "1.5", "--junit", "j")
+        done = self.faulty(
+            "hang", "--scenario", "ties", "--scenario", "registers", "--time-limit", "1.5", "--junit", "j"
+        )
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         self.assertIn("out of time: it did not end within 1.5 s (--time-limit)", done.stdout)
         self.assertIn("<error message=", (self.folder / "j").read_text())
@@ -137,9 +170,28 @@ class Signals(unittest.TestCase):
         self.addCleanup(self.printed.close)
         self.junit = Path(temporary.name) / "r.xml"
         self.process = subprocess.Popen(
-            [CAPSOC, "regress", "--samples", "3000000", "--accesses", "0", "--jobs", "2", "--arithmetic", "precise",
-             "--seeds", "60", "--json", self.json, "--junit", self.junit],
-            stdout=self.printed, stderr=subprocess.STDOUT, text=True)
+            [
+                CAPSOC,
+                "regress",
+                "--samples",
+                "3000000",
+                "--accesses",
+                "0",
+                "--jobs",
+                "2",
+                "--arithmetic",
+                "precise",
+                "--seeds",
+                "60",
+                "--json",
+                self.json,
+                "--junit",
+                self.junit,
+            ],
+            stdout=self.printed,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
 

@@ -11,7 +11,14 @@ import urllib.error
 import urllib.request
 
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # WebDriver's name for a reference to an element
-KEYS = {"ArrowRight": "\ue014", "ArrowLeft": "\ue012", "Home": "\ue011", "End": "\ue010", "Tab": "\ue004", "Enter": "\ue007"}
+KEYS = {
+    "ArrowRight": "\ue014",
+    "ArrowLeft": "\ue012",
+    "Home": "\ue011",
+    "End": "\ue010",
+    "Tab": "\ue004",
+    "Enter": "\ue007",
+}
 
 
 def missing():
@@ -27,28 +34,44 @@ class Browser:
 
     def __init__(self, width=1200, height=900, dark=False):
         self.folder = tempfile.TemporaryDirectory()
-        self.driver = subprocess.Popen(["chromedriver", "--port=0", "--log-level=SEVERE"], stdout=subprocess.PIPE,
-                                       stderr=subprocess.DEVNULL, text=True)
+        self.driver = subprocess.Popen(
+            ["chromedriver", "--port=0", "--log-level=SEVERE"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         for line in self.driver.stdout:
             if "started successfully on port" in line:
                 self.base = f"http://127.0.0.1:{line.split('port')[-1].strip(' .' + os.linesep)}"
                 break
-        arguments = ["--headless=new", "--disable-gpu", "--hide-scrollbars", f"--window-size={width},{height}",
-                     f"--user-data-dir={self.folder.name}", "--disable-dev-shm-usage", "--no-first-run",
-                     "--disable-background-networking", "--force-device-scale-factor=1"]
+        arguments = [
+            "--headless=new",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            f"--window-size={width},{height}",
+            f"--user-data-dir={self.folder.name}",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--force-device-scale-factor=1",
+        ]
         if os.geteuid() == 0:
             arguments.append("--no-sandbox")  # Chromium refuses to run as root with it
         if dark:
             arguments.append("--force-dark-mode")
-        wanted = {"goog:chromeOptions": {"args": arguments, "perfLoggingPrefs": {"enableNetwork": True}},
-                  "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"}}
+        wanted = {
+            "goog:chromeOptions": {"args": arguments, "perfLoggingPrefs": {"enableNetwork": True}},
+            "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
+        }
         self.session = self.ask("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
         self.do("POST", "/url", {"url": "about:blank"})
         self.requests()  # those of its own first page
 
     def ask(self, method, path, body=None):
         data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.base + path, data=data, method=method, headers={"Content-Type": "application/json"})
+        request = urllib.request.Request(
+            self.base + path, data=data, method=method, headers={"Content-Type": "application/json"}
+        )
         try:
             with urllib.request.urlopen(request, timeout=120) as answer:
                 return json.load(answer)["value"]
@@ -78,22 +101,55 @@ class Browser:
 
     def emulate(self, width=None, dark=None, media=""):
         if width:
-            self.devtools("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+            self.devtools(
+                "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False
+            )
         features = [] if dark is None else [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
         self.devtools("Emulation.setEmulatedMedia", media=media, features=features)
         # Plots follow their place a frame later.
-        self.do("POST", "/execute/async", {"script": "requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(arguments[0], 50)))",
-                                           "args": []})
+        self.do(
+            "POST",
+            "/execute/async",
+            {
+                "script": "requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(arguments[0], 50)))",
+                "args": [],
+            },
+        )
 
     def point_at(self, x, y):
-        self.do("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": [
-            {"type": "pointerMove", "duration": 0, "x": round(x) - 3, "y": round(y)},
-            {"type": "pointerMove", "duration": 50, "x": round(x), "y": round(y)}]}]})
+        self.do(
+            "POST",
+            "/actions",
+            {
+                "actions": [
+                    {
+                        "type": "pointer",
+                        "id": "mouse",
+                        "parameters": {"pointerType": "mouse"},
+                        "actions": [
+                            {"type": "pointerMove", "duration": 0, "x": round(x) - 3, "y": round(y)},
+                            {"type": "pointerMove", "duration": 50, "x": round(x), "y": round(y)},
+                        ],
+                    }
+                ]
+            },
+        )
 
     def press(self, *names):
         keys = [KEYS.get(name, name) for name in names]
-        self.do("POST", "/actions", {"actions": [{"type": "key", "id": "keys", "actions": [
-            {"type": kind, "value": key} for key in keys for kind in ("keyDown", "keyUp")]}]})
+        self.do(
+            "POST",
+            "/actions",
+            {
+                "actions": [
+                    {
+                        "type": "key",
+                        "id": "keys",
+                        "actions": [{"type": kind, "value": key} for key in keys for kind in ("keyDown", "keyUp")],
+                    }
+                ]
+            },
+        )
 
     def console(self):
         """Its lines since the last call."""

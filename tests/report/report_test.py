@@ -15,17 +15,42 @@ from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 CTEST = {"name": "report", "timeout": 600}
 
 HOSTILE = (
-    "<script>window.hacked=1</script>", "</script><script>window.hacked=2</script>", "<img src=x onerror=window.hacked=3>",
-    "\"><svg onload=window.hacked=4>", "' onmouseover='window.hacked=5", "<!--", "-->", "]]>", "<iframe src=javascript:window.hacked=6>",
-    "javascript:window.hacked=7", "</title><script>window.hacked=8</script>", "</style><script>window.hacked=9</script>",
-    "</pre></textarea><script>window.hacked=10</script>", "&lt;script&gt;", "{{7*7}}", "${window.hacked=11}", "`;window.hacked=12//",
-    "\\u003cscript\\u003e", "<math><mtext></form><form><mglyph><style></math><img src onerror=window.hacked=13>", "\u2028window.hacked=14\u2029",
-    "<base href=https://example.org/>", "<meta http-equiv=refresh content=0;url=https://example.org>", "<link rel=stylesheet href=//example.org/x>",
-    "\u202e<b>", "<a href=data:text/html,<script>window.hacked=15</script>>x</a>", "\x1b]0;title\x07", "\x00nul", "__proto__", "constructor")
+    "<script>window.hacked=1</script>",
+    "</script><script>window.hacked=2</script>",
+    "<img src=x onerror=window.hacked=3>",
+    '"><svg onload=window.hacked=4>',
+    "' onmouseover='window.hacked=5",
+    "<!--",
+    "-->",
+    "]]>",
+    "<iframe src=javascript:window.hacked=6>",
+    "javascript:window.hacked=7",
+    "</title><script>window.hacked=8</script>",
+    "</style><script>window.hacked=9</script>",
+    "</pre></textarea><script>window.hacked=10</script>",
+    "&lt;script&gt;",
+    "{{7*7}}",
+    "${window.hacked=11}",
+    "`;window.hacked=12//",
+    "\\u003cscript\\u003e",
+    "<math><mtext></form><form><mglyph><style></math><img src onerror=window.hacked=13>",
+    "\u2028window.hacked=14\u2029",
+    "<base href=https://example.org/>",
+    "<meta http-equiv=refresh content=0;url=https://example.org>",
+    "<link rel=stylesheet href=//example.org/x>",
+    "\u202e<b>",
+    "<a href=data:text/html,<script>window.hacked=15</script>>x</a>",
+    "\x1b]0;title\x07",
+    "\x00nul",
+    "__proto__",
+    "constructor",
+)
 
 
 def capsoc(*arguments, stdin=b""):
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin, env=CLEAN)
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin, env=CLEAN
+    )
 
 
 class ReportCase(Case):
@@ -85,8 +110,10 @@ class Seen(ReportCase):
     def points_are_there(self):
         figures = self.figures()
         self.assertGreater(len(figures), 0)
-        drawn = self.browser.run("""return Object.fromEntries([...document.querySelectorAll('figure[data-figure]')].map(f =>
-            [f.dataset.figure, [f.plot.numRows(), f.plot.numColumns(), f.querySelectorAll('canvas').length]]))""")
+        drawn = self.browser.run(
+            """return Object.fromEntries([...document.querySelectorAll('figure[data-figure]')].map(f =>
+            [f.dataset.figure, [f.plot.numRows(), f.plot.numColumns(), f.querySelectorAll('canvas').length]]))"""
+        )
         self.assertEqual(set(drawn), set(figures))
         for name, figure in figures.items():
             xs = [x for series in figure["series"] for x in series["x"]]
@@ -99,7 +126,8 @@ class Seen(ReportCase):
             self.assertGreaterEqual(canvases, 2, name)
 
     def layout_holds(self, width, dark):
-        found = self.browser.run("""
+        found = self.browser.run(
+            """
             const inside = (e) => { const b = e.getBoundingClientRect(); return b.left >= -0.5 && b.right <= innerWidth + 0.5; };
             const colour = (c) => c.match(/[0-9.]+/g).map(Number);
             const light = ([r, g, b]) => [r, g, b].map((c) => (c /= 255) <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
@@ -113,7 +141,8 @@ class Seen(ReportCase):
               flat: [...document.querySelectorAll('.plot')].filter((e) => e.clientHeight < 100 || e.clientWidth < 200).length,
               back: light(colour(getComputedStyle(document.body).backgroundColor)),
               worst: Math.min(...texts.filter((e) => e.textContent.trim() && e.offsetParent).map((e) => ratio(light(colour(getComputedStyle(e).color)), back(e)))),
-            };""")
+            };"""
+        )
         where = f"width {width}, {'dark' if dark else 'light'}: {found}"
         self.assertEqual(found["inner"], width, where)
         self.assertLessEqual(found["wide"], width, where)
@@ -138,13 +167,15 @@ class Seen(ReportCase):
         self.assertEqual(roles.get("slider", 0), len(self.figures()))
         for landmark in ("main", "banner", "navigation", "contentinfo"):
             self.assertEqual(roles.get(landmark), 1, roles)
-        page = self.browser.run("""
+        page = self.browser.run(
+            """
             const ids = [...document.querySelectorAll('[id]')].map((e) => e.id);
             return {language: document.documentElement.lang, title: document.title, double: ids.filter((id, i) => ids.indexOf(id) !== i),
               levels: [...document.querySelectorAll('h1, h2, h3')].map((h) => Number(h.tagName[1])),
               lost: [...document.querySelectorAll('[aria-describedby], [aria-labelledby]')].filter((e) =>
                 !document.getElementById(e.getAttribute('aria-describedby') ?? e.getAttribute('aria-labelledby'))).length,
-              captions: [...document.querySelectorAll('table')].filter((t) => !t.caption?.textContent.trim()).length};""")
+              captions: [...document.querySelectorAll('table')].filter((t) => !t.caption?.textContent.trim()).length};"""
+        )
         self.assertEqual((page["language"], page["double"], page["lost"], page["captions"]), ("en", [], 0, 0))
         self.assertTrue(page["title"].startswith("capsoc"))
         self.assertEqual(page["levels"][0], 1)
@@ -182,7 +213,9 @@ class Runs(OfACommand):
         curves = self.result["curves"]
         for name in ("a1", "phi"):
             self.assertEqual(self.figures()[name]["series"][0]["y"], curves[name]["y"])
-            self.assertEqual(self.figures()[name]["marks"], [{"label": "true", "at": self.result["parameters"][name]["true"]}])
+            self.assertEqual(
+                self.figures()[name]["marks"], [{"label": "true", "at": self.result["parameters"][name]["true"]}]
+            )
         self.assertEqual(curves["a1"]["y"][-1], round(self.result["parameters"]["a1"]["value"], 10))
         largest = max(abs(y) for x, y in zip(*curves["angle_error"].values()) if x > 400)
         self.assertAlmostEqual(largest, self.result["angle_error_deg"]["calibration_mode_max"], 12)
@@ -191,11 +224,16 @@ class Runs(OfACommand):
         self.open(self.html)
         for name in ("a1", "angle-error", "spectrum"):
             figure = self.figures()[name]
-            place = self.browser.run("""const p = document.querySelector(`figure[data-figure="${arguments[0]}"] .plot`);
+            place = self.browser.run(
+                """const p = document.querySelector(`figure[data-figure="${arguments[0]}"] .plot`);
                 p.scrollIntoView({block: 'center'}); const b = p.getBoundingClientRect(), g = p.parentElement.plot;
-                return [b.left + b.width / 2, b.top + b.height / 2, g.toDataXCoord(b.width / 2)]""", name)
+                return [b.left + b.width / 2, b.top + b.height / 2, g.toDataXCoord(b.width / 2)]""",
+                name,
+            )
             self.browser.point_at(*place[:2])
-            text = self.browser.wait(f"""return document.querySelector('figure[data-figure="{name}"] .readout').textContent""", "a readout")
+            text = self.browser.wait(
+                f"""return document.querySelector('figure[data-figure="{name}"] .readout').textContent""", "a readout"
+            )
             first = figure["series"][0]
             near = min(range(len(first["x"])), key=lambda k: abs(first["x"][k] - place[2]))
             if name != "spectrum":
@@ -224,8 +262,10 @@ class Runs(OfACommand):
 
     def test_the_csv_has_every_point(self):
         self.open(self.html)
-        address = self.browser.run("""const a = document.querySelector('figure[data-figure=a1] a');
-            a.addEventListener('click', (e) => e.preventDefault()); a.click(); return decodeURIComponent(a.href)""")
+        address = self.browser.run(
+            """const a = document.querySelector('figure[data-figure=a1] a');
+            a.addEventListener('click', (e) => e.preventDefault()); a.click(); return decodeURIComponent(a.href)"""
+        )
         kind, text = address.split(",", 1)
         self.assertEqual(kind, "data:text/csv;charset=utf-8")
         lines = text.splitlines()
@@ -243,8 +283,10 @@ class Runs(OfACommand):
 
     def test_logarithmic_axes_switch(self):
         self.open(self.html)
-        log = self.browser.run("""const f = document.querySelector('figure[data-figure=a1]'), b = [...f.querySelectorAll('button')].find((b) => b.textContent === 'Log');
-            const before = f.plot.getOption('logscale'); b.click(); return [before, f.plot.getOption('logscale'), b.textContent]""")
+        log = self.browser.run(
+            """const f = document.querySelector('figure[data-figure=a1]'), b = [...f.querySelectorAll('button')].find((b) => b.textContent === 'Log');
+            const before = f.plot.getOption('logscale'); b.click(); return [before, f.plot.getOption('logscale'), b.textContent]"""
+        )
         self.assertEqual(log, [False, True, "Linear"])
         self.CLEAN(self.html)
 
@@ -269,25 +311,67 @@ class Campaigns(Seen):
         error = [value * 100 for value in noise]
         passed = [value < 0.5 for value in error]
         share = {axis: {"share": 0.9, "correlation": 0.99}, "bits": {"share": 0.01, "correlation": 0}}
-        return {"schema": 1, "command": "capsoc campaign", "name": name, "kind": "run", "version": "x", "runs": count, "done": count,
-                "finished": count, "passed": sum(passed), "yield": sum(passed) / count, "yield_interval": [0.9, 0.95], "least_yield": 0.5,
-                "criteria": [{"name": "small", "expression": metric + " < 0.5", "met": sum(passed)}], "exits": [{"exit": "0: " + name, "runs": count}],
-                "metrics": [{"name": metric, "expression": metric, "missing": 0, "count": count,
-                             "summary": {"mean": 0.2, "quantiles": {"0": error[0], "0.5": error[count // 2], "1": error[-1]}},
-                             "histogram": {"logarithmic": True, "least": error[0], "greatest": error[-1], "bins": [count // 20] * 20},
-                             "sensitivity": share}],
-                "worst_metric": metric, "worst": [{"run": 3, "worst": 0.99, "exit": name, "command": "capsoc run -C " + name}], "failures": [],
-                "sample": {"of": count, "runs": list(range(count)), "passed": passed,
-                           "axes": {axis: noise, "bits": [12 + k % 3 for k in range(count)], "kind": [["tlm", "rtl"][k % 2] for k in range(count)]},
-                           "metrics": {metric: error, "half": [None if k % 2 else 1.0 for k in range(count)]}}}
+        return {
+            "schema": 1,
+            "command": "capsoc campaign",
+            "name": name,
+            "kind": "run",
+            "version": "x",
+            "runs": count,
+            "done": count,
+            "finished": count,
+            "passed": sum(passed),
+            "yield": sum(passed) / count,
+            "yield_interval": [0.9, 0.95],
+            "least_yield": 0.5,
+            "criteria": [{"name": "small", "expression": metric + " < 0.5", "met": sum(passed)}],
+            "exits": [{"exit": "0: " + name, "runs": count}],
+            "metrics": [
+                {
+                    "name": metric,
+                    "expression": metric,
+                    "missing": 0,
+                    "count": count,
+                    "summary": {"mean": 0.2, "quantiles": {"0": error[0], "0.5": error[count // 2], "1": error[-1]}},
+                    "histogram": {
+                        "logarithmic": True,
+                        "least": error[0],
+                        "greatest": error[-1],
+                        "bins": [count // 20] * 20,
+                    },
+                    "sensitivity": share,
+                }
+            ],
+            "worst_metric": metric,
+            "worst": [{"run": 3, "worst": 0.99, "exit": name, "command": "capsoc run -C " + name}],
+            "failures": [],
+            "sample": {
+                "of": count,
+                "runs": list(range(count)),
+                "passed": passed,
+                "axes": {
+                    axis: noise,
+                    "bits": [12 + k % 3 for k in range(count)],
+                    "kind": [["tlm", "rtl"][k % 2] for k in range(count)],
+                },
+                "metrics": {metric: error, "half": [None if k % 2 else 1.0 for k in range(count)]},
+            },
+        }
 
     def shown(self):
-        return self.browser.run("""const f = document.querySelector('figure[data-figure="campaign-any-two"]');
-            return {rows: f.plot.numRows(), y: f.plot.getOption('logscale'), x: f.plot.getOptionForAxis('logscale', 'x'), label: f.plot.getOption('xlabel')}""")
+        return self.browser.run(
+            """const f = document.querySelector('figure[data-figure="campaign-any-two"]');
+            return {rows: f.plot.numRows(), y: f.plot.getOption('logscale'), x: f.plot.getOptionForAxis('logscale', 'x'), label: f.plot.getOption('xlabel')}"""
+        )
 
     def choose(self, place, number, value):
-        self.browser.run("""const s = document.querySelectorAll(arguments[0] + ' select')[arguments[1]]; s.value = arguments[2];
-            s.dispatchEvent(new Event('change'))""", place, number, value)
+        self.browser.run(
+            """const s = document.querySelectorAll(arguments[0] + ' select')[arguments[1]]; s.value = arguments[2];
+            s.dispatchEvent(new Event('change'))""",
+            place,
+            number,
+            value,
+        )
 
     def test_it_keeps_what_every_report_keeps(self):
         self.check_page(self.report(self.campaign()))
@@ -322,7 +406,10 @@ class Campaigns(Seen):
         self.choose(".heat", 0, 2)
         self.choose(".heat", 2, 1)
         table = self.browser.run(cells)
-        self.assertEqual(self.browser.run("return [...document.querySelectorAll('.heat thead th')].map((c) => c.textContent)"), ["tlm", "rtl"])
+        self.assertEqual(
+            self.browser.run("return [...document.querySelectorAll('.heat thead th')].map((c) => c.textContent)"),
+            ["tlm", "rtl"],
+        )
         noise = [10 ** (-6 + 4 * k / 400) for k in range(400)]
         mean = sum(100 * noise[k] for k in range(0, 400, 6)) / len(range(0, 400, 6))
         self.assertAlmostEqual(float(table[0][1].split()[0]), mean, delta=0.01 * mean)
@@ -334,9 +421,11 @@ class Campaigns(Seen):
             self.open(page)
             self.choose("figure[data-figure=campaign-any-two]", 1, 0)
             self.choose(".heat", 2, 1)
-            found = self.browser.run("""return {hacked: window.hacked ?? null, scripts: document.scripts.length,
+            found = self.browser.run(
+                """return {hacked: window.hacked ?? null, scripts: document.scripts.length,
                 strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg, body link, body style').length,
-                names: [...document.querySelectorAll('select option')].map((o) => o.textContent)}""")
+                names: [...document.querySelectorAll('select option')].map((o) => o.textContent)}"""
+            )
             self.assertEqual((found["hacked"], found["scripts"], found["strange"]), (None, 3, 0))
             self.CLEAN(page)
 
@@ -358,11 +447,15 @@ class Hostile(Seen):
     def check_texts(self, page, *texts):
         self.open(page)
         self.browser.run("document.querySelectorAll('th button, figure button').forEach((b) => b.click())")
-        self.browser.run("""document.querySelectorAll('.plot').forEach((p) => { p.focus();
-            for (const key of ['Home', 'ArrowRight', 'End']) p.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); })""")
-        found = self.browser.run("""return {hacked: window.hacked ?? null, text: document.body.textContent,
+        self.browser.run(
+            """document.querySelectorAll('.plot').forEach((p) => { p.focus();
+            for (const key of ['Home', 'ArrowRight', 'End']) p.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); })"""
+        )
+        found = self.browser.run(
+            """return {hacked: window.hacked ?? null, text: document.body.textContent,
             scripts: document.scripts.length, strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg, math, body link, body style, body meta').length,
-            handlers: [...document.querySelectorAll('*')].filter((e) => [...e.attributes].some((a) => a.name.startsWith('on'))).length}""")
+            handlers: [...document.querySelectorAll('*')].filter((e) => [...e.attributes].some((a) => a.name.startsWith('on'))).length}"""
+        )
         self.assertEqual((found["hacked"], found["scripts"], found["strange"], found["handlers"]), (None, 3, 0, 0))
         for text in texts:
             self.assertIn(re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]", "\ufffd", text), found["text"])
@@ -371,12 +464,25 @@ class Hostile(Seen):
     def test_in_every_text_of_a_result(self):
         for text in HOSTILE:
             curve = {"x": [0, 1, 2], "y": [0.5, 0.6, 0.7]}
-            result = {"schema": 1, "command": "capsoc run " + text, "versions": {text: text}, "configuration": {text: text, "a": text},
-                      "inputs": [{"role": text, "path": text, "sha256": text}], "exit": {"code": 1, "reason": text}, "convergence": text,
-                      "fault_report": text, "place_report": text, "divergence": text, "sensor_warnings": [text], "lost": [text],
-                      "uart0": {"bytes": 1, "sha256": text, "text": text, "left_out": 0}, "verdict": {"reason": text},
-                      "profile": [{"function": text, "cycles": 5, "instructions": 1}], "parameters": {"a1": {"word": text, "value": text, "true": 0.6}},
-                      "curves": {"a1": curve, "status." + text: curve, "flags." + text: curve}}
+            result = {
+                "schema": 1,
+                "command": "capsoc run " + text,
+                "versions": {text: text},
+                "configuration": {text: text, "a": text},
+                "inputs": [{"role": text, "path": text, "sha256": text}],
+                "exit": {"code": 1, "reason": text},
+                "convergence": text,
+                "fault_report": text,
+                "place_report": text,
+                "divergence": text,
+                "sensor_warnings": [text],
+                "lost": [text],
+                "uart0": {"bytes": 1, "sha256": text, "text": text, "left_out": 0},
+                "verdict": {"reason": text},
+                "profile": [{"function": text, "cycles": 5, "instructions": 1}],
+                "parameters": {"a1": {"word": text, "value": text, "true": 0.6}},
+                "curves": {"a1": curve, "status." + text: curve, "flags." + text: curve},
+            }
             page = self.report(result)
             self.check_texts(page, text)
             two = self.report(result, result)
@@ -386,12 +492,28 @@ class Hostile(Seen):
         """The whole way: an ELF of a strange name, with strange symbols, prints what it is sent."""
         strange = "<img src=x onerror=window.hacked=1>"
         elf, sent = self.folder / f"{strange}.elf", self.folder / "sent"
-        subprocess.run(["arm-none-eabi-objcopy", f"--redefine-sym=main={strange}", FIRMWARE / "echo.elf", elf], check=True)
+        subprocess.run(
+            ["arm-none-eabi-objcopy", f"--redefine-sym=main={strange}", FIRMWARE / "echo.elf", elf], check=True
+        )
         text = "\n".join(HOSTILE).encode() + bytes(range(256))
         sent.write_bytes(len(text).to_bytes(4, "little") + text)
         page, result = self.folder / "run.html", self.folder / "run.json"
-        process = capsoc("run", elf, "-C", f"uart0.input={sent}", "--profile", self.folder / "p", "--html", page, "--json", result,
-                         "--simlimit", "5", "--uart0", "null")
+        process = capsoc(
+            "run",
+            elf,
+            "-C",
+            f"uart0.input={sent}",
+            "--profile",
+            self.folder / "p",
+            "--html",
+            page,
+            "--json",
+            result,
+            "--simlimit",
+            "5",
+            "--uart0",
+            "null",
+        )
         self.assertIn(process.returncode, (0, 124), process.stderr.decode())
         kept = json.loads(result.read_text())
         self.assertIn("<script>window.hacked=1</script>", kept["uart0"]["text"])
@@ -417,7 +539,11 @@ class Papers(OfACommand):
     def test_every_figure_with_data_is_there(self):
         self.open(self.html)
         here = set(self.figures())
-        listed = [line for line in capsoc("report", "--list-figures").stdout.decode().splitlines() if line.split()[1] == "reproduce"]
+        listed = [
+            line
+            for line in capsoc("report", "--list-figures").stdout.decode().splitlines()
+            if line.split()[1] == "reproduce"
+        ]
         self.assertEqual(here, {line.split()[0] for line in listed})
         for paper, figures in (("SoC", self.SOC), ("CSFN", self.CSFN)):
             named = {int(n) for line in listed for n in re.findall(rf"{paper} paper, Figure (\d+)", line)}
@@ -430,16 +556,24 @@ class Papers(OfACommand):
         self.open(self.html)
         figures = self.figures()
         rows = {(t["id"], r["quantity"]): r for t in self.result["tables"] for r in t["rows"]}
-        for name, row in (("soc-7-a1", ("1", "a1")), ("soc-12-beta", ("8", "beta, identified")), ("csfn-18-b2", ("csfn-2", "b2")),
-                          ("soc-10-2", ("figure-10", "m = -2, mean gain of the last 20 s"))):
+        for name, row in (
+            ("soc-7-a1", ("1", "a1")),
+            ("soc-12-beta", ("8", "beta, identified")),
+            ("csfn-18-b2", ("csfn-2", "b2")),
+            ("soc-10-2", ("figure-10", "m = -2, mean gain of the last 20 s")),
+        ):
             self.assertEqual([m["at"] for m in figures[name]["marks"]], [rows[row]["paper_value"]], name)
         self.assertEqual([m["at"] for m in figures["soc-8"]["marks"]], [30.38, 9.52e-4])
         self.assertEqual([m["at"] for m in figures["soc-18"]["marks"]], [0.9814, 1.1630, 1.7284])
         # What is drawn is what the rows say.
         calibrated = next(s for s in figures["soc-8"]["series"] if s["name"] == "with calibration")
-        self.assertAlmostEqual(max(map(abs, calibrated["y"])), rows["1", "largest error calibrated"]["here_least"], delta=1e-8)
+        self.assertAlmostEqual(
+            max(map(abs, calibrated["y"])), rows["1", "largest error calibrated"]["here_least"], delta=1e-8
+        )
         raw = figures["soc-17"]["series"][0]["y"]
-        self.assertAlmostEqual(max(raw) - min(raw), rows["figure-17", "uncalibrated, peak to peak"]["here_least"], delta=1e-4)
+        self.assertAlmostEqual(
+            max(raw) - min(raw), rows["figure-17", "uncalibrated, peak to peak"]["here_least"], delta=1e-4
+        )
         after = figures["csfn-22-b"]["series"][0]["y"]
         self.assertAlmostEqual(max(after) - min(after), rows["csfn-2", "after"]["here_least"], delta=1e-3)
 
@@ -458,11 +592,24 @@ class Others(Seen):
 
     def test_fit(self):
         page, result = self.folder / "f.html", self.folder / "f.json"
-        self.done(capsoc("fit", SOURCE / "traces" / "csfn_h3.toml", "--method", "adam", "--html", page, "--json", result))
+        self.done(
+            capsoc("fit", SOURCE / "traces" / "csfn_h3.toml", "--method", "adam", "--html", page, "--json", result)
+        )
         self.check_page(page)
         figures, fit = self.figures(), json.loads(result.read_text())
-        self.assertEqual(set(figures), {"fit-ellipse", "fit-residuals", "fit-residuals-by-angle", "fit-angle-error", "fit-intervals",
-                                        "fit-companions", "fit-loss", "fit-learning"})
+        self.assertEqual(
+            set(figures),
+            {
+                "fit-ellipse",
+                "fit-residuals",
+                "fit-residuals-by-angle",
+                "fit-angle-error",
+                "fit-intervals",
+                "fit-companions",
+                "fit-loss",
+                "fit-learning",
+            },
+        )
         largest = max(map(abs, figures["fit-residuals"]["series"][0]["y"]))
         self.assertAlmostEqual(largest, fit["residuals"]["largest"], delta=1e-6 * largest)
         error = figures["fit-angle-error"]["series"][0]["y"]
@@ -472,8 +619,15 @@ class Others(Seen):
 
     def test_fit_alone_writes_no_calibration(self):
         page = self.folder / "f.html"
-        self.done(subprocess.run([CAPSOC, "fit", SOURCE / "traces" / "csfn_eq.toml", "--html", page], cwd=self.folder, env=CLEAN,
-                                 capture_output=True, check=False))
+        self.done(
+            subprocess.run(
+                [CAPSOC, "fit", SOURCE / "traces" / "csfn_eq.toml", "--html", page],
+                cwd=self.folder,
+                env=CLEAN,
+                capture_output=True,
+                check=False,
+            )
+        )
         self.assertEqual([f.name for f in self.folder.iterdir()], ["f.html"])
 
     def test_accuracy(self):
@@ -491,27 +645,72 @@ class Others(Seen):
         self.check_page(page)
         row = json.loads(result.read_text())["tables"][0]["rows"][0]
         blocks = self.figures()["bench-mips"]["series"][0]
-        self.assertEqual((blocks["y"][0], blocks["low"][0], blocks["high"][0]), (row["mips"], row["mips_least"], row["mips"]))
+        self.assertEqual(
+            (blocks["y"][0], blocks["low"][0], blocks["high"][0]), (row["mips"], row["mips_least"], row["mips"])
+        )
         self.assertLessEqual(row["mips_least"], row["mips"])
 
     def test_regress(self):
         page, result = self.folder / "r.html", self.folder / "r.json"
-        self.done(capsoc("regress", "--arithmetic", "precise", "--seeds", "1", "--samples", "500", "--accesses", "500", "--html", page, "--json", result))
+        self.done(
+            capsoc(
+                "regress",
+                "--arithmetic",
+                "precise",
+                "--seeds",
+                "1",
+                "--samples",
+                "500",
+                "--accesses",
+                "500",
+                "--html",
+                page,
+                "--json",
+                result,
+            )
+        )
         self.check_page(page)
         data = json.loads(result.read_text())
         bins = [hits for group in data["arithmetics"]["precise"]["coverage"].values() for hits in group.values()]
-        shown = self.browser.run("return [document.querySelectorAll('.map li').length, document.querySelectorAll('.map li.bad').length]")
+        shown = self.browser.run(
+            "return [document.querySelectorAll('.map li').length, document.querySelectorAll('.map li.bad').length]"
+        )
         self.assertEqual(shown, [len(bins), bins.count(0)])
         figure = self.figures()["regress-scenarios"]
-        self.assertEqual(sum(figure["series"][0]["y"]), sum(run["cycles"] for run in data["arithmetics"]["precise"]["runs"]))
+        self.assertEqual(
+            sum(figure["series"][0]["y"]), sum(run["cycles"] for run in data["arithmetics"]["precise"]["runs"])
+        )
         self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
 
     def test_a_difference_is_drawn_around_its_clock(self):
-        waves = [{"node": "sine", "model": [0.5] * 41, "rtl": [0.5] * 24 + [0.25] * 17}, {"node": "angle", "model": [1] * 41, "rtl": [2] * 41}]
-        run = {"scenario": "random", "seed": 3, "samples": 9, "accesses": 8, "commits": 7, "cycles": 600,
-               "difference": {"cycle": 524, "what": "node sine of T2: model 1, RTL 2", "node": "sine (T2)", "command": "capsoc regress",
-                              "report": "report", "first_cycle": 500, "waves": waves}}
-        page = self.report({"schema": "capsoc-regress-1", "difference": True, "arithmetics": {"precise": {"runs": [run], "coverage": {"g": {"b": 0, "c": 1}}}}})
+        waves = [
+            {"node": "sine", "model": [0.5] * 41, "rtl": [0.5] * 24 + [0.25] * 17},
+            {"node": "angle", "model": [1] * 41, "rtl": [2] * 41},
+        ]
+        run = {
+            "scenario": "random",
+            "seed": 3,
+            "samples": 9,
+            "accesses": 8,
+            "commits": 7,
+            "cycles": 600,
+            "difference": {
+                "cycle": 524,
+                "what": "node sine of T2: model 1, RTL 2",
+                "node": "sine (T2)",
+                "command": "capsoc regress",
+                "report": "report",
+                "first_cycle": 500,
+                "waves": waves,
+            },
+        }
+        page = self.report(
+            {
+                "schema": "capsoc-regress-1",
+                "difference": True,
+                "arithmetics": {"precise": {"runs": [run], "coverage": {"g": {"b": 0, "c": 1}}}},
+            }
+        )
         self.check_page(page)
         figures = self.figures()
         self.assertEqual([s["name"] for s in figures["regress-wave-1"]["series"]], ["sine, model", "sine, RTL"])
@@ -520,8 +719,17 @@ class Others(Seen):
         self.assertNotIn("regress-wave-3", figures)
 
     def test_the_mutation_table(self):
-        page = self.report({"schema": "capsoc-mutation-1", "arithmetics": {"paper": {"files": {"lms.sv": {"killed": 9, "survived": 1, "equivalent": 2}},
-                            "survivors": [{"number": 4, "place": "lms.sv:7", "what": "x"}]}}})
+        page = self.report(
+            {
+                "schema": "capsoc-mutation-1",
+                "arithmetics": {
+                    "paper": {
+                        "files": {"lms.sv": {"killed": 9, "survived": 1, "equivalent": 2}},
+                        "survivors": [{"number": 4, "place": "lms.sv:7", "what": "x"}],
+                    }
+                },
+            }
+        )
         self.check_page(page)
         self.assertEqual(self.figures()["mutation-score"]["series"][0]["y"], [90])
 
@@ -548,9 +756,15 @@ class Refusals(ReportCase):
 
     def test_wrong_inputs(self):
         page = self.folder / "r.html"
-        for name, content, expected in (("a.json", "{", "is not JSON"), ("b.json", "[1]", "is no result"), ("c.json", '{"command": "ls"}', "is no result"),
-                                        ("d.json", "", "empty"), ("e.json", "[" * 50, "is not JSON"), ("f.json", '{"a": 1e999}', "is not JSON"),
-                                        ("h.json", '{"command": "capsoc run", "curves": ' + "[" * 200_000 + "]" * 200_000 + "}", "nested")):
+        for name, content, expected in (
+            ("a.json", "{", "is not JSON"),
+            ("b.json", "[1]", "is no result"),
+            ("c.json", '{"command": "ls"}', "is no result"),
+            ("d.json", "", "empty"),
+            ("e.json", "[" * 50, "is not JSON"),
+            ("f.json", '{"a": 1e999}', "is not JSON"),
+            ("h.json", '{"command": "capsoc run", "curves": ' + "[" * 200_000 + "]" * 200_000 + "}", "nested"),
+        ):
             file = self.folder / name
             file.write_text(content)
             self.refuse(f"{name}: ", file, "--html", page)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What a program is told of the board it runs on: priority bits, lost bytes, an end when it is idle; and the page on what
-QEMU's board does otherwise, line by line on both."""
+"""What a program is told of the board it runs on: priority bits, lost bytes, an end when it is idle; and the page on
+what QEMU's board does otherwise, line by line on both."""
 
 import json
 import re
@@ -14,27 +14,60 @@ from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE
 CTEST = {"name": "board", "timeout": 600}
 
 
-
 def run(program, *options):
     """`capsoc run`: the process, and its results."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "r.json"
-        done = subprocess.run([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", path, *map(str, options)],
-                              capture_output=True, timeout=300, check=False, env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", path, *map(str, options)],
+            capture_output=True,
+            timeout=300,
+            check=False,
+            env=CLEAN,
+        )
         return done, json.loads(path.read_text()) if path.exists() else None
 
 
 def qemu(program):
     return subprocess.run(
-        ["qemu-system-arm", "-M", "mps2-an385", "-icount", "shift=5,sleep=off", "-display", "none", "-monitor", "none",
-         "-serial", "stdio", "-semihosting-config", "enable=on,target=native", "-kernel", FIRMWARE / f"{program}.elf"],
-        capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+        [
+            "qemu-system-arm",
+            "-M",
+            "mps2-an385",
+            "-icount",
+            "shift=5,sleep=off",
+            "-display",
+            "none",
+            "-monitor",
+            "none",
+            "-serial",
+            "stdio",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-kernel",
+            FIRMWARE / f"{program}.elf",
+        ],
+        capture_output=True,
+        timeout=60,
+        check=False,
+        stdin=subprocess.DEVNULL,
+    )
 
 
 def instruction_at(program, address):
     """As objdump shows it."""
-    return subprocess.run(["arm-none-eabi-objdump", "-d", f"--start-address={address}", f"--stop-address={address + 2}",
-                           FIRMWARE / f"{program}.elf"], capture_output=True, text=True, check=True).stdout
+    return subprocess.run(
+        [
+            "arm-none-eabi-objdump",
+            "-d",
+            f"--start-address={address}",
+            f"--stop-address={address + 2}",
+            FIRMWARE / f"{program}.elf",
+        ],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
 
 
 def warnings(done, about):
@@ -78,10 +111,16 @@ class Priorities(unittest.TestCase):
     def test_bits_that_do_not_exist_are_one_warning(self):
         said = warnings(run("priority_bits")[0], "priority bits")
         self.assertEqual(len(said), 1, said)
-        self.assertRegex(said[0], r"IPR7 = 0x5a0000: the AN385 has 3 priority bits.*" + re.escape(self.HINT) +
-                         r" \(pc 0x[0-9a-f]{8} (main|read_back)\+")
-        self.assertIn("the processor has 5 priority bits",
-                      warnings(run("priority_bits", "-C", "cpu.priority_bits=5")[0], "priority bits")[0])
+        self.assertRegex(
+            said[0],
+            r"IPR7 = 0x5a0000: the AN385 has 3 priority bits.*"
+            + re.escape(self.HINT)
+            + r" \(pc 0x[0-9a-f]{8} (main|read_back)\+",
+        )
+        self.assertIn(
+            "the processor has 5 priority bits",
+            warnings(run("priority_bits", "-C", "cpu.priority_bits=5")[0], "priority bits")[0],
+        )
 
     def test_a_program_that_refuses_the_width_it_finds_gets_the_hint_at_the_end(self):
         ours, _ = run("priority_probe", "--simlimit", "0.01")
@@ -130,8 +169,11 @@ class Overrun(unittest.TestCase):
             self.assertEqual((ours.returncode, ours.stdout), (0, b"l\noverrun: done\n"))
             said = warnings(ours, "transmit overrun")
             self.assertEqual(len(said), 2, said)
-            self.assertRegex(said[0], r"soc\.uart0 \(transmit overrun\): byte 0x73 is written while STATE\.TXFULL is 1, so "
-                             r"0x6f before it is lost \(pc 0x[0-9a-f]{8} main\+")
+            self.assertRegex(
+                said[0],
+                r"soc\.uart0 \(transmit overrun\): byte 0x73 is written while STATE\.TXFULL is 1, so "
+                r"0x6f before it is lost \(pc 0x[0-9a-f]{8} main\+",
+            )
             pc = int(re.search(r"pc (0x[0-9a-f]{8})", said[0]).group(1), 16)
             self.assertRegex(instruction_at("overrun", pc), r"\tstr\t", "the store, not the block that it is in")
             # 21 bytes: the first goes to the shifter, the second to the buffer.
@@ -148,13 +190,17 @@ class Idle(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "mode"
             path.write_text(mode)
-            return run("idle", "-C", f"uart0.input={path}", "-C", f"run.end_on_idle={seconds}", "--simlimit", "8", *options)
+            return run(
+                "idle", "-C", f"uart0.input={path}", "-C", f"run.end_on_idle={seconds}", "--simlimit", "8", *options
+            )
 
     def check_ended(self, mode, seconds, at, *options):
         done, result = self.idle(mode, seconds, *options)
         self.assertEqual(done.returncode, 0, (mode, done.stderr.decode()))
-        self.assertEqual(result["exit"]["reason"],
-                         f"the firmware is idle: for {seconds} simulated s only timers woke it, and only to sleep again")
+        self.assertEqual(
+            result["exit"]["reason"],
+            f"the firmware is idle: for {seconds} simulated s only timers woke it, and only to sleep again",
+        )
         self.assertAlmostEqual(result["time"]["simulated_s"], at, delta=0.01, msg=mode)
         return result
 
@@ -174,8 +220,15 @@ class Idle(unittest.TestCase):
         self.check_ended("c", 1, 4)
 
     def test_a_program_that_does_something_goes_on(self):
-        for mode, what in (("p", "prints every half second"), ("i", "so on the ITM"), ("b", "computes half of the time"),
-                           ("s", "never sleeps"), ("g", "switches a lamp"), ("r", "looks for a key"), ("a", "the ADC runs")):
+        for mode, what in (
+            ("p", "prints every half second"),
+            ("i", "so on the ITM"),
+            ("b", "computes half of the time"),
+            ("s", "never sleeps"),
+            ("g", "switches a lamp"),
+            ("r", "looks for a key"),
+            ("a", "the ADC runs"),
+        ):
             with self.subTest(what):
                 self.check_goes_on(mode)
 
@@ -185,7 +238,13 @@ class Idle(unittest.TestCase):
     def test_neither_quantum_nor_executor_nor_debugger_moves_the_end(self):
         for mode in "tdc":
             ends = set()
-            for options in ((), ("--quantum", 1000), ("--quantum", 77777), ("-C", "cpu.executor=stepping"), ("--gdb", 0)):
+            for options in (
+                (),
+                ("--quantum", 1000),
+                ("--quantum", 77777),
+                ("-C", "cpu.executor=stepping"),
+                ("--gdb", 0),
+            ):
                 result = self.check_ended(mode, 0.5, 3.5 if mode == "c" else 0.5, *options)
                 ends.add((result["time"]["simulated_s"], result["cpu"]["cycles"], result["cpu"]["instructions"]))
             self.assertEqual(len(ends), 1, ends)
@@ -240,20 +299,30 @@ class Differences(unittest.TestCase):
             if program not in outputs:
                 done, _ = run(program, "--simlimit", 1)
                 outputs[program] = [(p.stdout + p.stderr).decode().splitlines() for p in (qemu(program), done)]
-            for name, expected, output in (("QEMU", theirs, outputs[program][0]), ("capsoc", ours, outputs[program][1])):
+            for name, expected, output in (
+                ("QEMU", theirs, outputs[program][0]),
+                ("capsoc", ours, outputs[program][1]),
+            ):
                 self.assertTrue(expected, f"{program}: the page does not say what {name} prints")
                 for text in expected:
                     self.assertTrue(any(text in line for line in output), f"{program} on {name}: {text!r} in {output}")
             for text in theirs:
-                self.assertFalse(any(text == line for line in outputs[program][1]), f"{program}: {text!r} is no difference")
+                self.assertFalse(
+                    any(text == line for line in outputs[program][1]), f"{program}: {text!r} is no difference"
+                )
 
     def test_a_program_without_differences_is_the_same_on_both(self):
         """A5.3.18, A2.3.1: what the page says both agree on."""
         done, _ = run("faults", "--simlimit", 1)
         output = qemu("faults").stdout
         self.assertEqual(done.stdout, output)
-        for text in (rb"simd ef +6 cfsr 00010000", rb"simd ff +6 cfsr 00010000", rb"no line of ldc +6 cfsr 00080000",
-                     rb"even in device +4 cfsr 00000001", rb"even nowhere +5 cfsr 00000100"):
+        for text in (
+            rb"simd ef +6 cfsr 00010000",
+            rb"simd ff +6 cfsr 00010000",
+            rb"no line of ldc +6 cfsr 00080000",
+            rb"even in device +4 cfsr 00000001",
+            rb"even nowhere +5 cfsr 00000100",
+        ):
             self.assertRegex(output, text)
 
 

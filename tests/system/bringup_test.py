@@ -17,9 +17,20 @@ class BringUpCase(Case):
     def run_it(self, elf, *options):
         """Exit code, stdout, stderr and results."""
         result = self.folder / "r.json"
-        done = subprocess.run([CAPSOC, "run", FIRMWARE / f"{elf}.elf", "--json", result, *map(str, options)],
-                              capture_output=True, timeout=570, check=False, env=CLEAN, stdin=subprocess.DEVNULL)
-        return done.returncode, done.stdout, done.stderr.decode(), json.loads(result.read_text()) if result.exists() else None
+        done = subprocess.run(
+            [CAPSOC, "run", FIRMWARE / f"{elf}.elf", "--json", result, *map(str, options)],
+            capture_output=True,
+            timeout=570,
+            check=False,
+            env=CLEAN,
+            stdin=subprocess.DEVNULL,
+        )
+        return (
+            done.returncode,
+            done.stdout,
+            done.stderr.decode(),
+            json.loads(result.read_text()) if result.exists() else None,
+        )
 
     def words(self, *values):
         """A file of 32-bit words."""
@@ -35,8 +46,16 @@ class Semihosting(BringUpCase):
         files = self.folder / "files"
         files.mkdir(exist_ok=True)
         console = self.folder / "console"
-        code, uart, said, result = self.run_it("rdimon", "--semihosting-dir", files, "--semihosting-args", "one two",
-                                               "--semihosting-console", f"file:{console}", *options)
+        code, uart, said, result = self.run_it(
+            "rdimon",
+            "--semihosting-dir",
+            files,
+            "--semihosting-args",
+            "one two",
+            "--semihosting-console",
+            f"file:{console}",
+            *options,
+        )
         self.assertEqual(uart, b"")
         self.assertEqual(list(files.iterdir()), [], "it removes its files")
         return code, console.read_bytes(), said, result
@@ -45,10 +64,28 @@ class Semihosting(BringUpCase):
         code, text, said, _ = self.rdimon("-C", "semihosting.status=process")
         self.assertEqual(code, 23, text.decode() + said)
         theirs = subprocess.run(
-            ["qemu-system-arm", "-M", "mps2-an385", "-display", "none", "-monitor", "none", "-serial", "null",
-             "-semihosting-config", "enable=on,target=native,arg=rdimon.elf,arg=one,arg=two", "-kernel",
-             FIRMWARE / "rdimon.elf"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, check=False,
-            stdin=subprocess.DEVNULL, cwd=self.folder)
+            [
+                "qemu-system-arm",
+                "-M",
+                "mps2-an385",
+                "-display",
+                "none",
+                "-monitor",
+                "none",
+                "-serial",
+                "null",
+                "-semihosting-config",
+                "enable=on,target=native,arg=rdimon.elf,arg=one,arg=two",
+                "-kernel",
+                FIRMWARE / "rdimon.elf",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=60,
+            check=False,
+            stdin=subprocess.DEVNULL,
+            cwd=self.folder,
+        )
         self.assertEqual((code, sorted(text.splitlines())), (theirs.returncode, sorted(theirs.stdout.splitlines())))
 
     def test_every_run_is_the_same(self):
@@ -73,7 +110,9 @@ class Semihosting(BringUpCase):
 
 
 class Calls(BringUpCase):
-    """Each call against the semihosting specification (Arm, "Semihosting for AArch32 and AArch64", 2.0) and against QEMU."""
+    """Each call against the semihosting specification (Arm, "Semihosting for AArch32 and AArch64", 2.0) and against
+    QEMU.
+    """
 
     # What SYS_READ and SYS_WRITE have not done is their result, all of it if they fail.
     SPECIFIED = """open for writing: 1
@@ -140,7 +179,10 @@ temporary name: 0
 it is a name: 1
 """
     # QEMU 7.2: a read that fails leaves no errno, and what was appended is not in the file.
-    QEMU_DIFFERS = {"its error is EBADF: 1": "its error is EBADF: 0", "length behind append: 12": "length behind append: 10"}
+    QEMU_DIFFERS = {
+        "its error is EBADF: 1": "its error is EBADF: 0",
+        "length behind append: 12": "length behind append: 10",
+    }
 
     def test_every_line_is_as_specified(self):
         for options in ((), ("-C", "cpu.executor=stepping"), ("--quantum", 1000)):
@@ -150,12 +192,41 @@ it is a name: 1
 
     def test_qemu_prints_the_same_lines(self):
         theirs = subprocess.run(
-            ["qemu-system-arm", "-M", "mps2-an385", "-display", "none", "-monitor", "none", "-serial", "stdio",
-             "-semihosting-config", "enable=on,target=native", "-kernel", FIRMWARE / "semihosting_calls.elf"],
-            capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL, cwd=self.folder)
+            [
+                "qemu-system-arm",
+                "-M",
+                "mps2-an385",
+                "-display",
+                "none",
+                "-monitor",
+                "none",
+                "-serial",
+                "stdio",
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-kernel",
+                FIRMWARE / "semihosting_calls.elf",
+            ],
+            capture_output=True,
+            timeout=60,
+            check=False,
+            stdin=subprocess.DEVNULL,
+            cwd=self.folder,
+        )
         # Whether its input can be written is a matter of the host's descriptor there.
-        lines = [line for line in theirs.stdout.decode().splitlines() if line not in ("[out]", "x") and not line.startswith("write to its input")]
-        self.assertEqual(lines, [self.QEMU_DIFFERS.get(line, line) for line in self.SPECIFIED.splitlines() if not line.startswith("write to its input")])
+        lines = [
+            line
+            for line in theirs.stdout.decode().splitlines()
+            if line not in ("[out]", "x") and not line.startswith("write to its input")
+        ]
+        self.assertEqual(
+            lines,
+            [
+                self.QEMU_DIFFERS.get(line, line)
+                for line in self.SPECIFIED.splitlines()
+                if not line.startswith("write to its input")
+            ],
+        )
 
     def test_a_text_has_any_length(self):
         expected = "".join("\n" if i % 50 == 49 else chr(ord("a") + i % 26) for i in range(30000))
@@ -163,9 +234,26 @@ it is a name: 1
         self.assertEqual(self.run_it("long_text", "--semihosting-console", f"file:{console}")[0], 0)
         self.assertEqual(console.read_text(), expected)
         theirs = subprocess.run(
-            ["qemu-system-arm", "-M", "mps2-an385", "-display", "none", "-monitor", "none", "-serial", "null",
-             "-semihosting-config", "enable=on,target=native", "-kernel", FIRMWARE / "long_text.elf"],
-            capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+            [
+                "qemu-system-arm",
+                "-M",
+                "mps2-an385",
+                "-display",
+                "none",
+                "-monitor",
+                "none",
+                "-serial",
+                "null",
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-kernel",
+                FIRMWARE / "long_text.elf",
+            ],
+            capture_output=True,
+            timeout=60,
+            check=False,
+            stdin=subprocess.DEVNULL,
+        )
         self.assertEqual((theirs.stdout + theirs.stderr).decode(), expected)
 
 
@@ -184,8 +272,22 @@ class VectorTable(BringUpCase):
 
     def test_it_is_named(self):
         raw = self.folder / "hello.bin"
-        subprocess.run(["arm-none-eabi-objcopy", "-O", "binary", "-j", ".text", "-j", ".ARM.exidx", "-j", ".data",
-                        FIRMWARE / "hello_psram.elf", raw], check=True)
+        subprocess.run(
+            [
+                "arm-none-eabi-objcopy",
+                "-O",
+                "binary",
+                "-j",
+                ".text",
+                "-j",
+                ".ARM.exidx",
+                "-j",
+                ".data",
+                FIRMWARE / "hello_psram.elf",
+                raw,
+            ],
+            check=True,
+        )
         load = ("--load", f"{raw}@0x21000000")
         self.assertEqual(self.run_it("forever", *load, "--simlimit", 0.01)[1], b"forever: looping\n", "0 comes first")
         self.assertEqual(self.run_it("forever", *load, "--vector-table", "0x21000000")[1], b"hello from capsoc\n")
@@ -239,15 +341,20 @@ class Resets(BringUpCase):
         fresh = self.run_it("selfcal")
         plan = f"{self.words(RESETS, 0, 0)}@0x21F00000"
         selfcal = FIRMWARE / "selfcal.elf"
-        used = self.run_it("resets", "--load", selfcal, "--load", plan, "--vector-table", "0x21000000", "--log-level", "off")
+        used = self.run_it(
+            "resets", "--load", selfcal, "--load", plan, "--vector-table", "0x21000000", "--log-level", "off"
+        )
         self.assertEqual(fresh[0], 0, fresh[2])
         self.assertEqual(used[0], 0, used[2])
         self.assertTrue(used[1] == fresh[1], "UART 0")
         for key in ("parameters", "samples", "uart0"):
             self.assertEqual(used[3][key], fresh[3][key], key)
         self.assertGreater(used[3]["cpu"]["cycles"], fresh[3]["cpu"]["cycles"])
-        print(f"resets: {RESETS}, then the same {used[3]['uart0']['bytes']} bytes of UART 0 and the same parameters "
-              f"as in a fresh process", flush=True)
+        print(
+            f"resets: {RESETS}, then the same {used[3]['uart0']['bytes']} bytes of UART 0 and the same parameters "
+            f"as in a fresh process",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

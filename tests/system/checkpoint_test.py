@@ -15,11 +15,17 @@ from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 CTEST = {"name": "checkpoints", "timeout": 900}
 
 
-
 class CheckpointCase(Case):
     def capsoc(self, *arguments, code=0):
-        done = subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
-                              env=CLEAN, cwd=self.folder)
+        done = subprocess.run(
+            [CAPSOC, "run", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+            env=CLEAN,
+            cwd=self.folder,
+        )
         self.assertEqual(done.returncode, code, done.stderr)
         return done
 
@@ -34,8 +40,24 @@ class Cuts(CheckpointCase):
     """scripts/checkpoint_cuts in small."""
 
     def cuts(self, count, *options):
-        done = subprocess.run([sys.executable, SOURCE / "scripts" / "checkpoint_cuts", "--count", str(count), "--jobs", "2", "--build",
-                               BUILD, *options], capture_output=True, text=True, timeout=900, check=False, env=CLEAN)
+        done = subprocess.run(
+            [
+                sys.executable,
+                SOURCE / "scripts" / "checkpoint_cuts",
+                "--count",
+                str(count),
+                "--jobs",
+                "2",
+                "--build",
+                BUILD,
+                *options,
+            ],
+            capture_output=True,
+            text=True,
+            timeout=900,
+            check=False,
+            env=CLEAN,
+        )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn(f"different: 0 of {count}", done.stdout)
 
@@ -46,8 +68,15 @@ class Cuts(CheckpointCase):
         self.cuts(6, "--pairs", "rtl-rtl,lockstep-lockstep", "--programs", "selfcal,track,drivers", "--seed", "6")
 
     def test_from_one_coprocessor_to_another(self):
-        self.cuts(36, "--pairs", "tlm-rtl,tlm-lockstep,rtl-tlm,rtl-lockstep,lockstep-tlm,lockstep-rtl", "--programs",
-                  "selfcal,track,unordered", "--seed", "7")
+        self.cuts(
+            36,
+            "--pairs",
+            "tlm-rtl,tlm-lockstep,rtl-tlm,rtl-lockstep,lockstep-tlm,lockstep-rtl",
+            "--programs",
+            "selfcal,track,unordered",
+            "--seed",
+            "7",
+        )
 
 
 class Places(CheckpointCase):
@@ -68,33 +97,84 @@ class Places(CheckpointCase):
 
     def test_the_same_state_has_the_same_bytes(self):
         self.capsoc(FIRMWARE / "drivers.elf", "--uart0", "null", "--save", "a@0.03")
-        self.capsoc(FIRMWARE / "drivers.elf", "--uart0", "file:x", "--quantum", "100", "-C", "cpu.executor=stepping", "--save", "b@0.03")
+        self.capsoc(
+            FIRMWARE / "drivers.elf",
+            "--uart0",
+            "file:x",
+            "--quantum",
+            "100",
+            "-C",
+            "cpu.executor=stepping",
+            "--save",
+            "b@0.03",
+        )
         self.assertEqual(self.bytes_of("a"), self.bytes_of("b"))
 
     def test_the_state_has_the_same_bytes_whatever_the_coprocessor_is(self):
         for arithmetic in ("precise", "paper"):
             for kind in ("tlm", "rtl", "lockstep"):
-                self.capsoc("--coprocessor", kind, "--arithmetic", arithmetic, "--uart0", "null", "--simlimit", "1.2", "--save", f"{kind}@1",
-                            code=124)
+                self.capsoc(
+                    "--coprocessor",
+                    kind,
+                    "--arithmetic",
+                    arithmetic,
+                    "--uart0",
+                    "null",
+                    "--simlimit",
+                    "1.2",
+                    "--save",
+                    f"{kind}@1",
+                    code=124,
+                )
             self.assertEqual(self.bytes_of("rtl"), self.bytes_of("tlm"))
             self.assertEqual(self.bytes_of("lockstep"), self.bytes_of("tlm"))
 
     def test_the_last_second_of_the_models_run_in_lockstep(self):
         self.capsoc("--uart0", "null", "--simlimit", "400", "--save", "s@399", "--json", "whole.json", code=124)
-        self.capsoc("--uart0", "null", "--simlimit", "400", "--restore", "s", "--coprocessor", "lockstep", "--json", "r.json", code=124)
+        self.capsoc(
+            "--uart0",
+            "null",
+            "--simlimit",
+            "400",
+            "--restore",
+            "s",
+            "--coprocessor",
+            "lockstep",
+            "--json",
+            "r.json",
+            code=124,
+        )
         for key in ("samples", "parameters", "angle_error_deg", "convergence_s"):
             self.assertEqual(self.result()[key], self.result("whole.json")[key], key)
 
     def test_every_so_many_seconds(self):
         self.capsoc("--simlimit", "9.5", "--uart0", "null", "--save-every", "4", code=124)
-        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["checkpoint-4.capsoc", "checkpoint-8.capsoc"])
-        self.capsoc("--simlimit", "9.5", "--uart0", "null", "--restore", "checkpoint-8.capsoc", "--save-every", "1", "-C",
-                    "checkpoint.prefix=later-", code=124)
+        self.assertEqual(
+            sorted(path.name for path in self.folder.iterdir()), ["checkpoint-4.capsoc", "checkpoint-8.capsoc"]
+        )
+        self.capsoc(
+            "--simlimit",
+            "9.5",
+            "--uart0",
+            "null",
+            "--restore",
+            "checkpoint-8.capsoc",
+            "--save-every",
+            "1",
+            "-C",
+            "checkpoint.prefix=later-",
+            code=124,
+        )
         self.assertEqual(sorted(path.name for path in self.folder.glob("later*")), ["later-9.capsoc"])
 
     def test_on_a_signal(self):
-        run = subprocess.Popen([CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--timelimit", "60"], cwd=self.folder,
-                               env=CLEAN, stderr=subprocess.PIPE, text=True)
+        run = subprocess.Popen(
+            [CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--timelimit", "60"],
+            cwd=self.folder,
+            env=CLEAN,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         try:
             deadline = time.monotonic() + 50
             while not any(self.folder.glob("checkpoint-*.capsoc")) and time.monotonic() < deadline:
@@ -124,9 +204,21 @@ class Places(CheckpointCase):
         self.capsoc(FIRMWARE / "newlib.elf", "--semihosting-dir", "whole", "--uart0", "file:w", "--json", "w.json")
         length = self.result("w.json")["time"]["simulated_s"]
         for place in (0.2, 0.5, 0.8, 0.95):
-            self.capsoc(FIRMWARE / "newlib.elf", "--semihosting-dir", "cut", "--uart0", "null", "--save", f"s@{place * length}")
+            self.capsoc(
+                FIRMWARE / "newlib.elf", "--semihosting-dir", "cut", "--uart0", "null", "--save", f"s@{place * length}"
+            )
             # What the run wrote behind the checkpoint is there now, and goes.
-            self.capsoc(FIRMWARE / "newlib.elf", "--semihosting-dir", "cut", "--uart0", "null", "--restore", "s", "--json", "r.json")
+            self.capsoc(
+                FIRMWARE / "newlib.elf",
+                "--semihosting-dir",
+                "cut",
+                "--uart0",
+                "null",
+                "--restore",
+                "s",
+                "--json",
+                "r.json",
+            )
             self.assertEqual(self.result()["cpu"]["cycles"], self.result("w.json")["cpu"]["cycles"])
             names = sorted(path.name for path in (self.folder / "whole").iterdir())
             self.assertEqual(sorted(path.name for path in (self.folder / "cut").iterdir()), names)
@@ -157,10 +249,23 @@ class Refusals(CheckpointCase):
 
     def test_another_program_sensor_or_setting(self):
         self.refused("s: was saved with another the file of firmware", FIRMWARE / "track.elf", "--restore", "s")
-        self.refused("s: was saved with another the file of sensor", "--sensor", SOURCE / "traces" / "soc_051hz.toml", "--restore", "s")
-        self.refused("s: was saved with another coprocessor.arithmetic (precise, here paper); give the same as then", "--arithmetic", "paper",
-                     "--restore", "s")
-        self.refused("s: was saved with another cpu.priority_bits (3, here 8)", "-C", "cpu.priority_bits=8", "--restore", "s")
+        self.refused(
+            "s: was saved with another the file of sensor",
+            "--sensor",
+            SOURCE / "traces" / "soc_051hz.toml",
+            "--restore",
+            "s",
+        )
+        self.refused(
+            "s: was saved with another coprocessor.arithmetic (precise, here paper); give the same as then",
+            "--arithmetic",
+            "paper",
+            "--restore",
+            "s",
+        )
+        self.refused(
+            "s: was saved with another cpu.priority_bits (3, here 8)", "-C", "cpu.priority_bits=8", "--restore", "s"
+        )
         self.refused("s: was saved with another program.step", "-P", "step=0.5", "--restore", "s")
 
     def test_what_is_damaged_names_its_part(self):
@@ -168,7 +273,7 @@ class Refusals(CheckpointCase):
         (self.folder / "d").write_bytes(good[:-1])
         self.refused("d: the checkpoint is damaged (it ends in the part host)", "--restore", "d")
         at = len(good) // 2
-        (self.folder / "d").write_bytes(good[:at] + bytes([good[at] ^ 16]) + good[at + 1:])
+        (self.folder / "d").write_bytes(good[:at] + bytes([good[at] ^ 16]) + good[at + 1 :])
         self.refused("d: the checkpoint is damaged (the part code_sram)", "--restore", "d")
         (self.folder / "d").write_bytes(good.replace(b"capsoc checkpoint 1 ", b"capsoc checkpoint 2 "))
         self.refused("d: is a checkpoint of format 2, and this program has format 1", "--restore", "d")
@@ -177,14 +282,24 @@ class Refusals(CheckpointCase):
         self.refused("capsoc", "--restore", ".")
 
     def save_while_it_computes(self, kind):
-        run = subprocess.Popen([CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--gdb", "0", "--halt", "--coprocessor",
-                                kind], cwd=self.folder, env=CLEAN, stderr=subprocess.PIPE, text=True)
+        run = subprocess.Popen(
+            [CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--gdb", "0", "--halt", "--coprocessor", kind],
+            cwd=self.folder,
+            env=CLEAN,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         try:
             port = re.search(r"127\.0\.0\.1:(\d+)", run.stderr.readline()).group(1)
             load = "set *(unsigned *)0x4000c014 = 1"  # CMD.LOAD: 97 cycles
             commands = [f"target remote :{port}", load, "stepi", "stepi", "stepi", f"monitor save busy-{kind}", "kill"]
-            done = subprocess.run(["gdb-multiarch", "-nx", "-batch", *(f"-ex={command}" for command in commands)], capture_output=True,
-                                  text=True, timeout=60, check=False)
+            done = subprocess.run(
+                ["gdb-multiarch", "-nx", "-batch", *(f"-ex={command}" for command in commands)],
+                capture_output=True,
+                text=True,
+                timeout=60,
+                check=False,
+            )
             self.assertIn(f"busy-{kind}: saved", done.stdout + done.stderr)
         finally:
             run.kill()
@@ -194,12 +309,24 @@ class Refusals(CheckpointCase):
         for saved in ("tlm", "rtl", "lockstep"):
             self.save_while_it_computes(saved)
             for kind in ("tlm", "rtl", "lockstep"):
-                again = (FIRMWARE / "forever.elf", "--uart0", "null", "--restore", f"busy-{saved}", "--coprocessor", kind)
+                again = (
+                    FIRMWARE / "forever.elf",
+                    "--uart0",
+                    "null",
+                    "--restore",
+                    f"busy-{saved}",
+                    "--coprocessor",
+                    kind,
+                )
                 if kind == saved:
                     self.capsoc(*again, "--timelimit", "0.5", code=124)
                 else:
-                    self.refused(f"busy-{saved}: coprocessor: was saved while the coprocessor computed; only --coprocessor {saved} can go on "
-                                 "from there", *again)
+                    self.refused(
+                        f"busy-{saved}: coprocessor: was saved while the coprocessor computed; "
+                        f"only --coprocessor {saved} can go on "
+                        "from there",
+                        *again,
+                    )
 
     def test_a_refused_run_leaves_its_places_alone(self):
         (self.folder / "out").write_text("old")

@@ -18,15 +18,18 @@ CONDITIONS = {name: number for number, name in enumerate(CONDITIONS)} | {"hs": 2
 
 
 def capsoc(*arguments, code=0):
-    done = subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN)
+    done = subprocess.run(
+        [CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN
+    )
     if done.returncode != code:
         raise AssertionError(f"exit code {done.returncode}, not {code}:\n{done.stderr.decode()}")
     return done.stdout + done.stderr
 
 
 def tool(name, *arguments, **more):
-    return subprocess.run([f"arm-none-eabi-{name}", *map(str, arguments)], stdout=subprocess.PIPE, check=True, text=True,
-                          **more).stdout
+    return subprocess.run(
+        [f"arm-none-eabi-{name}", *map(str, arguments)], stdout=subprocess.PIPE, check=True, text=True, **more
+    ).stdout
 
 
 def read_lcov(path):
@@ -112,8 +115,11 @@ class Counts(Case):
         addresses = sorted(steps.executed)
         places = tool("addr2line", "-e", elf, input="\n".join(map(hex, addresses))).splitlines()
         place_of = {address: relative(place) for address, place in zip(addresses, places)}
-        functions = [(int(f[0], 16) & ~1, int(f[1], 16), f[3]) for f in map(str.split, tool("nm", "-S", elf).splitlines())
-                     if len(f) == 4 and f[2] in "tTwW"]
+        functions = [
+            (int(f[0], 16) & ~1, int(f[1], 16), f[3])
+            for f in map(str.split, tool("nm", "-S", elf).splitlines())
+            if len(f) == 4 and f[2] in "tTwW"
+        ]
         files = read_lcov(self.folder / "c.info")
         self.check_lines(steps, place_of, functions, files)
         self.check_functions(steps, place_of, functions, files)
@@ -183,8 +189,14 @@ class Files(unittest.TestCase):
 
     def test_the_same_for_every_executor_and_quantum(self):
         texts = set()
-        for options in (["-C", "cpu.executor=stepping"], ["-C", "cpu.executor=blocks"], ["-C", "cpu.translate_after=1"], [],
-                        ["--quantum", "777"], ["-C", "cpu.fast_forward=false"]):
+        for options in (
+            ["-C", "cpu.executor=stepping"],
+            ["-C", "cpu.executor=blocks"],
+            ["-C", "cpu.translate_after=1"],
+            [],
+            ["--quantum", "777"],
+            ["-C", "cpu.fast_forward=false"],
+        ):
             self.cover("drivers", *options)
             texts.add(self.file.read_bytes())
             self.file.unlink()
@@ -198,18 +210,27 @@ class Files(unittest.TestCase):
         for name, about in read_lcov(self.file).items():
             self.assertEqual(about["DA"], {line: 3 * count for line, count in once[name]["DA"].items()}, name)
             self.assertEqual(about["FNDA"], {line: 3 * count for line, count in once[name]["FNDA"].items()}, name)
-            self.assertEqual(about["BRDA"], {at: {way: n if n == "-" else str(3 * int(n)) for way, n in ways.items()}
-                                             for at, ways in once[name]["BRDA"].items()}, name)
+            self.assertEqual(
+                about["BRDA"],
+                {
+                    at: {way: n if n == "-" else str(3 * int(n)) for way, n in ways.items()}
+                    for at, ways in once[name]["BRDA"].items()
+                },
+                name,
+            )
 
     def test_what_is_not_of_this_program_stays(self):
         self.cover("hello")
-        for text, what in ((self.file.read_text(), "of another program"), ("no coverage\n", "c.info:1: "),
-                           ("TN:capsoc_1\nSF:a.c\nDA:1,2\nDA:1,3\nend_of_record\n", "c.info:4: "),
-                           ("TN:capsoc_1\nSF:a.c\nDA:1,x\nend_of_record\n", "c.info:3: "),
-                           ("TN:capsoc_1\nSF:a.c\nDA:1,1\n", "c.info:4: "),
-                           ("TN:capsoc_1\nSF:a.c\nBRDA:1,1,2,1\nend_of_record\n", "c.info:3: "),
-                           ("TN:capsoc_1\nSF:a.c\nFNDA:1,f\nend_of_record\n", "c.info:3: "),
-                           ("TN:capsoc_1\nSF:a.c\nDA:1,99999999999999999999\nend_of_record\n", "c.info:3: ")):
+        for text, what in (
+            (self.file.read_text(), "of another program"),
+            ("no coverage\n", "c.info:1: "),
+            ("TN:capsoc_1\nSF:a.c\nDA:1,2\nDA:1,3\nend_of_record\n", "c.info:4: "),
+            ("TN:capsoc_1\nSF:a.c\nDA:1,x\nend_of_record\n", "c.info:3: "),
+            ("TN:capsoc_1\nSF:a.c\nDA:1,1\n", "c.info:4: "),
+            ("TN:capsoc_1\nSF:a.c\nBRDA:1,1,2,1\nend_of_record\n", "c.info:3: "),
+            ("TN:capsoc_1\nSF:a.c\nFNDA:1,f\nend_of_record\n", "c.info:3: "),
+            ("TN:capsoc_1\nSF:a.c\nDA:1,99999999999999999999\nend_of_record\n", "c.info:3: "),
+        ):
             self.file.write_text(text)
             self.assertIn(what, self.cover(code=2).decode())
             self.assertEqual(self.file.read_text(), text)
@@ -217,8 +238,9 @@ class Files(unittest.TestCase):
     def test_a_program_without_lines_is_refused(self):
         stripped = self.file.parent / "stripped.elf"
         tool("strip", "-g", "-o", stripped, FIRMWARE / "hello.elf")
-        self.assertIn("has no lines of source; compile it with -g",
-                      capsoc(stripped, "--coverage", self.file, code=2).decode())
+        self.assertIn(
+            "has no lines of source; compile it with -g", capsoc(stripped, "--coverage", self.file, code=2).decode()
+        )
         self.assertFalse(self.file.exists())
 
     def test_lines_whose_file_has_no_name_are_left_out(self):
@@ -233,8 +255,10 @@ class Files(unittest.TestCase):
     def test_what_cannot_be_read_is_told(self):
         damaged, whole = self.file.parent / "damaged.elf", bytearray((FIRMWARE / "hello.elf").read_bytes())
         listing = tool("readelf", "-SW", FIRMWARE / "hello.elf")
-        start, size = (int(text, 16) for text in re.search(r"\.debug_abbrev +PROGBITS +\w+ (\w+) (\w+)", listing).groups())
-        whole[start + size // 2:start + size] = b"\xff" * (size - size // 2)
+        start, size = (
+            int(text, 16) for text in re.search(r"\.debug_abbrev +PROGBITS +\w+ (\w+) (\w+)", listing).groups()
+        )
+        whole[start + size // 2 : start + size] = b"\xff" * (size - size // 2)
         damaged.write_bytes(whole)
         for option in ("--coverage", "--profile"):
             said = capsoc(damaged, option, self.file).decode()
@@ -246,11 +270,19 @@ class Files(unittest.TestCase):
         for program in ("drivers", "threads", "debuggee"):
             results = []
             for options in ([], ["--coverage", self.file]):
-                capsoc(FIRMWARE / f"{program}.elf", *options, "--json", self.file.parent / "r.json", "--uart0",
-                       f"file:{self.file.parent / 'uart'}")
+                capsoc(
+                    FIRMWARE / f"{program}.elf",
+                    *options,
+                    "--json",
+                    self.file.parent / "r.json",
+                    "--uart0",
+                    f"file:{self.file.parent / 'uart'}",
+                )
                 text = (self.file.parent / "r.json").read_text()
-                results.append([re.search(f'"{key}": .*', text)[0] for key in ("instructions", "cycles", "sha256")] +
-                               [(self.file.parent / "uart").read_bytes()])
+                results.append(
+                    [re.search(f'"{key}": .*', text)[0] for key in ("instructions", "cycles", "sha256")]
+                    + [(self.file.parent / "uart").read_bytes()]
+                )
             self.assertEqual(*results)
             self.file.unlink()
 
@@ -262,10 +294,18 @@ class Files(unittest.TestCase):
         lines = [count for about in files for count in about["DA"].values()]
         ways = [count for about in files for each in about["BRDA"].values() for count in each.values()]
         self.assertIn(f"({sum(map(bool, lines))} of {len(lines)} lines)", summary.stdout + summary.stderr)
-        self.assertIn(f"({sum(w not in ('-', '0') for w in ways)} of {len(ways)} branches)", summary.stdout + summary.stderr)
-        subprocess.run(["genhtml", "-q", "--branch-coverage", "-o", self.file.parent / "html", self.file], check=True,
-                       cwd=self.file.parent, capture_output=True)
-        self.assertTrue(all(Path(line[3:]).is_file() for line in self.file.read_text().splitlines() if line.startswith("SF:")))
+        self.assertIn(
+            f"({sum(w not in ('-', '0') for w in ways)} of {len(ways)} branches)", summary.stdout + summary.stderr
+        )
+        subprocess.run(
+            ["genhtml", "-q", "--branch-coverage", "-o", self.file.parent / "html", self.file],
+            check=True,
+            cwd=self.file.parent,
+            capture_output=True,
+        )
+        self.assertTrue(
+            all(Path(line[3:]).is_file() for line in self.file.read_text().splitlines() if line.startswith("SF:"))
+        )
         self.assertTrue(list((self.file.parent / "html").rglob("drivers.c.gcov.html")))
 
 

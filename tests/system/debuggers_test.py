@@ -18,7 +18,9 @@ TEXT = "by itm\nABCCD\n"
 
 
 def run(elf, *options):
-    done = subprocess.run([CAPSOC, "run", elf, *map(str, options)], capture_output=True, timeout=60, check=False, env=CLEAN)
+    done = subprocess.run(
+        [CAPSOC, "run", elf, *map(str, options)], capture_output=True, timeout=60, check=False, env=CLEAN
+    )
     if done.returncode != 0:
         raise AssertionError(done.stderr.decode())
     return done.stdout.decode(), done.stderr.decode()
@@ -50,7 +52,12 @@ class Viewer(unittest.TestCase):
     def test_every_executor(self):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "itm.txt"
-            for options in (["-C", "cpu.executor=stepping"], ["-C", "cpu.executor=blocks"], ["-C", "cpu.translate_after=1"], ["--quantum", 100]):
+            for options in (
+                ["-C", "cpu.executor=stepping"],
+                ["-C", "cpu.executor=blocks"],
+                ["-C", "cpu.translate_after=1"],
+                ["--quantum", 100],
+            ):
                 run(VIEWER, "--itm", f"file:{file}", *options)
                 self.assertEqual(file.read_text(), 2 * TEXT, options)
 
@@ -58,12 +65,23 @@ class Viewer(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "itm.txt"
             for options, script, expected, answer in (
-                    (["--itm", f"file:{file}"], "monitor itm port 0 off\ncontinue", (1, 1, 0), ""),
-                    (["--itm", f"file:{file}"], "monitor itm ports off\nmonitor itm port 0 on\ncontinue", (1, 1, 1), ""),
-                    (["--itm", f"file:{file}"], "monitor itm port 3 on\ncontinue", (1, 1, 9), "only the text of port 0 is shown"),
-                    ([], "monitor itm port 0 on\ncontinue", (1, 1, 1), "the text goes nowhere; start capsoc run with --itm stdout"),
-                    ([], "monitor itm ports 1\ncontinue", (1, 1, 4294967295), "the text goes nowhere"),
-                    ([], "monitor itm port\ncontinue", (0, 0, 0), "itm: write itm port N on|off")):
+                (["--itm", f"file:{file}"], "monitor itm port 0 off\ncontinue", (1, 1, 0), ""),
+                (["--itm", f"file:{file}"], "monitor itm ports off\nmonitor itm port 0 on\ncontinue", (1, 1, 1), ""),
+                (
+                    ["--itm", f"file:{file}"],
+                    "monitor itm port 3 on\ncontinue",
+                    (1, 1, 9),
+                    "only the text of port 0 is shown",
+                ),
+                (
+                    [],
+                    "monitor itm port 0 on\ncontinue",
+                    (1, 1, 1),
+                    "the text goes nowhere; start capsoc run with --itm stdout",
+                ),
+                ([], "monitor itm ports 1\ncontinue", (1, 1, 4294967295), "the text goes nowhere"),
+                ([], "monitor itm port\ncontinue", (0, 0, 0), "itm: write itm port N on|off"),
+            ):
                 file.write_text("")
                 with Run(VIEWER, "--halt", *options) as process:
                     said = gdb(process, script, elf=VIEWER)
@@ -94,7 +112,9 @@ class Presence(unittest.TestCase):
 
     def test_with_gdb_its_breakpoint_is_reached(self):
         with Run(PRESENCE, "--halt") as process:
-            said = gdb(process, "x/wx 0xe000edf0\ncontinue\nx/i $pc\nset $pc += 2\nx/wx 0xe000edf0\ncontinue", elf=PRESENCE)
+            said = gdb(
+                process, "x/wx 0xe000edf0\ncontinue\nx/i $pc\nset $pc += 2\nx/wx 0xe000edf0\ncontinue", elf=PRESENCE
+            )
             code, out, _ = process.end()
         self.assertEqual((code, out), (0, b"a debugger is there\n"))
         self.assertRegex(said, r"bkpt\s+0x0001")
@@ -157,19 +177,38 @@ continue
         with Run(DEBUGGEE, "--halt") as process, tempfile.NamedTemporaryFile("w", suffix=".lldb") as file:
             file.write(f"gdb-remote 127.0.0.1:{process.port}\n{self.SESSION}")
             file.flush()
-            done = subprocess.run(["lldb", "--no-lldbinit", "-l", "none", "-b", "-s", file.name, DEBUGGEE], capture_output=True,
-                                  timeout=120, check=False, stdin=subprocess.DEVNULL, env=CLEAN)
+            done = subprocess.run(
+                ["lldb", "--no-lldbinit", "-l", "none", "-b", "-s", file.name, DEBUGGEE],
+                capture_output=True,
+                timeout=120,
+                check=False,
+                stdin=subprocess.DEVNULL,
+                env=CLEAN,
+            )
             said = (done.stdout + done.stderr).decode()
             code, out, _ = process.end()
         self.assertEqual(done.returncode, 0, said)
         self.assertEqual((code, out.decode()), (0, "debuggee: right\n"))
         for word in ("Assertion", "error:", "LLVM", "backtrace leading"):
             self.assertNotIn(word, said)
-        for pattern in (r"stop reason = breakpoint 1\.1", r"frame #1: 0x\w+ debuggee\.elf`main at debuggee\.c", r"\(volatile uint32_t\) \$0 = 0\n",
-                        r"\[0x0*20000000-0x0*20400000\) rwx", r"\[0x0*1010000-0x0*20000000\) ---", r"\[0x0*e0100000-0x0*100000000\) ---",
-                        r"0x20200000: 01 02 03 04 00", r"stop reason = step out", r"Watchpoint 1 hit:\nold value: 1\nnew value: 2\n",
-                        r"stop reason = watchpoint 1", r"\$1 = 2\n", r"stop reason = breakpoint 2\.1", r"r0 = 0x00000063", r"response: QC1",
-                        r"itm port N on", r"exited with status = 0"):
+        for pattern in (
+            r"stop reason = breakpoint 1\.1",
+            r"frame #1: 0x\w+ debuggee\.elf`main at debuggee\.c",
+            r"\(volatile uint32_t\) \$0 = 0\n",
+            r"\[0x0*20000000-0x0*20400000\) rwx",
+            r"\[0x0*1010000-0x0*20000000\) ---",
+            r"\[0x0*e0100000-0x0*100000000\) ---",
+            r"0x20200000: 01 02 03 04 00",
+            r"stop reason = step out",
+            r"Watchpoint 1 hit:\nold value: 1\nnew value: 2\n",
+            r"stop reason = watchpoint 1",
+            r"\$1 = 2\n",
+            r"stop reason = breakpoint 2\.1",
+            r"r0 = 0x00000063",
+            r"response: QC1",
+            r"itm port N on",
+            r"exited with status = 0",
+        ):
             self.assertRegex(said, pattern)
 
 

@@ -18,17 +18,28 @@ SOON = 20  # seconds; a tenth of one is what it takes on an idle machine
 LIMIT = 124
 ENDING = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM)
 
-WAYS = ("compute wfi_adc wfe_adc wfi_fast_adc wfi_timer wfi_tick sleep_on_exit wfi_pending wfi_for_good poll_gpio poll_uart "
-        "poll_timer poll_adc poll_running_adc poll_coprocessor poll_systick poll_two poll_and_count write_gpio "
-        "feed_coprocessor print semihosting_write semihosting_read fault_again").split()
+WAYS = (
+    "compute wfi_adc wfe_adc wfi_fast_adc wfi_timer wfi_tick sleep_on_exit wfi_pending wfi_for_good poll_gpio "
+    "poll_uart poll_timer poll_adc poll_running_adc poll_coprocessor poll_systick poll_two poll_and_count write_gpio "
+    "feed_coprocessor print semihosting_write semihosting_read fault_again"
+).split()
 ENDS_ITSELF = ("wfi_timer", "wfi_for_good")  # without a host that could wake it
 SOME = ("compute", "wfi_adc", "wfi_tick", "poll_gpio", "poll_running_adc", "poll_coprocessor")
 
 
 class EndlessCase(Case):
     def start(self, way, *options, **keywords):
-        arguments = ["run", ENDLESS, "--sensor", SENSOR, "-P", f"way={WAYS.index(way)}", "--json", "r.json",
-                     *map(str, options)]
+        arguments = [
+            "run",
+            ENDLESS,
+            "--sensor",
+            SENSOR,
+            "-P",
+            f"way={WAYS.index(way)}",
+            "--json",
+            "r.json",
+            *map(str, options),
+        ]
         return super().start(*arguments, **{"stdout": subprocess.DEVNULL, **keywords})
 
     def wait(self, process, code, reason):
@@ -87,9 +98,19 @@ class Limits(EndlessCase):
 
     def test_other_speeds_of_the_host(self):
         for way in SOME:
-            for options in (("-C", "cpu.fast_forward=false"), ("-C", "cpu.translate_after=1"), ("--trace-instructions", "i"),
-                            ("--profile", "p"), ("--realtime",), ("--realtime", "1000"), ("--realtime", "0.01"),
-                            ("--waves", "w.fst"), ("--record", "c.csv"), ("--coverage", "v.info"), ("--curves",)):
+            for options in (
+                ("-C", "cpu.fast_forward=false"),
+                ("-C", "cpu.translate_after=1"),
+                ("--trace-instructions", "i"),
+                ("--profile", "p"),
+                ("--realtime",),
+                ("--realtime", "1000"),
+                ("--realtime", "0.01"),
+                ("--waves", "w.fst"),
+                ("--record", "c.csv"),
+                ("--coverage", "v.info"),
+                ("--curves",),
+            ):
                 with self.subTest(way, options=options):
                     self.ends_by_limit(way, *options)
 
@@ -147,7 +168,9 @@ class Backends(EndlessCase):
 
     def test_streams_that_are_closed(self):
         for way in ("print", "wfi_adc", "semihosting_write"):
-            self.both(way, preexec_fn=lambda: [os.close(number) for number in (0, 1, 2)], stdin=None, stdout=None, stderr=None)
+            self.both(
+                way, preexec_fn=lambda: [os.close(number) for number in (0, 1, 2)], stdin=None, stdout=None, stderr=None
+            )
 
     def test_ports_without_a_peer(self):
         for backend in ("pty", "tcp:0"):
@@ -229,7 +252,13 @@ class Unchanged(EndlessCase):
         return result
 
     def test_signals_that_end_nothing(self):
-        for way, limit in (("wfi_adc", 20000), ("wfi_tick", 500), ("poll_gpio", 1), ("poll_running_adc", 1), ("compute", 2)):
+        for way, limit in (
+            ("wfi_adc", 20000),
+            ("wfi_tick", 500),
+            ("poll_gpio", 1),
+            ("poll_running_adc", 1),
+            ("compute", 2),
+        ):
             options = ("--simlimit", limit, "--uart0", "null", "--record", "c.csv")
             alone = self.results(self.start(way, *options), LIMIT)
             rows = (self.folder / "c.csv").read_bytes().split(b"\n", 1)[1]

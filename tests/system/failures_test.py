@@ -13,13 +13,28 @@ from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE
 CTEST = {"name": "failures"}
 
 FAILURES = FIRMWARE / "failures.elf"
-NULL_WRITE, OVERFLOW, SVC_PRIORITY, DEADLOCK, ASLEEP, LOST_WRITE, FAILED_CHECK, FAULT_IN_HANDLER, PRINTED_WARNING = range(1, 10)
+(
+    NULL_WRITE,
+    OVERFLOW,
+    SVC_PRIORITY,
+    DEADLOCK,
+    ASLEEP,
+    LOST_WRITE,
+    FAILED_CHECK,
+    FAULT_IN_HANDLER,
+    PRINTED_WARNING,
+) = range(1, 10)
 
 
 def capsoc(elf, *options, code=None):
     """`capsoc run`: exit code and stderr."""
-    done = subprocess.run([CAPSOC, "run", elf, "--simlimit", "0.2", *map(str, options)], capture_output=True, timeout=120,
-                          check=False, env=CLEAN)
+    done = subprocess.run(
+        [CAPSOC, "run", elf, "--simlimit", "0.2", *map(str, options)],
+        capture_output=True,
+        timeout=120,
+        check=False,
+        env=CLEAN,
+    )
     text = done.stderr.decode()
     if code is not None and done.returncode != code:
         raise AssertionError(f"exit code {done.returncode}, not {code}:\n{text}")
@@ -52,13 +67,37 @@ def stack_of(report):
 
 def gdb_stack(number, stop, *options):
     """The same by gdb-multiarch, where `stop` is reached."""
-    run = subprocess.Popen([CAPSOC, "run", FAILURES, "-P", f"failure={number}", "--gdb", "0", "--halt", *options],
-                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=CLEAN)
+    run = subprocess.Popen(
+        [CAPSOC, "run", FAILURES, "-P", f"failure={number}", "--gdb", "0", "--halt", *options],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        env=CLEAN,
+    )
     try:
         port = re.search(r"127\.0\.0\.1:(\d+)", run.stderr.readline().decode()).group(1)
         text = subprocess.run(
-            ["gdb-multiarch", "-nx", "-batch", "-ex", "set width 0", "-ex", "set backtrace past-main on", "-ex", f"target remote :{port}", "-ex", f"break {stop}",
-             "-ex", "continue", "-ex", "backtrace", FAILURES], capture_output=True, timeout=60, check=False).stdout.decode()
+            [
+                "gdb-multiarch",
+                "-nx",
+                "-batch",
+                "-ex",
+                "set width 0",
+                "-ex",
+                "set backtrace past-main on",
+                "-ex",
+                f"target remote :{port}",
+                "-ex",
+                f"break {stop}",
+                "-ex",
+                "continue",
+                "-ex",
+                "backtrace",
+                FAILURES,
+            ],
+            capture_output=True,
+            timeout=60,
+            check=False,
+        ).stdout.decode()
     finally:
         run.kill()
         run.communicate()
@@ -81,9 +120,16 @@ class Explained(unittest.TestCase):
 
     def test_a_null_write_into_the_vector_table(self):
         report = fail(NULL_WRITE, code=5)
-        self.check(report, "a null pointer?", "INVSTATE", "written into the vector table",
-                   "0x1234, 4 bytes, to 0x0000003c: the vector of exception 15 (SysTick), by", marked("null write"),
-                   "exception 15 (SysTick), its frame on MSP, interrupted", "UsageFault is not enabled (SHCSR)")
+        self.check(
+            report,
+            "a null pointer?",
+            "INVSTATE",
+            "written into the vector table",
+            "0x1234, 4 bytes, to 0x0000003c: the vector of exception 15 (SysTick), by",
+            marked("null write"),
+            "exception 15 (SysTick), its frame on MSP, interrupted",
+            "UsageFault is not enabled (SHCSR)",
+        )
 
     def test_a_stack_overflow(self):
         report = fail(OVERFLOW, code=5)
@@ -91,18 +137,33 @@ class Explained(unittest.TestCase):
 
     def test_a_stack_overflow_at_its_limit(self):
         report = fail(OVERFLOW, "-C", "cpu.stack_limit=0x2000fc00", code=5)
-        self.check(report, "the firmware's stack overflowed: MSP is 0x2000f", "below cpu.stack_limit = 0x2000fc00", "times more",
-                   marked("overflow"), "the stacks so far:")
+        self.check(
+            report,
+            "the firmware's stack overflowed: MSP is 0x2000f",
+            "below cpu.stack_limit = 0x2000fc00",
+            "times more",
+            marked("overflow"),
+            "the stacks so far:",
+        )
 
     def test_a_wrong_interrupt_priority(self):
         report = fail(SVC_PRIORITY, code=5)
-        self.check(report, "escalated from an SVC", marked("svc priority"),
-                   "SVCall has the priority 0x40, which does not preempt: exception 24 (timer0, line 8) runs, whose priority is 0x40")
+        self.check(
+            report,
+            "escalated from an SVC",
+            marked("svc priority"),
+            "SVCall has the priority 0x40, which does not preempt: exception 24 (timer0, line 8) runs, "
+            "whose priority is 0x40",
+        )
 
     def test_a_deadlock(self):
         report = fail(DEADLOCK, code=124)
-        self.check(report, marked("deadlock"), "mode       exception 24 (timer0)",
-                   "exception 25 (timer1, line 9): its priority 0xa0 does not preempt: exception 24 (timer0, line 8) runs")
+        self.check(
+            report,
+            marked("deadlock"),
+            "mode       exception 24 (timer0)",
+            "exception 25 (timer1, line 9): its priority 0xa0 does not preempt: exception 24 (timer0, line 8) runs",
+        )
 
     def test_a_sleep_without_end(self):
         report = fail(ASLEEP, code=124)
@@ -110,7 +171,12 @@ class Explained(unittest.TestCase):
 
     def test_an_imprecise_fault_with_its_write(self):
         report = fail(LOST_WRITE, code=5)
-        self.check(report, "IMPRECISERR", "write      0x0000abcd to 0x60000008, no memory and no device", "BusFault is not enabled")
+        self.check(
+            report,
+            "IMPRECISERR",
+            "write      0x0000abcd to 0x60000008, no memory and no device",
+            "BusFault is not enabled",
+        )
         self.assertRegex(report, r"by +0x[0-9a-f]{8}  lost_write\S*, " + re.escape(marked("lost write")))
 
     def test_who_printed_a_line(self):
@@ -119,7 +185,11 @@ class Explained(unittest.TestCase):
 
     def test_a_warning_with_its_line_and_callers(self):
         report = fail(PRINTED_WARNING, code=0)
-        self.check(report, "the rest is dropped", f"warn+0x4, {marked('printed warning')}; from main, firmware/tests/failures.c:")
+        self.check(
+            report,
+            "the rest is dropped",
+            f"warn+0x4, {marked('printed warning')}; from main, firmware/tests/failures.c:",
+        )
 
     def test_registers_with_what_they_point_at(self):
         report = fail(FAULT_IN_HANDLER, code=5)
@@ -127,7 +197,9 @@ class Explained(unittest.TestCase):
         self.assertRegex(report, r"r\d   0x40000000  timer0\+0x0\n")
         self.assertRegex(report, r"sp   0x2000ff[0-9a-f]{2}  data_sram\+0xff")
         self.assertRegex(fail(LOST_WRITE, code=5), r'r\d   0x[0-9a-f]{8}  "a label"\n')
-        self.assertRegex(fail(NULL_WRITE, "-C", "cpu.stack_marks=true", code=5), r"MSP: \d+ bytes, 0x20010000 down to 0x2000ff")
+        self.assertRegex(
+            fail(NULL_WRITE, "-C", "cpu.stack_marks=true", code=5), r"MSP: \d+ bytes, 0x20010000 down to 0x2000ff"
+        )
 
     def test_without_debug_information_by_symbols(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -135,14 +207,18 @@ class Explained(unittest.TestCase):
             subprocess.run(["arm-none-eabi-objcopy", "--strip-debug", FAILURES, elf], check=True)
             with_it, without = fail(FAULT_IN_HANDLER), capsoc(elf, "-P", f"failure={FAULT_IN_HANDLER}", code=5)
         self.assertIn("has no lines of source (compile with -g): names are of symbols", without)
-        self.assertEqual([f if f == "exception" else f[0].split(".")[0] for f in stack_of(without)][:5],
-                         [f if f == "exception" else f[0] for f in stack_of(with_it)][:5])
+        self.assertEqual(
+            [f if f == "exception" else f[0].split(".")[0] for f in stack_of(without)][:5],
+            [f if f == "exception" else f[0] for f in stack_of(with_it)][:5],
+        )
         self.assertNotIn("has no", with_it)
 
     def test_executors_tell_the_same(self):
         for number in (NULL_WRITE, SVC_PRIORITY, DEADLOCK, LOST_WRITE, FAULT_IN_HANDLER, PRINTED_WARNING):
-            reports = {re.sub(r"\n.* simulated s in .*", "", fail(number, "-C", f"cpu.executor={executor}"))
-                       for executor in ("blocks", "stepping", "translator")}
+            reports = {
+                re.sub(r"\n.* simulated s in .*", "", fail(number, "-C", f"cpu.executor={executor}"))
+                for executor in ("blocks", "stepping", "translator")
+            }
             self.assertEqual(len(reports), 1, reports)
 
 
@@ -153,13 +229,17 @@ class Debugger(unittest.TestCase):
         ours, theirs = stack_of(fail(FAULT_IN_HANDLER, code=5)), gdb_stack(FAULT_IN_HANDLER, "fault_lockup")
         self.assertEqual(theirs[:2], [("fault_lockup", theirs[0][1]), "exception"])
         self.assertEqual(ours, theirs[2:])
-        self.assertEqual([f if f == "exception" else f[0] for f in ours], ["TIMER0_Handler", "exception", "work", "thread", "run_thread", "main",
-                                                                           "Reset_Handler"][:len(ours)])
+        self.assertEqual(
+            [f if f == "exception" else f[0] for f in ours],
+            ["TIMER0_Handler", "exception", "work", "thread", "run_thread", "main", "Reset_Handler"][: len(ours)],
+        )
 
     def test_in_a_handler_with_a_wrong_priority(self):
         ours, theirs = stack_of(fail(SVC_PRIORITY, code=5)), gdb_stack(SVC_PRIORITY, "fault_lockup")
         self.assertEqual(ours[1:], theirs[3:])
-        self.assertEqual(ours[0], ("call_kernel", marked("svc priority")), "the SVC itself; the frame returns behind it")
+        self.assertEqual(
+            ours[0], ("call_kernel", marked("svc priority")), "the SVC itself; the frame returns behind it"
+        )
 
     def test_in_a_deadlock(self):
         self.assertEqual(stack_of(fail(DEADLOCK, code=124)), gdb_stack(DEADLOCK, "wait_for_answer"))
@@ -194,7 +274,9 @@ class Stacks(unittest.TestCase):
     def test_marks_are_what_the_instructions_show(self):
         with tempfile.TemporaryDirectory() as folder:
             trace = Path(folder) / "t.txt"
-            lowest = self.results("newlib", "-C", "cpu.stack_marks=true", "--trace-instructions", trace)["stacks"][0]["lowest"]
+            lowest = self.results("newlib", "-C", "cpu.stack_marks=true", "--trace-instructions", trace)["stacks"][0][
+                "lowest"
+            ]
             shown = min(int(m, 16) for m in re.findall(r" msp=([0-9a-f]{8})", trace.read_text()))
         self.assertEqual(lowest, shown)
 
@@ -222,21 +304,33 @@ class Schedule(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         places = [Path(folder.name) / name for name in ("r.json", "i.txt", "b.txt")]
-        capsoc(FIRMWARE / "threads.elf", "--json", places[0], "--trace-instructions", places[1], "--trace-bus", places[2],
-               *options, code=0)
+        capsoc(
+            FIRMWARE / "threads.elf",
+            "--json",
+            places[0],
+            "--trace-instructions",
+            places[1],
+            "--trace-bus",
+            places[2],
+            *options,
+            code=0,
+        )
         return json.loads(places[0].read_text()), places[1].read_text().splitlines(), places[2].read_text().splitlines()
 
     def test_latencies_are_from_the_write_that_pends_to_the_first_instruction(self):
         result, instructions, bus = self.run_traced("--latencies")
         pends = [int(line.split()[0]) for line in bus if " ppb " in line and " write " in line and " e000ed04 " in line]
-        firsts = [int(after.split()[0]) for line, after in zip(instructions, instructions[1:]) if "--> exception 14" in line]
+        firsts = [
+            int(after.split()[0]) for line, after in zip(instructions, instructions[1:]) if "--> exception 14" in line
+        ]
         waits = [first - max(pend for pend in pends if pend < first) for first in firsts]
         self.assertGreater(len(waits), 5)
-        pend_sv, = (entry for entry in result["interrupts"] if entry["exception"] == 14)
+        (pend_sv,) = (entry for entry in result["interrupts"] if entry["exception"] == 14)
         self.assertEqual(pend_sv["name"], "PendSV")
         self.assertEqual(pend_sv["count"], len(waits))
-        self.assertEqual(pend_sv["latency_cycles"],
-                         {"least": min(waits), "mean": sum(waits) / len(waits), "most": max(waits)})
+        self.assertEqual(
+            pend_sv["latency_cycles"], {"least": min(waits), "mean": sum(waits) / len(waits), "most": max(waits)}
+        )
         for entry in pend_sv["histogram"]:
             self.assertEqual(entry["count"], sum(entry["from"] <= wait <= entry["to"] for wait in waits))
         self.assertEqual(sum(entry["count"] for entry in pend_sv["histogram"]), len(waits))

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""`capsoc run --gdb` with the real client, gdb-multiarch, and with bare packets where the client hides what is asked."""
+"""`capsoc run --gdb` with the real client, gdb-multiarch, and with bare packets where the client hides what is
+asked.
+"""
 
 import json
 import re
@@ -26,8 +28,11 @@ class Run:
         self.folder = tempfile.TemporaryDirectory()
         self.json = Path(self.folder.name) / "r.json"
         self.process = subprocess.Popen(
-            [CAPSOC, "run", elf, "--gdb", "0", "--json", self.json, *map(str, options)], stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, env=CLEAN)
+            [CAPSOC, "run", elf, "--gdb", "0", "--json", self.json, *map(str, options)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=CLEAN,
+        )
         line = self.process.stderr.readline().decode()
         self.port = int(re.search(r"127\.0\.0\.1:(\d+)", line).group(1))
 
@@ -73,7 +78,7 @@ class Packets:
         while True:
             found = re.search(rb"\$([^#]*)#..", self.buffer)
             if found:
-                self.buffer = self.buffer[found.end():]
+                self.buffer = self.buffer[found.end() :]
                 return found.group(1).decode()
             received = self.socket.recv(65536)
             if not received:
@@ -105,10 +110,18 @@ def symbols():
 def gdb(run, script, elf=DEBUGGEE, target="remote"):
     """Runs gdb-multiarch with the lines of a script; its output."""
     with tempfile.NamedTemporaryFile("w", suffix=".gdb") as file:
-        file.write(f"set pagination off\nset confirm off\nset width 0\ntarget {target} 127.0.0.1:{run.port}\n{script}\n")
+        file.write(
+            f"set pagination off\nset confirm off\nset width 0\ntarget {target} 127.0.0.1:{run.port}\n{script}\n"
+        )
         file.flush()
-        done = subprocess.run(["gdb-multiarch", "-nx", "-q", "-batch", "-x", file.name, elf], capture_output=True,
-                              text=True, timeout=120, cwd=SOURCE, check=False)
+        done = subprocess.run(
+            ["gdb-multiarch", "-nx", "-q", "-batch", "-x", file.name, elf],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            cwd=SOURCE,
+            check=False,
+        )
     return done.stdout + done.stderr
 
 
@@ -117,7 +130,9 @@ class Session(unittest.TestCase):
 
     def test_load_break_step_watch_and_run_again(self):
         with Run(DEBUGGEE, "--halt") as run:
-            out = gdb(run, """
+            out = gdb(
+                run,
+                """
 load
 compare-sections
 monitor reset halt
@@ -156,12 +171,25 @@ continue
 print/x $sp
 delete
 continue
-""")
+""",
+            )
             code, uart, result = run.end()
-        for text in ("Loading section .text", "matched.", "Breakpoint 1, main ()", "Hardware watchpoint 2: written",
-                     "New value = 1", "New value = 2", "Value = 7", "Hardware access (read/write) watchpoint",
-                     "SysTick_Handler ()", "$1 = 0", "$2 = 1", "<signal handler called>", "is not known here",
-                     "exited normally"):
+        for text in (
+            "Loading section .text",
+            "matched.",
+            "Breakpoint 1, main ()",
+            "Hardware watchpoint 2: written",
+            "New value = 1",
+            "New value = 2",
+            "Value = 7",
+            "Hardware access (read/write) watchpoint",
+            "SysTick_Handler ()",
+            "$1 = 0",
+            "$2 = 1",
+            "<signal handler called>",
+            "is not known here",
+            "exited normally",
+        ):
             self.assertIn(text, out)
         self.assertNotIn("MIS-MATCHED", out)
         self.assertEqual(out.count("main () at"), 2 + out.count(" in main () at"), out)
@@ -171,7 +199,9 @@ continue
 
     def test_backtrace_out_of_a_hard_fault(self):
         with Run(DEBUGGEE, "--halt") as run:
-            out = gdb(run, """
+            out = gdb(
+                run,
+                """
 break main
 continue
 set var crash_wanted = 1
@@ -180,25 +210,30 @@ continue
 backtrace
 print/x *(unsigned*)0xE000ED38
 kill
-""")
+""",
+            )
             code, _, result = run.end()
-        trace = out[out.index("#0  HardFault_Handler"):]
+        trace = out[out.index("#0  HardFault_Handler") :]
         for frame in ("<signal handler called>", "fetch (", " in crash (", " in work (", " in main ()"):
             self.assertIn(frame, trace)
-            trace = trace[trace.index(frame):]
+            trace = trace[trace.index(frame) :]
         self.assertIn("$1 = 0x60000000", out)
         self.assertEqual((code, result["exit"]["reason"]), (0, "ended by the debugger"))
 
     def test_extended_client_runs_it_again(self):
         with Run(DEBUGGEE, "--halt") as run:
-            out = gdb(run, """
+            out = gdb(
+                run,
+                """
 break main
 continue
 run
 continue
 delete
 continue
-""", target="extended-remote")
+""",
+                target="extended-remote",
+            )
             code, uart, _ = run.end()
         self.assertGreaterEqual(out.count(", main ()"), 2, out)
         self.assertEqual((code, uart), (0, b"debuggee: right\n"))
@@ -209,7 +244,9 @@ class Registers(unittest.TestCase):
 
     def test_coprocessor_registers_by_name(self):
         with Run(FIRMWARE / "selfcal.elf", "--halt", "--simlimit", "2") as run:
-            out = gdb(run, """
+            out = gdb(
+                run,
+                """
 source scripts/gdb/svd.py
 svd list
 svd list ADC
@@ -235,16 +272,30 @@ except gdb.error as error:
 end
 print $svd("ADC.COUNT") == *(unsigned*)0x4000d020
 kill
-""", elf=FIRMWARE / "selfcal.elf")
+""",
+                elf=FIRMWARE / "selfcal.elf",
+            )
             run.end()
-        for text in ("COPROCESSOR          0x4000c000", "CLOCKCTRL            0x4000e000", "PERIOD               0x4000d010",
-                     "$1 = 0x43415053", "$2 = 161", "$3 = 0", "CTRL                 0x4000c008", "A1                   0x4000c080",
-                     "FREQ                 0x4000e014  0x017d7840", "STATUS.LOCK = 0x", "svd COPROCESSOR.STATUS\n",
-                     "svd COPROCESSOR.STEP_AU\n", "svd COPROCESSOR.STATUS.LOCK\n", "svd load\n",
-                     "refused: COPROCESSOR has no register NONE", "$4 = 1"):
+        for text in (
+            "COPROCESSOR          0x4000c000",
+            "CLOCKCTRL            0x4000e000",
+            "PERIOD               0x4000d010",
+            "$1 = 0x43415053",
+            "$2 = 161",
+            "$3 = 0",
+            "CTRL                 0x4000c008",
+            "A1                   0x4000c080",
+            "FREQ                 0x4000e014  0x017d7840",
+            "STATUS.LOCK = 0x",
+            "svd COPROCESSOR.STATUS\n",
+            "svd COPROCESSOR.STEP_AU\n",
+            "svd COPROCESSOR.STATUS.LOCK\n",
+            "svd load\n",
+            "refused: COPROCESSOR has no register NONE",
+            "$4 = 1",
+        ):
             self.assertIn(text, out)
         self.assertRegex(out, r"\[3:2\] +REF +0x[012] (NUMERIC|TRACKING|ANGLE)")
-
 
     def test_every_register_of_the_board_by_name_from_a_sourced_script(self):
         """`svd` beside what GDB reads there itself; the command comes by a script that another script sources."""
@@ -259,7 +310,9 @@ for name in [line.split()[0] for line in gdb.execute("svd list", to_string=True)
     shown = int(gdb.parse_and_eval('$svd("%%s.%%s")' %% (name, register)))
     word = int.from_bytes(bytes(gdb.selected_inferior().read_memory(int(address, 16), 4)), "little")
     print("register", name, register, "same" if shown == word else "differs")
-""" % (SOURCE / "scripts/gdb/svd.py")
+""" % (
+            SOURCE / "scripts/gdb/svd.py"
+        )
         with tempfile.NamedTemporaryFile("w", suffix=".py") as file, Run(FIRMWARE / "hello.elf", "--halt") as run:
             file.write(script)
             file.flush()
@@ -310,9 +363,20 @@ continue
 """
 
     def check(self, out, result):
-        for text in ("Loading section .text", "Breakpoint 1, main ()", "SysTick_Handler ()", "<signal handler called>",
-                     "Hardware watchpoint 3: written", "New value = ", "= 0x43415053", "VALID", "HardFault_Handler ()", " in crash (",
-                     "$3 = 0", "exited normally"):
+        for text in (
+            "Loading section .text",
+            "Breakpoint 1, main ()",
+            "SysTick_Handler ()",
+            "<signal handler called>",
+            "Hardware watchpoint 3: written",
+            "New value = ",
+            "= 0x43415053",
+            "VALID",
+            "HardFault_Handler ()",
+            " in crash (",
+            "$3 = 0",
+            "exited normally",
+        ):
             self.assertIn(text, out)
         self.assertEqual(result[:2], (0, b"debuggee: right\n"))
 
@@ -350,8 +414,9 @@ class Comparison:
     def plain(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r.json"
-            done = subprocess.run([CAPSOC, "run", DEBUGGEE, "--json", path], capture_output=True, timeout=60, check=True,
-                                  env=CLEAN)
+            done = subprocess.run(
+                [CAPSOC, "run", DEBUGGEE, "--json", path], capture_output=True, timeout=60, check=True, env=CLEAN
+            )
             return done.stdout, json.loads(path.read_text())
 
     def check_same(self, run):
@@ -387,7 +452,7 @@ class Protocol(Comparison, unittest.TestCase):
     def test_stepping_neither_skips_nor_invents_interrupts(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as gdb_client:
-            gdb_client.run_to(at['main'])
+            gdb_client.run_to(at["main"])
             handler = 0
             for _ in range(3000):
                 self.assertTrue(gdb_client.ask("vCont;s:1").startswith("T05"))
@@ -400,10 +465,13 @@ class Protocol(Comparison, unittest.TestCase):
     def test_stop_reasons(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as gdb_client:
-            for kind, name, expected in ((0, "work", "swbreak:"), (1, "work", "hwbreak:"),
-                                         (2, "written", f"watch:{at['written']:x}"),
-                                         (3, "settings", f"rwatch:{at['settings']:x}"),
-                                         (4, "seen", f"awatch:{at['seen']:x}")):
+            for kind, name, expected in (
+                (0, "work", "swbreak:"),
+                (1, "work", "hwbreak:"),
+                (2, "written", f"watch:{at['written']:x}"),
+                (3, "settings", f"rwatch:{at['settings']:x}"),
+                (4, "seen", f"awatch:{at['seen']:x}"),
+            ):
                 point = f"{kind},{at[name]:x},{2 if kind < 2 else 4}"
                 self.assertEqual(gdb_client.ask("Z" + point), "OK")
                 self.assertTrue(gdb_client.ask("vCont;c").startswith("T05" + expected), expected)
@@ -441,7 +509,7 @@ class Protocol(Comparison, unittest.TestCase):
     def test_sleeping_processor_is_interrupted_stepped_and_reset(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as client:
-            client.run_to(at['main'])
+            client.run_to(at["main"])
             client.ask(f"M{at['sleep_wanted']:x},1:01")
             client.packet("vCont;c")
             for _ in range(20):
@@ -471,7 +539,7 @@ class Protocol(Comparison, unittest.TestCase):
     def test_lockup_and_bkpt_stop_instead_of_ending(self):
         at = symbols()
         with Run(DEBUGGEE, "--halt") as run, Packets(run) as client:
-            client.run_to(at['work'])
+            client.run_to(at["work"])
             self.assertEqual(client.ask(f"M{at['work']:x},2:01be"), "OK")  # bkpt #1
             self.assertTrue(client.ask("vCont;c").startswith("T05thread"))
             self.assertEqual(client.register(15), at["work"] & ~1)
@@ -495,13 +563,19 @@ class Protocol(Comparison, unittest.TestCase):
             self.assertEqual(run.end()[0], 5, "without a debugger it is a crash")
 
     def test_halt_without_gdb_and_a_taken_port_are_refused(self):
-        done = subprocess.run([CAPSOC, "run", DEBUGGEE, "--halt"], capture_output=True, timeout=60, check=False,
-                              env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", DEBUGGEE, "--halt"], capture_output=True, timeout=60, check=False, env=CLEAN
+        )
         self.assertEqual(done.returncode, 2)
         self.assertIn(b"--gdb", done.stderr)
         with Run(DEBUGGEE, "--halt") as run:
-            done = subprocess.run([CAPSOC, "run", DEBUGGEE, "--gdb", str(run.port)], capture_output=True, timeout=60,
-                                  check=False, env=CLEAN)
+            done = subprocess.run(
+                [CAPSOC, "run", DEBUGGEE, "--gdb", str(run.port)],
+                capture_output=True,
+                timeout=60,
+                check=False,
+                env=CLEAN,
+            )
             self.assertEqual(done.returncode, 2)
             self.assertIn(b"choose another port", done.stderr)
 
@@ -565,8 +639,9 @@ class Probes(Comparison, unittest.TestCase):
 
     def test_a_run_goes_on_while_silent_clients_are_there(self):
         for what, data in self.WORDS.items():
-            with self.subTest(what), Run(DEBUGGEE, "--halt") as run, \
-                    socket.create_connection(("127.0.0.1", run.port), timeout=30) as client:
+            with self.subTest(what), Run(DEBUGGEE, "--halt") as run, socket.create_connection(
+                ("127.0.0.1", run.port), timeout=30
+            ) as client:
                 client.sendall(data)
                 with Packets(run) as debugger:
                     self.assertEqual(debugger.ask("D"), "OK")
@@ -574,15 +649,17 @@ class Probes(Comparison, unittest.TestCase):
 
     def test_a_run_is_not_halted_by_one_that_comes(self):
         for data in (b"", b"\x03"):
-            with Run(FOREVER, "--uart0", "null", "--simlimit", 15) as run, \
-                    socket.create_connection(("127.0.0.1", run.port), timeout=30) as client:
+            with Run(FOREVER, "--uart0", "null", "--simlimit", 15) as run, socket.create_connection(
+                ("127.0.0.1", run.port), timeout=30
+            ) as client:
                 client.sendall(data)
                 self.assertEqual(run.end()[2]["exit"]["reason"], "the limit of 15 simulated s was hit")
 
     def test_a_crash_ends_the_run_though_a_silent_client_is_there(self):
         for program, code in (("divzero", 5), ("evenjump", 5)):
-            with Run(FIRMWARE / f"{program}.elf", "--halt") as run, \
-                    socket.create_connection(("127.0.0.1", run.port), timeout=30):
+            with Run(FIRMWARE / f"{program}.elf", "--halt") as run, socket.create_connection(
+                ("127.0.0.1", run.port), timeout=30
+            ):
                 with Packets(run) as client:
                     self.assertEqual(client.ask("D"), "OK")
                 self.assertEqual(run.end()[0], code)
@@ -631,8 +708,9 @@ class Probes(Comparison, unittest.TestCase):
             run.end()
 
     def test_a_debugger_is_the_first_one_though_probes_came_before(self):
-        with Run(FOREVER, "--uart0", "null") as run, \
-                socket.create_connection(("127.0.0.1", run.port), timeout=30), Packets(run) as client:
+        with Run(FOREVER, "--uart0", "null") as run, socket.create_connection(
+            ("127.0.0.1", run.port), timeout=30
+        ), Packets(run) as client:
             pc = client.register(15)
             time.sleep(0.05)
             self.assertEqual(client.register(15), pc, "it halts the processor")

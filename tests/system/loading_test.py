@@ -18,7 +18,9 @@ class Loading(Case):
         return path
 
     def run_it(self, *arguments):
-        done = subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=60, check=False, env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=60, check=False, env=CLEAN
+        )
         return done.returncode, done.stdout, done.stderr.decode()
 
     def test_every_format_is_the_same_program(self):
@@ -28,14 +30,21 @@ class Loading(Case):
         # Over another program, which never ends: the last image wins.
         forever = FIRMWARE / "forever.elf"
         self.assertEqual(self.run_it(forever, "--load", f"{self.objcopy('binary')}@0")[:2], expected)
-        self.assertEqual(self.run_it(forever, "--load", f"{self.objcopy('binary')}@0x21000000", "--load",
-                                     self.objcopy("ihex"))[:2], expected)
+        self.assertEqual(
+            self.run_it(forever, "--load", f"{self.objcopy('binary')}@0x21000000", "--load", self.objcopy("ihex"))[:2],
+            expected,
+        )
 
     def test_s_records_are_the_same_program(self):
         """Of 16, 24 and 32 bits of address, and with lines of any length."""
         forever = FIRMWARE / "forever.elf"
-        for name, options in (("hello", ()), ("hello", ("--srec-forceS3",)), ("hello", ("--srec-len=200",)), ("hello_psram", ()),
-                              ("hello_sram", ())):
+        for name, options in (
+            ("hello", ()),
+            ("hello", ("--srec-forceS3",)),
+            ("hello", ("--srec-len=200",)),
+            ("hello_psram", ()),
+            ("hello_sram", ()),
+        ):
             elf = FIRMWARE / f"{name}.elf"
             expected = self.run_it(elf)[:2]
             self.assertEqual(expected, (0, b"hello from capsoc\n"))
@@ -52,8 +61,12 @@ class Loading(Case):
 
     def test_what_cannot_be_loaded_is_refused_with_a_sentence(self):
         raw = self.objcopy("binary")
-        for place, words in ((f"{raw}@0x60000000", "outside memory"), (f"{raw}@here", "no address"),
-                             ("nowhere@0", "cannot be read"), (raw, "--load FILE@ADDRESS")):
+        for place, words in (
+            (f"{raw}@0x60000000", "outside memory"),
+            (f"{raw}@here", "no address"),
+            ("nowhere@0", "cannot be read"),
+            (raw, "--load FILE@ADDRESS"),
+        ):
             code, _, said = self.run_it(HELLO, "--load", place)
             self.assertEqual(code, 2)
             self.assertIn(words, said)

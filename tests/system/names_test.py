@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Names of files and functions in coverage, reports and profiles: programs compiled in other folders, by other compilers and in
-other versions of DWARF; names that are not ASCII; names of C++ and Rust. Oracles: addr2line, c++filt, lcov, genhtml."""
+"""Names of files and functions in coverage, reports and profiles: programs compiled in other folders, by other
+compilers and in other versions of DWARF; names that are not ASCII; names of C++ and Rust. Oracles: addr2line,
+c++filt, lcov, genhtml."""
 
 import os
 import re
@@ -36,7 +37,8 @@ void reset(void) {
   for (;;) {
   }
 }
-__attribute__((section(".vectors"), used)) static void* const vectors[16] = {(void*)0x20010000, (void*)reset, (void*)fault, (void*)fault};
+__attribute__((section(".vectors"), used)) static void* const vectors[16] = {
+  (void*)0x20010000, (void*)reset, (void*)fault, (void*)fault};
 """
 PART = """int part(int x);
 __attribute__((noinline)) int part(int x) {
@@ -70,7 +72,9 @@ class ProgramCase(Case):
     def do(self, *command, cwd=".", code=0, **more):
         where = self.folder / cwd
         where.mkdir(parents=True, exist_ok=True)
-        done = subprocess.run([str(c) for c in command], cwd=where, capture_output=True, timeout=120, check=False, env=CLEAN, **more)
+        done = subprocess.run(
+            [str(c) for c in command], cwd=where, capture_output=True, timeout=120, check=False, env=CLEAN, **more
+        )
         self.assertEqual(done.returncode, code, (command, done.stdout, done.stderr))
         return (done.stdout + done.stderr).decode()
 
@@ -78,7 +82,9 @@ class ProgramCase(Case):
         """The start-up has no lines: only the program's sources are expected."""
         (self.folder / elf).parent.mkdir(parents=True, exist_ok=True)
         self.do(*GCC, "-c", self.folder / "start.c", "-o", self.folder / "start.o")
-        self.do(*LINK, "-T", self.folder / "link.ld", self.folder / "start.o", *objects, "-o", self.folder / elf, "-lgcc")
+        self.do(
+            *LINK, "-T", self.folder / "link.ld", self.folder / "start.o", *objects, "-o", self.folder / elf, "-lgcc"
+        )
         return self.folder / elf
 
     def cover(self, elf, cwd="elsewhere", code=0):
@@ -91,8 +97,8 @@ class ProgramCase(Case):
         return {line[3:] for line in text.splitlines() if line.startswith("SF:")}
 
     def counts(self, text, source):
-        record = text[text.index(f"SF:{source}\n"):]
-        record = record[:record.index("end_of_record")]
+        record = text[text.index(f"SF:{source}\n") :]
+        record = record[: record.index("end_of_record")]
         return {int(n): int(c) for n, c in re.findall(r"^DA:(\d+),(\d+)$", record, re.MULTILINE)}
 
     def check(self, elf, main, part, cwd="elsewhere"):
@@ -120,16 +126,28 @@ class Folders(ProgramCase):
 
     def test_compiled_in_a_folder_beside_the_sources(self):
         for compiler in (GCC, CLANG):
-            for options in ((), ("-gdwarf-2",), ("-gdwarf-3",), ("-gdwarf-4",), ("-gdwarf-5",), ("-gdwarf-4", "-gsplit-dwarf"), ("-gdwarf-5", "-gsplit-dwarf")):
+            for options in (
+                (),
+                ("-gdwarf-2",),
+                ("-gdwarf-3",),
+                ("-gdwarf-4",),
+                ("-gdwarf-5",),
+                ("-gdwarf-4", "-gsplit-dwarf"),
+                ("-gdwarf-5", "-gsplit-dwarf"),
+            ):
                 with self.subTest(compiler=compiler[0], options=options):
                     self.check(self.build(compiler, *options), self.main, self.part)
 
     def test_compiled_in_other_ways(self):
         for compiler in (GCC, CLANG):
             for options in (("-gdwarf-4",), ("-gdwarf-5",)):
-                for cwd, sources in (("project/src", ("main.c", "lib/part.c")), ("project/src", ("./main.c", "./lib/../lib/part.c")),
-                                     ("project/src/lib", ("../main.c", "part.c")), ("a/b", (self.main, self.part)),
-                                     ("a/b", ("../../project/src/main.c", self.part))):
+                for cwd, sources in (
+                    ("project/src", ("main.c", "lib/part.c")),
+                    ("project/src", ("./main.c", "./lib/../lib/part.c")),
+                    ("project/src/lib", ("../main.c", "part.c")),
+                    ("a/b", (self.main, self.part)),
+                    ("a/b", ("../../project/src/main.c", self.part)),
+                ):
                     with self.subTest(compiler=compiler[0], options=options, cwd=cwd, sources=sources):
                         self.check(self.build(compiler, *options, sources=sources, cwd=cwd), self.main, self.part)
 
@@ -175,7 +193,11 @@ class Folders(ProgramCase):
     def test_no_source_is_here(self):
         elf = self.build(GCC, f"-ffile-prefix-map={self.folder}/project=/nowhere")
         said = self.cover(elf, code=2)
-        self.assertRegex(said, r"^capsoc: --coverage: \S+app\.elf: none of its 2 source files is on this machine \(the first: \S*main\.c\); .*\n$")
+        self.assertRegex(
+            said,
+            r"^capsoc: --coverage: \S+app\.elf: none of its 2 source files is on this machine "
+            r"\(the first: \S*main\.c\); .*\n$",
+        )
 
     def test_a_library_that_was_compiled_elsewhere_is_left_out(self):
         library = self.write("library/part.c", PART)
@@ -187,14 +209,23 @@ class Folders(ProgramCase):
 
     def test_addr2line_names_the_same_files(self):
         elf = self.build(GCC)
-        addresses = [line.split()[0] for line in self.do("arm-none-eabi-nm", elf).splitlines() if line.split()[-1] in ("main", "part")]
-        named = {os.path.normpath(line.rpartition(":")[0]) for line in self.do("arm-none-eabi-addr2line", "-e", elf, *addresses).splitlines()}
+        addresses = [
+            line.split()[0]
+            for line in self.do("arm-none-eabi-nm", elf).splitlines()
+            if line.split()[-1] in ("main", "part")
+        ]
+        named = {
+            os.path.normpath(line.rpartition(":")[0])
+            for line in self.do("arm-none-eabi-addr2line", "-e", elf, *addresses).splitlines()
+        }
         self.assertEqual(self.sources(self.cover(elf)), named)
 
 
 class NotAscii(ProgramCase):
     def test_folders_files_and_functions(self):
-        main = self.write("Öl prüfen/größe.c", """volatile int summe;
+        main = self.write(
+            "Öl prüfen/größe.c",
+            """volatile int summe;
 __attribute__((noinline)) int größe(int π) {
   if (π == 3) *(volatile int*)0x60000000 = π;
   return π;
@@ -203,18 +234,33 @@ int main(void) {
   for (int i = 0; i < 4; ++i) summe += größe(i);
   return 0;
 }
-""")
+""",
+        )
         for compiler in (GCC, CLANG):
             self.do(*compiler, "-g", "-c", main.name, "-o", self.folder / "1.o", cwd=main.parent)
             elf = self.link("日本.elf", self.folder / "1.o")
             file = self.folder / "c.info"
             file.unlink(missing_ok=True)
-            said = self.do(CAPSOC, "run", elf, "--coverage", file, "--profile", self.folder / "p.folded", "--json", self.folder / "r.json",
-                           "--trace-instructions", self.folder / "t.txt", code=5)
+            said = self.do(
+                CAPSOC,
+                "run",
+                elf,
+                "--coverage",
+                file,
+                "--profile",
+                self.folder / "p.folded",
+                "--json",
+                self.folder / "r.json",
+                "--trace-instructions",
+                self.folder / "t.txt",
+                code=5,
+            )
             text = file.read_text()
             self.assertEqual(self.sources(text), {str(main)})
             self.assertIn("FNDA:4,größe\n", text)
-            self.assertRegex(said, r"größe\S*, .*/Öl prüfen/größe\.c:3" if compiler == CLANG else r"größe\S*, .*größe\.c:3")
+            self.assertRegex(
+                said, r"größe\S*, .*/Öl prüfen/größe\.c:3" if compiler == CLANG else r"größe\S*, .*größe\.c:3"
+            )
             self.assertIn(";größe ", (self.folder / "p.folded").read_text())
             self.assertIn(" größe ", (self.folder / "t.txt").read_text())
             self.assertIn("größe.c:3", (self.folder / "r.json").read_text())
@@ -223,9 +269,13 @@ int main(void) {
             profile = (self.folder / "p.out").read_text()
             self.assertRegex(profile, r"\nc?f[il]=\(\d+\) .*größe\.c\n")
             self.assertRegex(profile, r"\nfn=\(\d+\) größe\n")
-            annotated = subprocess.run(["callgrind_annotate", self.folder / "p.out"], capture_output=True, check=True, env=CLEAN).stdout
+            annotated = subprocess.run(
+                ["callgrind_annotate", self.folder / "p.out"], capture_output=True, check=True, env=CLEAN
+            ).stdout
             self.assertIn("größe", annotated.decode())
-            self.do(CAPSOC, "run", elf, "-C", "trace.start=größe", "--trace-instructions", self.folder / "t.txt", code=5)
+            self.do(
+                CAPSOC, "run", elf, "-C", "trace.start=größe", "--trace-instructions", self.folder / "t.txt", code=5
+            )
 
     def test_a_name_in_another_encoding_finds_its_file(self):
         name = b"gr\xf6\xdfe.c"
@@ -240,16 +290,22 @@ int main(void) {
         self.assertIn(b"SF:" + path + b"\n", (self.folder / "c.info").read_bytes())
 
     def test_control_characters_are_replaced(self):
-        self.write("main.c", "__attribute__((noinline)) int placeholder(void) { return *(volatile int*)0x60000000; }\n"
-                             "int main(void) { return placeholder() + 1; }\n")
+        self.write(
+            "main.c",
+            "__attribute__((noinline)) int placeholder(void) { return *(volatile int*)0x60000000; }\n"
+            "int main(void) { return placeholder() + 1; }\n",
+        )
         self.do(*GCC, "-g", "-c", "main.c", "-o", "1.o")
         damaged = self.folder / "1.o"
         damaged.write_bytes(damaged.read_bytes().replace(b"placeholder", b"f\x1b[31m\xc2\x9b\xff12"))
         elf = self.link("app.elf", self.folder / "1.o")
-        said = self.do(CAPSOC, "run", elf, "--coverage", self.folder / "c.info", "--profile", self.folder / "p.folded", code=5)
+        said = self.do(
+            CAPSOC, "run", elf, "--coverage", self.folder / "c.info", "--profile", self.folder / "p.folded", code=5
+        )
         for text in (said, (self.folder / "c.info").read_text(), (self.folder / "p.folded").read_text()):
             self.assertNotRegex(text, "[\x00-\x08\x0b-\x1f\x7f-\x9f]")
         self.assertIn("f?[31m???12", (self.folder / "c.info").read_text())
+
 
 CPP = """namespace outer {
 template <typename T> struct Box {
@@ -286,7 +342,9 @@ class Demangled(ProgramCase):
 
     def filtered(self, elf):
         """What c++filt makes of the functions' symbols."""
-        names = [line.split()[-1] for line in self.do("arm-none-eabi-nm", elf).splitlines() if line.split()[-2] in "tTwW"]
+        names = [
+            line.split()[-1] for line in self.do("arm-none-eabi-nm", elf).splitlines() if line.split()[-2] in "tTwW"
+        ]
         names = [name for name in names if name not in ("reset", "fault", "vectors") and "." not in name]
         return dict(zip(names, self.do("c++filt", "--no-verbose", *names).splitlines()))
 
@@ -298,9 +356,21 @@ class Demangled(ProgramCase):
             self.assertEqual(get, "outer::Box<int>::get(char const*, int) const")
             file = self.folder / "c.info"
             file.unlink(missing_ok=True)
-            said = self.do(CAPSOC, "run", elf, "--coverage", file, "--profile", self.folder / "p.folded", "--trace-instructions",
-                           self.folder / "t.txt", code=5)
-            functions = {name: int(calls) for calls, name in re.findall(r"^FNDA:(\d+),(.*)$", file.read_text(), re.MULTILINE)}
+            said = self.do(
+                CAPSOC,
+                "run",
+                elf,
+                "--coverage",
+                file,
+                "--profile",
+                self.folder / "p.folded",
+                "--trace-instructions",
+                self.folder / "t.txt",
+                code=5,
+            )
+            functions = {
+                name: int(calls) for calls, name in re.findall(r"^FNDA:(\d+),(.*)$", file.read_text(), re.MULTILINE)
+            }
             self.assertEqual(set(functions), set(names.values()))
             self.assertEqual(functions[get], 3)
             constructor = next(name for name in functions if "Box(int)" in name and "~" not in name)
@@ -316,13 +386,25 @@ class Demangled(ProgramCase):
             self.do("genhtml", "-q", "-o", self.folder / "html", file)
             # A name is chosen as it is shown, or as the linker knows it.
             for chosen in (get, next(mangled for mangled, name in names.items() if name == get)):
-                self.do(CAPSOC, "run", elf, "-C", f"trace.start={chosen}", "--trace-instructions", self.folder / "t.txt", code=5)
+                self.do(
+                    CAPSOC,
+                    "run",
+                    elf,
+                    "-C",
+                    f"trace.start={chosen}",
+                    "--trace-instructions",
+                    self.folder / "t.txt",
+                    code=5,
+                )
                 self.assertIn(get, (self.folder / "t.txt").read_text().splitlines()[1])
 
     def test_an_object_that_a_register_points_at(self):
-        self.write("main.cpp", "namespace a { struct S { int words[4]; }; volatile S thing; }\n"
-                               'extern "C" int f(volatile a::S* s) { return *(volatile int*)0x60000000 + s->words[1]; }\n'
-                               'extern "C" int main() { return f(&a::thing); }\n')
+        self.write(
+            "main.cpp",
+            "namespace a { struct S { int words[4]; }; volatile S thing; }\n"
+            'extern "C" int f(volatile a::S* s) { return *(volatile int*)0x60000000 + s->words[1]; }\n'
+            'extern "C" int main() { return f(&a::thing); }\n',
+        )
         self.do(*GCC, "-O0", "-x", "c++", "-g", "-c", "main.cpp", "-o", "1.o")
         self.assertIn("a::thing", self.do(CAPSOC, "run", self.link("app.elf", self.folder / "1.o"), code=5))
 

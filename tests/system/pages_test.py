@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The pages for each kind of user (docs/for-*.md): their commands are run, and what they say is printed is.
 
-A code block "```sh run" is run from a folder with the project's folders in it, the blocks of a page one after the other, each
-ending with 0. Every line of a block "```text printed" but for "..." is a line of what the block before it printed.
-The picture in the README is drawn anew.
+A code block "```sh run" is run from a folder with the project's folders in it, the blocks of a page one after the
+other, each ending with 0. Every line of a block "```text printed" but for "..." is a line of what the block before it
+printed. The picture in the README is drawn anew.
 """
 
 import os
@@ -24,7 +24,7 @@ def blocks(page):
     """The fenced blocks of a page: what stands behind the fence, the text, and the line."""
     text = page.read_text()
     found = re.finditer(r"^```([^\n]*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
-    return [(m[1], m[2], text[:m.start()].count("\n") + 1) for m in found]
+    return [(m[1], m[2], text[: m.start()].count("\n") + 1) for m in found]
 
 
 class Pages(unittest.TestCase):
@@ -41,9 +41,17 @@ class Pages(unittest.TestCase):
             for kind, text, line in blocks(DOCS / name):
                 where = f"docs/{name}:{line}"
                 if kind == "sh run":
-                    process = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment, text=True,
-                                             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                             timeout=300, check=False)
+                    process = subprocess.run(
+                        ["bash", "-euo", "pipefail", "-c", text],
+                        cwd=folder,
+                        env=environment,
+                        text=True,
+                        stdin=subprocess.DEVNULL,
+                        stdout=subprocess.PIPE,
+                        stderr=subprocess.STDOUT,
+                        timeout=300,
+                        check=False,
+                    )
                     printed = process.stdout.splitlines()
                     self.assertEqual(process.returncode, 0, f"{where}:\n{process.stdout}")
                     ran += 1
@@ -53,7 +61,9 @@ class Pages(unittest.TestCase):
                         if expected != "...":
                             self.assertIn(expected, printed, where)
                 else:
-                    self.assertIn(kind, ("sh", "text", "c", "toml", "make", "cmake"), f"{where}: an unknown kind of block")
+                    self.assertIn(
+                        kind, ("sh", "text", "c", "toml", "make", "cmake"), f"{where}: an unknown kind of block"
+                    )
         self.assertGreater(ran, 2, name)
 
     def test_for_virtual_platforms(self):
@@ -103,11 +113,15 @@ class Picture(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             drawn = Path(folder) / "main_job.svg"
             script = SOURCE / "scripts" / "main_job_picture"
-            process = subprocess.run([script, "--capsoc", CAPSOC, "--output", drawn], capture_output=True,
-                                     text=True, check=False)
+            process = subprocess.run(
+                [script, "--capsoc", CAPSOC, "--output", drawn], capture_output=True, text=True, check=False
+            )
             self.assertEqual(process.returncode, 0, process.stderr)
-            self.assertEqual(drawn.read_text(), (DOCS / "images" / "main_job.svg").read_text(),
-                             "the main job prints something else: run scripts/main_job_picture and look at it")
+            self.assertEqual(
+                drawn.read_text(),
+                (DOCS / "images" / "main_job.svg").read_text(),
+                "the main job prints something else: run scripts/main_job_picture and look at it",
+            )
 
 
 if __name__ == "__main__":

@@ -19,13 +19,30 @@ EXPERIMENT = SOURCE / "traces" / "soc_experiment.toml"
 NAMES = ("a1", "a2", "b1", "b2", "beta", "phi")
 
 # What the paper does not state and what gives its words, as the hardware's settings ...
-HARDWARE = ("--arithmetic", "paper", "-C", "coprocessor.paper_operand_bits=16", "-C", "coprocessor.paper_plain_arctangent=true")
-ALL_HARDWARE = HARDWARE + ("-C", "coprocessor.paper_reference_lead=2", "-C", "coprocessor.paper_step_shift=7",
-                           "-P", "step_shift=0", "-P", "lead_samples=0")
+HARDWARE = (
+    "--arithmetic",
+    "paper",
+    "-C",
+    "coprocessor.paper_operand_bits=16",
+    "-C",
+    "coprocessor.paper_plain_arctangent=true",
+)
+ALL_HARDWARE = HARDWARE + (
+    "-C",
+    "coprocessor.paper_reference_lead=2",
+    "-C",
+    "coprocessor.paper_step_shift=7",
+    "-P",
+    "step_shift=0",
+    "-P",
+    "lead_samples=0",
+)
 
 
 def capsoc(*arguments):
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False, env=CLEAN)
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False, env=CLEAN
+    )
 
 
 class PaperCase(unittest.TestCase):
@@ -86,12 +103,24 @@ class Table9(PaperCase):
 
     WORDS = dict(zip(NAMES, (1308364580, 1336685245, 274228330, 388108700, 2105078019, 3700681650)))
     # The experiment counted forwards, as the paper does: theta is pi - theta of the trace, the same signals.
-    FORWARDS = ("-C", "sensor.motion.frequency_hz=0.051", "-C", "sensor.beta_rad=3.079556692", "-C", "sensor.phi_rad=5.413794093",
-                "-C", f"sensor.harmonics.u3_phase_rad={-math.pi / 2}", "-C", f"sensor.harmonics.v2_phase_rad={-math.pi / 2}")
+    FORWARDS = (
+        "-C",
+        "sensor.motion.frequency_hz=0.051",
+        "-C",
+        "sensor.beta_rad=3.079556692",
+        "-C",
+        "sensor.phi_rad=5.413794093",
+        "-C",
+        f"sensor.harmonics.u3_phase_rad={-math.pi / 2}",
+        "-C",
+        f"sensor.harmonics.v2_phase_rad={-math.pi / 2}",
+    )
 
     def calibrate(self, *arguments, beta=WORDS["beta"], code=0):
         words = dict(self.WORDS, beta=beta)
-        values = {n: words[n] * 2**-31 if n[0] in "ab" and n != "beta" else words[n] * 2 * math.pi * 2**-32 for n in NAMES}
+        values = {
+            n: words[n] * 2**-31 if n[0] in "ab" and n != "beta" else words[n] * 2 * math.pi * 2**-32 for n in NAMES
+        }
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "table_9.json"
             file.write_text(json.dumps({"parameters": {n: {"word": words[n], "value": values[n]} for n in NAMES}}))

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""`--realtime`: simulated time paced to the host's. How long a run takes, when a key arrives, and that nothing else changes."""
+"""`--realtime`: simulated time paced to the host's. How long a run takes, when a key arrives, and that nothing else
+changes.
+"""
 
 import json
 import re
@@ -13,11 +15,15 @@ from harness import CAPSOC, CLEAN, Case, FIRMWARE
 CTEST = {"name": "realtime", "serial": True, "long": ["TenSeconds"]}
 
 
-
 class Paced(Case):
     def start(self, program, *options):
-        return subprocess.Popen([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", self.folder / "r.json", *map(str, options)],
-                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=CLEAN)
+        return subprocess.Popen(
+            [CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", self.folder / "r.json", *map(str, options)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=CLEAN,
+        )
 
     def results(self):
         return json.loads((self.folder / "r.json").read_text())
@@ -42,8 +48,11 @@ class Paced(Case):
         waited = time.monotonic() - begin
         process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0)
-        reads = [line.split() for line in trace.read_text().splitlines() if re.search(r"\b40004000\b.* read ", line + " ")
-                 or ("40004000" in line and " read" in line)]
+        reads = [
+            line.split()
+            for line in trace.read_text().splitlines()
+            if re.search(r"\b40004000\b.* read ", line + " ") or ("40004000" in line and " read" in line)
+        ]
         times = [float(re.search(r"\d+\.\d{6,}", " ".join(line)).group(0)) for line in reads]
         self.assertEqual(len(times), 4, trace.read_text()[-2000:])
         self.assertAlmostEqual(times[1] - times[0], waited, delta=0.05)
@@ -86,13 +95,25 @@ class Pace(Paced):
     def test_nothing_else_changes(self):
         (self.folder / "in").write_bytes(b"\x05\0\0\0hello")
         outcomes = set()
-        for program, options in (("echo", ["-C", f"uart0.input={self.folder}/in"]), ("threads", []), ("selfcal", ["--simlimit", "0.3"])):
+        for program, options in (
+            ("echo", ["-C", f"uart0.input={self.folder}/in"]),
+            ("threads", []),
+            ("selfcal", ["--simlimit", "0.3"]),
+        ):
             outcomes.clear()
             for pace in ([], ["--realtime", "3"], ["--realtime", "2", "--quantum", "10000"]):
                 process = self.start(program, *options, *pace)
                 printed, _ = process.communicate(timeout=60)
                 r = self.results()
-                outcomes.add((process.returncode, printed, r["cpu"]["cycles"], r["cpu"]["instructions"], r["time"]["simulated_s"]))
+                outcomes.add(
+                    (
+                        process.returncode,
+                        printed,
+                        r["cpu"]["cycles"],
+                        r["cpu"]["instructions"],
+                        r["time"]["simulated_s"],
+                    )
+                )
             self.assertEqual(len(outcomes), 1, program)
 
     def test_a_sleep_without_end_is_still_seen(self):

@@ -29,15 +29,28 @@ def samples(noise=1e-4):
     for k in range(COUNT):
         turns = HZ * k / RATE
         theta = 2 * math.pi * turns
-        rows.append((k / RATE, SENSOR[0] * math.sin(theta) + SENSOR[2] + r.gauss(0, noise),
-                     SENSOR[1] * math.cos(theta + SENSOR[4]) + SENSOR[3] + r.gauss(0, noise), turns % 1))
+        rows.append(
+            (
+                k / RATE,
+                SENSOR[0] * math.sin(theta) + SENSOR[2] + r.gauss(0, noise),
+                SENSOR[1] * math.cos(theta + SENSOR[4]) + SENSOR[3] + r.gauss(0, noise),
+                turns % 1,
+            )
+        )
     return rows
 
 
 class RecordingCase(Case):
     def capsoc(self, *arguments, **keywords):
-        return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN,
-                              cwd=self.folder, **keywords)
+        return subprocess.run(
+            [CAPSOC, *map(str, arguments)],
+            capture_output=True,
+            timeout=300,
+            check=False,
+            env=CLEAN,
+            cwd=self.folder,
+            **keywords,
+        )
 
     def fit(self, *arguments, warnings=0, **keywords):
         process = self.capsoc("fit", *arguments, "--json", "c.json", **keywords)
@@ -63,8 +76,13 @@ class RecordingCase(Case):
         a1, a2, b1, b2, beta = SENSOR
         if turned:
             a1, a2, b1, b2 = a2, a1, b2, b1
-        for name, right in (("a1", a1 * scale), ("a2", a2 * scale), ("b1", b1 * scale + zero), ("b2", b2 * scale + zero),
-                            ("beta", beta)):
+        for name, right in (
+            ("a1", a1 * scale),
+            ("a2", a2 * scale),
+            ("b1", b1 * scale + zero),
+            ("b2", b2 * scale + zero),
+            ("beta", beta),
+        ):
             self.assertAlmostEqual(p[name], right, delta=6e-4, msg=name)
 
 
@@ -80,7 +98,9 @@ class Dialects(RecordingCase):
 
     @staticmethod
     def text(first):
-        """The file whose first lines the table shows: `<br>` ends a line, and the row in braces is that of every sample."""
+        """The file whose first lines the table shows: `<br>` ends a line, and the row in braces is that of every
+        sample.
+        """
         lines = first.replace("` `", "").split("<br>")
         lines = [line.strip("`") for line in lines]
         pattern = lines.pop()
@@ -88,10 +108,27 @@ class Dialects(RecordingCase):
         comma = "{,}" in pattern
         pattern = pattern.replace("{,}", "").replace("\\t", "\t")
         for k, (t, u, v, turns) in enumerate(samples()):
-            values = {"k": k, "t": t, "ms": t * 1e3, "us": t * 1e6, "u": u, "v": v, "deg": turns * 360, "rad": turns * 2 * math.pi,
-                      "turns": turns, "u12": round(2048 + 2000 * u), "v12": round(2048 + 2000 * v), "us16": round(32767 * u),
-                      "vs16": round(32767 * v), "uV": 1.65 + 1.5 * u, "vV": 1.65 + 1.5 * v, "umV": 1650 + 1500 * u,
-                      "vmV": 1650 + 1500 * v, "upc": 50 + 50 * u, "vpc": 50 + 50 * v}
+            values = {
+                "k": k,
+                "t": t,
+                "ms": t * 1e3,
+                "us": t * 1e6,
+                "u": u,
+                "v": v,
+                "deg": turns * 360,
+                "rad": turns * 2 * math.pi,
+                "turns": turns,
+                "u12": round(2048 + 2000 * u),
+                "v12": round(2048 + 2000 * v),
+                "us16": round(32767 * u),
+                "vs16": round(32767 * v),
+                "uV": 1.65 + 1.5 * u,
+                "vV": 1.65 + 1.5 * v,
+                "umV": 1650 + 1500 * u,
+                "vmV": 1650 + 1500 * v,
+                "upc": 50 + 50 * u,
+                "vpc": 50 + 50 * v,
+            }
             line = pattern
             for name, value in sorted(values.items(), key=lambda item: -len(item[0])):
                 number = f"{value}" if isinstance(value, int) else f"{value:.9f}"
@@ -130,8 +167,19 @@ class Dialects(RecordingCase):
         else:
             self.assertIsNone(errors["calibrated_peak_to_peak"])
         # The run reads the same: its samples are the record's, and its rate where there is one.
-        process = self.capsoc("run", FIRMWARE / "calibrate.elf", "--parameters", "c.json", "--sensor", name, *options,
-                              "--uart0", "null", "--json", "r.json")
+        process = self.capsoc(
+            "run",
+            FIRMWARE / "calibrate.elf",
+            "--parameters",
+            "c.json",
+            "--sensor",
+            name,
+            *options,
+            "--uart0",
+            "null",
+            "--json",
+            "r.json",
+        )
         self.assertIn(process.returncode, (0, 1), process.stderr.decode())
         self.assertNotIn("warning", process.stderr.decode())
 
@@ -148,7 +196,9 @@ class Refusals(RecordingCase):
     """What is not read, in one sentence that names what is there and what chooses."""
 
     def write(self, name, head, pattern="{u:.6f},{v:.6f}", rows=None):
-        lines = [pattern.format(k=k, t=t, u=u, v=v, turns=turns) for k, (t, u, v, turns) in enumerate(rows or samples())]
+        lines = [
+            pattern.format(k=k, t=t, u=u, v=v, turns=turns) for k, (t, u, v, turns) in enumerate(rows or samples())
+        ]
         (self.folder / name).write_text("\n".join(([head] if head else []) + lines) + "\n")
         return name
 
@@ -160,17 +210,24 @@ class Refusals(RecordingCase):
         result, _ = self.fit("a.csv", "--columns", "time,left,right")
         self.check_sensor(result)
         self.assertIn("--columns time,left,right", result["command"])
-        self.assertIn("there is no column 'middle'; the columns are 'time', 'left', 'right'",
-                      self.refused("a.csv", "--columns", "left,middle"))
+        self.assertIn(
+            "there is no column 'middle'; the columns are 'time', 'left', 'right'",
+            self.refused("a.csv", "--columns", "left,middle"),
+        )
         self.assertIn("'left' is there twice", self.refused("a.csv", "--columns", "left,2"))
         self.assertIn("has 5 parts", self.refused("a.csv", "--columns", "1,2,3,4,5"))
 
     def test_units(self):
         for pattern, sentence in (
-                ("{u12},{v12}", "12-bit counts? Use --full-scale 2048 --zero 2048, or --scale auto"),
-                ("{uV:.5f},{vV:.5f}", "volts of a 3.3 V supply? Use --full-scale 1.65 --zero 1.65, or --scale auto")):
-            rows = [pattern.format(u12=round(2048 + 1500 * u), v12=round(2048 + 1500 * v), uV=1.65 + 0.9 * u, vV=1.65 + 0.9 * v)
-                    for _, u, v, _ in samples()]
+            ("{u12},{v12}", "12-bit counts? Use --full-scale 2048 --zero 2048, or --scale auto"),
+            ("{uV:.5f},{vV:.5f}", "volts of a 3.3 V supply? Use --full-scale 1.65 --zero 1.65, or --scale auto"),
+        ):
+            rows = [
+                pattern.format(
+                    u12=round(2048 + 1500 * u), v12=round(2048 + 1500 * v), uV=1.65 + 0.9 * u, vV=1.65 + 0.9 * v
+                )
+                for _, u, v, _ in samples()
+            ]
             (self.folder / "a.csv").write_text("u,v\n" + "\n".join(rows) + "\n")
             said = self.refused("a.csv")
             self.assertIn("lie outside full scale (-1..1): " + sentence, said)
@@ -186,7 +243,7 @@ class Refusals(RecordingCase):
         rows = [f"{round(2048 + 1500 * u)},{round(2048 + 1500 * v)}" for _, u, v, _ in samples()]
         (self.folder / "a.csv").write_text("u,v\n" + "\n".join(rows) + "\n")
         result, _ = self.fit("a.csv", "--scale", "auto")
-        self.assertAlmostEqual(result["unit"]["step"], 2 ** -11, places=12)
+        self.assertAlmostEqual(result["unit"]["step"], 2**-11, places=12)
         self.assertEqual(result["unit"]["name"], "12-bit counts")
 
     def test_options_that_contradict(self):
@@ -234,14 +291,18 @@ class TimeStamps(RecordingCase):
         self.assertEqual(["warning: " + said for said in result["sensor_warnings"]], said.splitlines())
         process = self.capsoc("run", FIRMWARE / "hello.elf", "--sensor", "a.csv", "--json", "r.json")
         self.assertEqual(process.stderr.decode().splitlines()[0], said.strip())
-        self.assertEqual(json.loads((self.folder / "r.json").read_text())["sensor_warnings"][0], said.strip()[len("warning: "):])
+        self.assertEqual(
+            json.loads((self.folder / "r.json").read_text())["sensor_warnings"][0], said.strip()[len("warning: ") :]
+        )
         return said
 
     def test_lost_samples(self):
         rows = samples()
         self.record(rows[:200] + rows[250:])
         said = self.both()
-        self.assertIn("warning: a.csv: 1 gap in the time stamps of 0.204 s after t = 0.796 (line 202): about 50 samples", said)
+        self.assertIn(
+            "warning: a.csv: 1 gap in the time stamps of 0.204 s after t = 0.796 (line 202): about 50 samples", said
+        )
         # The rate is the median step: nothing is said of another one, and the speed is the shaft's.
         process = self.capsoc("run", "--sensor", "a.csv", "--uart0", "null")
         said = process.stderr.decode()
@@ -273,7 +334,9 @@ class Wav(RecordingCase):
         for _, u, v, _ in samples():
             for x in [u, v, 0][:channels]:
                 word = round(x * (1 << (8 * width - 1)))
-                frames += (word + 128).to_bytes(1, "little") if width == 1 else word.to_bytes(width, "little", signed=True)
+                frames += (
+                    (word + 128).to_bytes(1, "little") if width == 1 else word.to_bytes(width, "little", signed=True)
+                )
         with wave.open(str(self.folder / "a.wav"), "wb") as out:
             out.setnchannels(channels)
             out.setsampwidth(width)
@@ -289,16 +352,24 @@ class Wav(RecordingCase):
                 self.assertEqual(result["samples"], COUNT)
         self.write(1)
         result, _ = self.fit("a.wav")
-        self.assertAlmostEqual(result["unit"]["step"], 2 ** -7)
+        self.assertAlmostEqual(result["unit"]["step"], 2**-7)
 
     def test_what_sox_makes_of_it(self):
         self.write(4)
-        for options in (["-e", "floating-point", "-b", "32"], ["-e", "floating-point", "-b", "64"],
-                        ["-e", "signed-integer", "-b", "24"], ["-t", "wavpcm", "-b", "16"]):
+        for options in (
+            ["-e", "floating-point", "-b", "32"],
+            ["-e", "floating-point", "-b", "64"],
+            ["-e", "signed-integer", "-b", "24"],
+            ["-t", "wavpcm", "-b", "16"],
+        ):
             with self.subTest(options):
-                subprocess.run(["sox", "-D", "a.wav", *options, "b.wav"], cwd=self.folder, check=True, capture_output=True)
+                subprocess.run(
+                    ["sox", "-D", "a.wav", *options, "b.wav"], cwd=self.folder, check=True, capture_output=True
+                )
                 self.check_sensor(self.fit("b.wav")[0])
-        subprocess.run(["sox", "-D", "a.wav", "-e", "mu-law", "b.wav"], cwd=self.folder, check=True, capture_output=True)
+        subprocess.run(
+            ["sox", "-D", "a.wav", "-e", "mu-law", "b.wav"], cwd=self.folder, check=True, capture_output=True
+        )
         self.assertIn("its samples are coded", self.refused("b.wav"))
 
     def test_standard_input_and_a_cut(self):
@@ -320,18 +391,19 @@ class Mat(RecordingCase):
     """MAT files of scipy."""
 
     def scipy(self, code, *arguments):
-        script = ("import sys, numpy as np, scipy.io as io\n"
-                  "d = np.loadtxt('d.txt'); t, u, v, turns = d.T\n" + code)
+        script = "import sys, numpy as np, scipy.io as io\n" "d = np.loadtxt('d.txt'); t, u, v, turns = d.T\n" + code
         (self.folder / "d.txt").write_text("\n".join(" ".join(repr(x) for x in row) for row in samples()) + "\n")
         subprocess.run([PYTHON, "-c", script, *arguments], cwd=self.folder, check=True)
 
     def test_vectors_matrices_and_types(self):
-        for code in ("io.savemat('a.mat', dict(t=t, u=u, v=v, angle_deg=360 * turns))",
-                     "io.savemat('a.mat', dict(u=u, v=v, fs=250.0), do_compression=True)",
-                     "io.savemat('a.mat', dict(u=u, v=v), oned_as='column')",
-                     "io.savemat('a.mat', dict(sin=u.astype(np.float32), cos=v.astype(np.float32), note='words'))",
-                     "io.savemat('a.mat', dict(m=np.column_stack([u, v])))",
-                     "io.savemat('a.mat', dict(m=np.column_stack([t, u, v]).T), do_compression=True)"):
+        for code in (
+            "io.savemat('a.mat', dict(t=t, u=u, v=v, angle_deg=360 * turns))",
+            "io.savemat('a.mat', dict(u=u, v=v, fs=250.0), do_compression=True)",
+            "io.savemat('a.mat', dict(u=u, v=v), oned_as='column')",
+            "io.savemat('a.mat', dict(sin=u.astype(np.float32), cos=v.astype(np.float32), note='words'))",
+            "io.savemat('a.mat', dict(m=np.column_stack([u, v])))",
+            "io.savemat('a.mat', dict(m=np.column_stack([t, u, v]).T), do_compression=True)",
+        ):
             with self.subTest(code):
                 self.scipy(code)
                 result, _ = self.fit("a.mat")
@@ -340,7 +412,10 @@ class Mat(RecordingCase):
 
     def test_counts(self):
         for kind, scale in (("int16", 1), ("uint16", 1), ("int32", 1)):
-            self.scipy(f"io.savemat('a.mat', dict(u=np.round(2048+2000*u).astype(np.{kind}), v=np.round(2048+2000*v).astype(np.{kind})))")
+            self.scipy(
+                f"io.savemat('a.mat', dict(u=np.round(2048+2000*u).astype(np.{kind}), "
+                f"v=np.round(2048+2000*v).astype(np.{kind})))"
+            )
             self.assertIn("12-bit counts?", self.refused("a.mat"))
             self.check_sensor(self.fit("a.mat", "--scale", "auto")[0], scale=2000 / 2048)
 
@@ -367,32 +442,45 @@ class Sds(RecordingCase):
         rows = samples()
         out = b""
         for number, start in enumerate(range(0, COUNT, block)):
-            data = b"".join(struct.pack("<" + code, *(convert(x) for x in row[1:3])) for row in rows[start:start + block])
+            data = b"".join(
+                struct.pack("<" + code, *(convert(x) for x in row[1:3])) for row in rows[start : start + block]
+            )
             if number != lost:
                 out += struct.pack("<II", round(1000 * start / RATE) + 4_294_967_000 & 0xFFFFFFFF, len(data)) + data
         (self.folder / name).write_bytes(out)
         (self.folder / "Resolver.sds.yml").write_text(meta)
 
     def test_types(self):
-        for kind, code, scale in (("int16_t", "hh", 2 ** -15), ("int32_t", "ii", 2 ** -31), ("float", "ff", 1), ("double", "dd", 1)):
+        for kind, code, scale in (
+            ("int16_t", "hh", 2**-15),
+            ("int32_t", "ii", 2**-31),
+            ("float", "ff", 1),
+            ("double", "dd", 1),
+        ):
             with self.subTest(kind):
                 more = "" if scale == 1 else f"\n    scale: {scale!r}"
-                self.write(self.META + self.PAIR.format(u="u", v="v", type=kind, more=more), code,
-                           (lambda x, s=scale: x) if scale == 1 else (lambda x, s=scale: round(x / s)))
+                self.write(
+                    self.META + self.PAIR.format(u="u", v="v", type=kind, more=more),
+                    code,
+                    (lambda x, s=scale: x) if scale == 1 else (lambda x, s=scale: round(x / s)),
+                )
                 result, _ = self.fit("Resolver.0.sds")
                 self.check_sensor(result)
                 self.assertEqual(result["samples"], COUNT)
 
     def test_offsets_units_and_labels(self):
         meta = self.META.replace("sample-frequency", "frequency") + self.PAIR.format(
-            u="sin", v="cos", type="uint16_t", more="\n    scale: 0.5\n    offset: -4\n    unit: mV  # of the amplifier")
+            u="sin", v="cos", type="uint16_t", more="\n    scale: 0.5\n    offset: -4\n    unit: mV  # of the amplifier"
+        )
         self.write(meta, "HH", lambda x: round((1650 + 1500 * x + 4) * 2), name="Resolver.bench.3.p.sds")
         self.assertIn("millivolts of a 3.3 V supply?", self.refused("Resolver.bench.3.p.sds"))
         self.check_sensor(self.fit("Resolver.bench.3.p.sds", "--scale", "auto")[0], scale=1500 / 1650)
 
     def test_audio_and_a_lost_block(self):
-        meta = ("sds:\n  name: Stereo\n  content:\n  - audio:\n      sample-frequency: 250\n      bit-depth: 16\n"
-                "      audio-channels: 2\n      format: pcm\n")
+        meta = (
+            "sds:\n  name: Stereo\n  content:\n  - audio:\n      sample-frequency: 250\n      bit-depth: 16\n"
+            "      audio-channels: 2\n      format: pcm\n"
+        )
         self.write(meta, "hh", lambda x: round(x * 32768))
         self.check_sensor(self.fit("Resolver.0.sds")[0])
         self.write(meta, "hh", lambda x: round(x * 32768), lost=7)
@@ -405,13 +493,18 @@ class Sds(RecordingCase):
         self.write(good, "hh", lambda x: round(x * 32768))
         (self.folder / "Resolver.sds.yml").unlink()
         self.assertIn("its metadata Resolver.sds.yml is not there", self.refused("Resolver.0.sds"))
-        for meta, sentence in ((good.replace("int16_t", "int16_t:3"), "Resolver.sds.yml:6: 'u' has the type 'int16_t:3'"),
-                               (good.replace("int16_t", "int24_t"), "has the type 'int24_t'"),
-                               ("sds:\n  name: x\n  content: [\n", "is no YAML"), ("x: 1\n", "there is no 'sds:'"),
-                               ("sds:\n  name: x\n", "no list 'content:'"),
-                               (good.replace("250", "fast"), "Resolver.sds.yml:4: 'sample-frequency' is 'fast'"),
-                               (good.replace("int16_t", "int32_t").replace("value: v\n    type: int32_t", "value: v\n    type: double"),
-                                "block 1 (byte 0) has 100 bytes, and a sample has 12")):
+        for meta, sentence in (
+            (good.replace("int16_t", "int16_t:3"), "Resolver.sds.yml:6: 'u' has the type 'int16_t:3'"),
+            (good.replace("int16_t", "int24_t"), "has the type 'int24_t'"),
+            ("sds:\n  name: x\n  content: [\n", "is no YAML"),
+            ("x: 1\n", "there is no 'sds:'"),
+            ("sds:\n  name: x\n", "no list 'content:'"),
+            (good.replace("250", "fast"), "Resolver.sds.yml:4: 'sample-frequency' is 'fast'"),
+            (
+                good.replace("int16_t", "int32_t").replace("value: v\n    type: int32_t", "value: v\n    type: double"),
+                "block 1 (byte 0) has 100 bytes, and a sample has 12",
+            ),
+        ):
             (self.folder / "Resolver.sds.yml").write_text(meta)
             if sentence:
                 self.assertIn(sentence, self.refused("Resolver.0.sds"))
@@ -434,8 +527,18 @@ class Written(RecordingCase):
         """The recording, and the same run's as CSV; rows of numbers by column."""
         files = {}
         for file in ("r.csv", name):
-            process = self.capsoc("run", "--record", file, "-P", "demodulation_samples=2000", "-P", "calibration_samples=0",
-                                  "--uart0", "null", *options)
+            process = self.capsoc(
+                "run",
+                "--record",
+                file,
+                "-P",
+                "demodulation_samples=2000",
+                "-P",
+                "calibration_samples=0",
+                "--uart0",
+                "null",
+                *options,
+            )
             self.assertIn(process.returncode, (0, 1), process.stderr.decode())
         lines = [line for line in (self.folder / "r.csv").read_text().splitlines() if not line.startswith("#")]
         names = lines[0].split(",")
@@ -448,8 +551,8 @@ class Written(RecordingCase):
         with wave.open(str(self.folder / "r.wav"), "rb") as file:
             self.assertEqual((file.getnchannels(), file.getsampwidth(), file.getframerate()), (2, 4, 250))
             words = struct.unpack(f"<{2 * file.getnframes()}i", file.readframes(file.getnframes()))
-        self.assertEqual([word / 2 ** 31 for word in words[0::2]], right["u"])
-        self.assertEqual([word / 2 ** 31 for word in words[1::2]], right["v"])
+        self.assertEqual([word / 2**31 for word in words[0::2]], right["u"])
+        self.assertEqual([word / 2**31 for word in words[1::2]], right["v"])
         said = subprocess.run(["sox", "--info", "r.wav"], cwd=self.folder, capture_output=True, check=True, text=True)
         self.assertEqual(said.stderr, "")
         self.assertIn("32-bit Signed Integer PCM", said.stdout)
@@ -459,8 +562,10 @@ class Written(RecordingCase):
         self.assertFalse((self.folder / "s.wav").exists())
 
     def check_mat(self, right):
-        script = ("import sys, json, scipy.io as io\nm = io.loadmat('r.mat')\n"
-                  "print(json.dumps({k: v.ravel().tolist() for k, v in m.items() if not k.startswith('_')}))")
+        script = (
+            "import sys, json, scipy.io as io\nm = io.loadmat('r.mat')\n"
+            "print(json.dumps({k: v.ravel().tolist() for k, v in m.items() if not k.startswith('_')}))"
+        )
         said = subprocess.run([PYTHON, "-c", script], cwd=self.folder, capture_output=True, check=True, text=True)
         read = json.loads(said.stdout)
         self.assertEqual(list(read), list(right))
@@ -478,7 +583,7 @@ class Written(RecordingCase):
         for k in range(len(right["u"])):
             slot, size, u, v, angle = struct.unpack_from("<IIiid", data, 24 * k)
             self.assertEqual((slot, size), (round(1000 * right["t"][k]), 16))
-            self.assertEqual((u / 2 ** 31, v / 2 ** 31, angle), (right["u"][k], right["v"][k], right["angle_deg"][k]))
+            self.assertEqual((u / 2**31, v / 2**31, angle), (right["u"][k], right["v"][k], right["angle_deg"][k]))
         meta = (self.folder / "r.sds.yml").read_text()
         self.assertIn("sample-frequency: 250\n  tick-frequency: 1000\n", meta)
         self.assertIn("  - value: u\n    type: int32_t\n    scale: 4.656612873077393e-10\n", meta)
@@ -493,10 +598,23 @@ class Written(RecordingCase):
         for name in ("r.csv", "r.wav", "r.mat", "r.0.sds"):
             if name in ("r.wav", "r.0.sds"):
                 self.record(name)
-            process = self.capsoc("run", "--sensor", name, "-P", "demodulation_samples=1500", "-P", "calibration_samples=0",
-                                  "--uart0", "null", "--json", "r.json")
+            process = self.capsoc(
+                "run",
+                "--sensor",
+                name,
+                "-P",
+                "demodulation_samples=1500",
+                "-P",
+                "calibration_samples=0",
+                "--uart0",
+                "null",
+                "--json",
+                "r.json",
+            )
             self.assertIn(process.returncode, (0, 1), process.stderr.decode())
-            parameters.append({n: p["word"] for n, p in json.loads((self.folder / "r.json").read_text())["parameters"].items()})
+            parameters.append(
+                {n: p["word"] for n, p in json.loads((self.folder / "r.json").read_text())["parameters"].items()}
+            )
         self.assertEqual(parameters, parameters[:1] * 4)
 
     def test_a_sensor_without_a_truth(self):

@@ -13,11 +13,16 @@ from harness import CAPSOC, CLEAN, Case, FIRMWARE, TRACES
 CTEST = {"name": "scripting"}
 
 
-
 def capsoc(*arguments, environment=None, stdin=b""):
     """Runs the program; stdout and stderr as bytes."""
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, input=stdin,
-                          env={**CLEAN, **(environment or {})})
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)],
+        capture_output=True,
+        timeout=570,
+        check=False,
+        input=stdin,
+        env={**CLEAN, **(environment or {})},
+    )
 
 
 class ScriptingCase(Case):
@@ -46,8 +51,12 @@ class ProgramSettings(ScriptingCase):
         return {line.split()[0]: line for line in process.stdout.decode().splitlines()}
 
     def test_every_application_lists_its_own(self):
-        for program, name in (("selfcal", "frequency_hz"), ("track", "drift_divider"), ("unordered", "step"),
-                              ("calibrate", "angle_stride")):
+        for program, name in (
+            ("selfcal", "frequency_hz"),
+            ("track", "drift_divider"),
+            ("unordered", "step"),
+            ("calibrate", "angle_stride"),
+        ):
             lines = self.listed(FIRMWARE / f"{program}.elf")
             self.assertIn(name, lines)
             self.assertIn("rate_hz", lines)
@@ -58,10 +67,12 @@ class ProgramSettings(ScriptingCase):
         config.write_text("[program]\nrate_hz = 111\n")
         chosen = {"CAPSOC_PROGRAM_RATE_HZ": "222"}
         for expected, source, arguments, keywords in (
-                ("250", "built-in", [], {}), ("111", "file", ["--config", config], {}),
-                ("222", "environment", ["--config", config], {"environment": chosen}),
-                ("333", "command line", ["--config", config, "-P", "rate_hz=333"], {"environment": chosen}),
-                ("444", "command line", ["-C", "program.rate_hz=444"], {})):
+            ("250", "built-in", [], {}),
+            ("111", "file", ["--config", config], {}),
+            ("222", "environment", ["--config", config], {"environment": chosen}),
+            ("333", "command line", ["--config", config, "-P", "rate_hz=333"], {"environment": chosen}),
+            ("444", "command line", ["-C", "program.rate_hz=444"], {}),
+        ):
             line = self.listed(*arguments, **keywords)["rate_hz"]
             self.assertEqual(line.split()[1], expected)
             self.assertIn(source, line)
@@ -93,7 +104,9 @@ class ProgramSettings(ScriptingCase):
     def test_the_step_follows_the_speed_when_it_is_0(self):
         trace = self.folder / "fast.toml"
         trace.write_text((TRACES / "soc_eq21.toml").read_text().replace("frequency_hz = 0.05", "frequency_hz = -1"))
-        _, r = self.run_soc("--sensor", trace, "-P", "frequency_hz=-1", "-P", "step=0", "-P", "demodulation_samples=10000")
+        _, r = self.run_soc(
+            "--sensor", trace, "-P", "frequency_hz=-1", "-P", "step=0", "-P", "demodulation_samples=10000"
+        )
         self.assertLessEqual(r["angle_error_deg"]["calibrated_max_last_revolution"], 1e-5)
         self.assertLessEqual(r["convergence_s"], 10)
 
@@ -139,8 +152,10 @@ class SensorSettings(ScriptingCase):
         config.write_text("[sensor]\na1 = 0.4\n[sensor.noise]\nsigma = 1e-3\nseed = 7\n")
         chosen = {"CAPSOC_SENSOR_A1": "0.3", "CAPSOC_SENSOR_NOISE_SEED": "8"}
         for a1, seed, arguments, keywords in (
-                (0.4, "7", [], {}), (0.3, "8", [], {"environment": chosen}),
-                (0.2, "9", ["-C", "sensor.a1=0.2", "-C", "sensor.noise.seed=9"], {"environment": chosen})):
+            (0.4, "7", [], {}),
+            (0.3, "8", [], {"environment": chosen}),
+            (0.2, "9", ["-C", "sensor.a1=0.2", "-C", "sensor.noise.seed=9"], {"environment": chosen}),
+        ):
             r = self.short("--config", config, *arguments, **keywords)
             self.assertEqual(r["parameters"]["a1"]["true"], a1)
             self.assertEqual(r["configuration"]["sensor.noise.seed"], seed)
@@ -154,28 +169,60 @@ class SensorSettings(ScriptingCase):
         edited = self.folder / "edited.toml"
         text = (TRACES / "soc_eq21.toml").read_text().replace('kind = "constant"', 'kind = "shuffled"\nseed = 3')
         text = text.replace("frequency_hz = 0.05", "")
-        edited.write_text(text + '\n[[harmonics]]\nchannel = "u"\norder = 3\namplitude = 0.01\nphase_rad = 0.5\n'
-                          "[noise]\nsigma = 1e-3\nseed = 4\n")
-        overlaid = self.samples("-C", "sensor.motion.kind=shuffled", "-C", "sensor.motion.seed=3",
-                                "-C", "sensor.harmonics.u3_amplitude=0.01", "-C", "sensor.harmonics.u3_phase_rad=0.5",
-                                "-C", "sensor.noise.sigma=1e-3", "-C", "sensor.noise.seed=4")
+        edited.write_text(
+            text + '\n[[harmonics]]\nchannel = "u"\norder = 3\namplitude = 0.01\nphase_rad = 0.5\n'
+            "[noise]\nsigma = 1e-3\nseed = 4\n"
+        )
+        overlaid = self.samples(
+            "-C",
+            "sensor.motion.kind=shuffled",
+            "-C",
+            "sensor.motion.seed=3",
+            "-C",
+            "sensor.harmonics.u3_amplitude=0.01",
+            "-C",
+            "sensor.harmonics.u3_phase_rad=0.5",
+            "-C",
+            "sensor.noise.sigma=1e-3",
+            "-C",
+            "sensor.noise.seed=4",
+        )
         self.assertEqual(overlaid, self.samples("--sensor", edited))
         self.assertNotEqual(overlaid, self.samples())
-        self.assertEqual(self.samples("--sensor", edited, "-C", "sensor.harmonics.u3_amplitude=", "-C",
-                                      "sensor.noise.sigma=", "-C", "sensor.noise.seed=", "-C", "sensor.motion.kind=constant",
-                                      "-C", "sensor.motion.frequency_hz=0.05"), self.samples())
+        self.assertEqual(
+            self.samples(
+                "--sensor",
+                edited,
+                "-C",
+                "sensor.harmonics.u3_amplitude=",
+                "-C",
+                "sensor.noise.sigma=",
+                "-C",
+                "sensor.noise.seed=",
+                "-C",
+                "sensor.motion.kind=constant",
+                "-C",
+                "sensor.motion.frequency_hz=0.05",
+            ),
+            self.samples(),
+        )
 
     def test_noise_of_the_other_kind_goes(self):
         self.short("--sensor", TRACES / "soc_noise_1e-2.toml", "-C", "sensor.noise.sigma=1e-4")
 
     def test_wrong_ones_are_a_sentence(self):
-        for assignment, expected in (("a1=0", "'a1' in [signal] = 0 is out of range"), ("a1=big", "is not a number"),
-                                     ("samples=0.5", "is not an integer"), ("noise.sigma=1", "'seed' is missing in [noise]"),
-                                     ("motion.kind=walking", "nearest known are walk"),
-                                     ("motion.ripple_hz=1", "unknown key 'ripple_hz' in [motion]"),
-                                     ("harmonics.u1_amplitude=0.1", "'order' in [harmonics] = 1 is out of range"),
-                                     ("harmonics.w3_amplitude=0.1", "u3_amplitude"), ("harmonics.u3_phase_rad=1", "'amplitude' is missing"),
-                                     ("a3=1", "did you mean")):
+        for assignment, expected in (
+            ("a1=0", "'a1' in [signal] = 0 is out of range"),
+            ("a1=big", "is not a number"),
+            ("samples=0.5", "is not an integer"),
+            ("noise.sigma=1", "'seed' is missing in [noise]"),
+            ("motion.kind=walking", "nearest known are walk"),
+            ("motion.ripple_hz=1", "unknown key 'ripple_hz' in [motion]"),
+            ("harmonics.u1_amplitude=0.1", "'order' in [harmonics] = 1 is out of range"),
+            ("harmonics.w3_amplitude=0.1", "u3_amplitude"),
+            ("harmonics.u3_phase_rad=1", "'amplitude' is missing"),
+            ("a3=1", "did you mean"),
+        ):
             self.refuse(f"-C sensor.{assignment}: ", "run", "-C", f"sensor.{assignment}")
             self.refuse(expected, "run", "-C", f"sensor.{assignment}")
         self.refuse("environment CAPSOC_SENSOR_A1: ", "run", environment={"CAPSOC_SENSOR_A1": "0"})
@@ -206,7 +253,9 @@ class SensorSettings(ScriptingCase):
         contents = (TRACES / "csfn_eq.toml").read_bytes()
         results = []
         for trace, stdin in ((TRACES / "csfn_eq.toml", b""), ("-", contents)):
-            process = capsoc("fit", trace, "--json", self.folder / "c.json", "--header", self.folder / "c.h", stdin=stdin)
+            process = capsoc(
+                "fit", trace, "--json", self.folder / "c.json", "--header", self.folder / "c.h", stdin=stdin
+            )
             self.assertEqual(process.returncode, 0, process.stderr.decode())
             results.append(json.loads((self.folder / "c.json").read_text()))
         self.assertEqual(results[0]["parameters"], results[1]["parameters"])
@@ -217,8 +266,10 @@ class SensorSettings(ScriptingCase):
 class Record(ScriptingCase):
     """`--record-columns`"""
 
-    ALL = ("sample,t,u,v,angle_deg,found_deg,found_word,error_deg,a1,a2,b1,b2,beta_rad,phi_rad,err_u,err_v,error_average,"
-           "error_average_word,status,flags")
+    ALL = (
+        "sample,t,u,v,angle_deg,found_deg,found_word,error_deg,a1,a2,b1,b2,beta_rad,phi_rad,err_u,err_v,error_average,"
+        "error_average_word,status,flags"
+    )
 
     def rows(self, path):
         lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
@@ -257,11 +308,21 @@ class Record(ScriptingCase):
 
     def test_it_still_is_a_trace(self):
         path = self.folder / "all.csv"
-        _, first = self.run_soc("--record", path, "--record-columns", self.ALL, "-P", "demodulation_samples=40000",
-                                "-P", "calibration_samples=0")
+        _, first = self.run_soc(
+            "--record",
+            path,
+            "--record-columns",
+            self.ALL,
+            "-P",
+            "demodulation_samples=40000",
+            "-P",
+            "calibration_samples=0",
+        )
         _, again = self.run_soc("--sensor", path, "-P", "demodulation_samples=40000", "-P", "calibration_samples=0")
-        self.assertEqual({n: p["word"] for n, p in first["parameters"].items()},
-                         {n: p["word"] for n, p in again["parameters"].items()})
+        self.assertEqual(
+            {n: p["word"] for n, p in first["parameters"].items()},
+            {n: p["word"] for n, p in again["parameters"].items()},
+        )
         process = capsoc("fit", path, "--json", self.folder / "c.json", "--header", self.folder / "c.h")
         self.assertEqual(process.returncode, 0, process.stderr.decode())
 
@@ -270,8 +331,21 @@ class Record(ScriptingCase):
             records = []
             for backend in ("tlm", "rtl", "lockstep"):
                 path = self.folder / f"{backend}.csv"
-                self.run_soc("--coprocessor", backend, "--arithmetic", arithmetic, "--record", path, "--record-columns",
-                             self.ALL, "-P", "demodulation_samples=2000", "-P", "calibration_samples=500", code=1)
+                self.run_soc(
+                    "--coprocessor",
+                    backend,
+                    "--arithmetic",
+                    arithmetic,
+                    "--record",
+                    path,
+                    "--record-columns",
+                    self.ALL,
+                    "-P",
+                    "demodulation_samples=2000",
+                    "-P",
+                    "calibration_samples=500",
+                    code=1,
+                )
                 records.append(path.read_text().split("\n", 1)[1])  # the first line names the run
             self.assertEqual(records[0].count("\n"), 2501)
             self.assertEqual(records[0], records[1])
@@ -288,7 +362,14 @@ class Record(ScriptingCase):
 
     def test_wrong_columns_are_a_sentence(self):
         path = self.folder / "r.csv"
-        self.refuse("there is no column 'angel'; choose from sample, t, u, v,", "run", "--record", path, "--record-columns", "u,angel")
+        self.refuse(
+            "there is no column 'angel'; choose from sample, t, u, v,",
+            "run",
+            "--record",
+            path,
+            "--record-columns",
+            "u,angel",
+        )
         self.refuse("'u' is there twice", "run", "--record", path, "--record-columns", "u,v,u")
         self.refuse("there is no column ''", "run", "--record", path, "--record-columns", "u,,v")
         self.refuse("give --record", "run", "--record-columns", "u,v")
@@ -326,8 +407,11 @@ class Tables(ScriptingCase):
         self.assertEqual(results["command"], "capsoc reproduce --table 8 --table 1")
         for row in rows:
             label = row["quantity"] + (f", {row['unit']}" if row["unit"] not in ("", "s") else "")
-            verdict = {"agrees": r"agrees [^\n]+", "holds": r"holds [^\n]+",
-                       "known": rf"differs \([^\n]+\): {re.escape(row['note'])}"}[row["verdict"]]
+            verdict = {
+                "agrees": r"agrees [^\n]+",
+                "holds": r"holds [^\n]+",
+                "known": rf"differs \([^\n]+\): {re.escape(row['note'])}",
+            }[row["verdict"]]
             line = f"  {label:<34} {row['paper']:>10}  {row['here']:>18}  "
             self.assertRegex(text, re.escape(line) + verdict + "\n")
             self.assertNotEqual(row["bound_least"] + row["bound_greatest"], "", line)
@@ -338,15 +422,29 @@ class Tables(ScriptingCase):
 
     def test_table_7_takes_what_the_synthesis_wrote(self):
         rows, _, _ = self.data("reproduce", "--table", "7")
-        self.assertEqual([(row["quantity"], row["paper"], row["here"], row["verdict"]) for row in rows],
-                         [("ALMs", "12192", "-", ""), ("registers", "7106", "-", ""), ("DSP blocks", "125", "-", ""),
-                          ("pins", "233", "-", ""), ("thermal power, mW", "361.875", "-", "")])
+        self.assertEqual(
+            [(row["quantity"], row["paper"], row["here"], row["verdict"]) for row in rows],
+            [
+                ("ALMs", "12192", "-", ""),
+                ("registers", "7106", "-", ""),
+                ("DSP blocks", "125", "-", ""),
+                ("pins", "233", "-", ""),
+                ("thermal power, mW", "361.875", "-", ""),
+            ],
+        )
         area = self.folder / "area.json"
 
         def figures(**changes):
             found = {"alm": 3950, "registers": 3505, "dsp": 12, **changes}
-            area.write_text(json.dumps({"precise": {"area": found, "f_max_mhz": [37.0, 46.3]},
-                                        "paper": {"area": {"alm": 9150, "registers": 3616, "dsp": 53}}}))
+            area.write_text(
+                json.dumps(
+                    {
+                        "precise": {"area": found, "f_max_mhz": [37.0, 46.3]},
+                        "paper": {"area": {"alm": 9150, "registers": 3616, "dsp": 53}},
+                    }
+                )
+            )
+
         figures()
         rows, _, text = self.data("reproduce", "--table", "7", "--synthesis", area)
         verdicts = {row["quantity"]: (row["here"], row["verdict"]) for row in rows}
@@ -359,10 +457,13 @@ class Tables(ScriptingCase):
             process = capsoc("reproduce", "--table", "7", "--synthesis", area)
             self.assertEqual(process.returncode, 1)
             self.assertIn("1 rows differ that should agree", process.stdout.decode())
-        for damage, sentence in (("[]", "is not a JSON object"), ("{", "is not a JSON object"),
-                                 ("{}", "has neither precise nor paper"),
-                                 ('{"paper": {"area": {"alm": 1}}}', "paper.area has no numbers"),
-                                 ('{"paper": {"area": {"alm": -1, "registers": 2, "dsp": 3}}}', "paper.area has no numbers")):
+        for damage, sentence in (
+            ("[]", "is not a JSON object"),
+            ("{", "is not a JSON object"),
+            ("{}", "has neither precise nor paper"),
+            ('{"paper": {"area": {"alm": 1}}}', "paper.area has no numbers"),
+            ('{"paper": {"area": {"alm": -1, "registers": 2, "dsp": 3}}}', "paper.area has no numbers"),
+        ):
             area.write_text(damage)
             self.refuse(sentence, "reproduce", "--table", "7", "--synthesis", area)
         self.refuse("cannot be read", "reproduce", "--synthesis", self.folder / "none.json")
@@ -371,7 +472,19 @@ class Tables(ScriptingCase):
         rows, results, _ = self.data("accuracy", "--table", "peers")
         self.check_same(rows, results)
         found = {row["quantity"]: row for row in rows}
-        for method in ("adam", "lm", "heydemann", "taubin", "direct", "sgd", "momentum", "rls", "fourier", "observer", "two-step"):
+        for method in (
+            "adam",
+            "lm",
+            "heydemann",
+            "taubin",
+            "direct",
+            "sgd",
+            "momentum",
+            "rls",
+            "fourier",
+            "observer",
+            "two-step",
+        ):
             self.assertIn(f"Eq (21): {method}", found)
         self.assertEqual(found["random: fourier"]["precise"], "")  # needs an order
         self.assertLess(float(found["Eq (21): taubin"]["precise"]), 1e-8)
@@ -391,7 +504,10 @@ class Tables(ScriptingCase):
         rows, results, text = self.data("bench", "cpu", FIRMWARE / "hello.elf", "--repeat", "1")
         self.check_same(rows, results)
         self.assertEqual([row["program"] for row in rows], ["hello", "geometric mean"])
-        self.assertIn(f"{float(rows[0]['mips']):>8.0f} {float(rows[0]['qemu_mips']):>8.0f} {float(rows[0]['qemu_ratio']):>8.2f}", text)
+        self.assertIn(
+            f"{float(rows[0]['mips']):>8.0f} {float(rows[0]['qemu_mips']):>8.0f} {float(rows[0]['qemu_ratio']):>8.2f}",
+            text,
+        )
 
     def test_data_instead_of_the_text(self):
         for option in ("--csv", "--json"):

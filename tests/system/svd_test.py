@@ -42,12 +42,17 @@ OTHERS = """<device><name>X</name><size>0x20</size><access>read-write</access><p
 SCHEMA = {
     "device": "vendor name series version description cpu addressUnitBits width size resetMask peripherals",
     "cpu": "name revision endian mpuPresent fpuPresent nvicPrioBits vendorSystickConfig deviceNumInterrupts",
-    "peripherals": "peripheral", "registers": "register", "fields": "field", "enumeratedValues": "enumeratedValue",
+    "peripherals": "peripheral",
+    "registers": "register",
+    "fields": "field",
+    "enumeratedValues": "enumeratedValue",
     "peripheral": "name description baseAddress addressBlock interrupt registers",
-    "addressBlock": "offset size usage", "writeConstraint": "range", "range": "minimum maximum",
+    "addressBlock": "offset size usage",
+    "writeConstraint": "range",
+    "range": "minimum maximum",
     "interrupt": "name description value",
     "register": "name description addressOffset size access resetValue resetMask dataType modifiedWriteValues "
-                "writeConstraint readAction fields",
+    "writeConstraint readAction fields",
     "field": "name description bitRange access modifiedWriteValues writeConstraint readAction enumeratedValues",
     "enumeratedValue": "name description value",
 }
@@ -87,10 +92,14 @@ class Own(unittest.TestCase):
         self.assertEqual(reference.values[reference.of(8)], "ANGLE")
 
     def test_formats_are_understood(self):
-        for path, word, meaning in (("COPROCESSOR.A1", 0x40000000, "0.5000000000"), ("COPROCESSOR.B1", 0xC0000000, "-0.5000000000"),
-                                    ("COPROCESSOR.AU_HI", 0x40000000, "0.5000000000"),
-                                    ("COPROCESSOR.ANGLE", 0x40000000, "90.0000000 degrees"),
-                                    ("COPROCESSOR.RESIDUE", 0xC0000000, "-90.0000000 degrees"), ("ADC.PERIOD", 7, "7")):
+        for path, word, meaning in (
+            ("COPROCESSOR.A1", 0x40000000, "0.5000000000"),
+            ("COPROCESSOR.B1", 0xC0000000, "-0.5000000000"),
+            ("COPROCESSOR.AU_HI", 0x40000000, "0.5000000000"),
+            ("COPROCESSOR.ANGLE", 0x40000000, "90.0000000 degrees"),
+            ("COPROCESSOR.RESIDUE", 0xC0000000, "-90.0000000 degrees"),
+            ("ADC.PERIOD", 7, "7"),
+        ):
             self.assertEqual(self.device.find(path)[1].meaning(word), meaning, path)
 
     def test_completion(self):
@@ -100,8 +109,12 @@ class Own(unittest.TestCase):
         self.assertEqual(self.device.complete("NOTHING.X"), [])
 
     def test_every_wrong_name_is_explained(self):
-        for path, text in (("NONE", "no peripheral NONE"), ("ADC.NONE", "no register NONE"), ("ADC.ID.X", "no field X"),
-                           ("A.B.C.D", "at the most")):
+        for path, text in (
+            ("NONE", "no peripheral NONE"),
+            ("ADC.NONE", "no register NONE"),
+            ("ADC.ID.X", "no field X"),
+            ("A.B.C.D", "at the most"),
+        ):
             with self.assertRaisesRegex(svd.SvdError, text):
                 self.device.find(path)
 
@@ -119,7 +132,9 @@ class Board(unittest.TestCase):
 
     def test_every_device_of_the_map_is_there_and_the_processor(self):
         printed = subprocess.run([CAPSOC, "info"], stdout=subprocess.PIPE, check=True, text=True).stdout
-        devices = {int(base, 16) for base in re.findall(r"^(0x[0-9a-f]+) +0x[0-9a-f]+ +\w+ +device", printed, re.MULTILINE)}
+        devices = {
+            int(base, 16) for base in re.findall(r"^(0x[0-9a-f]+) +0x[0-9a-f]+ +\w+ +device", printed, re.MULTILINE)
+        }
         own = {0xE0000000, 0xE0001000, 0xE000E000, 0xE000E010, 0xE000E100, 0xE000ED00, 0xE000ED90, 0xE000EDF0}
         self.assertEqual({p.base for p in self.device.peripherals.values()}, devices | own)
         for peripheral in self.device.peripherals.values():
@@ -127,18 +142,34 @@ class Board(unittest.TestCase):
 
     def test_addresses_are_the_manuals(self):
         # ARM DDI 0479 and DDI 0403, tables of registers.
-        for path, address in (("UART3.BAUDDIV", 0x40007010), ("TIMER1.RELOAD", 0x40001008), ("DUAL_TIMER.TIMER2CONTROL", 0x40002028),
-                              ("WATCHDOG.WDOGLOCK", 0x40008C00), ("GPIO2.INTENSET", 0x40012020), ("FPGAIO.BUTTON", 0x40028008),
-                              ("NVIC.ISER", 0xE000E100), ("NVIC.IPR7", 0xE000E41C), ("NVIC.STIR", 0xE000EF00),
-                              ("SCB.CFSR", 0xE000ED28), ("SCB.SHPR3", 0xE000ED20), ("SYSTICK.RVR", 0xE000E014),
-                              ("MPU.RASR_A3", 0xE000EDB8), ("DWT.FUNCTION3", 0xE0001058), ("ITM.TCR", 0xE0000E80),
-                              ("DCB.DEMCR", 0xE000EDFC), ("COPROCESSOR.STATUS", 0x4000C00C)):
+        for path, address in (
+            ("UART3.BAUDDIV", 0x40007010),
+            ("TIMER1.RELOAD", 0x40001008),
+            ("DUAL_TIMER.TIMER2CONTROL", 0x40002028),
+            ("WATCHDOG.WDOGLOCK", 0x40008C00),
+            ("GPIO2.INTENSET", 0x40012020),
+            ("FPGAIO.BUTTON", 0x40028008),
+            ("NVIC.ISER", 0xE000E100),
+            ("NVIC.IPR7", 0xE000E41C),
+            ("NVIC.STIR", 0xE000EF00),
+            ("SCB.CFSR", 0xE000ED28),
+            ("SCB.SHPR3", 0xE000ED20),
+            ("SYSTICK.RVR", 0xE000E014),
+            ("MPU.RASR_A3", 0xE000EDB8),
+            ("DWT.FUNCTION3", 0xE0001058),
+            ("ITM.TCR", 0xE0000E80),
+            ("DCB.DEMCR", 0xE000EDFC),
+            ("COPROCESSOR.STATUS", 0x4000C00C),
+        ):
             self.assertEqual(self.device.find(path)[1].address, address, path)
         self.assertTrue(self.device.find("UART0.DATA")[1].has_side_effect)
 
     def test_every_named_bit_is_a_bit_of_its_register(self):
-        rows = re.findall(r"^REGISTER_FIELD\((\w+), (\w+), (\w+), (\d+), (\d+)\)",
-                          (SOURCE / "platform/soc/register_fields.def").read_text(), re.MULTILINE)
+        rows = re.findall(
+            r"^REGISTER_FIELD\((\w+), (\w+), (\w+), (\d+), (\d+)\)",
+            (SOURCE / "platform/soc/register_fields.def").read_text(),
+            re.MULTILINE,
+        )
         self.assertGreater(len(rows), 100)
         for kind, register, name, low, bits in rows:
             of_kind = [p.name for p in self.device.peripherals.values() if p.name.rstrip("0123456789") == kind]
@@ -169,8 +200,12 @@ class Others(unittest.TestCase):
 
     def test_arrays_clusters_and_derivation(self):
         device = self.device(OTHERS)
-        for path, address, size in (("TIM0.CC2", 0x40000018, 2), ("TIM1.CC0", 0x40001010, 2), ("TIM1.CTRL2", 0x40001004, 4),
-                                    ("TIM0.CHB_DATA", 0x40000124, 4)):
+        for path, address, size in (
+            ("TIM0.CC2", 0x40000018, 2),
+            ("TIM1.CC0", 0x40001010, 2),
+            ("TIM1.CTRL2", 0x40001004, 4),
+            ("TIM0.CHB_DATA", 0x40000124, 4),
+        ):
             register = device.find(path)[1]
             self.assertEqual((register.address, register.size), (address, size), path)
         mode = device.find("TIM1.CTRL2.MODE")[2]
@@ -179,16 +214,29 @@ class Others(unittest.TestCase):
         self.assertFalse(device.find("TIM0.CHA_DATA")[1].readable)
 
     def test_damage_is_one_sentence(self):
-        for text in ("", "<device>", "<html/>", OTHERS.replace("0x40000000", "zero"), OTHERS.replace("<lsb>4</lsb>", "<lsb/>"),
-                     OTHERS.replace("<name>TIM0</name>", ""), OTHERS.replace("<name>ON</name>", ""),
-                     OTHERS.replace("<name>POP</name>", ""), OTHERS.replace("<size>16</size>", "<size>0</size>"),
-                     OTHERS.replace("<size>16</size>", "<size>99999999999</size>"), OTHERS.replace("<size>16</size>", "<size>k</size>"),
-                     OTHERS.replace("<msb>6</msb>", "<msb>3</msb>"), OTHERS.replace("<msb>6</msb>", "<msb>99999999999</msb>"),
-                     OTHERS.replace("<dim>3</dim>", "<dim>99999999999</dim>"), OTHERS.replace("A-B", "0-99999999999"),
-                     OTHERS.replace("<addressOffset>8<", "<addressOffset>-0x50000000<"),
-                     "<device><peripherals><peripheral><name>P</name><baseAddress>0</baseAddress><registers>"
-                     + "<cluster><dim>4096</dim><dimIncrement>4</dimIncrement><name>C%s</name><addressOffset>0</addressOffset>" * 3
-                     + "</cluster>" * 3 + "</registers></peripheral></peripherals></device>"):
+        for text in (
+            "",
+            "<device>",
+            "<html/>",
+            OTHERS.replace("0x40000000", "zero"),
+            OTHERS.replace("<lsb>4</lsb>", "<lsb/>"),
+            OTHERS.replace("<name>TIM0</name>", ""),
+            OTHERS.replace("<name>ON</name>", ""),
+            OTHERS.replace("<name>POP</name>", ""),
+            OTHERS.replace("<size>16</size>", "<size>0</size>"),
+            OTHERS.replace("<size>16</size>", "<size>99999999999</size>"),
+            OTHERS.replace("<size>16</size>", "<size>k</size>"),
+            OTHERS.replace("<msb>6</msb>", "<msb>3</msb>"),
+            OTHERS.replace("<msb>6</msb>", "<msb>99999999999</msb>"),
+            OTHERS.replace("<dim>3</dim>", "<dim>99999999999</dim>"),
+            OTHERS.replace("A-B", "0-99999999999"),
+            OTHERS.replace("<addressOffset>8<", "<addressOffset>-0x50000000<"),
+            "<device><peripherals><peripheral><name>P</name><baseAddress>0</baseAddress><registers>"
+            + "<cluster><dim>4096</dim><dimIncrement>4</dimIncrement><name>C%s</name><addressOffset>0</addressOffset>"
+            * 3
+            + "</cluster>" * 3
+            + "</registers></peripheral></peripherals></device>",
+        ):
             with self.assertRaises(svd.SvdError, msg=text) as caught:
                 self.device(text)
             self.assertNotIn("\n", str(caught.exception))
@@ -197,17 +245,33 @@ class Others(unittest.TestCase):
 
     def test_random_damage_is_one_sentence_or_a_description(self):
         """CAPSOC_FUZZ_FILES: how many; the numbers are the seeds."""
-        odd = ["0", "-1", "99999999999", "0xFFFFFFFFFFFF", " ", "[3:5]", "[x]", "%s", "A-Z", "0-99999999", "#", "k", "TIM0", "64", "a,b"]
+        odd = [
+            "0",
+            "-1",
+            "99999999999",
+            "0xFFFFFFFFFFFF",
+            " ",
+            "[3:5]",
+            "[x]",
+            "%s",
+            "A-Z",
+            "0-99999999",
+            "#",
+            "k",
+            "TIM0",
+            "64",
+            "a,b",
+        ]
         outcomes = {"read": 0, "refused": 0}
         for seed in range(int(os.environ.get("CAPSOC_FUZZ_FILES", 300))):
             choose, text = random.Random(seed), OTHERS
             for _ in range(choose.randint(1, 3)):
                 value = choose.choice(list(re.finditer(r">([^<>\n]+)<", text)))
                 other = choose.choice([*odd, choose.choice(re.findall(r">([^<>\n]+)<", text))])
-                text = text[:value.start(1)] + other + text[value.end(1):]
+                text = text[: value.start(1)] + other + text[value.end(1) :]
                 element = choose.choice(list(re.finditer(r"<(\w+)>[^<>]*</\1>", text)))
                 if choose.random() < 0.3:
-                    text = text[:element.start()] + choose.choice(["", element[0] * 2, "<"]) + text[element.end():]
+                    text = text[: element.start()] + choose.choice(["", element[0] * 2, "<"]) + text[element.end() :]
             try:
                 device = self.device(text)
                 outcomes["read"] += 1

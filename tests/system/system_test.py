@@ -15,11 +15,15 @@ from harness import BUILD, CAPSOC, CLEAN, FIRMWARE, TRACES
 CTEST = {"name": "system", "timeout": 600}
 
 
-
 def capsoc(*arguments, environment=None):
     """Runs the program; stdout and stderr as bytes and text."""
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False,
-                          env={**CLEAN, **(environment or {})})
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)],
+        capture_output=True,
+        timeout=570,
+        check=False,
+        env={**CLEAN, **(environment or {})},
+    )
 
 
 def run(*arguments):
@@ -79,11 +83,17 @@ class Determinism(unittest.TestCase):
     def test_quantum_and_executor_change_nothing(self):
         results = {}
         for name, options in {
-                "default": [], "again": [], "10 us": ["--quantum", 1e4], "100 ns": ["--quantum", 100], "10 ms": ["--quantum", 1e7],
-                "stepping": ["-C", "cpu.executor=stepping"],
-                "blocks": ["-C", "cpu.executor=blocks"], "translator": ["-C", "cpu.executor=translator"],
-                "translated at once": ["-C", "cpu.translate_after=1"],
-                "no fast forward": ["-C", "cpu.fast_forward=false"]}.items():
+            "default": [],
+            "again": [],
+            "10 us": ["--quantum", 1e4],
+            "100 ns": ["--quantum", 100],
+            "10 ms": ["--quantum", 1e7],
+            "stepping": ["-C", "cpu.executor=stepping"],
+            "blocks": ["-C", "cpu.executor=blocks"],
+            "translator": ["-C", "cpu.executor=translator"],
+            "translated at once": ["-C", "cpu.translate_after=1"],
+            "no fast forward": ["-C", "cpu.fast_forward=false"],
+        }.items():
             process, r = run("--simlimit", 20, *options)
             self.assertEqual(process.returncode, 124)
             r = without_wall_times(r)
@@ -93,7 +103,6 @@ class Determinism(unittest.TestCase):
             results[name] = (process.stdout, r)
         for name, outcome in results.items():
             self.assertEqual(outcome, results["10 us"], name)
-
 
     def test_memory_that_waits_takes_time_and_changes_nothing_else(self):
         quick, slow = (run(FIRMWARE / "bench_tasks.elf", "-C", f"memory.code_sram.wait_states={n}") for n in (0, 3))
@@ -115,8 +124,16 @@ class Determinism(unittest.TestCase):
         # What may be done ahead of the kernel, and what may not: for a trace of the bus nothing is.
         outcomes = {}
         with tempfile.TemporaryDirectory() as folder:
-            for options in ((), ("--quantum", 1000), ("--quantum", 100), ("--quantum", 1e7), ("-C", "cpu.executor=stepping"),
-                            ("-C", "cpu.executor=blocks"), ("-C", "cpu.fast_forward=false"), ("--trace-bus", Path(folder) / "bus.txt")):
+            for options in (
+                (),
+                ("--quantum", 1000),
+                ("--quantum", 100),
+                ("--quantum", 1e7),
+                ("-C", "cpu.executor=stepping"),
+                ("-C", "cpu.executor=blocks"),
+                ("-C", "cpu.fast_forward=false"),
+                ("--trace-bus", Path(folder) / "bus.txt"),
+            ):
                 log = Path(folder) / "uart1"
                 process, r = run(FIRMWARE / "transmit.elf", "-C", f"uart1.log={log}", *options)
                 self.assertEqual(process.returncode, 0, process.stderr)
@@ -129,8 +146,14 @@ class Determinism(unittest.TestCase):
         # Loops that compute, poll a device and poll memory, cut off in the midst.
         for program in ("forever", "bench_polling", "idle"):
             ends = {}
-            for options in ((), ("--quantum", 1000), ("--quantum", 77777), ("-C", "cpu.executor=stepping"), ("-C", "cpu.fast_forward=false"),
-                            ("-C", "cpu.fast_forward=false", "--quantum", 1000)):
+            for options in (
+                (),
+                ("--quantum", 1000),
+                ("--quantum", 77777),
+                ("-C", "cpu.executor=stepping"),
+                ("-C", "cpu.fast_forward=false"),
+                ("-C", "cpu.fast_forward=false", "--quantum", 1000),
+            ):
                 cpu = run(FIRMWARE / f"{program}.elf", "--simlimit", 0.03, *options)[1]["cpu"]
                 ends[options] = (cpu["cycles"], cpu["instructions"])
             self.assertEqual(len(set(ends.values())), 1, ends)
@@ -210,7 +233,7 @@ class Inputs(unittest.TestCase):
     def test_a_section_outside_memory(self):
         whole = bytearray((FIRMWARE / "hello.elf").read_bytes())
         table = int.from_bytes(whole[28:32], "little")  # e_phoff
-        whole[table + 8:table + 16] = (0x60000000).to_bytes(4, "little") * 2  # p_vaddr, p_paddr
+        whole[table + 8 : table + 16] = (0x60000000).to_bytes(4, "little") * 2  # p_vaddr, p_paddr
         self.check_file(".elf", bytes(whole), ": the segment 0x60000000", option=None)
 
     def test_a_missing_sensor(self):
@@ -260,7 +283,7 @@ class Options(unittest.TestCase):
     def value_of(self, setting, *arguments, **keywords):
         process = capsoc("run", "--list-params", *arguments, **keywords)
         self.assertEqual(process.returncode, 0, process.stderr.decode())
-        line = next(l for l in process.stdout.decode().splitlines() if l.split()[0] == setting)
+        line = next(row for row in process.stdout.decode().splitlines() if row.split()[0] == setting)
         return line.split()[1]
 
     def test_precedence(self):
@@ -271,8 +294,9 @@ class Options(unittest.TestCase):
             config.write_text("[coprocessor]\narithmetic = 'paper'\n[cpu]\nquantum_ns = 77\n")
             self.assertEqual(self.value_of(name, "--config", config), "paper")
             self.assertEqual(self.value_of("cpu.quantum_ns", "--config", config), "77")
-            self.assertEqual(self.value_of("cpu.quantum_ns", "--config", config,
-                                           environment={"CAPSOC_CPU_QUANTUM_NS": "88"}), "88")
+            self.assertEqual(
+                self.value_of("cpu.quantum_ns", "--config", config, environment={"CAPSOC_CPU_QUANTUM_NS": "88"}), "88"
+            )
             config.write_text("[coprocessor]\narithmetic = 'exact'\n")
             self.refuse(f"{config}:2", "run", "--config", config)
         self.assertEqual(self.value_of(name, environment=chosen), "paper")
@@ -320,7 +344,9 @@ class Firmware(unittest.TestCase):
         outputs = set()
         for level in ("", "-O0", "-O2", "-O3"):
             for executor in ("blocks", "translator", "stepping"):
-                process = capsoc("run", FIRMWARE / f"newlib{level}.elf", "--simlimit", 10, "-C", f"cpu.executor={executor}")
+                process = capsoc(
+                    "run", FIRMWARE / f"newlib{level}.elf", "--simlimit", 10, "-C", f"cpu.executor={executor}"
+                )
                 self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
                 outputs.add(process.stdout)
         self.assertEqual(len(outputs), 1)
@@ -334,7 +360,12 @@ class Sensor(unittest.TestCase):
         lines = [columns]
         for k in range(samples):
             angle = 2 * math.pi * turns_per_s * k / rate_hz
-            row = {"t": k / rate_hz, "u": 0.6 * math.sin(angle), "v": 0.6 * math.cos(angle), "angle_deg": math.degrees(angle)}
+            row = {
+                "t": k / rate_hz,
+                "u": 0.6 * math.sin(angle),
+                "v": 0.6 * math.cos(angle),
+                "angle_deg": math.degrees(angle),
+            }
             lines.append(",".join(f"{row[name]:.9f}" for name in columns.split(",")))
         path.write_text("\n".join(lines) + "\n")
         return path
@@ -368,7 +399,7 @@ class Sensor(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for columns in ("t,u,v", "t,u,v,angle_deg"):
                 process, r = run("--sensor", self.record(folder, 1000, columns=columns))
-                warnings = [l for l in process.stderr.decode().splitlines() if "warning" in l]
+                warnings = [line for line in process.stderr.decode().splitlines() if "warning" in line]
                 self.assertEqual(len(warnings), 1, process.stderr.decode())
                 self.assertIn("the trace was sampled at 1000 Hz and the program samples at 250 Hz: ", warnings[0])
                 self.assertEqual(warnings[0], "warning: " + r["sensor_warnings"][0])
@@ -417,8 +448,12 @@ class Quick(unittest.TestCase):
 
     def test_errors_of_a_large_sensor_do_not_saturate(self):
         sensor = {"a1": 0.825, "a2": 0.95, "b1": -0.026, "b2": 0.025, "beta_rad": 1.013, "phi_rad": -2.513}
-        _, r = self.check("-P", "frequency_hz=0.05", *(word for key, value in sensor.items()
-                                                       for word in ("-C", f"sensor.{key}={value}")), bound=0.1)
+        _, r = self.check(
+            "-P",
+            "frequency_hz=0.05",
+            *(word for key, value in sensor.items() for word in ("-C", f"sensor.{key}={value}")),
+            bound=0.1,
+        )
         self.assertAlmostEqual(r["convergence_s"], 20, delta=0.05)
 
     def test_a_reversed_shaft_is_learnt_from_its_mirror_image(self):
@@ -461,8 +496,16 @@ class Harmonics(unittest.TestCase):
         self.check("-P", "ripple_deg=0.001", angle=5e-7, bound=0.1)
 
     def test_model_and_rtl_agree(self):
-        self.check("--coprocessor", "lockstep", "-C", "sensor.motion.frequency_hz=1", "-P", "calibration_samples=300",
-                   angle=1e-4, bound=6)
+        self.check(
+            "--coprocessor",
+            "lockstep",
+            "-C",
+            "sensor.motion.frequency_hz=1",
+            "-P",
+            "calibration_samples=300",
+            angle=1e-4,
+            bound=6,
+        )
 
     def test_paper_has_no_correction(self):
         process, r = run(FIRMWARE / "harmonics.elf", "--arithmetic", "paper")
@@ -477,8 +520,16 @@ class Follow(unittest.TestCase):
         """Process, result and the largest error of all samples after the lock."""
         with tempfile.TemporaryDirectory() as folder:
             record = Path(folder) / "r.csv"
-            process, r = run(FIRMWARE / "follow.elf", "--record", record, "--record-columns", "t,error_deg",
-                             "-P", "harmonics_deg=0", *options)
+            process, r = run(
+                FIRMWARE / "follow.elf",
+                "--record",
+                record,
+                "--record-columns",
+                "t,error_deg",
+                "-P",
+                "harmonics_deg=0",
+                *options,
+            )
             rows = [line.split(",") for line in record.read_text(encoding="ascii").splitlines() if line[:1].isdigit()]
         lock = re.search(rb"^t +(\d+) s: lock$", process.stdout, re.MULTILINE)
         if not lock:
@@ -499,11 +550,19 @@ class Follow(unittest.TestCase):
     STILL = [word for key in ("a1", "a2", "b1", "b2", "beta_rad") for word in ("-C", f"sensor.drift.{key}_per_s=0")]
 
     def profile(self, speeds, seconds):
-        return ("--sensor", TRACES / "drift_all.toml", "-C", f"sensor.motion.speeds={speeds}", "-P", f"seconds={seconds}")
+        return (
+            "--sensor",
+            TRACES / "drift_all.toml",
+            "-C",
+            f"sensor.motion.speeds={speeds}",
+            "-P",
+            f"seconds={seconds}",
+        )
 
     def test_a_rest_leaves_the_parameters_as_they_are(self):
-        process, r, error = self.follow(*self.profile("[[0, 1], [9, 1], [9.1, 0], [19, 0], [19.1, 1]]", 22), *self.STILL,
-                                        "-P", "drift_per_s=0")
+        process, r, error = self.follow(
+            *self.profile("[[0, 1], [9, 1], [9.1, 0], [19, 0], [19.1, 1]]", 22), *self.STILL, "-P", "drift_per_s=0"
+        )
         self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
         self.assertLess(error, 2e-4)
         self.assertLess(r["verdict"]["bound_deg"], 0.4)  # a sample of motion is 0.072 degrees
@@ -511,16 +570,22 @@ class Follow(unittest.TestCase):
     def test_drift_that_is_reckoned_with_widens_the_bound_by_the_rest(self):
         bounds = []
         for drift in (0, 0.001):
-            process, r, _ = self.follow(*self.profile("[[0, 1], [9, 1], [9.1, 0], [19, 0], [19.1, 1]]", 22), *self.STILL,
-                                        "-P", f"drift_per_s={drift}")
+            process, r, _ = self.follow(
+                *self.profile("[[0, 1], [9, 1], [9.1, 0], [19, 0], [19.1, 1]]", 22),
+                *self.STILL,
+                "-P",
+                f"drift_per_s={drift}",
+            )
             self.assertEqual(process.returncode, 0, process.stderr.decode())
             bounds.append(r["verdict"]["bound_deg"])
         # Six times 0.1 % a second for the 10 to 11 s between two turns.
         self.assertAlmostEqual(bounds[1] - bounds[0], 57.3 * 0.006 * 10.5, delta=57.3 * 0.006 * 1.2)
 
     def test_what_cannot_be_followed_is_refused(self):
-        for speeds, sentence in (("[[0, 0]]", b"follow: fail: no turn seen"),
-                                 ("[[0, 1], [3, 1], [3.1, 0]]", b"follow: fail: too few good turns for a lock")):
+        for speeds, sentence in (
+            ("[[0, 0]]", b"follow: fail: no turn seen"),
+            ("[[0, 1], [3, 1], [3.1, 0]]", b"follow: fail: too few good turns for a lock"),
+        ):
             process, r, _ = self.follow(*self.profile(speeds, 8), *self.STILL, "-P", "measuring_seconds=5")
             self.assertEqual(process.returncode, 1, process.stdout)
             self.assertIn(sentence, process.stdout)
@@ -531,8 +596,9 @@ class Follow(unittest.TestCase):
         self.assertIn(b"no block learning", process.stdout)
 
     def test_model_and_rtl_agree(self):
-        process, r, _ = self.follow(*self.profile("[[0, 10], [1, 10], [1.2, 0], [1.5, 0], [1.6, -10]]", 2),
-                                    "--coprocessor", "lockstep")
+        process, r, _ = self.follow(
+            *self.profile("[[0, 10], [1, 10], [1.2, 0], [1.5, 0], [1.6, -10]]", 2), "--coprocessor", "lockstep"
+        )
         self.assertEqual(process.returncode, 0, process.stdout.decode() + process.stderr.decode())
         self.assertTrue(r["verdict"]["bound_holds"])
 
@@ -584,8 +650,9 @@ class Recursive(unittest.TestCase):
 
 def in_folder(folder, *arguments):
     """The program with `folder` as its current folder."""
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, env=CLEAN,
-                          cwd=folder)
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)], capture_output=True, timeout=570, check=False, env=CLEAN, cwd=folder
+    )
 
 
 class Fit(unittest.TestCase):
@@ -659,14 +726,42 @@ class Fit(unittest.TestCase):
         rows = (self.folder / "c.csv").read_text().splitlines()
         self.assertEqual(rows[0], "iteration,loss,a1,a2,b1,b2,beta")
         self.assertGreater(len(rows), 2)
-        few = self.fit(TRACES / "soc_noise_1e-2.toml", "--iterations", 500, "--batch", 50, "--rate", 0.02, "--seed", 7,
-                       "--samples", 5000, "--method", "adam")
+        few = self.fit(
+            TRACES / "soc_noise_1e-2.toml",
+            "--iterations",
+            500,
+            "--batch",
+            50,
+            "--rate",
+            0.02,
+            "--seed",
+            7,
+            "--samples",
+            5000,
+            "--method",
+            "adam",
+        )
         self.assertEqual((few["iterations"], few["seed"], few["samples"]), (500, 7, 5000))
         for part in ("--batch 50", "--seed 7", "--iterations 500"):
             self.assertIn(part, few["command"])
         every = self.fit(trace, "--method", "all")
-        self.assertEqual([m["method"] for m in every["methods"]], ["ml", "adam", "lm", "heydemann", "taubin", "direct",
-                                                               "sgd", "momentum", "rls", "fourier", "observer", "two-step"])
+        self.assertEqual(
+            [m["method"] for m in every["methods"]],
+            [
+                "ml",
+                "adam",
+                "lm",
+                "heydemann",
+                "taubin",
+                "direct",
+                "sgd",
+                "momentum",
+                "rls",
+                "fourier",
+                "observer",
+                "two-step",
+            ],
+        )
 
     def test_bad_input(self):
         self.refuse_file(2, b"", ": is empty")
@@ -682,18 +777,25 @@ class Fit(unittest.TestCase):
     def test_a_gate_rejects_a_short_arc(self):
         rows = (TRACES / "recorded_example.csv").read_text().splitlines()
         path = self.folder / "arc.csv"
-        path.write_text("\n".join(rows[:3 + 20]) + "\n")
+        path.write_text("\n".join(rows[: 3 + 20]) + "\n")
         self.refuse(3, f"{path}: ", path, "--adc-bits", "12")
 
     def test_the_header_is_for_the_compiler(self):
         r = self.fit(TRACES / "soc_eq21.toml", "--method", "lm")
         words = {name: r["parameters"][name]["word"] for name in ("a1", "a2", "b1", "b2", "beta", "phi")}
         source = self.folder / "words.c"
-        source.write_text('#include "calibration.h"\n' + "".join(
-            f'_Static_assert(CALIBRATION_{name.upper()} == {word}{"u" if word > 2**31 else ""}, "{name}");\n'
-            for name, word in words.items()))
-        process = subprocess.run(["arm-none-eabi-gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", source],
-                                 capture_output=True, check=False)
+        source.write_text(
+            '#include "calibration.h"\n'
+            + "".join(
+                f'_Static_assert(CALIBRATION_{name.upper()} == {word}{"u" if word > 2**31 else ""}, "{name}");\n'
+                for name, word in words.items()
+            )
+        )
+        process = subprocess.run(
+            ["arm-none-eabi-gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", source],
+            capture_output=True,
+            check=False,
+        )
         self.assertEqual(process.returncode, 0, process.stderr.decode())
 
     def test_a_record_of_the_coprocessor_is_a_trace(self):
@@ -703,13 +805,17 @@ class Fit(unittest.TestCase):
         process, again = run("--simlimit", 41, "--sensor", first, "--record", second)
         self.assertEqual(process.returncode, 124)
         self.assertEqual(again["parameters"]["a1"]["word"], r["parameters"]["a1"]["word"])
-        samples = lambda path: [l.split(",")[1:3] for l in path.read_text().splitlines() if l[0] not in "#t"]
+
+        def samples(path):
+            return [row.split(",")[1:3] for row in path.read_text().splitlines() if row[0] not in "#t"]
+
         self.assertEqual(samples(first), samples(second))
         from_record = self.fit(first, "--method", "lm")
         from_trace = self.fit(TRACES / "soc_eq21.toml", "--method", "lm", "--samples", from_record["samples"])
         for name in ("a1", "a2", "b1", "b2", "beta"):
-            self.assertAlmostEqual(from_record["parameters"][name]["word"], from_trace["parameters"][name]["word"],
-                                   delta=1, msg=name)
+            self.assertAlmostEqual(
+                from_record["parameters"][name]["word"], from_trace["parameters"][name]["word"], delta=1, msg=name
+            )
 
     def test_the_soc_starts_in_calibration_mode_with_parameters(self):
         self.fit(TRACES / "soc_eq21.toml")
@@ -758,10 +864,10 @@ class Fit(unittest.TestCase):
 class Golden(unittest.TestCase):
     """What the SoC identifies beside what the CSFN finds in the same samples, on every trace."""
 
-    # Trace: program; largest difference in units of the last place of amplitudes and offsets (2^-31) and of beta (2^-32
-    # turn). Twice what was measured. Clean samples: both are exact. Noise: the on-line filter averages over a turn, the CSFN
-    # over the record, so the difference grows with the noise. Harmonics, unsteady speed and short records: the two methods
-    # see different things in them.
+    # Trace: program; largest difference in units of the last place of amplitudes and offsets (2^-31) and of beta
+    # (2^-32 turn). Twice what was measured. Clean samples: both are exact. Noise: the on-line filter averages over a
+    # turn, the CSFN over the record, so the difference grows with the noise. Harmonics, unsteady speed and short
+    # records: the two methods see different things in them.
     TOLERANCES = {
         "soc_eq21.toml": ("selfcal", 3, 3),
         "soc_noise_1e-2.toml": ("selfcal", 150_000, 110_000),
@@ -811,7 +917,16 @@ class Golden(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "calibration.json"
             self.assertEqual(capsoc("fit", sensor, "--json", path).returncode, 0)
-            calibrate = (FIRMWARE / "calibrate.elf", "--golden", "--uart0", "null", "--sensor", sensor, "--parameters", path)
+            calibrate = (
+                FIRMWARE / "calibrate.elf",
+                "--golden",
+                "--uart0",
+                "null",
+                "--sensor",
+                sensor,
+                "--parameters",
+                path,
+            )
             process, r = run(*calibrate)
             self.assertEqual((process.returncode, r["golden"]["angle"]["verdict"]), (0, "agrees"), process.stderr)
             calibration = json.loads(path.read_text(encoding="utf-8"))
@@ -899,9 +1014,28 @@ class Qemu(unittest.TestCase):
     def qemu(elf):
         return subprocess.run(
             # Counted instructions: the host's load must not reach the guest's watchdog.
-            ["qemu-system-arm", "-M", "mps2-an385", "-icount", "shift=5,sleep=off", "-display", "none",
-             "-monitor", "none", "-serial", "stdio", "-semihosting-config", "enable=on,target=native", "-kernel", elf],
-            capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+            [
+                "qemu-system-arm",
+                "-M",
+                "mps2-an385",
+                "-icount",
+                "shift=5,sleep=off",
+                "-display",
+                "none",
+                "-monitor",
+                "none",
+                "-serial",
+                "stdio",
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-kernel",
+                elf,
+            ],
+            capture_output=True,
+            timeout=60,
+            check=False,
+            stdin=subprocess.DEVNULL,
+        )
 
     def check(self, *programs):
         for program in programs:
@@ -949,7 +1083,9 @@ class Itm(unittest.TestCase):
         for port, text in ((0, self.TEXT), (1, b"")):
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / "itm.txt"
-                process = capsoc("run", FIRMWARE / "itm.elf", "--simlimit", 1, "--itm", f"file:{path}", "-C", f"itm.port={port}")
+                process = capsoc(
+                    "run", FIRMWARE / "itm.elf", "--simlimit", 1, "--itm", f"file:{path}", "-C", f"itm.port={port}"
+                )
                 self.assertEqual(process.returncode, 0, process.stderr.decode())
                 self.assertEqual(path.read_bytes(), text)
 

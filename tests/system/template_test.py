@@ -24,13 +24,17 @@ class Template(Case):
         self.new(self.app)
 
     def new(self, *arguments, code=0):
-        done = subprocess.run([CAPSOC, "new", *map(str, arguments)], capture_output=True, text=True, check=False, env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "new", *map(str, arguments)], capture_output=True, text=True, check=False, env=CLEAN
+        )
         self.assertEqual(done.returncode, code, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         return done.stderr
 
     def do(self, *command):
-        done = subprocess.run(command, cwd=self.app, capture_output=True, text=True, timeout=300, check=False, env=CLEAN)
+        done = subprocess.run(
+            command, cwd=self.app, capture_output=True, text=True, timeout=300, check=False, env=CLEAN
+        )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
@@ -52,8 +56,14 @@ class Template(Case):
             self.app = self.folder / name
             said = self.new(self.app)
             command = re.fullmatch(r".*: a project that prints; build and run it with: (.*)\n", said)[1]
-            shown = subprocess.run(command.replace("make ", f"make -s CAPSOC={shlex.quote(str(BUILD))} ", 1), shell=True, capture_output=True,
-                                   text=True, check=False, env=CLEAN)
+            shown = subprocess.run(
+                command.replace("make ", f"make -s CAPSOC={shlex.quote(str(BUILD))} ", 1),
+                shell=True,
+                capture_output=True,
+                text=True,
+                check=False,
+                env=CLEAN,
+            )
             self.assertEqual((shown.returncode, shown.stdout), (0, PRINTED), shown.stderr)
             self.do("cmake", "-B", "build", "--toolchain", "toolchain.cmake", f"-DCAPSOC={BUILD}")
             self.assertIn(PRINTED, self.do("cmake", "--build", "build", "-j4", "--target", "run"))
@@ -68,7 +78,8 @@ class Template(Case):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_newlib_is_there(self):
-        (self.app / "main.c").write_text("""#include <stdio.h>
+        (self.app / "main.c").write_text(
+            """#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -81,16 +92,23 @@ int main(void) {
   printf("%s\\n", text == NULL ? "no more" : "too much");
   return 7;
 }
-""".replace("\\\\", "\\"))
+""".replace(
+                "\\\\", "\\"
+            )
+        )
         self.do("make", "-j4", f"CAPSOC={BUILD}")
-        done = subprocess.run([CAPSOC, "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN
+        )
         self.assertEqual(done.stdout, "0.667 1e-300 99999\nno more\n")
         self.assertIn("ended with status 7", done.stderr)
 
     def test_a_failure_is_told_with_its_own_lines(self):
         (self.app / "main.c").write_text("int main(void) {\n  *(volatile int*)0x60000000 = 1;\n  return 0;\n}\n")
         self.do("make", "-j4", f"CAPSOC={BUILD}")
-        done = subprocess.run([CAPSOC, "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", "app.elf"], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN
+        )
         self.assertEqual(done.returncode, 5)
         self.assertRegex(done.stderr, r"by +0x[0-9a-f]{8}  main\S*, \S*main.c:2,")
 
@@ -104,16 +122,39 @@ int main(void) {
 
     def test_the_machine_interface_as_cortex_debug_uses_it(self):
         self.do("make", "-j4", f"CAPSOC={BUILD}")
-        run = subprocess.Popen([CAPSOC, "run", "app.elf", "--gdb", "0", "--halt"], cwd=self.app, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, env=CLEAN)
+        run = subprocess.Popen(
+            [CAPSOC, "run", "app.elf", "--gdb", "0", "--halt"],
+            cwd=self.app,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=CLEAN,
+        )
         try:
             port = re.search(r"127\.0\.0\.1:(\d+)", run.stderr.readline().decode()).group(1)
-            commands = ["-gdb-set mi-async on", f"-target-select extended-remote localhost:{port}", '-interpreter-exec console "monitor reset halt"',
-                        "-target-download", "-break-insert -t main", "-exec-continue", "-exec-next", "-stack-list-frames",
-                        "-stack-list-variables --simple-values", "-data-list-register-values x 0 15",
-                        "-data-read-memory-bytes 0x40004000 16", "-thread-info", "-data-disassemble -s $pc -e $pc+8 -- 0"]
-            mi = subprocess.Popen(["gdb-multiarch", "-nx", "-q", "--interpreter=mi2", "app.elf"], cwd=self.app, stdin=subprocess.PIPE,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, bufsize=1)
+            commands = [
+                "-gdb-set mi-async on",
+                f"-target-select extended-remote localhost:{port}",
+                '-interpreter-exec console "monitor reset halt"',
+                "-target-download",
+                "-break-insert -t main",
+                "-exec-continue",
+                "-exec-next",
+                "-stack-list-frames",
+                "-stack-list-variables --simple-values",
+                "-data-list-register-values x 0 15",
+                "-data-read-memory-bytes 0x40004000 16",
+                "-thread-info",
+                "-data-disassemble -s $pc -e $pc+8 -- 0",
+            ]
+            mi = subprocess.Popen(
+                ["gdb-multiarch", "-nx", "-q", "--interpreter=mi2", "app.elf"],
+                cwd=self.app,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                bufsize=1,
+            )
             answers = []
             for number, command in enumerate(commands, 1):
                 mi.stdin.write(f"{number}{command}\n")
@@ -150,13 +191,17 @@ int main(void) {
 
     def test_the_template_alone_says_what_is_missing(self):
         for command in (["make"], ["cmake", "-B", self.folder / "b", "--toolchain", "toolchain.cmake"]):
-            done = subprocess.run(command, cwd=SOURCE / "firmware/template", capture_output=True, text=True, check=False, env=CLEAN)
+            done = subprocess.run(
+                command, cwd=SOURCE / "firmware/template", capture_output=True, text=True, check=False, env=CLEAN
+            )
             self.assertNotEqual(done.returncode, 0)
             self.assertIn("capsoc new DIR", done.stderr)
 
     def test_settings_of_its_own(self):
         main = self.app / "main.c"
-        text = main.read_text().replace('#include "capsoc_device.h"', """#include "capsoc_device.h"
+        text = main.read_text().replace(
+            '#include "capsoc_device.h"',
+            """#include "capsoc_device.h"
 #include "program_settings.h"
 
 #define SETTINGS(NUMBER, TEXT)                                                   \\
@@ -164,7 +209,8 @@ int main(void) {
   NUMBER(uint8_t, share, 0.5, 0, 0.75, 256, "", "of nothing")                    \\
   TEXT(label, 8, "angle", "what is printed before it")
 PROGRAM_SETTINGS(SETTINGS)
-#define settings (*program_settings_values())""")
+#define settings (*program_settings_values())""",
+        )
         text = text.replace('printf("angle: %.4f', 'printf("%s: ", settings.label);\n  printf("%.1f')
         main.write_text(text.replace("angle_of(0.5235987756)", "angle_of(0.5235987756) + settings.offset / 10.0"))
         self.do("make", f"CAPSOC={BUILD}")
@@ -175,21 +221,33 @@ PROGRAM_SETTINGS(SETTINGS)
         self.assertRegex(listing, r"offset +-3 +tenths +-300 \.\. 300 +built-in +added to the angle\n")
         self.assertRegex(listing, r"share +0.25 +0 \.\. 0.75 +command line")
         self.assertRegex(listing, r"label +angle +at most 7 bytes")
-        for arguments, expected in ((["-P", "label=longer than it"], "too long; give at most 7 bytes"),
-                                    (["-P", "offset=301"], "give -300 .. 300 tenths")):
-            done = subprocess.run([*run, *arguments], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
+        for arguments, expected in (
+            (["-P", "label=longer than it"], "too long; give at most 7 bytes"),
+            (["-P", "offset=301"], "give -300 .. 300 tenths"),
+        ):
+            done = subprocess.run(
+                [*run, *arguments], cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN
+            )
             self.assertEqual(done.returncode, 2)
             self.assertIn(expected, done.stderr)
 
     def test_the_board_without_the_coprocessor(self):
         self.do("make", f"CAPSOC={BUILD}")
-        done = subprocess.run(["qemu-system-arm", "-M", "mps2-an385", "-nographic", "-semihosting", "-kernel", "app.elf"],
-                              cwd=self.app, capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL)
+        done = subprocess.run(
+            ["qemu-system-arm", "-M", "mps2-an385", "-nographic", "-semihosting", "-kernel", "app.elf"],
+            cwd=self.app,
+            capture_output=True,
+            timeout=60,
+            check=False,
+            stdin=subprocess.DEVNULL,
+        )
         self.assertEqual((done.returncode, done.stdout), (0, b"hello\nno coprocessor\n"))
 
     def test_without_the_simulator_it_says_what_to_do(self):
-        for command in (["make", "CAPSOC=/nowhere", "run"],
-                        ["cmake", "-B", "build", "--toolchain", "toolchain.cmake", "-DCAPSOC=/nowhere"]):
+        for command in (
+            ["make", "CAPSOC=/nowhere", "run"],
+            ["cmake", "-B", "build", "--toolchain", "toolchain.cmake", "-DCAPSOC=/nowhere"],
+        ):
             done = subprocess.run(command, cwd=self.app, capture_output=True, text=True, check=False, env=CLEAN)
             self.assertIn("/path/to/capsoc/build", done.stderr)
 

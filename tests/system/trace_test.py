@@ -15,9 +15,10 @@ from harness import CAPSOC, CLEAN, Case, FIRMWARE
 CTEST = {"name": "trace"}
 
 
-
 def capsoc(*arguments):
-    return subprocess.run([CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN)
+    return subprocess.run(
+        [CAPSOC, "run", *map(str, arguments)], capture_output=True, timeout=300, check=False, env=CLEAN
+    )
 
 
 class Traced(Case):
@@ -47,12 +48,20 @@ class Unchanged(Traced):
         for executor in ("blocks", "translator", "stepping"):
             common = ("-C", f"cpu.executor={executor}", *more)
             plain = self.run_with(program, *common)
-            traces = {"--trace-instructions": "i.txt", "--trace-bus": "b.txt", "--profile": "p.out",
-                      "--trace-waves": "w.fst", "--trace-translation": "t.txt"}
+            traces = {
+                "--trace-instructions": "i.txt",
+                "--trace-bus": "b.txt",
+                "--profile": "p.out",
+                "--trace-waves": "w.fst",
+                "--trace-translation": "t.txt",
+            }
             every = [part for option, name in traces.items() for part in (option, self.folder / name)]
-            for options in ([every[i:i + 2] for i in range(0, len(every), 2)] + [every] +
-                            [every[2:4] + ["-C", "trace.fetches=true"]] +
-                            [every + ["-C", "trace.start=main", "-C", "trace.stop=1"]]):
+            for options in (
+                [every[i : i + 2] for i in range(0, len(every), 2)]
+                + [every]
+                + [every[2:4] + ["-C", "trace.fetches=true"]]
+                + [every + ["-C", "trace.start=main", "-C", "trace.stop=1"]]
+            ):
                 self.assertEqual(self.run_with(program, *common, *options), plain, options)
                 for name in options[1:8:2]:
                     if Path(name).name == "t.txt":  # empty where nothing is translated
@@ -82,9 +91,18 @@ class Unchanged(Traced):
             def halfword():
                 if random.random() < 0.9:
                     return random.randrange(0x10000)
-                return random.choice([0x4770, 0x4700 | random.randrange(16) << 3, 0x4780 | random.randrange(15) << 3,
-                                      0xBD00 | random.randrange(256), 0xB500 | random.randrange(256), 0xDF00,
-                                      0xE000 | random.randrange(2048), 0xD000 | random.randrange(0xE00)])
+                return random.choice(
+                    [
+                        0x4770,
+                        0x4700 | random.randrange(16) << 3,
+                        0x4780 | random.randrange(15) << 3,
+                        0xBD00 | random.randrange(256),
+                        0xB500 | random.randrange(256),
+                        0xDF00,
+                        0xE000 | random.randrange(2048),
+                        0xD000 | random.randrange(0xE00),
+                    ]
+                )
 
             vectors = [0x20010000] + [0x201 + 2 * random.randrange(0x1800) for _ in range(47)]
             program = struct.pack("<48I", *vectors).ljust(0x200, b"\0")
@@ -94,15 +112,39 @@ class Unchanged(Traced):
             common = ("--load", f"{image}@0", "--simlimit", "0.002", "--log-level", "off")
             plain = self.run_with("hello", *common)
             codes[plain[0]] += 1
-            self.assertEqual(self.run_with("hello", *common, "--trace-instructions", self.folder / "i", "--trace-bus",
-                                           self.folder / "b", "--trace-waves", self.folder / "w.fst", "--profile",
-                                           self.folder / "p", "-C", "trace.depth=9"), plain, seed)
+            self.assertEqual(
+                self.run_with(
+                    "hello",
+                    *common,
+                    "--trace-instructions",
+                    self.folder / "i",
+                    "--trace-bus",
+                    self.folder / "b",
+                    "--trace-waves",
+                    self.folder / "w.fst",
+                    "--profile",
+                    self.folder / "p",
+                    "-C",
+                    "trace.depth=9",
+                ),
+                plain,
+                seed,
+            )
             self.assertIn(f"totals: {plain[2]['cpu']['cycles']} ", (self.folder / "p").read_text(), seed)
         self.assertEqual(set(codes), {5, 124}, "crashes, and programs that run on")
 
     def test_nothing_is_left_behind(self):
-        self.run_with("hello", "--trace-instructions", self.folder / "i", "--trace-bus", self.folder / "b", "--profile",
-                      self.folder / "p", "--trace-waves", self.folder / "w.fst")
+        self.run_with(
+            "hello",
+            "--trace-instructions",
+            self.folder / "i",
+            "--trace-bus",
+            self.folder / "b",
+            "--profile",
+            self.folder / "p",
+            "--trace-waves",
+            self.folder / "w.fst",
+        )
         self.assertEqual({p.name for p in self.folder.iterdir()}, {"i", "b", "p", "w.fst", "w.gtkw", "r.json"})
 
     def test_a_device_stays_one(self):
@@ -112,8 +154,12 @@ class Unchanged(Traced):
         self.assertTrue(null.is_char_device())
 
     def test_same_bytes_every_time(self):
-        for option, name in (("--trace-instructions", "i"), ("--trace-bus", "b"), ("--profile", "p"),
-                             ("--trace-waves", "w.fst")):
+        for option, name in (
+            ("--trace-instructions", "i"),
+            ("--trace-bus", "b"),
+            ("--profile", "p"),
+            ("--trace-waves", "w.fst"),
+        ):
             contents = set()
             for _ in range(2):
                 self.run_with("debuggee", option, self.folder / name)
@@ -135,7 +181,12 @@ class Refusals(Traced):
         (self.folder / "null").symlink_to("/dev/null")
         self.refuse("null: is no file", "--trace-waves", self.folder / "null")
         self.refuse("call the waves .fst", "--trace-waves", self.folder / "w.gtkw")
-        for option in (["--trace-waves"], ["--waves"], ["--coprocessor", "lockstep", "--waves"], ["--coprocessor", "rtl", "--waves"]):
+        for option in (
+            ["--trace-waves"],
+            ["--waves"],
+            ["--coprocessor", "lockstep", "--waves"],
+            ["--coprocessor", "rtl", "--waves"],
+        ):
             for name in ("w.vcd", "W.VCD", "w.ghw"):
                 self.refuse("waves are written in FST alone; name the file ", *option, self.folder / name)
 
@@ -164,7 +215,9 @@ class Instructions(Traced):
         self.assertEqual(len(entries), len(returns))
 
     def test_changed_registers_are_shown(self):
-        lines, _ = self.text("--trace-instructions", "debuggee", "-C", "trace.start=work", "-C", "trace.stop=SysTick_Handler")
+        lines, _ = self.text(
+            "--trace-instructions", "debuggee", "-C", "trace.start=work", "-C", "trace.stop=SysTick_Handler"
+        )
         first = next(line for line in lines if " work " in line)
         self.assertIn("work", first)
         pushes = [line for line in lines if re.search(r"  push ", line)]
@@ -209,8 +262,9 @@ class Bus(Traced):
         lines, _ = self.text("--trace-bus", "debuggee")
         seen = self.accesses(lines)
         self.assertEqual((seen[0]["address"], seen[1]["address"]), ("00000000", "00000004"), "the vector table")
-        symbols = subprocess.run(["arm-none-eabi-nm", FIRMWARE / "debuggee.elf"], capture_output=True, text=True,
-                                 check=True).stdout
+        symbols = subprocess.run(
+            ["arm-none-eabi-nm", FIRMWARE / "debuggee.elf"], capture_output=True, text=True, check=True
+        ).stdout
         address = {name: a for a, _, name in (line.split() for line in symbols.splitlines())}
         written = [int(a["data"], 16) for a in seen if a["address"] == address["written"] and a["what"] == "write"]
         self.assertEqual([w for w in written if w], list(range(1, 401)))
@@ -267,12 +321,27 @@ class Profile(Traced):
 
     def test_calls_of_every_kind(self):
         own, calls, _ = self.callgrind("profiled")
-        for caller, callee, count in (("main", "plain", 3), ("plain", "leaf", 3), ("main", "tail", 2), ("tail", "leaf", 2),
-                                      ("main", "recursive", 1), ("recursive", "recursive", 4), ("main", "outer", 1),
-                                      ("outer", "thrower", 1), ("thrower", "leaf", 1), ("thrower", "longjmp", 1),
-                                      ("[SVCall]", "SVC_Handler", 1), ("SVC_Handler", "leaf", 1), ("main", "run_on", 1),
-                                      ("run_on", "thread_a", 1), ("thread_a", "work_a", 5), ("thread_b", "work_b", 5),
-                                      ("work_a", "leaf", 5), ("work_b", "leaf", 5), ("Reset_Handler", "main", 1)):
+        for caller, callee, count in (
+            ("main", "plain", 3),
+            ("plain", "leaf", 3),
+            ("main", "tail", 2),
+            ("tail", "leaf", 2),
+            ("main", "recursive", 1),
+            ("recursive", "recursive", 4),
+            ("main", "outer", 1),
+            ("outer", "thrower", 1),
+            ("thrower", "leaf", 1),
+            ("thrower", "longjmp", 1),
+            ("[SVCall]", "SVC_Handler", 1),
+            ("SVC_Handler", "leaf", 1),
+            ("main", "run_on", 1),
+            ("run_on", "thread_a", 1),
+            ("thread_a", "work_a", 5),
+            ("thread_b", "work_b", 5),
+            ("work_a", "leaf", 5),
+            ("work_b", "leaf", 5),
+            ("Reset_Handler", "main", 1),
+        ):
             self.assertEqual(calls.get((caller, callee), (0,))[0], count, (caller, callee))
         # Inclusive cost: one's own and that of what one calls.
         for function in ("plain", "tail", "outer", "thrower", "work_a", "work_b", "SVC_Handler", "main"):
@@ -302,7 +371,9 @@ class Profile(Traced):
                 compared[address, f"{now.rsplit('/', 1)[-1]}:{number}"] += 1
         addresses = sorted({address for address, _ in compared}, key=lambda a: int(a, 16))
         elf = FIRMWARE / "profiled.elf"
-        told = subprocess.run(["arm-none-eabi-addr2line", "-e", elf, *addresses], capture_output=True, text=True, check=True).stdout
+        told = subprocess.run(
+            ["arm-none-eabi-addr2line", "-e", elf, *addresses], capture_output=True, text=True, check=True
+        ).stdout
         expected = {(a, re.sub(r" .*", "", t.rsplit("/", 1)[-1])) for a, t in zip(addresses, told.splitlines())}
         self.assertGreater(len(expected), 300)
         unknown = {a for a, t in expected if "?" in t}  # no line of its own
@@ -317,11 +388,18 @@ class Profile(Traced):
     def test_folded_stacks(self):
         place = self.folder / "p.folded"
         _, _, result = self.run_with("profiled", "--profile", place)
-        stacks = {path: int(cycles) for path, cycles in (line.rsplit(" ", 1) for line in place.read_text().splitlines())}
+        stacks = {
+            path: int(cycles) for path, cycles in (line.rsplit(" ", 1) for line in place.read_text().splitlines())
+        }
         self.assertEqual(sum(stacks.values()), result["cpu"]["cycles"])
-        for path in ("Reset_Handler;main;plain;leaf", "Reset_Handler;main;tail;leaf", "[SVCall];SVC_Handler;leaf",
-                     "Reset_Handler;main;recursive;recursive;recursive;recursive;recursive", "thread_b;work_b;leaf",
-                     "Reset_Handler;main;run_on;thread_a;work_a;leaf"):
+        for path in (
+            "Reset_Handler;main;plain;leaf",
+            "Reset_Handler;main;tail;leaf",
+            "[SVCall];SVC_Handler;leaf",
+            "Reset_Handler;main;recursive;recursive;recursive;recursive;recursive",
+            "thread_b;work_b;leaf",
+            "Reset_Handler;main;run_on;thread_a;work_a;leaf",
+        ):
             self.assertIn(path, stacks)
 
     def test_callgrind_annotate_reads_it(self):
@@ -340,9 +418,14 @@ class Waves(Traced):
         self.run_with("selfcal", "--trace-waves", waves, "--simlimit", "0.1")
         save = (self.folder / "w.gtkw").read_text()
         self.assertIn('[dumpfile] "w.fst"', save)
-        for signal in ("soc.interrupts.coprocessor_interrupt", "soc.bus.address[31:0]", "soc.cpu.exception_name",
-                       "soc.coprocessor.registers.a1_value", "soc.coprocessor.registers.angle_degrees",
-                       "soc.coprocessor.t0.u_value"):
+        for signal in (
+            "soc.interrupts.coprocessor_interrupt",
+            "soc.bus.address[31:0]",
+            "soc.cpu.exception_name",
+            "soc.coprocessor.registers.a1_value",
+            "soc.coprocessor.registers.angle_degrees",
+            "soc.coprocessor.t0.u_value",
+        ):
             self.assertIn(signal + "\n", save)
 
     def test_every_backend(self):

@@ -27,8 +27,9 @@ def rows():
 
 
 def capsoc(folder, *arguments):
-    return subprocess.run([CAPSOC, *map(str, arguments)], capture_output=True, text=True, timeout=300,
-                          check=False, env=CLEAN, cwd=folder)
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False, env=CLEAN, cwd=folder
+    )
 
 
 class Table(unittest.TestCase):

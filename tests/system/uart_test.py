@@ -33,8 +33,13 @@ def request(data):
 
 class UartCase(Case):
     def start(self, elf, *options, stdin=subprocess.DEVNULL):
-        process = subprocess.Popen([CAPSOC, "run", elf, *map(str, options)], stdin=stdin, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, env=CLEAN)
+        process = subprocess.Popen(
+            [CAPSOC, "run", elf, *map(str, options)],
+            stdin=stdin,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=CLEAN,
+        )
         self.addCleanup(self.stop, process)
         return process
 
@@ -63,8 +68,9 @@ class UartCase(Case):
         return descriptor
 
     def refuse(self, expected, *options):
-        done = subprocess.run([CAPSOC, "run", HELLO, *map(str, options)], capture_output=True, timeout=60, check=False,
-                              env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", HELLO, *map(str, options)], capture_output=True, timeout=60, check=False, env=CLEAN
+        )
         text = done.stderr.decode()
         self.assertEqual(done.returncode, 2, text)
         self.assertEqual(done.stdout, b"")
@@ -91,7 +97,7 @@ class UartCase(Case):
 
 def write_all(descriptor, data):
     while data:
-        data = data[os.write(descriptor, data):]
+        data = data[os.write(descriptor, data) :]
 
 
 class Echo(UartCase):
@@ -145,8 +151,17 @@ class Echo(UartCase):
                 out, _ = process.communicate(timeout=PATIENCE)
             self.assertEqual((process.returncode, out), (0, request(data)))
             results.add(re.search(r'"cycles": \d+', result.read_text()).group())
-        process = self.start(ECHO, "--uart0", f"file:{self.folder / 'out'}", "-C", f"uart0.input={whole}", "--json", result,
-                             "--quantum", 1e4)
+        process = self.start(
+            ECHO,
+            "--uart0",
+            f"file:{self.folder / 'out'}",
+            "-C",
+            f"uart0.input={whole}",
+            "--json",
+            result,
+            "--quantum",
+            1e4,
+        )
         self.assertEqual(process.wait(PATIENCE), 0)
         self.assertEqual((self.folder / "out").read_bytes(), request(data))
         results.add(re.search(r'"cycles": \d+', result.read_text()).group())
@@ -164,8 +179,9 @@ class Clients(UartCase):
 
     def plain(self, *options):
         result = self.folder / "plain.json"
-        done = subprocess.run([CAPSOC, "run", HELLO, "--json", result, *options], capture_output=True, timeout=60, check=True,
-                              env=CLEAN)
+        done = subprocess.run(
+            [CAPSOC, "run", HELLO, "--json", result, *options], capture_output=True, timeout=60, check=True, env=CLEAN
+        )
         return done.stdout, result.read_text()
 
     def test_nobody_there_changes_nothing(self):

@@ -24,8 +24,14 @@ LOST = 74
 
 class UnluckyCase(Case):
     def start(self, *arguments, **keywords):
-        keywords = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": CLEAN,
-                    "cwd": self.folder, **keywords}
+        keywords = {
+            "stdin": subprocess.DEVNULL,
+            "stdout": subprocess.PIPE,
+            "stderr": subprocess.PIPE,
+            "env": CLEAN,
+            "cwd": self.folder,
+            **keywords,
+        }
         process = subprocess.Popen([CAPSOC, *map(str, arguments)], **keywords)
         self.addCleanup(self.end, process)
         return process
@@ -44,8 +50,14 @@ class UnluckyCase(Case):
 
     def shell(self, command):
         """A command line of a shell, with $capsoc as the program."""
-        done = subprocess.run(["bash", "-c", command], capture_output=True, timeout=PATIENCE, check=False, cwd=self.folder,
-                              env={**CLEAN, "capsoc": str(CAPSOC), "hello": str(HELLO), "eq": str(TRACES / "csfn_eq.toml")})
+        done = subprocess.run(
+            ["bash", "-c", command],
+            capture_output=True,
+            timeout=PATIENCE,
+            check=False,
+            cwd=self.folder,
+            env={**CLEAN, "capsoc": str(CAPSOC), "hello": str(HELLO), "eq": str(TRACES / "csfn_eq.toml")},
+        )
         return done.returncode, done.stdout, done.stderr.decode()
 
     def names(self):
@@ -66,12 +78,14 @@ class Streams(UnluckyCase):
 
     def test_stderr_that_takes_nothing_changes_nothing(self):
         for stream in ("2>&-", "2>/dev/full", "2> >(true)"):
-            for command, expected in (("$capsoc run $hello --json r.json", 0),
-                                      ("$capsoc run $hello --json r.json --log-level trace", 0),
-                                      (f"$capsoc run {FIRMWARE}/exit_code.elf --json r.json", 1),
-                                      (f"$capsoc run {FIRMWARE}/divzero.elf --json r.json", 5),
-                                      (f"$capsoc run {FOREVER} --simlimit 0.1 --uart1 tcp --gdb 0 --json r.json", 124),
-                                      (f"$capsoc run {RDIMON} --semihosting-args x --json r.json", None)):
+            for command, expected in (
+                ("$capsoc run $hello --json r.json", 0),
+                ("$capsoc run $hello --json r.json --log-level trace", 0),
+                (f"$capsoc run {FIRMWARE}/exit_code.elf --json r.json", 1),
+                (f"$capsoc run {FIRMWARE}/divzero.elf --json r.json", 5),
+                (f"$capsoc run {FOREVER} --simlimit 0.1 --uart1 tcp --gdb 0 --json r.json", 124),
+                (f"$capsoc run {RDIMON} --semihosting-args x --json r.json", None),
+            ):
                 with self.subTest(stream=stream, command=command):
                     code, _, _ = self.shell(f"{command} {stream}")
                     result = json.loads((self.folder / "r.json").read_text())
@@ -84,10 +98,17 @@ class Streams(UnluckyCase):
     def test_complaints_keep_their_exit_code_without_stderr(self):
         (self.folder / "few.csv").write_text("u,v\n1,0\n0,1\n")
         for stream in ("2>&-", "2>/dev/full", "2> >(true)"):
-            for command, expected in (("$capsoc run none.elf", 2), ("$capsoc rum", 2), ("$capsoc run --senser x", 2),
-                                      ("$capsoc fit none.csv", 2), ("$capsoc fit few.csv", 3),
-                                      ("$capsoc regress --scenario none", 2), ("$capsoc bench cpu none.elf", 2),
-                                      ("$capsoc fit $eq --method lm >/dev/null", 0), ("$capsoc info >/dev/null", 0)):
+            for command, expected in (
+                ("$capsoc run none.elf", 2),
+                ("$capsoc rum", 2),
+                ("$capsoc run --senser x", 2),
+                ("$capsoc fit none.csv", 2),
+                ("$capsoc fit few.csv", 3),
+                ("$capsoc regress --scenario none", 2),
+                ("$capsoc bench cpu none.elf", 2),
+                ("$capsoc fit $eq --method lm >/dev/null", 0),
+                ("$capsoc info >/dev/null", 0),
+            ):
                 with self.subTest(stream=stream, command=command):
                     self.assertEqual(self.shell(f"{command} {stream}")[0], expected)
 
@@ -100,7 +121,9 @@ class Streams(UnluckyCase):
     def test_no_file_takes_the_number_of_a_closed_stream(self):
         """What goes to stdout or stderr must not end in a file that was opened later."""
         for closed in (">&-", "2>&-", "<&-", "<&- >&- 2>&-"):
-            code, _, _ = self.shell(f"$capsoc run $hello --uart1 file:a --trace-bus b -C uart2.log=c --json r.json {closed}")
+            code, _, _ = self.shell(
+                f"$capsoc run $hello --uart1 file:a --trace-bus b -C uart2.log=c --json r.json {closed}"
+            )
             self.assertIn(code, (0, LOST))
             self.assertEqual((self.folder / "a").read_bytes(), b"", closed)
             self.assertEqual((self.folder / "c").read_bytes(), b"", closed)
@@ -110,10 +133,17 @@ class Streams(UnluckyCase):
     def test_stdout_that_takes_nothing_is_an_error(self):
         printed, uart = "standard output: could not take everything (", "stdout: takes no more bytes ("
         for stream in (">/dev/full", ">&-"):
-            for command, sentence in (("info", printed), ("--help", printed), ("--version", printed), ("run --help", printed),
-                                      ("run --list-params", printed), ("regress --list", printed),
-                                      ("fit $eq --method lm --json c.json", printed), ("run $hello", uart),
-                                      (f"run {ITM} --uart0 null --itm stdout", uart)):
+            for command, sentence in (
+                ("info", printed),
+                ("--help", printed),
+                ("--version", printed),
+                ("run --help", printed),
+                ("run --list-params", printed),
+                ("regress --list", printed),
+                ("fit $eq --method lm --json c.json", printed),
+                ("run $hello", uart),
+                (f"run {ITM} --uart0 null --itm stdout", uart),
+            ):
                 with self.subTest(stream=stream, command=command):
                     code, _, said = self.shell(f"$capsoc {command} {stream}")
                     self.assertEqual(code, LOST, said)
@@ -121,14 +151,18 @@ class Streams(UnluckyCase):
         self.assertTrue((self.folder / "c.json").exists(), "what can be written is")
 
     def test_long_reports_on_a_full_disk(self):
-        code, _, said = self.shell("$capsoc regress --scenario pairs --seeds 1 --samples 1 --accesses 1 --arithmetic precise "
-                                   "--json r.json > /dev/full")
+        code, _, said = self.shell(
+            "$capsoc regress --scenario pairs --seeds 1 --samples 1 --accesses 1 --arithmetic precise "
+            "--json r.json > /dev/full"
+        )
         self.assertEqual(code, LOST, said)
         json.loads((self.folder / "r.json").read_text())
 
     def test_a_worse_end_keeps_its_code(self):
         for program, expected in (("exit_code", 1), ("divzero", 5)):
-            code, _, said = self.shell(f"$capsoc run {FIRMWARE}/{program}.elf --simlimit 1 -C uart0.log=/dev/full > /dev/full")
+            code, _, said = self.shell(
+                f"$capsoc run {FIRMWARE}/{program}.elf --simlimit 1 -C uart0.log=/dev/full > /dev/full"
+            )
             self.assertEqual(code, expected, said)
         code, _, _ = self.shell(f"$capsoc run {FOREVER} --simlimit 0.1 > /dev/full")
         self.assertEqual(code, 124)
@@ -140,8 +174,9 @@ class Streams(UnluckyCase):
         os.close(writer)
         self.assertEqual(code, -signal.SIGPIPE)
         os.mkfifo(self.folder / "pipe")
-        code, _, said = self.shell("head -c 1 pipe > /dev/null & "
-                                   f"$capsoc run {FOREVER} --simlimit 0.1 --trace-instructions pipe")
+        code, _, said = self.shell(
+            "head -c 1 pipe > /dev/null & " f"$capsoc run {FOREVER} --simlimit 0.1 --trace-instructions pipe"
+        )
         self.assertEqual(code, 124, said)
         self.assertIn("pipe: cannot be written (Broken pipe)", said)
 
@@ -182,19 +217,20 @@ class Disks(UnluckyCase):
 
     def test_every_output_of_a_run(self):
         for saying, options in (
-                ("u: takes no more bytes (File too large)", ("--uart0", "file:u")),
-                ("l: takes no more bytes", ("-C", "uart0.log=l")),
-                ("r.json: cannot be written (File too large)", ("--json", "r.json")),
-                ("i: cannot be written (File too large)", ("--trace-instructions", "i")),
-                ("b: cannot be written (File too large)", ("--trace-bus", "b")),
-                ("b: cannot be written (File too large)", ("--trace-bus", "b", "-C", "trace.depth=9")),
-                ("p: cannot be written (File too large)", ("--profile", "p")),
-                ("p.folded: cannot be written (File too large)", ("--profile", "p.folded")),
-                ("w.fst: cannot be written", ("--trace-waves", "w.fst")),
-                ("w.fst: cannot be written", ("--waves", "w.fst")),
-                # Here the library's own temporary files have no room, either.
-                ("is full; make room", ("--waves", "w.fst", "--coprocessor", "rtl")),
-                ("c.csv: cannot be written (File too large)", ("--record", "c.csv"))):
+            ("u: takes no more bytes (File too large)", ("--uart0", "file:u")),
+            ("l: takes no more bytes", ("-C", "uart0.log=l")),
+            ("r.json: cannot be written (File too large)", ("--json", "r.json")),
+            ("i: cannot be written (File too large)", ("--trace-instructions", "i")),
+            ("b: cannot be written (File too large)", ("--trace-bus", "b")),
+            ("b: cannot be written (File too large)", ("--trace-bus", "b", "-C", "trace.depth=9")),
+            ("p: cannot be written (File too large)", ("--profile", "p")),
+            ("p.folded: cannot be written (File too large)", ("--profile", "p.folded")),
+            ("w.fst: cannot be written", ("--trace-waves", "w.fst")),
+            ("w.fst: cannot be written", ("--waves", "w.fst")),
+            # Here the library's own temporary files have no room, either.
+            ("is full; make room", ("--waves", "w.fst", "--coprocessor", "rtl")),
+            ("c.csv: cannot be written (File too large)", ("--record", "c.csv")),
+        ):
             with self.subTest(options):
                 self.check(saying, "run", HELLO, *options)
         code, _, said = self.limited(4, "run", RDIMON, "--semihosting-console", "file:s")
@@ -211,8 +247,22 @@ class Disks(UnluckyCase):
                 self.assertEqual(self.names(), [])
 
     def test_everything_else_is_written(self):
-        code, _, said = self.capsoc("run", HELLO, "-C", "uart0.log=/dev/full", "--uart1", "file:/dev/full", "--trace-bus",
-                                    "b", "--profile", "/dev/full", "--record", "c.csv", "--json", "r.json")
+        code, _, said = self.capsoc(
+            "run",
+            HELLO,
+            "-C",
+            "uart0.log=/dev/full",
+            "--uart1",
+            "file:/dev/full",
+            "--trace-bus",
+            "b",
+            "--profile",
+            "/dev/full",
+            "--record",
+            "c.csv",
+            "--json",
+            "r.json",
+        )
         self.assertEqual(code, LOST, said)
         result = json.loads((self.folder / "r.json").read_text())
         self.assertEqual(result["exit"]["code"], LOST)
@@ -223,17 +273,40 @@ class Disks(UnluckyCase):
         self.assertEqual(self.names(), ["b", "c.csv", "r.json"])
 
     def test_other_commands(self):
-        self.check("c.json: cannot be written (File too large)", "fit", TRACES / "csfn_eq.toml", "--method", "lm", "--json",
-                   "c.json", "--convergence", "c.csv")
+        self.check(
+            "c.json: cannot be written (File too large)",
+            "fit",
+            TRACES / "csfn_eq.toml",
+            "--method",
+            "lm",
+            "--json",
+            "c.json",
+            "--convergence",
+            "c.csv",
+        )
         self.assertEqual(self.names(), [], "all or nothing")
-        short = ("regress", "--scenario", "pairs", "--seeds", 1, "--samples", 1, "--accesses", 1, "--arithmetic", "precise")
+        short = (
+            "regress",
+            "--scenario",
+            "pairs",
+            "--seeds",
+            1,
+            "--samples",
+            1,
+            "--accesses",
+            1,
+            "--arithmetic",
+            "precise",
+        )
         self.check("r.json: cannot be written (File too large)", *short, "--json", "r.json", "--junit", "/dev/null")
         self.check("j.xml: cannot be written (File too large)", *short, "--junit", "j.xml", size=200)
 
     def test_what_was_there_stays(self):
         for name in ("r.json", "b", "c.csv", "w.fst"):
             (self.folder / name).write_text("old")
-        self.check("r.json", "run", HELLO, "--json", "r.json", "--trace-bus", "b", "--record", "c.csv", "--waves", "w.fst")
+        self.check(
+            "r.json", "run", HELLO, "--json", "r.json", "--trace-bus", "b", "--record", "c.csv", "--waves", "w.fst"
+        )
         for name in ("r.json", "b", "c.csv", "w.fst"):
             self.assertEqual((self.folder / name).read_text(), "old", name)
 
@@ -251,9 +324,11 @@ class Signals(UnluckyCase):
 
     def wait_until_caught(self, process, number):
         """Before the program has asked for it, a signal ends it as any other."""
+
         def caught():
             status = Path(f"/proc/{process.pid}/status").read_text()
             return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1
+
         self.wait_for(caught)
 
     def is_gone(self, child):
@@ -264,8 +339,24 @@ class Signals(UnluckyCase):
 
     def test_a_run_writes_what_it_has(self):
         for number in self.ENDING:
-            process = self.start("run", FOREVER, "--uart0", "file:u", "--json", "r.json", "--trace-instructions", "i",
-                                 "-C", "trace.depth=9", "--record", "c.csv", "--waves", "w.fst", "--uart1", "pty:link")
+            process = self.start(
+                "run",
+                FOREVER,
+                "--uart0",
+                "file:u",
+                "--json",
+                "r.json",
+                "--trace-instructions",
+                "i",
+                "-C",
+                "trace.depth=9",
+                "--record",
+                "c.csv",
+                "--waves",
+                "w.fst",
+                "--uart1",
+                "pty:link",
+            )
             self.wait_for(lambda: (self.folder / "u").exists() and (self.folder / "u").stat().st_size > 0)
             process.send_signal(number)
             self.assertEqual(process.wait(PATIENCE), 128 + number)
@@ -285,8 +376,17 @@ class Signals(UnluckyCase):
 
     def test_what_was_ignored_stays_ignored(self):
         for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
-            process = self.start("run", FOREVER, "--uart0", "file:u", "--json", "r.json", "--timelimit", 100,
-                                 preexec_fn=lambda n=number: signal.signal(n, signal.SIG_IGN))
+            process = self.start(
+                "run",
+                FOREVER,
+                "--uart0",
+                "file:u",
+                "--json",
+                "r.json",
+                "--timelimit",
+                100,
+                preexec_fn=lambda n=number: signal.signal(n, signal.SIG_IGN),
+            )
             self.wait_for(lambda: (self.folder / "u").exists() and (self.folder / "u").stat().st_size > 0)
             process.send_signal(number)
             with self.assertRaises(subprocess.TimeoutExpired):
@@ -308,9 +408,12 @@ class Signals(UnluckyCase):
             self.assertEqual(self.names(), [])
 
     def test_other_commands_leave_nothing(self):
-        for command in (("fit", TRACES / "soc_eq21.toml", "--samples", 20_000_000, "--json", "c.json",
-                         "--header", "c.h"),
-                        ("reproduce",), ("accuracy",), ("fit", "--tables")):
+        for command in (
+            ("fit", TRACES / "soc_eq21.toml", "--samples", 20_000_000, "--json", "c.json", "--header", "c.h"),
+            ("reproduce",),
+            ("accuracy",),
+            ("fit", "--tables"),
+        ):
             process = self.start(*command)
             self.wait_until_caught(process, signal.SIGHUP)
             time.sleep(0.7)
@@ -320,8 +423,17 @@ class Signals(UnluckyCase):
 
     def test_a_regression_leaves_whole_reports_that_say_how_far_it_came(self):
         for number in self.ENDING:
-            process = self.start("regress", "--samples", 100_000_000, "--json", "r.json", "--junit", "j.xml",
-                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            process = self.start(
+                "regress",
+                "--samples",
+                100_000_000,
+                "--json",
+                "r.json",
+                "--junit",
+                "j.xml",
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
             self.wait_until_caught(process, number)
             time.sleep(0.7)
             process.send_signal(number)
@@ -352,11 +464,29 @@ class Conflicts(UnluckyCase):
         for name, contents in self.before.items():
             self.assertEqual((self.folder / name).read_bytes(), contents, name)
 
-    INPUTS = {"ELF": "x.elf", "--sensor": "x.csv", "--config": "c.toml", "--load": "y.elf@0x21000000",
-              "-C uart3.input": "in.txt", "--parameters": "p.json", "--rtl-library": "x.so"}
-    OUTPUTS = {"--json": "{}", "--record": "{}", "--waves": "{}", "--trace-instructions": "{}", "--trace-bus": "{}",
-               "--trace-waves": "{}", "--profile": "{}", "--uart1": "file:{}", "--uart2": "pty:{}", "-C uart4.log": "{}",
-               "--itm": "file:{}", "--semihosting-console": "file:{}"}
+    INPUTS = {
+        "ELF": "x.elf",
+        "--sensor": "x.csv",
+        "--config": "c.toml",
+        "--load": "y.elf@0x21000000",
+        "-C uart3.input": "in.txt",
+        "--parameters": "p.json",
+        "--rtl-library": "x.so",
+    }
+    OUTPUTS = {
+        "--json": "{}",
+        "--record": "{}",
+        "--waves": "{}",
+        "--trace-instructions": "{}",
+        "--trace-bus": "{}",
+        "--trace-waves": "{}",
+        "--profile": "{}",
+        "--uart1": "file:{}",
+        "--uart2": "pty:{}",
+        "-C uart4.log": "{}",
+        "--itm": "file:{}",
+        "--semihosting-console": "file:{}",
+    }
 
     @staticmethod
     def option(name, value):
@@ -383,13 +513,17 @@ class Conflicts(UnluckyCase):
     def test_every_output_against_every_other(self):
         targets = list(self.OUTPUTS.items())
         for i, (one, form) in enumerate(targets):
-            for other, other_form in targets[i + 1:]:
+            for other, other_form in targets[i + 1 :]:
                 for file in ("new.fst", "x.txt"):
                     (self.folder / "x.txt").write_text("old")
                     self.before["x.txt"] = b"old"
-                    self.refuse("run", "x.elf", *self.option(one, form.format(file)),
-                                *self.option(other, other_form.format(file)),
-                                saying=(self.word(one), self.word(other), file, "the same file"))
+                    self.refuse(
+                        "run",
+                        "x.elf",
+                        *self.option(one, form.format(file)),
+                        *self.option(other, other_form.format(file)),
+                        saying=(self.word(one), self.word(other), file, "the same file"),
+                    )
 
     def test_one_file_by_many_names(self):
         os.link(self.folder / "x.csv", self.folder / "hard.csv")
@@ -397,11 +531,24 @@ class Conflicts(UnluckyCase):
         (self.folder / "soft2.csv").symlink_to(self.folder / "soft.csv")
         (self.folder / "folder").symlink_to(".")
         (self.folder / "dangling").symlink_to("folder/new")
-        for name in ("x.csv", "./x.csv", f"{self.folder}/x.csv", "folder/x.csv", "hard.csv", "soft.csv", "soft2.csv",
-                     f"../{self.folder.name}/x.csv"):
+        for name in (
+            "x.csv",
+            "./x.csv",
+            f"{self.folder}/x.csv",
+            "folder/x.csv",
+            "hard.csv",
+            "soft.csv",
+            "soft2.csv",
+            f"../{self.folder.name}/x.csv",
+        ):
             self.refuse("fit", "x.csv", "--json", name, saying=("--json", "TRACE", name))
             self.refuse("run", "x.elf", "--sensor", name, "--record", "x.csv", saying=("--sensor", "--record", name))
-        for one, other in (("new", "./new"), ("new", "folder/new"), ("dangling", "new"), ("folder/dangling", "dangling")):
+        for one, other in (
+            ("new", "./new"),
+            ("new", "folder/new"),
+            ("dangling", "new"),
+            ("folder/dangling", "dangling"),
+        ):
             self.refuse("fit", "x.toml", "--json", one, "--header", other, saying=("--json", "--header", one, other))
             self.refuse("run", "x.elf", "--json", one, "--uart1", f"file:{other}", saying=("--json", "--uart1"))
 
@@ -418,14 +565,32 @@ class Conflicts(UnluckyCase):
         self.refuse(*common, "--json", BUILD / "libcapsoc_rtl_precise.so", saying=("--json", "--rtl-library"))
         self.refuse(*common, "--rtl-library", "x.elf", "--junit", "x.elf", saying=("--junit", "--rtl-library"))
         (self.folder / "e").write_text("")
-        self.refuse(*common, "--coverage", ".", "--coverage-exceptions", "e", "--junit", "e",
-                    saying=("--junit", "--coverage-exceptions"))
-        self.refuse(*common, "--coverage", ".", "--coverage-exceptions", "e", "--json", "precise.dat",
-                    saying=("--json", "--coverage"))
+        self.refuse(
+            *common,
+            "--coverage",
+            ".",
+            "--coverage-exceptions",
+            "e",
+            "--junit",
+            "e",
+            saying=("--junit", "--coverage-exceptions"),
+        )
+        self.refuse(
+            *common,
+            "--coverage",
+            ".",
+            "--coverage-exceptions",
+            "e",
+            "--json",
+            "precise.dat",
+            saying=("--json", "--coverage"),
+        )
 
     def test_files_that_no_option_names(self):
         self.refuse("run", "x.elf", "--trace-waves", "w.fst", "--json", "w.gtkw", saying=("--json", "save file"))
-        self.refuse("run", "x.elf", "--coprocessor", "lockstep", "--json", "lockstep.fst", saying=("--json", "lockstep"))
+        self.refuse(
+            "run", "x.elf", "--coprocessor", "lockstep", "--json", "lockstep.fst", saying=("--json", "lockstep")
+        )
         self.refuse("run", "--json", FIRMWARE / "selfcal.elf", saying=("--json", "firmware.elf"))
         code, _, said = self.shell("$capsoc run x.elf --json out > out")
         self.assertEqual(code, 2, said)
@@ -448,20 +613,51 @@ class Conflicts(UnluckyCase):
         for name in ("u", "l", "t", "s"):
             (self.folder / name).write_text("old")
             self.before[name] = b"old"
-        files = ("--uart0", "file:u", "-C", "uart1.log=l", "--itm", "file:t", "--semihosting-console", "file:s", "--uart1",
-                 "file:new", "-C", "uart2.log=new2")
+        files = (
+            "--uart0",
+            "file:u",
+            "-C",
+            "uart1.log=l",
+            "--itm",
+            "file:t",
+            "--semihosting-console",
+            "file:s",
+            "--uart1",
+            "file:new",
+            "-C",
+            "uart2.log=new2",
+        )
         for wrong in (("--uart4", "tcp:99999"), ("--uart4", "file:/nonexistent/x"), ("--until-uart", "("), ("--halt",)):
             self.refuse("run", "x.elf", *files, *wrong)
         self.refuse("run", "x.elf", "--waves", "a.fst", "--trace-waves", "b.fst", saying=("--waves", "--trace-waves"))
         code, _, said = self.capsoc("run", "x.elf", *files)
         self.assertEqual(code, 0, said)
-        for name, contents in (("u", b"hello from capsoc\n"), ("l", b""), ("t", b""), ("s", b""), ("new", b""), ("new2", b"")):
+        for name, contents in (
+            ("u", b"hello from capsoc\n"),
+            ("l", b""),
+            ("t", b""),
+            ("s", b""),
+            ("new", b""),
+            ("new2", b""),
+        ):
             self.assertEqual((self.folder / name).read_bytes(), contents, name)
             self.before.pop(name, None)
 
     def test_what_is_no_conflict(self):
-        code, _, said = self.capsoc("run", "x.elf", "--json", "/dev/null", "--record", "/dev/null", "--uart1",
-                                    "file:/dev/null", "-C", "uart1.log=/dev/null", "--trace-bus", "/dev/null")
+        code, _, said = self.capsoc(
+            "run",
+            "x.elf",
+            "--json",
+            "/dev/null",
+            "--record",
+            "/dev/null",
+            "--uart1",
+            "file:/dev/null",
+            "-C",
+            "uart1.log=/dev/null",
+            "--trace-bus",
+            "/dev/null",
+        )
         self.assertEqual(code, 0, said)
         code, _, said = self.shell("$capsoc run x.elf --load x.elf --json out2 > out 2>&1")
         self.assertEqual(code, 0, said)
@@ -486,9 +682,13 @@ class FitFiles(UnluckyCase):
 
     def test_only_what_was_named(self):
         common = ("fit", TRACES / "csfn_eq.toml", "--method", "lm")
-        for options, written in (((), ["calibration.h", "calibration.json"]), (("--json", "a"), ["a"]),
-                                 (("--header", "b"), ["b"]), (("--json", "a", "--header", "b"), ["a", "b"]),
-                                 (("--convergence", "c"), ["c", "calibration.h", "calibration.json"])):
+        for options, written in (
+            ((), ["calibration.h", "calibration.json"]),
+            (("--json", "a"), ["a"]),
+            (("--header", "b"), ["b"]),
+            (("--json", "a", "--header", "b"), ["a", "b"]),
+            (("--convergence", "c"), ["c", "calibration.h", "calibration.json"]),
+        ):
             code, out, said = self.capsoc(*common, *options)
             self.assertEqual(code, 0, said)
             self.assertEqual(self.names(), written)
@@ -499,8 +699,13 @@ class FitFiles(UnluckyCase):
 
     def test_samples_that_tell_no_sensor(self):
         line = "".join(f"{0.01 * i},{0.005 * i}\n" for i in range(50))
-        for text in ("u,v\n0.1,0.2\n", "u,v\n" + "".join(f"{0.1 * i},{0.2 - 0.1 * i * i}\n" for i in range(4)),
-                     "u,v\n" + "0.1,0.2\n0.3,0.1\n-0.2,0.3\n0.1,-0.3\n" * 50, "u,v\n" + "0.1,0.2\n" * 50, "u,v\n" + line):
+        for text in (
+            "u,v\n0.1,0.2\n",
+            "u,v\n" + "".join(f"{0.1 * i},{0.2 - 0.1 * i * i}\n" for i in range(4)),
+            "u,v\n" + "0.1,0.2\n0.3,0.1\n-0.2,0.3\n0.1,-0.3\n" * 50,
+            "u,v\n" + "0.1,0.2\n" * 50,
+            "u,v\n" + line,
+        ):
             (self.folder / "r.csv").write_text(text)
             code, out, said = self.capsoc("fit", "r.csv")
             self.assertEqual((code, out), (3, b""), said)
@@ -516,16 +721,23 @@ class Inputs(UnluckyCase):
         super().setUp()
         (self.folder / "p.json").write_text("{}")
 
-    READERS = {"ELF": (("run", "{}"), ".elf"), "--sensor": (("run", HELLO, "--sensor", "{}"), ".toml"),
-               "--sensor (CSV)": (("run", HELLO, "--sensor", "{}"), ".csv"), "--config": (("run", "--config", "{}"), ".toml"),
-               "--parameters": (("run", "--parameters", "{}"), ".toml"), "--load": (("run", HELLO, "--load", "{}"), ""),
-               "--load @": (("run", HELLO, "--load", "{}@0x21000000"), ""),
-               "uart input": (("run", HELLO, "-C", "uart1.input={}"), ""),
-               "--rtl-library": (("run", HELLO, "--coprocessor", "rtl", "--rtl-library", "{}"), ".so"),
-               "fit": (("fit", "{}"), ".csv"), "fit (TOML)": (("fit", "{}"), ".toml"), "bench": (("bench", "cpu", "{}"), ".elf"),
-               "regress": (("regress", "--arithmetic", "paper", "--rtl-library", "{}"), ".so"),
-               "exceptions": (("regress", "--coverage", ".", "--coverage-exceptions", "{}"), ".txt"),
-               "semihosting": (("run", HELLO, "--semihosting-dir", "{}"), "")}
+    READERS = {
+        "ELF": (("run", "{}"), ".elf"),
+        "--sensor": (("run", HELLO, "--sensor", "{}"), ".toml"),
+        "--sensor (CSV)": (("run", HELLO, "--sensor", "{}"), ".csv"),
+        "--config": (("run", "--config", "{}"), ".toml"),
+        "--parameters": (("run", "--parameters", "{}"), ".toml"),
+        "--load": (("run", HELLO, "--load", "{}"), ""),
+        "--load @": (("run", HELLO, "--load", "{}@0x21000000"), ""),
+        "uart input": (("run", HELLO, "-C", "uart1.input={}"), ""),
+        "--rtl-library": (("run", HELLO, "--coprocessor", "rtl", "--rtl-library", "{}"), ".so"),
+        "fit": (("fit", "{}"), ".csv"),
+        "fit (TOML)": (("fit", "{}"), ".toml"),
+        "bench": (("bench", "cpu", "{}"), ".elf"),
+        "regress": (("regress", "--arithmetic", "paper", "--rtl-library", "{}"), ".so"),
+        "exceptions": (("regress", "--coverage", ".", "--coverage-exceptions", "{}"), ".txt"),
+        "semihosting": (("run", HELLO, "--semihosting-dir", "{}"), ""),
+    }
 
     def each(self, make, but=()):
         for name, (command, suffix) in self.READERS.items():
@@ -587,9 +799,20 @@ class Inputs(UnluckyCase):
                 continue
             path = self.folder / f"input{suffix}"
             make(path)
-            words = [str(word).format(path).replace(str(HELLO), str(program / "firmware" / HELLO.name)) for word in command]
-            done = subprocess.run([program / "capsoc", *words], capture_output=True, timeout=PATIENCE, check=False, env=CLEAN,
-                                  cwd=self.folder, user=other, group=other, extra_groups=[])
+            words = [
+                str(word).format(path).replace(str(HELLO), str(program / "firmware" / HELLO.name)) for word in command
+            ]
+            done = subprocess.run(
+                [program / "capsoc", *words],
+                capture_output=True,
+                timeout=PATIENCE,
+                check=False,
+                env=CLEAN,
+                cwd=self.folder,
+                user=other,
+                group=other,
+                extra_groups=[],
+            )
             said = done.stderr.decode()
             with self.subTest(name):
                 self.assertEqual(done.returncode, 2, said)
@@ -606,16 +829,26 @@ class Numbers(UnluckyCase):
         wrong = ("-5", "-1", "nan", "inf", "1e999", "", " 1", "1x", "99999999999999999999999", "-18446744073709551615")
         whole = ("1.5", "0x", "1e3")
         for command, option, more in (
-                (("fit", eq), "--harmonics", (*whole, "4")), (("fit", eq), "--batch", (*whole, "0")),
-                (("fit", eq), "--rate", ("0", "2")), (("fit", eq), "--iterations", (*whole, "0")),
-                (("fit", eq), "--seed", whole), (("fit", eq), "--samples", (*whole, "0")),
-                (("fit", eq), "--adc-bits", (*whole, "11", "33")), (("regress",), "--seeds", (*whole, "0")),
-                (("regress",), "--first-seed", whole), (("regress",), "--samples", whole),
-                (("regress",), "--accesses", whole), (("regress",), "--jobs", (*whole, "0", "1025")),
-                (("bench", "cpu"), "--repeat", (*whole, "0")), (("bench", "cpu"), "--quantum", ("0",)),
-                (("bench", "cpu"), "--require", ()), (("run", HELLO), "--quantum", ("0",)),
-                (("run", HELLO), "--simlimit", ()), (("run", HELLO), "--timelimit", ()),
-                (("run", HELLO), "--vector-table", ("0x40000000", "0x81", "1.5"))):
+            (("fit", eq), "--harmonics", (*whole, "4")),
+            (("fit", eq), "--batch", (*whole, "0")),
+            (("fit", eq), "--rate", ("0", "2")),
+            (("fit", eq), "--iterations", (*whole, "0")),
+            (("fit", eq), "--seed", whole),
+            (("fit", eq), "--samples", (*whole, "0")),
+            (("fit", eq), "--adc-bits", (*whole, "11", "33")),
+            (("regress",), "--seeds", (*whole, "0")),
+            (("regress",), "--first-seed", whole),
+            (("regress",), "--samples", whole),
+            (("regress",), "--accesses", whole),
+            (("regress",), "--jobs", (*whole, "0", "1025")),
+            (("bench", "cpu"), "--repeat", (*whole, "0")),
+            (("bench", "cpu"), "--quantum", ("0",)),
+            (("bench", "cpu"), "--require", ()),
+            (("run", HELLO), "--quantum", ("0",)),
+            (("run", HELLO), "--simlimit", ()),
+            (("run", HELLO), "--timelimit", ()),
+            (("run", HELLO), "--vector-table", ("0x40000000", "0x81", "1.5")),
+        ):
             for value in (*wrong, *more):
                 with self.subTest(command=command, option=option, value=value):
                     self.refuse(*command, f"{option}={value}")
@@ -623,16 +856,23 @@ class Numbers(UnluckyCase):
     def test_every_number_of_the_settings(self):
         listed = self.capsoc("run", "--list-params")[1].decode()
         self.assertIn("cpu.quantum_ns", listed)
-        for setting, values in (("sensor.adc_bits", ("-1", "33", "11")), ("itm.port", ("-1", "32")),
-                                ("trace.depth", ("-1", "1e8", "1.5")), ("semihosting.epoch_s", ("-1",)),
-                                ("gdb.port", ("-2", "65536")), ("cpu.quantum_ns", ("0", "1e10", "nan")),
-                                ("memory.psram.wait_states", ("-1", "201", "1.5"))):
+        for setting, values in (
+            ("sensor.adc_bits", ("-1", "33", "11")),
+            ("itm.port", ("-1", "32")),
+            ("trace.depth", ("-1", "1e8", "1.5")),
+            ("semihosting.epoch_s", ("-1",)),
+            ("gdb.port", ("-2", "65536")),
+            ("cpu.quantum_ns", ("0", "1e10", "nan")),
+            ("memory.psram.wait_states", ("-1", "201", "1.5")),
+        ):
             for value in values:
                 with self.subTest(setting=setting, value=value):
                     self.refuse("run", HELLO, "-C", f"{setting}={value}", saying=(setting,))
 
     def test_decimal_is_decimal(self):
-        code, out, said = self.capsoc("fit", TRACES / "csfn_eq.toml", "--method", "lm", "--samples", "0100", "--json", "c")
+        code, out, said = self.capsoc(
+            "fit", TRACES / "csfn_eq.toml", "--method", "lm", "--samples", "0100", "--json", "c"
+        )
         self.assertEqual(code, 0, said)
         self.assertEqual(json.loads((self.folder / "c").read_text())["samples"], 100)
 

@@ -39,9 +39,15 @@ class Noise:
 class VerdictCase(Case):
     def run_program(self, program, *options):
         """Exit code and verdict of the result file."""
-        process = subprocess.run([CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", "r.json",
-                                  *map(str, options)], capture_output=True, text=True, timeout=300, check=False, env=CLEAN,
-                                 cwd=self.folder)
+        process = subprocess.run(
+            [CAPSOC, "run", FIRMWARE / f"{program}.elf", "--json", "r.json", *map(str, options)],
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+            env=CLEAN,
+            cwd=self.folder,
+        )
         self.assertTrue((self.folder / "r.json").exists(), process.stderr)
         self.result, self.process = json.loads((self.folder / "r.json").read_text()), process
         return process.returncode, self.result["verdict"]
@@ -56,8 +62,10 @@ class VerdictCase(Case):
     def sensor(self, u, v, angle=turning, noise=0.0, length=105_100):
         """A recording whose channels are functions of the angle in radians."""
         disturbance = Noise(noise)
-        return self.record((u(2 * math.pi * angle(k)) + disturbance(), v(2 * math.pi * angle(k)) + disturbance(), angle(k))
-                           for k in range(length))
+        return self.record(
+            (u(2 * math.pi * angle(k)) + disturbance(), v(2 * math.pi * angle(k)) + disturbance(), angle(k))
+            for k in range(length)
+        )
 
 
 def good_u(x):
@@ -102,8 +110,14 @@ class Broken(VerdictCase):
         self.check(self.sensor(good_u, good_v, angle=stopping, length=121_000), self.REST, "track")
 
     def test_a_perfect_sensor_on_another_motion_is_not_blamed(self):
-        for angle in (lambda k: 0.2 * math.sin(2 * math.pi * turning(k)), lambda k: 0.13 * turning(k), lambda k: 3.7 * turning(k)):
-            self.check(self.sensor(good_u, good_v, angle=angle), "the samples are a sensor's, but the shaft does not turn at")
+        for angle in (
+            lambda k: 0.2 * math.sin(2 * math.pi * turning(k)),
+            lambda k: 0.13 * turning(k),
+            lambda k: 3.7 * turning(k),
+        ):
+            self.check(
+                self.sensor(good_u, good_v, angle=angle), "the samples are a sensor's, but the shaft does not turn at"
+            )
 
     def test_small_signals_in_noise(self):
         self.check(self.sensor(lambda x: 5e-4 * math.sin(x), lambda x: 5e-4 * math.cos(x), noise=1e-4), self.CIRCLE)
@@ -112,77 +126,156 @@ class Broken(VerdictCase):
         self.check(self.sensor(lambda x: 1.01 * math.sin(x), good_v), "clipped")
 
     def test_wrong_parameters(self):
-        (self.folder / "p.json").write_text(json.dumps({"parameters": {
-            name: {"word": round(value * 2**31), "value": value} for name, value in
-            (("a1", 0.6), ("a2", 0.2), ("b1", 0.1), ("b2", -0.05), ("beta", 0), ("phi", 0))}}))
-        self.check(self.sensor(good_u, good_v, length=5100),
-                   "the sensor has changed since calibration: the gain of V is at 250 %, the phase shift is another", "calibrate",
-                   "--parameters", "p.json")
+        (self.folder / "p.json").write_text(
+            json.dumps(
+                {
+                    "parameters": {
+                        name: {"word": round(value * 2**31), "value": value}
+                        for name, value in (
+                            ("a1", 0.6),
+                            ("a2", 0.2),
+                            ("b1", 0.1),
+                            ("b2", -0.05),
+                            ("beta", 0),
+                            ("phi", 0),
+                        )
+                    }
+                }
+            )
+        )
+        self.check(
+            self.sensor(good_u, good_v, length=5100),
+            "the sensor has changed since calibration: the gain of V is at 250 %, the phase shift is another",
+            "calibrate",
+            "--parameters",
+            "p.json",
+        )
 
     PARAMETERS = (("a1", 0.6), ("a2", 0.5), ("b1", 0.1), ("b2", -0.05), ("beta", 0.1), ("phi", 0))
 
     def write_parameters(self):
-        words = {name: {"word": round(value * (2**32 / (2 * math.pi) if name == "beta" else 2**31)), "value": value}
-                 for name, value in self.PARAMETERS}
+        words = {
+            name: {"word": round(value * (2**32 / (2 * math.pi) if name == "beta" else 2**31)), "value": value}
+            for name, value in self.PARAMETERS
+        }
         (self.folder / "p.json").write_text(json.dumps({"parameters": words}))
 
     def test_a_sensor_that_has_changed_since_its_calibration(self):
         self.write_parameters()
         for u, v, words in (
-                (lambda x: 0.3 * math.sin(x) + 0.1, lambda x: 0.25 * math.cos(x + 0.1) - 0.05, "both amplitudes are at 50 %"),
-                (lambda x: good_u(x) + 0.2, good_v, "the offset of U has moved"),
-                (good_u, lambda x: 0.5 * math.cos(x + 0.45) - 0.05, "the phase shift is another")):
-            self.check(self.sensor(u, v, length=5100), f"the sensor has changed since calibration: {words}", "calibrate",
-                       "--parameters", "p.json")
+            (
+                lambda x: 0.3 * math.sin(x) + 0.1,
+                lambda x: 0.25 * math.cos(x + 0.1) - 0.05,
+                "both amplitudes are at 50 %",
+            ),
+            (lambda x: good_u(x) + 0.2, good_v, "the offset of U has moved"),
+            (good_u, lambda x: 0.5 * math.cos(x + 0.45) - 0.05, "the phase shift is another"),
+        ):
+            self.check(
+                self.sensor(u, v, length=5100),
+                f"the sensor has changed since calibration: {words}",
+                "calibrate",
+                "--parameters",
+                "p.json",
+            )
 
     def turned(self, frequency, length, source=lambda k: k, noise=0.0):
         """Rows of a good sensor; the signals of row k are those of row source(k), the angle stays."""
         disturbance = Noise(noise)
-        return self.record((good_u(2 * math.pi * frequency * source(k) / RATE) + disturbance(),
-                            good_v(2 * math.pi * frequency * source(k) / RATE) + disturbance(), frequency * k / RATE)
-                           for k in range(length))
+        return self.record(
+            (
+                good_u(2 * math.pi * frequency * source(k) / RATE) + disturbance(),
+                good_v(2 * math.pi * frequency * source(k) / RATE) + disturbance(),
+                frequency * k / RATE,
+            )
+            for k in range(length)
+        )
 
     def test_the_unfinished_last_turn_is_judged(self):
         speed = ("-P", "frequency_hz=0.049")
         stale = self.turned(0.049, 105_100, lambda k: k - 1000 if k > 102_200 and k % 3 == 0 else k)
         for program in ("selfcal", "recursive"):
             self.check(stale, "stale samples or an uneven shaft", program, *speed)
-        garbage = self.record((0.25 * math.sin(1.7 * k), 0.25 * math.cos(2.3 * k), 0) if k > 102_300 and k % 2 else
-                              (good_u(2 * math.pi * 0.049 * k / RATE), good_v(2 * math.pi * 0.049 * k / RATE), 0.049 * k / RATE)
-                              for k in range(105_100))
+        garbage = self.record(
+            (0.25 * math.sin(1.7 * k), 0.25 * math.cos(2.3 * k), 0)
+            if k > 102_300 and k % 2
+            else (good_u(2 * math.pi * 0.049 * k / RATE), good_v(2 * math.pi * 0.049 * k / RATE), 0.049 * k / RATE)
+            for k in range(105_100)
+        )
         self.check(garbage, self.CIRCLE, "selfcal", *speed)
 
     def test_a_long_calibration_is_judged_as_a_whole(self):
         def held(k):
             place = (k - 100_000) % 500
             return k - place + 200 if 100_500 <= k < 104_500 and 200 <= place < 250 else k
-        self.check(self.turned(0.5, 105_100, held), "stale samples or an uneven shaft", "paper", "-P", "frequency_hz=0.5")
+
+        self.check(
+            self.turned(0.5, 105_100, held), "stale samples or an uneven shaft", "paper", "-P", "frequency_hz=0.5"
+        )
 
     def test_samples_in_any_order_that_come_again(self):
         # Angles by the golden ratio; of every 100 samples the last 5 are one.
         def place(k):
             return k - max(0, k % 100 - 95)
-        sensor = self.record((good_u(2 * math.pi * 0.618033988749 * place(k)), good_v(2 * math.pi * 0.618033988749 * place(k)),
-                              0.618033988749 * k) for k in range(110_100))
+
+        sensor = self.record(
+            (
+                good_u(2 * math.pi * 0.618033988749 * place(k)),
+                good_v(2 * math.pi * 0.618033988749 * place(k)),
+                0.618033988749 * k,
+            )
+            for k in range(110_100)
+        )
         self.check(sensor, "samples come again bit for bit", "unordered")
 
     def test_an_offset_that_drifts(self):
         # A tenth of the amplitude a turn: the demodulation follows, so nothing but the drift shows it.
-        self.check(self.record((0.2 * math.sin(2 * math.pi * turning(k)) + 0.02 * (turning(k) - 10),
-                                good_v(2 * math.pi * turning(k)), turning(k)) for k in range(105_100)), "still drift")
+        self.check(
+            self.record(
+                (
+                    0.2 * math.sin(2 * math.pi * turning(k)) + 0.02 * (turning(k) - 10),
+                    good_v(2 * math.pi * turning(k)),
+                    turning(k),
+                )
+                for k in range(105_100)
+            ),
+            "still drift",
+        )
 
     def test_a_channel_that_fails_after_the_last_whole_turn(self):
-        (self.folder / "p.json").write_text(json.dumps({"parameters": {
-            name: {"word": round(value * (2**32 / (2 * math.pi) if name == "beta" else 2**31)), "value": value} for name, value in
-            (("a1", 0.6), ("a2", 0.5), ("b1", 0.1), ("b2", -0.05), ("beta", 0.1), ("phi", 0))}}))
-        sensor = self.record((good_u(2 * math.pi * turning(k)) if k < 6150 else 0.0, good_v(2 * math.pi * turning(k)), turning(k))
-                             for k in range(6400))
+        (self.folder / "p.json").write_text(
+            json.dumps(
+                {
+                    "parameters": {
+                        name: {
+                            "word": round(value * (2**32 / (2 * math.pi) if name == "beta" else 2**31)),
+                            "value": value,
+                        }
+                        for name, value in (
+                            ("a1", 0.6),
+                            ("a2", 0.5),
+                            ("b1", 0.1),
+                            ("b2", -0.05),
+                            ("beta", 0.1),
+                            ("phi", 0),
+                        )
+                    }
+                }
+            )
+        )
+        sensor = self.record(
+            (good_u(2 * math.pi * turning(k)) if k < 6150 else 0.0, good_v(2 * math.pi * turning(k)), turning(k))
+            for k in range(6400)
+        )
         self.check(sensor, self.CIRCLE, "calibrate", "--parameters", "p.json", "-P", "samples=6250")
 
     def test_dropouts_that_lie_on_the_circle(self):
-        # The offsets are as long as the amplitude: 0 in both channels is a place on the circle, and only 0 itself shows it.
-        words = {name: {"word": round(value * 2**31), "value": value} for name, value in
-                 (("a1", 0.5), ("a2", 0.5), ("b1", 0.3), ("b2", 0.4), ("beta", 0), ("phi", 0))}
+        # The offsets are as long as the amplitude: 0 in both channels is a place on the circle, and only 0 itself
+        # shows it.
+        words = {
+            name: {"word": round(value * 2**31), "value": value}
+            for name, value in (("a1", 0.5), ("a2", 0.5), ("b1", 0.3), ("b2", 0.4), ("beta", 0), ("phi", 0))
+        }
         (self.folder / "p.json").write_text(json.dumps({"parameters": words}))
 
         def samples(every):
@@ -192,7 +285,9 @@ class Broken(VerdictCase):
                 yield (0.0, 0.0, turning(k)) if lost else (0.5 * math.sin(x) + 0.3, 0.5 * math.cos(x) + 0.4, turning(k))
 
         self.check(self.record(samples(200)), "the converter drops out", "calibrate", "--parameters", "p.json")
-        code, verdict = self.run_program("calibrate", "--parameters", "p.json", "--sensor", self.record(samples(10_000)))
+        code, verdict = self.run_program(
+            "calibrate", "--parameters", "p.json", "--sensor", self.record(samples(10_000))
+        )
         self.assertEqual((code, verdict["pass"]), (0, True))
 
     def test_a_bound_that_is_too_wide(self):
@@ -218,8 +313,10 @@ class Bounds(VerdictCase):
         for arithmetic in ("precise", "paper"):
             # The truncated products of `paper` settle slowly where they are small: the bound says so.
             for amplitude, most in ((0.3, 0.1), (0.05, 0.1 if arithmetic == "precise" else 12)):
-                options = [f"-Csensor.{name}={value}" for name, value in
-                           (("a1", amplitude), ("a2", amplitude), ("b1", 0), ("b2", 0))]
+                options = [
+                    f"-Csensor.{name}={value}"
+                    for name, value in (("a1", amplitude), ("a2", amplitude), ("b1", 0), ("b2", 0))
+                ]
                 self.check(most, "selfcal", "--arithmetic", arithmetic, *options)
 
     def test_the_other_way_round(self):
@@ -231,17 +328,30 @@ class Bounds(VerdictCase):
         self.assertEqual((verdict["samples"], verdict["conditions"]), (10_000, []))
         self.assertAlmostEqual(verdict["motion_deg"], 0.072, 5)
         self.check(2.6, "unordered", "-C", "sensor.motion.kind=shuffled", "-C", "sensor.motion.seed=3")
-        self.assertEqual(self.result["verdict"]["conditions"],
-                         ["no sample is stale", "harmonics along the circle stay below 2.50 deg"])
-        self.assertRegex(self.process.stdout.splitlines()[-1],
-                         r", last \d+ samples, if no sample is stale and harmonics along the circle stay below 2.50 deg$")
+        self.assertEqual(
+            self.result["verdict"]["conditions"],
+            ["no sample is stale", "harmonics along the circle stay below 2.50 deg"],
+        )
+        self.assertRegex(
+            self.process.stdout.splitlines()[-1],
+            r", last \d+ samples, if no sample is stale and harmonics along the circle stay below 2.50 deg$",
+        )
 
     def test_stale_samples_are_in_the_bound_of_a_tracked_shaft(self):
         # Each is good for its circle and its order of turns; only the step from one to the next shows it.
         disturbance = Noise(1e-4)
-        for stale in (lambda k: k - 300 if k > 100_500 and k % 3 == 0 else k, lambda k: 103_000 if 103_000 <= k < 103_200 else k):
-            sensor = self.record((good_u(2 * math.pi * turning(stale(k))) + disturbance(),
-                                  good_v(2 * math.pi * turning(stale(k))) + disturbance(), turning(k)) for k in range(108_000))
+        for stale in (
+            lambda k: k - 300 if k > 100_500 and k % 3 == 0 else k,
+            lambda k: 103_000 if 103_000 <= k < 103_200 else k,
+        ):
+            sensor = self.record(
+                (
+                    good_u(2 * math.pi * turning(stale(k))) + disturbance(),
+                    good_v(2 * math.pi * turning(stale(k))) + disturbance(),
+                    turning(k),
+                )
+                for k in range(108_000)
+            )
             self.check(25, "track", "--sensor", sensor)
             self.assertGreater(self.result["verdict"]["largest_error_deg"], 10)
 
@@ -250,6 +360,7 @@ class Bounds(VerdictCase):
         def both(k):
             x, y = 2 * math.pi * turning(k), 2 * math.pi * 1.02 * turning(k)
             return 0.6 * (math.sin(x) + 0.1 * math.sin(y)), 0.5 * (math.cos(x) + 0.1 * math.cos(y)), turning(k)
+
         code, verdict = self.run_program("selfcal", "--sensor", self.record(both(k) for k in range(105_100)))
         self.assertEqual(code, 0)
         self.assertGreater(verdict["largest_error_deg"], 3)
@@ -260,6 +371,7 @@ class Bounds(VerdictCase):
             x = 2 * math.pi * turning(k)
             m = 1 + 0.15 * math.sin(x + 1)
             return 0.6 * m * math.sin(x), 0.5 * m * math.cos(x), turning(k)
+
         sensor = self.record(eccentric(k) for k in range(110_000))
         for program in ("selfcal", "track", "quick"):
             code, verdict = self.run_program(program, "--sensor", sensor, "-P", "limit_deg=60")
@@ -268,16 +380,23 @@ class Bounds(VerdictCase):
     def test_a_sensor_and_an_encoder_that_count_the_other_way(self):
         self.check(1e-5, "selfcal", "-C", "sensor.beta_rad=3.0")
         # An encoder of its own zero and direction beside the sensor.
-        sensor = self.record((good_u(2 * math.pi * turning(k)), good_v(2 * math.pi * turning(k)), 0.3 - turning(k))
-                             for k in range(105_100))
+        sensor = self.record(
+            (good_u(2 * math.pi * turning(k)), good_v(2 * math.pi * turning(k)), 0.3 - turning(k))
+            for k in range(105_100)
+        )
         self.check(1e-4, "selfcal", "--sensor", sensor)
         self.assertEqual(len(self.result["sensor_warnings"]), 1)
         self.assertIn("with this difference taken off", self.result["sensor_warnings"][0])
 
     def test_unknown_truth(self):
         sensor = self.folder / "u.csv"
-        sensor.write_text("u,v\n" + "".join(f"{good_u(2 * math.pi * turning(k)):.9f},{good_v(2 * math.pi * turning(k)):.9f}\n"
-                                              for k in range(105_100)))
+        sensor.write_text(
+            "u,v\n"
+            + "".join(
+                f"{good_u(2 * math.pi * turning(k)):.9f},{good_v(2 * math.pi * turning(k)):.9f}\n"
+                for k in range(105_100)
+            )
+        )
         code, verdict = self.run_program("selfcal", "--sensor", sensor)
         self.assertEqual(code, 0)
         self.assertTrue(verdict["pass"])
@@ -289,14 +408,17 @@ class Bounds(VerdictCase):
         # A truth that is off by one degree stands for a wrong angle.
         sensor = self.sensor(good_u, good_v, angle=turning)
         lines = sensor.read_text().splitlines()
-        shifted = [lines[0]] + [f"{u},{v},{(float(angle) + 1) % 360:.7f}" for u, v, angle in
-                                (line.split(",") for line in lines[1:])]
+        shifted = [lines[0]] + [
+            f"{u},{v},{(float(angle) + 1) % 360:.7f}" for u, v, angle in (line.split(",") for line in lines[1:])
+        ]
         sensor.write_text("\n".join(shifted) + "\n")
         code, verdict = self.run_program("selfcal", "--sensor", sensor)
         self.assertEqual(code, 1)
         self.assertTrue(verdict["pass"])
         self.assertIs(verdict["bound_holds"], False)
-        self.assertRegex(self.result["exit"]["reason"], r"^the program vouches for \S+ deg, but an angle is 1 deg wrong$")
+        self.assertRegex(
+            self.result["exit"]["reason"], r"^the program vouches for \S+ deg, but an angle is 1 deg wrong$"
+        )
         self.assertIn("DOES NOT HOLD", self.process.stderr)
 
     def test_a_program_without_a_verdict(self):
@@ -307,8 +429,25 @@ class Drawn(unittest.TestCase):
     """scripts/verdicts on a few drawn sensors of every kind."""
 
     def test_no_wrong_pass(self):
-        process = subprocess.run([SOURCE / "scripts" / "verdicts", "--good", "3", "--broken", "1", "--programs", "selfcal,track",
-                                  "--seed", "2", "--build", BUILD], capture_output=True, text=True, timeout=900, check=False)
+        process = subprocess.run(
+            [
+                SOURCE / "scripts" / "verdicts",
+                "--good",
+                "3",
+                "--broken",
+                "1",
+                "--programs",
+                "selfcal,track",
+                "--seed",
+                "2",
+                "--build",
+                BUILD,
+            ],
+            capture_output=True,
+            text=True,
+            timeout=900,
+            check=False,
+        )
         self.assertEqual(process.returncode, 0, process.stdout + process.stderr)
         self.assertIn("wrong passes: 0 of 272", process.stdout)
 

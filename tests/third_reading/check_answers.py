@@ -3,9 +3,9 @@
 
 usage: check_answers.py FILE...        (-: standard input)
 
-FILE is what record_answers has written (its source has the format). Every answer, the interrupt line and BUSY from edge to
-edge, and every register at each commit have to be those of the page. The first difference ends it, with its edge, the access,
-the register, and both values.
+FILE is what record_answers has written (its source has the format). Every answer, the interrupt line and BUSY from
+edge to edge, and every register at each commit have to be those of the page. The first difference ends it, with its
+edge, the access, the register, and both values.
 
 Status 0: everything agrees; 1: it does not; 2: a file that cannot be read or is none.
 """
@@ -49,9 +49,17 @@ class Replay:
         self.counts = counts
         self.edge = 0
         self.levels = False, False  # as recorded
-        self.commits = 0            # without their registers
-        self.actions = {"s": self.sample, "w": self.write, "r": self.read, "d": self.peek, "x": self.reset, "l": self.level,
-                        "k": self.commit, "e": self.end}
+        self.commits = 0  # without their registers
+        self.actions = {
+            "s": self.sample,
+            "w": self.write,
+            "r": self.read,
+            "d": self.peek,
+            "x": self.reset,
+            "l": self.level,
+            "k": self.commit,
+            "e": self.end,
+        }
 
     def line(self, kind, words):
         edge = int(words[0])
@@ -91,12 +99,16 @@ class Replay:
     def sample(self, words):
         u, v, clip, latched = (int(word, 16) for word in words)
         self.counts["samples"] += 1
-        self.check(f"sample ({u:#010x}, {v:#010x}): latched", int(self.device.submit(self.edge, u, v, bool(clip))), latched)
+        self.check(
+            f"sample ({u:#010x}, {v:#010x}): latched", int(self.device.submit(self.edge, u, v, bool(clip))), latched
+        )
 
     def write(self, words):
         offset, value, ok = (int(word, 16) for word in words)
         self.counts["writes"] += 1
-        self.check(f"write of {value:#x} to {named(offset)}: accepted", int(self.device.write(self.edge, offset, value)), ok)
+        self.check(
+            f"write of {value:#x} to {named(offset)}: accepted", int(self.device.write(self.edge, offset, value)), ok
+        )
         if self.device.registers.since_reset == 0:
             self.commits = 0  # a soft reset at the edge of the commit
 
@@ -186,8 +198,12 @@ def main(names):
         except (BadFile, OSError, UnicodeDecodeError) as bad:
             print(f"check_answers: {name}: {bad}", file=sys.stderr)
             return 2
-    print("agreed: " + ", ".join(f"{counts[kind]} {kind}" for kind in (
-        "runs", "samples", "writes", "reads", "changes of a level", "commits")))
+    print(
+        "agreed: "
+        + ", ".join(
+            f"{counts[kind]} {kind}" for kind in ("runs", "samples", "writes", "reads", "changes of a level", "commits")
+        )
+    )
     return 0
 
 

@@ -1,7 +1,7 @@
 """docs/coprocessor.md, "Sequencer: time", "LOAD" and "Commit": the whole coprocessor, edge by edge.
 
-A third reading of that page, beside the C++ model and the SystemVerilog, with which it shares nothing. It is written to be
-compared with the page, in exact integers, and not to be fast.
+A third reading of that page, beside the C++ model and the SystemVerilog, with which it shares nothing. It is written
+to be compared with the page, in exact integers, and not to be fast.
 """
 
 from types import SimpleNamespace
@@ -16,8 +16,18 @@ from reference_generator import refer, rotate
 from registers import NAMES, Registers
 
 TICK = 32
-SETTINGS = ("demod", "calib", "source", "lock_threshold", "diverge_threshold", "radius_limit", "alarm_limit", "turns", "count",
-            "turn_limit")
+SETTINGS = (
+    "demod",
+    "calib",
+    "source",
+    "lock_threshold",
+    "diverge_threshold",
+    "radius_limit",
+    "alarm_limit",
+    "turns",
+    "count",
+    "turn_limit",
+)
 
 
 class Sample:
@@ -51,7 +61,7 @@ class Coprocessor:
         self.load_waits = False
         self.load_stage = None  # 0, 1, 2
         self.load_words = None
-        self.boundary = None    # the edge at which the next tick begins; none while idle
+        self.boundary = None  # the edge at which the next tick begins; none while idle
 
     @property
     def busy(self):
@@ -140,10 +150,18 @@ class Coprocessor:
         settled_in = r.since_reset >= 64
         lock = settled_in and sample.average < settings.lock_threshold and r.judge.permits_lock(settings.turns)
         r.diverged = settled_in and sample.average > settings.diverge_threshold
-        for holds, flag in ((True, names.RESULT), (sample.clip, names.CLIP), (sample.sat, names.SAT),
-                            (sample.zero, names.ZERO), (sample.unsettled, names.UNSETTLED), (r.diverged, names.DIVERGED),
-                            (r.judge.alarm, names.ALARM), (lock != r.lock, names.LOCKCHG),
-                            (sample.mirror != r.mirror, names.MIRRORCHG), (turn_ended, names.TURN)):
+        for holds, flag in (
+            (True, names.RESULT),
+            (sample.clip, names.CLIP),
+            (sample.sat, names.SAT),
+            (sample.zero, names.ZERO),
+            (sample.unsettled, names.UNSETTLED),
+            (r.diverged, names.DIVERGED),
+            (r.judge.alarm, names.ALARM),
+            (lock != r.lock, names.LOCKCHG),
+            (sample.mirror != r.mirror, names.MIRRORCHG),
+            (turn_ended, names.TURN),
+        ):
             if holds:
                 r.flags |= flag
         r.lock, r.mirror = lock, sample.mirror
@@ -184,7 +202,7 @@ class Coprocessor:
         if self.arithmetic.paper:
             weights = [rounded(w, 15) for w in weights]
         first = 3 * (self.load_stage - 1)
-        self.registers.weights[first:first + 3] = weights
+        self.registers.weights[first : first + 3] = weights
 
     # Samples and accesses, behind the ticks of their edge
 

@@ -40,17 +40,20 @@ def demodulate(arithmetic, sample, registers):
     base, written = registers.blocks.decide(registers, learns)
     errors, following = [], []
     for channel, data in enumerate((sample.u, sample.v)):
-        weights = registers.weights[3 * channel:3 * channel + 3]
-        steps = registers.steps[3 * channel:3 * channel + 3]
+        weights = registers.weights[3 * channel : 3 * channel + 3]
+        steps = registers.steps[3 * channel : 3 * channel + 3]
         error = (error_paper if arithmetic.paper else error_precise)(sample, data, weights)
         errors.append(error)
         if written == NOTHING:
             continue
         seen = limited(error, registers.slew)
-        changes = (changes_paper(arithmetic, sample, seen, steps) if arithmetic.paper
-                   else changes_precise(sample, seen, steps))
+        changes = (
+            changes_paper(arithmetic, sample, seen, steps) if arithmetic.paper else changes_precise(sample, seen, steps)
+        )
         bits = 32 if arithmetic.paper else 48
-        following += [sample.saturated(w + change, bits) for w, change in zip(base[3 * channel:3 * channel + 3], changes)]
+        following += [
+            sample.saturated(w + change, bits) for w, change in zip(base[3 * channel : 3 * channel + 3], changes)
+        ]
     sample.errors = errors
     sample.next_weights = following if written == WEIGHTS else None
     sample.next_sums_of_block = following if written == SUMS else None

@@ -7,7 +7,7 @@ from notation import ONE_31, TURN_32, bit_length, clamp, rounded
 from reference_generator import STAGES
 
 SCALE = 2608131496  # round(K30 2^32)
-GAIN = 1298774024   # round(1.9 / 2pi * 2^32): I of Eq (11)
+GAIN = 1298774024  # round(1.9 / 2pi * 2^32): I of Eq (11)
 TABLE = tuple(round(math.sin(2 * math.pi * j / 512) * (ONE_31 - 1)) for j in range(513))
 
 
@@ -134,5 +134,3 @@ def find_parameters(arithmetic, sample, registers):
 def found_angle(arithmetic, sample, parameters):
     """T4: the sensor's own angle, whatever may come of it."""
     return sample.arctangent if arithmetic.paper else (sample.relative + parameters.phi) % TURN_32
-
-

@@ -7,36 +7,92 @@ from notation import ONE_31, TURN_32, TURN_48, Arithmetic, clamp, rounded, signe
 from turn_judge import TurnJudge
 
 NAMES = {
-    0x000: "ID", 0x004: "VERSION", 0x008: "CTRL", 0x00C: "STATUS", 0x010: "FLAGS", 0x014: "CMD",
-    0x018: "FREQ_LO", 0x01C: "FREQ_HI", 0x020: "PHASE_LO", 0x024: "PHASE_HI",
-    0x028: "STEP_AU", 0x02C: "STEP_BU", 0x030: "STEP_CU", 0x034: "STEP_AV", 0x038: "STEP_BV", 0x03C: "STEP_CV",
-    0x040: "LOOP", 0x044: "LOCK_THRESHOLD", 0x048: "DIVERGE_THRESHOLD", 0x04C: "ERROR_AVERAGE",
-    0x050: "AU_LO", 0x054: "AU_HI", 0x058: "BU_LO", 0x05C: "BU_HI", 0x060: "CU_LO", 0x064: "CU_HI",
-    0x068: "AV_LO", 0x06C: "AV_HI", 0x070: "BV_LO", 0x074: "BV_HI", 0x078: "CV_LO", 0x07C: "CV_HI",
-    0x080: "A1", 0x084: "A2", 0x088: "B1", 0x08C: "B2", 0x090: "BETA", 0x094: "PHI",
-    0x098: "JUDGE", 0x09C: "TURN_LIMIT", 0x0A0: "SOFT_U", 0x0A4: "SOFT_V", 0x0A8: "CORRECTION",
-    0x0B0: "RAW_U", 0x0B4: "RAW_V",
-    0x0B8: "CAL_S", 0x0BC: "CAL_C", 0x0C0: "ANGLE", 0x0C4: "ERR_U", 0x0C8: "ERR_V", 0x0CC: "RESIDUE",
-    0x0D0: "SAMPLES", 0x0D4: "EARLY_COUNT", 0x0D8: "REF_PHASE", 0x0DC: "AMPLITUDE", 0x0E0: "LATENCY",
-    0x0E4: "TURN_FLAGS", 0x0EC: "RADIUS_MAX", 0x0F0: "RESIDUE_MAX", 0x0F4: "WINDING", 0x0F8: "TURN_SAMPLES",
+    0x000: "ID",
+    0x004: "VERSION",
+    0x008: "CTRL",
+    0x00C: "STATUS",
+    0x010: "FLAGS",
+    0x014: "CMD",
+    0x018: "FREQ_LO",
+    0x01C: "FREQ_HI",
+    0x020: "PHASE_LO",
+    0x024: "PHASE_HI",
+    0x028: "STEP_AU",
+    0x02C: "STEP_BU",
+    0x030: "STEP_CU",
+    0x034: "STEP_AV",
+    0x038: "STEP_BV",
+    0x03C: "STEP_CV",
+    0x040: "LOOP",
+    0x044: "LOCK_THRESHOLD",
+    0x048: "DIVERGE_THRESHOLD",
+    0x04C: "ERROR_AVERAGE",
+    0x050: "AU_LO",
+    0x054: "AU_HI",
+    0x058: "BU_LO",
+    0x05C: "BU_HI",
+    0x060: "CU_LO",
+    0x064: "CU_HI",
+    0x068: "AV_LO",
+    0x06C: "AV_HI",
+    0x070: "BV_LO",
+    0x074: "BV_HI",
+    0x078: "CV_LO",
+    0x07C: "CV_HI",
+    0x080: "A1",
+    0x084: "A2",
+    0x088: "B1",
+    0x08C: "B2",
+    0x090: "BETA",
+    0x094: "PHI",
+    0x098: "JUDGE",
+    0x09C: "TURN_LIMIT",
+    0x0A0: "SOFT_U",
+    0x0A4: "SOFT_V",
+    0x0A8: "CORRECTION",
+    0x0B0: "RAW_U",
+    0x0B4: "RAW_V",
+    0x0B8: "CAL_S",
+    0x0BC: "CAL_C",
+    0x0C0: "ANGLE",
+    0x0C4: "ERR_U",
+    0x0C8: "ERR_V",
+    0x0CC: "RESIDUE",
+    0x0D0: "SAMPLES",
+    0x0D4: "EARLY_COUNT",
+    0x0D8: "REF_PHASE",
+    0x0DC: "AMPLITUDE",
+    0x0E0: "LATENCY",
+    0x0E4: "TURN_FLAGS",
+    0x0EC: "RADIUS_MAX",
+    0x0F0: "RESIDUE_MAX",
+    0x0F4: "WINDING",
+    0x0F8: "TURN_SAMPLES",
     0x0FC: "TURN_DET",
 }
 OFFSETS = {name: offset for offset, name in NAMES.items()}
 STATUS, FREQ_LO, PHASE_LO, STEP_AU, AU_LO, CV_HI = (
-    OFFSETS[name] for name in ("STATUS", "FREQ_LO", "PHASE_LO", "STEP_AU", "AU_LO", "CV_HI"))
+    OFFSETS[name] for name in ("STATUS", "FREQ_LO", "PHASE_LO", "STEP_AU", "AU_LO", "CV_HI")
+)
 PAIRS = (FREQ_LO, PHASE_LO, *range(AU_LO, CV_HI, 8))
 
 # FLAGS
-(RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG, TURN, ALARM,
- UNSETTLED) = (1 << bit for bit in range(12))
+(RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG, TURN, ALARM, UNSETTLED) = (
+    1 << bit for bit in range(12)
+)
 FLAGS_ALL = (1 << 12) - 1
 # CTRL
 IE_RESULT, IE_LOCK, IE_ERROR, IE_TURN, IE_ALARM = (1 << bit for bit in range(8, 13))
 SRST = 1 << 31
 CTRL_BITS = 0x3FFF
 BLOCK, GUARD, CORRECT = 1 << 6, 1 << 7, 1 << 13
-INTERRUPTS = ((IE_RESULT, RESULT), (IE_LOCK, LOCKCHG), (IE_TURN, TURN), (IE_ALARM, ALARM),
-              (IE_ERROR, CLIP | SAT | ZERO | EARLY | DIVERGED | CONFIG | UNSETTLED))
+INTERRUPTS = (
+    (IE_RESULT, RESULT),
+    (IE_LOCK, LOCKCHG),
+    (IE_TURN, TURN),
+    (IE_ALARM, ALARM),
+    (IE_ERROR, CLIP | SAT | ZERO | EARLY | DIVERGED | CONFIG | UNSETTLED),
+)
 # CMD
 LOAD, CLEAR, PHASE0 = 1, 2, 4
 
@@ -47,7 +103,7 @@ class Registers:
     def __init__(self, arithmetic: Arithmetic):
         self.arithmetic = arithmetic
         self.ctrl = self.flags = 0
-        self.freq = 0   # s48
+        self.freq = 0  # s48
         self.phase = 0  # u48
         self.steps = [1349307] * 6
         self.loop = 10 << 8 | 4
@@ -94,8 +150,16 @@ class Registers:
 
     def status(self):
         """But for BUSY, which is the sequencer's."""
-        return (self.lock << 1 | self.diverged << 2 | self.mirror << 3 | self.valid << 4 | self.judge.alarm << 5
-                | self.frozen << 6 | self.arithmetic.paper << 8 | self.judge.good_turns << 12)
+        return (
+            self.lock << 1
+            | self.diverged << 2
+            | self.mirror << 3
+            | self.valid << 4
+            | self.judge.alarm << 5
+            | self.frozen << 6
+            | self.arithmetic.paper << 8
+            | self.judge.good_turns << 12
+        )
 
     # Pairs
 
@@ -180,8 +244,16 @@ class Registers:
 
 CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010004, "LATENCY": 161, "CMD": 0, "SOFT_V": 0, "CORRECTION": 0}
 JUDGE_RECORD = ("TURN_FLAGS", "RADIUS_MAX", "RESIDUE_MAX", "WINDING", "TURN_SAMPLES", "TURN_DET")
-MASKS = {"LOOP": 0x1F1F, "LOCK_THRESHOLD": TURN_32 - 1, "DIVERGE_THRESHOLD": TURN_32 - 1, "BETA": TURN_32 - 1,
-         "PHI": TURN_32 - 1, "JUDGE": 0x3FFFFF, "TURN_LIMIT": TURN_32 - 1, "SOFT_U": TURN_32 - 1}
+MASKS = {
+    "LOOP": 0x1F1F,
+    "LOCK_THRESHOLD": TURN_32 - 1,
+    "DIVERGE_THRESHOLD": TURN_32 - 1,
+    "BETA": TURN_32 - 1,
+    "PHI": TURN_32 - 1,
+    "JUDGE": 0x3FFFFF,
+    "TURN_LIMIT": TURN_32 - 1,
+    "SOFT_U": TURN_32 - 1,
+}
 
 
 def value_of(offset, name):

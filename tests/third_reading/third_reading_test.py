@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""The model's answers to the regression's scenarios against the third reading, and the checker against wrong answers."""
+"""The model's answers to the regression's scenarios against the third reading, and the checker against wrong
+answers.
+"""
 
 import subprocess
 import sys
@@ -28,8 +30,9 @@ def check(text):
 class Agreement(unittest.TestCase):
     def agrees(self, *arguments):
         with subprocess.Popen([RECORDER, "-", *arguments], stdout=subprocess.PIPE) as recorder:
-            done = subprocess.run([sys.executable, CHECKER, "-"], stdin=recorder.stdout, capture_output=True, text=True,
-                                  check=False)
+            done = subprocess.run(
+                [sys.executable, CHECKER, "-"], stdin=recorder.stdout, capture_output=True, text=True, check=False
+            )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(recorder.returncode, 0)
         print(" ".join(arguments), done.stdout.strip(), flush=True)
@@ -49,8 +52,18 @@ class Options(Agreement):
     """Options of `paper`, each away from its default."""
 
     def some(self, *arguments):
-        self.agrees("--arithmetic", "paper", "--samples", "1000", "--scenario", "quadrants", "beta",
-                    "load_moments", "stream", *arguments)
+        self.agrees(
+            "--arithmetic",
+            "paper",
+            "--samples",
+            "1000",
+            "--scenario",
+            "quadrants",
+            "beta",
+            "load_moments",
+            "stream",
+            *arguments,
+        )
 
     def test_as_in_table_8(self):
         self.some("--operand-bits", "16", "--reference-lead", "2", "--step-shift", "7", "--plain-arctangent")
@@ -78,15 +91,16 @@ class PaperLong(Agreement):
 class Checker(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.lines = subprocess.run([RECORDER, "-", "--scenario", "flags"], capture_output=True, text=True,
-                                   check=True).stdout.splitlines()
+        cls.lines = subprocess.run(
+            [RECORDER, "-", "--scenario", "flags"], capture_output=True, text=True, check=True
+        ).stdout.splitlines()
 
     def changed(self, kind, change, which=30):
         """The recording with one line of `kind` as `change` makes it of its words; none: left out."""
         lines = list(self.lines)
         at = [i for i, line in enumerate(lines) if line.startswith(kind + " ")][which]
         words = change(lines[at].split())
-        lines[at:at + 1] = [" ".join(words)] if words else []
+        lines[at : at + 1] = [" ".join(words)] if words else []
         return at + 1, check("\n".join(lines) + "\n")
 
     def differs(self, kind, change, *saying):
@@ -112,7 +126,7 @@ class Checker(unittest.TestCase):
 
     def test_a_register_at_a_commit(self):
         at = 2 + sorted(NAMES).index(0x0B8)
-        self.differs("k", lambda w: [*w[:at], f"{int(w[at], 16) ^ 1:x}", *w[at + 1:]], "(CAL_S) at a commit")
+        self.differs("k", lambda w: [*w[:at], f"{int(w[at], 16) ^ 1:x}", *w[at + 1 :]], "(CAL_S) at a commit")
 
     def test_a_level_one_edge_late(self):
         at, done = self.changed("l", lambda w: [w[0], str(int(w[1]) + 1), *w[2:]], which=0)
@@ -143,7 +157,9 @@ class Checker(unittest.TestCase):
 
     def test_a_file_that_is_not_there(self):
         with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([sys.executable, CHECKER, Path(folder) / "none"], capture_output=True, text=True, check=False)
+            done = subprocess.run(
+                [sys.executable, CHECKER, Path(folder) / "none"], capture_output=True, text=True, check=False
+            )
         self.assertEqual(done.returncode, 2)
         self.assertIn("none", done.stderr)
 

@@ -67,9 +67,14 @@ class TurnJudge:
         self.octants |= 1 << (sample.angle >> 29)
         self.clipped = min(255, self.clipped + sample.clip)
         wild = not -3 * ONE_TURN <= 2 * self.travel < 3 * ONE_TURN
-        for reason, holds in ((RADIUS, beyond), (WINDING, wild), (MIRROR, sample.mirror),
-                              (NOANGLE, sample.zero or sample.unsettled), (SAT, sample.sat),
-                              (RESIDUE, abs(sample.residue) >= TURN_32 // 16)):
+        for reason, holds in (
+            (RADIUS, beyond),
+            (WINDING, wild),
+            (MIRROR, sample.mirror),
+            (NOANGLE, sample.zero or sample.unsettled),
+            (SAT, sample.sat),
+            (RESIDUE, abs(sample.residue) >= TURN_32 // 16),
+        ):
             if holds:
                 self.reasons |= reason
 
@@ -90,9 +95,12 @@ class TurnJudge:
         sixty_fourths = self.travel >> 24
         if not (61 <= sixty_fourths <= 66 or -67 <= sixty_fourths <= -62):
             flags |= WINDING
-        good = (self.octants == 0xFF and self.clipped == 0
-                and not flags & (TIMEOUT | RADIUS | MIRROR | NOANGLE | SAT | RESIDUE)
-                and (not flags & WINDING or settings.count))
+        good = (
+            self.octants == 0xFF
+            and self.clipped == 0
+            and not flags & (TIMEOUT | RADIUS | MIRROR | NOANGLE | SAT | RESIDUE)
+            and (not flags & WINDING or settings.count)
+        )
         if good:
             flags |= GOOD
         self.good_turns = min(3, self.good_turns + 1) if good else 0

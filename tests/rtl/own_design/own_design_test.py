@@ -18,7 +18,9 @@ CORE = (BUILD / "generated" / "rtl_sources.txt").read_text(encoding="utf-8").spl
 
 
 def run(*command, cwd=None):
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, cwd=cwd, env=CLEAN)
+    return subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, check=False, cwd=cwd, env=CLEAN
+    )
 
 
 class OwnDesign(unittest.TestCase):
@@ -37,8 +39,16 @@ class OwnDesign(unittest.TestCase):
 
     @classmethod
     def configure(cls, project, build):
-        return run("cmake", "-S", project, "-B", build, f"-DCMAKE_PREFIX_PATH={cls.folder / 'capsoc'}", "-DCMAKE_BUILD_TYPE=Release",
-                   "-DCORE_SOURCES=" + ";".join(CORE))
+        return run(
+            "cmake",
+            "-S",
+            project,
+            "-B",
+            build,
+            f"-DCMAKE_PREFIX_PATH={cls.folder / 'capsoc'}",
+            "-DCMAKE_BUILD_TYPE=Release",
+            "-DCORE_SOURCES=" + ";".join(CORE),
+        )
 
     @classmethod
     def make(cls):
@@ -46,8 +56,22 @@ class OwnDesign(unittest.TestCase):
         assert done.returncode == 0, done.stdout[-4000:] + done.stderr
 
     def regress(self, library, *arguments):
-        return run(CAPSOC, "regress", "--arithmetic", "precise", "--rtl-library", self.build / library, "--seeds", "1",
-                   "--samples", "500", "--accesses", "500", *arguments, cwd=self.folder)
+        return run(
+            CAPSOC,
+            "regress",
+            "--arithmetic",
+            "precise",
+            "--rtl-library",
+            self.build / library,
+            "--seeds",
+            "1",
+            "--samples",
+            "500",
+            "--accesses",
+            "500",
+            *arguments,
+            cwd=self.folder,
+        )
 
     def test_it_agrees_at_its_pins(self):
         done = self.regress("libangle_unit.so", "--json", "same.json")
@@ -64,18 +88,25 @@ class OwnDesign(unittest.TestCase):
         found = done.stdout.split("(ANGLE): model ")[1].split()
         self.assertEqual(int(found[0].strip(","), 16) ^ int(found[2], 16), 1 << 3)
         self.assertIn("waves: gtkwave waves/precise-traffic-1.fst waves/precise-traffic-1.gtkw", done.stdout)
-        waves = subprocess.run(["fst2vcd", self.folder / "waves" / "precise-traffic-1.fst"], capture_output=True, text=True,
-                               check=True).stdout
+        waves = subprocess.run(
+            ["fst2vcd", self.folder / "waves" / "precise-traffic-1.fst"], capture_output=True, text=True, check=True
+        ).stdout
         self.assertIn("$scope module core $end", waves)
-        marker = next(line for line in (self.folder / "waves" / "precise-traffic-1.gtkw").read_text().splitlines()
-                      if line.startswith("*")).split()[1]
+        marker = next(
+            line
+            for line in (self.folder / "waves" / "precise-traffic-1.gtkw").read_text().splitlines()
+            if line.startswith("*")
+        ).split()[1]
         times = [int(line[1:]) for line in waves.splitlines() if line.startswith("#")]
         self.assertTrue(times[0] <= int(marker) <= times[-1] + 40, (times[0], marker, times[-1]))
 
     def test_an_edit_needs_the_library_alone(self):
         program = CAPSOC.stat().st_mtime_ns
-        sources = [json.loads((self.folder / "edit.json").read_text())["arithmetics"]["precise"]["rtl"]["sources"]
-                   for number in range(2) if self.edit_and_regress(number)]
+        sources = [
+            json.loads((self.folder / "edit.json").read_text())["arithmetics"]["precise"]["rtl"]["sources"]
+            for number in range(2)
+            if self.edit_and_regress(number)
+        ]
         self.assertEqual(len(set(sources)), 2)
         self.assertEqual(CAPSOC.stat().st_mtime_ns, program)
 
@@ -90,7 +121,9 @@ class OwnDesign(unittest.TestCase):
     def test_the_soc_needs_to_see_its_inside(self):
         library = self.build / "libangle_unit.so"
         for backend in ("rtl", "lockstep"):
-            done = run(CAPSOC, "run", "--coprocessor", backend, "--rtl-library", library, "--simlimit", "0.01", cwd=self.folder)
+            done = run(
+                CAPSOC, "run", "--coprocessor", backend, "--rtl-library", library, "--simlimit", "0.01", cwd=self.folder
+            )
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(f"{library}: shows its pins and nothing of its inside", done.stderr)
         (self.folder / "exceptions.txt").write_text("# none\n")
@@ -103,8 +136,11 @@ class OwnDesign(unittest.TestCase):
 
     def test_wrong_pins_are_refused_when_cmake_runs(self):
         text = (PROJECT / "CMakeLists.txt").read_text()
-        for wrong, saying in (("psel=sel", "'apb_select=sel' is no PIN=PORT"), ("prdata=rdata", "the design must have prdata"),
-                              ("TOP angle_unit", "wants TOP and SOURCES")):
+        for wrong, saying in (
+            ("psel=sel", "'apb_select=sel' is no PIN=PORT"),
+            ("prdata=rdata", "the design must have prdata"),
+            ("TOP angle_unit", "wants TOP and SOURCES"),
+        ):
             right = {"psel=sel": "apb_select=sel", "prdata=rdata": "prdata=", "TOP angle_unit": ""}[wrong]
             project = self.folder / f"wrong_{len(right)}"
             project.mkdir()
