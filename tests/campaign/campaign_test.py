@@ -770,7 +770,11 @@ class Commands(CampaignCase):
                 self.describe_command(line, more="[limits]\nseconds = 0.5", axis="value.a = [1]")
                 self.campaign("run", "d.toml")
                 self.assertEqual(self.results()[0][0], ending)
-                left = subprocess.run(["pgrep", "-f", f"^sleep {marker}$"], capture_output=True, check=False)
+                until = time.monotonic() + 10  # a process that was killed may need a moment to be gone
+                search = ["pgrep", "-f", f"^sleep {marker}$"]
+                while subprocess.run(search, capture_output=True, check=False).stdout and time.monotonic() < until:
+                    time.sleep(0.05)
+                left = subprocess.run(search, capture_output=True, check=False)
                 self.assertEqual(left.stdout, b"", "nothing is left running")
 
     def test_a_signal_ends_the_campaign_with_its_commands(self):
