@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <systemc>
 
-#include "bus_access.h"
+#include "../kit/bus_access.h"
 #include "capsoc_registers.h"
 #include "coprocessor_tlm/coprocessor_tlm.h"
 #include "kit/clock_domain.h"

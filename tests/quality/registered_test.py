@@ -17,6 +17,7 @@ from harness import BUILD, CLEAN, SOURCE
 CTEST = {"name": "quality: registered", "whole": True, "timeout": 120}
 
 TESTS = SOURCE / "tests"
+OF_NO_FOLDER = {"benchmarks", "examples", "foreign", "fuzz", "package", "quality", "system", "third_reading"}
 LOADER = """
 import importlib.util, pathlib, sys, unittest
 path = pathlib.Path(sys.argv[1])
@@ -115,6 +116,15 @@ class Registered(unittest.TestCase):
                 with self.subTest(path=path, name=name):
                     self.assertNotIn("DISABLED", name)
                     self.assertTrue(len(programs[name]) >= written[name], "is in no run")
+
+    def test_folders(self):
+        """A folder of tests is called like the folder of its sources (CONTRIBUTING.md), but for those of no folder."""
+        sources = {
+            folder.name for top in ("models", "platform", "firmware", "rtl") for folder in (SOURCE / top).rglob("*/")
+        }
+        sources |= {"rtl", "firmware"}
+        folders = {path.name for path in TESTS.iterdir() if path.is_dir() and path.name != "__pycache__"}
+        self.assertEqual(sorted(folders - sources - OF_NO_FOLDER), [])
 
     def test_programs(self):
         """Executable files of tests/ and the checks among the scripts are an entry's command, or named by a test."""
