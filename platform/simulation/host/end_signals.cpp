@@ -1,5 +1,7 @@
 #include "host/end_signals.h"
 
+#include <poll.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -31,9 +33,20 @@ std::atomic<bool> out_of_time{false};
 std::atomic<int> exit_without_room{0};
 std::atomic<bool> report_asked{false};
 
+constexpr int look_every_ms = 10, longest_goodbye_ms = 2000;
+
+/// Until it is gone: what it still writes may be in a folder that is to be removed.
+void end_child(pid_t child) {
+  kill(child, SIGTERM);
+  for (int waited_ms = 0; waitpid(child, nullptr, WNOHANG) == 0; waited_ms += look_every_ms) {
+    if (waited_ms >= longest_goodbye_ms) kill(child, SIGKILL);
+    poll(nullptr, 0, look_every_ms);
+  }
+}
+
 // Only calls that a signal handler may make.
 void clean_up() {
-  if (const pid_t child = child_process; child > 0) kill(child, SIGTERM);
+  if (const pid_t child = child_process; child > 0) end_child(child);
   for (const auto* entry = entries.load(); entry != nullptr; entry = entry->next)
     if (entry->named) unlink(entry->path);
   for (const auto* entry = entries.load(); entry != nullptr; entry = entry->next)
