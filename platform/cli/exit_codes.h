@@ -1,26 +1,23 @@
 // The exit codes as --help and the man pages tell them.
 #pragma once
 
-#include <array>
+#include <string>
+#include <vector>
+
+#include "run/exit_codes.h"
 
 namespace capsoc::cli {
 
 struct ExitCodeText {
-  const char* code;
-  const char* meaning;
+  std::string code, meaning;
 };
 
-inline constexpr std::array<ExitCodeText, 10> exit_codes = {{
-    {"0", "pass"},
-    {"1", "the firmware or a test failed"},
-    {"2", "a wrong option or input"},
-    {"3", "samples from which no sensor can be identified"},
-    {"4", "model and RTL of the coprocessor differ"},
-    {"5", "the firmware crashed"},
-    {"70", "internal error"},
-    {"74", "all went well, but an output did not take everything"},
-    {"124", "a limit was hit"},
-    {"128+n", "ended by signal n"},
-}};
+inline std::vector<ExitCodeText> exit_codes() {
+  std::vector<ExitCodeText> all;
+  for (const run::exit_code::Text& text : run::exit_code::texts)
+    all.push_back({std::to_string(text.code), text.meaning});
+  all.push_back({std::to_string(run::exit_code::signal_base) + "+n", "ended by signal n"});
+  return all;
+}
 
 }  // namespace capsoc::cli

@@ -69,7 +69,7 @@ std::string sentence(const CLI::App& app, const CLI::ParseError& error) {
 
 std::string exit_code_text() {
   std::string text = "Exit codes:";
-  for (const cli::ExitCodeText& exit : cli::exit_codes)
+  for (const cli::ExitCodeText& exit : cli::exit_codes())
     text += fmt::format("\n  {:<7} {}", exit.code, exit.meaning);
   return text;
 }

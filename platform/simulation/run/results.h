@@ -12,26 +12,13 @@
 #include "golden/golden.h"
 #include "metrics/metrics.h"
 #include "metrics/program_verdict.h"
+#include "run/exit_codes.h"
 #include "support/curve.h"
 #include "support/result.h"
 #include "support/setting_fields.h"
 #include "trace/profile.h"
 
 namespace capsoc::run {
-
-/// Exit codes of the program.
-namespace exit_code {
-constexpr int pass = 0;
-constexpr int failed = 1;    ///< the firmware said so, or an angle left its bound or --golden's
-constexpr int usage = 2;     ///< a wrong option or input
-constexpr int rejected = 3;  ///< a gate of the identifier refuses the samples
-constexpr int diverged = 4;  ///< the coprocessor's model and RTL differ
-constexpr int crashed = 5;   ///< lockup
-constexpr int internal = 70;
-constexpr int lost = 74;          ///< all went well, but an output did not take everything
-constexpr int limit = 124;        ///< a time limit was hit
-constexpr int signal_base = 128;  ///< + signal number
-}  // namespace exit_code
 
 struct ResultSettings {
   Settings& all;
