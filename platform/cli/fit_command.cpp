@@ -207,6 +207,10 @@ void add_fit(CLI::App& app, int& code) {
                "whole turns evenly, one waveform in both channels")
             ->check(CLI::IsMember({"automatic", "speed", "coverage", "symmetric"})),
         "automatic|speed|coverage|symmetric");
+  inputs.push_back(
+      fit->add_flag("--use-angle", arguments->options.use_angle,
+                    "Learn an error table from the column of true angles, for --parameters")
+          ->excludes("--harmonics"));
   input(fit->add_option("--batch", identify.adam.batch, "Samples a step of Adam")
             ->transform(whole_number(1, 1'000'000'000)),
         "N");
@@ -259,10 +263,12 @@ void add_fit(CLI::App& app, int& code) {
                   "Write loss and parameters by iteration (adam, lm)")
       ->type_name("FILE.csv");
   fit->callback([arguments, inputs, &code] {
-    for (const CLI::Option* option : inputs)
-      if (option->count() > 0)
-        arguments->command +=
-            fmt::format(" {} {}", option->get_name(), shell_word(option->as<std::string>()));
+    for (const CLI::Option* option : inputs) {
+      if (option->count() == 0) continue;
+      arguments->command += " " + option->get_name();
+      if (option->get_expected_max() > 0)
+        arguments->command += " " + shell_word(option->as<std::string>());
+    }
     if (arguments->json.empty() && arguments->header.empty() && arguments->html.empty()) {
       arguments->json = "calibration.json";
       arguments->header = "calibration.h";

@@ -119,6 +119,49 @@ ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
   return j;
 }
 
+ordered_json error_table_json(const csfn::ErrorCurve& curve) {
+  ordered_json j;
+  j["identified"] = curve.identified;
+  j["reason"] = curve.reason;
+  j["held_out_deg"] = {{"folds", csfn::error_folds},
+                       {"by", curve.by_turns ? "turns" : "sectors"},
+                       {"rms_before", curve.before.rms * degrees_per_radian},
+                       {"rms_after", curve.after.rms * degrees_per_radian},
+                       {"largest_before", curve.before.largest * degrees_per_radian},
+                       {"largest_after", curve.after.largest * degrees_per_radian}};
+  j["reversed"] = curve.reversed;
+  j["zero_deg"] = curve.zero * degrees_per_radian;
+  if (!curve.identified) return j;
+  j["order"] = curve.order;
+  j["nodes"] = curve.nodes;
+  return j;
+}
+
+std::string error_table_lines(const csfn::ErrorCurve& curve) {
+  std::string text =
+      fmt::format("error table  {}{}\n", curve.identified ? "" : "none: ", curve.reason);
+  if (curve.identified)
+    text += fmt::format(
+        "             held-out samples, about their mean: {:.3g} deg rms and {:.3g} at most "
+        "before, "
+        "{:.3g} rms and {:.3g} at most after\n",
+        curve.before.rms * degrees_per_radian, curve.before.largest * degrees_per_radian,
+        curve.after.rms * degrees_per_radian, curve.after.largest * degrees_per_radian);
+  return text;
+}
+
+std::string error_table_macro(const csfn::ErrorCurve& curve) {
+  std::string text =
+      "\n// The coprocessor's harmonic correction, 2^-24 turn\n#define CALIBRATION_NODES \\\n  {";
+  for (std::size_t node = 0; node < curve.nodes.size(); ++node)
+    text += fmt::format("{}{}",
+                        node == 0        ? ""
+                        : node % 16 == 0 ? ", \\\n   "
+                                         : ", ",
+                        curve.nodes[node]);
+  return text + "}\n";
+}
+
 std::string degrees(const std::optional<double>& value) {
   return value ? fmt::format("{:.3g} deg", *value) : std::string("not known");
 }
@@ -306,6 +349,7 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
   j["disagreement"] = answer.disagreement;
   j["harmonics"] = harmonics_json(answer.harmonics);
   j["angle_column"] = fit.angle_column;
+  if (fit.error_curve) j["error_table"] = error_table_json(*fit.error_curve);
   j["angle_error_deg"] = {
       {"uncalibrated_peak_to_peak", number_or_null(fit.errors.uncalibrated)},
       {"calibrated_peak_to_peak", number_or_null(fit.errors.calibrated)},
@@ -338,6 +382,7 @@ std::string to_header(const Fit& fit) {
                     angle ? fmt::format("{}u", row.word) : fraction(static_cast<int32_t>(row.word)),
                     row.value, angle ? " rad" : "");
   }
+  if (fit.error_curve && fit.error_curve->identified) text += error_table_macro(*fit.error_curve);
   return text + "\n#endif\n";
 }
 
@@ -381,6 +426,7 @@ std::string to_table(const Fit& fit) {
   if (fit.errors.with_harmonics)
     text += fmt::format("             {} with the harmonics taken off\n",
                         degrees(fit.errors.with_harmonics));
+  if (fit.error_curve) text += error_table_lines(*fit.error_curve);
   if (!fit.attempts.empty()) text += attempts_table(fit.attempts);
   return text;
 }
