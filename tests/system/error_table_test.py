@@ -100,6 +100,31 @@ class ErrorTable(unittest.TestCase):
         self.assertNotIn("nodes", calibration["error_table"])
         self.assertIn("error table  none: an error table does not make the angle of held-out samples better", text)
 
+    def test_harmonics_are_recommended_only_where_they_are_identified(self):
+        name = self.record("uneven.csv", 1)
+        _, text = self.fit(name)
+        self.assertNotIn("use --harmonics", text)
+        self.assertIn("--use-angle", text)
+        self.assertNotIn("1/f", text)
+        self.assertNotIn("nan", text)
+        _, text = self.fit(name, "--harmonics", 3)
+        self.assertNotIn("use --harmonics", text)
+        _, text = self.fit(SOURCE / "traces" / "csfn_h3.toml")
+        self.assertIn("; use --harmonics 3\n", text)
+        calibration, _ = self.fit(SOURCE / "traces" / "csfn_h3.toml", "--harmonics", 3)
+        self.assertTrue(calibration["harmonics"]["identified"])
+
+    def test_the_bound_is_below_five_times_the_error_in_the_median(self):
+        process = self.capsoc("fit", "--table", "bound", "--table-records", 100, "--table-seed", 5)
+        text = process.stdout.decode()
+        self.assertEqual((process.returncode, process.stderr), (0, b""), text)
+        rows = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()[3:6]]
+        self.assertEqual([row[0] for row in rows], ["good", "amplitude 5e-4 .. 5e-3", "10 .. 16 bits"], text)
+        for row in rows:
+            self.assertGreater(int(row[1]), 95, text)
+            self.assertLess(float(row[4]), 5, text)
+            self.assertGreater(float(row[6]), 1, text)
+
     def test_what_is_no_angle_is_refused(self):
         for code, expected, options in ((2, "--use-angle needs a true angle", {"columns": "t,u,v"}),
                                         (3, "it seems to be radians", {"factor": math.pi / 180})):

@@ -223,31 +223,43 @@ std::string outliers_line(const csfn::Identification& answer) {
   return text + (answer.outliers.size() > named ? " ...\n" : "\n");
 }
 
+std::string deg(double radians) {
+  return fmt::format("{:.2g}", radians * degrees_per_radian);
+}
+
 std::string error_text(const csfn::AngleError& error, bool tested) {
   const std::string harmonics =
-      tested ? fmt::format("{:.2g} of harmonics of several orders, too small to be found",
-                           error.harmonics * degrees_per_radian)
-             : std::string("nothing of harmonics, which these samples do not show");
+      tested ? fmt::format(
+                   "with harmonics of several orders, as large as the residuals leave room "
+                   "for: {} deg",
+                   deg(error.total))
+             : std::string("of harmonics these samples show nothing");
   return fmt::format(
-      "{:.2g} deg: {:.2g} of the parameters (noise {:.2g} at {:g} %, method {:.2g}, drift {:.2g}, "
-      "resolution {:.2g}) and {}",
-      error.total * degrees_per_radian, error.parameters * degrees_per_radian,
-      error.noise * degrees_per_radian, 100 * csfn::bound_confidence,
-      error.method * degrees_per_radian, error.drift * degrees_per_radian,
-      error.resolution * degrees_per_radian, harmonics);
+      "{} deg at {:g} % confidence, if the channels have no harmonics (noise {}, method {}, drift "
+      "{}, resolution {})\n             {}\n",
+      deg(error.parameters), 100 * csfn::bound_confidence, deg(error.noise), deg(error.method),
+      deg(error.drift), deg(error.resolution), harmonics);
 }
 
 /// What is guaranteed, or why nothing is.
 std::string bound_line(const csfn::Identification& answer) {
   if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
   const csfn::AngleBound& bound = *answer.bound;
-  const bool tested = answer.structure.last_order > 0 || answer.harmonics.identified;
-  std::string text =
-      fmt::format("angle bound  over the whole turn {}\n", error_text(bound, tested));
+  if (answer.harmonics.identified)
+    return fmt::format(
+        "angle bound  over the whole turn {} deg with the harmonics taken off: 4 times the "
+        "expected "
+        "error\n             for the angle at its sampling instant, if the assumption of {} "
+        "holds\n",
+        deg(bound.total), csfn::to_string(answer.harmonics.used));
+  const bool tested = answer.structure.last_order > 0;
+  std::string text = fmt::format("angle bound  over the whole turn {}", error_text(bound, tested));
   if (bound.arc_degrees < 360)
-    text += fmt::format("             over the {:.0f} degrees that the samples cover {}\n",
+    text += fmt::format("             over the {:.0f} degrees that the samples cover {}",
                         bound.arc_degrees, error_text(bound.arc, tested));
-  return text + "             not in it: a single harmonic that moves samples along the ellipse\n";
+  return text +
+         "             for the angle at its sampling instant; not in it: a single harmonic that "
+         "moves samples along the ellipse\n";
 }
 
 ordered_json error_json(const csfn::AngleError& error) {
