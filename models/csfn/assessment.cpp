@@ -37,8 +37,7 @@ std::string warning_of(const Structure& structure) {
              structure.order, 100 * std::sqrt(2.0) * structure.amplitude) +
          (structure.order <= 4
               ? " (order " + std::to_string(structure.order - 1) + " or " +
-                    std::to_string(structure.order + 1) + "); use --harmonics " +
-                    std::to_string(structure.order - 1)
+                    std::to_string(structure.order + 1) + ")"
               : " (order " + std::to_string(structure.order - 1) + " or " +
                     std::to_string(structure.order + 1) + ", beyond what --harmonics identifies)");
 }
@@ -174,7 +173,8 @@ std::string reason_against_intervals(const Evidence& evidence, const Identificat
         "the noise is correlated over too much of the record: it is worth %.0f independent "
         "samples; record for longer",
         evidence.freedom + 5);
-  if (found.correlation.of_all_memories)
+  // What harmonics leave beyond the highest order looks like that as well; a warning names them.
+  if (found.correlation.of_all_memories && !found.structure.found)
     return text(
         "the noise is of short and long memory alike, as 1/f noise is (%.2g from one sample to "
         "the next): the offsets may be further off than the record tells; record for ten "

@@ -60,9 +60,9 @@ double hidden_amplitude(const Structure& structure) {
 AngleError error_within(const Evidence& evidence, const Coverage& coverage) {
   const auto within = [&](double theta) { return coverage.has(theta); };
   AngleError error;
-  // Scheffe: for all angles at once, five parameters.
-  const double width = std::sqrt(5 * f_quantile(1 - bound_confidence, 5, evidence.freedom));
-  error.noise = width * largest_angle_of(covariance_of(evidence), within);
+  const Square covariance = covariance_of(evidence);
+  error.noise = simultaneous_factor(covariance, evidence.freedom, 1 - bound_confidence, within) *
+                largest_angle_of(covariance, within);
   // The second order of an error of that size.
   error.noise *= 1 + error.noise;
   error.method = largest_difference(evidence.answer, evidence.fit.parameters, coverage);
@@ -85,13 +85,15 @@ Intervals intervals_of(const Evidence& evidence, double confidence) {
   const Square by = parameters_by_change(q);
   const Square noise = by * covariance_of(evidence) * by.transpose();
   const Square floor = by * systematic(evidence) * by.transpose();
+  // Structure that is taken for correlation can leave no covariance.
+  const Square white = by * evidence.fit.covariance * by.transpose();
   const double width = student_quantile(confidence, evidence.freedom);
   const double rounding = rounding_of(p);
   const double harmonics =
       evidence.structure.found ? angle_by_amplitude * evidence.structure.amplitude : 0;
   const auto half = [&](int k, double difference, double scale) {
-    return width * std::sqrt(noise(k, k)) + rounding * std::sqrt(floor(k, k)) +
-           std::abs(difference) + harmonics * scale;
+    return width * std::sqrt(noise(k, k) > 0 ? noise(k, k) : white(k, k)) +
+           rounding * std::sqrt(floor(k, k)) + std::abs(difference) + harmonics * scale;
   };
   return {half(0, p.a1 - q.a1, p.a1), half(1, p.a2 - q.a2, p.a2),  half(2, p.b1 - q.b1, p.a1),
           half(3, p.b2 - q.b2, p.a2), half(4, p.beta - q.beta, 1), confidence};

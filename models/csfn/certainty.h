@@ -21,7 +21,7 @@ struct Intervals {
 struct AngleError {
   double total = 0;       ///< parameters and harmonics
   double parameters = 0;  ///< the sum of noise, method, drift and resolution
-  double noise = 0;       ///< exceeded in one record of a thousand
+  double noise = 0;       ///< exceeded in one record of ten thousand, at any angle
   double method = 0;      ///< by how much the answer's angle differs from the distance fit's
   double drift = 0;       ///< of the sensor while it was recorded
   double harmonics = 0;   ///< of harmonics that are too small to be found
@@ -33,7 +33,7 @@ struct AngleBound : AngleError {
   double arc_degrees = 360;  ///< the size of that part
 };
 
-constexpr double bound_confidence = 0.999;  ///< of the bound's noise
+constexpr double bound_confidence = 0.9999;  ///< of the bound's noise
 
 /// What the bound takes for the angle's error in units of the harmonics' amplitude in the radius:
 /// meant for harmonics of several orders at any phase (docs/fitting.md). A single one can exceed

@@ -26,6 +26,10 @@ constexpr double slow_part = 1.0 / 40;  ///< of the record
 /// Short and long memories, parts of the record, and the share of the variance that each has where
 /// noise is of all memories.
 constexpr double short_memory = 1.0 / 300, long_memory = 1.0 / 100, least_of_memories = 0.08;
+/// Where a record shows one long memory only, white noise may stand for the short ones, and
+/// memories longer than the record may hide behind the long one: this long, and this share of the
+/// variance.
+constexpr double lone_memory = 1.0 / 80, least_of_lone_memory = 0.25;
 constexpr int noise_rounds = 4;
 /// Samples of one stretch, at least, that the covariance of the sums is taken from.
 constexpr Eigen::Index longest_stretch = 1 << 17;
@@ -248,13 +252,16 @@ NoiseCorrelation explained_by(const std::vector<Bin>& bins, const std::vector<do
     else if (shares.x[k] > 1e-6)
       noise.parts.push_back({part, products.memories[static_cast<std::size_t>(k) - 1]});
   }
-  double short_ones = 0, long_ones = 0;
+  double short_ones = 0, long_ones = 0, lone = 0;
   for (const auto& part : noise.parts) {
     if (part.samples <= short_memory * static_cast<double>(count)) short_ones += part.variance;
     if (part.samples >= long_memory * static_cast<double>(count)) long_ones += part.variance;
+    if (part.samples >= lone_memory * static_cast<double>(count)) lone += part.variance;
   }
+  const bool of_lone = noise.white + short_ones > least_of_memories * variance &&
+                       lone > least_of_lone_memory * variance;
   noise.of_all_memories =
-      noise.found && std::min(short_ones, long_ones) > least_of_memories * variance;
+      noise.found && (std::min(short_ones, long_ones) > least_of_memories * variance || of_lone);
   return noise;
 }
 

@@ -38,6 +38,27 @@ Handedness handedness_of(const Scatter& scatter, Eigen::Index count) {
   return scatter.step > 0 ? Handedness::direct : Handedness::reversed;
 }
 
+/// Records up to this size are tried with harmonics before that is recommended.
+constexpr Eigen::Index tried_with_harmonics = 200'000;
+
+/// What to do about a harmonic that was found and not identified. --harmonics is recommended only
+/// where it identifies something.
+std::string advice(const Samples& samples, const Identification& found,
+                   const HarmonicsOptions& asked) {
+  constexpr const char* record =
+      "record whole turns at constant speed for --harmonics, or a true angle for --use-angle";
+  const int order = found.structure.order - 1;
+  if (order < 2 || order > 3) return std::string("; record a true angle for --use-angle");
+  if (asked.highest >= 2) return std::string("; ") + record;
+  if (samples.u.size() > tried_with_harmonics)
+    return "; use --harmonics " + std::to_string(order) + " if the shaft turned at constant speed";
+  HarmonicsOptions options;
+  options.highest = order;
+  const auto tried = identify_harmonics(samples.u, samples.v, found.network_parameters, options);
+  if (tried && tried.value().identified) return "; use --harmonics " + std::to_string(order);
+  return std::string("; ") + record;
+}
+
 }  // namespace
 
 const char* to_string(Handedness handedness) {
@@ -103,7 +124,10 @@ Result<Identification> identify(const Samples& all, const IdentifyOptions& optio
   if (!harmonics) return Error{harmonics.error()};
   found.harmonics = std::move(harmonics.value());
   found.parameters = found.harmonics.model.fundamental;
-  if (found.harmonics.identified) assess_harmonics(found);
+  if (found.harmonics.identified)
+    assess_harmonics(found);
+  else if (found.structure.found && found.structure.order > 0)
+    found.warning += advice(samples, found, options.harmonics);
   return found;
 }
 

@@ -29,6 +29,8 @@ struct FitArguments {
   std::string trace;
   bool tables = false;
   std::string table;  ///< one of them
+  uint64_t table_seed = fit::seed;
+  int table_records = 0;  ///< 0: the table's own
   fit::FitOptions options;
   std::string method = "ml";
   int iterations = 0;              ///< 0: the method's own
@@ -53,12 +55,19 @@ void choose_method(FitArguments& arguments) {
 }
 
 int print_tables(const FitArguments& arguments) {
-  constexpr int coverage_records = 200, drawn_records = 500, allowance_sensors = 300;
+  constexpr int coverage_records = 200, drawn_records = 500, allowance_sensors = 300,
+                bound_records = 2000;
   const auto wanted = [&](const char* name) { return arguments.tables || arguments.table == name; };
   int missed = 0;
   if (wanted("methods")) missed += fit::print_tables(std::cout);
   if (arguments.table == "peers") missed += fit::print_peers(std::cout);  // its times differ
-  if (wanted("coverage")) missed += fit::print_coverage(std::cout, coverage_records);
+  const auto records = [&](int own) {
+    return arguments.table_records > 0 ? arguments.table_records : own;
+  };
+  if (wanted("coverage"))
+    missed += fit::print_coverage(std::cout, records(coverage_records), arguments.table_seed);
+  if (arguments.table == "bound")  // of many records
+    missed += fit::print_bounds(std::cout, records(bound_records), arguments.table_seed);
   if (wanted("drawn")) {
     missed += fit::print_drawn(std::cout, drawn_records);
     missed += fit::print_allowance(std::cout, allowance_sensors);
@@ -175,9 +184,18 @@ void add_fit(CLI::App& app, int& code) {
   fit->add_option(
          "--table", arguments->table,
          "One of them: by method, how often intervals hold, drawn records and harmonics; or "
-         "the methods that the papers name, with their times")
-      ->check(CLI::IsMember({"methods", "coverage", "drawn", "peers"}))
-      ->type_name("methods|coverage|drawn|peers");
+         "the methods that the papers name, with their times; bound: stated bounds over true "
+         "errors")
+      ->check(CLI::IsMember({"methods", "coverage", "drawn", "peers", "bound"}))
+      ->type_name("methods|coverage|drawn|peers|bound");
+  fit->add_option("--table-seed", arguments->table_seed,
+                  "Seed of the records of --table coverage and bound")
+      ->transform(whole_number(0, UINT64_MAX))
+      ->type_name("N");
+  fit->add_option("--table-records", arguments->table_records,
+                  "Records a row of --table coverage and bound (default: 200 and 2,000)")
+      ->transform(whole_number(1, 1'000'000))
+      ->type_name("N");
   // Options that change the result are part of the command that gives it again.
   std::vector<CLI::Option*> inputs;
   const auto input = [&](CLI::Option* option, const char* type) {
@@ -207,6 +225,10 @@ void add_fit(CLI::App& app, int& code) {
                "whole turns evenly, one waveform in both channels")
             ->check(CLI::IsMember({"automatic", "speed", "coverage", "symmetric"})),
         "automatic|speed|coverage|symmetric");
+  inputs.push_back(
+      fit->add_flag("--use-angle", arguments->options.use_angle,
+                    "Learn an error table from the column of true angles, for --parameters")
+          ->excludes("--harmonics"));
   input(fit->add_option("--batch", identify.adam.batch, "Samples a step of Adam")
             ->transform(whole_number(1, 1'000'000'000)),
         "N");
@@ -259,10 +281,12 @@ void add_fit(CLI::App& app, int& code) {
                   "Write loss and parameters by iteration (adam, lm)")
       ->type_name("FILE.csv");
   fit->callback([arguments, inputs, &code] {
-    for (const CLI::Option* option : inputs)
-      if (option->count() > 0)
-        arguments->command +=
-            fmt::format(" {} {}", option->get_name(), shell_word(option->as<std::string>()));
+    for (const CLI::Option* option : inputs) {
+      if (option->count() == 0) continue;
+      arguments->command += " " + option->get_name();
+      if (option->get_expected_max() > 0)
+        arguments->command += " " + shell_word(option->as<std::string>());
+    }
     if (arguments->json.empty() && arguments->header.empty() && arguments->html.empty()) {
       arguments->json = "calibration.json";
       arguments->header = "calibration.h";

@@ -5,7 +5,9 @@
 #include <iostream>
 #include <sstream>
 
+#include "csfn/identify.h"
 #include "fit/certainty_tables.h"
+#include "fit/hard_records.h"
 
 namespace capsoc::fit {
 namespace {
@@ -33,6 +35,23 @@ TEST(Tables, IntervalsOf95PercentHoldTheTruthAsOften) {
   const int missed = print_coverage(text, 40);
   std::cout << text.str();
   EXPECT_EQ(missed, 0);
+}
+
+/// Noise of all memories tells no interval: at most one record in a hundred keeps its own.
+TEST(Tables, FlickerNoiseHasNoIntervalsAndAReason) {
+  for (const HardKind& kind : hard_kinds()) {
+    if (std::string(kind.name) != "1/f, turning") continue;
+    csfn::Random random(555);
+    int kept = 0;
+    for (int i = 0; i < 200; ++i) {
+      const auto found = csfn::identify(kind.draw(random).samples);
+      ASSERT_TRUE(found) << found.error();
+      kept += found.value().no_intervals.empty() && !found.value().structure.found ? 1 : 0;
+    }
+    EXPECT_LE(kept, 2);
+    return;
+  }
+  FAIL() << "there is no such kind";
 }
 
 TEST(Tables, DrawnRecordsAreWithinTheirBoundsOrRefusedForATrueReason) {

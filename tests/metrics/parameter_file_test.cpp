@@ -120,6 +120,37 @@ TEST(ParameterFile, AWordOutOfRangeIsRefused) {
   refused(j, "whole number");
 }
 
+TEST(ParameterFile, AnErrorTableIsReadOrRefused) {
+  const auto read = [](const json& j) {
+    const std::string path = testing::TempDir() + std::to_string(getpid()) + "table.json";
+    std::ofstream(path, std::ios::binary) << j.dump();
+    auto table = metrics::read_error_table(path);
+    std::remove(path.c_str());
+    return table;
+  };
+  json j = example();
+  EXPECT_FALSE(read(j).value());
+  j["error_table"] = {{"identified", false}};
+  EXPECT_FALSE(read(j).value());
+  std::vector<int> nodes(128, -7);
+  nodes[127] = -(1 << 19);
+  j["error_table"]["nodes"] = nodes;
+  const auto table = read(j);
+  ASSERT_TRUE(table) << table.error();
+  EXPECT_EQ(table.value()->at(0), -7);
+  EXPECT_EQ(table.value()->at(127), -(1 << 19));
+  for (const json& bad : {json(1 << 19), json(0.5), json("x"), json(UINT64_MAX)}) {
+    j["error_table"]["nodes"][3] = bad;
+    ASSERT_FALSE(read(j)) << bad;
+    EXPECT_NE(read(j).error().find("error_table.nodes[3] = "), std::string::npos);
+  }
+  nodes.pop_back();
+  j["error_table"]["nodes"] = nodes;
+  EXPECT_NE(read(j).error().find("list of 128"), std::string::npos);
+  j["error_table"] = 3;
+  EXPECT_FALSE(read(j));
+}
+
 TEST(ParameterFile, DamageIsASentenceWithTheLine) {
   const auto broken = read_text("{\n\"parameters\": {\n\"a1\": }\n}");
   ASSERT_FALSE(broken);

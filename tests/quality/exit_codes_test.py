@@ -16,7 +16,9 @@ class ExitCodes(unittest.TestCase):
         told = re.findall(r"^  (\d+(?:\+n)?) +(.+)$", said[said.index("Exit codes:") :], re.MULTILINE)
         self.assertGreater(len(told), 8)
         readme = (SOURCE / "README.md").read_text(encoding="utf-8")
-        rows = dict(re.findall(r"^\| (\d+(?:\+n)?) \| (.+) \|$", readme[readme.index("### Exit codes") :], re.MULTILINE))
+        rows = dict(
+            re.findall(r"^\| (\d+(?:\+n)?) \| (.+) \|$", readme[readme.index("### Exit codes") :], re.MULTILINE)
+        )
         self.assertEqual(list(rows), [code for code, _ in told])
         for code, meaning in told[:-1]:
             self.assertTrue(rows[code].startswith(meaning), (code, meaning, rows[code]))

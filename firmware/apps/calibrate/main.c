@@ -57,6 +57,34 @@ static bool paper_arithmetic(void) {
   return (COPROCESSOR->STATUS & COPROCESSOR_STATUS_ARITH_Msk) != 0;
 }
 
+// Before the first sample: nodes are taken only while no sample is under way. False where the
+// coprocessor has no harmonic correction.
+static bool load_table(void) {
+  COPROCESSOR->CTRL = COPROCESSOR_CTRL_CORRECT_Msk;
+  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_CORRECT_Msk) == 0) {
+    COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_CONFIG_Msk;
+    return false;
+  }
+  while ((COPROCESSOR->STATUS & COPROCESSOR_STATUS_BUSY_Msk) != 0) {
+  }
+  for (uint32_t i = 0; i < sizeof calibration_table.nodes / sizeof calibration_table.nodes[0]; ++i)
+    COPROCESSOR->CORRECTION =
+        i << COPROCESSOR_CORRECTION_NODE_Pos |
+        ((uint32_t)calibration_table.nodes[i] & COPROCESSOR_CORRECTION_VALUE_Msk);
+  return true;
+}
+
+// The control bit of the harmonic correction, 0 without a table or where there is no correction.
+static uint32_t correction(void) {
+  if (calibration_table.valid != PARAMETER_BLOCK_VALID) return 0;
+  if (load_table()) {
+    print_text("the error table of the parameters is on\n");
+    return COPROCESSOR_CTRL_CORRECT_Msk;
+  }
+  print_text("the error table is left out: this coprocessor corrects no harmonics\n");
+  return 0;
+}
+
 static void print_banner(void) {
   print_text("calibrate: calibration mode with the parameters in the program\n");
   print_text(paper_arithmetic() ? "paper arithmetic\n" : "precise arithmetic\n");
@@ -102,6 +130,7 @@ int main(void) {
                         "pi - beta, and the angle counts the other way");
   coprocessor_reset();
   coprocessor_load_parameters(parameters);
+  const uint32_t correct = correction();
   coprocessor_lock_by_turns();
   // Twice the time that is asked for: a turn in it may have begun anywhere.
   COPROCESSOR->TURN_LIMIT = settings.samples << 1;
@@ -109,7 +138,7 @@ int main(void) {
     COPROCESSOR->TURN_LIMIT = settings.window_samples;
     COPROCESSOR->JUDGE |= COPROCESSOR_JUDGE_COUNT_Msk;
   }
-  COPROCESSOR->CTRL = COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
+  COPROCESSOR->CTRL = correct | COPROCESSOR_CTRL_CALIB_Msk | COPROCESSOR_CTRL_ADC_Msk |
                       COPROCESSOR_CTRL_IE_RESULT_Msk |
                       COPROCESSOR_CTRL_REF_ANGLE << COPROCESSOR_CTRL_REF_Pos;
   sampling_count_oddities();

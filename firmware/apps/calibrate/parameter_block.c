@@ -15,3 +15,9 @@ const struct parameter_block calibration_parameters = {
 #else
 const struct parameter_block calibration_parameters = {0};
 #endif
+
+#ifdef CALIBRATION_NODES
+const struct parameter_table calibration_table = {PARAMETER_BLOCK_VALID, CALIBRATION_NODES};
+#else
+const struct parameter_table calibration_table = {0};
+#endif

@@ -15,8 +15,15 @@ struct parameter_block {
   struct coprocessor_parameters parameters;
 };
 
-// Loaders find it by this name. It has to be constant, so that its bytes are in the image, and in a
-// file of its own, so that the compiler does not believe the words it was built with.
+// Nodes of the coprocessor's harmonic correction (2^-24 turn), from `capsoc fit --use-angle`.
+struct parameter_table {
+  uint32_t valid;  // PARAMETER_BLOCK_VALID: somebody wrote the nodes
+  int32_t nodes[128];
+};
+
+// Loaders find them by these names. They have to be constant, so that their bytes are in the image,
+// and in a file of their own, so that the compiler does not believe the words it was built with.
 extern const struct parameter_block calibration_parameters;
+extern const struct parameter_table calibration_table;
 
 #endif

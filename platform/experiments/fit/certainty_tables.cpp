@@ -122,7 +122,7 @@ bool print_held(std::ostream& out, const Coverage& coverage) {
   return good;
 }
 
-int print_hard_coverage(std::ostream& out, int records) {
+int print_hard_coverage(std::ostream& out, int records, uint64_t from) {
   int missed = 0;
   out << fmt::format(
       "\nThe same for records as people make them; none: accepted without intervals, and why is "
@@ -130,7 +130,7 @@ int print_hard_coverage(std::ostream& out, int records) {
       "{:>7}\n",
       "record", "records", "refused", "none", "interval", "a1", "a2", "b1", "b2", "beta", "all");
   for (const HardKind& kind : hard_kinds()) {
-    csfn::Random random(seed);
+    csfn::Random random(from);
     Coverage coverage;
     coverage.wanted = records;
     int refused = 0, none = 0;
@@ -160,16 +160,16 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-int print_coverage(std::ostream& out, int records) {
+int print_coverage(std::ostream& out, int records, uint64_t from) {
   int missed = 0;
   out << fmt::format(
       "\n95 % intervals that hold the truth, %: drawn sensors at random angles, noise relative to "
       "the smaller amplitude, seed {}\n{:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} "
       "{:>7}\n",
-      seed, "noise", "samples", "records", "accepted", "a1", "a2", "b1", "b2", "beta", "all");
+      from, "noise", "samples", "records", "accepted", "a1", "a2", "b1", "b2", "beta", "all");
   for (const double noise : {1e-4, 1e-3, 1e-2, 3e-2}) {
     for (const Eigen::Index count : {20, 100, 1000, 20000}) {
-      csfn::Random random(seed + static_cast<uint64_t>(count));
+      csfn::Random random(from + static_cast<uint64_t>(count));
       Coverage coverage;
       coverage.wanted = count > 10000 ? std::max(records / 5, 1) : records;
       for (int i = 0; i < coverage.wanted; ++i) {
@@ -183,7 +183,48 @@ int print_coverage(std::ostream& out, int records) {
       missed += print_held(out, coverage) ? 0 : 1;
     }
   }
-  return missed + print_hard_coverage(out, records);
+  return missed + print_hard_coverage(out, records, from);
+}
+
+int print_bounds(std::ostream& out, int sensors, uint64_t from) {
+  int missed = 0;
+  out << fmt::format(
+      "\nStated bound over the largest true error of the angle over the turn: drawn sensors "
+      "without "
+      "harmonics, {} a row, seed {}\n{:26} {:>8} {:>9} {:>7} {:>8} {:>8} {:>8} {:>16}\n",
+      sensors, from, "record", "accepted", "no bound", "over", "median", "95 %", "least",
+      "whole, median");
+  for (const RecordKind kind : {RecordKind::good, RecordKind::tiny, RecordKind::converter}) {
+    csfn::Random random(from);
+    std::vector<double> ratios, whole;
+    int none = 0, over = 0;
+    for (int i = 0; i < sensors; ++i) {
+      const DrawnRecord record = draw_record(random, kind);
+      const auto found = csfn::identify(record.samples, options_for(record));
+      if (!found || found.value().rejected() || !found.value().bound) {
+        ++none;
+        continue;
+      }
+      const double error = angle_error_of(record, found.value().network_parameters);
+      ratios.push_back(found.value().bound->parameters / error);
+      whole.push_back(found.value().bound->total / error);
+      over += ratios.back() < 1 ? 1 : 0;
+    }
+    missed += over;
+    std::sort(ratios.begin(), ratios.end());
+    const auto at = [&](double share) {
+      return ratios.empty()
+                 ? 0
+                 : ratios[static_cast<std::size_t>(share * static_cast<double>(ratios.size() - 1))];
+    };
+    out << fmt::format("{:26} {:8} {:9} {:7} {:8.2f} {:8.2f} {:8.2f} {:16.2f}{}\n", to_string(kind),
+                       ratios.size(), none, over, at(0.5), at(0.95), at(0), median(whole),
+                       over == 0 ? "" : "  MISSED");
+  }
+  out << "median, 95 %, least: of the bound without harmonics; whole: with what the residuals "
+         "leave "
+         "room for\n";
+  return missed;
 }
 
 int print_allowance(std::ostream& out, int sensors) {

@@ -180,6 +180,10 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   if (!record) return Error{record.error()};
   Fit fit;
   fit.record = std::move(record.value());
+  if (options.use_angle && fit.record.angle.size() == 0)
+    return Error{fmt::format(
+        "{}: --use-angle needs a true angle of every sample; name its column with --columns",
+        trace)};
   const csfn::Samples& samples = fit.record.samples;
   if (const auto error = csfn::check_samples(samples.u, samples.v)) {
     fit.rejection = error->text;
@@ -206,6 +210,11 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   }
   fit.words = *words;
   fit.angle_column = reason_against_angle(fit.record, p);
+  if (options.use_angle) {
+    fit.rejection = fit.angle_column;
+    if (!fit.rejection.empty()) return fit;
+    fit.error_curve = csfn::error_curve_of(samples, fit.record.angle, p, fit.answer.outliers);
+  }
   // A column of something else is no truth for anything that follows.
   if (!fit.angle_column.empty()) fit.record.angle.resize(0);
   fit.errors = angle_errors(fit.record, fit.answer);

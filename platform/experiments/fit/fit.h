@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "csfn/error_curve.h"
 #include "csfn/identify.h"
 #include "fit/record.h"
 #include "metrics/metrics.h"
@@ -15,6 +16,7 @@ struct FitOptions {
   RecordOptions record;
   csfn::IdentifyOptions identify;
   bool all_methods = false;  ///< the other methods, too, for the table
+  bool use_angle = false;    ///< an error table from the recorded true angle
 };
 
 /// What one method made of the samples.
@@ -50,12 +52,14 @@ struct Fit {
   /// One sentence when the true angle of the record does not turn with its signals: it is not used
   /// then. Empty otherwise.
   std::string angle_column;
+  /// With FitOptions::use_angle: the table, or why there is none.
+  std::optional<csfn::ErrorCurve> error_curve;
   std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first, the
                                   ///< papers' other methods (peers.h) last
 };
 
-/// Error: the trace cannot be read, or an option is out of range. A record that is rejected is no
-/// error: see Fit::rejection.
+/// Error: the trace cannot be read, an option is out of range, or use_angle without a column of
+/// true angles. A record that is rejected is no error: see Fit::rejection.
 Result<Fit> fit(const std::string& trace, const FitOptions& options);
 
 }  // namespace capsoc::fit

@@ -119,6 +119,49 @@ ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
   return j;
 }
 
+ordered_json error_table_json(const csfn::ErrorCurve& curve) {
+  ordered_json j;
+  j["identified"] = curve.identified;
+  j["reason"] = curve.reason;
+  j["held_out_deg"] = {{"folds", csfn::error_folds},
+                       {"by", curve.by_turns ? "turns" : "sectors"},
+                       {"rms_before", curve.before.rms * degrees_per_radian},
+                       {"rms_after", curve.after.rms * degrees_per_radian},
+                       {"largest_before", curve.before.largest * degrees_per_radian},
+                       {"largest_after", curve.after.largest * degrees_per_radian}};
+  j["reversed"] = curve.reversed;
+  j["zero_deg"] = curve.zero * degrees_per_radian;
+  if (!curve.identified) return j;
+  j["order"] = curve.order;
+  j["nodes"] = curve.nodes;
+  return j;
+}
+
+std::string error_table_lines(const csfn::ErrorCurve& curve) {
+  std::string text =
+      fmt::format("error table  {}{}\n", curve.identified ? "" : "none: ", curve.reason);
+  if (curve.identified)
+    text += fmt::format(
+        "             held-out samples, about their mean: {:.3g} deg rms and {:.3g} at most "
+        "before, "
+        "{:.3g} rms and {:.3g} at most after\n",
+        curve.before.rms * degrees_per_radian, curve.before.largest * degrees_per_radian,
+        curve.after.rms * degrees_per_radian, curve.after.largest * degrees_per_radian);
+  return text;
+}
+
+std::string error_table_macro(const csfn::ErrorCurve& curve) {
+  std::string text =
+      "\n// The coprocessor's harmonic correction, 2^-24 turn\n#define CALIBRATION_NODES \\\n  {";
+  for (std::size_t node = 0; node < curve.nodes.size(); ++node)
+    text += fmt::format("{}{}",
+                        node == 0        ? ""
+                        : node % 16 == 0 ? ", \\\n   "
+                                         : ", ",
+                        curve.nodes[node]);
+  return text + "}\n";
+}
+
 std::string degrees(const std::optional<double>& value) {
   return value ? fmt::format("{:.3g} deg", *value) : std::string("not known");
 }
@@ -180,31 +223,43 @@ std::string outliers_line(const csfn::Identification& answer) {
   return text + (answer.outliers.size() > named ? " ...\n" : "\n");
 }
 
+std::string deg(double radians) {
+  return fmt::format("{:.2g}", radians * degrees_per_radian);
+}
+
 std::string error_text(const csfn::AngleError& error, bool tested) {
   const std::string harmonics =
-      tested ? fmt::format("{:.2g} of harmonics of several orders, too small to be found",
-                           error.harmonics * degrees_per_radian)
-             : std::string("nothing of harmonics, which these samples do not show");
+      tested ? fmt::format(
+                   "with harmonics of several orders, as large as the residuals leave room "
+                   "for: {} deg",
+                   deg(error.total))
+             : std::string("of harmonics these samples show nothing");
   return fmt::format(
-      "{:.2g} deg: {:.2g} of the parameters (noise {:.2g} at {:g} %, method {:.2g}, drift {:.2g}, "
-      "resolution {:.2g}) and {}",
-      error.total * degrees_per_radian, error.parameters * degrees_per_radian,
-      error.noise * degrees_per_radian, 100 * csfn::bound_confidence,
-      error.method * degrees_per_radian, error.drift * degrees_per_radian,
-      error.resolution * degrees_per_radian, harmonics);
+      "{} deg at {:g} % confidence, if the channels have no harmonics (noise {}, method {}, drift "
+      "{}, resolution {})\n             {}\n",
+      deg(error.parameters), 100 * csfn::bound_confidence, deg(error.noise), deg(error.method),
+      deg(error.drift), deg(error.resolution), harmonics);
 }
 
 /// What is guaranteed, or why nothing is.
 std::string bound_line(const csfn::Identification& answer) {
   if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
   const csfn::AngleBound& bound = *answer.bound;
-  const bool tested = answer.structure.last_order > 0 || answer.harmonics.identified;
-  std::string text =
-      fmt::format("angle bound  over the whole turn {}\n", error_text(bound, tested));
+  if (answer.harmonics.identified)
+    return fmt::format(
+        "angle bound  over the whole turn {} deg with the harmonics taken off: 4 times the "
+        "expected "
+        "error\n             for the angle at its sampling instant, if the assumption of {} "
+        "holds\n",
+        deg(bound.total), csfn::to_string(answer.harmonics.used));
+  const bool tested = answer.structure.last_order > 0;
+  std::string text = fmt::format("angle bound  over the whole turn {}", error_text(bound, tested));
   if (bound.arc_degrees < 360)
-    text += fmt::format("             over the {:.0f} degrees that the samples cover {}\n",
+    text += fmt::format("             over the {:.0f} degrees that the samples cover {}",
                         bound.arc_degrees, error_text(bound.arc, tested));
-  return text + "             not in it: a single harmonic that moves samples along the ellipse\n";
+  return text +
+         "             for the angle at its sampling instant; not in it: a single harmonic that "
+         "moves samples along the ellipse\n";
 }
 
 ordered_json error_json(const csfn::AngleError& error) {
@@ -306,6 +361,7 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
   j["disagreement"] = answer.disagreement;
   j["harmonics"] = harmonics_json(answer.harmonics);
   j["angle_column"] = fit.angle_column;
+  if (fit.error_curve) j["error_table"] = error_table_json(*fit.error_curve);
   j["angle_error_deg"] = {
       {"uncalibrated_peak_to_peak", number_or_null(fit.errors.uncalibrated)},
       {"calibrated_peak_to_peak", number_or_null(fit.errors.calibrated)},
@@ -338,6 +394,7 @@ std::string to_header(const Fit& fit) {
                     angle ? fmt::format("{}u", row.word) : fraction(static_cast<int32_t>(row.word)),
                     row.value, angle ? " rad" : "");
   }
+  if (fit.error_curve && fit.error_curve->identified) text += error_table_macro(*fit.error_curve);
   return text + "\n#endif\n";
 }
 
@@ -381,6 +438,7 @@ std::string to_table(const Fit& fit) {
   if (fit.errors.with_harmonics)
     text += fmt::format("             {} with the harmonics taken off\n",
                         degrees(fit.errors.with_harmonics));
+  if (fit.error_curve) text += error_table_lines(*fit.error_curve);
   if (!fit.attempts.empty()) text += attempts_table(fit.attempts);
   return text;
 }

@@ -18,6 +18,15 @@ namespace {
 using nlohmann::json;
 
 constexpr uint64_t largest_file = 1U << 24U;
+constexpr uint32_t valid = 0x43414C31;  // PARAMETER_BLOCK_VALID
+
+std::vector<uint8_t> to_bytes(const std::vector<uint32_t>& words) {
+  std::vector<uint8_t> bytes;
+  for (const uint32_t word : words)
+    for (int shift = 0; shift < 32; shift += 8)
+      bytes.push_back(static_cast<uint8_t>(word >> shift));
+  return bytes;
+}
 
 struct Entry {
   int64_t word = 0;
@@ -119,14 +128,46 @@ Result<ParameterWords> read_parameters(const std::string& path) {
   return words;
 }
 
+Result<std::optional<ErrorTable>> read_error_table(const std::string& path) {
+  constexpr int64_t least = -(1 << 19), greatest = (1 << 19) - 1;
+  const Result<json> root = read_json(path);
+  if (!root) return Error{root.error()};
+  const json& file = root.value();
+  if (!file.is_object() || !file.contains("error_table")) return std::optional<ErrorTable>();
+  const json& table = file["error_table"];
+  if (table.is_object() && !table.contains("nodes")) return std::optional<ErrorTable>();
+  ErrorTable nodes{};
+  if (!table.is_object() || !table["nodes"].is_array() || table["nodes"].size() != nodes.size())
+    return Error{fmt::format(
+        "{}: error_table.nodes must be a list of {} whole numbers; write the file with capsoc fit",
+        path, nodes.size())};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const json& node = table["nodes"][i];
+    const bool whole = node.is_number_integer() &&
+                       !(node.is_number_unsigned() && node.get<uint64_t>() > INT64_MAX);
+    if (!whole || node.get<int64_t>() < least || node.get<int64_t>() > greatest)
+      return Error{fmt::format("{}: error_table.nodes[{}] = {} is not legal; {} to {} are", path, i,
+                               node.dump(), least, greatest)};
+    nodes[i] = node.get<int32_t>();
+  }
+  return std::optional<ErrorTable>(nodes);
+}
+
+std::optional<Error> write_in_program(loader::ElfImage& image, const ErrorTable& table) {
+  std::vector<uint32_t> words = {valid};
+  for (const int32_t node : table) words.push_back(static_cast<uint32_t>(node));
+  if (image.overwrite("calibration_table", to_bytes(words))) return std::nullopt;
+  return Error{
+      fmt::format("{}: the program has no place for the error table of --parameters; define "
+                  "calibration_table as firmware/apps/common/parameter_block.h has it, or fit "
+                  "without --use-angle",
+                  image.path)};
+}
+
 std::optional<Error> write_in_program(loader::ElfImage& image, const ParameterWords& words) {
-  constexpr uint32_t valid = 0x43414C31;  // PARAMETER_BLOCK_VALID
-  std::vector<uint8_t> bytes;
-  for (const uint32_t word :
-       {valid, static_cast<uint32_t>(words.a1), static_cast<uint32_t>(words.a2),
-        static_cast<uint32_t>(words.b1), static_cast<uint32_t>(words.b2), words.beta, words.phi})
-    for (int shift = 0; shift < 32; shift += 8)
-      bytes.push_back(static_cast<uint8_t>(word >> shift));
+  const std::vector<uint8_t> bytes = to_bytes(
+      {valid, static_cast<uint32_t>(words.a1), static_cast<uint32_t>(words.a2),
+       static_cast<uint32_t>(words.b1), static_cast<uint32_t>(words.b2), words.beta, words.phi});
   if (image.overwrite("calibration_parameters", bytes)) return std::nullopt;
   return Error{
       fmt::format("{}: the program has no place for --parameters; define calibration_parameters as "

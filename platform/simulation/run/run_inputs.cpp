@@ -154,6 +154,10 @@ Result<RunInputs> read_inputs(const RunSettings& settings) {
     if (!words) return Error{words.error()};
     inputs.preset = words.value();
     if (auto error = metrics::write_in_program(inputs.program, *inputs.preset)) return *error;
+    const auto table = metrics::read_error_table(inputs.parameter_file);
+    if (!table) return Error{table.error()};
+    if (table.value())
+      if (auto error = metrics::write_in_program(inputs.program, *table.value())) return *error;
   }
   auto program_settings = change_program(settings, inputs.program);
   if (!program_settings) return Error{program_settings.error()};
