@@ -132,7 +132,7 @@ module turn_judge (
   logic multiply, alarm_product, absolute, minus_one, first;
   logic any_sample_q;
   // Two bits: a bit for each operand would cost a larger LUT.
-  (* fsm_encoding = "none" *) operand_e a_select_q;
+  (* fsm_encoding = "none" *) logic [1:0] a_select_q;  // operand_e
   assign first = cycle_i == RecordDet;
   assign alarm_product = cycle_i[4];
   assign multiply = (cycle_i >= RadiusFirst && cycle_i <= RadiusLast) ||
