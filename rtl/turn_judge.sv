@@ -6,15 +6,8 @@
 // Memory, words by sample slot: 0..7 amplitude, 8..11 average, 12..15 DET, 16..19 residue; 21 deviation;
 // record of bank b: 22 + b DET, 24 + 4 b radius, residue, winding, samples.
 // Two banks take turns: one is the window under way, the other the window that ended last.
-// Writes of other stages: T2 residue in cycle 0, T0 DET in 6, T1 (precise) or T2 (paper) amplitude
-// in 11, T3 average in 26. Cycles of T4 (P product, T word, M the word that is read):
-//   0       T = DET                    12 deviation: T                25 far: deviation >= P
-//   1       record: DET = T            13 deviation: T = |M|          26 T = |residue|; residue_far
-//   2 .. 9  P = |M| RADIUS_LIMIT >> 8  14 beyond: T >= P              27 greater: T > M
-//   10      T = amplitude              15 greater: T > M       28 record: residue = T
-//   11      T = T - |M|                16 record: radius = T          29 record: samples = T = M + 1
-//           (M: the record's DET)      17 .. 24 P = |M| ALARM_LIMIT   30 step; full: T >= TURN_LIMIT
-//                                                                     31 record: winding = M + step
+// Other stages write in cycles that T4 leaves free: T2 its residue in cycle 0, T0 DET in 6, T1 (precise) or T2 (paper)
+// the amplitude in 11, T3 the average in 26. cycle_e is T4's schedule.
 module turn_judge (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -65,7 +58,59 @@ module turn_judge (
   output logic        permits_o           // LOCK, as far as the judge is concerned
 );
 
+  // The schedule of T4. P is product_q, T is word_q, M the word read from the memory.
+  typedef enum logic [4:0] {
+    LoadDet         = 5'd0,   // T = DET
+    RecordDet       = 5'd1,   // record: DET = T
+    RadiusFirst     = 5'd2,   // P = |M| RADIUS_LIMIT >> 8, a bit of the limit a cycle; M: the record's DET
+    RadiusLast      = 5'd9,
+    LoadAmplitude   = 5'd10,  // T = amplitude
+    SubtractDet     = 5'd11,  // T = T - |M|
+    StoreDeviation  = 5'd12,  // deviation = T
+    AbsDeviation    = 5'd13,  // deviation = T = |M|
+    CompareRadius   = 5'd14,  // beyond: T >= P
+    CompareLargest  = 5'd15,  // greater: T > M; M: the record's radius
+    RecordRadius    = 5'd16,  // record: radius = T, if greater
+    AlarmFirst      = 5'd17,  // P = |M| ALARM_LIMIT >> 8; M: the record's DET
+    AlarmLast       = 5'd24,
+    CompareAlarm    = 5'd25,  // far: deviation >= P
+    AbsResidue      = 5'd26,  // T = |residue|; residue_far
+    CompareResidue  = 5'd27,  // greater: T > M; M: the record's residue
+    RecordResidue   = 5'd28,  // record: residue = T, if greater
+    CountSample     = 5'd29,  // record: samples = T = M + 1
+    TakeStep        = 5'd30,  // step = angle - last angle; full: T >= TURN_LIMIT
+    AddStep         = 5'd31   // record: winding = M + step; the commit
+  } cycle_e;
+
+  // The adder's first operand
+  typedef enum logic [1:0] {
+    FromProduct = 2'd0,
+    FromWord    = 2'd1,
+    FromStep    = 2'd2,
+    FromZero    = 2'd3
+  } operand_e;
+
+  // Addresses in the memory: a word of a sample is followed by its slot, the record's DET by its bank, the other words
+  // of a record by bank and record_e.
+  localparam logic [1:0] Amplitude = 2'b00;
+  localparam logic [2:0] Average   = 3'b010;
+  localparam logic [2:0] Det       = 3'b011;
+  localparam logic [2:0] Residue   = 3'b100;
   localparam logic [4:0] Deviation = 5'd21;
+  localparam logic [3:0] DetRecord = 4'b1011;
+  localparam logic [1:0] Record    = 2'b11;
+  typedef enum logic [1:0] {
+    RadiusWord  = 2'd0,
+    ResidueWord = 2'd1,
+    WindingWord = 2'd2,
+    SamplesWord = 2'd3
+  } record_e;
+
+  // Places in the window's flags, TURN_FLAGS[23:0]
+  localparam int TimeoutFlag = 16;
+  localparam int GoodFlag    = 22;
+
+  localparam logic [1:0] GoodTurnsMost = 2'd3;
 
   logic active;
   assign active = stage_i[4];
@@ -86,25 +131,28 @@ module turn_judge (
   // The schedule.
   logic multiply, alarm_product, absolute, minus_one, first;
   logic any_sample_q;
-  // Of the adder's first word; 0: P, 1: T, 2: the step, 3: 0. One bit for each would cost a larger LUT.
-  (* fsm_encoding = "none" *) logic [1:0] a_select_q;
-  assign first = cycle_i == 5'd1;
+  // Two bits: a bit for each operand would cost a larger LUT.
+  (* fsm_encoding = "none" *) logic [1:0] a_select_q;  // operand_e
+  assign first = cycle_i == RecordDet;
   assign alarm_product = cycle_i[4];
-  assign multiply = (cycle_i >= 5'd2 && cycle_i <= 5'd9) || (cycle_i >= 5'd17 && cycle_i <= 5'd24);
-  assign absolute = multiply || cycle_i == 5'd13 || cycle_i == 5'd26;
+  assign multiply = (cycle_i >= RadiusFirst && cycle_i <= RadiusLast) ||
+      (cycle_i >= AlarmFirst && cycle_i <= AlarmLast);
+  assign absolute = multiply || cycle_i == AbsDeviation || cycle_i == AbsResidue;
   // T - M - 1 is negative unless T > M; P - M - 1 is negative if M >= P.
-  assign minus_one = cycle_i == 5'd14 || cycle_i == 5'd15 || cycle_i == 5'd25 || cycle_i == 5'd27;
-  // A register of its own, set a cycle ahead: the choice of three words is then one LUT a bit. A product
-  // begins with 0, in cycles 2 and 17.
+  assign minus_one = cycle_i == CompareRadius || cycle_i == CompareLargest ||
+      cycle_i == CompareAlarm || cycle_i == CompareResidue;
+  // Set a cycle ahead, so that the choice of three operands is one LUT a bit. A product begins with 0, in cycles RadiusFirst
+  // and AlarmFirst.
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
-      a_select_q <= 2'd3;
+      a_select_q <= FromZero;
     end else if (active) begin
-      case (cycle_i)
-        5'd0, 5'd10, 5'd11, 5'd14, 5'd15, 5'd26, 5'd27: a_select_q <= 2'd1;
-        5'd30: a_select_q <= any_sample_q ? 2'd2 : 2'd3;
-        5'd1, 5'd9, 5'd12, 5'd16, 5'd25, 5'd28: a_select_q <= 2'd3;
-        default: a_select_q <= 2'd0;
+      unique case (cycle_i)
+        LoadDet, LoadAmplitude, SubtractDet, CompareRadius, CompareLargest, AbsResidue, CompareResidue:
+          a_select_q <= FromWord;
+        TakeStep: a_select_q <= any_sample_q ? FromStep : FromZero;
+        RecordDet, RadiusLast, StoreDeviation, RecordRadius, CompareAlarm, RecordResidue: a_select_q <= FromZero;
+        default: a_select_q <= FromProduct;
       endcase
     end
   end
@@ -116,16 +164,16 @@ module turn_judge (
   logic of_record;
   always_comb begin
     of_record = 1'b0;
-    case (cycle_i)
-      5'd0: own_address = {3'b011, slot4_i[1:0]};
-      5'd10: own_address = {2'b00, slot4_i};
-      5'd12, 5'd13, 5'd14, 5'd25: own_address = Deviation;
-      5'd15, 5'd16: begin own_address = {2'b11, bank_q, 2'd0}; of_record = 1'b1; end
-      5'd26: own_address = {3'b100, slot4_i[1:0]};
-      5'd27, 5'd28: begin own_address = {2'b11, bank_q, 2'd1}; of_record = 1'b1; end
-      5'd29: begin own_address = {2'b11, bank_q, 2'd3}; of_record = 1'b1; end
-      5'd31: begin own_address = {2'b11, bank_q, 2'd2}; of_record = 1'b1; end
-      default: own_address = {4'b1011, bank_q};
+    unique case (cycle_i)
+      LoadDet: own_address = {Det, slot4_i[1:0]};
+      LoadAmplitude: own_address = {Amplitude, slot4_i};
+      StoreDeviation, AbsDeviation, CompareRadius, CompareAlarm: own_address = Deviation;
+      CompareLargest, RecordRadius: begin own_address = {Record, bank_q, RadiusWord}; of_record = 1'b1; end
+      AbsResidue: own_address = {Residue, slot4_i[1:0]};
+      CompareResidue, RecordResidue: begin own_address = {Record, bank_q, ResidueWord}; of_record = 1'b1; end
+      CountSample: begin own_address = {Record, bank_q, SamplesWord}; of_record = 1'b1; end
+      AddStep: begin own_address = {Record, bank_q, WindingWord}; of_record = 1'b1; end
+      default: own_address = {DetRecord, bank_q};
     endcase
   end
 
@@ -140,21 +188,21 @@ module turn_judge (
   logic [33:0] a, b;
   logic use_b, minus, carry, is_signed, limit_bit;
   logic [2:0] bit_number;
-  assign bit_number = cycle_i[2:0] - (alarm_product ? 3'd1 : 3'd2);
+  assign bit_number = cycle_i[2:0] - (alarm_product ? 3'(AlarmFirst) : 3'(RadiusFirst));
   assign limit_bit = alarm_product ? alarm_limit_q[bit_number] : radius_limit_q[bit_number];
   always_comb begin
     if (multiply) use_b = limit_bit;
-    else if (first || cycle_i == 5'd12 || cycle_i == 5'd16 || cycle_i == 5'd28) use_b = 1'b0;
+    else if (first || cycle_i == StoreDeviation || cycle_i == RecordRadius || cycle_i == RecordResidue) use_b = 1'b0;
     else use_b = !(of_record && fresh_q);
   end
-  assign is_signed = absolute || cycle_i == 5'd11 || cycle_i == 5'd31;
-  assign minus = absolute ? word[31] && use_b : cycle_i == 5'd11 ? !word[31] : minus_one;
-  assign carry = cycle_i == 5'd29 || (minus && !minus_one);
+  assign is_signed = absolute || cycle_i == SubtractDet || cycle_i == AddStep;
+  assign minus = absolute ? word[31] && use_b : cycle_i == SubtractDet ? !word[31] : minus_one;
+  assign carry = cycle_i == CountSample || (minus && !minus_one);
   always_comb begin
-    case (a_select_q)
-      2'd0: a = {1'b0, product_q};
-      2'd1: a = {word_q[32], word_q};
-      2'd2: a = {{4{step_q[29]}}, step_q};
+    unique case (a_select_q)
+      FromProduct: a = {1'b0, product_q};
+      FromWord: a = {word_q[32], word_q};
+      FromStep: a = {{4{step_q[29]}}, step_q};
       default: a = '0;
     endcase
   end
@@ -169,24 +217,24 @@ module turn_judge (
   always_ff @(posedge clk_i) begin
     if (active) begin
       if (multiply) product_q <= sum[33:1];
-      if (cycle_i == 5'd0 || cycle_i == 5'd10 || cycle_i == 5'd11 || cycle_i == 5'd13 || cycle_i == 5'd26 ||
-          cycle_i == 5'd29) word_q <= sum[32:0];
-      if (cycle_i == 5'd14) beyond_q <= sum[33];
-      if (cycle_i == 5'd25) far_q <= sum[33];
-      if (cycle_i == 5'd26) residue_far_q <= sum[31:28] != '0;  // 1/16 turn or more
-      if (cycle_i == 5'd15 || cycle_i == 5'd27) greater_q <= !sum[33] || fresh_q;
-      if (cycle_i == 5'd30) full_q <= word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
+      if (cycle_i == LoadDet || cycle_i == LoadAmplitude || cycle_i == SubtractDet || cycle_i == AbsDeviation ||
+          cycle_i == AbsResidue || cycle_i == CountSample) word_q <= sum[32:0];
+      if (cycle_i == CompareRadius) beyond_q <= sum[33];
+      if (cycle_i == CompareAlarm) far_q <= sum[33];
+      if (cycle_i == AbsResidue) residue_far_q <= sum[31:28] != '0;  // 1/16 turn or more
+      if (cycle_i == CompareLargest || cycle_i == CompareResidue) greater_q <= !sum[33] || fresh_q;
+      if (cycle_i == TakeStep) full_q <= word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
     end
   end
 
-  // Writing: one port for everybody.
+  // Writing: the stages share one port.
   logic residue_valid, average_valid, own;
-  assign residue_valid = stage_i[2] && cycle_i == 5'd0;
-  assign average_valid = stage_i[3] && cycle_i == 5'd26;
+  assign residue_valid = stage_i[2] && cycle_i == LoadDet;
+  assign average_valid = stage_i[3] && cycle_i == AbsResidue;
   always_comb begin
-    case (cycle_i)
-      5'd1, 5'd12, 5'd13, 5'd29, 5'd31: own = 1'b1;
-      5'd16, 5'd28: own = greater_q;
+    unique case (cycle_i)
+      RecordDet, StoreDeviation, AbsDeviation, CountSample, AddStep: own = 1'b1;
+      RecordRadius, RecordResidue: own = greater_q;
       default: own = 1'b0;
     endcase
   end
@@ -200,15 +248,26 @@ module turn_judge (
     else write_data_o = sum[31:0];
   end
   always_comb begin
-    if (residue_valid) write_address_o = {3'b100, slot2_i[1:0]};
-    else if (det_valid_i) write_address_o = {3'b011, slot0_i};
-    else if (amplitude_valid_i) write_address_o = {2'b00, amplitude_late_i ? slot2_i : slot1_i};
-    else if (average_valid) write_address_o = {3'b010, slot3_i};
+    if (residue_valid) write_address_o = {Residue, slot2_i[1:0]};
+    else if (det_valid_i) write_address_o = {Det, slot0_i};
+    else if (amplitude_valid_i) write_address_o = {Amplitude, amplitude_late_i ? slot2_i : slot1_i};
+    else if (average_valid) write_address_o = {Average, slot3_i};
     else write_address_o = own_address;
   end
   always_ff @(posedge clk_i) begin
     if (write_o) words[write_address_o] <= write_data_o;
   end
+
+`ifdef VERILATOR
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (rst_ni) begin
+      assert ($onehot0({residue_valid, det_valid_i, amplitude_valid_i, average_valid, active && own}))
+      else $error("two stages write a word in cycle %0d", cycle_i);
+      assert (!commit_i || (active && cycle_i == AddStep))
+      else $error("commit in cycle %0d of stages %b", cycle_i, stage_i);
+    end
+  end
+`endif
 
   // The angle's way. The step is taken in cycle 30, before the angle is the last one.
   logic [29:0] last_angle_q, step_d;
@@ -216,7 +275,7 @@ module turn_judge (
     .a_i(angle_i), .b_i(last_angle_q), .minus_i(1'b1), .carry_i(1'b1), .sum_o(step_d)
   );
   always_ff @(posedge clk_i) begin
-    if (active && cycle_i == 5'd30) step_q <= step_d;
+    if (active && cycle_i == TakeStep) step_q <= step_d;
     if (commit_i) last_angle_q <= angle_i;
   end
 
@@ -250,7 +309,7 @@ module turn_judge (
   assign ended_o = complete || full_q;
   assign timeout = full_q && !complete && !count_q;
   always_comb begin
-    case (upper)
+    unique case (upper)
       7'd61, 7'd62, 7'd63, 7'd64, 7'd65, 7'd66: one_turn = 1'b1;
       default: one_turn = 1'b0;
     endcase
@@ -272,7 +331,7 @@ module turn_judge (
   logic [1:0] good_turns_q, good_turns;
   always_comb begin
     good_turns = good_turns_q;
-    if (ended_o) good_turns = good ? good_turns_q + 2'(good_turns_q != 2'd3) : '0;
+    if (ended_o) good_turns = good ? good_turns_q + 2'(good_turns_q != GoodTurnsMost) : '0;
     if (alarm_next_o) good_turns = '0;
   end
   assign permits_o = !alarm_next_o && good_turns >= turns_q && (turns_q == '0 || !fault);
@@ -304,8 +363,8 @@ module turn_judge (
   end
   logic ends;
   assign ends = commit_i && ended_o;
-  assign last_good_o = ends ? good : flags_q[22];
-  assign last_timeout_o = ends ? timeout : flags_q[16];
+  assign last_good_o = ends ? good : flags_q[GoodFlag];
+  assign last_timeout_o = ends ? timeout : flags_q[TimeoutFlag];
   assign bank_o = !bank_q;
   assign any_o = any_q;
   assign turn_flags_o = {turn_count_q, flags_q};
