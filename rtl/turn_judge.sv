@@ -74,7 +74,7 @@ module turn_judge (
     AlarmFirst      = 5'd17,  // P = |M| ALARM_LIMIT >> 8; M: the record's DET
     AlarmLast       = 5'd24,
     CompareAlarm    = 5'd25,  // far: deviation >= P
-    AbsResidue      = 5'd26,  // T = |residue|; the window's residue flag
+    AbsResidue      = 5'd26,  // T = |residue|; residue_far
     CompareResidue  = 5'd27,  // greater: T > M; M: the record's residue
     RecordResidue   = 5'd28,  // record: residue = T, if greater
     CountSample     = 5'd29,  // record: samples = T = M + 1
@@ -212,9 +212,8 @@ module turn_judge (
     .a_i(a), .b_i(b), .minus_i(minus), .carry_i(carry), .sum_o(sum)
   );
 
-  // What the cycles find; beyond, far and full wait for the commit. The residue's flag of the window is
-  // made at once, since every sample that comes so far is committed.
-  logic beyond_q, far_q, greater_q, full_q, residue_q;
+  // What the cycles find; beyond, far, residue_far and full wait for the commit.
+  logic beyond_q, far_q, greater_q, full_q, residue_far_q;
   always_ff @(posedge clk_i) begin
     if (active) begin
       if (multiply) product_q <= sum[33:1];
@@ -222,7 +221,7 @@ module turn_judge (
           cycle_i == AbsResidue || cycle_i == CountSample) word_q <= sum[32:0];
       if (cycle_i == CompareRadius) beyond_q <= sum[33];
       if (cycle_i == CompareAlarm) far_q <= sum[33];
-      if (cycle_i == AbsResidue) residue_q <= (residue_q && !fresh_q) || sum[31:28] != '0;  // 1/16 turn or more
+      if (cycle_i == AbsResidue) residue_far_q <= sum[31:28] != '0;  // 1/16 turn or more
       if (cycle_i == CompareLargest || cycle_i == CompareResidue) greater_q <= !sum[33] || fresh_q;
       if (cycle_i == TakeStep) full_q <= word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
     end
@@ -282,8 +281,8 @@ module turn_judge (
 
   // The window's flags with this sample.
   logic [7:0] octants_q, octants, clipped_q, clipped;
-  logic radius_q, wild_q, mirror_q, no_angle_q, saturated_q;
-  logic radius, wild, mirror, no_angle, saturated;
+  logic radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q;
+  logic radius, wild, mirror, no_angle, saturated, residue;
   assign octants = (octants_q & {8{!fresh_q}}) | (8'd1 << octant_i);
   assign clipped = (clipped_q & {8{!fresh_q}}) +
       8'(clip_i && !(&clipped_q && !fresh_q));
@@ -292,11 +291,13 @@ module turn_judge (
   assign mirror = (mirror_q && !fresh_q) || mirror_i;
   assign no_angle = (no_angle_q && !fresh_q) || no_angle_i;
   assign saturated = (saturated_q && !fresh_q) || saturated_i;
+  assign residue = (residue_q && !fresh_q) || residue_far_q;
   always_ff @(posedge clk_i) begin
     if (commit_i) begin
       octants_q <= octants;
       clipped_q <= clipped;
-      {radius_q, wild_q, mirror_q, no_angle_q, saturated_q} <= {radius, wild, mirror, no_angle, saturated};
+      {radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q} <=
+          {radius, wild, mirror, no_angle, saturated, residue};
     end
   end
 
@@ -314,7 +315,7 @@ module turn_judge (
     endcase
   end
   assign winding = wild || !one_turn;
-  assign fault = clipped != '0 || radius || mirror || no_angle || saturated || residue_q;
+  assign fault = clipped != '0 || radius || mirror || no_angle || saturated || residue;
   assign good = &octants && !timeout && !fault && (count_q || !winding);
 
   // The alarm.
@@ -338,7 +339,7 @@ module turn_judge (
   logic any_q;
   logic [7:0] turn_count_q;
   logic [23:0] flags, flags_q;
-  assign flags = {residue_q, good, saturated, no_angle, mirror, winding, radius, timeout, clipped, octants};
+  assign flags = {residue, good, saturated, no_angle, mirror, winding, radius, timeout, clipped, octants};
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       {fresh_q, bank_q, any_q, any_sample_q, alarm_q} <= 5'b10000;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "csfn/distance_fit.h"
-#include "csfn/identify.h"
+#include "csfn/identification.h"
 
 namespace capsoc::csfn {
 /// "noise": that of the samples against the ellipse's smaller half axis.

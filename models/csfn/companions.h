@@ -1,7 +1,7 @@
 // The closed-form fits beside an answer: what a training must reach, and how far fits differ.
 #pragma once
 
-#include "csfn/identify.h"
+#include "csfn/identification.h"
 
 namespace capsoc::csfn {
 /// Losses below are rounding: 1 - Y of a dozen operations, squared.

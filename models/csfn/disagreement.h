@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "csfn/identify.h"
+#include "csfn/identification.h"
 #include "csfn/uncertainty.h"
 
 namespace capsoc::csfn {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "csfn/distance_fit.h"
-#include "csfn/identify.h"
+#include "csfn/identification.h"
 
 namespace capsoc::csfn {
 /// Fills in the method's parameters and how they were found; a failed gate when there are none.

@@ -1,7 +1,7 @@
 // Which samples belong to the ellipse: outliers and clipped samples are told from the others.
 #pragma once
 
-#include "csfn/identify.h"
+#include "csfn/identification.h"
 #include "csfn/robust_fit.h"
 
 namespace capsoc::csfn {

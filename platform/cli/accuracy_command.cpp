@@ -2,10 +2,10 @@
 #include <memory>
 
 #include "accuracy/accuracy.h"
-#include "accuracy/table_names.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/table_output.h"
+#include "support/accuracy_table_names.h"
 
 namespace capsoc::cli {
 namespace {

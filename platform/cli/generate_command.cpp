@@ -34,7 +34,8 @@ int generate(CLI::App& app, const std::string& folder) {
   line.program = command_tree(app);
   const run::RunSettings settings;
   line.settings = settings.all();
-  for (const ExitCodeText& text : exit_codes()) line.exit_codes.push_back({text.code, text.meaning});
+  for (const ExitCodeText& text : exit_codes())
+    line.exit_codes.push_back({text.code, text.meaning});
   std::vector<manual::Page> pages = manual_pages(line);
   for (const manual::Page& page :
        {bash_completion(line), zsh_completion(line), fish_completion(line)})

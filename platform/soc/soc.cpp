@@ -216,23 +216,21 @@ bool Soc::write_memory(uint32_t address, const void* bytes, uint32_t size) {
   return done == size;
 }
 
-std::optional<Error> Soc::load(const loader::ElfImage& image) {
-  for (const loader::Segment& segment : image.segments) {
-    const uint32_t last = segment.address + segment.memory_size - 1;
-    if (!is_memory(segment.address, 1) || !is_memory(last, 1))
-      return Error{fmt::format(
-          "{}: the segment {:#010x} to {:#010x} lies outside memory; link it to the map that "
-          "`capsoc info` prints",
-          image.path, segment.address, last)};
-    if (!is_memory(segment.address, segment.memory_size))
-      return Error{fmt::format(
-          "{}: the segment at {:#010x} crosses the end of a memory; link it to the map that "
-          "`capsoc info` prints",
-          image.path, segment.address)};
-    std::vector<uint8_t> bytes = segment.bytes;
-    bytes.resize(segment.memory_size);
-    write_memory(segment.address, bytes.data(), segment.memory_size);
-  }
+std::optional<Error> Soc::load(const std::string& path, uint32_t address,
+                               const std::vector<uint8_t>& bytes) {
+  const auto size = static_cast<uint32_t>(bytes.size());
+  const uint32_t last = address + size - 1;
+  if (!is_memory(address, 1) || !is_memory(last, 1))
+    return Error{fmt::format(
+        "{}: the segment {:#010x} to {:#010x} lies outside memory; link it to the map that "
+        "`capsoc info` prints",
+        path, address, last)};
+  if (!is_memory(address, size))
+    return Error{fmt::format(
+        "{}: the segment at {:#010x} crosses the end of a memory; link it to the map that "
+        "`capsoc info` prints",
+        path, address)};
+  write_memory(address, bytes.data(), size);
   return std::nullopt;
 }
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <systemc>
 #include <vector>
@@ -24,7 +26,6 @@
 #include "cortex_m3_tlm/cortex_m3_tlm.h"
 #include "kit/clock_domain.h"
 #include "kit/register_target.h"
-#include "loader/elf_image.h"
 #include "mps2/fpga_io.h"
 #include "mps2/scc.h"
 #include "peripherals/adc_front_end.h"
@@ -61,8 +62,10 @@ class Soc : public sc_core::sc_module {
  public:
   Soc(const sc_core::sc_module_name& name, const Config& config);
 
-  /// Copies a program into memory. An Error names the segment that lies outside.
-  std::optional<Error> load(const loader::ElfImage& image);
+  /// Copies a segment of a program into memory. An Error names it, and the program's file `path`,
+  /// where it lies outside.
+  std::optional<Error> load(const std::string& path, uint32_t address,
+                            const std::vector<uint8_t>& bytes);
 
   /// Every part of the board, in the order in which state is saved: the clock's users behind it.
   const std::vector<kit::Component*>& components() const { return components_; }

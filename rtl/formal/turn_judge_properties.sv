@@ -59,6 +59,7 @@ module turn_judge_properties (
   (* hierconn *) logic [7:0] \dut.clipped_q ;
   (* hierconn *) logic [4:0] \dut.glitches_q ;
   (* hierconn *) logic [1:0] \dut.good_turns_q ;
+  (* hierconn *) logic \dut.residue_far_q ;
   (* hierconn *) logic \dut.residue_q ;
   (* hierconn *) logic [23:0] \dut.flags ;
 
@@ -85,13 +86,13 @@ module turn_judge_properties (
 
   // What the registers hold after this cycle.
   logic [32:0] p_due, t_due;
-  logic beyond_due, far_due, greater_due, full_due, residue_due;
+  logic beyond_due, far_due, greater_due, full_due, residue_far_due;
   logic [29:0] step_due;
   always @* begin
     p_due = p;
     t_due = t;
-    {beyond_due, far_due, greater_due, full_due, residue_due} =
-        {\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_q };
+    {beyond_due, far_due, greater_due, full_due, residue_far_due} =
+        {\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_far_q };
     step_due = \dut.step_q ;
     if (active) begin
       if (multiplies) p_due = sum[33:1];
@@ -104,7 +105,7 @@ module turn_judge_properties (
       endcase
       if (cycle_i == 5'd14) beyond_due = {1'b0, m} >= p;
       if (cycle_i == 5'd25) far_due = {1'b0, m} >= p;
-      if (cycle_i == 5'd26) residue_due = (\dut.residue_q && !fresh) || size >= 32'h1000_0000;
+      if (cycle_i == 5'd26) residue_far_due = size >= 32'h1000_0000;
       if (cycle_i == 5'd15 || cycle_i == 5'd27) greater_due = fresh || t > {1'b0, m};
       if (cycle_i == 5'd30) begin
         full_due = \dut.turn_limit_q != '0 && t[31:0] >= \dut.turn_limit_q ;
@@ -137,7 +138,7 @@ module turn_judge_properties (
     known     <= 1'b1;
     p_was     <= p_due;
     t_was     <= t_due;
-    found_was <= {beyond_due, far_due, greater_due, full_due, residue_due};
+    found_was <= {beyond_due, far_due, greater_due, full_due, residue_far_due};
     step_was  <= step_due;
   end
 
@@ -161,7 +162,7 @@ module turn_judge_properties (
   assign mirror    = (\dut.mirror_q && !fresh) || mirror_i;
   assign no_angle  = (\dut.no_angle_q && !fresh) || no_angle_i;
   assign saturated = (\dut.saturated_q && !fresh) || saturated_i;
-  assign residue   = \dut.residue_q ;
+  assign residue   = (\dut.residue_q && !fresh) || \dut.residue_far_q ;
   assign octants   = (fresh ? 8'd0 : \dut.octants_q ) | (8'd1 << octant_i);
   assign clipped   = (fresh ? 8'd0 : \dut.clipped_q ) +
       8'(clip_i && (fresh || \dut.clipped_q != 8'd255));
@@ -189,7 +190,7 @@ module turn_judge_properties (
     if (known) begin
       assert (\dut.product_q == p_was);
       assert (\dut.word_q == t_was);
-      assert ({\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_q } == found_was);
+      assert ({\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_far_q } == found_was);
       assert (\dut.step_q == step_was);
     end
     if (active) begin

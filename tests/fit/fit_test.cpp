@@ -11,8 +11,8 @@
 #include "csfn/calibration.h"
 #include "fit/report.h"
 #include "golden/golden.h"
+#include "metrics/begin_recording.h"
 #include "metrics/sample_record.h"
-#include "metrics/sample_writer.h"
 #include "support/constants.h"
 
 namespace capsoc::fit {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "loader/elf_image.h"
+#include "loader/place.h"
 #include "loader/program_settings.h"
 #include "loader/vector_table.h"
 #include "program_damage.h"
@@ -195,7 +196,7 @@ TEST(ProgramFuzz, DamagedPrograms) {
   std::vector<std::unique_ptr<Sound>> programs;
   for (const char* name : {"hello", "selfcal", "exceptions-O2"})
     programs.push_back(std::make_unique<Sound>(std::string(FIRMWARE "/") + name + ".elf"));
-  ASSERT_FALSE(soc.load(programs.front()->image));
+  ASSERT_FALSE(loader::place(programs.front()->image, soc));
   const char* from = std::getenv("CAPSOC_FUZZ_FIRST");
   const uint64_t first = from != nullptr ? std::strtoull(from, nullptr, 10) : 0;
   const uint64_t count = file_count(600);

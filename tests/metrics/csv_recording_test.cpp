@@ -11,6 +11,8 @@
 #include <iterator>
 #include <string>
 
+#include "metrics/begin_recording.h"
+
 namespace capsoc::metrics {
 namespace {
 

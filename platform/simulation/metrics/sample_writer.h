@@ -1,10 +1,8 @@
 // Recordings of samples that grow on disk while a run lasts.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "metrics/sample_record.h"
 #include "support/result.h"
@@ -31,13 +29,5 @@ struct Recording {
   std::string origin;  ///< a comment that says where it comes from, for formats that have comments
   RecordColumns columns;
 };
-
-/// Begins a recording in the format of its name's ending: .wav, .mat, .sds with its metadata, or
-/// else CSV. The file grows beside its place until it is finished. An Error: nothing can be written
-/// there, or the format does not hold these columns.
-Result<std::unique_ptr<SampleWriter>> begin_recording(Recording recording);
-
-/// Every file that a recording of that name becomes, itself first.
-std::vector<std::string> files_of_recording(const std::string& path);
 
 }  // namespace capsoc::metrics

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "checkpoint/checkpoint_file.h"
+#include "run/checkpoint_settings.h"
 #include "run/host_ports.h"
 #include "run/run_inputs.h"
 #include "soc/soc.h"
@@ -17,32 +18,6 @@
 namespace capsoc::run {
 
 class RunSettings;
-
-struct CheckpointSettings {
-  Settings& all;
-  TextField save{
-      all,
-      setting("checkpoint.save", SettingKind::text, "",
-              "checkpoints on the way, FILE@SECONDS of simulated time, separated by commas")
-          .is_place()
-          .by({"--save", "FILE@S", "Save the whole state at a simulated time in s; may be repeated",
-               SettingOption::Form::list})};
-  NumberField every_s{
-      all, setting("checkpoint.every_s", SettingKind::number, "0",
-                   "a checkpoint every so many simulated s; 0: none")
-               .in(0, 1e6)
-               .is_place()
-               .by({"--save-every", "S",
-                    "Save it every so many simulated seconds, in checkpoint-<seconds>.capsoc"})};
-  TextField prefix{
-      all, setting("checkpoint.prefix", SettingKind::text, "checkpoint-",
-                   "begins the names of these and of those on SIGUSR1: PREFIX<seconds>.capsoc")
-               .is_place()};
-  TextField restore{all, setting("checkpoint.restore", SettingKind::input, "",
-                                 "the run goes on from this checkpoint; empty: from reset")
-                             .is_host_side()
-                             .by({"--restore", "FILE", "Go on from a state that --save wrote"})};
-};
 
 /// FILE@SECONDS of checkpoint.save, in the order of time. An Error is what cannot be read.
 struct SavePoint {

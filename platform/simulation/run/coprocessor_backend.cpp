@@ -7,16 +7,6 @@
 
 namespace capsoc::run {
 
-coprocessor::Options CoprocessorSettings::options() const {
-  coprocessor::Options options;
-  options.arithmetic = arithmetic();
-  options.paper_operand_bits = static_cast<int>(paper_operand_bits());
-  options.paper_reference_lead = static_cast<int>(paper_reference_lead());
-  options.paper_step_shift = static_cast<int>(paper_step_shift());
-  options.paper_plain_arctangent = paper_plain_arctangent();
-  return options;
-}
-
 std::string rtl_library(const RunSettings& settings) {
   if (settings.coprocessor.backend() == Backend::model) return "";
   if (const std::string& chosen = settings.coprocessor.rtl_library(); !chosen.empty())

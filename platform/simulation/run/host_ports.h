@@ -8,6 +8,7 @@
 #include "debug/gdb_server.h"
 #include "run/board_pins.h"
 #include "run/itm_output.h"
+#include "run/port_settings.h"
 #include "run/semihosting_port.h"
 #include "run/uart_lines.h"
 #include "soc/soc.h"
@@ -17,39 +18,6 @@
 namespace capsoc::run {
 
 class RunSettings;
-
-/// Where the text of the processor's ITM goes.
-struct ItmSettings {
-  Settings& all;
-  TextField backend{
-      all, setting("itm.backend", SettingKind::backend, "null",
-                   "where the processor's ITM text goes: stdout, null, log (level info) or "
-                   "file:PATH")
-               .is_place()
-               .by({"--itm", "stdout|null|log|file:PATH",
-                    "Where the text on the ITM's stimulus port goes"})};
-  IntegerField port{all,
-                    setting("itm.port", SettingKind::integer, "0", "stimulus port of that text")
-                        .in(0, 31)
-                        .is_place()};
-};
-
-struct GdbSettings {
-  Settings& all;
-  IntegerField port{
-      all, setting("gdb.port", SettingKind::integer, "-1",
-                   "port of the GDB server; 0: a free one, -1: none")
-               .in(-1, 65535)
-               .is_place()
-               .by({"--gdb", "[PORT]",
-                    "GDB server on the loopback interface (default port 3333; 0: a free one)",
-                    SettingOption::Form::optional_value, "3333"})};
-  FlagField halt{all, setting("gdb.halt", SettingKind::flag, "false",
-                              "wait for a debugger before the first instruction")
-                          .is_place()
-                          .by({"--halt", "", "Wait for a debugger before the first instruction",
-                               SettingOption::Form::flag, "true"})};
-};
 
 class HostPorts {
  public:

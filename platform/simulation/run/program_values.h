@@ -4,14 +4,12 @@
 #include <string>
 
 #include "loader/program_settings.h"
+#include "run/input_settings.h"
 #include "support/result.h"
 
 namespace capsoc::run {
 
 class RunSettings;
-
-/// What all their paths begin with.
-constexpr const char* program_prefix = "program.";
 
 /// Writes those that were set in the image and returns all of them. An Error is one that the
 /// program does not have or that it does not take.

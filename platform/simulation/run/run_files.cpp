@@ -1,6 +1,6 @@
 #include "run/run_files.h"
 
-#include "metrics/sample_writer.h"
+#include "metrics/begin_recording.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"

@@ -8,12 +8,13 @@
 
 #include "host/end_signals.h"
 #include "kit/guest_error.h"
+#include "metrics/begin_recording.h"
+#include "run/attached_traces.h"
 #include "run/fault_report.h"
 #include "run/golden_check.h"
 #include "run/idle.h"
 #include "run/outcome.h"
 #include "run/run_settings.h"
-#include "run/trace_settings.h"
 
 namespace capsoc::run {
 namespace {

@@ -1,18 +1,9 @@
 // The settings of the traces.
 #pragma once
 
-#include <memory>
-#include <vector>
-
-#include "run/program_view.h"
-#include "support/result.h"
 #include "support/setting_fields.h"
-#include "trace/coverage.h"
-#include "trace/tracer.h"
 
 namespace capsoc::run {
-
-class RunSettings;
 
 struct TraceSettings {
   Settings& all;
@@ -73,17 +64,5 @@ struct TraceSettings {
       all, setting("trace.fetches", SettingKind::flag, "false", "fetches in the bus trace, too")
                .is_place()};
 };
-
-/// What they ask for, attached, or null. The waves of a run with the model alone are the SoC's, so
-/// results.waves names them, too. An Error as Tracer::attach() has it.
-Result<std::unique_ptr<trace::Tracer>> attach_tracer(const RunSettings& settings,
-                                                     const ProgramView& view);
-
-/// The same for the coverage.
-Result<std::unique_ptr<trace::Coverage>> attach_coverage(const RunSettings& settings,
-                                                         const ProgramView& view);
-
-/// Behind both: a warning for each part of the debug information that they could not read.
-void warn_of_missing_lines(const RunSettings& settings, const ProgramView& view);
 
 }  // namespace capsoc::run

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "loader/elf_image.h"
+#include "loader/place.h"
 
 namespace {
 
@@ -19,7 +20,7 @@ TEST(CrcUnit, WorksWithItsDriver) {
   capsoc::soc::Soc soc("soc", config);
   const auto image = capsoc::loader::load_elf(CRC_UNIT_ELF);
   ASSERT_TRUE(image) << image.error();
-  ASSERT_FALSE(soc.load(image.value()));
+  ASSERT_FALSE(capsoc::loader::place(image.value(), soc));
 
   std::string text;
   const auto listening =

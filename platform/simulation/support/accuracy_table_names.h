@@ -1,4 +1,4 @@
-// The tables of `capsoc accuracy`, for the command and for its report.
+// The tables of `capsoc accuracy`, by which the command, its results and their report name them.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "metrics/sample_writer.h"
+#include "metrics/begin_recording.h"
 
 #include <cctype>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "run/trace_settings.h"
+#include "run/attached_traces.h"
 
 #include <spdlog/spdlog.h>
 
