@@ -42,16 +42,18 @@ def fault(**keys):
 
 class FaultPlaces(unittest.TestCase):
     def test_every_list(self):
-        names = planting.list_names()
+        names, count = planting.list_names(), 0
         self.assertGreater(len(names), 5)
         with tempfile.TemporaryDirectory() as folder:
             rtl_sources.generate(Path(folder))
             for name in names:
                 faults = planting.read_list(name)["fault"]
-                self.assertGreater(len(faults), 10, name)
+                self.assertGreater(len(faults), 0, name)
+                count += len(faults)
                 for fault in faults:
                     with self.subTest(list=name, fault=fault["name"]):
                         planting.check_place(fault, Path(folder))
+        self.assertGreater(count, 400)
 
     def test_every_list_has_a_runner_that_reads_it(self):
         for name in planting.list_names():
