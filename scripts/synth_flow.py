@@ -4,11 +4,12 @@ import json
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-RTL = ROOT / "rtl"
+import rtl_sources
+
+ROOT = rtl_sources.ROOT
+RTL = rtl_sources.RTL
 TOP = "coprocessor"
 STA_SECONDS = 60
 
@@ -82,14 +83,12 @@ def run(command, log, **options):
         raise ToolError(f"{Path(command[0]).name} failed ({log}): " + " | ".join(last))
 
 
-def rtl_sources(folder):
-    """Generated packages, packages, modules: a package goes before whoever uses it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    registers = ROOT / "models" / "registers" / "capsoc.svd"
-    for script, *arguments in (["generate_registers.py", registers, folder], ["generate_tables.py", folder]):
-        run([sys.executable, ROOT / "scripts" / script, *arguments], folder / "generate.log")
-    own = sorted(RTL.glob("*.sv"), key=lambda path: (not path.stem.endswith(("_pkg", "_types")), path.name))
-    return [str(path) for path in [*sorted(folder.glob("*.sv")), *own]]
+def design_sources(folder):
+    """Generated files, made in `folder`, then the RTL's in the order of its list."""
+    try:
+        return [str(path) for path in rtl_sources.sources(folder)]
+    except rtl_sources.RtlError as error:
+        raise ToolError(str(error)) from error
 
 
 def synthesise(sources, paper, folder, flatten, top=TOP):

@@ -8,6 +8,7 @@ places, with reasons.
 
 import re
 
+FOLDER = "models/coprocessor"
 FILES = (
     "calibrator.cpp",
     "coprocessor.cpp",
@@ -96,11 +97,11 @@ def blanked(text):
     return text
 
 
-def every(folder):
-    """All faults, each with its name, file, and the file's whole text with it."""
+def every(root):
+    """All faults of the tree `root`, in the form of scripts/planting.py: `old` and `new` are the file's whole text."""
     faults = []
     for file in FILES:
-        text = (folder / file).read_text(encoding="utf-8")
+        text = (root / FOLDER / file).read_text(encoding="utf-8")
         code = blanked(text)
         for name, pattern, new in OPERATORS:
             for match in re.finditer(pattern, code):
@@ -114,8 +115,9 @@ def every(folder):
                     {
                         "name": f"{name}, line {line}",
                         "operator": name,
-                        "file": file,
-                        "text": planted,
+                        "file": f"{FOLDER}/{file}",
+                        "old": text,
+                        "new": planted,
                         "line": text.splitlines()[line - 1].strip(),
                     }
                 )

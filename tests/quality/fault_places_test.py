@@ -1,7 +1,11 @@
-"""Every place that a list of faults names is still there as its script demands. Nothing is built."""
+"""Every place that a list of faults names is still there as its runner demands. Nothing is built.
+
+The lists are those of the folder tests/faults: a new one is checked without being named here.
+"""
 
 import contextlib
 import importlib.util
+import os
 import sys
 import tempfile
 import tomllib
@@ -11,6 +15,11 @@ from pathlib import Path
 
 from harness import SOURCE
 
+sys.path.insert(0, str(SOURCE / "scripts"))
+sys.dont_write_bytecode = True
+import planting  # noqa: E402
+import rtl_sources  # noqa: E402
+
 CTEST = {"name": "quality: places of the faults", "whole": True}
 
 MUTATION = SOURCE / "scripts" / "mutation"
@@ -18,7 +27,6 @@ MUTATION = SOURCE / "scripts" / "mutation"
 
 def load(path):
     """A program as a module."""
-    sys.dont_write_bytecode = True
     with contextlib.ExitStack() as stack:
         sys.path.insert(0, str(path.parent))
         stack.callback(sys.path.remove, str(path.parent))
@@ -28,60 +36,132 @@ def load(path):
     return module
 
 
-def listed(path, table):
-    return tomllib.loads((SOURCE / path).read_text(encoding="utf-8"))[table]
+def fault(**keys):
+    return {"name": "n", "file": "a.sv", "old": "b", "new": "c", **keys}
 
 
 class FaultPlaces(unittest.TestCase):
-    def planted_texts(self, path, old, new, folder=""):
-        planted = load(SOURCE / "scripts" / "planted_tree.py")
-        faults = listed(path, "fault")
-        self.assertGreater(len(faults), 10)
-        for fault in faults:
-            with self.subTest(fault["name"]):
-                file = SOURCE / folder / fault["file"]
-                self.assertNotEqual(planted.exchanged(file, fault[old], fault[new]), file.read_text(encoding="utf-8"))
+    def test_every_list(self):
+        names, count = planting.list_names(), 0
+        self.assertGreater(len(names), 5)
+        with tempfile.TemporaryDirectory() as folder:
+            rtl_sources.generate(Path(folder))
+            for name in names:
+                faults = planting.read_list(name)["fault"]
+                self.assertGreater(len(faults), 0, name)
+                count += len(faults)
+                for fault in faults:
+                    with self.subTest(list=name, fault=fault["name"]):
+                        planting.check_place(fault, Path(folder))
+        self.assertGreater(count, 400)
 
-    def test_mutation(self):
+    def test_every_list_has_a_runner_that_reads_it(self):
+        for name in planting.list_names():
+            with self.subTest(name):
+                runner = SOURCE / planting.read_list(name)["runner"].split()[0]
+                self.assertTrue(os.access(runner, os.X_OK), runner)
+                self.assertIn(f'"{name}"', runner.read_text(encoding="utf-8"))
+
+    def test_no_list_is_elsewhere(self):
+        for folder in ("scripts", "tests", "rtl", "models", "campaigns"):
+            for path in (SOURCE / folder).rglob("*.toml"):
+                if path.parent == planting.LISTS or "build" in path.parts:
+                    continue
+                with self.subTest(path):
+                    self.assertNotRegex(path.read_text(encoding="utf-8"), r"(?m)^old *=", "move it to tests/faults")
+
+    def test_faults_of_the_regression_fit_into_one_copy(self):
         faults = load(MUTATION / "faults")
-        every = faults.read_faults(MUTATION / "faults.txt")
-        self.assertGreater(len(every), 100)
+        every = planting.read_list("regression")["fault"]
         with tempfile.TemporaryDirectory() as folder:
             files = faults.mutation.sources(Path(folder), SOURCE / "rtl")
-            for fault in every:
-                with self.subTest(fault["name"]):
-                    faults.planted(files, [fault])
             for arithmetic in ("precise", "paper"):
-                faults.planted(files, [fault for fault in every if fault["arithmetic"] in (arithmetic, "both")])
+                chosen = faults.of_arithmetic(every, arithmetic)
+                texts = faults.planted(files, chosen)
+                for number in range(1, len(chosen) + 1):
+                    self.assertEqual(sum(text.count(f"faults::selected == {number} ?") for text in texts.values()), 1)
 
     def test_a_file_that_is_not_there(self):
         faults = load(MUTATION / "faults")
-        fault = {"name": "n", "arithmetic": "both", "file": "nowhere.sv", "place": "@(a)@", "new": "b"}
-        with self.assertRaisesRegex(faults.mutation.MutationError, "nowhere.sv"):
-            faults.planted([SOURCE / "rtl" / "sequencer.sv"], [fault])
+        with self.assertRaisesRegex(planting.PlantError, "nowhere.sv"):
+            faults.planted([SOURCE / "rtl" / "sequencer.sv"], [fault(file="rtl/nowhere.sv")])
 
-    def test_lockstep(self):
-        self.planted_texts("tests/rtl/planted_faults.toml", "old", "new")
+    def test_every_proof_has_a_fault(self):
+        proofs = load(SOURCE / "scripts" / "formal").read_proofs()
+        listed = tomllib.loads((SOURCE / "rtl/formal/proofs.toml").read_text(encoding="utf-8"))["proof"]
+        self.assertEqual(list(proofs), [proof["name"] for proof in listed])
+        self.assertEqual(len(proofs), len(planting.read_list("proofs")["fault"]))
 
-    def test_common(self):
-        self.planted_texts("tests/third_reading/common_faults.toml", "old", "new", "models/coprocessor")
+    def test_campaigns_have_as_many_faults_as_their_lists(self):
+        for campaign, name in (("planted_faults", "lockstep"), ("translator_faults", "translator")):
+            with self.subTest(campaign):
+                text = (SOURCE / "campaigns" / f"{campaign}.toml").read_text(encoding="utf-8")
+                axis = tomllib.loads(text)["axes"][0]["value"]["fault"]
+                count = len(planting.read_list(name)["fault"])
+                self.assertEqual(axis, {"range": [1, count], "points": count})
+                self.assertIn(f"tests/faults/{name}.toml", tomllib.loads(text)["settings"]["command"]["inputs"])
 
-    def test_translator(self):
-        self.planted_texts(
-            "tests/cortex_m3/translator_faults.toml", "old", "new", "models/cortex_m3/executors/translator"
+
+class Lists(unittest.TestCase):
+    """What is no list is refused with a sentence that names the file."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def refused(self, text, said):
+        (self.folder / "l.toml").write_text(text, encoding="utf-8")
+        with self.assertRaisesRegex(planting.PlantError, rf"l\.toml.*{said}"):
+            planting.read_list("l", self.folder)
+
+    FAULT = '[[fault]]\nname = "n"\nfile = "f"\nold = "a"\n'
+
+    def test_good(self):
+        text = 'runner = "r"\nrequires = ["x"]\nallows = ["y"]\n' + self.FAULT + 'new = "b"\nx = 1\nafter = "z"\n'
+        (self.folder / "l.toml").write_text(text, encoding="utf-8")
+        self.assertEqual(planting.read_list("l", self.folder)["fault"][0]["after"], "z")
+
+    def test_refused(self):
+        new = self.FAULT + 'new = "b"\n'
+        self.refused("runner =", "Invalid value")
+        self.refused(new, "no key 'runner'")
+        self.refused('runner = "r"\n' + self.FAULT, "no key 'new'")
+        self.refused('runner = "r"\n' + new + "other = 1", "unknown key 'other'")
+        self.refused('runner = "r"\nrequires = ["names"]\n' + new, "no key 'names'")
+        self.refused('runner = "r"\n' + new + new, "is there twice")
+        self.refused('runner = "r"\n' + self.FAULT + 'new = "a"', "changes nothing")
+        with self.assertRaisesRegex(planting.PlantError, "No such file"):
+            planting.read_list("nowhere", self.folder)
+
+
+class Planter(unittest.TestCase):
+    def test_exchange(self):
+        self.assertEqual(planting.exchanged("x b y b", fault(before="x ")), "x c y b")
+        self.assertEqual(planting.exchanged("x b y b", fault(before="y ", after="")), "x b y c")
+
+    def test_place_that_is_not_there_once(self):
+        for text in ("", "x b y b"):
+            with self.assertRaisesRegex(planting.PlantError, r"a\.sv holds the place of 'n' [02] times: 'b'"):
+                planting.exchanged(text, fault())
+
+    def test_tree_is_whole_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "a.sv"
+            file.write_text("a b", encoding="utf-8")
+            with self.assertRaises(KeyError), planting.planted(Path(folder), fault()):
+                self.assertEqual(file.read_text(encoding="utf-8"), "a c")
+                raise KeyError
+            self.assertEqual(file.read_text(encoding="utf-8"), "a b")
+
+    def test_several_in_one_text(self):
+        faults = [fault(name="1"), fault(name="2", new="d"), fault(name="3", before="y ", old="e")]
+        self.assertEqual(
+            planting.all_planted("x b y e", faults, lambda f: f"s == {f['name']}"),
+            "x (s == 2 ? (d) : (s == 1 ? (c) : (b))) y (s == 3 ? (c) : (e))",
         )
-
-    def test_verdicts(self):
-        self.planted_texts("tests/system/verdict_faults.toml", "text", "fault")
-
-    def test_proofs(self):
-        formal = load(SOURCE / "scripts" / "formal")
-        for proof in listed("rtl/formal/proofs.toml", "proof"):
-            with self.subTest(proof["name"]), tempfile.TemporaryDirectory() as folder:
-                fault = proof["fault"]
-                text = (SOURCE / "rtl" / fault["file"]).read_text(encoding="utf-8")
-                (Path(folder) / fault["file"]).write_text(text, encoding="utf-8")
-                formal.plant(fault, Path(folder))
+        with self.assertRaisesRegex(planting.PlantError, "overlaps"):
+            planting.all_planted("x b y", [fault(), fault(name="m", old="x b")], lambda f: f["name"])
 
 
 if __name__ == "__main__":

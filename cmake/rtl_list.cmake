@@ -1,0 +1,22 @@
+# capsoc_read_rtl_list(VARIABLE LIST.f): the files of a list of SystemVerilog as absolute paths, in its order. CMake configures
+# again when the list changes. scripts/rtl_sources.py is the reader for the scripts.
+include_guard(GLOBAL)
+
+function(capsoc_read_rtl_list variable list)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list})
+  cmake_path(GET list PARENT_PATH folder)
+  file(STRINGS ${list} lines)
+  set(files "")
+  foreach(line ${lines})
+    string(REGEX REPLACE "//.*" "" line "${line}")
+    string(STRIP "${line}" line)
+    if(line STREQUAL "")
+      continue()
+    endif()
+    if(NOT EXISTS ${folder}/${line})
+      message(FATAL_ERROR "${list}: there is no file ${line}; remove the line or add the file")
+    endif()
+    list(APPEND files ${folder}/${line})
+  endforeach()
+  set(${variable} ${files} PARENT_SCOPE)
+endfunction()
