@@ -78,8 +78,8 @@ module turn_judge (
     CompareResidue  = 5'd27,  // greater: T > M; M: the record's residue
     RecordResidue   = 5'd28,  // record: residue = T, if greater
     CountSample     = 5'd29,  // record: samples = T = M + 1
-    TakeStep        = 5'd30,  // step = angle - last angle; full: T >= TURN_LIMIT
-    AddStep         = 5'd31   // record: winding = M + step; the commit
+    TakeStep        = 5'd30,  // step = angle - last angle
+    AddStep         = 5'd31   // record: winding = M + step; full: T >= TURN_LIMIT; the commit
   } cycle_e;
 
   // The adder's first operand
@@ -212,8 +212,8 @@ module turn_judge (
     .a_i(a), .b_i(b), .minus_i(minus), .carry_i(carry), .sum_o(sum)
   );
 
-  // What the cycles find; beyond, far, residue_far and full wait for the commit.
-  logic beyond_q, far_q, greater_q, full_q, residue_far_q;
+  // What the cycles find; beyond, far and residue_far wait for the commit.
+  logic beyond_q, far_q, greater_q, residue_far_q;
   always_ff @(posedge clk_i) begin
     if (active) begin
       if (multiply) product_q <= sum[33:1];
@@ -223,7 +223,6 @@ module turn_judge (
       if (cycle_i == CompareAlarm) far_q <= sum[33];
       if (cycle_i == AbsResidue) residue_far_q <= sum[31:28] != '0;  // 1/16 turn or more
       if (cycle_i == CompareLargest || cycle_i == CompareResidue) greater_q <= !sum[33] || fresh_q;
-      if (cycle_i == TakeStep) full_q <= word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
     end
   end
 
@@ -302,12 +301,13 @@ module turn_judge (
   end
 
   // Its end.
-  logic complete, timeout, one_turn, winding, fault, good;
+  logic full, complete, timeout, one_turn, winding, fault, good;
   logic [6:0] upper;  // 1/64 turn: 61 .. 66 and -67 .. -62 differ in the sign alone
   assign upper = sum[30:24];
+  assign full = word_q[31:0] >= turn_limit_q && turn_limit_q != '0;
   assign complete = !count_q && (by_angle_q ? sum[31] != sum[30] : turn_i);
-  assign ended_o = complete || full_q;
-  assign timeout = full_q && !complete && !count_q;
+  assign ended_o = complete || full;
+  assign timeout = full && !complete && !count_q;
   always_comb begin
     unique case (upper)
       7'd61, 7'd62, 7'd63, 7'd64, 7'd65, 7'd66: one_turn = 1'b1;

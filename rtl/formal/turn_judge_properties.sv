@@ -49,7 +49,6 @@ module turn_judge_properties (
   (* hierconn *) logic \dut.beyond_q ;
   (* hierconn *) logic \dut.far_q ;
   (* hierconn *) logic \dut.greater_q ;
-  (* hierconn *) logic \dut.full_q ;
   (* hierconn *) logic \dut.wild_q ;
   (* hierconn *) logic \dut.radius_q ;
   (* hierconn *) logic \dut.mirror_q ;
@@ -86,13 +85,13 @@ module turn_judge_properties (
 
   // What the registers hold after this cycle.
   logic [32:0] p_due, t_due;
-  logic beyond_due, far_due, greater_due, full_due, residue_far_due;
+  logic beyond_due, far_due, greater_due, residue_far_due;
   logic [29:0] step_due;
   always @* begin
     p_due = p;
     t_due = t;
-    {beyond_due, far_due, greater_due, full_due, residue_far_due} =
-        {\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_far_q };
+    {beyond_due, far_due, greater_due, residue_far_due} =
+        {\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.residue_far_q };
     step_due = \dut.step_q ;
     if (active) begin
       if (multiplies) p_due = sum[33:1];
@@ -108,7 +107,6 @@ module turn_judge_properties (
       if (cycle_i == 5'd26) residue_far_due = size >= 32'h1000_0000;
       if (cycle_i == 5'd15 || cycle_i == 5'd27) greater_due = fresh || t > {1'b0, m};
       if (cycle_i == 5'd30) begin
-        full_due = \dut.turn_limit_q != '0 && t[31:0] >= \dut.turn_limit_q ;
         step_due = angle_i - \dut.last_angle_q ;
       end
     end
@@ -132,19 +130,19 @@ module turn_judge_properties (
 
   logic known = 1'b0;
   logic [32:0] p_was, t_was;
-  logic [4:0] found_was;
+  logic [3:0] found_was;
   logic [29:0] step_was;
   always @(posedge clk_i) begin
     known     <= 1'b1;
     p_was     <= p_due;
     t_was     <= t_due;
-    found_was <= {beyond_due, far_due, greater_due, full_due, residue_far_due};
+    found_was <= {beyond_due, far_due, greater_due, residue_far_due};
     step_was  <= step_due;
   end
 
   // At the commit.
   logic [31:0] travel;
-  logic wild, one_turn, complete, glitch, radius, mirror, no_angle, saturated, residue, timeout, good, fault;
+  logic wild, one_turn, complete, glitch, radius, mirror, no_angle, saturated, residue, full, timeout, good, fault;
   logic [4:0] glitches;
   logic [7:0] octants, clipped;
   logic [1:0] turns;
@@ -156,7 +154,8 @@ module turn_judge_properties (
       ($signed(travel) >= -32'sd1124073472 && $signed(travel) < -32'sd1023410176);
   assign complete = !\dut.count_q && (\dut.by_angle_q ?
       $signed(travel) >= 32'sd1073741824 || $signed(travel) < -32'sd1073741824 : turn_i);
-  assign timeout   = \dut.full_q && !complete && !\dut.count_q ;
+  assign full      = \dut.turn_limit_q != '0 && t[31:0] >= \dut.turn_limit_q ;
+  assign timeout   = full && !complete && !\dut.count_q ;
   assign glitch    = clip_i || (\dut.far_q && \dut.alarm_limit_q != '0);
   assign radius    = (\dut.radius_q && !fresh) || (\dut.beyond_q && \dut.radius_limit_q != '0);
   assign mirror    = (\dut.mirror_q && !fresh) || mirror_i;
@@ -172,7 +171,7 @@ module turn_judge_properties (
   assign good = octants == 8'hFF && !timeout && !fault && (\dut.count_q || (one_turn && !wild));
   always @* begin
     turns = \dut.good_turns_q ;
-    if (complete || \dut.full_q ) turns = !good ? 2'd0 : turns == 2'd3 ? 2'd3 : turns + 2'd1;
+    if (complete || full) turns = !good ? 2'd0 : turns == 2'd3 ? 2'd3 : turns + 2'd1;
     if (alarm_next) turns = 2'd0;
   end
 
@@ -190,7 +189,7 @@ module turn_judge_properties (
     if (known) begin
       assert (\dut.product_q == p_was);
       assert (\dut.word_q == t_was);
-      assert ({\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.full_q , \dut.residue_far_q } == found_was);
+      assert ({\dut.beyond_q , \dut.far_q , \dut.greater_q , \dut.residue_far_q } == found_was);
       assert (\dut.step_q == step_was);
     end
     if (active) begin
@@ -212,7 +211,7 @@ module turn_judge_properties (
       assert (write && data == travel && address == {2'b11, \dut.bank_q , 2'd2});
       assert (\dut.flags == {residue, good, saturated, no_angle, mirror, wild || !one_turn, radius, timeout, clipped,
                              octants});
-      assert (ended == (complete || \dut.full_q ));
+      assert (ended == (complete || full));
       assert (alarm_next == (glitches == 5'd16 || (alarm && glitches != 5'd0)));
       assert (permits == (!alarm_next && turns >= \dut.turns_q && !(\dut.turns_q != 2'd0 && fault)));
     end
