@@ -17,7 +17,7 @@ from harness import BUILD, CLEAN, SOURCE
 CTEST = {"name": "quality: registered", "whole": True, "timeout": 120}
 
 TESTS = SOURCE / "tests"
-OF_NO_FOLDER = {"benchmarks", "examples", "foreign", "fuzz", "package", "quality", "system", "third_reading"}
+OF_NO_FOLDER = {"benchmarks", "examples", "faults", "foreign", "fuzz", "package", "quality", "system", "third_reading"}
 LOADER = """
 import importlib.util, pathlib, sys, unittest
 path = pathlib.Path(sys.argv[1])
