@@ -173,9 +173,12 @@ struct Products {
 Products products_of(const std::vector<Bin>& bins, const std::vector<double>& values,
                      Eigen::Index count) {
   Products products;
-  for (double memory = shortest_memory; memory <= longest_part * static_cast<double>(count);
-       memory *= memory_growth)
+  const double longest_memory = longest_part * static_cast<double>(count);
+  double memory = shortest_memory;
+  while (memory <= longest_memory) {
     products.memories.push_back(memory);
+    memory *= memory_growth;
+  }
   const auto columns = static_cast<Eigen::Index>(products.memories.size());
   const auto rows = static_cast<Eigen::Index>(bins.size()) + 1;
   products.design = Eigen::MatrixXd::Zero(rows, columns + 1);

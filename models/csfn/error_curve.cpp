@@ -44,7 +44,9 @@ struct Normal {
   double square = 0, count = 0;
 
   void add(const Row& row, double value) {
-    left.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    // The lower half; by hand, for Eigen's rankUpdate() may allocate.
+    for (Eigen::Index j = 0; j < row.size(); ++j)
+      left.col(j).tail(row.size() - j) += row[j] * row.tail(row.size() - j);
     right += value * row;
     square += value * value;
     ++count;

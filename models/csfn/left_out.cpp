@@ -66,13 +66,14 @@ Places places_of(const Samples& samples, const RobustFit& robust) {
 /// The part of the turn (its first sector) where outliers come together; -1: none.
 int gathered(const Places& places) {
   if (places.near_count < fewest) return -1;
+  constexpr int half = parts / 2;
   for (int part = 0; part < parts; ++part) {
     const auto here = static_cast<std::size_t>(part),
                after = static_cast<std::size_t>((part + 1) % parts);
     const double outside = places.outside[here] + places.outside[after];
     const double kept = places.kept[here] + places.kept[after];
     // With the outliers' share of that part, were they disturbances of samples at any angle.
-    const double share = (kept + outside + 1) / (places.kept_count + places.near_count + parts / 2);
+    const double share = (kept + outside + 1) / (places.kept_count + places.near_count + half);
     if (outside >= fewest && outside > 3 * share * places.near_count &&
         binomial_tail(outside, places.near_count, std::min(share, 0.999)) <
             place_false_alarms / parts)

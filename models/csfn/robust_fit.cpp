@@ -89,7 +89,7 @@ std::vector<Eigen::Index> evenly_placed(const Channel& u, const Channel& v) {
   const auto cell_of = [&](Eigen::Index i) {
     const int x = std::min(static_cast<int>((u[i] - least_u) * scale_u), cells - 1);
     const int y = std::min(static_cast<int>((v[i] - least_v) * scale_v), cells - 1);
-    return static_cast<std::size_t>(x * cells + y);
+    return static_cast<std::size_t>(x) * cells + static_cast<std::size_t>(y);
   };
   const Eigen::Index stride = (u.size() - 1) / most_for_start + 1;
   const Eigen::Index steps = (u.size() - 1) / stride + 1;

@@ -137,7 +137,7 @@ void test_directions(const Scores& scores, const Rest& rest, int directions, dou
   structure.inverse.topLeftCorner(size, size) =
       basis * Matrix(solve_symmetric(reduced, basis.transpose()));
   const double explained = along.dot(coefficients);
-  double variance = noise * noise;
+  double variance;
   if (covariance == nullptr) {
     const double freedom = std::max(scores.count - ellipse_terms - directions, 1.0);
     const double others =

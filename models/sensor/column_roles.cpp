@@ -207,7 +207,7 @@ std::pair<std::size_t, std::size_t> sine_and_cosine(const std::vector<ColumnName
 
 Result<std::pair<std::size_t, std::size_t>> signals(const std::vector<ColumnName>& names) {
   for (const auto& [one, other] : pairs) {
-    const auto found = pair_of(names, one, other);
+    auto found = pair_of(names, one, other);
     if (!found) return found;
     if (found.value().first != no_column && found.value().second != no_column) return found;
   }
@@ -254,9 +254,9 @@ bool rises(const std::vector<std::vector<double>>& rows) {
   for (std::size_t k = 1; k < rows.size(); ++k)
     if (!(rows[k].front() >= rows[k - 1].front())) return false;
   const double all = rows.back().front() - rows.front().front();
-  const double half = rows[(rows.size() - 1) / 2].front() - rows.front().front();
-  const double expected =
-      all * static_cast<double>((rows.size() - 1) / 2) / static_cast<double>(rows.size() - 1);
+  const std::size_t middle = (rows.size() - 1) / 2;
+  const double half = rows[middle].front() - rows.front().front();
+  const double expected = all * static_cast<double>(middle) / static_cast<double>(rows.size() - 1);
   return all > 0 && std::fabs(half - expected) < 0.1 * all;
 }
 
@@ -292,6 +292,7 @@ ColumnName column_name(std::string_view heading) {
 
 std::vector<ColumnName> column_names(const std::vector<std::string_view>& headings) {
   std::vector<ColumnName> names;
+  names.reserve(headings.size());
   for (const std::string_view heading : headings) names.push_back(column_name(heading));
   return names;
 }

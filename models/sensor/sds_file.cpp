@@ -86,6 +86,9 @@ Result<ColumnTable> read_sds(std::string_view bytes, const SdsMetadata& metadata
     table.names.push_back(column_name(value.name));
     if (!value.unit.empty()) table.names.back().unit = column_name("x(" + value.unit + ")").unit;
   }
+  if (row == 0)
+    return Error{
+        fmt::format("{}: its metadata name no values; give the .yml that belongs to it", file)};
   table.columns.resize(table.names.size());
   TimeStamps stamps("block", "blocks");
   uint64_t ticks = 0;

@@ -88,8 +88,11 @@ DrawnRecord with_memory(csfn::Random& random, double keeps, bool in_order) {
 DrawnRecord flicker(csfn::Random& random) {
   DrawnRecord record = draw_sensor_with_noise(random);
   std::vector<Remembering> parts;
-  for (double memory = 0.5; memory < 4000; memory *= 4)
+  double memory = 0.5;
+  while (memory < 4000) {
     parts.emplace_back(random, std::exp(-1 / memory));
+    memory *= 4;
+  }
   take(record, usual, turning(random, usual), [&parts]() -> std::array<double, 2> {
     std::array<double, 2> sum{};
     for (Remembering& part : parts) {

@@ -22,7 +22,7 @@ std::string ending_of(const std::string& path) {
 
 Result<std::unique_ptr<SampleWriter>> begin_recording(Recording recording) {
   const std::string ending = ending_of(recording.path);
-  if (ending == ".wav") return WavRecording::begin(std::move(recording));
+  if (ending == ".wav") return WavRecording::begin(recording);
   if (ending == ".mat") return begin_mat_recording(std::move(recording));
   if (ending == ".sds") return begin_sds_recording(std::move(recording));
   return CsvRecording::begin(std::move(recording));

@@ -59,7 +59,7 @@ bool holds(const RecordColumns& columns) {
 
 }  // namespace
 
-Result<std::unique_ptr<SampleWriter>> WavRecording::begin(Recording recording) {
+Result<std::unique_ptr<SampleWriter>> WavRecording::begin(const Recording& recording) {
   if (!holds(recording.columns))
     return Error{
         recording.path +

@@ -18,7 +18,7 @@ namespace capsoc::metrics {
 class WavRecording final : public SampleWriter {
  public:
   /// An Error: nothing can be written there, or other columns are asked for.
-  static Result<std::unique_ptr<SampleWriter>> begin(Recording recording);
+  static Result<std::unique_ptr<SampleWriter>> begin(const Recording& recording);
 
   void add(const RecordedSample& sample) override;
   std::optional<Error> finish() override;

@@ -4,7 +4,7 @@
 namespace capsoc::run::exit_code {
 
 enum : int {
-#define EXIT_CODE(name, number, text) name = number,
+#define EXIT_CODE(name, number, text) name = (number),
 #include "run/exit_codes.def"
 #undef EXIT_CODE
   signal_base = 128  ///< + signal number
@@ -17,7 +17,7 @@ struct Text {
 
 /// Those that no signal makes, in order.
 inline constexpr Text texts[] = {
-#define EXIT_CODE(name, number, text) {number, text},
+#define EXIT_CODE(name, number, text) {(number), (text)},
 #include "run/exit_codes.def"
 #undef EXIT_CODE
 };
