@@ -129,7 +129,7 @@ class Registered(unittest.TestCase):
     def test_programs(self):
         """Executable files of tests/ and the checks among the scripts are an entry's command, or named by a test."""
         done = subprocess.run(
-            ["git", "-C", SOURCE, "ls-files", "-s", "tests", "scripts"],
+            ["git", "-c", "safe.directory=*", "-C", SOURCE, "ls-files", "-s", "tests", "scripts"],
             capture_output=True,
             text=True,
             check=True,
