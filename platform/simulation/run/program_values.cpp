@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "run/run_inputs.h"
 #include "run/run_settings.h"
 #include "support/printable.h"
 
