@@ -16,12 +16,23 @@ static uint32_t rounded_up(double value) {
   return value > 0 ? (uint32_t)ceil(value) : 0;
 }
 
-// Marks at equal parts of a turn in the direction that the window has taken. In integers until one
-// is passed: there may be little time in a sample.
+// The angle at which the window began, counted in the direction that it has taken.
+static uint32_t origin(const struct evenness* state) {
+  return state->travel < 0 ? 0 - state->origin : state->origin;
+}
+
+// From there to the first mark.
+static int64_t first_mark(const struct evenness* state) {
+  return MARK - (int64_t)(origin(state) % (uint32_t)MARK);
+}
+
+// Marks at fixed places of the turn, since a window begins where a sample happened to be: places
+// that wandered with it would mix up in the mean over many turns. In integers until one is passed:
+// there may be little time in a sample.
 static void pass_marks(struct evenness* state, int64_t step) {
-  const int64_t way = magnitude(state->travel);
-  while (state->marks < evenness_marks && way >= (state->marks + 1) * MARK) {
-    const int64_t beyond = way - (state->marks + 1) * MARK;
+  const int64_t way = magnitude(state->travel), first = first_mark(state);
+  while (state->marks < evenness_marks && way >= first + state->marks * MARK) {
+    const int64_t beyond = way - (first + state->marks * MARK);
     const double part = step != 0 ? fmin((double)beyond / (double)magnitude(step), 1) : 0;
     state->when[state->marks++] = state->samples - part;
   }
@@ -32,6 +43,7 @@ void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
   const bool first = !state->any;
   state->angle = angle;
   state->any = true;
+  if (first) state->origin = angle;
   if (first || elapsed == 0) return;
   const int64_t step = elapsed == 1 ? way : way - (int64_t)(state->mean_step * (elapsed - 1));
   if (state->samples == 0 || step > state->longest) state->longest = step;
@@ -41,18 +53,27 @@ void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
   pass_marks(state, way);
 }
 
-// Of the places of the window that ended: behind (negative) or ahead of a steady turn.
+// Of the places of the window that ended: behind (negative) or ahead of a steady turn, all by the
+// same as the place where it began.
 static void add_turn(struct evenness* state) {
+  const int64_t first = first_mark(state);
+  const uint32_t number = (uint32_t)((origin(state) + first) / MARK);
   double change = 0;
-  for (uint32_t i = 0; i + 1 < evenness_marks; ++i) {
+  double mean = 0;
+  double deviation[evenness_marks];
+  for (uint32_t i = 0; i < state->marks; ++i) {
     const double steady = state->when[i] * fabs(state->mean_step);
-    const double deviation = (double)((i + 1) * MARK) - steady;
-    state->sum[i] += deviation;
-    if (state->turns != 0)
-      change += (deviation - state->before[i]) * (deviation - state->before[i]);
-    state->before[i] = deviation;
+    deviation[i] = (double)(first + i * MARK) - steady;
+    mean += deviation[i] / state->marks;
   }
-  state->change += change / (evenness_marks - 1);
+  for (uint32_t i = 0; i < state->marks; ++i) {
+    const uint32_t place = (number + i) % evenness_marks;
+    const double own = deviation[i] - mean;
+    state->sum[place] += own;
+    if (state->turns != 0) change += (own - state->before[place]) * (own - state->before[place]);
+    state->before[place] = own;
+  }
+  state->change += change / evenness_marks;
   ++state->turns;
 }
 
@@ -65,6 +86,7 @@ uint32_t evenness_end_window(struct evenness* state, bool whole) {
     const double mean = state->mean_step;
     jump = rounded_up(fmax((double)state->longest - mean, mean - (double)state->shortest));
   }
+  state->origin = state->angle;
   state->samples = 0;
   state->travel = 0;
   state->marks = 0;
@@ -78,8 +100,8 @@ void evenness_restart(struct evenness* state) {
 }
 
 static double half_range(const struct evenness* state) {
-  double least = 0, greatest = 0;  // at the window's ends
-  for (uint32_t i = 0; i + 1 < evenness_marks; ++i) {
+  double least = state->sum[0], greatest = state->sum[0];
+  for (uint32_t i = 1; i < evenness_marks; ++i) {
     least = fmin(least, state->sum[i]);
     greatest = fmax(greatest, state->sum[i]);
   }

@@ -9,13 +9,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Places of a turn at which the time is kept; the largest harmonic order that is seen is half.
+// Fixed places of a turn at which the time is kept; the largest harmonic order that is seen is
+// half.
 enum { evenness_marks = 32 };
 
 struct evenness {
   // Of the window under way. Angles in 2^-32 turn.
-  uint32_t angle;  // of the last sample
-  bool any;        // there was one; the first only says where the angle is
+  uint32_t angle;   // of the last sample
+  bool any;         // there was one; the first only says where the angle is
+  uint32_t origin;  // angle of the last sample of the window before
   uint32_t samples;
   int64_t travel;               // since the last sample of the window before
   int64_t longest, shortest;    // step of one sample, signed
