@@ -73,12 +73,25 @@ TEST(ErrorTable, KeepsTheErrorFreeOfOrdersAboveTheTenth) {
 TEST(ErrorTable, NeedsSamplesEverywhere) {
   error_table table = learnt(5000, 1);
   int32_t nodes[error_nodes];
-  table.counts[17] = error_least_samples - 1;
-  const char* const reason = error_table_nodes(&table, nodes);
+  for (const int node : {17, 18, 19}) table.counts[node] = error_least_samples - 1;
+  const char* reason = error_table_nodes(&table, nodes);
   ASSERT_NE(reason, nullptr);
   EXPECT_NE(std::string(reason).find("too few samples"), std::string::npos);
-  table.counts[17] = error_least_samples;
+  table.counts[18] = error_least_samples;
   EXPECT_EQ(error_table_nodes(&table, nodes), nullptr);
+}
+
+TEST(ErrorTable, TwoNodesWithoutSamplesAreBetweenTheirNeighbours) {
+  for (const int node : {0, 17, 126, 127}) {
+    error_table table = learnt(5000, 4);
+    for (const int missing : {node, (node + 1) % error_nodes}) {
+      table.counts[missing] = 0;
+      table.sums[missing] = INT64_C(1) << 40;  // none of it may be used
+    }
+    int32_t nodes[error_nodes];
+    ASSERT_EQ(error_table_nodes(&table, nodes), nullptr) << node;
+    EXPECT_LT(deviation(nodes), 0.03) << node;
+  }
 }
 
 TEST(ErrorTable, RefusesWhatDoesNotFit) {

@@ -74,10 +74,6 @@ void judgement_restart(struct judgement* judgement) {
   evenness_restart(&judgement->evenness);
 }
 
-void judgement_cover(struct judgement* judgement) {
-  judgement->covers = true;
-}
-
 // The coprocessor's word, or nothing against the window but that it was mirrored as expected, or
 // that it was cut short.
 static bool good(const struct judgement* judgement, const struct turn_evidence* turn) {
@@ -197,10 +193,13 @@ static void keep_before(struct judgement* judgement, const struct turn_evidence*
 
 // Of turns with demodulation: a drift that does not become smaller goes on.
 static void keep_learning(struct judgement* judgement, uint32_t drift) {
-  judgement->learning[2] = judgement->learning[1];
-  judgement->learning[1] = judgement->learning[0];
+  for (uint32_t i = learning_kept - 1; i > 0; --i) {
+    judgement->learning[i] = judgement->learning[i - 1];
+    judgement->learnt[i] = judgement->learnt[i - 1];
+  }
   judgement->learning[0] = drift;
-  if (judgement->learning_turns < 3) ++judgement->learning_turns;
+  judgement->learnt[0] = judgement->parameters;
+  if (judgement->learning_turns < learning_kept) ++judgement->learning_turns;
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
 }
 
@@ -263,6 +262,13 @@ void judgement_look(struct judgement* judgement) {
   else
     keep_before(judgement, &turn);
   if (turn.whole) ++judgement->judged;
+  if (turn.whole && judgement->steering != NULL)
+    steering_end_turn(judgement->steering, turn.samples);
+}
+
+void judgement_cover(struct judgement* judgement) {
+  judgement_look(judgement);  // what has ended until now is not covered
+  judgement->covers = true;
 }
 
 // Samples in which no more than one window ends.
@@ -342,16 +348,17 @@ uint32_t judgement_motion(const struct judgement* judgement) {
 
 // What the parameters may still be off by, if their last changes go on as they were: those of a
 // loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
-// same speed, do not.
+// same speed, do not. What goes to and fro from turn to turn, by noise or an uneven shaft, goes
+// nowhere: the way from the first to the last of the turns counts.
 static uint64_t wander(const struct judgement* judgement) {
-  if (judgement->learning_turns < 3 || by_count()) return 0;
+  if (judgement->learning_turns < learning_kept || by_count()) return 0;
   const uint64_t last = judgement->learning[0], before = judgement->learning[1];
   const uint64_t first = judgement->learning[2];
   const bool settles = before >= 2 * last && first >= 2 * before;
   if (settles && before > last) return last * last / (before - last);
-  uint64_t largest = last > before ? last : before;
-  if (first > largest) largest = first;
-  return LONGEST_DRIFT * largest;
+  const uint32_t turns = learning_kept - 1;
+  return LONGEST_DRIFT * (uint64_t)drift_between(&judgement->learnt[turns], judgement->learnt) /
+         turns;
 }
 
 static uint64_t radius_and_residue(const struct judgement* judgement,

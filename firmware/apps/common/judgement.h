@@ -11,9 +11,13 @@
 #include "coprocessor.h"
 #include "evenness.h"
 #include "signal_shape.h"
+#include "steering.h"
 
 // Windows before the covered ones whose evidence is kept; `fewest` is at most one more.
 enum { judgement_turns = 3 };
+// Turns of demodulation whose parameters are kept. A second signal at up to 1.3 times the speed
+// still shows as a way from the first of them to the last; a faster one shows in a turn.
+enum { learning_kept = 4 };
 
 // What one window says. Angles in 2^-32 turn.
 struct turn_evidence {
@@ -36,20 +40,24 @@ struct judgement {
   // The harmonic correction works, so the radius is what the sensor has, and RESIDUE what is left:
   // the radius bounds nothing then. Numeric reference only.
   bool corrected;
+  // Keeps the numeric reference at the angle; null: its speed is somebody's word.
+  struct steering* steering;
   bool shuffled;  // samples in random order: bit for bit the one before is a stale one
   bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
   // The samples come in order of time and there is no numeric reference: every angle is watched.
   bool watches;
   // The rest starts at 0.
-  bool covers;           // judgement_cover was called
-  bool cut;              // the window under way began or ends elsewhere than a turn does
-  uint32_t zeros;        // sampling_zeros() at the end of the window before
-  uint32_t repeats;      // sampling_repeats(), likewise
-  uint32_t ended;        // TURN_COUNT at the last look
-  uint32_t discard;      // windows still to be left out
-  uint32_t judged;       // whole windows kept since the beginning
-  uint32_t watched;      // sample whose angle was watched last
-  uint32_t learning[3];  // drifts of the last two turns of demodulation, the last one first
+  bool covers;       // judgement_cover was called
+  bool cut;          // the window under way began or ends elsewhere than a turn does
+  uint32_t zeros;    // sampling_zeros() at the end of the window before
+  uint32_t repeats;  // sampling_repeats(), likewise
+  uint32_t ended;    // TURN_COUNT at the last look
+  uint32_t discard;  // windows still to be left out
+  uint32_t judged;   // whole windows kept since the beginning
+  uint32_t watched;  // sample whose angle was watched last
+  // Of the last turns of demodulation, the last one first
+  uint32_t learning[learning_kept];                     // drifts
+  struct coprocessor_parameters learnt[learning_kept];  // at their ends
   uint32_t learning_turns;
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before

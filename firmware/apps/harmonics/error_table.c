@@ -5,7 +5,7 @@
 
 #define PI 3.14159265358979323846
 
-enum { node_shift = 25, largest_value = (1 << 19) - 1 };
+enum { node_shift = 25, largest_value = (1 << 19) - 1, longest_gap = 2 };
 
 static const char too_large[] = "the error is larger than the table can take";
 
@@ -15,12 +15,34 @@ void error_table_add(struct error_table* table, uint32_t angle, int32_t residue)
   ++table->counts[node % error_nodes];
 }
 
+static bool enough(const struct error_table* table, int node) {
+  return table->counts[node % error_nodes] >= error_least_samples;
+}
+
+// Mean residue of the samples at each node. A small signal of few bits leaves out a node or two,
+// however many turns there are: those are between their neighbours. False if there are more in a
+// row.
+static bool means(const struct error_table* table, double mean[error_nodes]) {
+  for (int j = 0; j < error_nodes; ++j)
+    if (enough(table, j)) mean[j] = (double)table->sums[j] / table->counts[j] / 256;
+  for (int j = 0; j < error_nodes; ++j) {
+    if (enough(table, j)) continue;
+    int before = 1, after = 1;
+    while (before <= longest_gap && !enough(table, j + error_nodes - before)) ++before;
+    while (after <= longest_gap && !enough(table, j + after)) ++after;
+    if (before + after - 1 > longest_gap) return false;
+    const double left = mean[(j + error_nodes - before) % error_nodes];
+    const double right = mean[(j + after) % error_nodes];
+    mean[j] = (left * after + right * before) / (before + after);
+  }
+  return true;
+}
+
 const char* error_table_nodes(const struct error_table* table, int32_t nodes[error_nodes]) {
   static double mean[error_nodes], cosine[error_nodes], value[error_nodes];
+  if (!means(table, mean))
+    return "a part of the turn has too few samples: turn slower or learn for more turns";
   for (int j = 0; j < error_nodes; ++j) {
-    if (table->counts[j] < error_least_samples)
-      return "a part of the turn has too few samples: turn slower or learn for more turns";
-    mean[j] = (double)table->sums[j] / table->counts[j] / 256;
     cosine[j] = cos(2 * PI / error_nodes * j);
     value[j] = 0;
   }

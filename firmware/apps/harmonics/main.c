@@ -251,6 +251,8 @@ static const char* calibrate(struct supervision* state, uint32_t turn) {
   COPROCESSOR->CTRL = FROZEN | COPROCESSOR_CTRL_CORRECT_Msk;
   judgement_disturbed(&state->judgement);
   state->judgement.corrected = true;
+  static struct steering steering;
+  state->judgement.steering = &steering;
   for (int i = 0; i <= judgement_turns; ++i) {
     if (!wait_window(state)) return ended;
     judgement_look(&state->judgement);

@@ -64,13 +64,21 @@ static void start_from_nothing(void) {
     coprocessor_set_coefficient((enum coprocessor_coefficient)i, 0);
 }
 
+// Turns that may be added if the last ones were no good.
+enum { more_turns = 2 };
+
+static bool learnt(const struct judgement* judgement, uint32_t shown) {
+  if (shown < settings.turns) return false;
+  return judgement->before >= judgement->fewest || shown >= settings.turns + more_turns;
+}
+
 // Window by window, until so many were kept. From the first good turn on only good ones count, but
 // not before the third: the angle of coefficients that were never learnt need not go round, and the
 // second turn has one more sample with those. False if the signal ended before.
 static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
   struct judgement* const judgement = &state->judgement;
   uint32_t shown = 0;
-  for (uint32_t sample = 1; shown < settings.turns; ++sample) {
+  for (uint32_t sample = 1; !learnt(judgement, shown); ++sample) {
     if (!sampling_wait(sample)) return false;
     // The sample after a turn: its block has been taken over.
     if (shown >= 2 && (control & COPROCESSOR_CTRL_GUARD_Msk) == 0 &&
@@ -91,6 +99,13 @@ static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
     print_progress(sample / settings.rate_hz, &parameters);
   }
   return true;
+}
+
+// Of a fast shaft no more than a turn: the rest of the learning has to be left for the other
+// direction.
+static uint32_t mirror_seconds(uint32_t turn) {
+  const uint32_t of_a_turn = (turn + settings.rate_hz - 1) / settings.rate_hz;
+  return of_a_turn < settings.mirror_seconds ? of_a_turn : settings.mirror_seconds;
 }
 
 int main(void) {
@@ -135,7 +150,7 @@ int main(void) {
 
   struct supervision state = {.name = "quick",
                               .rate_hz = settings.rate_hz,
-                              .mirror_seconds = known ? settings.mirror_seconds : UINT32_MAX,
+                              .mirror_seconds = known ? mirror_seconds(turn) : UINT32_MAX,
                               .judgement = {.limit = settings.limit_deg,
                                             .unseen = known ? 0 : settings.harmonics_deg,
                                             .fewest = 2,

@@ -4,9 +4,16 @@
 enum { smallest_range = 1 << 25 };
 
 static void extend_range(struct turn_meter* meter, int32_t u) {
-  if (meter->samples == 0) meter->minimum = meter->maximum = u;
+  if (meter->samples == 0) meter->minimum = meter->maximum = meter->previous = u;
   if (u < meter->minimum) meter->minimum = u;
   if (u > meter->maximum) meter->maximum = u;
+  const int64_t way = (int64_t)u - meter->previous;
+  const uint32_t step = (uint32_t)(way < 0 ? -way : way);
+  if (step > meter->step) meter->step = step;
+}
+
+static bool is_noise(const struct turn_meter* meter, int64_t range) {
+  return range < smallest_range || range / 6 < meter->step;
 }
 
 // 1/256 sample; `u` is at or above the level, the sample before it below.
@@ -26,6 +33,17 @@ static void drop_stale_crossing(struct turn_meter* meter, int64_t middle, int64_
   meter->armed = false;
 }
 
+static uint64_t cross(struct turn_meter* meter, int64_t level, int32_t u) {
+  const uint64_t time = crossing_time(meter, level, u);
+  const uint64_t turn = meter->has_crossing ? time - meter->crossed_at : 0;
+  meter->armed = false;
+  meter->risen = false;
+  meter->has_crossing = true;
+  meter->level = (int32_t)level;
+  meter->crossed_at = time;
+  return turn;
+}
+
 uint64_t turn_meter_feed(struct turn_meter* meter, int32_t u) {
   extend_range(meter, u);
   const int64_t range = (int64_t)meter->maximum - meter->minimum;
@@ -33,15 +51,13 @@ uint64_t turn_meter_feed(struct turn_meter* meter, int32_t u) {
   drop_stale_crossing(meter, middle, range);
   const int64_t level = meter->has_crossing ? meter->level : middle;
   uint64_t turn = 0;
-  if (range < smallest_range || u < level - range / 8) {
-    meter->armed = range >= smallest_range;
-  } else if (meter->armed && u >= level) {
-    const uint64_t time = crossing_time(meter, level, u);
-    turn = meter->has_crossing ? time - meter->crossed_at : 0;
+  if (u > level + range / 8) meter->risen = true;
+  if (is_noise(meter, range)) {
     meter->armed = false;
-    meter->has_crossing = true;
-    meter->level = (int32_t)level;
-    meter->crossed_at = time;
+  } else if (u < level - range / 8) {
+    meter->armed = meter->armed || !meter->has_crossing || meter->risen;
+  } else if (meter->armed && u >= level) {
+    turn = cross(meter, level, u);
   }
   meter->previous = u;
   ++meter->samples;
