@@ -121,6 +121,11 @@ int main(void) {
     print_text("calibrate: no parameters in the program\n");
     return status_no_parameters;
   }
+  if (settings.window_samples > settings.samples) {
+    print_text("calibrate: no window ends in so few samples: raise samples or lower ");
+    print_text("window_samples\n");
+    return status_refused;
+  }
   console_start_buffering();
 
   const struct coprocessor_parameters* const parameters = &calibration_parameters.parameters;
