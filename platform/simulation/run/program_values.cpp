@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "run/run_inputs.h"
+#include "run/chosen_program.h"
 #include "run/run_settings.h"
 #include "support/printable.h"
 

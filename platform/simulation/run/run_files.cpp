@@ -2,6 +2,7 @@
 
 #include "metrics/begin_recording.h"
 #include "run/checkpoints.h"
+#include "run/chosen_program.h"
 #include "run/coprocessor_backend.h"
 #include "run/run_inputs.h"
 #include "run/run_settings.h"

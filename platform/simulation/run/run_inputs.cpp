@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <sstream>
 
 #include "golden/trace.h"
@@ -15,6 +14,7 @@
 #include "loader/vector_table.h"
 #include "metrics/parameter_file.h"
 #include "metrics/sensor_match.h"
+#include "run/chosen_program.h"
 #include "run/program_values.h"
 #include "run/run_settings.h"
 #include "sensor/description_keys.h"
@@ -28,17 +28,6 @@ namespace {
 std::optional<metrics::Parameters> truth_of(const sensor::Description& d) {
   if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta || !d.phi) return std::nullopt;
   return metrics::Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
-}
-
-/// A program that nobody named and that is not there: the binary was copied without its files.
-std::optional<Error> missing_default(const RunSettings& settings, const std::string& program) {
-  std::error_code ignored;
-  if (!settings.firmware.elf.is_built_in() || std::filesystem::exists(program, ignored))
-    return std::nullopt;
-  return Error{fmt::format(
-      "{}: the default program is not there; name yours (capsoc run FILE.elf), or keep the folder "
-      "firmware/ beside capsoc",
-      program)};
 }
 
 /// Standard input has one reader.
@@ -57,24 +46,12 @@ std::optional<Error> taken_standard_input(const RunSettings& settings) {
 
 }  // namespace
 
-std::string program_of(const RunSettings& settings) {
-  const bool chosen = !settings.firmware.elf.is_built_in();
-  if (settings.firmware.parameters.empty() || chosen) return settings.firmware.elf();
-  return host::data_path("firmware/calibrate.elf");
-}
-
 std::vector<std::string> places_to_load(const RunSettings& settings) {
   std::vector<std::string> places;
   std::istringstream list(settings.firmware.load());
   for (std::string place; std::getline(list, place, ',');)
     if (!place.empty()) places.push_back(place);
   return places;
-}
-
-Result<loader::ElfImage> read_program(const RunSettings& settings) {
-  const std::string file = program_of(settings);
-  if (auto error = missing_default(settings, file)) return *error;
-  return loader::load_program(file);
 }
 
 Result<RunInputs> read_inputs(const RunSettings& settings) {

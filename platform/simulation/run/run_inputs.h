@@ -45,14 +45,8 @@ struct RunInputs {
   std::vector<Input> files(const RunSettings& settings) const;
 };
 
-/// The program: of the settings, or the one that has a place for parameters from outside.
-std::string program_of(const RunSettings& settings);
-
 /// FILE or FILE@ADDRESS of each further image, in order; later ones overwrite.
 std::vector<std::string> places_to_load(const RunSettings& settings);
-
-/// The program of a run as its file has it.
-Result<loader::ElfImage> read_program(const RunSettings& settings);
 
 /// An Error is a file that is missing or wrong, or a setting that does not fit it.
 Result<RunInputs> read_inputs(const RunSettings& settings);
