@@ -34,7 +34,9 @@ static void pass_marks(struct evenness* state, int64_t step) {
   while (state->marks < evenness_marks && way >= first + state->marks * MARK) {
     const int64_t beyond = way - (first + state->marks * MARK);
     const double part = step != 0 ? fmin((double)beyond / (double)magnitude(step), 1) : 0;
-    state->when[state->marks++] = state->samples - part;
+    const double when = state->samples - part;
+    state->when[state->marks++] = when;
+    state->when_sum += when;
   }
 }
 
@@ -54,26 +56,24 @@ void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
 }
 
 // Of the places of the window that ended: behind (negative) or ahead of a steady turn, all by the
-// same as the place where it began.
+// same as the place where it began, which their mean takes off. There may be little time in a
+// sample.
 static void add_turn(struct evenness* state) {
   const int64_t first = first_mark(state);
-  const uint32_t number = (uint32_t)((origin(state) + first) / MARK);
+  uint32_t place = (uint32_t)((origin(state) + first) / MARK) % evenness_marks;
+  const double step = fabs(state->mean_step);
+  const double steady_mean = state->when_sum / state->marks * step;
+  double way = steady_mean - (state->marks - 1) * (MARK / 2.0);  // of the mark, less the mean
   double change = 0;
-  double mean = 0;
-  double deviation[evenness_marks];
-  for (uint32_t i = 0; i < state->marks; ++i) {
-    const double steady = state->when[i] * fabs(state->mean_step);
-    deviation[i] = (double)(first + i * MARK) - steady;
-    mean += deviation[i] / state->marks;
+  for (uint32_t i = 0; i < state->marks; ++i, way += MARK) {
+    const double deviation = way - state->when[i] * step;
+    const double other = deviation - state->before[place];
+    state->sum[place] += deviation;
+    state->before[place] = deviation;
+    change += other * other;
+    place = (place + 1) % evenness_marks;
   }
-  for (uint32_t i = 0; i < state->marks; ++i) {
-    const uint32_t place = (number + i) % evenness_marks;
-    const double own = deviation[i] - mean;
-    state->sum[place] += own;
-    if (state->turns != 0) change += (own - state->before[place]) * (own - state->before[place]);
-    state->before[place] = own;
-  }
-  state->change += change / evenness_marks;
+  if (state->turns != 0) state->change += change / evenness_marks;
   ++state->turns;
 }
 
@@ -89,6 +89,7 @@ uint32_t evenness_end_window(struct evenness* state, bool whole) {
   state->origin = state->angle;
   state->samples = 0;
   state->travel = 0;
+  state->when_sum = 0;
   state->marks = 0;
   return jump;
 }

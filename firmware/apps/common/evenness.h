@@ -23,6 +23,7 @@ struct evenness {
   int64_t longest, shortest;    // step of one sample, signed
   uint32_t marks;               // passed so far
   double when[evenness_marks];  // sample at which each was passed, with its fraction
+  double when_sum;
   // Over all whole turns.
   uint32_t turns;
   double mean_step;               // of the last whole turn, signed

@@ -46,6 +46,20 @@ static uint32_t difference(int32_t one, int32_t other) {
   return one > other ? (uint32_t)one - (uint32_t)other : (uint32_t)other - (uint32_t)one;
 }
 
+static int32_t wrapped(int32_t one, int32_t other) {
+  return (int32_t)((uint32_t)one - (uint32_t)other);
+}
+
+// Without phi.
+static struct coprocessor_parameters minus(const struct coprocessor_parameters* one,
+                                           const struct coprocessor_parameters* other) {
+  return (struct coprocessor_parameters){.a1 = wrapped(one->a1, other->a1),
+                                         .a2 = wrapped(one->a2, other->a2),
+                                         .b1 = wrapped(one->b1, other->b1),
+                                         .b2 = wrapped(one->b2, other->b2),
+                                         .beta = wrapped(one->beta, other->beta)};
+}
+
 // Phi may drift: it says where the reference is, not what the sensor is.
 static uint32_t drift_between(const struct coprocessor_parameters* before,
                               const struct coprocessor_parameters* now) {
@@ -195,10 +209,10 @@ static void keep_before(struct judgement* judgement, const struct turn_evidence*
 static void keep_learning(struct judgement* judgement, uint32_t drift) {
   for (uint32_t i = learning_kept - 1; i > 0; --i) {
     judgement->learning[i] = judgement->learning[i - 1];
-    judgement->learnt[i] = judgement->learnt[i - 1];
+    judgement->change[i] = judgement->change[i - 1];
   }
   judgement->learning[0] = drift;
-  judgement->learnt[0] = judgement->parameters;
+  judgement->change[0] = judgement->added;
   if (judgement->learning_turns < learning_kept) ++judgement->learning_turns;
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
 }
@@ -218,6 +232,7 @@ static struct turn_evidence read_window(struct judgement* judgement, uint32_t fl
   };
   judgement->zeros += turn.zeros;
   judgement->repeats += turn.repeats;
+  judgement->added = minus(&parameters, &judgement->parameters);
   judgement->parameters = parameters;
   judgement->has_parameters = true;
   return turn;
@@ -349,16 +364,17 @@ uint32_t judgement_motion(const struct judgement* judgement) {
 // What the parameters may still be off by, if their last changes go on as they were: those of a
 // loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
 // same speed, do not. What goes to and fro from turn to turn, by noise or an uneven shaft, goes
-// nowhere: the way from the first to the last of the turns counts.
+// nowhere: the sum of the changes counts.
 static uint64_t wander(const struct judgement* judgement) {
   if (judgement->learning_turns < learning_kept || by_count()) return 0;
   const uint64_t last = judgement->learning[0], before = judgement->learning[1];
   const uint64_t first = judgement->learning[2];
   const bool settles = before >= 2 * last && first >= 2 * before;
   if (settles && before > last) return last * last / (before - last);
-  const uint32_t turns = learning_kept - 1;
-  return LONGEST_DRIFT * (uint64_t)drift_between(&judgement->learnt[turns], judgement->learnt) /
-         turns;
+  struct coprocessor_parameters begin = judgement->parameters;
+  for (uint32_t i = 0; i < learning_kept; ++i) begin = minus(&begin, &judgement->change[i]);
+  const uint32_t way = drift_between(&begin, &judgement->parameters);
+  return LONGEST_DRIFT * (uint64_t)way / learning_kept;
 }
 
 static uint64_t radius_and_residue(const struct judgement* judgement,

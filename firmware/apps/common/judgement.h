@@ -15,9 +15,9 @@
 
 // Windows before the covered ones whose evidence is kept; `fewest` is at most one more.
 enum { judgement_turns = 3 };
-// Turns of demodulation whose parameters are kept. A second signal at up to 1.3 times the speed
-// still shows as a way from the first of them to the last; a faster one shows in a turn.
-enum { learning_kept = 4 };
+// Turns of demodulation whose changes are kept. A second signal at up to 1.3 times the speed still
+// shows in their sum; a faster one shows in a turn.
+enum { learning_kept = 3 };
 
 // What one window says. Angles in 2^-32 turn.
 struct turn_evidence {
@@ -57,10 +57,11 @@ struct judgement {
   uint32_t watched;  // sample whose angle was watched last
   // Of the last turns of demodulation, the last one first
   uint32_t learning[learning_kept];                     // drifts
-  struct coprocessor_parameters learnt[learning_kept];  // at their ends
+  struct coprocessor_parameters change[learning_kept];  // what was added in each, wrapped
   uint32_t learning_turns;
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before
+  struct coprocessor_parameters added;          // in that window, wrapped
   struct turn_evidence turns[judgement_turns];  // whole ones before what is covered, the last first
   uint32_t before;     // of them that are good, without a gap up to what is covered
   const char* spoilt;  // what speaks against the window before what is covered; null: nothing
