@@ -337,6 +337,23 @@ class Bounds(VerdictCase):
             r", last \d+ samples, if no sample is stale and harmonics along the circle stay below 2.50 deg$",
         )
 
+    def test_samples_that_come_later_and_later_are_a_condition_of_a_numeric_reference(self):
+        # From the 45,000th to the 75,000th: a speed that is a little off does the same, and phi follows both.
+        disturbance = Noise(1e-4)
+        for rate, conditions in ((0, []), (0.004, ["no sample is stale"])):
+            late = [k - int(rate * min(max(k - 45_000, 0), 30_000)) for k in range(110_100)]
+            sensor = self.record(
+                (
+                    good_u(2 * math.pi * turning(source)) + disturbance(),
+                    good_v(2 * math.pi * turning(source)) + disturbance(),
+                    turning(k),
+                )
+                for k, source in enumerate(late)
+            )
+            self.run_program("selfcal", "--sensor", sensor)
+            self.assertTrue(self.result["verdict"]["pass"], self.process.stdout)
+            self.assertEqual(self.result["verdict"]["conditions"], conditions)
+
     def test_stale_samples_are_in_the_bound_of_a_tracked_shaft(self):
         # Each is good for its circle and its order of turns; only the step from one to the next shows it.
         disturbance = Noise(1e-4)

@@ -19,6 +19,8 @@
 // A drift that does not grow smaller may go on for so many turns and have gone on before.
 #define LONGEST_DRIFT 16
 #define HALF_TURN (UINT32_C(1) << 31)
+// Of phi in a settled loop, 2^-32 turn.
+#define ROUNDINGS 8
 
 static uint32_t field(uint32_t word, uint32_t mask, uint32_t position) {
   return (word & mask) >> position;
@@ -85,6 +87,9 @@ void judgement_restart(struct judgement* judgement) {
   judgement->before = 0;
   judgement->spoilt = NULL;
   judgement->learning_turns = 0;
+  judgement->phi_turns = 0;
+  judgement->phi_change = 0;
+  judgement->slip = 0;
   evenness_restart(&judgement->evenness);
 }
 
@@ -217,6 +222,22 @@ static void keep_learning(struct judgement* judgement, uint32_t drift) {
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
 }
 
+// A loop that settles has changes that shrink; what is beyond 0.6 of the largest before, in a turn,
+// is the reference's or the samples'.
+static void follow_phi(struct judgement* judgement) {
+  const int32_t change = (int32_t)(judgement->parameters.phi - judgement->phi);
+  judgement->phi = judgement->parameters.phi;
+  if (++judgement->phi_turns < 2) return;
+  for (uint32_t i = learning_kept - 1; i > 0; --i)
+    judgement->phi_way[i] = judgement->phi_way[i - 1];
+  judgement->phi_way[0] = change;
+  const uint32_t settling = judgement->phi_change - judgement->phi_change / 5 * 2;
+  const uint32_t size = magnitude(change);
+  judgement->phi_change = larger(size, settling);
+  if (judgement->phi_turns < 4 || size <= settling) return;
+  judgement->slip += change < 0 ? -(int64_t)(size - settling) : size - settling;
+}
+
 static struct turn_evidence read_window(struct judgement* judgement, uint32_t flags) {
   const struct coprocessor_parameters parameters = coprocessor_read_parameters();
   struct turn_evidence turn = {
@@ -270,8 +291,10 @@ void judgement_look(struct judgement* judgement) {
     if (judgement->covers && judgement->objection == NULL)
       judgement->objection = "turns ended without being looked at: lower rate_hz";
   }
-  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_DEMOD_Msk) != 0 && turn.whole)
+  if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_DEMOD_Msk) != 0 && turn.whole) {
     keep_learning(judgement, turn.drift);
+    if (judgement->numeric && good(judgement, &turn)) follow_phi(judgement);
+  }
   if (judgement->covers)
     cover(judgement, &turn);
   else
@@ -420,6 +443,24 @@ uint32_t judgement_bound_of_last(const struct judgement* judgement) {
   if (judgement->before == 0) return HALF_TURN;
   const struct turn_evidence* const turn = &judgement->turns[0];
   return capped(radius_and_residue(judgement, turn) + turn->drift);
+}
+
+// What phi has gone if it always went on as in the last turns: the least of them, one way.
+static uint64_t steady_slip(const struct judgement* judgement) {
+  uint32_t least = HALF_TURN;
+  for (uint32_t i = 0; i < learning_kept; ++i) {
+    const int32_t way = judgement->phi_way[i];
+    if ((way < 0) != (judgement->phi_way[0] < 0)) return 0;
+    if (magnitude(way) < least) least = magnitude(way);
+  }
+  return (uint64_t)least * judgement->judged;
+}
+
+bool judgement_assumes_fresh(const struct judgement* judgement) {
+  if (!judgement->numeric || judgement->steering != NULL) return true;
+  const uint64_t bound = judgement_bound(judgement);
+  const uint64_t slip = (uint64_t)(judgement->slip < 0 ? -judgement->slip : judgement->slip);
+  return slip > bound / 8 + ROUNDINGS || steady_slip(judgement) > bound / 3 + ROUNDINGS;
 }
 
 const char* judgement_objection(const struct judgement* judgement) {

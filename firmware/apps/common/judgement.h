@@ -59,6 +59,12 @@ struct judgement {
   uint32_t learning[learning_kept];                     // drifts
   struct coprocessor_parameters change[learning_kept];  // what was added in each, wrapped
   uint32_t learning_turns;
+  // Numeric reference, good turns of demodulation: how far phi goes that does not settle
+  uint32_t phi_turns;
+  uint32_t phi;                    // at the end of the last, 2^-32 turn
+  uint32_t phi_change;             // in a turn, decaying
+  int32_t phi_way[learning_kept];  // in the last turns, the last one first
+  int64_t slip;                    // since the fourth
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before
   struct coprocessor_parameters added;          // in that window, wrapped
@@ -108,6 +114,10 @@ uint32_t judgement_bound(const struct judgement* judgement);
 // Whether the bound holds only if the sensor's harmonics along the circle stay below `unseen`: the
 // motion does not show them.
 bool judgement_assumes_harmonics(const struct judgement* judgement);
+// Whether the bound holds only if no sample is stale. Of a numeric reference jumps are seen, but
+// samples that come later and later are the same as a speed that is a little off, and phi follows
+// them: about a third of the bound is too far. A delay that was always the same is nobody's to see.
+bool judgement_assumes_fresh(const struct judgement* judgement);
 // Samples that the bound is about.
 uint32_t judgement_covered(const struct judgement* judgement);
 // Of the shaft from one sample to the next, 2^-32 turn, mean of the last whole turn; 0 for samples

@@ -8,11 +8,19 @@
 #include "support/constants.h"
 
 namespace capsoc::metrics {
+namespace {
+
+/// What the fit leaves of a channel's scatter, at most: stale samples in a part of a recording move
+/// its zero by more than 10 degrees only where they leave more.
+constexpr double unexplained = 0.1;
+
+}  // namespace
 
 std::optional<TruthAlignment> recorded_alignment(sensor::Source& source) {
   if (source.description().motion != sensor::MotionKind::recorded) return std::nullopt;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> moments = Eigen::Matrix<double, 3, 2>::Zero();
+  Eigen::Array2d squares = Eigen::Array2d::Zero();
   bool complete = true;
   source.rewind();
   for (uint64_t k = 0; complete; ++k) {
@@ -22,13 +30,20 @@ std::optional<TruthAlignment> recorded_alignment(sensor::Source& source) {
     const double angle = value->angle_turns * two_pi;
     const Eigen::Vector3d row(std::sin(angle), std::cos(angle), 1);
     normal += row * row.transpose();
-    moments += row * Eigen::RowVector2d(value->u, value->v);
+    const Eigen::RowVector2d channels(value->u, value->v);
+    moments += row * channels;
+    squares += channels.array().square().transpose();
   }
   source.rewind();
   if (!complete) return std::nullopt;
   const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
   if (solver.info() != Eigen::Success || solver.rcond() < 1e-9) return std::nullopt;
   const Eigen::Matrix<double, 3, 2> found = solver.solve(moments);
+  const Eigen::Array2d left =
+      squares - (found.array() * moments.array()).colwise().sum().transpose();
+  const Eigen::Array2d scatter =
+      squares - moments.row(2).array().square().transpose() / normal(2, 2);
+  if ((left > unexplained * scatter).any()) return std::nullopt;
   const Eigen::Vector2d u = found.block<2, 1>(0, 0), v = found.block<2, 1>(0, 1);
   const double area = u.x() * v.y() - u.y() * v.x();
   if (!(std::fabs(area) > 0.05 * u.norm() * v.norm())) return std::nullopt;
