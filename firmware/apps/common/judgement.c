@@ -301,7 +301,7 @@ void judgement_look(struct judgement* judgement) {
     keep_before(judgement, &turn);
   if (turn.whole) ++judgement->judged;
   if (turn.whole && judgement->steering != NULL)
-    steering_end_turn(judgement->steering, turn.samples);
+    steering_end_turn(judgement->steering, turn.samples, turn.residue);
 }
 
 void judgement_cover(struct judgement* judgement) {

@@ -1,6 +1,7 @@
 // Keeps a numeric reference at the angle of a shaft whose speed was measured: at the end of every
-// turn the speed takes over a part of what the residue and its change say. It settles in about five
-// turns and follows a pace that changes over more; what the sensor does within a turn it leaves.
+// turn the speed takes over a part of what the residue and its change say, unless the largest of
+// the turn is below twice that of the best turn. It settles in about five turns and follows a pace
+// that changes over more; what the sensor does within a turn it leaves.
 #ifndef CAPSOC_STEERING_H
 #define CAPSOC_STEERING_H
 
@@ -10,9 +11,10 @@
 struct steering {
   bool any;        // a turn has ended; the rest starts at 0
   int32_t before;  // residue at its end, 2^-32 turn
+  uint32_t least;  // of the largest residues of the turns so far
 };
 
-// A turn of so many samples has ended with the last result.
-void steering_end_turn(struct steering* state, uint32_t samples);
+// A turn of so many samples has ended with the last result; `largest` is its RESIDUE_MAX.
+void steering_end_turn(struct steering* state, uint32_t samples, uint32_t largest);
 
 #endif
