@@ -9,7 +9,7 @@ void steering_end_turn(struct steering* state, uint32_t samples, uint32_t larges
   const int64_t change = state->any ? (int64_t)residue - state->before : 0;
   state->before = residue;
   state->any = true;
-  if (samples == 0 || largest / 2 < state->least) return;
+  if (samples == 0 || largest - largest / 4 < state->least) return;
   // A half of the change and a quarter of the rest: both poles of the loop have a magnitude of
   // 0.71.
   const int64_t way = (2 * change + residue) * (1 << 14) / (int64_t)samples;
