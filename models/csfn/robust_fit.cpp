@@ -150,29 +150,39 @@ double reach_of(Eigen::Index count, Eigen::Index kept) {
          normal_quantile(1 - tail);
 }
 
-/// The places within reach; for the others the distance as well.
-std::vector<Eigen::Index> within(const Channel& u, const Channel& v, const Parameters& p,
-                                 double noise, double reach, RobustFit& robust) {
+/// The outliers, and how far they are.
+void find_outliers(const Channel& u, const Channel& v, const Parameters& p, double noise,
+                   double reach, RobustFit& robust) {
   const CirclePlane plane(p);
   const EllipseDistance exact(p);
-  std::vector<Eigen::Index> places;
   robust.outliers.clear();
   robust.nearest = HUGE_VAL;
   robust.farthest = 0;
   for (Eigen::Index i = 0; i < u.size(); ++i) {
     double distance = std::abs(first_order_distance(plane, u[i], v[i]));
-    if (distance > first_order_reach * noise || distance > reach / 2) {
+    if (distance > first_order_reach * noise || distance > reach / 2)
       distance = std::abs(exact.at(u[i], v[i]));
-    }
-    if (distance <= reach) {
-      places.push_back(i);
-      continue;
-    }
+    if (distance <= reach) continue;
     robust.outliers.push_back(i);
     robust.nearest = std::min(robust.nearest, distance / noise);
     robust.farthest = std::max(robust.farthest, distance / noise);
   }
-  return places;
+}
+
+/// The samples at all other places; `outliers` ascend.
+Samples all_but(const Channel& u, const Channel& v, const std::vector<Eigen::Index>& outliers) {
+  const Eigen::Index count = u.size() - static_cast<Eigen::Index>(outliers.size());
+  Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  auto next = outliers.begin();
+  for (Eigen::Index i = 0, k = 0; i < u.size(); ++i) {
+    if (next != outliers.end() && *next == i) {
+      ++next;
+      continue;
+    }
+    samples.u[k] = u[i];
+    samples.v[k++] = v[i];
+  }
+  return samples;
 }
 
 }  // namespace
@@ -223,22 +233,25 @@ RobustFit fit_robustly(const Channel& u, const Channel& v, const RobustStart& st
   if (robust.fit.converged) {
     const double noise = std::max(robust.fit.noise, resolution / 10);
     const double reach = std::max(resolution, noise * reach_of(u.size(), u.size()));
-    within(u, v, robust.fit.parameters, noise, reach, robust);
+    find_outliers(u, v, robust.fit.parameters, noise, reach, robust);
     if (robust.outliers.empty()) return robust;
   }
   robust.fit = {};
   robust.fit.parameters = start.parameters;
   robust.fit.noise = start.noise;
-  std::vector<Eigen::Index> last;
+  std::optional<std::vector<Eigen::Index>> last;
   // The draws' median is less certain than a fit: nothing that may belong is left out at first.
   double allowance = 1 + 10 / static_cast<double>(u.size());
   Eigen::Index kept = u.size();
   for (int round = 0; round < rounds; ++round) {
     const double noise = std::max(robust.fit.noise, resolution / 10);
     const double reach = std::max(resolution, allowance * noise * reach_of(u.size(), kept));
-    std::vector<Eigen::Index> places = within(u, v, robust.fit.parameters, noise, reach, robust);
-    if (places == last) return robust;
-    robust.kept = taken(u, v, places);
+    find_outliers(u, v, robust.fit.parameters, noise, reach, robust);
+    if (robust.outliers == last || robust.outliers.size() == static_cast<std::size_t>(u.size()))
+      return robust;
+    last = robust.outliers;
+    robust.kept.reset();  // before there are new ones
+    robust.kept = all_but(u, v, robust.outliers);
     const Samples& some = *robust.kept;
     kept = some.u.size();
     if (kept <= 5 || check_samples(some.u, some.v)) return robust;
@@ -246,7 +259,6 @@ RobustFit fit_robustly(const Channel& u, const Channel& v, const RobustStart& st
     robust.fit = fit_distances(some.u, some.v, from);
     if (!robust.fit.converged) return robust;
     allowance = 1;
-    last = std::move(places);
   }
   return robust;
 }

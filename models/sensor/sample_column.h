@@ -6,6 +6,10 @@
 #include <memory>
 #include <vector>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace capsoc::sensor {
 
 /// Numbers in blocks of half a megabyte: growing moves none of them, and take() frees each block as
@@ -41,15 +45,27 @@ class SampleColumn {
       if (i * block < count)
         std::copy_n(&blocks_[i][0], std::min(count - i * block, in_block(i)), out + i * block);
       blocks_[i].reset();
+      if (i % given_back == given_back - 1) give_back();
     }
+    give_back();
     blocks_.clear();
     size_ = 0;
   }
 
  private:
   static constexpr std::size_t block = 1U << 16U;
+  static constexpr std::size_t given_back = 32;  ///< blocks at a time
 
-  std::size_t in_block(std::size_t i) const { return std::min(block, size_ - i * block); }
+  /// What is free between the blocks of other columns stays with the process otherwise.
+  static void give_back() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+  }
+
+  std::size_t in_block(std::size_t i) const {
+    return std::min(block, size_ - i * block);
+  }
 
   std::vector<std::unique_ptr<double[]>> blocks_;
   std::size_t size_ = 0;
