@@ -3,6 +3,7 @@
 
 import json
 import math
+import os
 import random
 import struct
 import subprocess
@@ -277,6 +278,29 @@ class Refusals(RecordingCase):
         process = self.capsoc("run", FIRMWARE / "hello.elf", "--sensor", "u.csv,v.csv", "--json", "v.csv")
         self.assertEqual(process.returncode, 2)
         self.assertEqual((self.folder / "v.csv").read_bytes(), before)
+
+
+class LongRecords(RecordingCase):
+    """How much memory a fit needs: the two numbers of a row, and little more."""
+
+    def peak(self, rows):
+        """Largest resident size of a fit of so many rows, in bytes."""
+        r = random.Random(2)
+        with open(self.folder / "long.csv", "w", encoding="ascii") as file:
+            file.write("u,v\n")
+            for k in range(rows):
+                theta = 0.0643 * k
+                u, v = 0.7 * math.sin(theta) + 0.1, 0.6 * math.cos(theta + 0.1) - 0.05
+                file.write(f"{u + r.uniform(-1e-3, 1e-3):.7f},{v + r.uniform(-1e-3, 1e-3):.7f}\n")
+        process = subprocess.Popen([CAPSOC, "fit", "long.csv"], env=CLEAN, cwd=self.folder, stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0)
+        return usage.ru_maxrss << 10
+
+    def test_little_more_than_sixteen_bytes_a_row(self):
+        few, many = 400_000, 1_600_000
+        self.assertLess((self.peak(many) - self.peak(few)) / (many - few), 22)
 
 
 class TimeStamps(RecordingCase):
