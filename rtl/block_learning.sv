@@ -63,27 +63,45 @@ module block_learning #(
   assign learning_o.sum = sum_q;
   assign learning_o.from_sums = from_sums_q;
 
+  // When the ring takes a coefficient of T3, lms_demodulator.sv's cycle, and the place of its sum.
+  typedef enum logic [4:0] {
+    WriteAu = 5'd16,
+    WriteBu = 5'd18,
+    WriteCu = 5'd19,
+    WriteAv = 5'd22,
+    WriteBv = 5'd24,
+    WriteCv = 5'd25
+  } write_cycle_e;
+  typedef enum logic [2:0] {
+    SumAu = 3'd0,
+    SumBu = 3'd1,
+    SumCu = 3'd2,
+    SumAv = 3'd3,
+    SumBv = 3'd4,
+    SumCv = 3'd5
+  } sum_e;
+
   // The sums: six words. Synthesis takes a block memory for 64 words and more, and logic for fewer.
   logic [47:0] sums[0:63];
   logic [47:0] sum_read_q;
   logic [2:0] write_address, read_address;
   always_comb begin
-    case (cycle_i)
-      5'd18: write_address = 3'd1;
-      5'd19: write_address = 3'd2;
-      5'd22: write_address = 3'd3;
-      5'd24: write_address = 3'd4;
-      5'd25: write_address = 3'd5;
-      default: write_address = 3'd0;
+    unique case (cycle_i)
+      WriteBu: write_address = SumBu;
+      WriteCu: write_address = SumCu;
+      WriteAv: write_address = SumAv;
+      WriteBv: write_address = SumBv;
+      WriteCv: write_address = SumCv;
+      default: write_address = SumAu;
     endcase
-    // A cycle before the ring takes it.
-    case (cycle_i)
-      5'd13, 5'd14, 5'd15: read_address = 3'd1;
-      5'd16, 5'd17: read_address = 3'd2;
-      5'd18: read_address = 3'd3;
-      5'd19, 5'd20, 5'd21: read_address = 3'd4;
-      5'd22, 5'd23: read_address = 3'd5;
-      default: read_address = 3'd0;
+    // A cycle before the ring takes it: it turns by one place a coefficient, three cycles before that is written.
+    unique case (cycle_i)
+      WriteAu - 5'd3, WriteAu - 5'd2, WriteAu - 5'd1: read_address = SumBu;
+      WriteAu, WriteAu + 5'd1: read_address = SumCu;
+      WriteBu: read_address = SumAv;
+      WriteCu, WriteCu + 5'd1, WriteCu + 5'd2: read_address = SumBv;
+      WriteAv, WriteAv + 5'd1: read_address = SumCv;
+      default: read_address = SumAu;
     endcase
   end
   always_ff @(posedge clk_i) begin
@@ -91,6 +109,14 @@ module block_learning #(
     if (active_i) sum_read_q <= sums[{3'b0, read_address}];
   end
   assign sum_o = sum_read_q;
+
+`ifdef VERILATOR
+  always_ff @(posedge clk_i) begin
+    if (rst_ni && weight_valid_i)
+      assert (cycle_i inside {WriteAu, WriteBu, WriteCu, WriteAv, WriteBv, WriteCv})
+      else $error("a coefficient comes where the sums have no place for it");
+  end
+`endif
 
 `ifdef FORMAL
   // A second reading port, so that a proof can relate one sum to its shadow.

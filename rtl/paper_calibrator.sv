@@ -41,6 +41,16 @@ module paper_calibrator (
     clamp = exceeds(value[34:31]) ? {value[34], {31{~value[34]}}} : value[31:0];
   endfunction
 
+  // What each cycle's product is
+  typedef enum logic [4:0] {
+    ProductU1  = 5'd0,
+    ProductV1  = 5'd1,
+    ProductU2  = 5'd2,
+    ProductV2  = 5'd3,
+    ProductA1A2 = 5'd4,
+    ProductDet = 5'd5
+  } cycle_e;
+
   logic signed [31:0] u1_q, v1_q, u2_q, v2_q, det_q;
   logic mirror_q, saturated_q;
 
@@ -56,12 +66,12 @@ module paper_calibrator (
 
   logic signed [31:0] factor_a, factor_b;
   always_comb begin
-    case (cycle_i[2:0])
-      3'd0: {factor_a, factor_b} = {a2_i, clamp(offset_free)};
-      3'd1: {factor_a, factor_b} = {a1_i, clamp(offset_free)};
-      3'd2: {factor_a, factor_b} = {u1_q, cosine};
-      3'd3: {factor_a, factor_b} = {u1_q, sine};
-      3'd4: {factor_a, factor_b} = {a1_i, a2_i};
+    unique case (cycle_i)
+      ProductU1: {factor_a, factor_b} = {a2_i, clamp(offset_free)};
+      ProductV1: {factor_a, factor_b} = {a1_i, clamp(offset_free)};
+      ProductU2: {factor_a, factor_b} = {u1_q, cosine};
+      ProductV2: {factor_a, factor_b} = {u1_q, sine};
+      ProductA1A2: {factor_a, factor_b} = {a1_i, a2_i};
       default: {factor_a, factor_b} = {det_q, cosine};
     endcase
   end
@@ -75,7 +85,7 @@ module paper_calibrator (
 
   logic signed [34:0] result;
   logic clamped;
-  assign result = $signed(product[65:31]) + ((cycle_i[2:0] == 3'd3) ? 35'(v1_q) : 35'sd0);
+  assign result = $signed(product[65:31]) + ((cycle_i == ProductV2) ? 35'(v1_q) : 35'sd0);
   assign clamped = exceeds(result[34:31]) || (!cycle_i[1] && exceeds(offset_free[34:31]));
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -87,16 +97,16 @@ module paper_calibrator (
       det_q <= '0;
       mirror_q <= 1'b0;
       saturated_q <= 1'b0;
-    end else if (run_i && (cycle_i[4:2] == 3'd0)) begin
-      case (cycle_i[1:0])
-        2'd0: u1_q <= clamp(result);
-        2'd1: v1_q <= clamp(result);
-        2'd2: u2_q <= clamp(result);
+    end else if (run_i && (cycle_i <= ProductV2)) begin
+      unique case (cycle_i)
+        ProductU1: u1_q <= clamp(result);
+        ProductV1: v1_q <= clamp(result);
+        ProductU2: u2_q <= clamp(result);
         default: v2_q <= clamp(result);
       endcase
       mirror_q <= cosine[31];
-      saturated_q <= clamped || (saturated_q && (cycle_i[1:0] != 2'd0));
-    end else if (run_i && (cycle_i == 5'd4 || cycle_i == 5'd5)) begin
+      saturated_q <= clamped || (saturated_q && (cycle_i != ProductU1));
+    end else if (run_i && (cycle_i == ProductA1A2 || cycle_i == ProductDet)) begin
       det_q <= clamp(result);
     end
   end

@@ -38,19 +38,22 @@ module paper_lms #(
 );
 
   // What the multiplier does in a slot of a channel.
-  localparam logic [2:0] SlotSine = 3'd0;  // a sine
-  localparam logic [2:0] SlotCosine = 3'd1;  // b cosine, then the error
-  localparam logic [2:0] SlotGainA = 3'd2;
-  localparam logic [2:0] SlotA = 3'd3;
-  localparam logic [2:0] SlotGainB = 3'd4;
-  localparam logic [2:0] SlotB = 3'd5;
-  localparam logic [2:0] SlotC = 3'd6;
+  typedef enum logic [2:0] {
+    SlotSine   = 3'd0,  // a sine
+    SlotCosine = 3'd1,  // b cosine, then the error
+    SlotGainA  = 3'd2,
+    SlotA      = 3'd3,
+    SlotGainB  = 3'd4,
+    SlotB      = 3'd5,
+    SlotC      = 3'd6
+  } slot_e;
+  localparam logic [4:0] SlotsOfU = 5'd7;  // then as many of V
 
   logic active, channel_v;
   logic [2:0] slot;
-  assign active = run_i && (cycle_i < 5'd14);
-  assign channel_v = (cycle_i >= 5'd7);
-  assign slot = channel_v ? 3'(cycle_i - 5'd7) : cycle_i[2:0];
+  assign active = run_i && (cycle_i < SlotsOfU + SlotsOfU);
+  assign channel_v = (cycle_i >= SlotsOfU);
+  assign slot = channel_v ? 3'(cycle_i - SlotsOfU) : cycle_i[2:0];
 
   // Of a s36: does it exceed s32?
   function automatic logic exceeds(input logic [4:0] upper);
@@ -85,13 +88,13 @@ module paper_lms #(
 
   logic signed [31:0] factor_a, factor_b;
   always_comb begin
-    case (slot)
+    unique case (slot)
       SlotSine: factor_a = weight_a;
       SlotCosine: factor_a = weight_b;
       SlotA, SlotB: factor_a = gained;
       default: factor_a = error;
     endcase
-    case (slot)
+    unique case (slot)
       SlotSine, SlotA: factor_b = sine_i;
       SlotCosine, SlotB: factor_b = cosine_i;
       SlotGainA: factor_b = {1'b0, step_a >> StepShift};
@@ -114,7 +117,7 @@ module paper_lms #(
   assign estimate = 36'(part_q) + 36'(truncated) + 36'(weight_c);
   assign difference = 36'(data) - estimate;
   always_comb begin
-    case (slot)
+    unique case (slot)
       SlotA: old = weight_a;
       SlotB: old = weight_b;
       default: old = weight_c;
@@ -143,7 +146,7 @@ module paper_lms #(
         error_saturated_q <= 1'b0;
         weights_saturated_q <= 1'b0;
       end
-      case (slot)
+      unique case (slot)
         SlotCosine: begin
           if (channel_v) error_v_q <= clamp(difference);
           else error_u_q <= clamp(difference);
