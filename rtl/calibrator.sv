@@ -12,8 +12,9 @@
 //
 //   det = a_u b_v - a_v b_u;
 //   S = +-(b_v du - b_u dv), C = +-(a_u dv - a_v du), exact, - if det < 0
-// Operands are chosen in one cycle, multiplied in the next (cycle_e). Two accumulators take turns:
-// each addition goes to the older one and swaps them. In the end they are normalised.
+// Operands are chosen in one cycle, multiplied in the next. Cycles (of choice): 0 a_u b_v,
+// 4 a_v b_u; 2 du, 6 dv; 8 a_u dv, 9 b_u dv, 11 a_v du, 12 b_v du. Two accumulators take turns:
+// each addition goes to the older one and swaps them. From cycle 15 on they are normalised.
 module calibrator (
   input  logic               clk_i,
   input  logic               boundary_i,
@@ -34,21 +35,6 @@ module calibrator (
   output logic               zero_o
 );
 
-  // The schedule: a product is chosen in its cycle, made in the next, and added in the one after.
-  typedef enum logic [4:0] {
-    AuBv      = 5'd0,
-    TakeDu    = 5'd2,
-    AvBu      = 5'd4,
-    DetReady  = 5'd6,   // and dv is taken
-    AuDv      = 5'd8,
-    BuDv      = 5'd9,
-    AvDu      = 5'd11,
-    BvDu      = 5'd12,
-    SReady    = 5'd13,
-    CReady    = 5'd14,
-    Normalise = 5'd15   // from here on
-  } cycle_e;
-
   logic signed [33:0] a_q, b_q, du_q, dv_q, b_v_or_b_u;
   assign b_v_or_b_u = $signed({weight4_i[33], weight4_i[33:1]}) + $signed({33'b0, weight4_i[0]});
 
@@ -60,12 +46,12 @@ module calibrator (
   );
 
   logic early, subtract, add, normalising, mirror_q;
-  assign early = cycle_i < AuDv;
-  assign normalising = cycle_i >= Normalise;
-  // In the second cycle after AuBv nothing is added: the first product of det only changes places.
-  assign add = cycle_i == AuBv + 5'd1 || cycle_i == AuBv + 5'd2 || cycle_i == AvBu + 5'd1 || cycle_i == AuDv + 5'd1 ||
-      cycle_i == BuDv + 5'd1 || cycle_i == AvDu + 5'd1 || cycle_i == BvDu + 5'd1;
-  assign subtract = (cycle_i == AvBu + 5'd1 || cycle_i == BuDv + 5'd1 || cycle_i == AvDu + 5'd1) ^ mirror_q;
+  assign early = cycle_i < 5'd8;
+  assign normalising = cycle_i >= 5'd15;
+  // In cycle 2 nothing is added: the first product of det only changes places.
+  assign add = cycle_i == 5'd1 || cycle_i == 5'd2 || cycle_i == 5'd5 || cycle_i == 5'd9 ||
+      cycle_i == 5'd10 || cycle_i == 5'd12 || cycle_i == 5'd13;
+  assign subtract = (cycle_i == 5'd5 || cycle_i == 5'd10 || cycle_i == 5'd12) ^ mirror_q;
 
   logic [66:0] x_q, y_q;
   logic [66:0] sum;
@@ -94,9 +80,9 @@ module calibrator (
   logic [6:0] shift_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) mirror_q <= 1'b0;
-    else if (active_i && cycle_i == DetReady) mirror_q <= x_q[66];
+    else if (active_i && cycle_i == 5'd6) mirror_q <= x_q[66];
 
-    if (boundary_i || cycle_i == DetReady) begin
+    if (boundary_i || cycle_i == 5'd6) begin
       x_q <= '0;
       y_q <= '0;
       shift_q <= '0;
@@ -109,9 +95,9 @@ module calibrator (
     if (active_i) begin
       a_q <= weight_q31_i;
       if (early) b_q <= cycle_i[1:0] == 2'd0 ? b_v_or_b_u : '0;
-      else b_q <= cycle_i >= AvDu ? du_q : dv_q;
-      if (cycle_i == TakeDu) du_q <= difference_i;
-      if (cycle_i == DetReady) dv_q <= difference_i;
+      else b_q <= cycle_i >= 5'd11 ? du_q : dv_q;
+      if (cycle_i == 5'd2) du_q <= difference_i;
+      if (cycle_i == 5'd6) dv_q <= difference_i;
     end
   end
 
@@ -121,8 +107,8 @@ module calibrator (
   assign fits = &rounded[35:31] || ~|rounded[35:31];
   assign calibrated_o = fits ? rounded[31:0] : {rounded[35], {31{~rounded[35]}}};
   assign calibrated_s_o = !cycle_i[0];
-  assign calibrated_valid_o = active_i && (cycle_i == SReady || cycle_i == CReady);
-  assign det_valid_o = active_i && cycle_i == DetReady;
+  assign calibrated_valid_o = active_i && (cycle_i == 5'd13 || cycle_i == 5'd14);
+  assign det_valid_o = active_i && cycle_i == 5'd6;
   assign saturated_o = calibrated_valid_o && !fits;
 
   assign mirror_o = mirror_q;
