@@ -1,10 +1,12 @@
 #include "cortex_m3/executors/blocks.h"
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "cortex_m3/executors/execute.h"
 #include "cortex_m3/isa/decoder.h"
+#include "cortex_m3/isa/flag_liveness.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -13,50 +15,9 @@ constexpr unsigned usual_length = 32;       // a block grows past conditional br
 constexpr unsigned straight_length = 64;    // ... and up to here to the first of them
 constexpr uint32_t largest_bound = 0xFFFF;  // of Step::block_cycles
 
-// What an operation does to the flags, for those that can neither fault nor leave the block.
-enum : uint8_t { nz = 1, carry = 2, overflow = 4, all = 7 };
-struct FlagUse {
-  uint8_t reads = all, writes = 0, kills = 0;
-  bool removable = false;  // a twin without flags exists
-};
-
-FlagUse flag_use(const DecodedOp& op) {
-  if (op.condition != condition_always) return {};
-  const FlagEffect effect = traits(op.operation).flags;
-  FlagUse use{0, 0, 0, true};
-  switch (effect) {
-    case FlagEffect::unknown:
-      return {};
-    case FlagEffect::keeps:
-      return {0, 0, 0, false};
-    case FlagEffect::product:
-      use.removable = false;
-      if (op.set_flags) use.writes = use.kills = nz;
-      return use;
-    case FlagEffect::shift:  // an amount of zero keeps the carry
-      return op.set_flags ? FlagUse{carry, nz | carry, nz, true} : use;
-    case FlagEffect::logical:
-      if (op.set_flags) use.writes = use.kills = shifter_sets_carry(op) ? nz | carry : nz;
-      break;
-    case FlagEffect::arithmetic:
-    case FlagEffect::with_carry:
-      if (op.set_flags) use.writes = use.kills = all;
-      break;
-  }
-  if (effect == FlagEffect::with_carry || op.shift.type == ShiftType::rrx) use.reads = carry;
-  return use;
-}
-
-/// Marks the operations whose flags are overwritten before anything can see them.
-std::vector<bool> dead_flags(const std::vector<Step>& steps) {
-  std::vector<bool> dead(steps.size(), false);
-  uint8_t live = all;
-  for (std::size_t i = steps.size(); i-- > 0;) {
-    FlagUse use = flag_use(steps[i]);
-    dead[i] = use.removable && use.writes != 0 && (use.writes & live) == 0;
-    live = static_cast<uint8_t>((live & ~use.kills) | use.reads);
-  }
-  return dead;
+/// True if nothing can see the flags that an operation sets, and there is a form of it without.
+bool flags_are_dead(const DecodedOp& op, uint8_t live_behind) {
+  return has_form_without_flags(op) && (flag_use(op).sets & live_behind) == 0;
 }
 
 }  // namespace
@@ -125,10 +86,13 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     branches = branches || is(step, kind::branch);
   }
   if (steps.empty()) return nullptr;
-  const std::vector<bool> dead = dead_flags(steps);
+  const std::vector<uint8_t> live = live_flags(
+      steps.size(), [&](std::size_t i) -> const DecodedOp& { return steps[i]; },
+      [](std::size_t) { return false; });
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const bool fuses = i + 1 < steps.size() && machine_.counts == nullptr;
-    Execute::bind_in_block(steps[i], dead[i], fuses ? &steps[i + 1] : nullptr);
+    const bool dead = flags_are_dead(steps[i], live[i]);
+    Execute::bind_in_block(steps[i], dead, fuses ? &steps[i + 1] : nullptr);
     if (machine_.counts != nullptr) Execute::bind_counted(steps[i]);
   }
   if (machine_.counts != nullptr) machine_.counts->line(steps.front().address);

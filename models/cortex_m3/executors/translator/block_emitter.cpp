@@ -151,59 +151,6 @@ uint32_t BlockEmitter::written_by(const DecodedOp& op) {
   return bit(op.rd) | (is(op, kind::long_multiply) ? bit(op.ra) : 0);
 }
 
-/// Under a condition a step reads the flags of that as well, and kills none.
-BlockEmitter::Effects BlockEmitter::effects_of(const DecodedOp& op) {
-  Effects effects = effects_if_executed(op);
-  if (op.condition == condition_always) return effects;
-  if (op.condition > condition_always) return {};
-  effects.reads |= read_by_condition(op.condition);
-  effects.kills = 0;
-  return effects;
-}
-
-BlockEmitter::Effects BlockEmitter::effects_if_executed(const DecodedOp& op) {
-  const auto effects = [&](uint8_t reads, uint8_t sets, uint8_t kills) {
-    return op.set_flags ? Effects{reads, sets, kills, false} : Effects{reads, 0, 0, false};
-  };
-  const uint8_t carry = c_bit, none = 0;
-  const uint8_t rrx = op.shift.type == ShiftType::rrx ? carry : none;
-  const uint8_t logical = nz_bit | (shifter_sets_carry(op) ? carry : none);
-  switch (traits(op.operation).flags) {
-    case FlagEffect::keeps:
-      return {0, 0, 0, false};
-    case FlagEffect::product:
-      return effects(0, nz_bit, nz_bit);
-    case FlagEffect::shift:
-      return effects(op.set_flags ? carry : none, nz_bit | c_bit, nz_bit);
-    case FlagEffect::logical:
-      return effects(rrx, logical, logical);
-    case FlagEffect::arithmetic:
-      return effects(rrx, all_flags, all_flags);
-    case FlagEffect::with_carry:
-      return effects(c_bit, all_flags, all_flags);
-    case FlagEffect::unknown:
-      break;
-  }
-  switch (op.operation) {
-    case Operation::cmp_high:
-      return {0, all_flags, all_flags, false};
-    case Operation::add_high:
-    case Operation::mov_high:
-      return op.rd == 15 ? Effects{} : Effects{0, 0, 0, op.rd == 13};
-    case Operation::nop:
-    case Operation::it:
-    case Operation::barrier:
-      return {0, 0, 0, false};
-    case Operation::sdiv:
-    case Operation::udiv:
-      return {0, 0, 0, true};
-    default:
-      break;
-  }
-  const bool to_pc = op.rd == 15 || op.list.has(15);
-  return is(op, kind::transfer) && !to_pc ? Effects{0, 0, 0, true} : Effects{};
-}
-
 bool BlockEmitter::writes_sp(const Step& step) const {
   if (step.body != &both<Execute::align_sp> || step.rd != 13 || step.set_flags) return false;
   switch (step.operation) {
@@ -313,9 +260,9 @@ void BlockEmitter::split() {
   uint8_t own = 0;
   for (std::size_t i = 1; i <= cut_; ++i) {
     const Step& last = *steps_[i - 1];
-    const Effects effects = effects_of(last);
+    const FlagUse effects = flag_use(last);
     own |= effects.sets | effects.kills;
-    const bool whole = own == 0 || own == all_flags;
+    const bool whole = own == 0 || own == flag::all;
     if (whole && steps_[i]->it_before == 0 && !timing::hangs_on(last.trail, *steps_[i])) place = i;
   }
   if (place == 0) return;
@@ -326,20 +273,14 @@ void BlockEmitter::split() {
   cut_ = steps_.size();
 }
 
-/// Backwards: the flags that are read, or may be seen where the block is left, before they are set.
 void BlockEmitter::find_visible_flags() {
-  visible_.assign(steps_.size(), all_flags);
-  uint8_t live = all_flags;
-  for (std::size_t i = steps_.size(); i-- > 0;) {
-    visible_[i] = live;
-    const Effects effects = effects_of(*steps_[i]);
-    live = static_cast<uint8_t>((live & ~effects.kills) | effects.reads);
-    if (may_be_left_at(*steps_[i])) live = all_flags;
-  }
+  visible_ = live_flags(
+      steps_.size(), [&](std::size_t i) -> const DecodedOp& { return *steps_[i]; },
+      [&](std::size_t i) { return may_be_left_at(*steps_[i]); });
 }
 
 bool BlockEmitter::may_be_left_at(const Step& step) const {
-  return effects_of(step).exits || !is_translated(step) || writes_sp(step);
+  return flag_use(step).exits || !is_translated(step) || writes_sp(step);
 }
 
 void BlockEmitter::emit_steps() {
@@ -360,7 +301,7 @@ void BlockEmitter::emit_step(const Step& step) {
   flags_before_ = flags_;
   list_step(step);
   if (!is_translated(step)) return give_up(step);
-  const Effects effects = effects_of(step);
+  const FlagUse effects = flag_use(step);
   protect(written_by(step), effects.kills, visible_[index_]);
   ++serial_;
   host_kept_ = false;

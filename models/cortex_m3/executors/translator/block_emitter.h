@@ -12,6 +12,7 @@
 #include "cortex_m3/executors/translator/code_buffer.h"
 #include "cortex_m3/executors/translator/flag_sources.h"
 #include "cortex_m3/executors/translator/host_context.h"
+#include "cortex_m3/isa/flag_liveness.h"
 #include "cortex_m3/machine.h"
 
 namespace capsoc::cortex_m3 {
@@ -108,13 +109,6 @@ class BlockEmitter {
     uint32_t host_serial;
     HostFlags host_flags;
   };
-  enum FlagBit : uint8_t { nz_bit = 1, c_bit = 2, v_bit = 4, all_flags = 7 };
-  /// What a step does to the flags and whether the block may be left at it.
-  struct Effects {
-    uint8_t reads = all_flags, sets = 0, kills = 0;
-    bool exits = true;
-  };
-
   // block_emitter.cpp: the block
   void begin(const Step* head, CodePage& page);
   const uint8_t* finish();
@@ -130,8 +124,6 @@ class BlockEmitter {
   bool is_translated(const Step& step) const;
   uint32_t bound_of(const Step& step) const;
   bool may_be_left_at(const Step& step) const;
-  static Effects effects_of(const DecodedOp& op);
-  static Effects effects_if_executed(const DecodedOp& op);
   static uint32_t written_by(const DecodedOp& op);
   Label exit_at(const Step& step);
   Label stub(const BlockExit& exit);
@@ -187,12 +179,11 @@ class BlockEmitter {
   bool die_in_block(uint8_t which) const;
   bool only_next_reads(uint8_t which) const;
   void forget_host_carries();
-  static uint8_t read_by_condition(unsigned guest_condition);
   std::array<unsigned, 2> free_words() const;
   bool put_aside(uint8_t which, uint32_t registers, const unsigned* words, std::size_t count);
   FlagOperand aside(const Gp& value);
   void settle(uint8_t which);
-  void settle_all() { settle(all_flags); }
+  void settle_all() { settle(flag::all); }
   void settle_carries(uint8_t which);
   void store_nz(const Gp& value);
   void compute(const FlagSource& source, const Gp& result);

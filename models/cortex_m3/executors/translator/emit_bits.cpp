@@ -10,7 +10,7 @@ using Of = FlagSource::Of;
 /// LSL, LSR, ASR and ROR by the bottom byte of a register.
 void BlockEmitter::emit_shift_by_register(const Step& step) {
   const uint8_t want = wanted(step);
-  if ((want & c_bit) != 0) return emit_shift_with_carry(step);
+  if ((want & flag::c) != 0) return emit_shift_with_carry(step);
   read_to(x86::ecx, step.rm);
   a_.movzx(x86::ecx, x86::cl);
   const Gp n = read(step.rn, x86::eax);
@@ -39,13 +39,13 @@ void BlockEmitter::emit_shift_by_register(const Step& step) {
   }
   if (to != x86::eax) a_.mov(to, x86::eax);
   written(step.rd, to);
-  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  if ((want & flag::nz) != 0) set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// ... whose carry, kept where nothing is shifted, is stored. In 64 bits the last bit shifted out
 /// stays beside the result.
 void BlockEmitter::emit_shift_with_carry(const Step& step) {
-  settle(c_bit);
+  settle(flag::c);
   const Label unshifted = a_.newLabel();
   read_to(x86::ecx, step.rm);
   a_.movzx(x86::ecx, x86::cl);
@@ -76,9 +76,9 @@ void BlockEmitter::emit_shift_with_carry(const Step& step) {
   const bool upper = step.operation == Operation::lsr_reg || step.operation == Operation::asr_reg;
   if (upper) a_.shr(x86::rax, 32);
   write(step.rd, x86::eax);
-  set_sources(c_bit, {});
-  if ((wanted(step) & nz_bit) != 0)
-    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  set_sources(flag::c, {});
+  if ((wanted(step) & flag::nz) != 0)
+    set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// SBFX, UBFX.

@@ -20,8 +20,8 @@ std::size_t BlockEmitter::end_of_group(std::size_t begin) const {
 uint8_t BlockEmitter::visible_behind_group(std::size_t begin, std::size_t end) const {
   uint8_t visible = visible_[end - 1];
   for (std::size_t i = begin; i < end; ++i) {
-    if (may_be_left_at(*steps_[i])) return all_flags;
-    visible |= effects_if_executed(*steps_[i]).reads;
+    if (may_be_left_at(*steps_[i])) return flag::all;
+    visible |= flag_use_if_executed(*steps_[i]).reads;
   }
   return visible;
 }
@@ -194,7 +194,7 @@ void BlockEmitter::emit_conditional_group() {
   } else {
     flags_ = flags;
   }
-  if (sets) set_sources(static_cast<uint8_t>(~visible & all_flags), {});
+  if (sets) set_sources(static_cast<uint8_t>(~visible & flag::all), {});
   host_serial_ = 0;
   forget_host_carries();
   for (unsigned n = 0; n < 16; ++n)

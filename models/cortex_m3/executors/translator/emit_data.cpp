@@ -40,7 +40,7 @@ bool is_shifted(const DecodedOp& op) {
 
 /// True if C is the carry of the shifter and somebody may see it.
 bool BlockEmitter::store_shifter_carry(const Step& step) const {
-  return shifter_sets_carry(step) && (wanted(step) & c_bit) != 0;
+  return shifter_sets_carry(step) && (wanted(step) & flag::c) != 0;
 }
 
 /// `to` = the shifted register; its carry goes to the state if asked for.
@@ -226,7 +226,7 @@ void BlockEmitter::emit_logical(const Step& step) {
       if (is_shifted(step)) {
         const bool plain = operation == Operation::mov_reg && leaves_host_flags(step.shift);
         host = plain;
-        kept = plain && carry && only_next_reads(c_bit);
+        kept = plain && carry && only_next_reads(flag::c);
         shift_constant(to, step.rm, step.shift, carry && !kept);
       } else {
         keep_host_flags();
@@ -274,8 +274,8 @@ void BlockEmitter::emit_logical(const Step& step) {
     }
   }
   if (!in_place) written(step.rd, to);
-  if (carry) set_sources(c_bit, {kept ? Of::host : Of::memory, {}, {}, 0});
-  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  if (carry) set_sources(flag::c, {kept ? Of::host : Of::memory, {}, {}, 0});
+  if ((want & flag::nz) != 0) set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
   if (host && want != 0) in_host(kept ? HostFlags::shift : HostFlags::nz);
 }
 
@@ -291,15 +291,15 @@ void BlockEmitter::emit_test(const Step& step) {
     host_kept_ = false;
     shift_constant(x86::ecx, step.rm, step.shift, carry);
     a_.emit(both ? x86::Inst::kIdAnd : x86::Inst::kIdXor, x86::ecx, at(step.rn));
-    set_sources(nz_bit, {Of::value, aside(x86::ecx), {}, 0});
+    set_sources(flag::nz, {Of::value, aside(x86::ecx), {}, 0});
     in_host(HostFlags::nz);
   } else {
     const bool immediate = is_immediate(step.operation);
     if (carry) second_operand(step, x86::ecx, true);
     const FlagOperand m = immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
-    set_sources(nz_bit, {both ? Of::both : Of::either, n, m, 0});
+    set_sources(flag::nz, {both ? Of::both : Of::either, n, m, 0});
   }
-  if (carry) set_sources(c_bit, {});
+  if (carry) set_sources(flag::c, {});
 }
 
 namespace {
@@ -330,11 +330,11 @@ Sources behind_sum(FlagOperand x, FlagOperand y, unsigned rd) {
 /// The host has the flags of the present operation now: into the state.
 void BlockEmitter::settle_from_host(uint8_t which, const Gp& result, bool borrow) {
   in_host(borrow ? HostFlags::difference : HostFlags::sum);
-  set_sources(which & (c_bit | v_bit), {Of::host, {}, {}, 0});
-  settle_carries(which & (c_bit | v_bit));
-  if ((which & nz_bit) == 0) return;
+  set_sources(which & (flag::c | flag::v), {Of::host, {}, {}, 0});
+  settle_carries(which & (flag::c | flag::v));
+  if ((which & flag::nz) == 0) return;
   store_nz(result);
-  set_sources(nz_bit, {});
+  set_sources(flag::nz, {});
 }
 
 /// SUB, CMP; reversed: RSB.
@@ -350,13 +350,13 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   if (!writes && want == 0) return keep_host_flags();
   if (!writes && !is_shifted(step)) {
     keep_host_flags();
-    return set_sources(all_flags, {Of::difference, n, m, 0});
+    return set_sources(flag::all, {Of::difference, n, m, 0});
   }
   const Operand second = second_operand(step, x86::ecx, false);
   if (!writes && n.is_register()) {
     a_.emit(x86::Inst::kIdCmp, at(step.rn), second);
     in_host(HostFlags::difference);
-    return set_sources(all_flags, {Of::difference, n, aside(x86::ecx), 0});
+    return set_sources(flag::all, {Of::difference, n, aside(x86::ecx), 0});
   }
   const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
   if (want == 0 && !reversed && immediate && pinned(step.rn) && pinned(step.rd)) {
@@ -389,12 +389,12 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   if (want == 0) return;
   if (!writes) return settle_from_host(want, to, true);
   in_host(HostFlags::difference);
-  const bool carries = (want & (c_bit | v_bit)) != 0;
+  const bool carries = (want & (flag::c | flag::v)) != 0;
   const FlagOperand other = is_shifted(step) && carries ? aside(x86::ecx) : m;
   const Sources sources =
       reversed ? behind_difference(other, n, step.rd) : behind_difference(n, other, step.rd);
-  set_sources(c_bit | v_bit, {Of::difference, sources.x, sources.y, 0});
-  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  set_sources(flag::c | flag::v, {Of::difference, sources.x, sources.y, 0});
+  set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// ADD, CMN.
@@ -407,7 +407,7 @@ void BlockEmitter::emit_sum(const Step& step) {
   if (!writes && want == 0) return keep_host_flags();
   if (!writes && !is_shifted(step)) {
     keep_host_flags();
-    return set_sources(all_flags, {Of::sum, n, m, 0});
+    return set_sources(flag::all, {Of::sum, n, m, 0});
   }
   const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
   if (want == 0 && pinned(step.rn) && pinned(step.rd) && !is_shifted(step) &&
@@ -427,7 +427,7 @@ void BlockEmitter::emit_sum(const Step& step) {
   // What the second operand was, if that is gone behind the addition and somebody may ask.
   FlagOperand other = m;
   const bool doubles = !immediate && writes && step.rn == step.rd && step.rm == step.rd;
-  const bool asked = writes ? (want & (c_bit | v_bit)) != 0 : want != 0;
+  const bool asked = writes ? (want & (flag::c | flag::v)) != 0 : want != 0;
   const Operand second = second_operand(step, writes ? shift_place(step) : Gp(x86::ecx), false);
   if (asked && is_shifted(step))
     other = aside(second.as<Gp>());
@@ -445,10 +445,10 @@ void BlockEmitter::emit_sum(const Step& step) {
   if (writes && !in_place) written(step.rd, to);
   if (want == 0) return;
   in_host(HostFlags::sum);
-  if (!writes) return set_sources(all_flags, {Of::sum, n, other, 0});
+  if (!writes) return set_sources(flag::all, {Of::sum, n, other, 0});
   const Sources sources = behind_sum(n, other, step.rd);
-  set_sources(c_bit | v_bit, {Of::sum, sources.x, sources.y, 0});
-  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  set_sources(flag::c | flag::v, {Of::sum, sources.x, sources.y, 0});
+  set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// ADC, SBC.
@@ -458,7 +458,7 @@ void BlockEmitter::emit_with_carry(const Step& step) {
       step.operation == Operation::sbc_imm || step.operation == Operation::sbc_reg;
   Operand second;
   if (is_shifted(step)) {
-    settle(c_bit);
+    settle(flag::c);
     second = second_operand(step, x86::edx, false);
     host_serial_ = 0;
     carry_to_host(subtract);
@@ -471,12 +471,12 @@ void BlockEmitter::emit_with_carry(const Step& step) {
   write(step.rd, x86::eax);
   if (want == 0) return;
   in_host(subtract ? HostFlags::difference : HostFlags::sum);
-  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-  set_sources(c_bit | v_bit, {Of::host, {}, {}, 0});
-  if (only_next_reads(c_bit | v_bit)) return;
-  settle_carries(want & (c_bit | v_bit));
-  if ((want & (c_bit | v_bit)) != (c_bit | v_bit))
-    set_sources(static_cast<uint8_t>((c_bit | v_bit) & ~want), {});
+  set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  set_sources(flag::c | flag::v, {Of::host, {}, {}, 0});
+  if (only_next_reads(flag::c | flag::v)) return;
+  settle_carries(want & (flag::c | flag::v));
+  if ((want & (flag::c | flag::v)) != (flag::c | flag::v))
+    set_sources(static_cast<uint8_t>((flag::c | flag::v) & ~want), {});
 }
 
 /// ADD and MOV of all registers, not to the PC.

@@ -8,9 +8,9 @@ using Of = FlagSource::Of;
 
 void BlockEmitter::set_sources(uint8_t which, FlagSource source) {
   source.serial = serial_;
-  if (which & nz_bit) flags_.nz = source;
-  if (which & c_bit) flags_.c = source;
-  if (which & v_bit) flags_.v = source;
+  if (which & flag::nz) flags_.nz = source;
+  if (which & flag::c) flags_.c = source;
+  if (which & flag::v) flags_.v = source;
 }
 
 /// The host's flags are those of the present operation.
@@ -28,9 +28,9 @@ bool BlockEmitter::host_has(const FlagSource& source, HostFlags least) const {
 /// set and that somebody may still see, the operands are put aside, or the flags are computed.
 void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
   uint8_t lost = 0;
-  if ((flags_.nz.registers() & written) != 0) lost |= nz_bit;
-  if ((flags_.c.registers() & written) != 0) lost |= c_bit;
-  if ((flags_.v.registers() & written) != 0) lost |= v_bit;
+  if ((flags_.nz.registers() & written) != 0) lost |= flag::nz;
+  if ((flags_.c.registers() & written) != 0) lost |= flag::c;
+  if ((flags_.v.registers() & written) != 0) lost |= flag::v;
   lost &= static_cast<uint8_t>(~killed & visible);
   if (lost == 0) return;
   const std::array<unsigned, 2> words = free_words();
@@ -40,7 +40,7 @@ void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
 /// True if the block sets these flags before it ends: only a way out on the way there can see them.
 bool BlockEmitter::die_in_block(uint8_t which) const {
   for (std::size_t i = index_; i < cut_; ++i) {
-    which &= static_cast<uint8_t>(~effects_of(*steps_[i]).kills);
+    which &= static_cast<uint8_t>(~flag_use(*steps_[i]).kills);
     if (which == 0) return true;
   }
   return false;
@@ -60,7 +60,7 @@ bool BlockEmitter::only_next_reads(uint8_t which) const {
   }
   const bool takes = traits(next.operation).flags == FlagEffect::with_carry ||
                      (next.shift.type == ShiftType::rrx && is(next, kind::data));
-  return takes && (visible_[at] & ~effects_of(next).kills & which) == 0;
+  return takes && (visible_[at] & ~flag_use(next).kills & which) == 0;
 }
 
 /// A carry that was only the host's and is no longer there was of no use to anybody.
@@ -98,8 +98,8 @@ bool BlockEmitter::put_aside(uint8_t which, uint32_t registers, const unsigned* 
     operand = FlagOperand::aside(words[i]);
     return true;
   };
-  for (const auto& [bit, source] :
-       {std::pair{nz_bit, &sources.nz}, std::pair{c_bit, &sources.c}, std::pair{v_bit, &sources.v}})
+  for (const auto& [bit, source] : {std::pair{flag::nz, &sources.nz},
+                                    std::pair{flag::c, &sources.c}, std::pair{flag::v, &sources.v}})
     if ((which & bit) != 0 && source->pending() && !(keep(source->x) && keep(source->y)))
       return false;
   for (std::size_t i = 0; i < found; ++i) {
@@ -201,7 +201,7 @@ void BlockEmitter::store_nz(const Gp& value) {
 /// C and V from the host's flags, which are those of their operation.
 void BlockEmitter::settle_carries(uint8_t which) {
   const bool borrow = host_flags_ == HostFlags::difference;
-  if (which & c_bit) {
+  if (which & flag::c) {
     const Mem c = state_byte(&machine_.state.c);
     if (borrow)
       a_.setae(c);
@@ -209,7 +209,7 @@ void BlockEmitter::settle_carries(uint8_t which) {
       a_.setc(c);
     flags_.c = {Of::memory, {}, {}, flags_.c.serial};
   }
-  if (which & v_bit) {
+  if (which & flag::v) {
     a_.seto(state_byte(&machine_.state.v));
     flags_.v = {Of::memory, {}, {}, flags_.v.serial};
   }
@@ -218,19 +218,19 @@ void BlockEmitter::settle_carries(uint8_t which) {
 /// Writes flags into the state.
 void BlockEmitter::settle(uint8_t which) {
   const auto unsettled = [](const FlagSource& s) { return s.of > Of::inherited; };
-  if (!unsettled(flags_.nz)) which &= static_cast<uint8_t>(~nz_bit);
-  if (!unsettled(flags_.c)) which &= static_cast<uint8_t>(~c_bit);
-  if (!unsettled(flags_.v)) which &= static_cast<uint8_t>(~v_bit);
+  if (!unsettled(flags_.nz)) which &= static_cast<uint8_t>(~flag::nz);
+  if (!unsettled(flags_.c)) which &= static_cast<uint8_t>(~flag::c);
+  if (!unsettled(flags_.v)) which &= static_cast<uint8_t>(~flag::v);
   // Those that only the host has come first: computing others changes them.
-  if (which != 0 && flags_.c.of == Of::host) which |= c_bit;
-  if (which != 0 && flags_.v.of == Of::host) which |= v_bit;
-  for (const uint8_t bit : {c_bit, v_bit}) {
+  if (which != 0 && flags_.c.of == Of::host) which |= flag::c;
+  if (which != 0 && flags_.v.of == Of::host) which |= flag::v;
+  for (const uint8_t bit : {flag::c, flag::v}) {
     if ((which & bit) == 0) continue;
-    const FlagSource source = bit == c_bit ? flags_.c : flags_.v;
+    const FlagSource source = bit == flag::c ? flags_.c : flags_.v;
     uint8_t group = bit;
-    if ((which & c_bit) && (which & v_bit) && flags_.c.serial == flags_.v.serial)
-      group = c_bit | v_bit;
-    const bool with_nz = (which & nz_bit) && flags_.nz == source;
+    if ((which & flag::c) && (which & flag::v) && flags_.c.serial == flags_.v.serial)
+      group = flag::c | flag::v;
+    const bool with_nz = (which & flag::nz) && flags_.nz == source;
     if (with_nz) {
       compute(source, x86::eax);
     } else if (!host_has(source, HostFlags::sum)) {
@@ -240,11 +240,11 @@ void BlockEmitter::settle(uint8_t which) {
     if (with_nz) {
       store_nz(x86::eax);
       flags_.nz = {Of::memory, {}, {}, flags_.nz.serial};
-      which &= static_cast<uint8_t>(~nz_bit);
+      which &= static_cast<uint8_t>(~flag::nz);
     }
     which &= static_cast<uint8_t>(~group);
   }
-  if ((which & nz_bit) == 0) return;
+  if ((which & flag::nz) == 0) return;
   const FlagSource nz = flags_.nz;
   if (nz.of == Of::value && nz.x.is_register()) {
     store_nz(read(nz.x.base, x86::eax));
@@ -264,26 +264,14 @@ constexpr x86::CondCode behind_difference[14] = {
     x86::CondCode::kA, x86::CondCode::kBE, x86::CondCode::kGE, x86::CondCode::kL,
     x86::CondCode::kG, x86::CondCode::kLE};
 
-struct Needs {
-  bool nz, c, v;
-};
-constexpr Needs needs[8] = {{true, false, false}, {false, true, false}, {true, false, false},
-                            {false, false, true}, {true, true, false},  {true, false, true},
-                            {true, false, true},  {false, false, false}};
-
 }  // namespace
-
-uint8_t BlockEmitter::read_by_condition(unsigned guest_condition) {
-  const Needs need = needs[guest_condition >> 1];
-  return static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) | (need.v ? v_bit : 0));
-}
 
 /// The condition as one of the host's, if one operation made all its flags.
 std::optional<x86::CondCode> BlockEmitter::condition_from_host(unsigned guest_condition) {
-  const Needs need = needs[guest_condition >> 1];
-  const bool only_nz = !need.c && !need.v;
-  const FlagSource& first = only_nz ? flags_.nz : need.c ? flags_.c : flags_.v;
-  if (need.nz && flags_.nz.serial != first.serial) return std::nullopt;
+  const uint8_t read = flags_of_condition(guest_condition);
+  const bool only_nz = (read & (flag::c | flag::v)) == 0;
+  const FlagSource& first = only_nz ? flags_.nz : (read & flag::c) != 0 ? flags_.c : flags_.v;
+  if ((read & flag::nz) != 0 && flags_.nz.serial != first.serial) return std::nullopt;
   if (!host_has(first, only_nz ? HostFlags::nz : HostFlags::sum)) {
     if (!first.pending()) return std::nullopt;
     if (!only_nz && first.of != Of::difference && first.of != Of::sum) return std::nullopt;
@@ -336,7 +324,7 @@ x86::CondCode BlockEmitter::condition_from_memory(unsigned guest_condition) {
 /// Makes the host's flags tell a condition of the guest (not AL).
 x86::CondCode BlockEmitter::condition(unsigned guest_condition) {
   if (const auto code = condition_from_host(guest_condition)) return *code;
-  settle(read_by_condition(guest_condition));
+  settle(flags_of_condition(guest_condition));
   return condition_from_memory(guest_condition);
 }
 
@@ -368,7 +356,7 @@ bool BlockEmitter::leave_recoverable(uint32_t target) {
   if (!stays_recoverable(target, lost)) return false;
   std::array<unsigned, words_left> words{};
   for (unsigned n = 0; n < words_left; ++n) words[n] = words_aside - words_left + n;
-  return put_aside(all_flags, lost, words.data(), words.size());
+  return put_aside(flag::all, lost, words.data(), words.size());
 }
 
 /// True if the block at an address sets all pending flags before it reads one or ends. The
@@ -378,8 +366,8 @@ bool BlockEmitter::stays_recoverable(uint32_t target, uint32_t& written) const {
   if (machine_.debugging.has_breakpoints()) return false;
   const Memory::Page& memory = machine_.memory.map().page(target);
   uint8_t pending =
-      static_cast<uint8_t>((flags_.nz.pending() ? nz_bit : 0) | (flags_.c.pending() ? c_bit : 0) |
-                           (flags_.v.pending() ? v_bit : 0));
+      static_cast<uint8_t>((flags_.nz.pending() ? flag::nz : 0) |
+                           (flags_.c.pending() ? flag::c : 0) | (flags_.v.pending() ? flag::v : 0));
   for (unsigned n = 0; n < furthest; ++n) {
     const uint32_t offset = target & (Memory::page_size - 1);
     if (target >> Memory::page_bits != head_->address >> Memory::page_bits) return false;
@@ -390,7 +378,7 @@ bool BlockEmitter::stays_recoverable(uint32_t target, uint32_t& written) const {
     // Who changes these bytes changes what this block does.
     for (uint32_t at = offset; at < offset + op.size; at += 2)
       page_->code_lines |= 1ull << (at / 64);
-    const Effects effects = effects_of(op);
+    const FlagUse effects = flag_use(op);
     if ((effects.reads & pending) != 0) return false;
     pending &= static_cast<uint8_t>(~effects.kills);
     if (pending == 0) return true;

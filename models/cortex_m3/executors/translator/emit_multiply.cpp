@@ -26,8 +26,8 @@ void BlockEmitter::emit_multiply(const Step& step) {
     }
   }
   written(step.rd, to);
-  if ((wanted(step) & nz_bit) != 0)
-    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  if ((wanted(step) & flag::nz) != 0)
+    set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// Takes cycles that depend on operands, in the lower half of a register that is cleared by it.
