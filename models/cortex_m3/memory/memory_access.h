@@ -50,6 +50,7 @@ class MemoryAccess {
 
   // For the executors.
   Memory& map() { return memory_; }
+  const Memory& map() const { return memory_; }
   const Memory::Page& direct(uint32_t address) const {
     return pages_[address >> Memory::page_bits];
   }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/executors/translator/block_compiler.h"
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
 #include "support/host_features.h"
@@ -22,7 +22,7 @@ class HostTranslator : public Translator {
       : machine_(machine),
         context_(machine.host_context),
         buffer_(std::max(limits.buffer_bytes, TranslatorLimits::least_buffer)),
-        emitter_(machine, context_, buffer_),
+        compiler_(machine, context_, buffer_),
         threshold_(limits.threshold),
         warm_up_(limits.warm_up) {}
 
@@ -46,7 +46,7 @@ class HostTranslator : public Translator {
   Machine& machine_;
   HostContext& context_;
   CodeBuffer buffer_;
-  BlockEmitter emitter_;
+  BlockCompiler compiler_;
   TranslationCounts counts_;
   std::size_t frame_ = 0, first_block_ = 0;
   std::string refusal_;
@@ -79,7 +79,7 @@ bool HostTranslator::open() {
     if (machine_.listeners.untranslated) machine_.listeners.untranslated(refusal_);
     return false;
   }
-  frame_ = emitter_.emit_frame();
+  frame_ = compiler_.emit_frame();
   first_block_ = buffer_.used();
   return true;
 }
@@ -99,7 +99,7 @@ const Step* HostTranslator::go_on(const Step* head) {
     return head->chain(machine_, head);
   const void* entry = page->entries[index_of(head->address)];
   if (entry == nullptr) entry = heat(head, *page);
-  const uint64_t used = machine_.state.cycles + emitter_.largest_bound();
+  const uint64_t used = machine_.state.cycles + compiler_.largest_bound();
   if (entry == nullptr || used >= limit_) return head->chain(machine_, head);
   return execute(entry, limit_ - used - 1);
 }
@@ -109,11 +109,11 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   uint8_t& count = page.heat[index_of(head->address)];
   if (count == never) return nullptr;
   if (++count < threshold_ || !open()) return nullptr;
-  if (emitter_.full()) drop_all();
+  if (compiler_.full()) drop_all();
   refresh_windows();
   const std::size_t before = buffer_.used();
-  emitter_.list(static_cast<bool>(machine_.listeners.translated));
-  const void* entry = emitter_.emit(head, page);
+  compiler_.list(static_cast<bool>(machine_.listeners.translated));
+  const void* entry = compiler_.emit(head, page);
   count = never;
   if (entry == nullptr) return nullptr;
   page.entries[index_of(head->address)] = entry;
@@ -121,7 +121,8 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   counts_.bytes += buffer_.used() - before;
   if (machine_.listeners.translated)
     machine_.listeners.translated({head->address, buffer_.executable(before), before,
-                                   buffer_.used() - before, counts_.evictions, emitter_.listing()});
+                                   buffer_.used() - before, counts_.evictions,
+                                   compiler_.listing()});
   return entry;
 }
 
@@ -133,15 +134,15 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
   refresh_windows();
   context_.budget = left << 32;
   context_.recipe = 0;
-  const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockEmitter
+  const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockCompiler
       reinterpret_cast<uintptr_t>(buffer_.executable(frame_)));
-  const BlockExit& exit = emitter_.exits()[enter(&state, entry)];
+  const BlockExit& exit = compiler_.exits()[enter(&state, entry)];
   const auto instructions = static_cast<uint32_t>(context_.budget);
   const auto rest = static_cast<int32_t>(context_.budget >> 32);
   state.cycles += static_cast<uint64_t>(static_cast<int64_t>(left) - rest);
   state.instructions += instructions;
   counts_.instructions += instructions;
-  emitter_.recipe(exit.recipe).settle(state, context_.aside, emitter_.recipe(context_.recipe));
+  compiler_.recipe(exit.recipe).settle(state, context_.aside, compiler_.recipe(context_.recipe));
   return leave(exit);
 }
 
@@ -167,7 +168,7 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
   const auto* entry =
       static_cast<const uint8_t*>(page != nullptr ? page->entries[index_of(state.pc)] : nullptr);
   if (entry == nullptr) return next;
-  if (completes) entry -= BlockEmitter::refill_bytes;
+  if (completes) entry -= BlockEdges::refill_bytes;
   std::memcpy(buffer_.writable(exit.slot), &entry, sizeof entry);
   return next;
 }
@@ -236,7 +237,7 @@ void HostTranslator::drop_all() {
   machine_.memory.map().forget_entries();
   context_.jumps.clear();
   buffer_.cut(first_block_);
-  emitter_.forget();
+  compiler_.forget();
   ++counts_.evictions;
 }
 
