@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cortex_m3/executors/block_links.h"
+#include "cortex_m3/executors/blocks.h"
 #include "cortex_m3/executors/translator/block_compiler.h"
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
@@ -18,8 +20,9 @@ unsigned index_of(uint32_t address) {
 
 class HostTranslator : public Translator {
  public:
-  HostTranslator(Machine& machine, const TranslatorLimits& limits)
+  HostTranslator(Machine& machine, Blocks& blocks, const TranslatorLimits& limits)
       : machine_(machine),
+        blocks_(blocks),
         context_(machine.host_context),
         buffer_(std::max(limits.buffer_bytes, TranslatorLimits::least_buffer)),
         compiler_(machine, context_, buffer_),
@@ -44,6 +47,7 @@ class HostTranslator : public Translator {
   void drop_all();
 
   Machine& machine_;
+  Blocks& blocks_;
   HostContext& context_;
   CodeBuffer buffer_;
   BlockCompiler compiler_;
@@ -62,9 +66,9 @@ void HostTranslator::run(uint64_t limit) {
   const State& state = machine_.state;
   const uint64_t before = state.instructions;
   if (counts_.executed < warm_up_) {
-    machine_.blocks.run(std::min(limit, state.cycles + warm_up_));
+    blocks_.run(std::min(limit, state.cycles + warm_up_));
   } else {
-    const Step* op = machine_.blocks.begin(limit);
+    const Step* op = blocks_.begin(limit);
     while (op != nullptr) op = go_on(op);
   }
   counts_.executed += state.instructions - before;
@@ -86,7 +90,7 @@ bool HostTranslator::open() {
 
 TranslationCounts HostTranslator::counts() const {
   TranslationCounts counts = counts_;
-  counts.stepped = machine_.blocks.stepped();
+  counts.stepped = blocks_.stepped();
   return counts;
 }
 
@@ -152,17 +156,17 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
     const bool closes = exit.step->operation == Operation::fall_through;
     counts_.instructions += exit.step->instructions_to - (closes ? 0u : 1u);
     if (state.cycles + exit.bound < limit_) return exit.step->chain(machine_, exit.step);
-    machine_.blocks.run_to_limit(exit.step);
+    blocks_.run_to_limit(exit.step);
     return nullptr;
   }
   if (exit.kind == BlockExit::Kind::edge) state.pc = exit.pc;
   state.trail = exit.trail;
   if (machine_.requests.any()) return nullptr;
-  const Step* next = Blocks::find(machine_);
-  if (next == nullptr || timing::hangs_on(state.trail, *next) || !machine_.blocks.fits(*next))
+  const Step* next = BlockLinks::find(machine_);
+  if (next == nullptr || timing::hangs_on(state.trail, *next) || !blocks_.fits(*next))
     return nullptr;
   const bool completes = (state.trail & timing::trail_refill) != 0;
-  Blocks::arrive(state, *next);
+  BlockLinks::arrive(state, *next);
   if (exit.slot == BlockExit::no_slot) return next;
   const CodePage* page = machine_.memory.direct(state.pc).code;
   const auto* entry =
@@ -243,13 +247,13 @@ void HostTranslator::drop_all() {
 
 }  // namespace
 
-std::unique_ptr<Translator> Translator::make(Machine& machine, const TranslatorLimits& limits,
-                                             std::string& reason) {
+std::unique_ptr<Translator> Translator::make(Machine& machine, Blocks& blocks,
+                                             const TranslatorLimits& limits, std::string& reason) {
   if (!limits.bit_manipulation || !host_has_bit_manipulation()) {
     reason = "this processor has no BMI1 and BMI2";
     return nullptr;
   }
-  return std::make_unique<HostTranslator>(machine, limits);
+  return std::make_unique<HostTranslator>(machine, blocks, limits);
 }
 
 }  // namespace capsoc::cortex_m3
