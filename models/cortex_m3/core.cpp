@@ -58,13 +58,13 @@ void Core::visit(kit::Archive& archive) {
 void Core::set_executor(Executor executor) {
   executor_ = executor;
   if (executor == Executor::translator && translator_ == nullptr && no_translator_.empty())
-    translator_ = Translator::make(machine_, translator_limits_, no_translator_);
+    translator_ = Translator::make(machine_, blocks_, translator_limits_, no_translator_);
   if (executor == Executor::stepping || machine_.listeners.sees_instructions)
-    executing_ = &machine_.blocks.stepping();
+    executing_ = &stepping_;
   else if (executor == Executor::translator && translator_ != nullptr)
     executing_ = translator_.get();
   else
-    executing_ = &machine_.blocks;
+    executing_ = &blocks_;
 }
 
 void Core::add_observer(Observer& observer, bool instructions, bool accesses) {
@@ -93,7 +93,7 @@ void Core::observers_changed() {
 void Core::set_interrupt(unsigned line, bool level) {
   if (line >= interrupt_count) return;
   if (machine_.state.nvic.set_line(line, level))
-    machine_.exceptions.pend(exception::first_interrupt + line);
+    machine_.pending.pend(exception::first_interrupt + line);
 }
 
 void Core::send_event() {
@@ -126,8 +126,8 @@ std::optional<StopReason> Core::service() {
     return reason;
   };
   if (const auto reason = stop_wanted()) return look_again(reason);
-  const Exceptions& exceptions = machine_.exceptions;
-  unsigned number = exceptions.highest_pending(exceptions.execution_priority());
+  const PendingExceptions& pending = machine_.pending;
+  unsigned number = pending.highest_pending(pending.execution_priority());
   if (state.locked_up && number != exception::nmi) number = 0;
   if (number != 0) {
     state.sleeping = state.locked_up = false;
@@ -145,7 +145,7 @@ std::optional<StopReason> Core::service() {
     return std::nullopt;
   }
   if (!state.thumb) {
-    machine_.blocks.stepping().without_thumb();
+    stepping_.without_thumb();
     return look_again(std::nullopt);
   }
   return std::nullopt;
@@ -181,7 +181,7 @@ StopReason Core::execute(uint64_t until_cycle) {
     if (__builtin_expect(state.dwt.observes_steps(), 0))
       step_observed();
     else if (one_instruction_)
-      machine_.blocks.stepping().run(until_cycle);
+      stepping_.run(until_cycle);
     else
       executing_->run(std::min(until_cycle, state.systick.event()));
     if (__builtin_expect(one_instruction_, 0)) return StopReason::budget;
@@ -199,19 +199,19 @@ StopReason Core::step_instruction() {
 /// One instruction while a step, an instruction or a cycle is waited for.
 void Core::step_observed() {
   State& state = machine_.state;
-  const bool steps = state.scb.monitor_steps() && machine_.exceptions.monitor_can_preempt();
+  const bool steps = state.scb.monitor_steps() && machine_.pending.monitor_can_preempt();
   const uint32_t executed = state.pc;
-  machine_.blocks.stepping().run(never);
+  stepping_.run(never);
   if (state.dwt.match_step(executed, machine_.cycles(), state.scb.tracing()))
-    machine_.exceptions.debug_event(Scb::DebugReason::dwttrap);
+    machine_.pending.debug_event(Scb::DebugReason::dwttrap);
   if (!steps) return;
   state.scb.record(Scb::DebugReason::halted);
-  machine_.exceptions.pend(exception::debug_monitor);
+  machine_.pending.pend(exception::debug_monitor);
 }
 
 void Core::expire_systick() {
   machine_.state.systick.expire();
-  machine_.exceptions.pend(exception::systick);
+  machine_.pending.pend(exception::systick);
 }
 
 void Core::skip_to(uint64_t cycle) {

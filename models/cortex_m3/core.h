@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "cortex_m3/executors/blocks.h"
+#include "cortex_m3/executors/stepping.h"
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/known_turn.h"
 #include "cortex_m3/machine.h"
@@ -32,7 +34,8 @@ class Core {
   static constexpr unsigned interrupt_count = exception::interrupts;
   static constexpr uint64_t never = State::never;
 
-  explicit Core(Bus& bus) : machine_(*this, bus) {}
+  explicit Core(Bus& bus)
+      : machine_(*this, bus), stepping_(machine_), blocks_(machine_, stepping_) {}
 
   // How it is built. Before reset().
   /// Where reset() finds the vector table, and VTOR's reset value (B3.2.5): 0 unless set.
@@ -112,13 +115,13 @@ class Core {
 
   // Wires
   void set_interrupt(unsigned line, bool level);
-  void pulse_nmi() { machine_.exceptions.pend(exception::nmi); }
+  void pulse_nmi() { machine_.pending.pend(exception::nmi); }
   void send_event();  // the RXEV input
   /// Leaves run() after the present instruction.
   void attention() { machine_.requests.raise(Requests::attention); }
   bool sleeping() const { return machine_.state.sleeping; }
   bool locked_up() const { return machine_.state.locked_up; }
-  bool wake_pending() const { return machine_.exceptions.wake_pending(); }
+  bool wake_pending() const { return machine_.pending.wake_pending(); }
 
   // State, between two instructions
   const State& state() const { return machine_.state; }
@@ -159,6 +162,8 @@ class Core {
   void observers_changed();
 
   Machine machine_;
+  Stepping stepping_;
+  Blocks blocks_;
   Observers observers_;
   uint32_t vector_table_ = 0;
   bool one_instruction_ = false;
@@ -167,7 +172,7 @@ class Core {
   TranslatorLimits translator_limits_;
   std::unique_ptr<Translator> translator_;
   std::string no_translator_;
-  InstructionExecutor* executing_ = &machine_.blocks;  // stepping while somebody sees each one
+  InstructionExecutor* executing_ = &blocks_;  // stepping while somebody sees each one
 };
 
 }  // namespace capsoc::cortex_m3

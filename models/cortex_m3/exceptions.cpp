@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "cortex_m3/isa/timing.h"
-#include "cortex_m3/machine.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -39,81 +38,15 @@ FaultReport::Kind kind_of(unsigned number) {
 
 }  // namespace
 
-int Exceptions::group_priority(unsigned number) const {
-  return machine_.state.scb.group_priority(machine_.state.nvic.priority(number));
-}
-
-int Exceptions::execution_priority(bool ignore_primask) const {
-  const State& state = machine_.state;
-  int highest = 256;
-  for (uint64_t left = state.nvic.active(); left != 0; left &= left - 1)
-    highest = std::min(highest, group_priority(static_cast<unsigned>(__builtin_ctzll(left))));
-  int boosted = 256;
-  if (state.basepri != 0) boosted = state.scb.group_priority(static_cast<int>(state.basepri));
-  if (state.primask != 0 && !ignore_primask) boosted = 0;
-  if (state.faultmask != 0) boosted = -1;
-  return std::min(highest, boosted);
-}
-
-bool Exceptions::enabled(unsigned number) const {
-  const State& state = machine_.state;
-  if (number >= exception::mem_manage && number <= exception::usage_fault)
-    return state.scb.fault_enabled(number);
-  return number < exception::first_interrupt || state.nvic.is_enabled(number);
-}
-
-unsigned Exceptions::highest_pending(int below) const {
-  const Nvic& nvic = machine_.state.nvic;
-  unsigned best = 0;
-  int best_priority = 256;
-  for (uint64_t left = nvic.pending(); left != 0; left &= left - 1) {
-    const unsigned number = static_cast<unsigned>(__builtin_ctzll(left));
-    if (!enabled(number)) continue;
-    const int priority = nvic.priority(number);
-    if (priority < best_priority) {
-      best = number;
-      best_priority = priority;
-    }
-  }
-  return best != 0 && machine_.state.scb.group_priority(best_priority) < below ? best : 0;
-}
-
-bool Exceptions::wake_pending() const {
-  const State& state = machine_.state;
-  if (state.sleeping_for_event && state.event_register) return true;
-  return highest_pending(execution_priority(!state.sleeping_for_event)) != 0;
-}
-
-bool Exceptions::can_be_preempted() const {
-  if (monitor_can_preempt()) return true;
-  const int priority = execution_priority();
-  for (unsigned number = exception::systick; number < exception::count; ++number) {
-    const bool may_come =
-        number == exception::systick ? machine_.state.systick.may_pend() : enabled(number);
-    if (may_come && group_priority(number) < priority) return true;
-  }
-  return false;
-}
-
-void Exceptions::pend(unsigned number) {
-  State& state = machine_.state;
-  if (!state.nvic.is_pending(number)) {
-    if (state.scb.sends_event_on_pend()) state.event_register = true;
-    if (machine_.listeners.pended) machine_.listeners.pended(number);
-  }
-  state.nvic.set_pending(number, true);
-  machine_.requests.raise(Requests::changed);
-}
-
 unsigned Exceptions::escalate(unsigned number, int priority) {
-  if (enabled(number) && group_priority(number) < priority) return number;
+  if (pending_.enabled(number) && pending_.group_priority(number) < priority) return number;
   if (priority <= -1) return 0;
-  machine_.state.scb.record_forced();
+  context_.state.scb.record_forced();
   return exception::hard_fault;
 }
 
 void Exceptions::raise(unsigned number, uint32_t return_address) {
-  const unsigned taken = escalate(number, execution_priority());
+  const unsigned taken = escalate(number, pending_.execution_priority());
   if (taken == 0) {
     capture_fault(0, return_address);
     return lock_up();
@@ -122,7 +55,7 @@ void Exceptions::raise(unsigned number, uint32_t return_address) {
 }
 
 InterruptedRegisters Exceptions::interrupted(uint32_t return_address) const {
-  const State& state = machine_.state;
+  const State& state = context_.state;
   InterruptedRegisters registers{state.r, state.msp(), state.psp(), state.ipsr};
   registers.r[15] = return_address;
   return registers;
@@ -131,7 +64,7 @@ InterruptedRegisters Exceptions::interrupted(uint32_t return_address) const {
 /// The report of a fault; number 0: of a lockup.
 void Exceptions::capture_fault(unsigned number, uint32_t return_address,
                                const InterruptedRegisters& registers) {
-  State& state = machine_.state;
+  State& state = context_.state;
   FaultReport& f = state.last_fault;
   f.kind = kind_of(number);
   f.exception = number == 0 ? state.ipsr : number;
@@ -153,51 +86,27 @@ void Exceptions::capture_fault(unsigned number, uint32_t return_address,
 }
 
 void Exceptions::lock_up() {
-  State& state = machine_.state;
+  State& state = context_.state;
   if (state.last_fault.kind != FaultReport::Kind::lockup) {
     capture_fault(0, state.pc);
     --state.fault_count;
   }
   state.locked_up = true;
   state.pc = lockup_address;
-  machine_.requests.raise(Requests::changed);
-}
-
-void Exceptions::imprecise_bus_fault(const LostWrite& write) {
-  Scb& scb = machine_.state.scb;
-  constexpr uint64_t waiting = uint64_t{1} << exception::bus_fault | 1u << exception::hard_fault;
-  // One exception for all that fail before it is taken: it is for the first of them.
-  if ((machine_.state.nvic.pending() & waiting) == 0) machine_.state.lost_write = write;
-  scb.record_imprecise();
-  const bool taken = enabled(exception::bus_fault);
-  if (!taken) scb.record_forced();
-  machine_.state.nvic.set_pending(taken ? exception::bus_fault : exception::hard_fault, true);
-  machine_.requests.raise(Requests::changed);
-}
-
-bool Exceptions::monitor_can_preempt() const {
-  return machine_.state.scb.monitor_enabled() &&
-         group_priority(exception::debug_monitor) < execution_priority();
-}
-
-void Exceptions::debug_event(Scb::DebugReason reason) {
-  if (!monitor_can_preempt()) return;
-  machine_.state.scb.record(reason);
-  machine_.state.nvic.set_pending(exception::debug_monitor, true);
-  machine_.requests.raise(Requests::changed);
+  context_.requests.raise(Requests::changed);
 }
 
 void Exceptions::breakpoint_instruction(uint32_t address) {
-  Scb& scb = machine_.state.scb;
+  Scb& scb = context_.state.scb;
   scb.record(Scb::DebugReason::bkpt);
-  if (monitor_can_preempt()) return enter(exception::debug_monitor, address);
+  if (pending_.monitor_can_preempt()) return enter(exception::debug_monitor, address);
   scb.record_debug_event();
-  if (execution_priority() <= -1) return lock_up();
+  if (pending_.execution_priority() <= -1) return lock_up();
   enter(exception::hard_fault, address);
 }
 
 bool Exceptions::push_stack(uint32_t return_address, Cause& cause) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const uint32_t sp = state.r[13];
   const bool aligns = state.scb.aligns_stack(), moved = aligns && (sp & 4) != 0;
   const uint32_t frame = (sp - frame_size) & ~(aligns ? 4u : 0u);
@@ -206,12 +115,12 @@ bool Exceptions::push_stack(uint32_t return_address, Cause& cause) {
       state.r[12], state.r[14], return_address, state.xpsr() | (moved ? stacked_alignment : 0)};
   const bool priv = state.privileged();
   state.r[13] = frame;
-  if (uint8_t* bytes = machine_.memory.plain(frame, 8, true)) {
+  if (uint8_t* bytes = memory_.plain(frame, 8, true)) {
     std::memcpy(bytes, words, sizeof words);
     return true;
   }
   for (unsigned i = 0; i < 8; ++i) {
-    const BusResult result = machine_.memory.write(frame + 4 * i, 4, words[i], priv);
+    const BusResult result = memory_.write(frame + 4 * i, 4, words[i], priv);
     if (result <= BusResult::device) continue;
     cause = result == BusResult::bus_error ? Cause::stacking_bus : Cause::stacking_access;
     return false;
@@ -220,14 +129,14 @@ bool Exceptions::push_stack(uint32_t return_address, Cause& cause) {
 }
 
 void Exceptions::enter(unsigned number, uint32_t return_address) {
-  State& state = machine_.state;
+  State& state = context_.state;
   if (exception::is_fault(number)) capture_fault(number, return_address);
   const uint64_t since = state.cycles;
   state.cycles += timing::exception_entry;
   const uint32_t exc_return = exc_return_ones | (state.ipsr != 0    ? to_handler
                                                  : state.uses_psp() ? to_thread_process
                                                                     : to_thread_main);
-  const int before = execution_priority();
+  const int before = pending_.execution_priority();
   const uint32_t sp = state.r[13];
   Cause cause{};
   if (!push_stack(return_address, cause)) {
@@ -252,7 +161,7 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
 }
 
 void Exceptions::late_arrival(unsigned number) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const unsigned displaced = state.ipsr;
   state.nvic.set_active(displaced, false);
   state.nvic.set_pending(displaced, true);
@@ -264,15 +173,15 @@ void Exceptions::late_arrival(unsigned number) {
 
 /// ExceptionTaken: the frame is stacked, the handler's address is read, and it begins.
 void Exceptions::take(unsigned number, uint32_t exc_return, Entry how, uint64_t since) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const auto read_vector = [&](unsigned of, uint32_t& vector) {
     // The vector table is read past the MPU, by the default map.
-    return machine_.memory.read_physical(state.scb.vector(of), 4, vector) <= BusResult::device;
+    return memory_.read_physical(state.scb.vector(of), 4, vector) <= BusResult::device;
   };
   uint32_t vector = 0;
   if (!read_vector(number, vector)) {
     state.scb.record_vector_table();
-    const bool hopeless = number <= exception::hard_fault || execution_priority() <= -1;
+    const bool hopeless = number <= exception::hard_fault || pending_.execution_priority() <= -1;
     if (!hopeless) state.nvic.set_pending(number, true);
     if (hopeless || !read_vector(exception::hard_fault, vector)) {
       capture_fault(0, state.pc);
@@ -295,25 +204,25 @@ void Exceptions::take(unsigned number, uint32_t exc_return, Entry how, uint64_t 
   state.stalled = false;  // by the stacking
   state.exclusive = false;
   state.event_register = true;
-  machine_.requests.raise(Requests::changed);
+  context_.requests.raise(Requests::changed);
   // Whether faults can be displaced is IMPLEMENTATION DEFINED; here they cannot.
   state.entered_at = exception::is_fault(number) ? State::never : state.instructions;
-  if (Observer* observer = machine_.listeners.observer)
-    observer->entered(machine_.core(), number, how, since);
+  if (Observer* observer = context_.listeners.observer)
+    observer->entered(context_.core(), number, how, since);
 }
 
 void Exceptions::deactivate(unsigned number) {
-  State& state = machine_.state;
+  State& state = context_.state;
   state.nvic.set_active(number, false);
   if (number != exception::nmi) state.faultmask = 0;
   // A level that is still high asks again.
-  if (state.nvic.line_is_high(number)) pend(number);
-  machine_.requests.raise(Requests::changed);
+  if (state.nvic.line_is_high(number)) pending_.pend(number);
+  context_.requests.raise(Requests::changed);
 }
 
 void Exceptions::return_fault(Cause cause, uint32_t exc_return) {
-  State& state = machine_.state;
-  const unsigned number = escalate(state.scb.record(cause, 0), execution_priority());
+  State& state = context_.state;
+  const unsigned number = escalate(state.scb.record(cause, 0), pending_.execution_priority());
   if (number == 0) {
     capture_fault(0, state.pc);
     return lock_up();
@@ -325,13 +234,13 @@ void Exceptions::return_fault(Cause cause, uint32_t exc_return) {
 }
 
 void Exceptions::leave(uint32_t exc_return, uint32_t instruction) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const unsigned returning = state.ipsr;
   const bool was_active = state.nvic.is_active(returning);
   const unsigned nested = state.nvic.active_count();
   const bool base_ok = nested == 1 || state.scb.allows_nonbase_thread();
   const bool well_formed = (exc_return & exc_return_ones) == exc_return_ones;
-  if (!well_formed) machine_.report(Unpredictable::exc_return, instruction);
+  if (!well_formed) context_.report(Unpredictable::exc_return, instruction);
   bool legal = was_active && well_formed;
   switch (destination(exc_return)) {
     case to_handler:
@@ -346,7 +255,7 @@ void Exceptions::leave(uint32_t exc_return, uint32_t instruction) {
   }
   if (was_active) deactivate(returning);
   if (!legal) return return_fault(Cause::invalid_pc, 0xF0000000u | exc_return);
-  if (const unsigned next = highest_pending(execution_priority()); next != 0) {
+  if (const unsigned next = pending_.highest_pending(pending_.execution_priority()); next != 0) {
     const uint64_t since = state.cycles;
     state.cycles += timing::tail_chain;
     if (exception::is_fault(next)) capture_fault(next, state.pc);
@@ -358,23 +267,23 @@ void Exceptions::leave(uint32_t exc_return, uint32_t instruction) {
   state.stalled = false;
   state.exclusive = false;
   state.event_register = true;
-  machine_.requests.raise(Requests::changed);
-  if (Observer* observer = machine_.listeners.observer)
-    observer->returned(machine_.core(), returning);
-  if (state.ipsr == 0 && state.scb.sleeps_on_exit()) machine_.sleep(false);
+  context_.requests.raise(Requests::changed);
+  if (Observer* observer = context_.listeners.observer)
+    observer->returned(context_.core(), returning);
+  if (state.ipsr == 0 && state.scb.sleeps_on_exit()) context_.sleep(false);
 }
 
 bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cause) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const bool psp = destination(exc_return) == to_thread_process,
              to_thread = destination(exc_return) != to_handler;
   const uint32_t frame = psp ? state.other_sp : state.r[13];
   const bool priv = !to_thread || (state.control & 1) == 0;
   uint32_t words[8];
-  const uint8_t* const bytes = machine_.memory.plain(frame, 8, false);
+  const uint8_t* const bytes = memory_.plain(frame, 8, false);
   if (bytes != nullptr) std::memcpy(words, bytes, sizeof words);
   for (unsigned i = 0; i < 8 && bytes == nullptr; ++i) {
-    const BusResult result = machine_.memory.read(frame + 4 * i, 4, words[i], priv);
+    const BusResult result = memory_.read(frame + 4 * i, 4, words[i], priv);
     if (result <= BusResult::device) continue;
     cause = result == BusResult::bus_error ? Cause::unstacking_bus : Cause::unstacking_access;
     return false;
@@ -394,7 +303,7 @@ bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cau
   for (unsigned i = 0; i < 4; ++i) state.r[i] = words[i];
   state.r[12] = words[4];
   state.r[14] = words[5];
-  if ((words[6] & 1) != 0) machine_.report(Unpredictable::return_address, instruction);
+  if ((words[6] & 1) != 0) context_.report(Unpredictable::return_address, instruction);
   state.pc = words[6] & ~1u;
   state.set_xpsr(psr);
   return true;

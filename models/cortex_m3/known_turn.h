@@ -9,7 +9,7 @@
 
 namespace capsoc::cortex_m3 {
 
-struct Machine;
+class Machine;
 
 /// What a turn of a loop takes.
 struct Turn {

@@ -58,7 +58,7 @@ std::optional<Turn> Core::measure_turn(uint64_t until_cycle) {
     if (state.cycles >= until_cycle) return std::nullopt;
     if (length < addresses.size()) addresses[length] = state.pc;
     ++length;
-    if (!machine_.blocks.stepping().step(only_computes)) return std::nullopt;
+    if (!stepping_.step(only_computes)) return std::nullopt;
     if (machine_.private_accesses != accesses) return std::nullopt;
     if (state.pc != begin.pc) continue;
     const Place place(state);
@@ -94,9 +94,9 @@ bool Core::turns_are_seen() const {
 
 /// True if something else than the next instruction comes first.
 bool Core::is_interrupted() const {
-  const Exceptions& exceptions = machine_.exceptions;
+  const PendingExceptions& pending = machine_.pending;
   return machine_.state.cycles >= machine_.state.systick.event() ||
-         exceptions.highest_pending(exceptions.execution_priority()) != 0;
+         pending.highest_pending(pending.execution_priority()) != 0;
 }
 
 void Core::skip_turns(const Turn& turn, uint64_t until_cycle) {

@@ -1,10 +1,14 @@
 #include "cortex_m3/executors/blocks.h"
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
+#include "cortex_m3/executors/block_links.h"
 #include "cortex_m3/executors/execute.h"
 #include "cortex_m3/isa/decoder.h"
+#include "cortex_m3/isa/flag_liveness.h"
+#include "cortex_m3/machine.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -13,50 +17,9 @@ constexpr unsigned usual_length = 32;       // a block grows past conditional br
 constexpr unsigned straight_length = 64;    // ... and up to here to the first of them
 constexpr uint32_t largest_bound = 0xFFFF;  // of Step::block_cycles
 
-// What an operation does to the flags, for those that can neither fault nor leave the block.
-enum : uint8_t { nz = 1, carry = 2, overflow = 4, all = 7 };
-struct FlagUse {
-  uint8_t reads = all, writes = 0, kills = 0;
-  bool removable = false;  // a twin without flags exists
-};
-
-FlagUse flag_use(const DecodedOp& op) {
-  if (op.condition != condition_always) return {};
-  const FlagEffect effect = traits(op.operation).flags;
-  FlagUse use{0, 0, 0, true};
-  switch (effect) {
-    case FlagEffect::unknown:
-      return {};
-    case FlagEffect::keeps:
-      return {0, 0, 0, false};
-    case FlagEffect::product:
-      use.removable = false;
-      if (op.set_flags) use.writes = use.kills = nz;
-      return use;
-    case FlagEffect::shift:  // an amount of zero keeps the carry
-      return op.set_flags ? FlagUse{carry, nz | carry, nz, true} : use;
-    case FlagEffect::logical:
-      if (op.set_flags) use.writes = use.kills = shifter_sets_carry(op) ? nz | carry : nz;
-      break;
-    case FlagEffect::arithmetic:
-    case FlagEffect::with_carry:
-      if (op.set_flags) use.writes = use.kills = all;
-      break;
-  }
-  if (effect == FlagEffect::with_carry || op.shift.type == ShiftType::rrx) use.reads = carry;
-  return use;
-}
-
-/// Marks the operations whose flags are overwritten before anything can see them.
-std::vector<bool> dead_flags(const std::vector<Step>& steps) {
-  std::vector<bool> dead(steps.size(), false);
-  uint8_t live = all;
-  for (std::size_t i = steps.size(); i-- > 0;) {
-    FlagUse use = flag_use(steps[i]);
-    dead[i] = use.removable && use.writes != 0 && (use.writes & live) == 0;
-    live = static_cast<uint8_t>((live & ~use.kills) | use.reads);
-  }
-  return dead;
+/// True if nothing can see the flags that an operation sets, and there is a form of it without.
+bool flags_are_dead(const DecodedOp& op, uint8_t live_behind) {
+  return has_form_without_flags(op) && (flag_use(op).sets & live_behind) == 0;
 }
 
 }  // namespace
@@ -74,12 +37,8 @@ Step closing_step(const Step& last) {
   return close;
 }
 
-void Blocks::add_cycles(Step& step, uint16_t before, uint32_t wait_states) const {
-  const bool folded = timing::folds(before, step) && machine_.state.scb.folds_it();
-  const int paired = folded ? 0 : step.cycles + timing::pairing(before, step);
-  const uint32_t fetch = wait_states * timing::words_fetched(step.address, step.size);
-  step.cycles = static_cast<uint8_t>(static_cast<uint32_t>(paired) + fetch);
-  step.trail = timing::trail_of(step);
+Blocks::Blocks(Machine& machine, Stepping& stepping) : machine_(machine), stepping_(stepping) {
+  machine_.block_builder = this;
 }
 
 std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
@@ -106,7 +65,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     const bool depends =
         it != 0 || (trail & timing::trail_pairs) != 0 || timing::folds(trail, step);
     if (steps.size() >= (branches ? usual_length : straight_length) && !depends) break;
-    add_cycles(step, trail, wait);
+    Execute::add_cycles(machine_.state.scb, step, trail, wait);
     uint32_t bound =
         step.cycles + Execute::most_extra_cycles(step, machine_.memory.map().largest_wait());
     if (most + bound > largest_bound) break;
@@ -125,10 +84,13 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     branches = branches || is(step, kind::branch);
   }
   if (steps.empty()) return nullptr;
-  const std::vector<bool> dead = dead_flags(steps);
+  const std::vector<uint8_t> live = live_flags(
+      steps.size(), [&](std::size_t i) -> const DecodedOp& { return steps[i]; },
+      [](std::size_t) { return false; });
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const bool fuses = i + 1 < steps.size() && machine_.counts == nullptr;
-    Execute::bind_in_block(steps[i], dead[i], fuses ? &steps[i + 1] : nullptr);
+    const bool dead = flags_are_dead(steps[i], live[i]);
+    Execute::bind_in_block(steps[i], dead, fuses ? &steps[i + 1] : nullptr);
     if (machine_.counts != nullptr) Execute::bind_counted(steps[i]);
   }
   if (machine_.counts != nullptr) machine_.counts->line(steps.front().address);
@@ -140,48 +102,8 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
   return block;
 }
 
-const Step* Blocks::find(Machine& cpu) {
-  const uint32_t pc = cpu.state.pc;
-  CodePage* code = cpu.memory.direct(pc).code;
-  if (__builtin_expect(code == nullptr, 0)) code = cpu.memory.executable_page(pc);
-  if (code == nullptr) return nullptr;
-  std::unique_ptr<Step[]>& slot = code->blocks[(pc & (Memory::page_size - 1)) >> 1];
-  // There is none at a breakpoint, so that every way to it leads past the run loop.
-  if (__builtin_expect(slot == nullptr, 0)) slot = cpu.blocks.build(pc, *code);
-  return slot.get();
-}
-
 bool Blocks::fits(const Step& first) const {
-  return machine_.state.cycles + first.block_cycles < limit_;
-}
-
-void Blocks::arrive(State& state, const DecodedOp& target) {
-  if ((state.trail & timing::trail_refill) != 0) state.cycles += timing::refill_beyond(target);
-  state.trail = timing::no_trail;
-}
-
-/// Where execution goes on at pc, if a block is there already and surely ends before the limit.
-inline const Step* Blocks::next(Machine& cpu) {
-  State& state = cpu.state;
-  const CodePage* code = cpu.memory.direct(state.pc).code;
-  if (state.it_state != 0 || code == nullptr) return nullptr;
-  const Step* first = code->blocks[(state.pc & (Memory::page_size - 1)) >> 1].get();
-  if (first == nullptr || timing::hangs_on(state.trail, *first)) return nullptr;
-  // Blocks::fits, but for one pointer less on the way.
-  if (state.cycles + first->block_cycles >= cpu.blocks.limit_) return nullptr;
-  arrive(state, *first);
-  return first;
-}
-
-const Step* Blocks::leave(Machine& cpu, const Step& op) {
-  cpu.account(op);
-  cpu.conclude(op);
-  return cpu.requests.any() ? nullptr : next(cpu);
-}
-
-const Step* Blocks::resolve_link(Machine& cpu, const Step& branch) {
-  if (branch.link == nullptr) branch.link = find(cpu);
-  return next(cpu);
+  return machine_.state.cycles + first.block_cycles < machine_.block_limit;
 }
 
 /// Behind a trail that pairs a block is worth its memory where another one ended, at the beginning
@@ -193,16 +115,16 @@ bool Blocks::may_begin(const State& state) {
 const Step* Blocks::begin(uint64_t limit) {
   State& state = machine_.state;
   const bool between = state.it_state == 0 && may_begin(state);
-  const Step* op = between ? find(machine_) : nullptr;
+  const Step* op = between ? BlockLinks::find(machine_) : nullptr;
   if (op == nullptr || timing::hangs_on(state.trail, *op)) {
     const uint64_t before = state.instructions;
     stepping_.run(limit);
     stepped_ += state.instructions - before;
     return nullptr;
   }
-  limit_ = limit;
+  machine_.block_limit = limit;
   const bool fits_whole = fits(*op);
-  arrive(state, *op);
+  BlockLinks::arrive(state, *op);
   if (__builtin_expect(fits_whole, 1)) return op;
   run_to_limit(op);
   return nullptr;
@@ -217,7 +139,7 @@ void Blocks::run(uint64_t limit) {
 void Blocks::run_to_limit(const Step* first) {
   State& state = machine_.state;
   for (const Step* op = first;; ++op) {
-    if (state.cycles + op->cycles_before >= limit_ && op != first) {
+    if (state.cycles + op->cycles_before >= machine_.block_limit && op != first) {
       state.cycles += op->cycles_before;
       state.instructions += op[-1].instructions_to;
       state.it_state = op->it_before;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "cortex_m3/executors/block_links.h"
+#include "cortex_m3/executors/step.h"
 #include "cortex_m3/isa/alu.h"
 #include "cortex_m3/isa/timing.h"
 #include "cortex_m3/machine.h"
@@ -36,6 +38,8 @@ struct Execute {
     return op.condition == condition_always ? op.body->one(cpu, op) : conditional(cpu, op);
   }
 
+  /// Completes the time of a decoded step by its predecessor and the wait states of its fetch.
+  static void add_cycles(const Scb& scb, Step& step, uint16_t before, uint32_t wait_states);
   /// Most cycles the step can take beyond DecodedOp::cycles, without device accesses.
   static uint32_t most_extra_cycles(const DecodedOp& op, uint32_t largest_wait);
 
@@ -95,7 +99,7 @@ struct Execute {
 template <Handler one>
 const Step* Execute::chain(Machine& cpu, const Step* op) {
   if (__builtin_expect(one(cpu, *op), 1)) return go_on(cpu, op + 1);
-  return Blocks::leave(cpu, *op);
+  return BlockLinks::leave(cpu, *op);
 }
 
 /// Takes a branch within its page.
@@ -104,13 +108,13 @@ inline const Step* Execute::follow(Machine& cpu, const Step* branch) {
   cpu.state.instructions += branch->instructions_to;
   const Step* target = branch->link;
   if (__builtin_expect(
-          target != nullptr && cpu.state.cycles + target->block_cycles < cpu.blocks.limit(), 1)) {
+          target != nullptr && cpu.state.cycles + target->block_cycles < cpu.block_limit, 1)) {
     cpu.state.cycles += timing::refill_beyond(*target);
     return target;
   }
   cpu.state.pc = pc_of(*branch) + branch->imm;
   cpu.state.trail = timing::trail_refill;
-  return Blocks::resolve_link(cpu, *branch);
+  return BlockLinks::resolve_link(cpu, *branch);
 }
 
 /// Both executors of an operation.

@@ -93,7 +93,7 @@ void Execute::bind(Step& step) {
 const Step* Execute::counted_chain(Machine& cpu, const Step* op) {
   if (one(cpu, *op)) return go_on(cpu, op + 1);
   cpu.count(*op);
-  return Blocks::leave(cpu, *op);
+  return BlockLinks::leave(cpu, *op);
 }
 
 void Execute::bind_counted(Step& step) {
@@ -113,6 +113,14 @@ void Execute::bind_in_block(Step& step, bool flags_dead, const Step* next) {
   } else if (next != nullptr) {
     if (Chain fused = compare_and_branch_chain(step, *next)) step.chain = fused;
   }
+}
+
+void Execute::add_cycles(const Scb& scb, Step& step, uint16_t before, uint32_t wait_states) {
+  const bool folded = timing::folds(before, step) && scb.folds_it();
+  const int paired = folded ? 0 : step.cycles + timing::pairing(before, step);
+  const uint32_t fetch = wait_states * timing::words_fetched(step.address, step.size);
+  step.cycles = static_cast<uint8_t>(static_cast<uint32_t>(paired) + fetch);
+  step.trail = timing::trail_of(step);
 }
 
 uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) {
@@ -161,7 +169,7 @@ bool Execute::cps(Machine& cpu, const Step& op) {
   bool disable = (op.encoding & 0x10) != 0;
   if (cpu.state.privileged()) {
     if (op.encoding & 2) cpu.state.primask = disable ? 1 : 0;
-    if ((op.encoding & 1) && (!disable || cpu.exceptions.execution_priority() > -1))
+    if ((op.encoding & 1) && (!disable || cpu.pending.execution_priority() > -1))
       cpu.state.faultmask = disable ? 1 : 0;
     cpu.requests.raise(Requests::changed);
   }
@@ -238,7 +246,7 @@ bool Execute::msr(Machine& cpu, const Step& op) {
           cpu.state.basepri = value;
         break;
       case 19:
-        if (cpu.exceptions.execution_priority() > -1 || (value & 1) == 0)
+        if (cpu.pending.execution_priority() > -1 || (value & 1) == 0)
           cpu.state.faultmask = value & 1;
         break;
       case 20:

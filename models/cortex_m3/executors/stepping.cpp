@@ -54,8 +54,8 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
     return true;
   }
   if (permits != nullptr && !permits(step)) return false;
-  machine_.blocks.add_cycles(step, state.trail, machine_.memory.map().wait_states(address));
-  Blocks::arrive(state, step);
+  Execute::add_cycles(state.scb, step, state.trail, machine_.memory.map().wait_states(address));
+  BlockLinks::arrive(state, step);
   const Listeners& listeners = machine_.listeners;
   if (listeners.sees_instructions) listeners.observer->issued(machine_.core(), step);
   if (Execute::one(machine_, step))

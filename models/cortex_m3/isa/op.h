@@ -43,16 +43,20 @@ constexpr uint32_t transfer = single_transfer | dual_load | dual_store | multipl
 constexpr uint32_t any_branch = branch | table_branch;
 }  // namespace kind
 
-/// What an operation does to N, Z, C and V: the third column. Those beside `unknown` can neither
-/// fault nor leave their block.
+/// What an operation does to N, Z, C and V: the third column. flag_liveness.h derives from it which
+/// flags are live. Those above `moves` can neither fault nor leave their block.
 enum class FlagEffect : uint8_t {
-  unknown,     ///< taken to read all of them
   keeps,       ///< neither reads nor sets any
   logical,     ///< sets N and Z, and C where the operand is shifted
   arithmetic,  ///< sets all four
   with_carry,  ///< sets all four, reads C
   shift,       ///< sets N and Z, and C unless the amount is zero
   product,     ///< sets N and Z; no form without flags is kept apart
+  compares,    ///< sets all four; its encoding has no S bit
+  moves,       ///< keeps, unless it writes the PC; may leave the block if it writes SP
+  may_fault,   ///< keeps, if it does not fault
+  transfers,   ///< keeps, if it neither faults nor loads the PC
+  unknown,     ///< taken to read all of them, and to leave the block
 };
 
 /// A row of operations.def.

@@ -43,6 +43,7 @@ class Memory {
   uint32_t wait_states(uint32_t address) const;
 
   Page& page(uint32_t address) { return pages_[address >> page_bits]; }
+  const Page& page(uint32_t address) const { return pages_[address >> page_bits]; }
   Page* table() const { return pages_; }
   /// A further table with less in it: what the MPU lets the unprivileged or the privileged reach
   /// without a further look, and what lies outside watched pages while no MPU applies. Filled page

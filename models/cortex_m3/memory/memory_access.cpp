@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cortex_m3/machine.h"
+#include "cortex_m3/system/registers.h"
 
 namespace capsoc::cortex_m3 {
 namespace {
@@ -53,14 +53,14 @@ bool succeeded(BusResult result) {
 }  // namespace
 
 void MemoryAccess::add_cycles(uint64_t cycles) {
-  machine_.state.cycles += cycles;
+  context_.state.cycles += cycles;
 }
 
 /// Tells the observer of an access that took the result; returns the result.
 BusResult MemoryAccess::observe(const DirectAccess& access, BusResult result) const {
   DirectAccess told = access;
   told.ok = succeeded(result);
-  machine_.listeners.observer->accessed(machine_.core(), told);
+  context_.listeners.observer->accessed(context_.core(), told);
   return result;
 }
 
@@ -68,7 +68,7 @@ BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t&
   value = 0;
   const Memory::Page& page = memory_.page(address);
   if (const auto* bytes = within(page.read, address, size);
-      bytes != nullptr && !machine_.listeners.sees_accesses) {
+      bytes != nullptr && !context_.listeners.sees_accesses) {
     std::memcpy(&value, bytes, size);
     add_cycles(page.wait_states);
     return BusResult::ok;
@@ -76,13 +76,13 @@ BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t&
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->size - (address - r->base) >= size) {
     std::memcpy(&value, r->host + (address - r->base), size);
-    if (machine_.listeners.sees_accesses)
+    if (context_.listeners.sees_accesses)
       observe({address, value, size, false, true}, BusResult::ok);
     add_cycles(r->wait_states);
     return BusResult::ok;
   }
   unsigned wait = 0;
-  machine_.state.stalled = true;
+  context_.state.stalled = true;
   const bool good = bus_.read(address, size, value, wait, AccessKind::load);
   add_cycles(wait);
   value = low_bytes(value, size);
@@ -92,13 +92,13 @@ BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t&
 BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t value) {
   const Memory::Page& page = memory_.page(address);
   if (auto* bytes = within(page.write, address, size);
-      bytes != nullptr && !machine_.listeners.sees_accesses) {
+      bytes != nullptr && !context_.listeners.sees_accesses) {
     std::memcpy(bytes, &value, size);
     add_cycles(page.wait_states);
     return BusResult::ok;
   }
   if (uint8_t* bytes = memory_.beside_code(address, size);
-      bytes != nullptr && !machine_.listeners.sees_accesses) {
+      bytes != nullptr && !context_.listeners.sees_accesses) {
     std::memcpy(bytes, &value, size);
     add_cycles(page.wait_states);
     return BusResult::ok;
@@ -106,39 +106,39 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
   if (const Memory::Region* r = memory_.find(address);
       r != nullptr && r->writable && r->size - (address - r->base) >= size) {
     std::memcpy(r->host + (address - r->base), &value, size);
-    if (machine_.listeners.sees_accesses)
+    if (context_.listeners.sees_accesses)
       observe({address, value, size, true, true}, BusResult::ok);
     add_cycles(r->wait_states);
-    if (machine_.listeners.vectors && is_vector(address)) tell_of_vector({address, value, size});
+    if (context_.listeners.vectors && is_vector(address)) tell_of_vector({address, value, size});
     if (!memory_.invalidate(address, size)) return BusResult::ok;
     code_dropped_ = true;  // the block that runs may be among them: leave it
-    machine_.requests.raise(Requests::changed);
+    context_.requests.raise(Requests::changed);
     return BusResult::device;
   }
   unsigned wait = 0;
-  machine_.state.stalled = true;
+  context_.state.stalled = true;
   const bool good = bus_.write(address, size, value, wait);
   add_cycles(wait);
   return good ? BusResult::device : BusResult::bus_error;
 }
 
 bool MemoryAccess::is_vector(uint32_t address) const {
-  return address - machine_.state.scb.vector(0) < 4 * exception::count;
+  return address - context_.state.scb.vector(0) < 4 * exception::count;
 }
 
 void MemoryAccess::tell_of_vector(const VectorWrite& write) {
-  if (machine_.listeners.vectors(write)) return;
-  machine_.listeners.vectors = nullptr;
+  if (context_.listeners.vectors(write)) return;
+  context_.listeners.vectors = nullptr;
   memory_.guard(0, 0);
 }
 
 BusResult MemoryAccess::shown(const DirectAccess& access, BusResult result) const {
-  return machine_.listeners.sees_accesses ? observe(access, result) : result;
+  return context_.listeners.sees_accesses ? observe(access, result) : result;
 }
 
 BusResult MemoryAccess::read(uint32_t address, unsigned size, uint32_t& value, bool privileged) {
   if (in_private_peripherals(address)) {
-    const BusResult result = machine_.system.read(address, size, value, privileged);
+    const BusResult result = private_bus_.read(address, size, value, privileged);
     return shown({address, value, size, false}, result);
   }
   if (!allows(address, false, false, privileged)) return BusResult::violation;
@@ -151,7 +151,7 @@ BusResult MemoryAccess::read(uint32_t address, unsigned size, uint32_t& value, b
 
 BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, bool privileged) {
   if (in_private_peripherals(address)) {
-    const BusResult result = machine_.system.write(address, size, value, privileged);
+    const BusResult result = private_bus_.write(address, size, value, privileged);
     return shown({address, value, size, true}, result);
   }
   if (!allows(address, true, false, privileged)) return BusResult::violation;
@@ -165,7 +165,7 @@ BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, b
 }
 
 uint8_t* MemoryAccess::plain(uint32_t address, unsigned words, bool write) {
-  if (mpu_applies() || machine_.listeners.sees_accesses || in_private_peripherals(address) ||
+  if (mpu_applies() || context_.listeners.sees_accesses || in_private_peripherals(address) ||
       in_bit_band_alias(address))
     return nullptr;
   const Memory::Page& page = memory_.page(address);
@@ -176,7 +176,7 @@ uint8_t* MemoryAccess::plain(uint32_t address, unsigned words, bool write) {
 }
 
 std::optional<Cause> MemoryAccess::fetch(uint32_t address, uint16_t& halfword) {
-  if (never_executes(address) || !allows(address, false, true, machine_.state.privileged()))
+  if (never_executes(address) || !allows(address, false, true, context_.state.privileged()))
     return Cause::fetch_access;
   if (const auto* bytes = within(memory_.page(address).read, address, 2)) {
     std::memcpy(&halfword, bytes, 2);
@@ -196,7 +196,7 @@ std::optional<Cause> MemoryAccess::fetch(uint32_t address, uint16_t& halfword) {
 }
 
 bool MemoryAccess::mpu_applies() const {
-  return machine_.state.mpu.applies(machine_.state.at_negative_priority());
+  return context_.state.mpu.applies(context_.state.at_negative_priority());
 }
 
 /// Nothing differs within 32 bytes, so what the MPU decided is kept for as many lines as a task's
@@ -206,7 +206,7 @@ bool MemoryAccess::allows(uint32_t address, bool write, bool fetch, bool privile
   if (!mpu_applies()) return true;
   Line& line = lines_[address >> 5 & (lines_.size() - 1)];
   const uint32_t tag = address >> 5 | 1u << 31;
-  if (line.tag != tag) line = {tag, machine_.state.mpu.rights(address)};
+  if (line.tag != tag) line = {tag, context_.state.mpu.rights(address)};
   const unsigned kind = (write ? Right::write : 0) | (fetch ? Right::fetch : 0) |
                         (privileged ? Right::privileged : 0);
   return (line.rights >> kind & 1) != 0;
@@ -220,15 +220,15 @@ void MemoryAccess::regions_changed() {
 void MemoryAccess::views_changed() {
   memory_.clear_views();
   select_view();
-  machine_.requests.raise(Requests::changed);
+  context_.requests.raise(Requests::changed);
 }
 
 void MemoryAccess::select_view() {
   watch_vectors();  // memory that was mapped anew is direct again
   if (mpu_applies()) {
     pages_ =
-        memory_.view(machine_.state.privileged() ? Memory::View::privileged : Memory::View::user);
-  } else if (machine_.debugging.watches_data() || machine_.listeners.sees_accesses) {
+        memory_.view(context_.state.privileged() ? Memory::View::privileged : Memory::View::user);
+  } else if (watchpoints_.watches_data() || context_.listeners.sees_accesses) {
     pages_ = memory_.view(Memory::View::unprotected);
   } else {
     pages_ = memory_.table();
@@ -239,24 +239,24 @@ void MemoryAccess::select_view() {
 void MemoryAccess::fill_view(uint32_t address) {
   const Memory::Page& page = memory_.page(address);
   if (pages_ == memory_.table() || page.read == nullptr || direct(address).mixed) return;
-  if (machine_.listeners.sees_accesses || machine_.debugging.watches_page(address)) return;
+  if (context_.listeners.sees_accesses || watchpoints_.watches_page(address)) return;
   Memory::Page& seen = memory_.view_page(pages_, address);
-  seen.mixed = !machine_.state.mpu.uniform_in_page(address, Memory::page_bits);
+  seen.mixed = !context_.state.mpu.uniform_in_page(address, Memory::page_bits);
   if (seen.mixed) return;
-  const bool privileged = machine_.state.privileged();
+  const bool privileged = context_.state.privileged();
   seen.wait_states = page.wait_states;
   if (allows(address, false, false, privileged)) seen.read = page.read;
   if (allows(address, true, false, privileged)) seen.write = page.write;
 }
 
 bool MemoryAccess::is_watched() const {
-  return machine_.debugging.watches_data() || machine_.listeners.sees_accesses;
+  return watchpoints_.watches_data() || context_.listeners.sees_accesses;
 }
 
 CodePage* MemoryAccess::executable_page(uint32_t address) {
   if (never_executes(address)) return nullptr;
   if (pages_ == memory_.table()) return memory_.code_page(address);
-  const State& state = machine_.state;
+  const State& state = context_.state;
   if (!state.mpu.uniform_in_page(address, Memory::page_bits) ||
       !allows(address, false, true, state.privileged()))
     return nullptr;
@@ -277,32 +277,32 @@ uint8_t* MemoryAccess::shared_page(uint32_t address, bool write, bool user) {
   if (!direct(address).mixed || user) return nullptr;
   const Memory::Page& page = memory_.page(address);
   uint8_t* bytes = write ? page.write : page.read;
-  if (bytes == nullptr || !allows(address, write, false, machine_.state.privileged()))
+  if (bytes == nullptr || !allows(address, write, false, context_.state.privileged()))
     return nullptr;
   add_cycles(page.wait_states);
   return bytes + (address & (Memory::page_size - 1));
 }
 
 bool MemoryAccess::must_be_aligned(uint32_t address) const {
-  return machine_.state.scb.traps_unaligned() || in_private_peripherals(address);
+  return context_.state.scb.traps_unaligned() || in_private_peripherals(address);
 }
 
 Access MemoryAccess::load_slow(const Step& op, uint32_t address, unsigned size, uint32_t& value,
                                bool user) {
-  const bool privileged = machine_.state.privileged() && !user;
+  const bool privileged = context_.state.privileged() && !user;
   const bool unaligned = (address & (size - 1)) != 0;
   if (unaligned && must_be_aligned(address)) {
-    machine_.fault(op, Cause::unaligned, address);
+    context_.fault(op, Cause::unaligned, address);
     return Access::fault;
   }
-  machine_.state.pc = op.address;  // what a device reports, it reports of this instruction
+  context_.state.pc = op.address;  // what a device reports, it reports of this instruction
   value = 0;
   if (const uint8_t* bytes = unaligned ? nullptr : shared_page(address, false, user)) {
     std::memcpy(&value, bytes, size);
     return Access::ok;
   }
-  if (in_private_peripherals(address)) machine_.system.check_access(op, address, size);
-  cycle_offset_ = op.cycles_before;
+  if (in_private_peripherals(address)) private_bus_.check_access(op, address, size);
+  context_.cycle_offset = op.cycles_before;
   BusResult worst = BusResult::ok;
   uint32_t failed_at = address;
   for (unsigned done = 0; done < size;) {
@@ -318,7 +318,7 @@ Access MemoryAccess::load_slow(const Step& op, uint32_t address, unsigned size, 
     if (done != 0) add_cycles(1);
     done += part;
   }
-  cycle_offset_ = 0;
+  context_.cycle_offset = 0;
   const Access access = concluded(op, address, size, false, user, worst, failed_at);
   if (!succeeded(worst)) value = 0;
   return access;
@@ -326,19 +326,19 @@ Access MemoryAccess::load_slow(const Step& op, uint32_t address, unsigned size, 
 
 Access MemoryAccess::store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
                                 bool user) {
-  const bool privileged = machine_.state.privileged() && !user;
+  const bool privileged = context_.state.privileged() && !user;
   const bool unaligned = (address & (size - 1)) != 0;
   if (unaligned && must_be_aligned(address)) {
-    machine_.fault(op, Cause::unaligned, address);
+    context_.fault(op, Cause::unaligned, address);
     return Access::fault;
   }
-  machine_.state.pc = op.address;
+  context_.state.pc = op.address;
   if (uint8_t* bytes = unaligned ? nullptr : shared_page(address, true, user)) {
     std::memcpy(bytes, &value, size);
     return Access::ok;
   }
-  if (in_private_peripherals(address)) machine_.system.check_access(op, address, size);
-  cycle_offset_ = op.cycles_before;
+  if (in_private_peripherals(address)) private_bus_.check_access(op, address, size);
+  context_.cycle_offset = op.cycles_before;
   BusResult worst = BusResult::ok;
   uint32_t failed_at = address;
   value = low_bytes(value, size);
@@ -347,8 +347,7 @@ Access MemoryAccess::store_slow(const Step& op, uint32_t address, unsigned size,
     BusResult result =
         write(address + done, part, low_bytes(value >> (8 * done), part), privileged);
     if (result == BusResult::bus_error && buffered(op, address + done)) {
-      machine_.exceptions.imprecise_bus_fault(
-          {true, address, value, op.address, machine_.cycles()});
+      pending_.imprecise_bus_fault({true, address, value, op.address, context_.cycles()});
       result = BusResult::device;
     }
     worst = std::max(worst, result);
@@ -359,9 +358,9 @@ Access MemoryAccess::store_slow(const Step& op, uint32_t address, unsigned size,
     if (done != 0) add_cycles(1);
     done += part;
   }
-  cycle_offset_ = 0;
+  context_.cycle_offset = 0;
   if (in_private_peripherals(address))
-    machine_.system.check_write(op, address, size, value, succeeded(worst));
+    private_bus_.check_write(op, address, size, value, succeeded(worst));
   return concluded(op, address, size, true, user, worst, failed_at);
 }
 
@@ -371,8 +370,7 @@ Access MemoryAccess::concluded(const Step& op, uint32_t address, unsigned size, 
   const bool unaligned = (address & (size - 1)) != 0;
   if (worst == BusResult::ok && !user && !unaligned) fill_view(address);
   if (unaligned) check_unaligned(op, address, size);
-  Debugging& debugging = machine_.debugging;
-  if (debugging.watches_data() && succeeded(worst) && debugging.watched(address, size, write))
+  if (watchpoints_.watches_data() && succeeded(worst) && watchpoints_.watched(address, size, write))
     worst = BusResult::device;
   if (!succeeded(worst)) return failed(op, worst, failed_at);
   return worst == BusResult::ok ? Access::ok : Access::leave;
@@ -384,13 +382,12 @@ Access MemoryAccess::concluded(const Step& op, uint32_t address, unsigned size, 
 /// recorded, a load gives 0, and the handler goes on.
 Access MemoryAccess::failed(const Step& op, BusResult result, uint32_t address) {
   const Cause cause = result == BusResult::bus_error ? Cause::data_bus : Cause::data_access;
-  Scb& scb = machine_.state.scb;
-  if (cause == Cause::data_bus && scb.ignores_bus_faults() &&
-      machine_.exceptions.execution_priority() < 0) {
+  Scb& scb = context_.state.scb;
+  if (cause == Cause::data_bus && scb.ignores_bus_faults() && pending_.execution_priority() < 0) {
     scb.record(cause, address);
     return Access::leave;
   }
-  machine_.fault(op, cause, address);
+  context_.fault(op, cause, address);
   return Access::fault;
 }
 
@@ -404,7 +401,7 @@ bool MemoryAccess::buffered(const Step& op, uint32_t address) const {
   if (is(op, kind::exclusive_store) || in_private_peripherals(address) ||
       in_bit_band_alias(address))
     return false;
-  const State& state = machine_.state;
+  const State& state = context_.state;
   const auto by_region = mpu_applies() ? state.mpu.buffers(address) : std::nullopt;
   return by_region ? *by_region : !state.scb.write_buffer_is_off();
 }
@@ -412,22 +409,22 @@ bool MemoryAccess::buffered(const Step& op, uint32_t address) const {
 /// UNPREDICTABLE cases of an unaligned access that was made.
 void MemoryAccess::check_unaligned(const Step& op, uint32_t address, unsigned size) {
   if (op.operation == Operation::ldr && op.rd == 15)
-    machine_.report(Unpredictable::load_to_pc_unaligned, op.address);
-  if (machine_.state.stalled || in_bit_band_alias(address))
-    machine_.report(Unpredictable::device_unaligned, op.address);
-  if (address + size < address) machine_.report(Unpredictable::address_wraps, op.address);
+    context_.report(Unpredictable::load_to_pc_unaligned, op.address);
+  if (context_.state.stalled || in_bit_band_alias(address))
+    context_.report(Unpredictable::device_unaligned, op.address);
+  if (address + size < address) context_.report(Unpredictable::address_wraps, op.address);
 }
 
 void MemoryAccess::invalidate_code(uint32_t address, uint32_t size) {
   if (!memory_.invalidate(address, size)) return;
   code_dropped_ = true;
-  machine_.requests.raise(Requests::changed);
+  context_.requests.raise(Requests::changed);
 }
 
 void MemoryAccess::invalidate_all_code() {
   memory_.invalidate_all();
   code_dropped_ = true;
-  machine_.requests.raise(Requests::changed);
+  context_.requests.raise(Requests::changed);
 }
 
 void MemoryAccess::collect() {
@@ -438,7 +435,7 @@ void MemoryAccess::collect() {
 }
 
 void MemoryAccess::watch_vectors() {
-  if (machine_.listeners.vectors) memory_.guard(machine_.state.scb.vector(0), 4 * exception::count);
+  if (context_.listeners.vectors) memory_.guard(context_.state.scb.vector(0), 4 * exception::count);
 }
 
 bool MemoryAccess::debug_read(uint32_t address, void* data, uint32_t size) const {
@@ -448,7 +445,7 @@ bool MemoryAccess::debug_read(uint32_t address, void* data, uint32_t size) const
     if (const Memory::Region* r = memory_.find(at)) {
       bytes[i] = r->host[at - r->base];
     } else if (in_private_peripherals(at)) {
-      bytes[i] = static_cast<uint8_t>(machine_.system.peek(at & ~3u) >> (8 * (at & 3)));
+      bytes[i] = static_cast<uint8_t>(private_bus_.peek(at & ~3u) >> (8 * (at & 3)));
     } else {
       return false;
     }
@@ -462,8 +459,8 @@ bool MemoryAccess::debug_write(uint32_t address, const void* data, uint32_t size
   if (in_private_peripherals(address) && word_or_part && (address & (size - 1)) == 0) {
     uint32_t value = 0;
     std::memcpy(&value, bytes, size);
-    const bool good = succeeded(machine_.system.write(address, size, value, true));
-    machine_.state.stalled = false;  // the program's next instruction overlaps as it would have
+    const bool good = succeeded(private_bus_.write(address, size, value, true));
+    context_.state.stalled = false;  // the program's next instruction overlaps as it would have
     return good;
   }
   for (uint32_t i = 0; i < size; ++i) {

@@ -5,28 +5,31 @@
 #include <cstring>
 #include <optional>
 
-#include "cortex_m3/event.h"
+#include "cortex_m3/core_context.h"
 #include "cortex_m3/executors/step.h"
 #include "cortex_m3/memory/bus.h"
 #include "cortex_m3/memory/memory.h"
-#include "cortex_m3/observer.h"
+#include "cortex_m3/memory/private_bus.h"
+#include "cortex_m3/pending_exceptions.h"
+#include "cortex_m3/watchpoints.h"
 
 namespace capsoc::cortex_m3 {
-
-class Machine;
-struct VectorWrite;
 
 /// What came of an access, for an instruction: go on, leave the block behind this instruction, or a
 /// fault is noted and the instruction has done nothing.
 enum class Access : uint8_t { ok, leave, fault };
-/// What came of an access to memory or a device, the better ones first.
-enum class BusResult : uint8_t { ok, device, bus_error, violation };
-
 /// The processor's way to memory: direct pages, the MPU, bit-band aliases, the private peripheral
 /// bus and the bus (B2, B3.1).
 class MemoryAccess {
  public:
-  MemoryAccess(Machine& machine, Bus& bus) : machine_(machine), bus_(bus) {}
+  /// Nothing is owned.
+  MemoryAccess(CoreContext& context, Bus& bus, PrivateBus& private_bus, PendingExceptions& pending,
+               Watchpoints& watchpoints)
+      : context_(context),
+        bus_(bus),
+        private_bus_(private_bus),
+        pending_(pending),
+        watchpoints_(watchpoints) {}
 
   // For instructions. `user`: as without privilege (LDRT, STRT).
   template <typename T>
@@ -50,6 +53,7 @@ class MemoryAccess {
 
   // For the executors.
   Memory& map() { return memory_; }
+  const Memory& map() const { return memory_; }
   const Memory::Page& direct(uint32_t address) const {
     return pages_[address >> Memory::page_bits];
   }
@@ -61,9 +65,6 @@ class MemoryAccess {
   bool is_watched() const;
   /// The record of a page that may be executed throughout, created on demand; null for the others.
   CodePage* executable_page(uint32_t address);
-
-  /// Cycles of the present block that count already, within an access.
-  uint64_t cycle_offset() const { return cycle_offset_; }
 
   // What follows from the mode, the MPU, watchpoints and observers.
   /// The table of direct pages for the present privilege and MPU.
@@ -105,16 +106,43 @@ class MemoryAccess {
                    BusResult worst, uint32_t failed_at);
   void add_cycles(uint64_t cycles);
 
-  Machine& machine_;
+  CoreContext& context_;
   Bus& bus_;
+  PrivateBus& private_bus_;
+  PendingExceptions& pending_;
+  Watchpoints& watchpoints_;
   Memory memory_;
   Memory::Page* pages_ = nullptr;  // the view in use
-  uint64_t cycle_offset_ = 0;
   bool code_dropped_ = false;
   struct Line {
     uint32_t tag, rights;  // of 32 bytes; tag 0: none
   };
   std::array<Line, 64> lines_{};  // what the MPU decided last
 };
+
+template <typename T>
+inline Access MemoryAccess::load(const Step& op, uint32_t address, uint32_t& value) {
+  const Memory::Page& p = direct(address);
+  if (__builtin_expect(p.read != nullptr && (address & (sizeof(T) - 1)) == 0, 1)) {
+    T data;
+    std::memcpy(&data, p.read + (address & (Memory::page_size - 1)), sizeof(T));
+    value = data;
+    if (__builtin_expect(p.wait_states != 0, 0)) context_.state.cycles += p.wait_states;
+    return Access::ok;
+  }
+  return load_slow(op, address, sizeof(T), value);
+}
+
+template <typename T>
+inline Access MemoryAccess::store(const Step& op, uint32_t address, uint32_t value) {
+  const Memory::Page& p = direct(address);
+  if (__builtin_expect(p.write != nullptr && (address & (sizeof(T) - 1)) == 0, 1)) {
+    T data = static_cast<T>(value);
+    std::memcpy(p.write + (address & (Memory::page_size - 1)), &data, sizeof(T));
+    if (__builtin_expect(p.wait_states != 0, 0)) context_.state.cycles += p.wait_states;
+    return Access::ok;
+  }
+  return store_slow(op, address, sizeof(T), value);
+}
 
 }  // namespace capsoc::cortex_m3

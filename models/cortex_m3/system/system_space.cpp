@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "cortex_m3/machine.h"
-
 namespace capsoc::cortex_m3 {
 namespace {
 
@@ -21,16 +19,16 @@ uint32_t word_of(uint32_t address) {
 }  // namespace
 
 bool SystemSpace::open_to_user(uint32_t address, bool write) const {
-  const State& state = machine_.state;
+  const State& state = context_.state;
   if (in_itm(address)) return state.itm.open_to_user(address);
   return write && address == ppb::STIR && state.scb.user_may_pend();
 }
 
 uint32_t SystemSpace::icsr() const {
-  const Nvic& nvic = machine_.state.nvic;
-  uint32_t value = machine_.state.ipsr;
+  const Nvic& nvic = context_.state.nvic;
+  uint32_t value = context_.state.ipsr;
   if (nvic.active_count() <= 1) value |= icsr_rettobase;
-  value |= machine_.exceptions.highest_pending(257) << icsr_vectpending;
+  value |= pending_.highest_pending(257) << icsr_vectpending;
   if (nvic.pending() >> exception::first_interrupt != 0) value |= icsr_isrpending;
   if (nvic.is_pending(exception::systick)) value |= icsr_pendstset;
   if (nvic.is_pending(exception::pendsv)) value |= icsr_pendsvset;
@@ -39,16 +37,16 @@ uint32_t SystemSpace::icsr() const {
 }
 
 uint32_t SystemSpace::peek(uint32_t address) const {
-  const State& state = machine_.state;
+  const State& state = context_.state;
   const SystemRegister* target = find_system_register(address);
   if (target == nullptr) return 0;
   switch (target->room) {
     case Room::itm:
       return state.itm.read(address, state.scb.tracing());
     case Room::dwt:
-      return state.dwt.read(address, machine_.cycles(), state.scb.tracing());
+      return state.dwt.read(address, context_.cycles(), state.scb.tracing());
     case Room::systick:
-      return state.systick.read(address, machine_.cycles());
+      return state.systick.read(address, context_.cycles());
     case Room::nvic:
       return state.nvic.read(address);
     case Room::scb:
@@ -58,7 +56,7 @@ uint32_t SystemSpace::peek(uint32_t address) const {
     case Room::exceptions:
       return address == ppb::ICSR ? icsr() : 0;
     case Room::debug:
-      if (address == ppb::DHCSR) return machine_.debugging.control_and_status();
+      if (address == ppb::DHCSR) return context_.halting.control_and_status();
       return state.scb.demcr() |
              (state.nvic.is_pending(exception::debug_monitor) ? demcr_mon_pend : 0);
     case Room::constant:
@@ -68,8 +66,8 @@ uint32_t SystemSpace::peek(uint32_t address) const {
 }
 
 BusResult SystemSpace::read(uint32_t address, unsigned size, uint32_t& value, bool privileged) {
-  State& state = machine_.state;
-  ++machine_.private_accesses;
+  State& state = context_.state;
+  ++context_.private_accesses;
   value = 0;
   state.stalled = true;
   if (!privileged && !open_to_user(address, false)) return BusResult::bus_error;
@@ -77,15 +75,15 @@ BusResult SystemSpace::read(uint32_t address, unsigned size, uint32_t& value, bo
   value = size == 4 ? word : word & ((1u << (8 * size)) - 1);
   // COUNTFLAG is in byte 2 of SYST_CSR, MATCHED in byte 3 of FUNCTIONn.
   if (word_of(address) == ppb::SYST_CSR)
-    state.systick.csr_read(machine_.cycles(), lowest + size > 2);
+    state.systick.csr_read(context_.cycles(), lowest + size > 2);
   if (Dwt::is_function(address) && lowest + size > 3) state.dwt.matched_read(address);
   return BusResult::device;
 }
 
 BusResult SystemSpace::write(uint32_t address, unsigned size, uint32_t value, bool privileged) {
   if (!privileged && !open_to_user(address, true)) return BusResult::bus_error;
-  ++machine_.private_accesses;
-  machine_.state.stalled = true;
+  ++context_.private_accesses;
+  context_.state.stalled = true;
   if (in_itm(address)) {
     write_itm(word_of(address), size, value);
     return BusResult::device;
@@ -94,20 +92,20 @@ BusResult SystemSpace::write(uint32_t address, unsigned size, uint32_t value, bo
   const uint32_t lanes = (size == 4 ? ~0u : (1u << (8 * size)) - 1) << shift;
   if (const SystemRegister* target = find_system_register(address))
     write_word(*target, word_of(address), {value << shift, lanes});
-  machine_.requests.raise(Requests::changed);
+  context_.requests.raise(Requests::changed);
   return BusResult::device;
 }
 
 void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
                              const LaneWrite& write) {
-  State& state = machine_.state;
+  State& state = context_.state;
   switch (target.room) {
     case Room::dwt:
-      state.dwt.write(address, write, machine_.cycles(), state.scb.tracing());
+      state.dwt.write(address, write, context_.cycles(), state.scb.tracing());
       select_observation();
       break;
     case Room::systick:
-      state.systick.write(address, write, machine_.cycles());
+      state.systick.write(address, write, context_.cycles());
       break;
     case Room::nvic:
       write_interrupts(address, write);
@@ -116,19 +114,19 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
       const bool folded = state.scb.folds_it();
       if (state.scb.write(address, write, state.nvic)) state.reset_request = true;
       // Blocks hold the time of each instruction.
-      if (state.scb.folds_it() != folded) machine_.memory.invalidate_all_code();
-      machine_.memory.watch_vectors();  // VTOR
+      if (state.scb.folds_it() != folded) memory_.invalidate_all_code();
+      memory_.watch_vectors();  // VTOR
       break;
     }
     case Room::mpu:
       state.mpu.write(address, write.value);
-      machine_.memory.regions_changed();
+      memory_.regions_changed();
       break;
     case Room::exceptions:
       if (address == ppb::ICSR)
         write_icsr(write.over(0));
       else if ((write.value & intid) < exception::interrupts)
-        machine_.exceptions.pend(exception::first_interrupt + (write.value & intid));
+        pending_.pend(exception::first_interrupt + (write.value & intid));
       break;
     case Room::debug:
       // A program cannot write C_DEBUGEN, and without it nothing else of DHCSR.
@@ -141,78 +139,78 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
 }
 
 void SystemSpace::write_interrupts(uint32_t address, const LaneWrite& write) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const uint64_t before = state.nvic.pending();
   state.nvic.write(address, write);
   const uint64_t newly = address == ppb::NVIC_ISPR ? state.nvic.pending() & ~before : 0;
   if (newly != 0 && state.scb.sends_event_on_pend()) state.event_register = true;
-  if (!machine_.listeners.pended) return;
+  if (!context_.listeners.pended) return;
   for (uint64_t left = newly; left != 0; left &= left - 1)
-    machine_.listeners.pended(static_cast<unsigned>(__builtin_ctzll(left)));
+    context_.listeners.pended(static_cast<unsigned>(__builtin_ctzll(left)));
 }
 
 void SystemSpace::write_icsr(uint32_t value) {
-  Nvic& nvic = machine_.state.nvic;
-  if ((value & icsr_nmipendset) != 0) machine_.exceptions.pend(exception::nmi);
-  if ((value & icsr_pendsvset) != 0) machine_.exceptions.pend(exception::pendsv);
+  Nvic& nvic = context_.state.nvic;
+  if ((value & icsr_nmipendset) != 0) pending_.pend(exception::nmi);
+  if ((value & icsr_pendsvset) != 0) pending_.pend(exception::pendsv);
   if ((value & icsr_pendsvclr) != 0) nvic.set_pending(exception::pendsv, false);
-  if ((value & icsr_pendstset) != 0) machine_.exceptions.pend(exception::systick);
+  if ((value & icsr_pendstset) != 0) pending_.pend(exception::systick);
   if ((value & icsr_pendstclr) != 0) nvic.set_pending(exception::systick, false);
 }
 
 /// MON_PEND is the pending state itself, whatever MON_EN says. The vector catches are a halting
 /// debugger's.
 void SystemSpace::write_demcr(uint32_t value) {
-  State& state = machine_.state;
-  const uint64_t now = machine_.cycles();
+  State& state = context_.state;
+  const uint64_t now = context_.cycles();
   const uint32_t count = state.dwt.cycle_count(now, state.scb.tracing());
   state.scb.set_demcr(value);
   state.dwt.set_cycle_count(now, count);
   if ((value & demcr_mon_pend) != 0)
-    machine_.exceptions.pend(exception::debug_monitor);
+    pending_.pend(exception::debug_monitor);
   else
     state.nvic.set_pending(exception::debug_monitor, false);
   select_observation();
 }
 
 void SystemSpace::enable_tracing() {
-  if (!machine_.state.scb.tracing()) write_demcr(peek(ppb::DEMCR) | demcr_trcena);
+  if (!context_.state.scb.tracing()) write_demcr(peek(ppb::DEMCR) | demcr_trcena);
 }
 
 void SystemSpace::select_observation() {
-  State& state = machine_.state;
-  state.dwt.select(machine_.cycles(), state.scb.tracing(), state.scb.monitor_steps());
-  machine_.memory.views_changed();
+  State& state = context_.state;
+  state.dwt.select(context_.cycles(), state.scb.tracing(), state.scb.monitor_steps());
+  memory_.views_changed();
 }
 
 /// `value` holds what was written, from bit 0.
 void SystemSpace::write_itm(uint32_t address, unsigned size, uint32_t value) {
-  State& state = machine_.state;
+  State& state = context_.state;
   const unsigned port = Itm::port_of(address);
   if (port >= Itm::ports) return state.itm.write(address, size, value);
-  if (state.itm.port_enabled(port, state.scb.tracing()) && machine_.listeners.stimulus)
-    machine_.listeners.stimulus(port, value, size);
+  if (state.itm.port_enabled(port, state.scb.tracing()) && context_.listeners.stimulus)
+    context_.listeners.stimulus(port, value, size);
 }
 
-void SystemSpace::check_access(const Step& op, uint32_t address, unsigned size) {
+void SystemSpace::check_access(const DecodedOp& op, uint32_t address, unsigned size) {
   const SystemRegister* target = find_system_register(address);
   const bool takes_parts = in_itm(address) || (target != nullptr && target->byte_accesses);
-  if (size != 4 && !takes_parts) machine_.report(Unpredictable::register_size, op.address);
+  if (size != 4 && !takes_parts) context_.report(Unpredictable::register_size, op.address);
 }
 
-void SystemSpace::check_write(const Step& op, uint32_t address, unsigned size, uint32_t value,
+void SystemSpace::check_write(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value,
                               bool done) {
   constexpr uint32_t for_debuggers = 3, key = 0x05FA;
   if (address == ppb::AIRCR && value >> 16 == key && (value & for_debuggers) != 0)
-    machine_.report(Unpredictable::aircr_for_debuggers, op.address);
+    context_.report(Unpredictable::aircr_for_debuggers, op.address);
   const SystemRegister* target = find_system_register(address);
   if (target != nullptr && target->room == Room::mpu) check_mpu(op, address, value);
   if (done) check_priorities(op, address, size, value);
 }
 
-void SystemSpace::check_mpu(const Step& op, uint32_t address, uint32_t value) {
-  const Mpu& mpu = machine_.state.mpu;
-  const auto tell = [&](Unpredictable which) { machine_.report(which, op.address); };
+void SystemSpace::check_mpu(const DecodedOp& op, uint32_t address, uint32_t value) {
+  const Mpu& mpu = context_.state.mpu;
+  const auto tell = [&](Unpredictable which) { context_.report(which, op.address); };
   const bool enables = address == ppb::MPU_CTRL && (value & 1) != 0;
   for (unsigned number = 0; enables && number < Mpu::regions; ++number)
     mpu.check_region(number, tell);
@@ -224,21 +222,21 @@ void SystemSpace::check_mpu(const Step& op, uint32_t address, uint32_t value) {
   if (address > ppb::MPU_RBAR && !rbar) mpu.check_region(mpu.selected(), tell);
 }
 
-void SystemSpace::dropped_priority(const Step& op, const DroppedPriority& dropped) {
-  State& state = machine_.state;
+void SystemSpace::dropped_priority(const DecodedOp& op, const DroppedPriority& dropped) {
+  State& state = context_.state;
   bool& told = state.priority_told[dropped.all_ones ? 1 : 0];
-  if (told || !machine_.listeners.priority) return;
+  if (told || !context_.listeners.priority) return;
   told = true;
   const uint32_t pc = std::exchange(state.pc, op.address);
-  machine_.listeners.priority(dropped);
+  context_.listeners.priority(dropped);
   state.pc = pc;
 }
 
 /// Priority bits that a program has written and that are not implemented.
-void SystemSpace::check_priorities(const Step& op, uint32_t address, unsigned size,
+void SystemSpace::check_priorities(const DecodedOp& op, uint32_t address, unsigned size,
                                    uint32_t value) {
   if (!has_priorities(address)) return;
-  const uint32_t implemented = machine_.state.nvic.priority_mask();
+  const uint32_t implemented = context_.state.nvic.priority_mask();
   bool any = false, all_ones = true;
   for (unsigned i = 0; i < size; ++i) {
     const uint32_t field = value >> (8 * i) & 0xFF;
@@ -249,8 +247,8 @@ void SystemSpace::check_priorities(const Step& op, uint32_t address, unsigned si
   if (any) dropped_priority(op, {word_of(address), value << (8 * (address & 3)), all_ones});
 }
 
-void SystemSpace::check_basepri(const Step& op, uint32_t value) {
-  const uint32_t implemented = machine_.state.nvic.priority_mask();
+void SystemSpace::check_basepri(const DecodedOp& op, uint32_t value) {
+  const uint32_t implemented = context_.state.nvic.priority_mask();
   value &= 0xFF;
   const bool all_ones = (value | implemented) == 0xFF;
   if ((value & ~implemented) != 0) dropped_priority(op, {0, value, all_ones});

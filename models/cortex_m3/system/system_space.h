@@ -2,32 +2,31 @@
 
 #include <cstdint>
 
-#include "cortex_m3/listeners.h"
+#include "cortex_m3/core_context.h"
 #include "cortex_m3/memory/memory_access.h"
+#include "cortex_m3/memory/private_bus.h"
+#include "cortex_m3/pending_exceptions.h"
 #include "cortex_m3/system/registers.h"
 
 namespace capsoc::cortex_m3 {
 
-class Machine;
-
 /// The private peripheral bus (B3.1, C1.2): takes each access to the room whose register it is, and
-/// what follows from it to the others. Addresses are aligned to the size of 1, 2 or 4 bytes.
-class SystemSpace {
+/// what follows from it to the others.
+class SystemSpace : public PrivateBus {
  public:
-  explicit SystemSpace(Machine& machine) : machine_(machine) {}
+  /// Nothing is owned.
+  SystemSpace(CoreContext& context, PendingExceptions& pending, MemoryAccess& memory)
+      : context_(context), pending_(pending), memory_(memory) {}
 
   /// Without privilege only STIR answers, if CCR.USERSETMPEND lets it, and open stimulus ports.
-  BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged);
-  BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged);
-  /// The word at an address, without side effects.
-  uint32_t peek(uint32_t address) const;
+  BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged) override;
+  BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged) override;
+  uint32_t peek(uint32_t address) const override;
 
-  // What is told once, of an instruction's accesses.
-  /// A size that the register does not take.
-  void check_access(const Step& op, uint32_t address, unsigned size);
-  /// Settings that are UNPREDICTABLE, and priority bits that are not there.
-  void check_write(const Step& op, uint32_t address, unsigned size, uint32_t value, bool done);
-  void check_basepri(const Step& op, uint32_t value);
+  void check_access(const DecodedOp& op, uint32_t address, unsigned size) override;
+  void check_write(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value,
+                   bool done) override;
+  void check_basepri(const DecodedOp& op, uint32_t value);
 
   /// A debugger's access: DEMCR.TRCENA is set.
   void enable_tracing();
@@ -42,11 +41,13 @@ class SystemSpace {
   void write_interrupts(uint32_t address, const LaneWrite& write);
   void write_demcr(uint32_t value);
   void write_itm(uint32_t address, unsigned size, uint32_t value);
-  void check_mpu(const Step& op, uint32_t address, uint32_t value);
-  void check_priorities(const Step& op, uint32_t address, unsigned size, uint32_t value);
-  void dropped_priority(const Step& op, const DroppedPriority& dropped);
+  void check_mpu(const DecodedOp& op, uint32_t address, uint32_t value);
+  void check_priorities(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value);
+  void dropped_priority(const DecodedOp& op, const DroppedPriority& dropped);
 
-  Machine& machine_;
+  CoreContext& context_;
+  PendingExceptions& pending_;
+  MemoryAccess& memory_;
 };
 
 }  // namespace capsoc::cortex_m3

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
-#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/executors/block_links.h"
+#include "cortex_m3/executors/blocks.h"
+#include "cortex_m3/executors/translator/block_compiler.h"
 #include "cortex_m3/executors/translator/translator.h"
 #include "cortex_m3/machine.h"
 #include "support/host_features.h"
@@ -18,11 +20,12 @@ unsigned index_of(uint32_t address) {
 
 class HostTranslator : public Translator {
  public:
-  HostTranslator(Machine& machine, const TranslatorLimits& limits)
+  HostTranslator(Machine& machine, Blocks& blocks, const TranslatorLimits& limits)
       : machine_(machine),
+        blocks_(blocks),
         context_(machine.host_context),
         buffer_(std::max(limits.buffer_bytes, TranslatorLimits::least_buffer)),
-        emitter_(machine, context_, buffer_),
+        compiler_(machine, context_, buffer_),
         threshold_(limits.threshold),
         warm_up_(limits.warm_up) {}
 
@@ -44,9 +47,10 @@ class HostTranslator : public Translator {
   void drop_all();
 
   Machine& machine_;
+  Blocks& blocks_;
   HostContext& context_;
   CodeBuffer buffer_;
-  BlockEmitter emitter_;
+  BlockCompiler compiler_;
   TranslationCounts counts_;
   std::size_t frame_ = 0, first_block_ = 0;
   std::string refusal_;
@@ -62,9 +66,9 @@ void HostTranslator::run(uint64_t limit) {
   const State& state = machine_.state;
   const uint64_t before = state.instructions;
   if (counts_.executed < warm_up_) {
-    machine_.blocks.run(std::min(limit, state.cycles + warm_up_));
+    blocks_.run(std::min(limit, state.cycles + warm_up_));
   } else {
-    const Step* op = machine_.blocks.begin(limit);
+    const Step* op = blocks_.begin(limit);
     while (op != nullptr) op = go_on(op);
   }
   counts_.executed += state.instructions - before;
@@ -79,14 +83,14 @@ bool HostTranslator::open() {
     if (machine_.listeners.untranslated) machine_.listeners.untranslated(refusal_);
     return false;
   }
-  frame_ = emitter_.emit_frame();
+  frame_ = compiler_.emit_frame();
   first_block_ = buffer_.used();
   return true;
 }
 
 TranslationCounts HostTranslator::counts() const {
   TranslationCounts counts = counts_;
-  counts.stepped = machine_.blocks.stepped();
+  counts.stepped = blocks_.stepped();
   return counts;
 }
 
@@ -99,7 +103,7 @@ const Step* HostTranslator::go_on(const Step* head) {
     return head->chain(machine_, head);
   const void* entry = page->entries[index_of(head->address)];
   if (entry == nullptr) entry = heat(head, *page);
-  const uint64_t used = machine_.state.cycles + emitter_.largest_bound();
+  const uint64_t used = machine_.state.cycles + compiler_.largest_bound();
   if (entry == nullptr || used >= limit_) return head->chain(machine_, head);
   return execute(entry, limit_ - used - 1);
 }
@@ -109,11 +113,11 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   uint8_t& count = page.heat[index_of(head->address)];
   if (count == never) return nullptr;
   if (++count < threshold_ || !open()) return nullptr;
-  if (emitter_.full()) drop_all();
+  if (compiler_.full()) drop_all();
   refresh_windows();
   const std::size_t before = buffer_.used();
-  emitter_.list(static_cast<bool>(machine_.listeners.translated));
-  const void* entry = emitter_.emit(head, page);
+  compiler_.list(static_cast<bool>(machine_.listeners.translated));
+  const void* entry = compiler_.emit(head, page);
   count = never;
   if (entry == nullptr) return nullptr;
   page.entries[index_of(head->address)] = entry;
@@ -121,7 +125,8 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   counts_.bytes += buffer_.used() - before;
   if (machine_.listeners.translated)
     machine_.listeners.translated({head->address, buffer_.executable(before), before,
-                                   buffer_.used() - before, counts_.evictions, emitter_.listing()});
+                                   buffer_.used() - before, counts_.evictions,
+                                   compiler_.listing()});
   return entry;
 }
 
@@ -133,15 +138,15 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
   refresh_windows();
   context_.budget = left << 32;
   context_.recipe = 0;
-  const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockEmitter
+  const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockCompiler
       reinterpret_cast<uintptr_t>(buffer_.executable(frame_)));
-  const BlockExit& exit = emitter_.exits()[enter(&state, entry)];
+  const BlockExit& exit = compiler_.exits()[enter(&state, entry)];
   const auto instructions = static_cast<uint32_t>(context_.budget);
   const auto rest = static_cast<int32_t>(context_.budget >> 32);
   state.cycles += static_cast<uint64_t>(static_cast<int64_t>(left) - rest);
   state.instructions += instructions;
   counts_.instructions += instructions;
-  emitter_.recipe(exit.recipe).settle(state, context_.aside, emitter_.recipe(context_.recipe));
+  compiler_.recipe(exit.recipe).settle(state, context_.aside, compiler_.recipe(context_.recipe));
   return leave(exit);
 }
 
@@ -151,23 +156,23 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
     const bool closes = exit.step->operation == Operation::fall_through;
     counts_.instructions += exit.step->instructions_to - (closes ? 0u : 1u);
     if (state.cycles + exit.bound < limit_) return exit.step->chain(machine_, exit.step);
-    machine_.blocks.run_to_limit(exit.step);
+    blocks_.run_to_limit(exit.step);
     return nullptr;
   }
   if (exit.kind == BlockExit::Kind::edge) state.pc = exit.pc;
   state.trail = exit.trail;
   if (machine_.requests.any()) return nullptr;
-  const Step* next = Blocks::find(machine_);
-  if (next == nullptr || timing::hangs_on(state.trail, *next) || !machine_.blocks.fits(*next))
+  const Step* next = BlockLinks::find(machine_);
+  if (next == nullptr || timing::hangs_on(state.trail, *next) || !blocks_.fits(*next))
     return nullptr;
   const bool completes = (state.trail & timing::trail_refill) != 0;
-  Blocks::arrive(state, *next);
+  BlockLinks::arrive(state, *next);
   if (exit.slot == BlockExit::no_slot) return next;
   const CodePage* page = machine_.memory.direct(state.pc).code;
   const auto* entry =
       static_cast<const uint8_t*>(page != nullptr ? page->entries[index_of(state.pc)] : nullptr);
   if (entry == nullptr) return next;
-  if (completes) entry -= BlockEmitter::refill_bytes;
+  if (completes) entry -= BlockEdges::refill_bytes;
   std::memcpy(buffer_.writable(exit.slot), &entry, sizeof entry);
   return next;
 }
@@ -236,19 +241,19 @@ void HostTranslator::drop_all() {
   machine_.memory.map().forget_entries();
   context_.jumps.clear();
   buffer_.cut(first_block_);
-  emitter_.forget();
+  compiler_.forget();
   ++counts_.evictions;
 }
 
 }  // namespace
 
-std::unique_ptr<Translator> Translator::make(Machine& machine, const TranslatorLimits& limits,
-                                             std::string& reason) {
+std::unique_ptr<Translator> Translator::make(Machine& machine, Blocks& blocks,
+                                             const TranslatorLimits& limits, std::string& reason) {
   if (!limits.bit_manipulation || !host_has_bit_manipulation()) {
     reason = "this processor has no BMI1 and BMI2";
     return nullptr;
   }
-  return std::make_unique<HostTranslator>(machine, limits);
+  return std::make_unique<HostTranslator>(machine, blocks, limits);
 }
 
 }  // namespace capsoc::cortex_m3

@@ -2,7 +2,7 @@
 
 namespace capsoc::cortex_m3 {
 
-std::unique_ptr<Translator> Translator::make(Machine&, const TranslatorLimits&,
+std::unique_ptr<Translator> Translator::make(Machine&, Blocks&, const TranslatorLimits&,
                                              std::string& reason) {
   reason = "it was built without asmjit or for another host than x86-64";
   return nullptr;

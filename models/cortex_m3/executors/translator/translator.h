@@ -9,6 +9,7 @@
 
 namespace capsoc::cortex_m3 {
 
+class Blocks;
 class Machine;
 
 /// What a translator may use of its host.
@@ -42,8 +43,9 @@ struct TranslationCounts {
 class Translator : public InstructionExecutor {
  public:
   /// Null where the host is another one or lacks BMI1 or BMI2; `reason` says which.
-  static std::unique_ptr<Translator> make(Machine& machine, const TranslatorLimits& limits,
-                                          std::string& reason);
+  /// Machine and blocks, which execute the rest, are not owned.
+  static std::unique_ptr<Translator> make(Machine& machine, Blocks& blocks,
+                                          const TranslatorLimits& limits, std::string& reason);
   virtual TranslationCounts counts() const = 0;
   /// Why there are blocks alone after all, which turns out once something is hot: the host refuses
   /// executable memory (Listeners::untranslated). Empty: nothing is in the way.

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/executors/translator/data_operations.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -8,13 +8,13 @@ using namespace asmjit;
 using Of = FlagSource::Of;
 
 /// LSL, LSR, ASR and ROR by the bottom byte of a register.
-void BlockEmitter::emit_shift_by_register(const Step& step) {
-  const uint8_t want = wanted(step);
-  if ((want & c_bit) != 0) return emit_shift_with_carry(step);
-  read_to(x86::ecx, step.rm);
+void DataOperations::emit_shift_by_register(const Step& step) {
+  const uint8_t want = plan_.wanted(step);
+  if ((want & flag::c) != 0) return emit_shift_with_carry(step);
+  registers_.read_to(x86::ecx, step.rm);
   a_.movzx(x86::ecx, x86::cl);
-  const Gp n = read(step.rn, x86::eax);
-  const Gp to = destination(step.rd, x86::eax);
+  const Gp n = registers_.read(step.rn, x86::eax);
+  const Gp to = registers_.destination(step.rd, x86::eax);
   switch (step.operation) {
     case Operation::lsl_reg:
     case Operation::lsr_reg:
@@ -38,18 +38,19 @@ void BlockEmitter::emit_shift_by_register(const Step& step) {
       break;
   }
   if (to != x86::eax) a_.mov(to, x86::eax);
-  written(step.rd, to);
-  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  registers_.written(step.rd, to);
+  if ((want & flag::nz) != 0)
+    flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// ... whose carry, kept where nothing is shifted, is stored. In 64 bits the last bit shifted out
 /// stays beside the result.
-void BlockEmitter::emit_shift_with_carry(const Step& step) {
-  settle(c_bit);
+void DataOperations::emit_shift_with_carry(const Step& step) {
+  flags_.settle(flag::c);
   const Label unshifted = a_.newLabel();
-  read_to(x86::ecx, step.rm);
+  registers_.read_to(x86::ecx, step.rm);
   a_.movzx(x86::ecx, x86::cl);
-  read_to(x86::eax, step.rn);
+  registers_.read_to(x86::eax, step.rn);
   unsigned carry = 31;
   if (step.operation == Operation::ror_reg) {
     a_.mov(x86::edx, x86::ecx);
@@ -71,36 +72,36 @@ void BlockEmitter::emit_shift_with_carry(const Step& step) {
   }
   a_.jz(unshifted);
   a_.bt(x86::rax, carry);
-  a_.setc(state_byte(&machine_.state.c));
+  a_.setc(code_.state_byte(&state_.c));
   a_.bind(unshifted);
   const bool upper = step.operation == Operation::lsr_reg || step.operation == Operation::asr_reg;
   if (upper) a_.shr(x86::rax, 32);
-  write(step.rd, x86::eax);
-  set_sources(c_bit, {});
-  if ((wanted(step) & nz_bit) != 0)
-    set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  registers_.write(step.rd, x86::eax);
+  flags_.set_sources(flag::c, {});
+  if ((plan_.wanted(step) & flag::nz) != 0)
+    flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// SBFX, UBFX.
-void BlockEmitter::emit_extract(const Step& step) {
+void DataOperations::emit_extract(const Step& step) {
   const unsigned lsb = step.field.lsb, rest = 32 - lsb;
   const unsigned width = std::min<unsigned>(static_cast<unsigned>(step.field.width), rest);
-  const Gp to = destination(step.rd, x86::eax);
-  read_to(to, step.rn);
+  const Gp to = registers_.destination(step.rd, x86::eax);
+  registers_.read_to(to, step.rn);
   if (step.operation == Operation::ubfx) {
     if (lsb != 0) a_.shr(to, lsb);
-    if (width < rest) a_.and_(to, number((1u << width) - 1));
+    if (width < rest) a_.and_(to, immediate_of((1u << width) - 1));
   } else {
     if (rest != width) a_.shl(to, rest - width);
     if (width != 32) a_.sar(to, 32 - width);
   }
-  written(step.rd, to);
+  registers_.written(step.rd, to);
 }
 
-void BlockEmitter::emit_extend(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
-  keep_host_flags();
-  Gp from = read(step.rm, x86::eax);
+void DataOperations::emit_extend(const Step& step) {
+  const Gp to = registers_.destination(step.rd, x86::eax);
+  flags_.keep_host_flags();
+  Gp from = registers_.read(step.rm, x86::eax);
   if ((step.shift.amount & 31) != 0) {
     a_.rorx(x86::eax, from, step.shift.amount & 31);
     from = x86::eax;
@@ -119,50 +120,50 @@ void BlockEmitter::emit_extend(const Step& step) {
       a_.movzx(to, from.r16());
       break;
   }
-  written(step.rd, to);
+  registers_.written(step.rd, to);
 }
 
 /// BFI, BFC, MOVT, ADR.
-void BlockEmitter::emit_insert(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
+void DataOperations::emit_insert(const Step& step) {
+  const Gp to = registers_.destination(step.rd, x86::eax);
   if (step.operation == Operation::adr) {
-    keep_host_flags();
+    flags_.keep_host_flags();
     a_.mov(to, (pc_of(step) & ~3u) + step.imm);
-    return written(step.rd, to);
+    return registers_.written(step.rd, to);
   }
   if (step.operation == Operation::movt) {
-    read_to(to, step.rd);
+    registers_.read_to(to, step.rd);
     a_.and_(to, 0xFFFF);
-    if (step.imm != 0) a_.or_(to, number(step.imm << 16));
-    return written(step.rd, to);
+    if (step.imm != 0) a_.or_(to, immediate_of(step.imm << 16));
+    return registers_.written(step.rd, to);
   }
-  if (step.field.width < 1) return keep_host_flags();
+  if (step.field.width < 1) return flags_.keep_host_flags();
   const auto width = static_cast<unsigned>(static_cast<uint8_t>(step.field.width));
   const uint32_t low = width >= 32 ? ~0u : (1u << width) - 1;
   const uint32_t mask = low << (static_cast<uint8_t>(step.field.lsb) & 31u);
   if (step.operation == Operation::bfi) {
-    read_to(x86::ecx, step.rn);
+    registers_.read_to(x86::ecx, step.rn);
     if (step.field.lsb != 0) a_.shl(x86::ecx, step.field.lsb);
-    a_.and_(x86::ecx, number(mask));
+    a_.and_(x86::ecx, immediate_of(mask));
   }
-  read_to(to, step.rd);
-  a_.and_(to, number(~mask));
+  registers_.read_to(to, step.rd);
+  a_.and_(to, immediate_of(~mask));
   if (step.operation == Operation::bfi) a_.or_(to, x86::ecx);
-  written(step.rd, to);
+  registers_.written(step.rd, to);
 }
 
 /// REV, REV16, REVSH, RBIT, CLZ.
-void BlockEmitter::emit_reverse(const Step& step) {
-  const Gp to = destination(step.rd, x86::eax);
+void DataOperations::emit_reverse(const Step& step) {
+  const Gp to = registers_.destination(step.rd, x86::eax);
   const auto exchange = [&](uint32_t mask, unsigned by) {
     a_.mov(x86::ecx, x86::eax);
     a_.shr(x86::ecx, by);
-    a_.and_(x86::ecx, number(mask));
-    a_.and_(x86::eax, number(mask));
+    a_.and_(x86::ecx, immediate_of(mask));
+    a_.and_(x86::eax, immediate_of(mask));
     a_.shl(x86::eax, by);
     a_.or_(x86::eax, x86::ecx);
   };
-  read_to(x86::eax, step.rm);
+  registers_.read_to(x86::eax, step.rm);
   switch (step.operation) {
     case Operation::clz:  // without LZCNT: BSR gives the highest bit, nothing for zero
       a_.mov(x86::ecx, 63);
@@ -189,7 +190,7 @@ void BlockEmitter::emit_reverse(const Step& step) {
       break;
   }
   if (to != x86::eax) a_.mov(to, x86::eax);
-  written(step.rd, to);
+  registers_.written(step.rd, to);
 }
 
 }  // namespace capsoc::cortex_m3

@@ -1,5 +1,4 @@
-#include "cortex_m3/executors/translator/block_emitter.h"
-#include "cortex_m3/isa/timing.h"
+#include "cortex_m3/executors/translator/data_operations.h"
 
 namespace capsoc::cortex_m3 {
 
@@ -39,82 +38,66 @@ bool is_shifted(const DecodedOp& op) {
 }  // namespace
 
 /// True if C is the carry of the shifter and somebody may see it.
-bool BlockEmitter::store_shifter_carry(const Step& step) const {
-  return shifter_sets_carry(step) && (wanted(step) & c_bit) != 0;
+bool DataOperations::store_shifter_carry(const Step& step) const {
+  return shifter_sets_carry(step) && (plan_.wanted(step) & flag::c) != 0;
 }
 
 /// `to` = the shifted register; its carry goes to the state if asked for.
-void BlockEmitter::shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry) {
+void DataOperations::shift_constant(const Gp& to, unsigned rm, Shift shift, bool carry) {
   const uint32_t n = shift.amount;
   if (shift.type == ShiftType::rrx) {
-    carry_to_host(false);
-    read_to(to, rm);
+    flags_.carry_to_host(false);
+    registers_.read_to(to, rm);
     a_.rcr(to, 1);
   } else if (shift.type == ShiftType::ror) {
-    a_.rorx(to, read(rm, to), n & 31);
+    a_.rorx(to, registers_.read(rm, to), n & 31);
     if (carry) a_.bt(to, 31);
   } else if (shift.type == ShiftType::asr) {
-    read_to(to, rm);
+    registers_.read_to(to, rm);
     a_.sar(to, n < 32 ? n : 31);
     if (carry && n == 32) a_.bt(to, 31);
   } else if (shift.type == ShiftType::lsr && n == 32) {
-    read_to(to, rm);
+    registers_.read_to(to, rm);
     if (carry) a_.shl(to, 1);
   } else if (shift.type == ShiftType::lsr) {
-    read_to(to, rm);
+    registers_.read_to(to, rm);
     a_.shr(to, n);
   } else {
-    read_to(to, rm);
+    registers_.read_to(to, rm);
     a_.shl(to, n);
   }
-  if (carry) a_.setc(state_byte(&machine_.state.c));
+  if (carry) a_.setc(code_.state_byte(&state_.c));
   if (shift.type == ShiftType::lsr && n == 32) a_.mov(to, 0);
 }
 
-/// The second operand: a number, a register, or a shifted one in `scratch`.
-Operand BlockEmitter::second_operand(const Step& step, const Gp& scratch, bool carry) {
+Operand DataOperations::second_operand(const Step& step, const Gp& scratch, bool carry) {
   if (is_immediate(step.operation)) {
-    if (carry) a_.mov(state_byte(&machine_.state.c), static_cast<int>(step.imm >> 31));
-    return number(step.imm);
+    if (carry) a_.mov(code_.state_byte(&state_.c), static_cast<int>(step.imm >> 31));
+    return immediate_of(step.imm);
   }
-  if (step.shift.amount == 0) return at(step.rm);
+  if (step.shift.amount == 0) return registers_.at(step.rm);
   shift_constant(scratch, step.rm, step.shift, carry);
   return scratch;
 }
 
 /// True for an operation on a register that is in no host register and that keeps the result: the
 /// host does it in one instruction.
-bool BlockEmitter::works_in_state(const Step& step, const Operand& second) {
+bool DataOperations::works_in_state(const Step& step, const Operand& second) {
   return !pinned(step.rd) && step.rd == step.rn && !second.isMem();
 }
 
 /// True if the host's shift leaves N, Z and C of the result as the host's.
-bool BlockEmitter::leaves_host_flags(const Shift& shift) {
+bool DataOperations::leaves_host_flags(const Shift& shift) {
   return shift.type <= ShiftType::asr && shift.amount >= 1 && shift.amount <= 31;
 }
 
 /// Where the second operand of an operation that may take its two either way round is shifted: in
 /// the result's place, unless the first operand is there.
-x86::Gp BlockEmitter::shift_place(const Step& step) {
-  return pinned(step.rd) && step.rd != step.rn ? host(step.rd) : Gp(x86::ecx);
+x86::Gp DataOperations::shift_place(const Step& step) {
+  return pinned(step.rd) && step.rd != step.rn ? host_register(step.rd) : Gp(x86::ecx);
 }
 
-/// CF = C, or its inverse for a subtraction with borrow.
-void BlockEmitter::carry_to_host(bool borrow) {
-  const FlagSource& c = flags_.c;
-  if (!host_has(c, HostFlags::sum)) {
-    if (c.of == Of::difference || c.of == Of::sum) {
-      compare(c);
-    } else {
-      a_.cmp(state_byte(&machine_.state.c), 1);  // CF is C's inverse
-      if (!borrow) a_.cmc();
-      return;
-    }
-  }
-  if ((host_flags_ == HostFlags::difference) != borrow) a_.cmc();
-}
-
-void BlockEmitter::emit_data(const Step& step) {
+void DataOperations::emit_data(const Step& step) {
   switch (step.operation) {
     case Operation::tst_imm:
     case Operation::tst_reg:
@@ -204,11 +187,11 @@ x86::Inst::Id logical_instruction(Operation operation) {
 }  // namespace
 
 /// AND, BIC, ORR, ORN, EOR, MOV, MVN.
-void BlockEmitter::emit_logical(const Step& step) {
+void DataOperations::emit_logical(const Step& step) {
   const Operation operation = step.operation;
-  const uint8_t want = wanted(step);
+  const uint8_t want = plan_.wanted(step);
   const bool carry = store_shifter_carry(step);
-  const Gp to = destination(step.rd, x86::eax);
+  const Gp to = registers_.destination(step.rd, x86::eax);
   bool host = false;  // the host's N and Z are the result's
   bool kept = false;  // ... and its carry stays there
   bool in_place = false;
@@ -217,7 +200,7 @@ void BlockEmitter::emit_logical(const Step& step) {
     case Operation::mvn_imm: {
       const uint32_t value = operation == Operation::mov_imm ? step.imm : ~step.imm;
       if (carry) second_operand(step, x86::ecx, true);
-      keep_host_flags();
+      flags_.keep_host_flags();
       a_.mov(to, value);
       break;
     }
@@ -226,26 +209,26 @@ void BlockEmitter::emit_logical(const Step& step) {
       if (is_shifted(step)) {
         const bool plain = operation == Operation::mov_reg && leaves_host_flags(step.shift);
         host = plain;
-        kept = plain && carry && only_next_reads(c_bit);
+        kept = plain && carry && flags_.only_next_reads(flag::c);
         shift_constant(to, step.rm, step.shift, carry && !kept);
       } else {
-        keep_host_flags();
-        read_to(to, step.rm);
+        flags_.keep_host_flags();
+        registers_.read_to(to, step.rm);
       }
       if (operation == Operation::mvn_reg) a_.not_(to);
       break;
     case Operation::bic_reg: {
       const Operand m = second_operand(step, x86::ecx, carry);
       if (m.isMem()) a_.emit(x86::Inst::kIdMov, x86::ecx, m);
-      a_.emit(x86::Inst::kIdAndn, to, m.isMem() ? Operand(x86::ecx) : m, at(step.rn));
+      a_.emit(x86::Inst::kIdAndn, to, m.isMem() ? Operand(x86::ecx) : m, registers_.at(step.rn));
       host = true;
       break;
     }
     case Operation::bic_imm:
     case Operation::orn_imm: {
       if (carry) second_operand(step, x86::ecx, true);
-      read_to(to, step.rn);
-      a_.emit(logical_instruction(operation), to, number(~step.imm));
+      registers_.read_to(to, step.rn);
+      a_.emit(logical_instruction(operation), to, immediate_of(~step.imm));
       host = true;
       break;
     }
@@ -253,7 +236,7 @@ void BlockEmitter::emit_logical(const Step& step) {
       const Operand m = second_operand(step, x86::ecx, carry);
       if (!m.isReg() || m.as<Gp>() != x86::ecx) a_.emit(x86::Inst::kIdMov, x86::ecx, m);
       a_.not_(x86::ecx);
-      a_.emit(x86::Inst::kIdOr, x86::ecx, at(step.rn));
+      a_.emit(x86::Inst::kIdOr, x86::ecx, registers_.at(step.rn));
       a_.mov(to, x86::ecx);
       host = true;
       break;
@@ -263,43 +246,43 @@ void BlockEmitter::emit_logical(const Step& step) {
       const x86::Inst::Id id = logical_instruction(operation);
       in_place = works_in_state(step, m);
       if (in_place) {
-        a_.emit(id, in_state(step.rd), m);
+        a_.emit(id, registers_.in_state(step.rd), m);
       } else if (m.isReg() && m.as<Gp>() == to) {
-        a_.emit(id, to, at(step.rn));
+        a_.emit(id, to, registers_.at(step.rn));
       } else {
-        read_to(to, step.rn);
+        registers_.read_to(to, step.rn);
         a_.emit(id, to, m);
       }
       host = true;
     }
   }
-  if (!in_place) written(step.rd, to);
-  if (carry) set_sources(c_bit, {kept ? Of::host : Of::memory, {}, {}, 0});
-  if ((want & nz_bit) != 0) set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-  if (host && want != 0) in_host(kept ? HostFlags::shift : HostFlags::nz);
+  if (!in_place) registers_.written(step.rd, to);
+  if (carry) flags_.set_sources(flag::c, {kept ? Of::host : Of::memory, {}, {}, 0});
+  if ((want & flag::nz) != 0)
+    flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  if (host && want != 0) flags_.in_host(kept ? HostFlags::shift : HostFlags::nz);
 }
 
 /// TST, TEQ.
-void BlockEmitter::emit_test(const Step& step) {
-  const uint8_t want = wanted(step);
-  keep_host_flags();
-  if (want == 0) return;
+void DataOperations::emit_test(const Step& step) {
+  const uint8_t want = plan_.wanted(step);
+  if (want == 0) return flags_.keep_host_flags();
   const bool both = step.operation == Operation::tst_imm || step.operation == Operation::tst_reg;
   const bool carry = store_shifter_carry(step);
   const FlagOperand n = FlagOperand::reg(step.rn);
   if (is_shifted(step)) {
-    host_kept_ = false;
     shift_constant(x86::ecx, step.rm, step.shift, carry);
-    a_.emit(both ? x86::Inst::kIdAnd : x86::Inst::kIdXor, x86::ecx, at(step.rn));
-    set_sources(nz_bit, {Of::value, aside(x86::ecx), {}, 0});
-    in_host(HostFlags::nz);
+    a_.emit(both ? x86::Inst::kIdAnd : x86::Inst::kIdXor, x86::ecx, registers_.at(step.rn));
+    flags_.set_sources(flag::nz, {Of::value, flags_.aside(x86::ecx), {}, 0});
+    flags_.in_host(HostFlags::nz);
   } else {
+    flags_.keep_host_flags();
     const bool immediate = is_immediate(step.operation);
     if (carry) second_operand(step, x86::ecx, true);
     const FlagOperand m = immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
-    set_sources(nz_bit, {both ? Of::both : Of::either, n, m, 0});
+    flags_.set_sources(flag::nz, {both ? Of::both : Of::either, n, m, 0});
   }
-  if (carry) set_sources(c_bit, {});
+  if (carry) flags_.set_sources(flag::c, {});
 }
 
 namespace {
@@ -327,19 +310,9 @@ Sources behind_sum(FlagOperand x, FlagOperand y, unsigned rd) {
 
 }  // namespace
 
-/// The host has the flags of the present operation now: into the state.
-void BlockEmitter::settle_from_host(uint8_t which, const Gp& result, bool borrow) {
-  in_host(borrow ? HostFlags::difference : HostFlags::sum);
-  set_sources(which & (c_bit | v_bit), {Of::host, {}, {}, 0});
-  settle_carries(which & (c_bit | v_bit));
-  if ((which & nz_bit) == 0) return;
-  store_nz(result);
-  set_sources(nz_bit, {});
-}
-
 /// SUB, CMP; reversed: RSB.
-void BlockEmitter::emit_difference(const Step& step, bool reversed) {
-  const uint8_t want = wanted(step);
+void DataOperations::emit_difference(const Step& step, bool reversed) {
+  const uint8_t want = plan_.wanted(step);
   const bool writes = !is(step, kind::compare);
   const bool immediate = is_immediate(step.operation);
   const FlagOperand n =
@@ -347,174 +320,173 @@ void BlockEmitter::emit_difference(const Step& step, bool reversed) {
   const FlagOperand m = immediate       ? FlagOperand::number(step.imm)
                         : step.rm == 15 ? FlagOperand::number(pc_of(step))
                                         : FlagOperand::reg(step.rm);
-  if (!writes && want == 0) return keep_host_flags();
+  if (!writes && want == 0) return flags_.keep_host_flags();
   if (!writes && !is_shifted(step)) {
-    keep_host_flags();
-    return set_sources(all_flags, {Of::difference, n, m, 0});
+    flags_.keep_host_flags();
+    return flags_.set_sources(flag::all, {Of::difference, n, m, 0});
   }
   const Operand second = second_operand(step, x86::ecx, false);
   if (!writes && n.is_register()) {
-    a_.emit(x86::Inst::kIdCmp, at(step.rn), second);
-    in_host(HostFlags::difference);
-    return set_sources(all_flags, {Of::difference, n, aside(x86::ecx), 0});
+    a_.emit(x86::Inst::kIdCmp, registers_.at(step.rn), second);
+    flags_.in_host(HostFlags::difference);
+    return flags_.set_sources(flag::all, {Of::difference, n, flags_.aside(x86::ecx), 0});
   }
-  const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
+  const Gp to = writes ? registers_.destination(step.rd, x86::eax) : Gp(x86::eax);
   if (want == 0 && !reversed && immediate && pinned(step.rn) && pinned(step.rd)) {
-    keep_host_flags();
-    a_.lea(to, sum_of(host(step.rn), static_cast<int32_t>(0u - step.imm)));
+    flags_.keep_host_flags();
+    a_.lea(to, sum_of(host_register(step.rn), static_cast<int32_t>(0u - step.imm)));
     return;
   }
   const bool in_place = writes && !reversed && works_in_state(step, second);
   if (in_place) {
-    a_.emit(x86::Inst::kIdSub, in_state(step.rd), second);
+    a_.emit(x86::Inst::kIdSub, registers_.in_state(step.rd), second);
   } else if (reversed) {
     const bool negate = immediate && step.imm == 0;
     if (negate) {
-      read_to(to, step.rn);
+      registers_.read_to(to, step.rn);
       a_.neg(to);
     } else {
       a_.emit(x86::Inst::kIdMov, x86::eax, second);
-      a_.emit(x86::Inst::kIdSub, x86::eax, at(step.rn));
+      a_.emit(x86::Inst::kIdSub, x86::eax, registers_.at(step.rn));
       if (to != x86::eax) a_.mov(to, x86::eax);
     }
   } else if (second.isReg() && second.as<Gp>() == to && step.rm != step.rn) {
-    read_to(x86::eax, step.rn);
+    registers_.read_to(x86::eax, step.rn);
     a_.emit(x86::Inst::kIdSub, x86::eax, second);
     a_.mov(to, x86::eax);
   } else {
-    read_to(to, step.rn);
+    registers_.read_to(to, step.rn);
     a_.emit(x86::Inst::kIdSub, to, second);
   }
-  if (writes && !in_place) written(step.rd, to);
+  if (writes && !in_place) registers_.written(step.rd, to);
   if (want == 0) return;
-  if (!writes) return settle_from_host(want, to, true);
-  in_host(HostFlags::difference);
-  const bool carries = (want & (c_bit | v_bit)) != 0;
-  const FlagOperand other = is_shifted(step) && carries ? aside(x86::ecx) : m;
+  if (!writes) return flags_.settle_from_host(want, to, true);
+  flags_.in_host(HostFlags::difference);
+  const bool carries = (want & (flag::c | flag::v)) != 0;
+  const FlagOperand other = is_shifted(step) && carries ? flags_.aside(x86::ecx) : m;
   const Sources sources =
       reversed ? behind_difference(other, n, step.rd) : behind_difference(n, other, step.rd);
-  set_sources(c_bit | v_bit, {Of::difference, sources.x, sources.y, 0});
-  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  flags_.set_sources(flag::c | flag::v, {Of::difference, sources.x, sources.y, 0});
+  flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// ADD, CMN.
-void BlockEmitter::emit_sum(const Step& step) {
-  const uint8_t want = wanted(step);
+void DataOperations::emit_sum(const Step& step) {
+  const uint8_t want = plan_.wanted(step);
   const bool writes = !is(step, kind::compare);
   const bool immediate = is_immediate(step.operation);
   const FlagOperand n = FlagOperand::reg(step.rn);
   const FlagOperand m = immediate ? FlagOperand::number(step.imm) : FlagOperand::reg(step.rm);
-  if (!writes && want == 0) return keep_host_flags();
+  if (!writes && want == 0) return flags_.keep_host_flags();
   if (!writes && !is_shifted(step)) {
-    keep_host_flags();
-    return set_sources(all_flags, {Of::sum, n, m, 0});
+    flags_.keep_host_flags();
+    return flags_.set_sources(flag::all, {Of::sum, n, m, 0});
   }
-  const Gp to = writes ? destination(step.rd, x86::eax) : Gp(x86::eax);
+  const Gp to = writes ? registers_.destination(step.rd, x86::eax) : Gp(x86::eax);
   if (want == 0 && pinned(step.rn) && pinned(step.rd) && !is_shifted(step) &&
       (immediate || pinned(step.rm))) {
-    keep_host_flags();
-    const Gp base = host(step.rn);
-    a_.lea(to,
-           immediate ? sum_of(base, static_cast<int32_t>(step.imm)) : sum_of(base, host(step.rm)));
+    flags_.keep_host_flags();
+    const Gp base = host_register(step.rn);
+    a_.lea(to, immediate ? sum_of(base, static_cast<int32_t>(step.imm))
+                         : sum_of(base, host_register(step.rm)));
     return;
   }
   const bool scaled = !immediate && step.shift.type == ShiftType::lsl && step.shift.amount <= 3;
   if (want == 0 && pinned(step.rn) && pinned(step.rd) && scaled && pinned(step.rm)) {
-    keep_host_flags();
-    a_.lea(to, sum_of(host(step.rn), host(step.rm), step.shift.amount));
+    flags_.keep_host_flags();
+    a_.lea(to, sum_of(host_register(step.rn), host_register(step.rm), step.shift.amount));
     return;
   }
   // What the second operand was, if that is gone behind the addition and somebody may ask.
   FlagOperand other = m;
   const bool doubles = !immediate && writes && step.rn == step.rd && step.rm == step.rd;
-  const bool asked = writes ? (want & (c_bit | v_bit)) != 0 : want != 0;
+  const bool asked = writes ? (want & (flag::c | flag::v)) != 0 : want != 0;
   const Operand second = second_operand(step, writes ? shift_place(step) : Gp(x86::ecx), false);
   if (asked && is_shifted(step))
-    other = aside(second.as<Gp>());
+    other = flags_.aside(second.as<Gp>());
   else if (asked && doubles)
-    other = aside(read(step.rm, x86::ecx));
+    other = flags_.aside(registers_.read(step.rm, x86::ecx));
   const bool in_place = writes && works_in_state(step, second);
   if (in_place) {
-    a_.emit(x86::Inst::kIdAdd, in_state(step.rd), second);
+    a_.emit(x86::Inst::kIdAdd, registers_.in_state(step.rd), second);
   } else if (second.isReg() && second.as<Gp>() == to) {
-    a_.emit(x86::Inst::kIdAdd, to, at(step.rn));
+    a_.emit(x86::Inst::kIdAdd, to, registers_.at(step.rn));
   } else {
-    read_to(to, step.rn);
+    registers_.read_to(to, step.rn);
     a_.emit(x86::Inst::kIdAdd, to, second);
   }
-  if (writes && !in_place) written(step.rd, to);
+  if (writes && !in_place) registers_.written(step.rd, to);
   if (want == 0) return;
-  in_host(HostFlags::sum);
-  if (!writes) return set_sources(all_flags, {Of::sum, n, other, 0});
+  flags_.in_host(HostFlags::sum);
+  if (!writes) return flags_.set_sources(flag::all, {Of::sum, n, other, 0});
   const Sources sources = behind_sum(n, other, step.rd);
-  set_sources(c_bit | v_bit, {Of::sum, sources.x, sources.y, 0});
-  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  flags_.set_sources(flag::c | flag::v, {Of::sum, sources.x, sources.y, 0});
+  flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
 /// ADC, SBC.
-void BlockEmitter::emit_with_carry(const Step& step) {
-  const uint8_t want = wanted(step);
+void DataOperations::emit_with_carry(const Step& step) {
+  const uint8_t want = plan_.wanted(step);
   const bool subtract =
       step.operation == Operation::sbc_imm || step.operation == Operation::sbc_reg;
   Operand second;
   if (is_shifted(step)) {
-    settle(c_bit);
+    flags_.settle(flag::c);
     second = second_operand(step, x86::edx, false);
-    host_serial_ = 0;
-    carry_to_host(subtract);
+    flags_.drop_host_flags();
+    flags_.carry_to_host(subtract);
   } else {
-    carry_to_host(subtract);
+    flags_.carry_to_host(subtract);
     second = second_operand(step, x86::edx, false);
   }
-  read_to(x86::eax, step.rn);
+  registers_.read_to(x86::eax, step.rn);
   a_.emit(subtract ? x86::Inst::kIdSbb : x86::Inst::kIdAdc, x86::eax, second);
-  write(step.rd, x86::eax);
+  registers_.write(step.rd, x86::eax);
   if (want == 0) return;
-  in_host(subtract ? HostFlags::difference : HostFlags::sum);
-  set_sources(nz_bit, {Of::value, FlagOperand::reg(step.rd), {}, 0});
-  set_sources(c_bit | v_bit, {Of::host, {}, {}, 0});
-  if (only_next_reads(c_bit | v_bit)) return;
-  settle_carries(want & (c_bit | v_bit));
-  if ((want & (c_bit | v_bit)) != (c_bit | v_bit))
-    set_sources(static_cast<uint8_t>((c_bit | v_bit) & ~want), {});
+  flags_.in_host(subtract ? HostFlags::difference : HostFlags::sum);
+  flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
+  flags_.set_sources(flag::c | flag::v, {Of::host, {}, {}, 0});
+  if (flags_.only_next_reads(flag::c | flag::v)) return;
+  flags_.settle_carries(want & (flag::c | flag::v));
+  if ((want & (flag::c | flag::v)) != (flag::c | flag::v))
+    flags_.set_sources(static_cast<uint8_t>((flag::c | flag::v) & ~want), {});
 }
 
 /// ADD and MOV of all registers, not to the PC.
-void BlockEmitter::emit_high(const Step& step) {
-  keep_host_flags();
+void DataOperations::emit_high(const Step& step) {
+  flags_.keep_host_flags();
   const bool add = step.operation == Operation::add_high;
-  const Gp to = destination(step.rd, x86::eax);
+  const Gp to = registers_.destination(step.rd, x86::eax);
   if (!add) {
-    read_to(to, step.rm);
-    return written(step.rd, to);
+    registers_.read_to(to, step.rm);
+    return registers_.written(step.rd, to);
   }
-  const Gp n = read(step.rn, x86::eax), m = read(step.rm, x86::ecx);
+  const Gp n = registers_.read(step.rn, x86::eax), m = registers_.read(step.rm, x86::ecx);
   a_.lea(to, sum_of(n, m));
-  written(step.rd, to);
+  registers_.written(step.rd, to);
 }
 
-/// Computes R13 from others: with bits that do not exist in it, it is left to C++.
-void BlockEmitter::emit_sp(const Step& step) {
+void DataOperations::emit_sp(const Step& step) {
   const bool add = step.operation == Operation::add_reg || step.operation == Operation::add_high ||
                    step.operation == Operation::add_imm;
   const bool move = step.operation == Operation::mov_high || step.operation == Operation::mov_reg;
   const Operand second =
-      is_immediate(step.operation) ? Operand(number(step.imm)) : Operand(Gp(x86::ecx));
+      is_immediate(step.operation) ? Operand(immediate_of(step.imm)) : Operand(Gp(x86::ecx));
   if (!is_immediate(step.operation)) {
     if (step.shift.amount != 0)
       shift_constant(x86::ecx, step.rm, step.shift, false);
     else
-      read_to(x86::ecx, step.rm);
+      registers_.read_to(x86::ecx, step.rm);
   }
   if (move) {
     a_.mov(x86::eax, x86::ecx);
   } else {
-    read_to(x86::eax, step.rn);
+    registers_.read_to(x86::eax, step.rn);
     a_.emit(add ? x86::Inst::kIdAdd : x86::Inst::kIdSub, x86::eax, second);
   }
   a_.test(x86::al, 3);
-  a_.jnz(exit_at(step));
-  write(13, x86::eax);
+  a_.jnz(edges_.exit_at(step));
+  registers_.write(13, x86::eax);
 }
 
 }  // namespace capsoc::cortex_m3

@@ -1,36 +1,61 @@
-#include "cortex_m3/executors/translator/block_emitter.h"
+#include "cortex_m3/executors/translator/flag_tracker.h"
+
+#include <cstring>
+
 #include "cortex_m3/isa/decoder.h"
+#include "cortex_m3/machine.h"
 
 namespace capsoc::cortex_m3 {
 
 using namespace asmjit;
 using Of = FlagSource::Of;
 
-void BlockEmitter::set_sources(uint8_t which, FlagSource source) {
-  source.serial = serial_;
-  if (which & nz_bit) flags_.nz = source;
-  if (which & c_bit) flags_.c = source;
-  if (which & v_bit) flags_.v = source;
+void FlagTracker::begin_block() {
+  serial_ = 0;
+  host_serial_ = 0;
+  flags_ = {};
+  flags_.nz.of = flags_.c.of = flags_.v.of = Of::inherited;
 }
 
-/// The host's flags are those of the present operation.
-void BlockEmitter::in_host(HostFlags which) {
+void FlagTracker::begin_step(uint32_t written, uint8_t killed, uint8_t visible) {
+  protect(written, killed, visible);
+  ++serial_;
+  host_kept_ = false;
+}
+
+void FlagTracker::end_step() {
+  if (host_serial_ != serial_ && !host_kept_) host_serial_ = 0;
+  forget_host_carries();
+}
+
+void FlagTracker::restore(const Snapshot& snapshot) {
+  flags_ = snapshot.sources;
+  host_serial_ = snapshot.host_serial;
+  host_flags_ = snapshot.host_flags;
+}
+
+void FlagTracker::set_sources(uint8_t which, FlagSource source) {
+  source.serial = serial_;
+  if (which & flag::nz) flags_.nz = source;
+  if (which & flag::c) flags_.c = source;
+  if (which & flag::v) flags_.v = source;
+}
+
+void FlagTracker::in_host(HostFlags which) {
   host_serial_ = serial_;
   host_flags_ = which;
 }
 
-bool BlockEmitter::host_has(const FlagSource& source, HostFlags least) const {
+bool FlagTracker::host_has(const FlagSource& source, HostFlags least) const {
   if (host_serial_ == 0 || source.serial != host_serial_) return false;
   return least == HostFlags::nz || host_flags_ != HostFlags::nz;
 }
 
-/// Before a step writes registers: of flags that are to be made from these, that the step does not
-/// set and that somebody may still see, the operands are put aside, or the flags are computed.
-void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
+void FlagTracker::protect(uint32_t written, uint8_t killed, uint8_t visible) {
   uint8_t lost = 0;
-  if ((flags_.nz.registers() & written) != 0) lost |= nz_bit;
-  if ((flags_.c.registers() & written) != 0) lost |= c_bit;
-  if ((flags_.v.registers() & written) != 0) lost |= v_bit;
+  if ((flags_.nz.registers() & written) != 0) lost |= flag::nz;
+  if ((flags_.c.registers() & written) != 0) lost |= flag::c;
+  if ((flags_.v.registers() & written) != 0) lost |= flag::v;
   lost &= static_cast<uint8_t>(~killed & visible);
   if (lost == 0) return;
   const std::array<unsigned, 2> words = free_words();
@@ -38,39 +63,37 @@ void BlockEmitter::protect(uint32_t written, uint8_t killed, uint8_t visible) {
 }
 
 /// True if the block sets these flags before it ends: only a way out on the way there can see them.
-bool BlockEmitter::die_in_block(uint8_t which) const {
-  for (std::size_t i = index_; i < cut_; ++i) {
-    which &= static_cast<uint8_t>(~effects_of(*steps_[i]).kills);
+bool FlagTracker::die_in_block(uint8_t which) const {
+  for (std::size_t i = plan_.present(); i < plan_.cut(); ++i) {
+    which &= static_cast<uint8_t>(~flag_use(plan_[i]).kills);
     if (which == 0) return true;
   }
   return false;
 }
 
-/// True if flags that are the host's need not be stored: the next step takes them from there, an
-/// addition with carry, RRX or the condition of a group, and nobody sees them behind it.
-bool BlockEmitter::only_next_reads(uint8_t which) const {
-  const std::size_t at = index_ + 1;
-  if (at >= cut_ || steps_[index_]->condition != condition_always) return false;
-  const Step& next = *steps_[at];
+bool FlagTracker::only_next_reads(uint8_t which) const {
+  const std::size_t at = plan_.present() + 1;
+  if (at >= plan_.cut() || plan_[plan_.present()].condition != condition_always) return false;
+  const Step& next = plan_[at];
   if (next.condition != condition_always || may_be_left_at(next)) return false;
   if (next.operation == Operation::it) {
     const std::size_t group = at + 1;
-    if (group >= cut_ || steps_[group]->condition >= condition_always) return false;
-    return (visible_behind_group(group, end_of_group(group)) & which) == 0;
+    if (group >= plan_.cut() || plan_[group].condition >= condition_always) return false;
+    return (plan_.visible_behind_group(group, plan_.end_of_group(group)) & which) == 0;
   }
   const bool takes = traits(next.operation).flags == FlagEffect::with_carry ||
                      (next.shift.type == ShiftType::rrx && is(next, kind::data));
-  return takes && (visible_[at] & ~effects_of(next).kills & which) == 0;
+  return takes && (plan_.visible(at) & ~flag_use(next).kills & which) == 0;
 }
 
 /// A carry that was only the host's and is no longer there was of no use to anybody.
-void BlockEmitter::forget_host_carries() {
+void FlagTracker::forget_host_carries() {
   for (FlagSource* source : {&flags_.c, &flags_.v})
     if (source->of == Of::host && source->serial != host_serial_) *source = {};
 }
 
 /// Words that none of the flags is made from: three flags of two operands leave as many.
-std::array<unsigned, 2> BlockEmitter::free_words() const {
+std::array<unsigned, 2> FlagTracker::free_words() const {
   std::array<unsigned, 2> free{};
   std::size_t found = 0;
   const uint32_t used = flags_.registers() >> FlagOperand::first_aside;
@@ -82,8 +105,8 @@ std::array<unsigned, 2> BlockEmitter::free_words() const {
 /// Keeps the operands of flags that are made from `registers` in the words numbered so, and makes
 /// the flags from these; the host's flags stay. False, and nothing done: they are too many or take
 /// computing.
-bool BlockEmitter::put_aside(uint8_t which, uint32_t registers, const unsigned* words,
-                             std::size_t count) {
+bool FlagTracker::put_aside(uint8_t which, uint32_t registers, const unsigned* words,
+                            std::size_t count) {
   std::array<FlagOperand, 6> kept;
   std::size_t found = 0;
   FlagSources sources = flags_;
@@ -98,43 +121,44 @@ bool BlockEmitter::put_aside(uint8_t which, uint32_t registers, const unsigned* 
     operand = FlagOperand::aside(words[i]);
     return true;
   };
-  for (const auto& [bit, source] :
-       {std::pair{nz_bit, &sources.nz}, std::pair{c_bit, &sources.c}, std::pair{v_bit, &sources.v}})
+  for (const auto& [bit, source] : {std::pair{flag::nz, &sources.nz},
+                                    std::pair{flag::c, &sources.c}, std::pair{flag::v, &sources.v}})
     if ((which & bit) != 0 && source->pending() && !(keep(source->x) && keep(source->y)))
       return false;
   for (std::size_t i = 0; i < found; ++i) {
-    Gp value = read(kept[i].base, x86::eax);
+    Gp value = registers_.read(kept[i].base, x86::eax);
     if (kept[i].imm != 0) {
       a_.lea(x86::eax, sum_of(value, static_cast<int32_t>(kept[i].imm)));
       value = x86::eax;
     }
-    a_.mov(in_state(FlagOperand::first_aside + words[i]), value);
+    a_.mov(registers_.in_state(FlagOperand::first_aside + words[i]), value);
   }
   flags_ = sources;
   return true;
 }
 
-/// A value in a host register as an operand of flags.
-FlagOperand BlockEmitter::aside(const Gp& value) {
+FlagOperand FlagTracker::aside(const Gp& value) {
   const FlagOperand operand = FlagOperand::aside(free_words()[0]);
-  a_.mov(in_state(operand.base), value);
+  a_.mov(registers_.in_state(operand.base), value);
   return operand;
 }
 
-void BlockEmitter::operand_to(const Gp& to, const FlagOperand& operand) {
+void FlagTracker::operand_to(const Gp& to, const FlagOperand& operand) {
   if (operand.base == FlagOperand::none) {
     a_.mov(to, operand.imm);
   } else {
-    read_to(to, operand.base);
+    registers_.read_to(to, operand.base);
     if (operand.imm != 0) a_.add(to, operand.imm);
   }
-  if (operand.plus != FlagOperand::none) a_.emit(x86::Inst::kIdAdd, to, at(operand.plus));
-  if (operand.minus != FlagOperand::none) a_.emit(x86::Inst::kIdSub, to, at(operand.minus));
+  if (operand.plus != FlagOperand::none)
+    a_.emit(x86::Inst::kIdAdd, to, registers_.at(operand.plus));
+  if (operand.minus != FlagOperand::none)
+    a_.emit(x86::Inst::kIdSub, to, registers_.at(operand.minus));
 }
 
 /// A register or a number as an operand of the host; others are computed first.
-Operand BlockEmitter::simple_operand(const FlagOperand& operand, const Gp& scratch) {
-  if (operand.is_register()) return at(operand.base);
+Operand FlagTracker::simple_operand(const FlagOperand& operand, const Gp& scratch) {
+  if (operand.is_register()) return registers_.at(operand.base);
   if (operand.is_number()) return Imm(static_cast<int32_t>(operand.imm));
   operand_to(scratch, operand);
   return scratch;
@@ -158,7 +182,7 @@ x86::Inst::Id instruction_of(Of of) {
 }  // namespace
 
 /// The result of a pending operation, and its flags as the host's.
-void BlockEmitter::compute(const FlagSource& source, const Gp& result) {
+void FlagTracker::compute(const FlagSource& source, const Gp& result) {
   const Operand y = source.of == Of::value ? Operand(Imm(0)) : simple_operand(source.y, x86::ecx);
   operand_to(result, source.x);
   host_serial_ = source.serial;
@@ -172,20 +196,20 @@ void BlockEmitter::compute(const FlagSource& source, const Gp& result) {
 }
 
 /// The flags of a pending operation as the host's.
-void BlockEmitter::compare(const FlagSource& source) {
+void FlagTracker::compare(const FlagSource& source) {
   const bool plain = source.x.is_register() && pinned(source.x.base);
   if (plain && source.of == Of::value) {
-    a_.test(host(source.x.base), host(source.x.base));
+    a_.test(host_register(source.x.base), host_register(source.x.base));
     host_flags_ = HostFlags::nz;
   } else if (plain && (source.of == Of::difference || source.of == Of::both)) {
     const bool difference = source.of == Of::difference;
     Operand y = simple_operand(source.y, x86::ecx);
     if (difference)
-      a_.emit(x86::Inst::kIdCmp, host(source.x.base), y);
+      a_.emit(x86::Inst::kIdCmp, host_register(source.x.base), y);
     else if (y.isMem())
-      a_.emit(x86::Inst::kIdTest, y, host(source.x.base));
+      a_.emit(x86::Inst::kIdTest, y, host_register(source.x.base));
     else
-      a_.emit(x86::Inst::kIdTest, host(source.x.base), y);
+      a_.emit(x86::Inst::kIdTest, host_register(source.x.base), y);
     host_flags_ = difference ? HostFlags::difference : HostFlags::nz;
   } else {
     compute(source, x86::eax);
@@ -193,44 +217,57 @@ void BlockEmitter::compare(const FlagSource& source) {
   host_serial_ = source.serial;
 }
 
-void BlockEmitter::store_nz(const Gp& value) {
-  a_.mov(state_word(&machine_.state.n), value);
-  a_.mov(state_word(&machine_.state.z), value);
+void FlagTracker::store_nz(const Gp& value) {
+  a_.mov(code_.state_word(&machine_.state.n), value);
+  a_.mov(code_.state_word(&machine_.state.z), value);
+}
+
+void FlagTracker::carry_to_host(bool borrow) {
+  const FlagSource& c = flags_.c;
+  if (!host_has(c, HostFlags::sum)) {
+    if (c.of == Of::difference || c.of == Of::sum) {
+      compare(c);
+    } else {
+      a_.cmp(code_.state_byte(&machine_.state.c), 1);  // CF is C's inverse
+      if (!borrow) a_.cmc();
+      return;
+    }
+  }
+  if ((host_flags_ == HostFlags::difference) != borrow) a_.cmc();
 }
 
 /// C and V from the host's flags, which are those of their operation.
-void BlockEmitter::settle_carries(uint8_t which) {
+void FlagTracker::settle_carries(uint8_t which) {
   const bool borrow = host_flags_ == HostFlags::difference;
-  if (which & c_bit) {
-    const Mem c = state_byte(&machine_.state.c);
+  if (which & flag::c) {
+    const Mem c = code_.state_byte(&machine_.state.c);
     if (borrow)
       a_.setae(c);
     else
       a_.setc(c);
     flags_.c = {Of::memory, {}, {}, flags_.c.serial};
   }
-  if (which & v_bit) {
-    a_.seto(state_byte(&machine_.state.v));
+  if (which & flag::v) {
+    a_.seto(code_.state_byte(&machine_.state.v));
     flags_.v = {Of::memory, {}, {}, flags_.v.serial};
   }
 }
 
-/// Writes flags into the state.
-void BlockEmitter::settle(uint8_t which) {
+void FlagTracker::settle(uint8_t which) {
   const auto unsettled = [](const FlagSource& s) { return s.of > Of::inherited; };
-  if (!unsettled(flags_.nz)) which &= static_cast<uint8_t>(~nz_bit);
-  if (!unsettled(flags_.c)) which &= static_cast<uint8_t>(~c_bit);
-  if (!unsettled(flags_.v)) which &= static_cast<uint8_t>(~v_bit);
+  if (!unsettled(flags_.nz)) which &= static_cast<uint8_t>(~flag::nz);
+  if (!unsettled(flags_.c)) which &= static_cast<uint8_t>(~flag::c);
+  if (!unsettled(flags_.v)) which &= static_cast<uint8_t>(~flag::v);
   // Those that only the host has come first: computing others changes them.
-  if (which != 0 && flags_.c.of == Of::host) which |= c_bit;
-  if (which != 0 && flags_.v.of == Of::host) which |= v_bit;
-  for (const uint8_t bit : {c_bit, v_bit}) {
+  if (which != 0 && flags_.c.of == Of::host) which |= flag::c;
+  if (which != 0 && flags_.v.of == Of::host) which |= flag::v;
+  for (const uint8_t bit : {flag::c, flag::v}) {
     if ((which & bit) == 0) continue;
-    const FlagSource source = bit == c_bit ? flags_.c : flags_.v;
+    const FlagSource source = bit == flag::c ? flags_.c : flags_.v;
     uint8_t group = bit;
-    if ((which & c_bit) && (which & v_bit) && flags_.c.serial == flags_.v.serial)
-      group = c_bit | v_bit;
-    const bool with_nz = (which & nz_bit) && flags_.nz == source;
+    if ((which & flag::c) && (which & flag::v) && flags_.c.serial == flags_.v.serial)
+      group = flag::c | flag::v;
+    const bool with_nz = (which & flag::nz) && flags_.nz == source;
     if (with_nz) {
       compute(source, x86::eax);
     } else if (!host_has(source, HostFlags::sum)) {
@@ -240,14 +277,14 @@ void BlockEmitter::settle(uint8_t which) {
     if (with_nz) {
       store_nz(x86::eax);
       flags_.nz = {Of::memory, {}, {}, flags_.nz.serial};
-      which &= static_cast<uint8_t>(~nz_bit);
+      which &= static_cast<uint8_t>(~flag::nz);
     }
     which &= static_cast<uint8_t>(~group);
   }
-  if ((which & nz_bit) == 0) return;
+  if ((which & flag::nz) == 0) return;
   const FlagSource nz = flags_.nz;
   if (nz.of == Of::value && nz.x.is_register()) {
-    store_nz(read(nz.x.base, x86::eax));
+    store_nz(registers_.read(nz.x.base, x86::eax));
   } else {
     compute(nz, x86::eax);
     store_nz(x86::eax);
@@ -255,35 +292,32 @@ void BlockEmitter::settle(uint8_t which) {
   flags_.nz = {Of::memory, {}, {}, nz.serial};
 }
 
+void FlagTracker::settle_from_host(uint8_t which, const Gp& result, bool borrow) {
+  in_host(borrow ? HostFlags::difference : HostFlags::sum);
+  set_sources(which & (flag::c | flag::v), {Of::host, {}, {}, 0});
+  settle_carries(which & (flag::c | flag::v));
+  if ((which & flag::nz) == 0) return;
+  store_nz(result);
+  set_sources(flag::nz, {});
+}
+
 namespace {
 
 // By the guest's condition: EQ NE CS CC MI PL VS VC HI LS GE LT GT LE.
-constexpr x86::CondCode behind_difference[14] = {
+constexpr x86::CondCode condition_behind_difference[14] = {
     x86::CondCode::kZ, x86::CondCode::kNZ, x86::CondCode::kAE, x86::CondCode::kB,
     x86::CondCode::kS, x86::CondCode::kNS, x86::CondCode::kO,  x86::CondCode::kNO,
     x86::CondCode::kA, x86::CondCode::kBE, x86::CondCode::kGE, x86::CondCode::kL,
     x86::CondCode::kG, x86::CondCode::kLE};
 
-struct Needs {
-  bool nz, c, v;
-};
-constexpr Needs needs[8] = {{true, false, false}, {false, true, false}, {true, false, false},
-                            {false, false, true}, {true, true, false},  {true, false, true},
-                            {true, false, true},  {false, false, false}};
-
 }  // namespace
 
-uint8_t BlockEmitter::read_by_condition(unsigned guest_condition) {
-  const Needs need = needs[guest_condition >> 1];
-  return static_cast<uint8_t>((need.nz ? nz_bit : 0) | (need.c ? c_bit : 0) | (need.v ? v_bit : 0));
-}
-
 /// The condition as one of the host's, if one operation made all its flags.
-std::optional<x86::CondCode> BlockEmitter::condition_from_host(unsigned guest_condition) {
-  const Needs need = needs[guest_condition >> 1];
-  const bool only_nz = !need.c && !need.v;
-  const FlagSource& first = only_nz ? flags_.nz : need.c ? flags_.c : flags_.v;
-  if (need.nz && flags_.nz.serial != first.serial) return std::nullopt;
+std::optional<x86::CondCode> FlagTracker::condition_from_host(unsigned guest_condition) {
+  const uint8_t read = flags_of_condition(guest_condition);
+  const bool only_nz = (read & (flag::c | flag::v)) == 0;
+  const FlagSource& first = only_nz ? flags_.nz : (read & flag::c) != 0 ? flags_.c : flags_.v;
+  if ((read & flag::nz) != 0 && flags_.nz.serial != first.serial) return std::nullopt;
   if (!host_has(first, only_nz ? HostFlags::nz : HostFlags::sum)) {
     if (!first.pending()) return std::nullopt;
     if (!only_nz && first.of != Of::difference && first.of != Of::sum) return std::nullopt;
@@ -294,53 +328,52 @@ std::optional<x86::CondCode> BlockEmitter::condition_from_host(unsigned guest_co
     if (sort == 4) return std::nullopt;
     if (sort == 1) return (guest_condition & 1) != 0 ? x86::CondCode::kAE : x86::CondCode::kB;
   }
-  return behind_difference[guest_condition];
+  return condition_behind_difference[guest_condition];
 }
 
-x86::CondCode BlockEmitter::condition_from_memory(unsigned guest_condition) {
+x86::CondCode FlagTracker::condition_from_memory(unsigned guest_condition) {
   const State& state = machine_.state;
   const bool inverse = (guest_condition & 1) != 0;
   const auto unless = [&](x86::CondCode code) { return inverse ? x86::negateCond(code) : code; };
   host_serial_ = 0;
   switch (guest_condition >> 1) {
     case 0:
-      a_.cmp(state_word(&state.z), 0);
+      a_.cmp(code_.state_word(&state.z), 0);
       return unless(x86::CondCode::kZ);
     case 1:
-      a_.cmp(state_byte(&state.c), 0);
+      a_.cmp(code_.state_byte(&state.c), 0);
       return unless(x86::CondCode::kNZ);
     case 2:
-      a_.cmp(state_word(&state.n), 0);
+      a_.cmp(code_.state_word(&state.n), 0);
       return unless(x86::CondCode::kS);
     case 3:
-      a_.cmp(state_byte(&state.v), 0);
+      a_.cmp(code_.state_byte(&state.v), 0);
       return unless(x86::CondCode::kNZ);
     case 4:  // C and not Z
-      a_.movzx(x86::eax, state_byte(&state.c));
+      a_.movzx(x86::eax, code_.state_byte(&state.c));
       a_.neg(x86::eax);
-      a_.test(state_word(&state.z), x86::eax);
+      a_.test(code_.state_word(&state.z), x86::eax);
       return unless(x86::CondCode::kNZ);
     default:
       break;
   }
-  a_.movzx(x86::eax, state_byte(&state.v));
+  a_.movzx(x86::eax, code_.state_byte(&state.v));
   a_.shl(x86::eax, 31);
-  a_.xor_(x86::eax, state_word(&state.n));
+  a_.xor_(x86::eax, code_.state_word(&state.n));
   if (guest_condition >> 1 == 5) return unless(x86::CondCode::kNS);
   a_.sar(x86::eax, 31);
   a_.not_(x86::eax);
-  a_.test(state_word(&state.z), x86::eax);
+  a_.test(code_.state_word(&state.z), x86::eax);
   return unless(x86::CondCode::kNZ);
 }
 
-/// Makes the host's flags tell a condition of the guest (not AL).
-x86::CondCode BlockEmitter::condition(unsigned guest_condition) {
+x86::CondCode FlagTracker::condition(unsigned guest_condition) {
   if (const auto code = condition_from_host(guest_condition)) return *code;
-  settle(read_by_condition(guest_condition));
+  settle(flags_of_condition(guest_condition));
   return condition_from_memory(guest_condition);
 }
 
-uint32_t BlockEmitter::recipe_of(const FlagSources& flags) {
+uint32_t FlagTracker::recipe_of(const FlagSources& flags) {
   if (!flags.any_pending() && !flags.all_inherited() && flags.nz.of == Of::memory &&
       flags.c.of == Of::memory && flags.v.of == Of::memory)
     return 0;
@@ -352,7 +385,7 @@ uint32_t BlockEmitter::recipe_of(const FlagSources& flags) {
 
 /// What the next block inherits. Where this one still inherits, no flag is left uncomputed: the
 /// block before it has seen to that (stays_recoverable), unless it set no flags at all.
-FlagSources BlockEmitter::outgoing() const {
+FlagSources FlagTracker::outgoing() const {
   FlagSources flags = flags_;
   if (flags.all_inherited()) return flags;
   for (FlagSource* source : {&flags.nz, &flags.c, &flags.v})
@@ -360,37 +393,35 @@ FlagSources BlockEmitter::outgoing() const {
   return flags;
 }
 
-/// Leaves the pending flags uncomputed for the block at an address of the same page, if that one
-/// sets them all before somebody else than a way out sees them.
-bool BlockEmitter::leave_recoverable(uint32_t target) {
+bool FlagTracker::leave_recoverable(uint32_t target) {
   // The words that are put aside within a block are the next one's.
   uint32_t lost = ((1u << (words_aside - words_left)) - 1) << FlagOperand::first_aside;
   if (!stays_recoverable(target, lost)) return false;
   std::array<unsigned, words_left> words{};
   for (unsigned n = 0; n < words_left; ++n) words[n] = words_aside - words_left + n;
-  return put_aside(all_flags, lost, words.data(), words.size());
+  return put_aside(flag::all, lost, words.data(), words.size());
 }
 
 /// True if the block at an address sets all pending flags before it reads one or ends. The
 /// registers that it writes before that are added to `written`.
-bool BlockEmitter::stays_recoverable(uint32_t target, uint32_t& written) const {
+bool FlagTracker::stays_recoverable(uint32_t target, uint32_t& written) const {
   constexpr unsigned furthest = 48;
   if (machine_.debugging.has_breakpoints()) return false;
   const Memory::Page& memory = machine_.memory.map().page(target);
   uint8_t pending =
-      static_cast<uint8_t>((flags_.nz.pending() ? nz_bit : 0) | (flags_.c.pending() ? c_bit : 0) |
-                           (flags_.v.pending() ? v_bit : 0));
+      static_cast<uint8_t>((flags_.nz.pending() ? flag::nz : 0) |
+                           (flags_.c.pending() ? flag::c : 0) | (flags_.v.pending() ? flag::v : 0));
   for (unsigned n = 0; n < furthest; ++n) {
     const uint32_t offset = target & (Memory::page_size - 1);
-    if (target >> Memory::page_bits != head_->address >> Memory::page_bits) return false;
+    if (target >> Memory::page_bits != plan_.head().address >> Memory::page_bits) return false;
     if (offset + 4 > Memory::page_size) return false;
     uint16_t halfwords[2];
     std::memcpy(halfwords, memory.read + offset, 4);
     const DecodedOp op = decode(target, halfwords[0], halfwords[1], 0);
     // Who changes these bytes changes what this block does.
     for (uint32_t at = offset; at < offset + op.size; at += 2)
-      page_->code_lines |= 1ull << (at / 64);
-    const Effects effects = effects_of(op);
+      plan_.page().code_lines |= 1ull << (at / 64);
+    const FlagUse effects = flag_use(op);
     if ((effects.reads & pending) != 0) return false;
     pending &= static_cast<uint8_t>(~effects.kills);
     if (pending == 0) return true;

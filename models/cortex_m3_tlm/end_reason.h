@@ -1,0 +1,8 @@
+#pragma once
+
+namespace capsoc::cortex_m3 {
+
+/// Why the processor ended the simulation.
+enum class EndReason { none, exit, lockup, stuck, asleep, idle, interrupted, debugger };
+
+}  // namespace capsoc::cortex_m3

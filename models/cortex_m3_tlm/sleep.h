@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <systemc>
+#include <utility>
+
+#include "cortex_m3/core.h"
+#include "cortex_m3_tlm/end_reason.h"
+#include "cortex_m3_tlm/idle_watch.h"
+#include "cortex_m3_tlm/time_horizon.h"
+#include "kit/archive.h"
+#include "kit/clock_domain.h"
+
+namespace capsoc::cortex_m3 {
+
+/// The processor asleep (WFI, WFE): waits in the kernel until an interrupt, an event of the core's
+/// own (SysTick) or a client wakes it, and notices a program that has nothing left to do. Nothing
+/// passed in is owned.
+class Sleep {
+ public:
+  /// Who may end a sleep, or wants to run during it. All calls come from the processor's process.
+  class Client {
+   public:
+    virtual bool must_wake() const = 0;
+    /// True ends the simulation. Asked at each awakening.
+    virtual bool is_interrupted() = 0;
+    virtual void pause_if_due() = 0;
+    /// A debugger is asked now and then, so that it can interrupt the sleep.
+    virtual bool has_debugger() const = 0;
+    virtual bool debugger_wants_attention() const = 0;
+    /// Nothing is left that could wake the processor. True: the sleep ends, and not the simulation.
+    virtual bool debugger_takes_over() = 0;
+
+   protected:
+    ~Client() = default;
+  };
+
+  Sleep(kit::ClockDomain& clock, Core& core, TimeHorizon& horizon, Client& client)
+      : clock_(clock), core_(core), horizon_(horizon), client_(client) {}
+
+  /// Sleeps. Anything but `none` ends the simulation.
+  EndReason until_woken();
+  /// Looks again whether there is a reason to wake up. From any process, at any time.
+  void wake() { wake_.notify(sc_core::SC_ZERO_TIME); }
+
+  /// Ends the simulation when the program has been idle for a time.
+  void set_idle_watch(IdleWatch watch) { idle_.emplace(std::move(watch)); }
+  bool watches_idle() const { return idle_.has_value(); }
+  /// The program did something at the core's time that is seen outside: it is not idle.
+  void note_work();
+  /// An access to this address outside the memories.
+  void note_access(uint32_t address) {
+    if (idle_ && idle_->is_work(address)) note_work();
+  }
+  /// A state of a run with the idle watch does not fit one without.
+  void visit(kit::Archive& archive);
+
+ private:
+  EndReason sleep();
+  std::optional<EndReason> wait_for_something(const sc_core::sc_time& now);
+
+  kit::ClockDomain& clock_;
+  Core& core_;
+  TimeHorizon& horizon_;
+  Client& client_;
+  sc_core::sc_event wake_;
+  std::optional<IdleWatch> idle_;
+};
+
+}  // namespace capsoc::cortex_m3
