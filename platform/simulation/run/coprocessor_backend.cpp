@@ -3,26 +3,24 @@
 #include <utility>
 
 #include "coprocessor/coprocessor.h"
-#include "run/run_settings.h"
 
 namespace capsoc::run {
 
-std::string rtl_library(const RunSettings& settings) {
-  if (settings.coprocessor.backend() == Backend::model) return "";
-  if (const std::string& chosen = settings.coprocessor.rtl_library(); !chosen.empty())
-    return chosen;
-  return rtl::RtlLibrary::file_name(settings.coprocessor.options());
+std::string rtl_library(const CoprocessorSettings& settings) {
+  if (settings.backend() == Backend::model) return "";
+  if (const std::string& chosen = settings.rtl_library(); !chosen.empty()) return chosen;
+  return rtl::RtlLibrary::file_name(settings.options());
 }
 
-std::string lockstep_waves(const RunSettings& settings) {
-  const std::string& chosen = settings.coprocessor.waves();
+std::string lockstep_waves(const CoprocessorSettings& settings) {
+  const std::string& chosen = settings.waves();
   return chosen.empty() ? "lockstep.fst" : chosen;
 }
 
-Result<CoprocessorBackend> make_backend(const RunSettings& settings,
-                                        const coprocessor::Options& options) {
-  const Backend kind = settings.coprocessor.backend();
-  const std::string& waves = settings.coprocessor.waves();
+Result<CoprocessorBackend> make_backend(const CoprocessorSettings& settings) {
+  const coprocessor::Options options = settings.options();
+  const Backend kind = settings.backend();
+  const std::string& waves = settings.waves();
   CoprocessorBackend backend;
   if (kind == Backend::model) {
     backend.device = std::make_unique<coprocessor::Coprocessor>(options);
@@ -35,7 +33,7 @@ Result<CoprocessorBackend> make_backend(const RunSettings& settings,
     if (!file) return Error{file.error()};
     if (kind == Backend::rtl) backend.waves.emplace(std::move(file.value()));
   }
-  const auto clocking = settings.coprocessor.rtl_clock();
+  const auto clocking = settings.rtl_clock();
   auto verilated = std::make_unique<rtl::CoprocessorRtl>(library.value(), clocking);
   backend.rtl = verilated.get();
   if (kind == Backend::rtl) {

@@ -16,8 +16,6 @@
 
 namespace capsoc::run {
 
-class RunSettings;
-
 /// The device and ways to look at it. The pointers live as long as the device.
 struct CoprocessorBackend {
   std::unique_ptr<coprocessor::Device> device;
@@ -27,14 +25,13 @@ struct CoprocessorBackend {
 };
 
 /// The coprocessor that the settings ask for. An Error: the library is missing, stale or has other
-/// parameters than `options`, or the wave file cannot be written.
-Result<CoprocessorBackend> make_backend(const RunSettings& settings,
-                                        const coprocessor::Options& options);
+/// parameters than the settings, or the wave file cannot be written.
+Result<CoprocessorBackend> make_backend(const CoprocessorSettings& settings);
 
 /// The library of the Verilated coprocessor, "" if the model is all that there is.
-std::string rtl_library(const RunSettings& settings);
+std::string rtl_library(const CoprocessorSettings& settings);
 
 /// Where the waves of a difference go.
-std::string lockstep_waves(const RunSettings& settings);
+std::string lockstep_waves(const CoprocessorSettings& settings);
 
 }  // namespace capsoc::run

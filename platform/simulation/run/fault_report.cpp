@@ -88,8 +88,8 @@ void add_lost_write(const ProgramView& view, const cortex_m3::FaultReport& repor
 }
 
 void add_findings(const Findings& findings, Lines& lines) {
-  if (!findings.vectors.empty()) lines.add("  written into the vector table:\n" + findings.vectors);
-  if (!findings.stacks.empty()) lines.add("  the stacks so far:\n" + findings.stacks);
+  for (const Finding& finding : findings)
+    lines.add(fmt::format("  {}:\n{}", finding.heading, finding.text));
 }
 
 }  // namespace

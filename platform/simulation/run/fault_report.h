@@ -2,17 +2,19 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "run/program_view.h"
 #include "serial/serial_line.h"
 
 namespace capsoc::run {
 
-/// What was kept during the run, as lines indented by four; "" where there is nothing.
-struct Findings {
-  std::string vectors;  ///< written into the vector table (VectorReport)
-  std::string stacks;   ///< how deep they have been (StackMarks)
+/// What an observer kept during the run for a report.
+struct Finding {
+  std::string heading;  ///< in the middle of a report, without its colon
+  std::string text;     ///< lines, each indented by four
 };
+using Findings = std::vector<Finding>;
 
 /// The first fault of the chain: its cause in words, the address, the line, the call stack and the
 /// registers with what they point at; then where the processor is now.

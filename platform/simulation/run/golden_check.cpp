@@ -32,9 +32,14 @@ golden::GoldenSettings golden_settings(soc::Soc& soc) {
 
 }  // namespace
 
-void take_golden(soc::Soc& soc, const metrics::SampleRecord& record,
-                 const metrics::ParameterWords& words, RunResult& result) {
-  result.golden = golden::compare(record, words, golden_settings(soc));
+std::optional<Error> GoldenCheck::open() {
+  keeping_ =
+      samples_.listen([this](const metrics::RecordedSample& sample) { record_.push_back(sample); });
+  return std::nullopt;
+}
+
+void GoldenCheck::finish(RunResult& result) {
+  result.golden = golden::compare(record_, result.words, golden_settings(soc_));
   const golden::AngleCheck& angle = result.golden->angle;
   if (angle.verdict != golden::AngleCheck::Verdict::disagrees || result.code != exit_code::pass)
     return;

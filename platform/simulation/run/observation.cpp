@@ -1,10 +1,14 @@
 #include "run/observation.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "capsoc_registers.h"
 #include "coprocessor/sequencer.h"
+#include "metrics/truth_alignment.h"
 
 namespace capsoc::run {
 namespace {
@@ -16,22 +20,36 @@ constexpr std::size_t most_on_the_way = 1 + coprocessor::stage_count;
 
 }  // namespace
 
-Observation::Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics& metrics,
-                         metrics::SensorMatch& match, Progress& progress)
-    : soc_(soc), source_(source), metrics_(metrics), match_(match), progress_(progress) {
-  soc.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
+Observation::Observation(soc::Soc& soc, const RunInputs& inputs, bool on_terminal)
+    : soc_(soc),
+      inputs_(inputs),
+      source_(*inputs.source),
+      metrics_(inputs.make_metrics()),
+      match_(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
+             [this](const std::string& sentence) { warn(sentence); }),
+      progress_(on_terminal) {}
+
+void Observation::warn(const std::string& sentence) {
+  spdlog::warn("{}", sentence);
+  warnings_.push_back(sentence);
+}
+
+std::optional<Error> Observation::open() {
+  for (const std::string& sentence : inputs_.sensor_warnings) warn(sentence);
+  soc_.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
-  submissions_ = soc.coprocessor.samples.listen([this](uint64_t, bool latched) {
+  submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched) {
     if (!latched) return;
     metrics_.accepted(truth_);
     if (samples.watched()) take();
   });
-  results_ = soc.coprocessor.results.listen(
+  results_ = soc_.coprocessor.results.listen(
       [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
-  conversions_ = soc.adc.conversions.listen(
+  conversions_ = soc_.adc.conversions.listen(
       [this](uint64_t, int32_t u, int32_t v, double turns, bool has_truth) {
         converted_ = {sc_core::sc_time_stamp().to_seconds(), u, v, turns, has_truth};
       });
+  return std::nullopt;
 }
 
 void Observation::take() {
@@ -124,12 +142,34 @@ void Observation::give(const metrics::CoprocessorResult& result, const coprocess
 }
 
 void Observation::visit(kit::Archive& archive) {
+  archive("metrics", metrics_);
   archive("truth", truth_);
   archive("converted_time_s", converted_.time_s);
   archive("converted_u", converted_.u);
   archive("converted_v", converted_.v);
   archive("converted_turns", converted_.angle_turns);
   archive("converted_truth", converted_.has_truth);
+  archive("sensor_match", match_);
+  archive("sensor_warnings", warnings_);
+}
+
+/// No result comes any more.
+void Observation::close(RunResult& result) {
+  progress_.finish();
+  match_.finish();
+  if (const auto sentence = metrics::own_zero(inputs_.sensor_file, inputs_.alignment))
+    warn(*sentence);
+  lose(on_the_way_.size());
+  result.sensor_warnings = std::move(warnings_);
+}
+
+void Observation::finish(RunResult& result) {
+  result.errors = metrics_.angle_errors();
+  result.samples = metrics_.samples();
+  result.convergence = metrics_.convergence();
+  result.words = metrics_.words();
+  result.truth = metrics_.truth();
+  result.phi_comparable = metrics_.phi_comparable();
 }
 
 }  // namespace capsoc::run

@@ -5,35 +5,38 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "kit/probe.h"
 #include "metrics/metrics.h"
 #include "metrics/sample_record.h"
 #include "metrics/sensor_match.h"
 #include "run/progress.h"
-#include "sensor/load.h"
+#include "run/run_inputs.h"
+#include "run/run_observer.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
 
 /// The sensor, the coprocessor's results and the metrics wired together.
-class Observation {
+class Observation final : public RunObserver {
  public:
-  Observation(soc::Soc& soc, sensor::Source& source, metrics::Metrics& metrics,
-              metrics::SensorMatch& match, Progress& progress);
-  Observation(const Observation&) = delete;
-  Observation& operator=(const Observation&) = delete;
+  /// `on_terminal`: the progress is shown on standard error.
+  Observation(soc::Soc& soc, const RunInputs& inputs, bool on_terminal);
 
-  /// Each sample as the coprocessor saw it, in order, once its result is there or cannot come.
-  kit::Probe<const metrics::RecordedSample&> samples;
+  metrics::SampleProbe samples;
 
-  /// The run is over: no result comes any more.
-  void finish() { lose(on_the_way_.size()); }
+  const metrics::Metrics& metrics() const { return metrics_; }
 
-  /// What is on its way; what listeners keep is the host's.
-  void visit(kit::Archive& archive);
+  std::optional<Error> open() override;
+  /// What listeners of `samples` keep is on the host and no part of it.
+  void visit(kit::Archive& archive) override;
+  void close(RunResult& result) override;
+  void finish(RunResult& result) override;
 
  private:
+  void warn(const std::string& sentence);
   void take();
   void lose(std::size_t count);
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
@@ -43,10 +46,12 @@ class Observation {
   void give(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes);
 
   soc::Soc& soc_;
+  const RunInputs& inputs_;
   sensor::Source& source_;
-  metrics::Metrics& metrics_;
-  metrics::SensorMatch& match_;
-  Progress& progress_;
+  metrics::Metrics metrics_;
+  std::vector<std::string> warnings_;  ///< where the program does not match the sensor
+  metrics::SensorMatch match_;
+  Progress progress_;
   metrics::SensorTruth truth_;
   metrics::RecordedSample converted_;  ///< the newest of the front-end
   std::optional<double> since_s_;      ///< the first sample that anybody listened to

@@ -1,37 +1,33 @@
-// What a run that is over has to say.
+// Why a simulation is over, as an exit code and a sentence.
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "metrics/metrics.h"
-#include "rtl/lockstep.h"
-#include "run/host_ports.h"
 #include "run/results.h"
-#include "run/run_limits.h"
-#include "run/stack_marks.h"
+#include "serial/serial_line.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
 
-class RunSettings;
+/// What is known when the simulation is over, beside the state of the processor.
+struct End {
+  bool diverged = false;                        ///< model and RTL of the coprocessor
+  std::string crash;                            ///< by which an observer stopped it, "" if none did
+  const serial::SerialLine* matched = nullptr;  ///< whose line --until-uart or --fail-uart names
+  bool waits_for_line = false;                  ///< --until-uart was given
+  int exit_status = 0;                          ///< of the firmware's SYS_EXIT
+  bool status_is_code = false;                  ///< its low byte is the exit code
+  std::string idle_s;                           ///< run.end_on_idle as it was given, s
+  int signal = 0;                               ///< that ended it; 0: none
+  double host_limit_s = 0;                      ///< limit of the host's time
+  bool out_of_time = false;                     ///< it was reached
+  bool simlimit_reached = false;                ///< the limit of simulated time was reached
+};
 
-/// The report of lockstep's difference, "" if there is none; its waves are written.
-std::string divergence_of(const RunSettings& settings, const rtl::Lockstep* lockstep,
-                          const soc::Soc& soc);
+/// Sets code and reason of the result.
+void conclude(const End& end, const soc::Soc& soc, RunResult& result);
 
-/// Why the simulation is over, as an exit code and a sentence; the divergence is in the result.
-void conclude(const RunSettings& settings, const soc::Soc& soc, const HostPorts& ports,
-              const StackMarks& stacks, const Limit& limit, bool out_of_time, RunResult& result);
-
-/// A pass whose bound the truth does not keep is none.
-void take_verdict(const loader::ElfImage& program, soc::Soc& soc, const metrics::Metrics& metrics,
-                  RunResult& result);
-
-/// What could not be written is told of by the run's exit code if nothing worse has happened.
-void take_losses(std::vector<std::string> lost, RunResult& result);
-
-void take_figures(const soc::Soc& soc, const metrics::Metrics& metrics, const UartLines& uarts,
-                  RunResult& result);
+/// Makes exit code `lost`, or that of SIGPIPE, of a pass with outputs that are not whole.
+void take_losses(RunResult& result);
 
 }  // namespace capsoc::run

@@ -12,7 +12,7 @@ constexpr std::size_t most_lines = 4;
 
 }  // namespace
 
-void PrintedLines::begin() {
+std::optional<Error> PrintedLines::open() {
   soc::Soc& soc = view_.soc();
   for (std::size_t n = 0; n < uarts_.size(); ++n) {
     const bus::MapEntry* entry = bus::find_entry(soc.ahb.map(), fmt::format("uart{}", n));
@@ -26,6 +26,7 @@ void PrintedLines::begin() {
   transfers_ = soc.ahb.transfers.listen([this](const tlm::tlm_generic_payload& payload,
                                                const sc_core::sc_time&,
                                                const sc_core::sc_time&) { written(payload); });
+  return std::nullopt;
 }
 
 /// DATA is the first register of a UART.
@@ -40,6 +41,13 @@ void PrintedLines::written(const tlm::tlm_generic_payload& payload) {
   if (*payload.get_data_ptr() != '\n') return;
   uart.lines.push_back({uart.written, view_.call_stack(uart.newest)});
   if (uart.lines.size() > most_lines) uart.lines.pop_front();
+}
+
+/// Of a crash or a limit, where the program is says more.
+void PrintedLines::finish(RunResult& result) {
+  if (result.code == exit_code::limit || result.code == exit_code::crashed) return;
+  if (const auto uart = lines_.failed())
+    result.place_report = describe_line(lines_.line(*uart), view_, call_stack(*uart));
 }
 
 std::string PrintedLines::call_stack(std::size_t number) const {

@@ -4,28 +4,27 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "kit/probe.h"
 #include "run/program_view.h"
+#include "run/run_observer.h"
+#include "run/uart_lines.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
 
 /// Keeps the call stacks of the newest lines: a byte is on the wire for a while after the program
 /// wrote it, and the program goes on meanwhile.
-class PrintedLines {
+class PrintedLines final : public RunObserver {
  public:
-  explicit PrintedLines(const ProgramView& view) : view_(view) {}
-  PrintedLines(const PrintedLines&) = delete;
-  PrintedLines& operator=(const PrintedLines&) = delete;
+  /// `uarts`: whose line may have ended the run.
+  PrintedLines(const ProgramView& view, const UartLines& uarts) : view_(view), lines_(uarts) {}
 
-  /// From now on; before, it costs nothing.
-  void begin();
-
-  /// Of the newest line that a UART has sent to its end, or of what came behind it: the call stack
-  /// of its last byte, as lines of a report; "" if none was kept.
-  std::string call_stack(std::size_t uart) const;
+  std::optional<Error> open() override;
+  /// Who printed the line for which --fail-uart ended the run.
+  void finish(RunResult& result) override;
 
  private:
   struct Line {
@@ -39,8 +38,12 @@ class PrintedLines {
     kit::Listening transmitted;
   };
   void written(const tlm::tlm_generic_payload& payload);
+  /// Of the newest line that a UART has sent to its end, or of what came after it: the call stack
+  /// of its last byte, as lines of a report; "" if none was kept.
+  std::string call_stack(std::size_t uart) const;
 
   const ProgramView& view_;
+  const UartLines& lines_;
   std::array<Uart, soc::Soc::uart_count> uarts_;
   std::array<uint32_t, soc::Soc::uart_count> addresses_{};
   kit::Listening transfers_;

@@ -21,13 +21,12 @@ std::string register_name(uint32_t address) {
 
 }  // namespace
 
-PriorityReport::PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits)
-    : soc_(soc), view_(view), bits_(bits) {
-  soc_.cpu.core().set_priority_bits(bits);
-  if (bits == most_bits) return;
+std::optional<Error> PriorityReport::open() {
+  if (bits_ == most_bits) return std::nullopt;
   soc_.cpu.core().listeners().priority = [this](const cortex_m3::DroppedPriority& d) {
     dropped(d);
   };
+  return std::nullopt;
 }
 
 void PriorityReport::dropped(const cortex_m3::DroppedPriority& dropped) {
@@ -43,8 +42,8 @@ void PriorityReport::dropped(const cortex_m3::DroppedPriority& dropped) {
   kit::guest_note(source, text);
 }
 
-void PriorityReport::finish(bool passed) {
-  if (passed || warned_ || probe_.empty()) return;
+void PriorityReport::finish(RunResult& result) {
+  if (result.code == exit_code::pass || warned_ || probe_.empty()) return;
   spdlog::warn("{}: {}", source, probe_);
 }
 

@@ -1,9 +1,11 @@
 // What a run says of a program that was written for another number of priority bits.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "run/program_view.h"
+#include "run/run_observer.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -13,18 +15,18 @@ namespace capsoc::run {
 /// the width (B1.5.4); FreeRTOS's examples have 191 for 0xA0. These are told at level info, and as
 /// a warning only at the end of a run that failed, for a program may have refused the width it
 /// found.
-class PriorityReport {
+class PriorityReport final : public RunObserver {
  public:
-  PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits);
-  PriorityReport(const PriorityReport&) = delete;
-  PriorityReport& operator=(const PriorityReport&) = delete;
+  /// `bits`: that the core implements, 3 to 8.
+  PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits)
+      : soc_(soc), view_(view), bits_(bits) {}
 
-  void finish(bool passed);
-
-  void visit(kit::Archive& archive) {
-    archive("warned", warned_);
-    archive("probe", probe_);
+  std::optional<Error> open() override;
+  void visit(kit::Archive& archive) override {
+    archive("priority_warned", warned_);
+    archive("priority_probe", probe_);
   }
+  void finish(RunResult& result) override;
 
  private:
   void dropped(const cortex_m3::DroppedPriority& dropped);

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <systemc>
 
-#include "run/program_values.h"
-#include "run/uart_lines.h"
+#include "run/input_settings.h"
 #include "support/json.h"
 #include "version/version.h"
 

@@ -57,9 +57,10 @@ std::vector<host::FileUse> files_of(const RunSettings& settings) {
   uses.push_back({Kind::input, "the program", program_of(settings)});
   for (const std::string& place : places_to_load(settings))
     uses.push_back({Kind::input, settings.firmware.load.name(), place.substr(0, place.rfind('@'))});
-  uses.push_back({Kind::input, "the coprocessor's RTL", rtl_library(settings)});
+  uses.push_back({Kind::input, "the coprocessor's RTL", rtl_library(settings.coprocessor)});
   if (settings.coprocessor.backend() == Backend::lockstep && settings.coprocessor.waves.empty())
-    uses.push_back({Kind::output, "the waves of --coprocessor lockstep", lockstep_waves(settings)});
+    uses.push_back({Kind::output, "the waves of --coprocessor lockstep",
+                    lockstep_waves(settings.coprocessor)});
   add_save_file(settings, uses);
   return uses;
 }

@@ -26,11 +26,10 @@ Schedule::~Schedule() {
   view_.soc().cpu.core().remove_observer(*this);
 }
 
-std::optional<Error> Schedule::begin(const ScheduleSettings& settings) {
-  settings_ = &settings;
-  times_interrupts_ = settings.latencies();
+std::optional<Error> Schedule::open() {
+  times_interrupts_ = settings_.latencies();
   pended_at_.fill(never);
-  if (const std::string symbol = settings.current(); !symbol.empty()) {
+  if (const std::string symbol = settings_.current(); !symbol.empty()) {
     const auto address = address_of(symbol, "tasks.current", view_.program());
     if (!address) return Error{address.error()};
     current_ = address.value();
@@ -57,10 +56,10 @@ std::optional<uint32_t> Schedule::read_word(uint32_t address) const {
 
 std::string Schedule::name_of(uint32_t task) const {
   std::string number = fmt::format("{:#010x}", task);
-  const long long offset = settings_->name_offset();
+  const long long offset = settings_.name_offset();
   if (offset < 0) return number;
   std::optional<uint32_t> at = task + static_cast<uint32_t>(offset);
-  if (settings_->name_is_pointer()) at = read_word(*at);
+  if (settings_.name_is_pointer()) at = read_word(*at);
   if (!at) return number;
   std::string name;
   for (char c = 0; name.size() < longest_name; name += c) {

@@ -11,6 +11,7 @@
 #include "cortex_m3/observer.h"
 #include "run/program_view.h"
 #include "run/results.h"
+#include "run/run_observer.h"
 #include "run/schedule_settings.h"
 #include "support/result.h"
 #include "support/setting_fields.h"
@@ -18,18 +19,16 @@
 namespace capsoc::run {
 
 /// Is told of exceptions alone, so it costs next to nothing. Behind --restore it begins anew.
-class Schedule : private cortex_m3::Observer {
+class Schedule final : public RunObserver, private cortex_m3::Observer {
  public:
-  explicit Schedule(const ProgramView& view) : view_(view) {}
+  Schedule(const ProgramView& view, const ScheduleSettings& settings)
+      : view_(view), settings_(settings) {}
   ~Schedule() override;
-  Schedule(const Schedule&) = delete;
-  Schedule& operator=(const Schedule&) = delete;
 
-  /// Looks on from now on, if the settings ask for it. An Error: tasks.current is neither a symbol
+  /// Observes nothing unless the settings ask for it. An Error: tasks.current is neither a symbol
   /// nor an address.
-  std::optional<Error> begin(const ScheduleSettings& settings);
-  /// Behind the simulation.
-  void finish(RunResult& result);
+  std::optional<Error> open() override;
+  void finish(RunResult& result) override;
 
  private:
   struct Task {
@@ -61,7 +60,7 @@ class Schedule : private cortex_m3::Observer {
   std::string name_of(uint32_t task) const;
 
   const ProgramView& view_;
-  const ScheduleSettings* settings_ = nullptr;
+  const ScheduleSettings& settings_;
   std::optional<uint32_t> current_;  ///< the pointer's address
   bool times_interrupts_ = false;
   std::map<uint32_t, Task> tasks_;  ///< 0: handlers and what ran before the first task

@@ -7,37 +7,24 @@
 #include <string>
 #include <vector>
 
-#include "kit/probe.h"
-#include "metrics/sample_curves.h"
-#include "metrics/sample_record.h"
-#include "metrics/sample_writer.h"
 #include "run/checkpoints.h"
 #include "run/coprocessor_backend.h"
 #include "run/host_limit.h"
 #include "run/host_ports.h"
-#include "run/observation.h"
-#include "run/printed_lines.h"
-#include "run/priority_report.h"
 #include "run/program_view.h"
-#include "run/progress.h"
 #include "run/real_time.h"
 #include "run/results.h"
 #include "run/run_inputs.h"
 #include "run/run_limits.h"
-#include "run/schedule.h"
-#include "run/stack_marks.h"
-#include "run/uart_text.h"
-#include "run/vector_report.h"
+#include "run/run_watch.h"
 #include "soc/soc.h"
 #include "support/result.h"
-#include "trace/coverage.h"
-#include "trace/tracer.h"
 
 namespace capsoc::run {
 
 class RunSettings;
 
-/// The platform with its program, its sensor, and everything that looks at it. One of them a
+/// The platform with its program, its sensor, and everything that observes it. One of them a
 /// process: SystemC's kernel cannot be started twice. Where a run is cut into pieces, and whether
 /// it is saved between them, changes nothing in it.
 class Simulation {
@@ -46,7 +33,7 @@ class Simulation {
   /// reset. The settings must outlive it. An Error is a wrong input: nothing was simulated and
   /// nothing written.
   static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings);
-  ~Simulation();
+  ~Simulation() = default;
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
@@ -66,16 +53,13 @@ class Simulation {
 
   /// To be looked at between two advances.
   soc::Soc& soc() { return soc_; }
-  const metrics::Metrics& metrics() const { return metrics_; }
 
  private:
   Simulation(const RunSettings& settings, RunInputs inputs,
-             std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend,
-             metrics::RecordColumns columns);
+             std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend);
 
   std::optional<Error> load();
   std::optional<Error> open();
-  std::optional<Error> begin_recording();
   std::vector<checkpoint::Part> parts();
   std::optional<Error> plan_restore();
   bool restore();
@@ -85,37 +69,22 @@ class Simulation {
   void simulate_slice();
   void pace();
   sc_core::sc_time pause(const sc_core::sc_time& now);
-  std::vector<std::string> close();
+  void conclude_run(RunResult& result) const;
+  void take_figures(RunResult& result) const;
+  void explain(RunResult& result) const;
 
   const RunSettings& settings_;
   RunInputs inputs_;
-  metrics::RecordColumns columns_;  // of the recording
   std::optional<checkpoint::Checkpoint> restore_;
   std::optional<Error> not_restored_;
   CoprocessorBackend backend_;  // its device is the SoC's
   soc::Soc soc_;
   ProgramView view_;
-  PrintedLines printed_lines_{view_};
-  RunResult result_;
-  metrics::Metrics metrics_;
-  metrics::SensorMatch match_;
-  Progress progress_;
-  Observation observation_;
-  metrics::SampleRecord record_;  // for --golden
-  std::unique_ptr<metrics::SampleWriter> recording_;
-  metrics::SampleCurves curves_;
-  kit::Listening keeping_, recorded_, drawing_;
-  UartText uart0_text_;
-  PriorityReport priorities_;
-  VectorReport vectors_{soc_, view_};
-  StackMarks stacks_{view_};
-  Schedule schedule_{view_};
   Limit limit_;
   HostLimit host_limit_;
   RealTime real_time_;
-  std::unique_ptr<trace::Tracer> tracer_;
-  std::unique_ptr<trace::Coverage> coverage_;
   std::unique_ptr<HostPorts> ports_;
+  RunWatch watch_;
   std::unique_ptr<Checkpoints> checkpoints_;
   sc_core::sc_time stop_at_ = sc_core::sc_max_time();
   bool stopped_ = false;

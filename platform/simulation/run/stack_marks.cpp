@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "run/symbols.h"
 
@@ -26,11 +27,11 @@ std::optional<Error> StackMarks::add_limit(const std::string& text) {
   return std::nullopt;
 }
 
-std::optional<Error> StackMarks::begin(const StackSettings& settings) {
-  std::istringstream list(settings.limit());
+std::optional<Error> StackMarks::open() {
+  std::istringstream list(settings_.limit());
   for (std::string text; std::getline(list, text, ',');)
     if (auto error = add_limit(text)) return error;
-  if (limits_.empty() && !settings.marks()) return std::nullopt;
+  if (limits_.empty() && !settings_.marks()) return std::nullopt;
   view_.soc().cpu.core().add_observer(*this, true, false);
   return std::nullopt;
 }
@@ -112,13 +113,23 @@ std::string StackMarks::name_of(const StackMark& mark) const {
   return fmt::format("{} ({}, {} bytes)", name, object->name, object->size);
 }
 
-std::string StackMarks::text() const {
+void StackMarks::finish(RunResult& result) {
+  for (const StackMark& mark : stacks_)
+    result.stacks.push_back({name_of(mark), mark.top, mark.lowest});
+}
+
+std::string StackMarks::crash() const {
+  return overflow_.empty() ? "" : "the firmware's stack overflowed: " + overflow_;
+}
+
+std::optional<Finding> StackMarks::finding() const {
+  if (stacks_.empty()) return std::nullopt;
   std::string text;
   for (const StackMark& mark : stacks_)
     text +=
         fmt::format("    {}: {} bytes, {:#010x} down to {:#010x}, at {}\n", name_of(mark),
                     mark.top - mark.lowest, mark.top, mark.lowest, view_.place(mark.instruction));
-  return text;
+  return Finding{"the stacks so far", std::move(text)};
 }
 
 }  // namespace capsoc::run

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "run/program_view.h"
+#include "run/run_observer.h"
 #include "run/stack_settings.h"
 #include "soc/soc.h"
 #include "support/result.h"
@@ -24,24 +25,18 @@ struct StackMark {
 
 /// Follows both stack pointers, instruction by instruction. A process stack is a new one when
 /// Thread mode goes on at a PSP at which none was left.
-class StackMarks : private cortex_m3::Observer {
+class StackMarks final : public RunObserver, private cortex_m3::Observer {
  public:
-  explicit StackMarks(const ProgramView& view) : view_(view) {}
+  StackMarks(const ProgramView& view, const StackSettings& settings)
+      : view_(view), settings_(settings) {}
   ~StackMarks() override;
-  StackMarks(const StackMarks&) = delete;
-  StackMarks& operator=(const StackMarks&) = delete;
 
-  /// Looks on from now on, if the settings ask for it. An Error: a limit that is neither a symbol
+  /// Observes nothing unless the settings ask for it. An Error: a limit that is neither a symbol
   /// nor an address.
-  std::optional<Error> begin(const StackSettings& settings);
-
-  /// A sentence on the stack that went below a limit, "" if none did.
-  const std::string& overflow() const { return overflow_; }
-  const std::vector<StackMark>& marks() const { return stacks_; }
-  /// A line for each stack, indented by four; "" without marks.
-  std::string text() const;
-  /// "MSP" or "PSP", and the object that the stack lies in, if there is one.
-  std::string name_of(const StackMark& mark) const;
+  std::optional<Error> open() override;
+  void finish(RunResult& result) override;
+  std::string crash() const override;
+  std::optional<Finding> finding() const override;
 
  private:
   struct Limit {
@@ -49,6 +44,8 @@ class StackMarks : private cortex_m3::Observer {
     std::string name;
   };
   std::optional<Error> add_limit(const std::string& text);
+  /// "MSP" or "PSP", and the object that the stack lies in, if there is one.
+  std::string name_of(const StackMark& mark) const;
 
   void issued(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
   void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
@@ -63,10 +60,11 @@ class StackMarks : private cortex_m3::Observer {
   void look(StackMark& stack, uint32_t stack_pointer, uint32_t instruction);
 
   const ProgramView& view_;
+  const StackSettings& settings_;
   std::vector<Limit> limits_;
   std::vector<StackMark> stacks_;  ///< the first one is MSP's
   std::size_t process_ = 0;        ///< PSP's present one; 0: none
-  std::string overflow_;
+  std::string overflow_;           ///< of the first stack that went below a limit, a sentence
 };
 
 }  // namespace capsoc::run

@@ -14,8 +14,9 @@ constexpr unsigned most = 4;
 
 }  // namespace
 
-VectorReport::VectorReport(soc::Soc& soc, const ProgramView& view) : soc_(soc), view_(view) {
+std::optional<Error> VectorReport::open() {
   listen();
+  return std::nullopt;
 }
 
 /// As long as there is room: data that lies where a short table leaves it is written often.
@@ -37,9 +38,14 @@ bool VectorReport::is_vector(const cortex_m3::VectorWrite& write) const {
 }
 
 void VectorReport::visit(kit::Archive& archive) {
-  archive("text", text_);
-  archive("lines", lines_);
+  archive("vector_text", text_);
+  archive("vector_lines", lines_);
   if (archive.loading()) listen();
+}
+
+std::optional<Finding> VectorReport::finding() const {
+  if (text_.empty()) return std::nullopt;
+  return Finding{"written into the vector table", text_};
 }
 
 void VectorReport::written(const cortex_m3::VectorWrite& write) {

@@ -1,11 +1,11 @@
 // What a program wrote into its vector table that is no vector.
 #pragma once
 
-#include <cstdint>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "run/program_view.h"
+#include "run/run_observer.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -13,16 +13,13 @@ namespace capsoc::run {
 /// On this board the table lies in RAM at 0, where every null pointer leads: no fault stops such a
 /// write. The first is told as the guest's error, the newest ones are kept for the report of a
 /// failure.
-class VectorReport {
+class VectorReport final : public RunObserver {
  public:
-  VectorReport(soc::Soc& soc, const ProgramView& view);
-  VectorReport(const VectorReport&) = delete;
-  VectorReport& operator=(const VectorReport&) = delete;
+  VectorReport(soc::Soc& soc, const ProgramView& view) : soc_(soc), view_(view) {}
 
-  /// A line for each, indented by four; "" if there was none.
-  const std::string& text() const { return text_; }
-
-  void visit(kit::Archive& archive);
+  std::optional<Error> open() override;
+  void visit(kit::Archive& archive) override;
+  std::optional<Finding> finding() const override;
 
  private:
   void listen();
@@ -31,7 +28,7 @@ class VectorReport {
 
   soc::Soc& soc_;
   const ProgramView& view_;
-  std::string text_;
+  std::string text_;  ///< a line for each, indented by four
   unsigned lines_ = 0;
 };
 
