@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 
+#include "capsoc_registers.h"
 #include "session/run_settings.h"
 
 namespace capsoc::run {
@@ -127,6 +129,60 @@ TEST(Simulation, ALimitEndsAPiece) {
                                                                                          : "";
                      }),
             expected);
+}
+
+/// A soft reset while a sample is on its way, then the control register as it was; returns the
+/// sample's index. "": there was none.
+std::string lose_a_sample(Simulation& simulation) {
+  namespace registers = capsoc::registers::coprocessor;
+  soc::Soc& soc = simulation.soc();
+  sc_time next(1, sc_core::SC_SEC);
+  for (int steps = 0; steps < 10000 && simulation.advance_to(next).value(); ++steps) {
+    coprocessor::Device& device = soc.coprocessor.device();
+    if (!device.idle()) {
+      const uint64_t edge = soc.clock.cycles_at(sc_core::sc_time_stamp()) + 4;
+      const uint32_t control = device.read(edge, registers::CTRL_offset, true).value;
+      device.write(edge + 1, registers::CTRL_offset, registers::CTRL_SRST_mask);
+      device.write(edge + 2, registers::CTRL_offset, control);
+      return std::to_string(soc.adc.count.get() - 1);
+    }
+    next = sc_core::sc_time_stamp() + sc_time(2, sc_core::SC_US);
+  }
+  return "";
+}
+
+/// The index of each row of a CSV that ends in an empty cell, with a blank.
+std::string rows_without_result(const std::string& file) {
+  std::ifstream lines(file);
+  std::string line, found;
+  int row = -2;  // a comment and the heading
+  while (std::getline(lines, line)) {
+    if (row >= 0 && !line.empty() && line.back() == ',') found += std::to_string(row) + " ";
+    ++row;
+  }
+  return found;
+}
+
+TEST(Simulation, EqualSamplesHaveTheirOwnResults) {
+  const std::string stem =
+      (std::filesystem::temp_directory_path() / fmt::format("capsoc-equal-{}", getpid())).string();
+  {
+    std::ofstream sensor(stem + "-sensor.csv");
+    sensor << "u,v\n";
+    for (int row = 0; row < 2000; ++row) sensor << "0.5,0.25\n";
+  }
+  std::vector<std::string> recorded = short_selfcal;
+  recorded.push_back("sensor.file=" + stem + "-sensor.csv");
+  recorded.push_back("results.record=" + stem + ".csv");
+  recorded.emplace_back("results.record_columns=u,status");
+  recorded.emplace_back("run.simlimit_s=3");
+  const std::string said =
+      simulate(recorded, [](Simulation& simulation) { return lose_a_sample(simulation) + " "; });
+  const std::string lost = said.substr(0, said.find(' ') + 1);
+  EXPECT_GT(lost.size(), 1U);
+  EXPECT_EQ(rows_without_result(stem + ".csv"), lost) << said;
+  std::filesystem::remove(stem + "-sensor.csv");
+  std::filesystem::remove(stem + ".csv");
 }
 
 TEST(Simulation, AWrongInputIsSaidBeforeAnythingRuns) {

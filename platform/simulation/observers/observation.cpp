@@ -38,32 +38,38 @@ std::optional<Error> Observation::open() {
   for (const std::string& sentence : inputs_.sensor_warnings) warn(sentence);
   soc_.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
-  submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched) {
+  submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched, uint64_t number) {
     if (!latched) return;
     metrics_.accepted(truth_);
-    if (samples.watched()) take();
+    if (samples.watched()) take(number);
   });
-  results_ = soc_.coprocessor.results.listen(
-      [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
+  results_ = soc_.coprocessor.results.listen([this](uint64_t, const coprocessor::Nodes& nodes,
+                                                    uint64_t number) { result(nodes, number); });
   conversions_ = soc_.adc.conversions.listen(
-      [this](uint64_t, int32_t u, int32_t v, double turns, bool has_truth) {
-        converted_ = {sc_core::sc_time_stamp().to_seconds(), u, v, turns, has_truth};
-      });
+      [this](uint64_t, const peripherals::SensorSample& sample) { converted(sample); });
   return std::nullopt;
 }
 
-void Observation::take() {
+void Observation::converted(const peripherals::SensorSample& sample) {
+  newest_ = {sample.number,
+             {sc_core::sc_time_stamp().to_seconds(), sample.u, sample.v, truth_.angle_turns,
+              truth_.has_truth}};
+}
+
+/// The coprocessor takes a sample a cycle after its conversion, before there is a newer one.
+void Observation::take(uint64_t number) {
+  if (number != newest_.number) return;
   // A reset may lose some again and again.
   if (on_the_way_.size() == most_on_the_way) lose(1);
-  if (!since_s_) since_s_ = converted_.time_s;
-  on_the_way_.push_back(converted_);
-  on_the_way_.back().time_s -= *since_s_;
+  if (!since_s_) since_s_ = newest_.recorded.time_s;
+  on_the_way_.push_back(newest_);
+  on_the_way_.back().recorded.time_s -= *since_s_;
 }
 
 /// The oldest, without a result.
 void Observation::lose(std::size_t count) {
   for (; count > 0; --count) {
-    samples(on_the_way_.front());
+    samples(on_the_way_.front().recorded);
     on_the_way_.pop_front();
   }
 }
@@ -78,7 +84,7 @@ std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
   const auto value = source_.sample(k, t);
   if (!value) return std::nullopt;
   truth_ = {sensor_time(k, t), value->u, value->v, value->angle_turns, value->has_truth};
-  return peripherals::AdcInput{value->u, value->v, value->angle_turns, value->has_truth};
+  return peripherals::AdcInput{value->u, value->v, value->angle_turns, value->has_truth, ++number_};
 }
 
 double Observation::sensor_time(uint64_t k, double t) const {
@@ -100,7 +106,7 @@ void Observation::watch_sampling(uint32_t control) {
   match_.result(state);
 }
 
-void Observation::result(const coprocessor::Nodes& nodes) {
+void Observation::result(const coprocessor::Nodes& nodes, uint64_t number) {
   // The observer runs in the cycle of the result, before the firmware can have changed the mode.
   const uint32_t control = soc_.coprocessor.peek(cop::CTRL_offset);
   metrics::CoprocessorResult r;
@@ -115,40 +121,42 @@ void Observation::result(const coprocessor::Nodes& nodes) {
              static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
   metrics_.result(r);
   watch_sampling(control);
-  give(r, nodes);
+  give(number, r, nodes);
   progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
 }
 
-/// A soft reset loses samples that were on their way: a result belongs to the next sample with its
-/// words.
-void Observation::give(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes) {
-  const auto mine = std::find_if(on_the_way_.begin(), on_the_way_.end(),
-                                 [&](const metrics::RecordedSample& sample) {
-                                   return sample.u == nodes.u && sample.v == nodes.v;
-                                 });
-  if (mine == on_the_way_.end()) return;  // software fed it
+/// Results come in the order of their samples; a soft reset loses some on their way.
+void Observation::give(uint64_t number, const metrics::CoprocessorResult& result,
+                       const coprocessor::Nodes& nodes) {
+  const auto mine =
+      std::find_if(on_the_way_.begin(), on_the_way_.end(),
+                   [number](const Sample& sample) { return sample.number == number; });
+  if (mine == on_the_way_.end()) return;  // software wrote it
   lose(static_cast<std::size_t>(mine - on_the_way_.begin()));
-  on_the_way_.front().result = {result.angle,
-                                result.words,
-                                static_cast<int32_t>(nodes.error_u),
-                                static_cast<int32_t>(nodes.error_v),
-                                static_cast<uint32_t>(nodes.error_average),
-                                static_cast<uint32_t>(nodes.status),
-                                static_cast<uint32_t>(nodes.flags),
-                                result.angle_valid,
-                                result.demodulating};
-  samples(on_the_way_.front());
+  metrics::RecordedSample& sample = on_the_way_.front().recorded;
+  sample.result = {result.angle,
+                   result.words,
+                   static_cast<int32_t>(nodes.error_u),
+                   static_cast<int32_t>(nodes.error_v),
+                   static_cast<uint32_t>(nodes.error_average),
+                   static_cast<uint32_t>(nodes.status),
+                   static_cast<uint32_t>(nodes.flags),
+                   result.angle_valid,
+                   result.demodulating};
+  samples(sample);
   on_the_way_.pop_front();
 }
 
 void Observation::visit(kit::Archive& archive) {
   archive("metrics", metrics_);
   archive("truth", truth_);
-  archive("converted_time_s", converted_.time_s);
-  archive("converted_u", converted_.u);
-  archive("converted_v", converted_.v);
-  archive("converted_turns", converted_.angle_turns);
-  archive("converted_truth", converted_.has_truth);
+  archive("number", number_);
+  archive("newest_number", newest_.number);
+  archive("newest_time_s", newest_.recorded.time_s);
+  archive("newest_u", newest_.recorded.u);
+  archive("newest_v", newest_.recorded.v);
+  archive("newest_turns", newest_.recorded.angle_turns);
+  archive("newest_truth", newest_.recorded.has_truth);
   archive("sensor_match", match_);
   archive("sensor_warnings", warnings_);
 }

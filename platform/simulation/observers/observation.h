@@ -37,13 +37,21 @@ class Observation final : public RunObserver {
 
  private:
   void warn(const std::string& sentence);
-  void take();
+  /// A sample between its source and its result.
+  struct Sample {
+    uint64_t number = 0;  ///< from 1, over all starts of the sensor
+    metrics::RecordedSample recorded;
+  };
+
+  void converted(const peripherals::SensorSample& sample);
+  void take(uint64_t number);
   void lose(std::size_t count);
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
-  void result(const coprocessor::Nodes& nodes);
+  void result(const coprocessor::Nodes& nodes, uint64_t number);
   void watch_sampling(uint32_t control);
   double sensor_time(uint64_t k, double t) const;
-  void give(const metrics::CoprocessorResult& result, const coprocessor::Nodes& nodes);
+  void give(uint64_t number, const metrics::CoprocessorResult& result,
+            const coprocessor::Nodes& nodes);
 
   soc::Soc& soc_;
   const RunInputs& inputs_;
@@ -52,10 +60,11 @@ class Observation final : public RunObserver {
   std::vector<std::string> warnings_;  ///< where the program does not match the sensor
   metrics::SensorMatch match_;
   Progress progress_;
-  metrics::SensorTruth truth_;
-  metrics::RecordedSample converted_;  ///< the newest of the front-end
-  std::optional<double> since_s_;      ///< the first sample that anybody listened to
-  std::deque<metrics::RecordedSample> on_the_way_;
+  metrics::SensorTruth truth_;     ///< of the newest sample
+  uint64_t number_ = 0;            ///< of the newest sample
+  Sample newest_;                  ///< of the front-end
+  std::optional<double> since_s_;  ///< the first sample that anybody listened to
+  std::deque<Sample> on_the_way_;
   kit::Listening submissions_, results_, conversions_;
 };
 
