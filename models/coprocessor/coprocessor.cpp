@@ -87,7 +87,9 @@ void Coprocessor::advance(uint64_t cycle) {
 
 bool Coprocessor::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
   advance(cycle);
-  return (ctrl_ & ctrl_adc) != 0 && latch(cycle, u, v, clip);
+  if ((ctrl_ & ctrl_adc) == 0 || !latch(cycle, u, v, clip)) return false;
+  held_.taken = cycle;
+  return true;
 }
 
 bool Coprocessor::latch(uint64_t cycle, int32_t u, int32_t v, bool clip) {
@@ -249,6 +251,7 @@ bool Coprocessor::stage_nodes(unsigned stage, Nodes& nodes) const {
 
 void Coprocessor::record_nodes(const Packet& packet) {
   ++nodes_.commits;
+  nodes_.taken = packet.taken;
   for (unsigned stage = 0; stage <= commit_stage; ++stage) packet_nodes(packet, stage, nodes_);
 }
 

@@ -14,7 +14,8 @@ namespace capsoc::coprocessor {
 
 // What a sample carries from stage to stage.
 struct Packet {
-  int32_t u = 0;  // Q1.31
+  uint64_t taken = 0;  // as in Nodes
+  int32_t u = 0;       // Q1.31
   int32_t v = 0;
   bool clip = false;
   bool saturated = false;

@@ -24,6 +24,7 @@ const std::array<NamedNode, node_count>& node_names() {
 void Nodes::visit(kit::Archive& archive) {
   for (const NamedNode& node : node_names()) archive(node.name, this->*node.value);
   archive("commits", commits);
+  archive("taken", taken);
 }
 
 double NodeFormat::value(int64_t word) const {

@@ -18,6 +18,8 @@ struct Nodes {
 
   // Results committed since the last reset of either kind. No node, never compared.
   uint64_t commits = 0;
+  // The edge at which submit() latched this sample; 0: software wrote it. No node.
+  uint64_t taken = 0;
 
   void visit(kit::Archive& archive);
 };

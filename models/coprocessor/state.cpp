@@ -84,6 +84,7 @@ void TurnJudge::visit(Archive& archive) {
 }
 
 void Packet::visit(Archive& archive) {
+  archive("taken", taken);
   archive("u", u);
   archive("v", v);
   archive("clip", clip);

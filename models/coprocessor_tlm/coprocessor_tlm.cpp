@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capsoc_registers.h"
+#include "coprocessor/sequencer.h"
 #include "support/printable.h"
 
 namespace capsoc::coprocessor {
@@ -41,6 +42,7 @@ void CoprocessorTlm::reset() {
   write_.reset();
   device_->reset();
   commits_ = 0;
+  taken_.clear();
   follow();
 }
 
@@ -64,11 +66,7 @@ void CoprocessorTlm::run_to(uint64_t cycle) {
 
 void CoprocessorTlm::pass(uint64_t edge) {
   device_->advance(edge);
-  if (sample_) {
-    const bool latched = device_->submit(edge, sample_->u, sample_->v, sample_->clip);
-    sample_.reset();
-    samples(edge, latched);
-  }
+  if (sample_) take(edge);
   if (write_) {
     device_->write(edge, write_->offset, write_->value);
     write_.reset();
@@ -77,7 +75,28 @@ void CoprocessorTlm::pass(uint64_t edge) {
   const Nodes& nodes = device_->nodes();
   const bool result = nodes.commits > commits_;
   commits_ = nodes.commits;
-  if (result) results(edge, nodes);
+  if (result) results(edge, nodes, number_of(nodes));
+}
+
+void CoprocessorTlm::take(uint64_t edge) {
+  const peripherals::SensorSample sample = *sample_;
+  sample_.reset();
+  const bool latched = device_->submit(edge, sample.u, sample.v, sample.clip);
+  if (latched) {
+    // One waits and one is in each stage; more were lost by soft resets.
+    if (taken_.size() == 1 + stage_count) taken_.pop_front();
+    taken_.push_back({edge, sample.number});
+  }
+  samples(edge, latched, sample.number);
+}
+
+/// Results come in the order of their samples.
+uint64_t CoprocessorTlm::number_of(const Nodes& nodes) {
+  while (!taken_.empty() && taken_.front().edge < nodes.taken) taken_.pop_front();
+  if (taken_.empty() || taken_.front().edge != nodes.taken) return 0;
+  const uint64_t number = taken_.front().number;
+  taken_.pop_front();
+  return number;
 }
 
 void CoprocessorTlm::begin_access() {
@@ -145,6 +164,7 @@ void CoprocessorTlm::visit(kit::Archive& archive) {
   archive("write", write_);
   archive("accessed", accessed_);
   archive("commits", commits_);
+  archive.sequence("taken", taken_, 1 + stage_count);
   if (interval_ > clock_.cycles_at(sc_core::sc_time::from_value(archive.time())) + 2)
     archive.refuse("is ahead of time");
   if (!idle) return device_->visit(archive);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -44,10 +45,11 @@ class CoprocessorTlm : public kit::RegisterTarget {
   void restored() override { follow(); }
 
   /// The results of every sample, in the cycle in which they become visible and before the
-  /// interrupt line follows: that cycle, and all nodes.
-  kit::Probe<uint64_t, const Nodes&> results;
-  /// Every sample at the edge that takes or drops it: the cycle, and whether it was taken.
-  kit::Probe<uint64_t, bool> samples;
+  /// interrupt line follows: that cycle, all nodes, and the number of the sample (SensorSample; 0:
+  /// software wrote it).
+  kit::Probe<uint64_t, const Nodes&, uint64_t> results;
+  /// Every sample at the edge that takes or drops it: the cycle, whether it was taken, its number.
+  kit::Probe<uint64_t, bool, uint64_t> samples;
 
   Device& device() { return *device_; }
 
@@ -68,6 +70,17 @@ class CoprocessorTlm : public kit::RegisterTarget {
     }
   };
 
+  /// A sample in the device.
+  struct Taken {
+    uint64_t edge = 0, number = 0;
+    void visit(kit::Archive& archive) {
+      archive("edge", edge);
+      archive("number", number);
+    }
+  };
+
+  void take(uint64_t edge);
+  uint64_t number_of(const Nodes& nodes);
   void catch_up();
   void run_to(uint64_t cycle);
   void pass(uint64_t edge);
@@ -84,6 +97,8 @@ class CoprocessorTlm : public kit::RegisterTarget {
   std::optional<uint64_t>
       accessed_;  // the interval of the last access: the bus carries one in each
   uint64_t commits_ = 0;
+  std::deque<Taken>
+      taken_;  // in order; those that a soft reset lost are in it until a later result
   sc_core::sc_event event_;
 };
 

@@ -151,8 +151,9 @@ void AdcFrontEnd::convert(const AdcInput& input) {
   if (u.clipped) flags.raise(FLAGS_CLIP_U_mask);
   if (v.clipped) flags.raise(FLAGS_CLIP_V_mask);
   update_interrupt();
-  conversions(index, u.word, v.word, input.angle_turns, input.has_truth);
-  if (sink_) sink_({u.word, v.word, u.clipped || v.clipped});
+  const SensorSample sample{u.word, v.word, u.clipped || v.clipped, input.number};
+  conversions(index, sample);
+  if (sink_) sink_(sample);
 }
 
 void AdcFrontEnd::finish() {

@@ -15,10 +15,11 @@ namespace capsoc::peripherals {
 
 /// What the two channels of the sensor show at one instant.
 struct AdcInput {
-  double u;            ///< units of full scale; -1 to below 1 fit the converter
-  double v;            ///< as u
-  double angle_turns;  ///< true angle, if known
-  bool has_truth;      ///< angle_turns is known
+  double u;             ///< units of full scale; -1 to below 1 fit the converter
+  double v;             ///< as u
+  double angle_turns;   ///< true angle, if known
+  bool has_truth;       ///< angle_turns is known
+  uint64_t number = 0;  ///< of the source's; goes with the sample to its result
 };
 
 /// The ADC front-end: takes a sample of both channels every PERIOD cycles of PCLK, quantises it and
@@ -50,9 +51,8 @@ class AdcFrontEnd : public kit::RegisterBank {
 
   /// Called in the cycle of the sample, after the registers and the interrupt line have changed.
   void set_sink(Sink sink) { sink_ = std::move(sink); }
-  /// Every sample after quantisation: its index, u and v (Q1.31), the true angle in turns and
-  /// whether that is known.
-  kit::Probe<uint64_t, int32_t, int32_t, double, bool> conversions;
+  /// Every sample after quantisation: its index since the start, and what the sink gets.
+  kit::Probe<uint64_t, const SensorSample&> conversions;
 
   /// System reset: stops, all registers to their reset values.
   void reset() override;

@@ -9,7 +9,7 @@
 #include "cli/whole_number.h"
 #include "host/places.h"
 #include "loader/program_file.h"
-#include "run/results.h"
+#include "results/results.h"
 
 namespace capsoc::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "run/exit_codes.h"
+#include "results/exit_codes.h"
 
 namespace capsoc::cli {
 

@@ -16,7 +16,7 @@
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "report/page.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "sensor/load.h"
 #include "support/number.h"
 #include "support/printable.h"

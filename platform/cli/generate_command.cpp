@@ -11,8 +11,8 @@
 #include "cli/refuse.h"
 #include "host/files.h"
 #include "manual/pages.h"
-#include "run/results.h"
-#include "run/run_settings.h"
+#include "results/results.h"
+#include "session/run_settings.h"
 #include "version/version.h"
 
 namespace capsoc::cli {

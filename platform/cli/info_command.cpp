@@ -7,7 +7,7 @@
 #include "cli/refuse.h"
 #include "host/console.h"
 #include "host/files.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "soc/board_registers.h"
 
 namespace capsoc::cli {

@@ -19,7 +19,7 @@
 #include "cli/refuse.h"
 #include "host/console.h"
 #include "host/end_signals.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "support/nearest.h"
 #include "version/version.h"
 

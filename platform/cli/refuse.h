@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/console.h"
-#include "run/results.h"
+#include "results/results.h"
 
 namespace capsoc::cli {
 

@@ -17,7 +17,7 @@
 #include "regress/report.h"
 #include "regress/rtl_comparison.h"
 #include "report/page.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "support/shell.h"
 #include "trace/save_file.h"
 

@@ -11,7 +11,7 @@
 #include "host/files.h"
 #include "report/page.h"
 #include "report/picture.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "support/nearest.h"
 #include "support/printable.h"
 

@@ -10,7 +10,7 @@
 #include "host/places.h"
 #include "reproduce/drawn.h"
 #include "reproduce/reproduce.h"
-#include "run/results.h"
+#include "results/results.h"
 
 namespace capsoc::cli {
 

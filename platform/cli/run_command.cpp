@@ -11,11 +11,11 @@
 #include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "inputs/program_values.h"
 #include "report/page.h"
-#include "run/program_values.h"
-#include "run/run_files.h"
-#include "run/run_settings.h"
-#include "run/simulation.h"
+#include "session/run_files.h"
+#include "session/run_settings.h"
+#include "session/simulation.h"
 #include "support/printable.h"
 
 namespace capsoc::cli {
@@ -123,7 +123,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
     return run::exit_code::pass;
   }
   if (arguments.list_program) {
-    const auto text = run::list_program_settings(settings);
+    const auto text = run::list_program_settings(settings.firmware);
     if (!text) return refuse(text.error());
     host::print("{}", text.value());
     return run::exit_code::pass;

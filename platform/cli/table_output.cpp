@@ -10,7 +10,7 @@
 #include "host/console.h"
 #include "host/files.h"
 #include "report/page.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "support/printable.h"
 
 namespace capsoc::cli {

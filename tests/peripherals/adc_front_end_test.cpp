@@ -212,18 +212,20 @@ TEST_F(AdcFrontEnd, AnotherFrequencyKeepsThePeriodInCyclesAndTheSensorInRealTime
   EXPECT_DOUBLE_EQ(times[2], 3.5e-6);
 }
 
-TEST_F(AdcFrontEnd, TheObserverSeesTheTruth) {
-  std::vector<uint64_t> indices;
-  double truth = 0;
-  const auto listening = bench.adc.conversions.listen(
-      [&](uint64_t index, int32_t, int32_t, double turns, bool has_truth) {
+TEST_F(AdcFrontEnd, ASampleKeepsTheNumberOfItsSource) {
+  bench.adc.set_source([](uint64_t k, double) { return AdcInput{0.25, 0.5, 0, false, 70 + k}; });
+  std::vector<uint64_t> indices, numbers, sunk;
+  const auto listening =
+      bench.adc.conversions.listen([&](uint64_t index, const SensorSample& sample) {
         indices.push_back(index);
-        if (has_truth) truth = turns;
+        numbers.push_back(sample.number);
       });
+  bench.adc.set_sink([&](const SensorSample& sample) { sunk.push_back(sample.number); });
   start(40);
   bench.run(120);
   EXPECT_EQ(indices, (std::vector<uint64_t>{0, 1, 2}));
-  EXPECT_EQ(truth, 0.125);
+  EXPECT_EQ(numbers, (std::vector<uint64_t>{70, 71, 72}));
+  EXPECT_EQ(sunk, numbers);
 }
 
 TEST_F(AdcFrontEnd, ASinkMayStopIt) {

@@ -56,7 +56,7 @@ TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {
 TEST_F(CoprocessorTlm, NeedsNoAccessToComeToItsResult) {
   std::vector<uint64_t> cycles;
   const auto listening = bench.coprocessor.results.listen(
-      [&](uint64_t cycle, const Nodes&) { cycles.push_back(cycle); });
+      [&](uint64_t cycle, const Nodes&, uint64_t) { cycles.push_back(cycle); });
   submit(0x10000000, 0x20000000);
   const uint64_t latched = bench.cycle();
   bench.run(1000);
@@ -70,7 +70,7 @@ TEST_F(CoprocessorTlm, FollowsTheSamplesOfTheAdcWhileTheGateIsOpen) {
   });
   std::vector<int64_t> seen;
   const auto listening = bench.coprocessor.results.listen(
-      [&](uint64_t, const Nodes& nodes) { seen.push_back(nodes.u); });
+      [&](uint64_t, const Nodes& nodes, uint64_t) { seen.push_back(nodes.u); });
   EXPECT_OK(adc.write(front_end::PERIOD_offset, 32));
   EXPECT_OK(adc.write(front_end::CTRL_offset, front_end::CTRL_RUN_mask));
   bench.run(32 * 5);
@@ -162,8 +162,8 @@ TEST_F(CoprocessorTlm, ASampleAndAWriteOfOneInstantActAtTheNextEdgeInTheirOrder)
   for (bool write_first : {false, true}) {
     bench.reset();
     std::vector<bool> latched;
-    const auto listening =
-        bench.coprocessor.samples.listen([&](uint64_t, bool taken) { latched.push_back(taken); });
+    const auto listening = bench.coprocessor.samples.listen(
+        [&](uint64_t, bool taken, uint64_t) { latched.push_back(taken); });
     if (write_first) {
       EXPECT_OK(bus.write(CTRL_offset, CTRL_ADC_mask));
     }
@@ -179,6 +179,27 @@ TEST_F(CoprocessorTlm, ASampleAndAWriteOfOneInstantActAtTheNextEdgeInTheirOrder)
     EXPECT_EQ(latched, (std::vector<bool>{false, true}));
     EXPECT_EQ(bus.value_at(STATUS_offset) & STATUS_BUSY_mask, STATUS_BUSY_mask);
   }
+}
+
+TEST_F(CoprocessorTlm, EqualSamplesKeepTheirNumbersOverASoftReset) {
+  std::vector<uint64_t> numbers;
+  const auto listening = bench.coprocessor.results.listen(
+      [&](uint64_t, const Nodes&, uint64_t number) { numbers.push_back(number); });
+  const auto feed = [&](uint64_t number) {
+    bench.coprocessor.sample({1 << 20, 1 << 20, false, number});
+    bench.run(40);
+  };
+  write(CTRL_offset, CTRL_ADC_mask);
+  for (uint64_t number = 10; number < 18; ++number) feed(number);
+  EXPECT_EQ(numbers, (std::vector<uint64_t>{10, 11, 12, 13}));
+  write(CTRL_offset, CTRL_SRST_mask);  // loses 14 to 17
+  write(CTRL_offset, CTRL_ADC_mask);
+  for (uint64_t number = 20; number < 23; ++number) feed(number);
+  submit(1 << 20, 1 << 20);  // software's, with the same words
+  bench.run(40);
+  feed(23);
+  bench.run(1000);
+  EXPECT_EQ(numbers, (std::vector<uint64_t>{10, 11, 12, 13, 20, 21, 22, 0, 23}));
 }
 
 TEST_F(CoprocessorTlm, AccessesOfOneInstantTakeOneIntervalEach) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The README's exit codes are those of --help, which are those of platform/simulation/run/exit_codes.def."""
+"""The README's exit codes are those of --help, which are those of platform/simulation/results/exit_codes.def."""
 
 import re
 import subprocess

@@ -9,7 +9,7 @@
 #include "campaign/flat.h"
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
-#include "run/results.h"
+#include "results/results.h"
 #include "support/printable.h"
 #include "support/setting_fields.h"
 #include "support/shell.h"

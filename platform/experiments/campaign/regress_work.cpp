@@ -6,8 +6,8 @@
 #include "regress/campaign.h"
 #include "regress/rtl_comparison.h"
 #include "regress/scenario.h"
+#include "results/results.h"
 #include "rtl/rtl_library.h"
-#include "run/results.h"
 #include "support/setting_fields.h"
 
 namespace capsoc::campaign {

@@ -5,10 +5,10 @@
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "host/file_uses.h"
-#include "run/run_files.h"
-#include "run/run_inputs.h"
-#include "run/run_settings.h"
-#include "run/simulation.h"
+#include "inputs/run_inputs.h"
+#include "session/run_files.h"
+#include "session/run_settings.h"
+#include "session/simulation.h"
 
 namespace capsoc::campaign {
 namespace {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "kit/probe.h"
 #include "metrics/metrics.h"
 #include "support/result.h"
 
@@ -35,6 +36,9 @@ struct RecordedSample {
 inline bool has_error(const RecordedSample& sample) {
   return sample.has_truth && sample.result && sample.result->angle_valid;
 }
+
+/// Tells each sample as the coprocessor saw it, in order, once its result is there or cannot come.
+using SampleProbe = kit::Probe<const RecordedSample&>;
 
 /// Samples in memory, in the order in which they came; grows with the run. A deque: growing moves
 /// nothing. For recordings on disk see sample_writer.h.

@@ -65,6 +65,7 @@ class CoprocessorRtl::Pins {
     other->reading_ = reading_;
     other->changed_ = changed_;
     other->flight_ = flight_;
+    other->taken_ = taken_;
     other->nodes_ = nodes_;
     return other;
   }
@@ -83,6 +84,7 @@ class CoprocessorRtl::Pins {
     archive("reading", reading_);
     archive("changed", changed_);
     archive("flight", flight_);
+    archive("taken", taken_);
     archive("nodes", nodes_);
     archive("clocks", clocks_);
     if (archive.loading()) named_ = edge_;
@@ -118,6 +120,7 @@ class CoprocessorRtl::Pins {
     api_.eval(instance_.get());
     changed_ = false;
     flight_ = {};
+    taken_ = {};
     nodes_ = {};
   }
 
@@ -137,7 +140,10 @@ class CoprocessorRtl::Pins {
     pins_.sample_clip = clip ? 1 : 0;
     api_.eval(instance_.get());
     acts_ = true;
-    return pins_.sample_ready != 0;
+    if (pins_.sample_ready == 0) return false;
+    if (taken_.back() != 0) forget_oldest();  // a design whose stages are not seen
+    *std::find(taken_.begin(), taken_.end(), 0u) = cycle;
+    return true;
   }
 
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) {
@@ -315,8 +321,22 @@ class CoprocessorRtl::Pins {
     if (period_ns_ != 0)
       api_.wave_time(instance_.get(), edge_ * period_ns_, edge_ * period_ns_ + period_ns_ / 2);
     api_.clock(instance_.get());
-    if (soft_reset) nodes_ = {};
+    if (soft_reset) {
+      taken_ = {};
+      nodes_ = {};
+    }
     if (acts_) release();
+  }
+
+  void forget_oldest() { taken_ = {taken_[1], taken_[2], 0}; }
+
+  /// The edge at which the sample in T0 was taken, at the end of its tick; 0: software wrote it.
+  /// It entered at the beginning of the tick, so it was latched before.
+  uint64_t taken_of_t0() {
+    const uint64_t taken = taken_.front();
+    if (taken == 0 || taken + tick_cycles >= edge_ + 1) return 0;
+    forget_oldest();
+    return taken;
   }
 
   /// The samples move on, and with them what their stages made.
@@ -326,6 +346,7 @@ class CoprocessorRtl::Pins {
     for (unsigned stage = stage_count; stage-- > 0;) {
       if (!(pins_.stage >> stage & 1)) continue;
       take(stage, flight_[stage]);
+      if (stage == 0) flight_[0].taken = taken_of_t0();
       if (stage + 1 < stage_count) {
         flight_[stage + 1] = flight_[stage];
       } else if (commit) {
@@ -372,6 +393,9 @@ class CoprocessorRtl::Pins {
   std::array<std::vector<Wire>, commit_stage + 1> wires_;
   std::vector<int64_t> values_;
   std::array<Nodes, stage_count> flight_;
+  // Edges of the samples in T0, before it and at the pins, the oldest first; 0: none. Software's
+  // are not among them.
+  std::array<uint64_t, 3> taken_{};
   Nodes nodes_;
 };
 

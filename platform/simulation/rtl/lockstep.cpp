@@ -411,6 +411,8 @@ class Lockstep::Pair {
     ++counters_.commits;
     if (ours.commits == 0) return;
     for (const NamedNode& node : node_names()) compare_node(node, ours, theirs);
+    compare("edge that took the sample", static_cast<int64_t>(ours.taken),
+            static_cast<int64_t>(theirs.taken));
     compare_results();
   }
 

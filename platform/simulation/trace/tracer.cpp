@@ -85,7 +85,7 @@ void Tracer::connect() {
                const sc_core::sc_time& end) { transfer(payload, begin, end); });
   if (waves_ != nullptr)
     results_ = soc_.coprocessor.results.listen(
-        [this](uint64_t, const coprocessor::Nodes& nodes) { result(nodes); });
+        [this](uint64_t, const coprocessor::Nodes& nodes, uint64_t) { result(nodes); });
 }
 
 Tracer::~Tracer() {

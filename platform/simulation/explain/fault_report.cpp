@@ -1,0 +1,170 @@
+#include "explain/fault_report.h"
+
+#include <fmt/format.h>
+
+#include "explain/pending_report.h"
+#include "trace/exception_name.h"
+
+namespace capsoc::run {
+namespace {
+
+const char* name_of(cortex_m3::FaultReport::Kind kind) {
+  using Kind = cortex_m3::FaultReport::Kind;
+  switch (kind) {
+    case Kind::none:
+      return "no fault";
+    case Kind::hard_fault:
+      return "HardFault";
+    case Kind::mem_manage:
+      return "MemManage";
+    case Kind::bus_fault:
+      return "BusFault";
+    case Kind::usage_fault:
+      return "UsageFault";
+    case Kind::lockup:
+      return "lockup";
+  }
+  return "";
+}
+
+std::string word(uint32_t value) {
+  return fmt::format("{:#010x}", value);
+}
+
+/// Lines of a name and what it is.
+class Lines {
+ public:
+  void add(const char* name, const std::string& value) {
+    text_ += fmt::format("  {:<10} {}\n", name, value);
+  }
+  void add(const std::string& text) { text_ += text; }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+/// Where a data address leads.
+std::string about_address(const ProgramView& view, const cortex_m3::FaultReport& report) {
+  const std::string object = view.program().symbol_at(report.address);
+  return fmt::format("{}  {}", word(report.address),
+                     object.empty() ? view.location(report.address) : object);
+}
+
+constexpr uint32_t forced = 1u << 30;
+
+/// Only faults leave a status.
+bool is_escalated_svc(const cortex_m3::FaultReport& report) {
+  return report.hfsr == forced && report.cfsr == 0;
+}
+
+/// The exception that a fault is of by its status: MemManage, BusFault or UsageFault; SVCall leaves
+/// none.
+unsigned exception_of(uint32_t cfsr) {
+  namespace exception = cortex_m3::exception;
+  if (cfsr == 0) return exception::svcall;
+  if ((cfsr & 0xFF) != 0) return exception::mem_manage;
+  return (cfsr & 0xFF00) != 0 ? exception::bus_fault : exception::usage_fault;
+}
+
+/// Why something became a HardFault.
+std::string escalation(const ProgramView& view, const cortex_m3::FaultReport& report) {
+  if (report.hfsr != forced) return "";
+  const cortex_m3::State& state = view.soc().cpu.core().state();
+  const unsigned number = exception_of(report.cfsr);
+  const std::string name = trace::exception_name(number);
+  if (number != cortex_m3::exception::svcall && !state.scb.fault_enabled(number))
+    return name + " is not enabled (SHCSR)";
+  return fmt::format("{} has the priority {:#x}, which does not preempt: {}", name,
+                     state.nvic.priority(number), describe_priority(view.soc()));
+}
+
+void add_lost_write(const ProgramView& view, const cortex_m3::FaultReport& report, Lines& lines) {
+  const cortex_m3::LostWrite& write = report.lost_write;
+  if (!write.known) return;
+  lines.add("write", fmt::format("{} to {}, {}", word(write.value), word(write.address),
+                                 view.location(write.address)));
+  lines.add("by", fmt::format("{}, in cycle {}", view.place(write.instruction), write.cycle));
+}
+
+void add_findings(const Findings& findings, Lines& lines) {
+  for (const Finding& finding : findings)
+    lines.add(fmt::format("  {}:\n{}", finding.heading, finding.text));
+}
+
+}  // namespace
+
+std::string describe_fault(const ProgramView& view, const Findings& findings) {
+  // A default handler that gives up faults again: what matters is the fault that it was called for.
+  const cortex_m3::Core& core = view.soc().cpu.core();
+  cortex_m3::FaultReport report = core.first_fault();
+  constexpr uint32_t svc_size = 2;  // its frame returns behind it
+  if (is_escalated_svc(report)) report.registers.r[15] -= svc_size;
+  Lines lines;
+  lines.add(fmt::format("fault report: {} (exception {}, {} active before) at cycle {}\n",
+                        name_of(report.kind), report.exception, report.nesting, report.cycle));
+  lines.add("cause", cortex_m3::describe_cfsr(report.cfsr, report.hfsr));
+  if (const std::string why = escalation(view, report); !why.empty()) lines.add("escalated", why);
+  add_lost_write(view, report, lines);
+  lines.add("at", view.place(report.registers.r[15]));
+  if (report.address != report.frame[6]) lines.add("address", about_address(view, report));
+  if (const std::string lost = view.lost_stack(report.registers.r[13]); !lost.empty())
+    lines.add("stack", lost);
+  lines.add("CFSR", word(report.cfsr));
+  lines.add("HFSR", word(report.hfsr));
+  lines.add("MMFAR", word(report.mmfar));
+  lines.add("BFAR", word(report.bfar));
+  lines.add("  the call stack, innermost first:\n");
+  lines.add(view.text_of(view.call_stack(report.registers)));
+  constexpr uint32_t stacking_failed = 1u << 4 | 1u << 12;  // MSTKERR, STKERR
+  lines.add((report.cfsr & stacking_failed) == 0
+                ? "  the registers then:\n"
+                : "  the registers then, which could not all be stacked:\n");
+  lines.add(view.text_of(report.registers));
+  if (core.last_fault().cycle != report.cycle)
+    lines.add("then", fmt::format("{} at {} in cycle {}: {}", name_of(core.last_fault().kind),
+                                  view.place(core.last_fault().frame[6]), core.last_fault().cycle,
+                                  cortex_m3::describe_cfsr(core.last_fault().cfsr,
+                                                           core.last_fault().hfsr)));
+  add_findings(findings, lines);
+  if (const std::string pending = describe_pending(view.soc()); !pending.empty())
+    lines.add("  pending and not taken:\n" + pending);
+  lines.add("  the core now:\n");
+  lines.add("pc", view.place(core.reg(15)));
+  lines.add("lr", view.place(core.reg(14)));
+  lines.add("msp", word(core.state().msp()));
+  lines.add("psp", word(core.state().psp()));
+  lines.add(view.gaps());
+  return lines.take();
+}
+
+std::string describe_place(const ProgramView& view, const Findings& findings) {
+  const cortex_m3::Core& core = view.soc().cpu.core();
+  const cortex_m3::State& state = core.state();
+  Lines lines;
+  lines.add(fmt::format("the firmware at cycle {}, {}:\n", core.cycles(),
+                        core.sleeping() ? "asleep" : "running"));
+  lines.add("at", view.place(state.pc));
+  if (const std::string lost = view.lost_stack(state.r[13]); !lost.empty())
+    lines.add("stack", lost);
+  const std::string mode = state.ipsr == 0 ? "Thread mode"
+                                           : fmt::format("exception {} ({})", state.ipsr,
+                                                         trace::exception_name(state.ipsr));
+  lines.add("mode", mode + (state.uses_psp() ? ", on PSP" : ", on MSP"));
+  lines.add("  the call stack, innermost first:\n");
+  lines.add(view.text_of(view.call_stack(view.registers())));
+  const std::string pending = describe_pending(view.soc());
+  lines.add("pending", pending.empty() ? "nothing" : "and not taken:");
+  lines.add(pending);
+  add_findings(findings, lines);
+  lines.add(view.gaps());
+  return lines.take();
+}
+
+std::string describe_line(const serial::SerialLine& uart, const ProgramView& view,
+                          const std::string& call_stack) {
+  return fmt::format("{} printed: {}\n  from here, innermost first:\n{}{}", uart.name(),
+                     uart.match()->line, call_stack, view.gaps());
+}
+
+}  // namespace capsoc::run

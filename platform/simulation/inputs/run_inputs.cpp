@@ -1,0 +1,164 @@
+#include "inputs/run_inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "golden/trace.h"
+#include "host/places.h"
+#include "host/sha256.h"
+#include "inputs/program_values.h"
+#include "loader/place.h"
+#include "loader/program_file.h"
+#include "loader/vector_table.h"
+#include "metrics/parameter_file.h"
+#include "metrics/sensor_match.h"
+#include "sensor/description_keys.h"
+#include "sensor/load.h"
+#include "support/number.h"
+#include "support/printable.h"
+
+namespace capsoc::run {
+namespace {
+
+std::optional<metrics::Parameters> truth_of(const sensor::Description& d) {
+  if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta || !d.phi) return std::nullopt;
+  return metrics::Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
+}
+
+/// A program that nobody named and that is not there: the binary was copied without its files.
+std::optional<Error> missing_default(const FirmwareSettings& settings, const std::string& program) {
+  std::error_code ignored;
+  if (!settings.elf.is_built_in() || std::filesystem::exists(program, ignored)) return std::nullopt;
+  return Error{fmt::format(
+      "{}: the default program is not there; name yours (capsoc run FILE.elf), or keep the folder "
+      "firmware/ beside capsoc",
+      program)};
+}
+
+/// Standard input has one reader.
+std::optional<Error> taken_standard_input(const SensorSettings& settings,
+                                          const std::vector<const TextField*>& readers) {
+  if (settings.file() != golden::standard_input) return std::nullopt;
+  for (const TextField* reader : readers)
+    if (reader->text() == "stdio")
+      return Error{
+          fmt::format("--sensor -: {} reads standard input already (stdio); give the "
+                      "sensor as a file, or the text to another backend",
+                      reader->about().path)};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string program_of(const FirmwareSettings& settings) {
+  const bool chosen = !settings.elf.is_built_in();
+  if (settings.parameters.empty() || chosen) return settings.elf();
+  return host::data_path("firmware/calibrate.elf");
+}
+
+std::vector<std::string> places_to_load(const FirmwareSettings& settings) {
+  std::vector<std::string> places;
+  std::istringstream list(settings.load());
+  for (std::string place; std::getline(list, place, ',');)
+    if (!place.empty()) places.push_back(place);
+  return places;
+}
+
+Result<loader::ElfImage> read_program(const FirmwareSettings& settings) {
+  const std::string file = program_of(settings);
+  if (auto error = missing_default(settings, file)) return *error;
+  return loader::load_program(file);
+}
+
+Result<RunInputs> read_inputs(const FirmwareSettings& firmware, const SensorSettings& sensor,
+                              const std::vector<const TextField*>& console_readers) {
+  RunInputs inputs;
+  auto program = read_program(firmware);
+  if (!program) return Error{program.error()};
+  inputs.program = std::move(program.value());
+  inputs.program_file = inputs.program.path;
+
+  inputs.parameter_file = firmware.parameters();
+  if (!inputs.parameter_file.empty()) {
+    const auto words = metrics::read_parameters(inputs.parameter_file);
+    if (!words) return Error{words.error()};
+    inputs.preset = words.value();
+    if (auto error = metrics::write_in_program(inputs.program, *inputs.preset)) return *error;
+    const auto table = metrics::read_error_table(inputs.parameter_file);
+    if (!table) return Error{table.error()};
+    if (table.value())
+      if (auto error = metrics::write_in_program(inputs.program, *table.value())) return *error;
+  }
+  auto program_settings = change_program(firmware, inputs.program);
+  if (!program_settings) return Error{program_settings.error()};
+  inputs.program_settings = std::move(program_settings.value());
+
+  inputs.sensor_file = sensor.file();
+  if (auto error = taken_standard_input(sensor, console_readers)) return *error;
+  const auto recording = sensor.recording();
+  if (!recording) return Error{recording.error()};
+  auto trace = golden::open_trace(inputs.sensor_file, sensor.keys(), recording.value());
+  if (!trace) return Error{trace.error()};
+  inputs.sensor_warnings = golden::warnings_of(trace.value());
+  inputs.source = std::move(trace.value().source);
+  inputs.sensor_sha256 = trace.value().sha256;
+  inputs.recorded_speed = metrics::recorded_speed(*inputs.source);
+  inputs.alignment = metrics::recorded_alignment(*inputs.source);
+  const long long adc_bits = sensor.adc_bits() != 0
+                                 ? sensor.adc_bits()
+                                 : inputs.source->description().adc_bits.value_or(32);
+  if (adc_bits < 12)
+    return Error{fmt::format("sensor.adc_bits = {} is out of range; give 12 to 32", adc_bits)};
+  inputs.adc_bits = static_cast<unsigned>(adc_bits);
+
+  for (const std::string& place : places_to_load(firmware)) {
+    auto further = loader::load_at(place);
+    if (!further) return Error{further.error()};
+    inputs.further_images.push_back(std::move(further.value()));
+  }
+  return inputs;
+}
+
+std::optional<Error> RunInputs::load(const FirmwareSettings& settings, soc::Soc& soc) const {
+  for (const loader::ElfImage* image : images())
+    if (auto error = loader::place(*image, soc)) return error;
+  const auto table = loader::find_vector_table(images(), settings.vector_table());
+  if (!table) return Error{table.error()};
+  soc.cpu.core().set_vector_table(table.value());
+  return std::nullopt;
+}
+
+std::vector<const loader::ElfImage*> RunInputs::images() const {
+  std::vector<const loader::ElfImage*> images = {&program};
+  for (const loader::ElfImage& image : further_images) images.push_back(&image);
+  return images;
+}
+
+metrics::Metrics RunInputs::make_metrics() const {
+  const sensor::Description& description = source->description();
+  double frequency = std::fabs(description.frequency_hz.value_or(0));
+  if (recorded_speed)
+    frequency = std::fabs(*recorded_speed) * description.sample_rate_hz.value_or(0);
+  metrics::Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20, alignment);
+  if (preset) metrics.preset(*preset);
+  return metrics;
+}
+
+std::vector<Input> RunInputs::files(
+    const FirmwareSettings& settings,
+    const std::vector<std::pair<std::string, std::string>>& received) const {
+  std::vector<Input> files = {{"firmware", program_file, host::sha256_of_file(program_file)},
+                              {"sensor", sensor_file, sensor_sha256}};
+  for (const std::string& place : places_to_load(settings))
+    files.push_back({"image", place, host::sha256_of_file(place.substr(0, place.rfind('@')))});
+  for (const auto& [role, file] : received)
+    files.push_back({role, file, host::sha256_of_file(file)});
+  if (preset) files.push_back({"parameters", parameter_file, host::sha256_of_file(parameter_file)});
+  return files;
+}
+
+}  // namespace capsoc::run

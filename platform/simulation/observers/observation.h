@@ -1,0 +1,71 @@
+// What a run sees of the sensor and of the coprocessor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "inputs/run_inputs.h"
+#include "kit/probe.h"
+#include "metrics/metrics.h"
+#include "metrics/sample_record.h"
+#include "metrics/sensor_match.h"
+#include "observers/progress.h"
+#include "observers/run_observer.h"
+#include "soc/soc.h"
+
+namespace capsoc::run {
+
+/// The sensor, the coprocessor's results and the metrics wired together.
+class Observation final : public RunObserver {
+ public:
+  /// `on_terminal`: the progress is shown on standard error.
+  Observation(soc::Soc& soc, const RunInputs& inputs, bool on_terminal);
+
+  metrics::SampleProbe samples;
+
+  const metrics::Metrics& metrics() const { return metrics_; }
+
+  std::optional<Error> open() override;
+  /// What listeners of `samples` keep is on the host and no part of it.
+  void visit(kit::Archive& archive) override;
+  void close(RunResult& result) override;
+  void finish(RunResult& result) override;
+
+ private:
+  void warn(const std::string& sentence);
+  /// A sample between its source and its result.
+  struct Sample {
+    uint64_t number = 0;  ///< from 1, over all starts of the sensor
+    metrics::RecordedSample recorded;
+  };
+
+  void converted(const peripherals::SensorSample& sample);
+  void take(uint64_t number);
+  void lose(std::size_t count);
+  std::optional<peripherals::AdcInput> next(uint64_t k, double t);
+  void result(const coprocessor::Nodes& nodes, uint64_t number);
+  void watch_sampling(uint32_t control);
+  double sensor_time(uint64_t k, double t) const;
+  void give(uint64_t number, const metrics::CoprocessorResult& result,
+            const coprocessor::Nodes& nodes);
+
+  soc::Soc& soc_;
+  const RunInputs& inputs_;
+  sensor::Source& source_;
+  metrics::Metrics metrics_;
+  std::vector<std::string> warnings_;  ///< where the program does not match the sensor
+  metrics::SensorMatch match_;
+  Progress progress_;
+  metrics::SensorTruth truth_;     ///< of the newest sample
+  uint64_t number_ = 0;            ///< of the newest sample
+  Sample newest_;                  ///< of the front-end
+  std::optional<double> since_s_;  ///< the first sample that anybody listened to
+  std::deque<Sample> on_the_way_;
+  kit::Listening submissions_, results_, conversions_;
+};
+
+}  // namespace capsoc::run

@@ -1,0 +1,41 @@
+// What a run says of a program that was written for another number of priority bits.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "explain/program_view.h"
+#include "observers/run_observer.h"
+#include "soc/soc.h"
+
+namespace capsoc::run {
+
+/// Warns once of priority bits that the program wrote and that do not exist. Where they are all
+/// ones the program means any width: 0xFF is the lowest priority of each, and how programs find out
+/// the width (B1.5.4); FreeRTOS's examples have 191 for 0xA0. These are told at level info, and as
+/// a warning only at the end of a run that failed, for a program may have refused the width it
+/// found.
+class PriorityReport final : public RunObserver {
+ public:
+  /// `bits`: that the core implements, 3 to 8.
+  PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits)
+      : soc_(soc), view_(view), bits_(bits) {}
+
+  std::optional<Error> open() override;
+  void visit(kit::Archive& archive) override {
+    archive("priority_warned", warned_);
+    archive("priority_probe", probe_);
+  }
+  void finish(RunResult& result) override;
+
+ private:
+  void dropped(const cortex_m3::DroppedPriority& dropped);
+
+  soc::Soc& soc_;
+  const ProgramView& view_;
+  unsigned bits_;
+  bool warned_ = false;
+  std::string probe_;  ///< what to say of ones, "" if there were none
+};
+
+}  // namespace capsoc::run

@@ -1,0 +1,65 @@
+// What watches a run: the one interface of all observers, and their list.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "explain/fault_report.h"
+#include "kit/archive.h"
+#include "results/results.h"
+#include "support/result.h"
+
+namespace capsoc::run {
+
+/// Observes a run from before its first instruction to its result, and changes nothing in the
+/// simulation. An observer takes its own settings and the objects that it looks at when it is made;
+/// all of them must outlive it. Calls come in the order of this declaration.
+class RunObserver {
+ public:
+  RunObserver() = default;
+  virtual ~RunObserver() = default;
+  RunObserver(const RunObserver&) = delete;
+  RunObserver& operator=(const RunObserver&) = delete;
+
+  /// Attaches to what it observes. An Error: a wrong setting, or an output that cannot be opened;
+  /// nothing is left behind.
+  virtual std::optional<Error> open() { return std::nullopt; }
+
+  /// The state that a checkpoint holds. Names are unique among all observers. One without state
+  /// visits nothing, so that a restored run may have other observers.
+  virtual void visit(kit::Archive&) {}
+
+  /// The simulation is over and its exit code not known yet: completes the outputs, with a sentence
+  /// in `result.lost` for each that is not whole.
+  virtual void close(RunResult&) {}
+
+  /// After close() of all observers, with the exit code: adds what was observed. May turn a pass
+  /// into a failure.
+  virtual void finish(RunResult&) {}
+
+  /// Why it stopped the simulation, as the reason of exit code `crashed`; empty if it did not.
+  virtual std::string crash() const { return ""; }
+  /// What it kept for the report of a failure.
+  virtual std::optional<Finding> finding() const { return std::nullopt; }
+};
+
+/// The observers of a run in the order in which they are opened, closed and finished.
+class Observers {
+ public:
+  /// Opens the observer and keeps it. An Error as RunObserver::open() has it.
+  std::optional<Error> add(std::unique_ptr<RunObserver> observer);
+
+  void visit(kit::Archive& archive);
+  void close(RunResult& result);
+  void finish(RunResult& result);
+  /// Of the first one that stopped the simulation; empty if none did.
+  std::string crash() const;
+  Findings findings() const;
+
+ private:
+  std::vector<std::unique_ptr<RunObserver>> all_;
+};
+
+}  // namespace capsoc::run

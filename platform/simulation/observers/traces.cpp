@@ -1,0 +1,69 @@
+#include "observers/traces.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+
+namespace capsoc::run {
+
+trace::TraceOptions Traces::options() const {
+  trace::TraceOptions options;
+  options.instructions = settings_.instructions();
+  options.bus = settings_.bus();
+  options.profile = settings_.profile();
+  options.waves = settings_.waves();
+  options.translation = settings_.translation();
+  options.perf_map = settings_.perf_map();
+  if (options.waves.empty() && coprocessor_.backend() == Backend::model)
+    options.waves = coprocessor_.waves();
+  options.start = settings_.start();
+  options.stop = settings_.stop();
+  options.depth = static_cast<std::size_t>(settings_.depth());
+  options.fetches = settings_.fetches();
+  return options;
+}
+
+std::optional<Error> Traces::attach_tracer() {
+  if (coprocessor_.backend() == Backend::model && !settings_.waves.empty() &&
+      !coprocessor_.waves.empty())
+    return Error{
+        "--waves and --trace-waves are the same waves with --coprocessor tlm; give one of them"};
+  const trace::TraceOptions wanted = options();
+  if (!wanted.any()) return std::nullopt;
+  const source::Program& program = view_.program();
+  auto tracer =
+      trace::Tracer::attach(view_.soc(), wanted, program.images(),
+                            [&program](uint32_t address) { return program.line_at(address); });
+  if (!tracer) return Error{tracer.error()};
+  tracer_ = std::move(tracer.value());
+  return std::nullopt;
+}
+
+std::optional<Error> Traces::attach_coverage() {
+  if (settings_.coverage.empty()) return std::nullopt;
+  auto coverage = trace::Coverage::attach(view_.soc(), view_.program(), settings_.coverage());
+  if (!coverage) return Error{coverage.error()};
+  coverage_ = std::move(coverage.value());
+  return std::nullopt;
+}
+
+std::optional<Error> Traces::open() {
+  if (auto error = attach_tracer()) return error;
+  return attach_coverage();
+}
+
+void Traces::close(RunResult& result) {
+  if (tracer_ != nullptr)
+    for (const Error& error : tracer_->finish()) result.lost.push_back(error.text);
+  if (coverage_ != nullptr)
+    if (const auto error = coverage_->finish()) result.lost.push_back(error->text);
+  if (settings_.profile.empty() && settings_.coverage.empty()) return;
+  for (const std::string& sentence : view_.program().damage()) spdlog::warn("{}", sentence);
+}
+
+void Traces::finish(RunResult& result) {
+  if (tracer_ != nullptr) result.profile = tracer_->top_functions();
+}
+
+}  // namespace capsoc::run

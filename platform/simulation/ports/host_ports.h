@@ -1,0 +1,67 @@
+// Where the SoC meets the host in a run: UARTs, semihosting, ITM and the debugger.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "debug/gdb_server.h"
+#include "ports/board_pins.h"
+#include "ports/itm_output.h"
+#include "ports/port_settings.h"
+#include "ports/semihosting_port.h"
+#include "ports/uart_lines.h"
+#include "soc/soc.h"
+#include "support/result.h"
+#include "support/setting_fields.h"
+
+namespace capsoc::run {
+
+/// The settings of all ports.
+struct PortSettings {
+  const UartSettings& uarts;
+  const PinSettings& pins;
+  const SemihostingSettings& semihosting;
+  const ItmSettings& itm;
+  const GdbSettings& gdb;
+};
+
+class HostPorts {
+ public:
+  /// Opens what the settings ask for. `give_up` ends whatever waits for the host. An Error is a
+  /// wrong setting.
+  static Result<std::unique_ptr<HostPorts>> open(const PortSettings& settings, soc::Soc& soc,
+                                                 const loader::ElfImage& program,
+                                                 const std::string& program_file,
+                                                 const serial::GiveUp& give_up);
+
+  /// After the simulation: everything delivered. A sentence for each place that lost something.
+  std::vector<std::string> finish();
+  /// What the program ended with goes to a debugger.
+  void tell_debugger(int code);
+
+  void visit(kit::Archive& archive);
+  /// Who saves the state when a debugger asks for it.
+  void on_save(debug::SocTarget::Saver saver) {
+    if (gdb_ != nullptr) gdb_->on_save(std::move(saver));
+  }
+  /// Called before the host is asked for bytes: it holds the host back (RealTime).
+  void pace_by(std::function<void()> pace) { uarts_.pace_by(std::move(pace)); }
+  /// A restored simulation begins.
+  void restored() { semihosting_->restored(); }
+
+  const UartLines& uarts() const { return uarts_; }
+  int exit_status() const { return semihosting_->exit_status(); }
+
+ private:
+  HostPorts(soc::Soc& soc, const serial::GiveUp& give_up)
+      : uarts_("uart_lines", soc, give_up), pins_("board_pins", soc, give_up) {}
+
+  UartLines uarts_;
+  BoardPins pins_;
+  std::unique_ptr<ItmOutput> itm_;
+  std::unique_ptr<SemihostingPort> semihosting_;
+  std::unique_ptr<debug::GdbServer> gdb_;  // null without
+};
+
+}  // namespace capsoc::run

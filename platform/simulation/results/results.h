@@ -1,0 +1,110 @@
+// The one result file of a run, and the table that a person reads. Every other report is drawn from
+// it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cortex_m3/executors/translator/translator.h"
+#include "golden/golden.h"
+#include "inputs/input_file.h"
+#include "metrics/metrics.h"
+#include "metrics/program_verdict.h"
+#include "results/exit_codes.h"
+#include "support/curve.h"
+#include "support/result.h"
+#include "support/setting_fields.h"
+#include "trace/profile.h"
+
+namespace capsoc::run {
+
+/// What a report draws, beyond the figures that every run has.
+struct ReportData {
+  Curves curves;  ///< of metrics::SampleCurves
+  std::string uart0_text;
+  uint64_t uart0_left_out = 0;  ///< bytes, in the middle
+};
+
+/// A setting of the program as the run had it.
+struct ProgramValue {
+  std::string name, value;
+};
+
+/// A stack of the program's and how deep it has been (cpu.stack_marks).
+struct StackUse {
+  std::string name;
+  uint32_t top, lowest;
+};
+
+/// What a task of the program's operating system had of the processor (tasks.current).
+struct TaskTime {
+  std::string name;
+  uint32_t address;  ///< 0: no task's, handlers and what ran before the first task
+  uint64_t cycles, switches;
+};
+
+/// Cycles from pending to the first instruction of the handler (results.latencies).
+struct InterruptWait {
+  struct Bin {
+    uint64_t from, to, count;
+  };
+  unsigned exception;
+  std::string name;
+  uint64_t count, least, most, sum;
+  std::vector<Bin> histogram;
+};
+
+/// Everything that a run has to say when it is over.
+struct RunResult {
+  int code = exit_code::pass;
+  std::string reason;
+  double simulated_s = 0;
+  double wall_s = 0;
+  uint64_t instructions = 0;
+  uint64_t cycles = 0;
+  std::optional<cortex_m3::TranslationCounts> translation;  ///< of the translator, if it was used
+  uint64_t samples = 0;
+  metrics::Convergence convergence;
+  std::vector<std::string> sensor_warnings;  ///< where the program does not match the sensor
+  metrics::ParameterWords words;
+  std::optional<metrics::Parameters> truth;
+  bool phi_comparable = true;  ///< metrics::Metrics::phi_comparable()
+  metrics::AngleErrors errors;
+  std::optional<metrics::ProgramVerdict> verdict;  ///< of a program that states one
+  uint64_t uart0_bytes = 0;
+  std::string uart0_sha256;
+  std::vector<Input> inputs;
+  std::vector<ProgramValue> program_settings;
+  std::vector<StackUse> stacks;                ///< empty unless they were followed
+  std::vector<TaskTime> tasks;                 ///< empty unless they were followed
+  std::vector<InterruptWait> interrupt_waits;  ///< ditto
+  std::string command;                         ///< a command that reproduces the run
+  std::vector<std::string> lost;               ///< a sentence for each output that is not whole
+  std::string divergence;                ///< "" unless model and RTL of the coprocessor differ
+  std::string fault_report;              ///< "" unless the firmware crashed
+  std::string place_report;              ///< "" unless it was ended where it should not have been
+  std::optional<golden::Golden> golden;  ///< only when it was asked for
+  std::optional<ReportData> report;      ///< only when it was asked for
+  std::vector<trace::FunctionCost> profile;  ///< only with one: the functions that took the most
+};
+
+/// The result file's contents; keys are documented in docs/results.md.
+nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);
+
+/// A result file's text. Bytes that are no UTF-8 (of an option, of a UART) are replaced.
+std::string to_text(const nlohmann::ordered_json& json);
+
+/// How many times faster than real time, "1234" or "0.021".
+std::string speed_of(double simulated_s, double wall_s);
+
+/// Parameters beside the truth and the angle error before and after, as text; only the last lines
+/// for a run that took no sample of the sensor.
+std::string to_table(const RunResult& result);
+
+/// Versions of the program and of the libraries that it runs on, name by name.
+nlohmann::ordered_json versions();
+
+}  // namespace capsoc::run

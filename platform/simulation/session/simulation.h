@@ -1,0 +1,97 @@
+// One run of the SoC in the hands of its host: built, moved on in simulated time, saved, finished.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backend/coprocessor_backend.h"
+#include "explain/program_view.h"
+#include "inputs/run_inputs.h"
+#include "ports/host_ports.h"
+#include "results/results.h"
+#include "session/checkpoints.h"
+#include "session/host_limit.h"
+#include "session/real_time.h"
+#include "session/run_limits.h"
+#include "session/run_watch.h"
+#include "soc/soc.h"
+#include "support/result.h"
+
+namespace capsoc::run {
+
+class RunSettings;
+
+/// The platform with its program, its sensor, and everything that observes it. One of them a
+/// process: SystemC's kernel cannot be started twice. Where a run is cut into pieces, and whether
+/// it is saved between them, changes nothing in it.
+class Simulation {
+ public:
+  /// Everything that the settings ask for, in the state that they name (checkpoint.restore) or in
+  /// reset. The settings must outlive it. An Error is a wrong input: nothing was simulated and
+  /// nothing written.
+  static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings);
+  ~Simulation() = default;
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Simulates to the first instant at or after `time` at which the processor is between two
+  /// instructions; asleep counts as between. False: the run is over, by itself or by a limit. An
+  /// Error: the state to go on from did not fit after all.
+  Result<bool> advance_to(const sc_core::sc_time& time);
+  /// To the end of the run, whatever ends it.
+  std::optional<Error> advance_to_end();
+
+  /// The state as it is now, between two advances, to a file that the settings do not name. An
+  /// Error: a file of the run, or one that cannot be written; nothing is half written.
+  std::optional<Error> save(const std::string& file);
+
+  /// Closes what was open and says what came of it. Nothing can be simulated after it.
+  RunResult finish();
+
+  /// To be looked at between two advances.
+  soc::Soc& soc() { return soc_; }
+
+ private:
+  Simulation(const RunSettings& settings, RunInputs inputs,
+             std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend);
+
+  std::optional<Error> load();
+  std::optional<Error> open();
+  std::vector<checkpoint::Part> parts();
+  std::optional<Error> plan_restore();
+  bool restore();
+  bool interrupted();
+  void call_from_signal();
+  void simulate();
+  void simulate_slice();
+  void pace();
+  sc_core::sc_time pause(const sc_core::sc_time& now);
+  void conclude_run(RunResult& result) const;
+  void take_figures(RunResult& result) const;
+  void explain(RunResult& result) const;
+
+  const RunSettings& settings_;
+  RunInputs inputs_;
+  std::optional<checkpoint::Checkpoint> restore_;
+  std::optional<Error> not_restored_;
+  CoprocessorBackend backend_;  // its device is the SoC's
+  soc::Soc soc_;
+  ProgramView view_;
+  Limit limit_;
+  HostLimit host_limit_;
+  RealTime real_time_;
+  std::unique_ptr<HostPorts> ports_;
+  RunWatch watch_;
+  std::unique_ptr<Checkpoints> checkpoints_;
+  sc_core::sc_time stop_at_ = sc_core::sc_max_time();
+  bool stopped_ = false;
+  std::atomic<bool> called_{false};
+};
+
+/// From settings to the result in one call; an Error as Simulation has it.
+Result<RunResult> run(const RunSettings& settings);
+
+}  // namespace capsoc::run
