@@ -1,5 +1,5 @@
 # capsoc_read_rtl_list(VARIABLE LIST.f): the files of a list of SystemVerilog as absolute paths, in its order. CMake configures
-# again when the list changes. scripts/rtl_sources.py is the reader for the scripts.
+# again when the list changes. scripts/capsoc_tools/rtl/sources.py is the reader for the scripts.
 include_guard(GLOBAL)
 
 function(capsoc_read_rtl_list variable list)

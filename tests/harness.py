@@ -1,6 +1,6 @@
 """What the Python tests share: places, a clean environment, and a case that has a folder and ends what it started.
 
-CMake gives the places. By hand, in the top folder: PYTHONPATH=tests python3 tests/system/gdb_test.py Session
+CMake gives the places. By hand, in the top folder: PYTHONPATH=tests:scripts python3 tests/system/gdb_test.py Session
 """
 
 import json

@@ -59,7 +59,7 @@ void add_reproduce(CLI::App& app, int& code) {
   output->add_to(*command, reproduce::table_names(), true);
   command
       ->add_option("--synthesis", *synthesis,
-                   "Our side of Table 7: what scripts/synth --json FILE wrote")
+                   "Our side of Table 7: what scripts/tool synth --json FILE wrote")
       ->type_name("FILE");
   command->callback([output, synthesis, &code] { code = reproduce_command(*output, *synthesis); });
 }

@@ -24,7 +24,7 @@ struct ResultFile {
 Result<ResultFile> read_result(const std::string& path);
 
 /// The command that wrote it: "run", "fit", "reproduce", "accuracy", "bench", "campaign",
-/// "regress", and "mutation" for what scripts/mutation/mutation wrote; "" if it is none of these.
+/// "regress", and "mutation" for what scripts/tool mutation wrote; "" if it is none of these.
 std::string command_of(const Json& json);
 
 using Path = std::initializer_list<const char*>;

@@ -1,5 +1,5 @@
 // The APB slave (register_bank.sv): its answers, and that only a correct access has an effect.
-// `quiet` is 1 in an interval whose edge must change nothing: scripts/formal then asserts of every
+// `quiet` is 1 in an interval whose edge must change nothing: scripts/tool formal then asserts of every
 // register of the bank that it keeps its value.
 module apb_properties (
   input logic        clk_i,

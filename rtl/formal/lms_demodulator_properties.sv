@@ -1,5 +1,5 @@
 // What lms_demodulator.sv makes of its sums and products, from any state: the saturated error, what of
-// it is kept for the update, and the rounded, saturated new weight. The products are cut (scripts/formal): any number in their range.
+// it is kept for the update, and the rounded, saturated new weight. The products are cut (scripts/tool formal): any number in their range.
 module lms_demodulator_properties (
   input logic               clk_i,
   input logic               boundary_i, active_i,

@@ -1,4 +1,4 @@
-// The adders of multiplier_48x32.sv at full width. The partial products are cut (scripts/formal):
+// The adders of multiplier_48x32.sv at full width. The partial products are cut (scripts/tool formal):
 // any numbers in the ranges that products of such digits have.
 module multiplier_48x32_properties (
   input logic               clk_i,

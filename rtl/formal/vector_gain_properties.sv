@@ -1,5 +1,5 @@
 // vector_gain.sv by its definition: sat((x 8 G) >>r (32 + shift)), G = 2^28 + Gain. The two products
-// are cut (scripts/formal): any numbers in the range that digits of 19 bits give.
+// are cut (scripts/tool formal): any numbers in the range that digits of 19 bits give.
 module vector_gain_properties (
   input logic               clk_i,
   input logic signed [38:0] x_i,

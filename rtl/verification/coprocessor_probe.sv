@@ -1,7 +1,7 @@
 // Verification wrapper of the coprocessor: the design as `dut`, and inside values as ports, taken by
 // hierarchical reference. Not part of the design.
 //
-// models/coprocessor/nodes.def lists the nodes; scripts/generate_nodes.py makes their ports and processes. A node is captured at the
+// models/coprocessor/nodes.def lists the nodes; scripts/capsoc_tools/generate/nodes.py makes their ports and processes. A node is captured at the
 // falling edge in the middle of the interval in which it is valid; node_NAME_o then holds it to the end of the tick at the least.
 // Inputs are taken over at the rising edge of drive_i, which costs the simulator less than inputs that
 // might change at any time: nothing behind them is evaluated while they rest.

@@ -1,4 +1,4 @@
-"""Runs scripts/generate_nodes.py on small lists and on the real one."""
+"""Runs scripts/capsoc_tools/generate/nodes.py on small lists and on the real one."""
 
 import re
 import subprocess
@@ -11,7 +11,7 @@ from harness import SOURCE
 
 CTEST = {"name": "coprocessor: the probe's nodes are made of their list", "whole": True}
 
-GENERATOR = SOURCE / "scripts" / "generate_nodes.py"
+GENERATOR = SOURCE / "scripts" / "capsoc_tools" / "generate" / "nodes.py"
 LIST = SOURCE / "models" / "coprocessor" / "nodes.def"
 
 # Three lines, so that the nodes of a test start on line 4.

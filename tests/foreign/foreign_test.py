@@ -1,28 +1,19 @@
 #!/usr/bin/env python3
-"""scripts/foreign_firmware without the network: same and different programs, and what a user may do wrong."""
+"""scripts/tool foreign_firmware without the network: same and different programs, and what a user may do wrong."""
 
 import contextlib
-import importlib.machinery
-import importlib.util
 import io
 import re
 import subprocess
-import sys
 import tempfile
 import tomllib
 import unittest
 from pathlib import Path
 
+from capsoc_tools.compare import foreign_firmware as foreign
 from harness import BUILD, CAPSOC, SOURCE
 
 CTEST = {"name": "foreign firmware", "whole": True, "timeout": 120}
-
-SCRIPT = SOURCE / "scripts" / "foreign_firmware"
-
-sys.dont_write_bytecode = True
-loader = importlib.machinery.SourceFileLoader("foreign_firmware", str(SCRIPT))
-foreign = importlib.util.module_from_spec(importlib.util.spec_from_loader("foreign_firmware", loader))
-loader.exec_module(foreign)
 
 ARGUMENTS = """
 #include <stdio.h>
@@ -219,13 +210,15 @@ class ForeignFirmware(unittest.TestCase):
         self.assertEqual([row and row[1] for row in rows], titles)
 
     def refused(self, *arguments):
-        done = subprocess.run([SCRIPT, *arguments], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [SOURCE / "scripts" / "tool", "foreign_firmware", *arguments], capture_output=True, text=True, check=False
+        )
         self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1))
         return done.stderr
 
     def test_wrong_options_are_one_sentence(self):
         self.assertIn("is missing; build it first", self.refused("--build", self.work))
-        self.assertIn("Not a directory", self.refused("--build", BUILD, "--work", SCRIPT / "work"))
+        self.assertIn("Not a directory", self.refused("--build", BUILD, "--work", SOURCE / "README.md" / "work"))
         self.assertIn(
             "no program with 'cobol'", self.refused("--build", BUILD, "--work", self.work, "--match", "cobol")
         )

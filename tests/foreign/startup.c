@@ -1,4 +1,4 @@
-// Vector table and start for the programs of scripts/foreign_firmware: newlib over semihosting
+// Vector table and start for the programs of scripts/tool foreign_firmware: newlib over semihosting
 // (librdimon), code in SSRAM 1, everything else in the PSRAM. PROGRAM_ARGUMENTS: the strings of
 // argv.
 #include <stdint.h>

@@ -3,37 +3,17 @@
 The lists are those of the folder tests/faults: a new one is checked without being named here.
 """
 
-import contextlib
-import importlib.util
-import os
-import sys
 import tempfile
 import tomllib
 import unittest
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
+from capsoc_tools.faults import planting
+from capsoc_tools.faults.mutation import regression_faults
+from capsoc_tools.rtl import formal, sources as rtl_sources
 from harness import SOURCE
 
-sys.path.insert(0, str(SOURCE / "scripts"))
-sys.dont_write_bytecode = True
-import planting  # noqa: E402
-import rtl_sources  # noqa: E402
-
 CTEST = {"name": "quality: places of the faults", "whole": True}
-
-MUTATION = SOURCE / "scripts" / "mutation"
-
-
-def load(path):
-    """A program as a module."""
-    with contextlib.ExitStack() as stack:
-        sys.path.insert(0, str(path.parent))
-        stack.callback(sys.path.remove, str(path.parent))
-        loader = SourceFileLoader(path.stem, str(path))
-        module = importlib.util.module_from_spec(importlib.util.spec_from_loader(path.stem, loader))
-        loader.exec_module(module)
-    return module
 
 
 def fault(**keys):
@@ -58,9 +38,10 @@ class FaultPlaces(unittest.TestCase):
     def test_every_list_has_a_runner_that_reads_it(self):
         for name in planting.list_names():
             with self.subTest(name):
-                runner = SOURCE / planting.read_list(name)["runner"].split()[0]
-                self.assertTrue(os.access(runner, os.X_OK), runner)
-                self.assertIn(f'"{name}"', runner.read_text(encoding="utf-8"))
+                program, tool, *_ = planting.read_list(name)["runner"].split()
+                self.assertEqual(program, "scripts/tool")
+                (module,) = (SOURCE / "scripts" / "capsoc_tools").rglob(f"{tool}.py")
+                self.assertIn(f'"{name}"', module.read_text(encoding="utf-8"))
 
     def test_no_list_is_elsewhere(self):
         for folder in ("scripts", "tests", "rtl", "models", "campaigns"):
@@ -71,23 +52,21 @@ class FaultPlaces(unittest.TestCase):
                     self.assertNotRegex(path.read_text(encoding="utf-8"), r"(?m)^old *=", "move it to tests/faults")
 
     def test_faults_of_the_regression_fit_into_one_copy(self):
-        faults = load(MUTATION / "faults")
         every = planting.read_list("regression")["fault"]
         with tempfile.TemporaryDirectory() as folder:
-            files = faults.mutation.sources(Path(folder), SOURCE / "rtl")
+            files = regression_faults.mutation.sources(Path(folder), SOURCE / "rtl")
             for arithmetic in ("precise", "paper"):
-                chosen = faults.of_arithmetic(every, arithmetic)
-                texts = faults.planted(files, chosen)
+                chosen = regression_faults.of_arithmetic(every, arithmetic)
+                texts = regression_faults.planted(files, chosen)
                 for number in range(1, len(chosen) + 1):
                     self.assertEqual(sum(text.count(f"faults::selected == {number} ?") for text in texts.values()), 1)
 
     def test_a_file_that_is_not_there(self):
-        faults = load(MUTATION / "faults")
         with self.assertRaisesRegex(planting.PlantError, "nowhere.sv"):
-            faults.planted([SOURCE / "rtl" / "sequencer.sv"], [fault(file="rtl/nowhere.sv")])
+            regression_faults.planted([SOURCE / "rtl" / "sequencer.sv"], [fault(file="rtl/nowhere.sv")])
 
     def test_every_proof_has_a_fault(self):
-        proofs = load(SOURCE / "scripts" / "formal").read_proofs()
+        proofs = formal.read_proofs()
         listed = tomllib.loads((SOURCE / "rtl/formal/proofs.toml").read_text(encoding="utf-8"))["proof"]
         self.assertEqual(list(proofs), [proof["name"] for proof in listed])
         self.assertEqual(len(proofs), len(planting.read_list("proofs")["fault"]))

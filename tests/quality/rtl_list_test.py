@@ -1,16 +1,13 @@
 """rtl/coprocessor.f lists the design: no file of rtl/ is forgotten, none is listed that is not there."""
 
 import subprocess
-import sys
 import tempfile
 import tomllib
 import unittest
 from pathlib import Path
 
+from capsoc_tools.rtl import sources as rtl_sources
 from harness import CLEAN, SOURCE
-
-sys.path.insert(0, str(SOURCE / "scripts"))
-import rtl_sources  # noqa: E402
 
 CTEST = {"name": "quality: RTL lists", "whole": True}
 
@@ -23,7 +20,7 @@ def listed(name):
 
 
 def of_proofs():
-    """What scripts/formal reads beside the design: the properties, and what stands in for a unit."""
+    """What scripts/tool formal reads beside the design: the properties, and what stands in for a unit."""
     proofs = tomllib.loads((RTL / "formal" / "proofs.toml").read_text(encoding="utf-8"))["proof"]
     names = {f"formal/{proof['harness']}" for proof in proofs if "harness" in proof}
     names |= {name for proof in proofs for name in proof["sources"] if name.startswith("formal/")}

@@ -1,4 +1,4 @@
-"""Runs scripts/generate_registers.py on small descriptions and on the real one."""
+"""Runs scripts/capsoc_tools/generate/registers.py on small descriptions and on the real one."""
 
 import json
 import re
@@ -12,7 +12,7 @@ from harness import SOURCE
 
 CTEST = {"name": "registers: the generator writes what it read and explains what it cannot", "whole": True}
 
-GENERATOR = SOURCE / "scripts" / "generate_registers.py"
+GENERATOR = SOURCE / "scripts" / "capsoc_tools" / "generate" / "registers.py"
 DESCRIPTION = SOURCE / "models" / "registers" / "capsoc.svd"
 
 # Four lines, so that the registers of a test start on line 5.

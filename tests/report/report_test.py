@@ -8,8 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import browser
-
+from capsoc_tools import browser
 from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 
 CTEST = {"name": "report", "timeout": 600}

@@ -37,13 +37,14 @@ class CheckpointCase(Case):
 
 
 class Cuts(CheckpointCase):
-    """scripts/checkpoint_cuts in small."""
+    """scripts/tool checkpoint_cuts in small."""
 
     def cuts(self, count, *options):
         done = subprocess.run(
             [
                 sys.executable,
-                SOURCE / "scripts" / "checkpoint_cuts",
+                SOURCE / "scripts" / "tool",
+                "checkpoint_cuts",
                 "--count",
                 str(count),
                 "--jobs",

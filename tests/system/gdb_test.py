@@ -240,14 +240,14 @@ continue
 
 
 class Registers(unittest.TestCase):
-    """Peripheral registers by the names of the SVD description (scripts/gdb/svd.py)."""
+    """Peripheral registers by the names of the SVD description (scripts/debugger/svd.py)."""
 
     def test_coprocessor_registers_by_name(self):
         with Run(FIRMWARE / "selfcal.elf", "--halt", "--simlimit", "2") as run:
             out = gdb(
                 run,
                 """
-source scripts/gdb/svd.py
+source scripts/debugger/svd.py
 svd list
 svd list ADC
 tbreak main
@@ -311,7 +311,7 @@ for name in [line.split()[0] for line in gdb.execute("svd list", to_string=True)
     word = int.from_bytes(bytes(gdb.selected_inferior().read_memory(int(address, 16), 4)), "little")
     print("register", name, register, "same" if shown == word else "differs")
 """ % (
-            SOURCE / "scripts/gdb/svd.py"
+            SOURCE / "scripts/debugger/svd.py"
         )
         with tempfile.NamedTemporaryFile("w", suffix=".py") as file, Run(FIRMWARE / "hello.elf", "--halt") as run:
             file.write(script)
@@ -331,7 +331,7 @@ class Bringup(unittest.TestCase):
 load
 monitor reset halt
 maintenance flush register-cache
-source scripts/gdb/svd.py
+source scripts/debugger/svd.py
 break main
 continue
 delete

@@ -112,15 +112,15 @@ class Picture(unittest.TestCase):
     def test_it_is_drawn_anew_to_the_byte(self):
         with tempfile.TemporaryDirectory() as folder:
             drawn = Path(folder) / "main_job.svg"
-            script = SOURCE / "scripts" / "main_job_picture"
+            script = [SOURCE / "scripts" / "tool", "main_job_picture"]
             process = subprocess.run(
-                [script, "--capsoc", CAPSOC, "--output", drawn], capture_output=True, text=True, check=False
+                [*script, "--capsoc", CAPSOC, "--output", drawn], capture_output=True, text=True, check=False
             )
             self.assertEqual(process.returncode, 0, process.stderr)
             self.assertEqual(
                 drawn.read_text(),
                 (DOCS / "images" / "main_job.svg").read_text(),
-                "the main job prints something else: run scripts/main_job_picture and look at it",
+                "the main job prints something else: run scripts/tool main_job_picture and look at it",
             )
 
 

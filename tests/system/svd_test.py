@@ -1,21 +1,18 @@
 #!/usr/bin/env python3
-"""scripts/gdb/svd.py without GDB: our own description, and what other vendors' descriptions have in them."""
+"""scripts/debugger/svd.py without GDB: our own description, and what other vendors' descriptions have in them."""
 
 import os
 import random
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
+from debugger import svd
 from harness import CAPSOC, SOURCE
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(SOURCE / "scripts" / "gdb"))
-import svd  # noqa: E402
 
 CTEST = {"name": "svd: parser", "whole": True, "timeout": 120}
 

@@ -1,22 +1,17 @@
 #!/usr/bin/python3
-"""The random sensors of scripts/verdicts: their recordings, and that a wrong verdict is noticed."""
+"""The random sensors of scripts/tool verdicts: their recordings, and that a wrong verdict is noticed."""
 
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
+
+from capsoc_tools.studies import verdict_kinds, verdict_sensors
 from harness import BUILD, Case, FIRMWARE, SOURCE
-
-sys.path.insert(0, str(SOURCE / "scripts"))
-
-import numpy as np  # noqa: E402
-
-import verdict_kinds  # noqa: E402
-import verdict_sensors  # noqa: E402
 
 CTEST = {"name": "verdict kinds", "interpreter": "/usr/bin/python3"}
 
@@ -25,7 +20,7 @@ KINDS = [*verdict_kinds.GOOD, *verdict_kinds.BROKEN]
 
 def verdicts(*options, build=BUILD):
     return subprocess.run(
-        [SOURCE / "scripts" / "verdicts", "--build", build, *map(str, options)],
+        [SOURCE / "scripts" / "tool", "verdicts", "--build", build, *map(str, options)],
         capture_output=True,
         text=True,
         timeout=300,
@@ -111,7 +106,7 @@ class Recordings(Case):
 
 
 class Answers(Case):
-    """What scripts/verdicts makes of the answers of capsoc."""
+    """What scripts/tool verdicts makes of the answers of capsoc."""
 
     def planted(self, change):
         """A build folder whose capsoc lies: `change` is Python that alters the dictionary `verdict`, and may set

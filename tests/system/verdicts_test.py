@@ -443,12 +443,13 @@ class Bounds(VerdictCase):
 
 
 class Drawn(unittest.TestCase):
-    """scripts/verdicts on a few drawn sensors of every kind."""
+    """scripts/tool verdicts on a few drawn sensors of every kind."""
 
     def test_no_wrong_pass(self):
         process = subprocess.run(
             [
-                SOURCE / "scripts" / "verdicts",
+                SOURCE / "scripts" / "tool",
+                "verdicts",
                 "--good",
                 "3",
                 "--broken",

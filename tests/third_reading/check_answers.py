@@ -12,14 +12,10 @@ Status 0: everything agrees; 1: it does not; 2: a file that cannot be read or is
 
 import sys
 from collections import Counter
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from coprocessor import Coprocessor  # noqa: E402
-from notation import Arithmetic  # noqa: E402
-from registers import NAMES  # noqa: E402
+from coprocessor import Coprocessor
+from notation import Arithmetic
+from registers import NAMES
 
 HEADER = "capsoc-answers 1"
 OFFSETS = tuple(sorted(NAMES))

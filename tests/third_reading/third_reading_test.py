@@ -9,10 +9,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-
-from harness import BUILD  # noqa: E402
-from registers import NAMES  # noqa: E402
+from harness import BUILD
+from registers import NAMES
 
 CTEST = {"name": "third reading", "timeout": 3600, "long": ["PreciseLong", "PaperLong"]}
 

@@ -339,7 +339,7 @@ void table_11(Report& report) {
   report.row("iterations of [9]", "100000", fixed(steps, 0),
              lies_in(fixed(steps, 0), Bound::at_most(100000)));
   report.sentence(
-      "What one of them takes is the host's: scripts/bench_csfn and fit --table peers.");
+      "What one of them takes is the host's: scripts/tool bench_csfn and fit --table peers.");
 }
 
 }  // namespace

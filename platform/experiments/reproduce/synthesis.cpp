@@ -17,7 +17,7 @@ constexpr uint64_t largest_file = 1U << 24U;
 constexpr double paper_alms = 12192, paper_registers = 7106, paper_dsp_blocks = 125;
 
 Error not_a_synthesis(const std::string& path, const std::string& what) {
-  return Error{fmt::format("{}: {}; write the file with scripts/synth --json", path, what)};
+  return Error{fmt::format("{}: {}; write the file with scripts/tool synth --json", path, what)};
 }
 
 /// A member that is a number of 0 or more.
@@ -46,7 +46,8 @@ std::optional<Area> area_of(const json& result) {
   return area;
 }
 
-/// The limits that scripts/synth holds `precise` to: a third, a half and a tenth of the paper's.
+/// The limits that scripts/tool synth holds `precise` to: a third, a half and a tenth of the
+/// paper's.
 void precise_rows(Report& report, const Area& area) {
   const auto row = [&](const char* name, double paper, double here, double part,
                        const char* reason) {
@@ -81,7 +82,8 @@ void frequency_row(Report& report, const char* arithmetic, const Area& area, con
 }  // namespace
 
 Result<Synthesis> read_synthesis(const std::string& path) {
-  const auto read = read_input(path, {"name a file that scripts/synth --json wrote", largest_file});
+  const auto read =
+      read_input(path, {"name a file that scripts/tool synth --json wrote", largest_file});
   if (!read) return Error{read.error()};
   const json parsed = json::parse(read.value(), nullptr, false);
   if (!parsed.is_object()) return not_a_synthesis(path, "is not a JSON object");
@@ -106,7 +108,7 @@ void table_7(Report& report, const Synthesis& synthesis) {
     report.stated("ALMs", fixed(paper_alms, 0), "-");
     report.stated("registers", fixed(paper_registers, 0), "-");
     report.stated("DSP blocks", fixed(paper_dsp_blocks, 0), "-");
-    report.sentence("Ours: scripts/synth --json FILE (minutes), then --synthesis FILE.");
+    report.sentence("Ours: scripts/tool synth --json FILE (minutes), then --synthesis FILE.");
   }
   if (const auto precise = synthesis.find("precise"); precise != synthesis.end()) {
     precise_rows(report, precise->second);

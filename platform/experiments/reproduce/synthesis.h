@@ -9,7 +9,7 @@
 
 namespace capsoc::reproduce {
 
-/// What scripts/synth found for one arithmetic.
+/// What scripts/tool synth found for one arithmetic.
 struct Area {
   double alms = 0, registers = 0, dsp_blocks = 0;
   /// f_max with routing, MHz: of the slower and the faster assumption. Absent: its timing analysis
@@ -20,8 +20,8 @@ struct Area {
 /// By the arithmetic's name: "precise", "paper", or one of them.
 using Synthesis = std::map<std::string, Area>;
 
-/// Reads what `scripts/synth --json FILE` writes. The error is one sentence that begins with the
-/// path: a file that cannot be read, or that is something else.
+/// Reads what `scripts/tool synth --json FILE` writes. The error is one sentence that begins with
+/// the path: a file that cannot be read, or that is something else.
 Result<Synthesis> read_synthesis(const std::string& path);
 
 /// The SoC paper's Table 7 and the frequency that it expects (section 4.3). Without a synthesis the

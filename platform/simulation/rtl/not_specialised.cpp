@@ -1,4 +1,5 @@
-// In place of what scripts/specialise_rtl.py makes: every edge evaluates the whole design.
+// In place of what scripts/capsoc_tools/rtl/specialise.py makes: every edge evaluates the whole
+// design.
 #include "rtl/specialised.h"
 
 namespace capsoc::rtl {

@@ -1,5 +1,5 @@
 // Edges of the Verilated coprocessor that are compiled for one state of its sequencer each; see
-// scripts/specialise_rtl.py, which makes them. For the library that holds the design.
+// scripts/capsoc_tools/rtl/specialise.py, which makes them. For the library that holds the design.
 #pragma once
 
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the name is Verilator's

@@ -1,5 +1,5 @@
 // The synthesised netlist of the coprocessor against its RTL, both Verilated: the same stimulus,
-// and every output compared in every clock cycle. Built and run by scripts/synth.
+// and every output compared in every clock cycle. Built and run by scripts/tool synth.
 //
 // usage: netlist_gate SAMPLES SEED
 // Ends with status 1 at the first difference.

@@ -1,0 +1,6 @@
+"""The project's tools beside set-up and tests; `scripts/tool` lists and runs them."""
+
+from pathlib import Path
+
+#: The top folder of the sources.
+ROOT = Path(__file__).resolve().parents[2]

@@ -1,0 +1,1 @@
+"""Planted faults: one form of list, one planter, a runner for each list."""

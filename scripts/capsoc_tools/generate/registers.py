@@ -1,0 +1,657 @@
+"""Generates the register headers and the reference page from the CMSIS-SVD description.
+
+usage: registers.py DESCRIPTION.svd OUTPUT_DIRECTORY
+
+Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
+capsoc_registers.json (register tests) and for the peripherals that are synthesised a package
+capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
+A file whose content would not change is left alone, so that nothing that depends on it is rebuilt.
+An error in the description ends with status 2 and one sentence that names file and line.
+"""
+
+import json
+import re
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+WORD_MASK = 0xFFFFFFFF
+ACCESSES = ("read-only", "read-write", "write-only")
+SYNTHESISED = ("COPROCESSOR",)
+
+
+class DescriptionError(Exception):
+    """What is wrong and what to do, with the line it is on."""
+
+    def __init__(self, line, message):
+        super().__init__(message)
+        self.line = line
+
+
+@dataclass
+class Element:
+    """An XML element that knows its line (the standard tree does not keep it)."""
+
+    tag: str
+    line: int
+    text: str = ""
+    children: list = field(default_factory=list)
+
+    def all(self, tag):
+        return [child for child in self.children if child.tag == tag]
+
+    def find(self, tag):
+        found = self.all(tag)
+        if len(found) > 1:
+            raise DescriptionError(found[1].line, f"<{self.tag}> has a second <{tag}>; keep one")
+        return found[0] if found else None
+
+    def value(self, tag, default=None):
+        found = self.find(tag)
+        if found is None:
+            if default is not None:
+                return default
+            raise DescriptionError(self.line, f"<{self.tag}> lacks <{tag}>; add it")
+        return " ".join(found.text.split())
+
+    def number(self, tag, default=None):
+        if self.find(tag) is None and default is not None:
+            return default
+        text = self.value(tag)
+        try:
+            return int(text, 0)
+        except ValueError:
+            raise DescriptionError(self.find(tag).line, f"<{tag}> is '{text}'; write a decimal or 0x number") from None
+
+
+@dataclass
+class Field:
+    name: str
+    description: str
+    low: int
+    high: int
+    access: str
+    one_to_clear: bool
+    values: list
+    line: int
+
+    @property
+    def mask(self):
+        return ((1 << (self.high - self.low + 1)) - 1) << self.low
+
+    @property
+    def reserved(self):
+        return self.name.startswith("RESERVED")
+
+
+@dataclass
+class Register:
+    name: str
+    description: str
+    offset: int
+    access: str
+    reset: int
+    data_type: str
+    fields: list
+    write_range: tuple
+    line: int
+
+    def mask(self, accesses, one_to_clear=None):
+        chosen = 0
+        for part in self.fields:
+            if part.reserved or part.access not in accesses:
+                continue
+            if one_to_clear is None or part.one_to_clear == one_to_clear:
+                chosen |= part.mask
+        if self.fields:
+            return chosen
+        return WORD_MASK if self.access in accesses and one_to_clear is not True else 0
+
+    @property
+    def readable_mask(self):
+        return self.mask(("read-only", "read-write"))
+
+    @property
+    def writable_mask(self):
+        return self.mask(("read-write", "write-only"), one_to_clear=False)
+
+    @property
+    def one_to_clear_mask(self):
+        return self.mask(("read-write", "write-only"), one_to_clear=True)
+
+
+@dataclass
+class Peripheral:
+    name: str
+    description: str
+    base: int
+    size: int
+    interrupts: list
+    registers: list
+    line: int
+
+
+@dataclass
+class Device:
+    name: str
+    description: str
+    peripherals: list
+    priority_bits: int
+
+
+# Reading
+
+
+def parse_xml(path):
+    """The root element, every element with its line."""
+    root, stack = [], []
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+
+    def start(tag, _attributes):
+        element = Element(tag, parser.CurrentLineNumber)
+        (stack[-1].children if stack else root).append(element)
+        stack.append(element)
+
+    def end(_tag):
+        stack.pop()
+
+    def text(data):
+        if stack:
+            stack[-1].text += data
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler = text
+    try:
+        parser.Parse(path.read_bytes(), True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        raise DescriptionError(error.lineno, f"not well-formed XML ({reason}); xmllint shows the place") from None
+    return root[0]
+
+
+def read_name(element):
+    name = element.value("name")
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+        raise DescriptionError(element.line, f"'{name}' is no identifier; use letters, digits and _")
+    return name
+
+
+def read_access(element, default):
+    access = element.value("access", default)
+    if access not in ACCESSES:
+        raise DescriptionError(element.find("access").line, f"access '{access}' is unknown; use {', '.join(ACCESSES)}")
+    return access
+
+
+def read_values(element, width):
+    group = element.find("enumeratedValues")
+    values = []
+    for entry in group.all("enumeratedValue") if group else []:
+        number = entry.number("value")
+        if not 0 <= number < 1 << width:
+            raise DescriptionError(entry.line, f"value {number} does not fit {width} bits; widen the field")
+        values.append((read_name(entry), number, entry.value("description")))
+    return values
+
+
+def read_field(element, access):
+    match = re.fullmatch(r"\[(\d+):(\d+)\]", element.value("bitRange"))
+    if not match:
+        raise DescriptionError(element.find("bitRange").line, "<bitRange> is not [high:low]")
+    high, low = int(match[1]), int(match[2])
+    name = read_name(element)
+    if not 31 >= high >= low:
+        raise DescriptionError(element.line, f"{name} is bits {high}:{low}; use 31 >= high >= low")
+    modified = element.value("modifiedWriteValues", "modify")
+    if modified not in ("modify", "oneToClear"):
+        raise DescriptionError(element.line, f"modifiedWriteValues '{modified}' is not supported; use oneToClear")
+    return Field(
+        name,
+        element.value("description"),
+        low,
+        high,
+        read_access(element, access),
+        modified == "oneToClear",
+        read_values(element, high - low + 1),
+        element.line,
+    )
+
+
+def check_fields(register):
+    expected = 0
+    for part in sorted(register.fields, key=lambda each: each.low):
+        if part.low < expected:
+            raise DescriptionError(part.line, f"{register.name}.{part.name} overlaps the field below it; move one")
+        if part.low > expected:
+            raise DescriptionError(
+                part.line,
+                f"{register.name} says nothing about bits {part.low - 1}:{expected}; "
+                f"add a field RESERVED_{part.low - 1}_{expected}",
+            )
+        expected = part.high + 1
+    if register.fields and expected != 32:
+        raise DescriptionError(
+            register.line,
+            f"{register.name} says nothing about bits 31:{expected}; " f"add a field RESERVED_31_{expected}",
+        )
+    check_unique(register.fields, register.name)
+
+
+def check_reset(register):
+    known = WORD_MASK
+    for part in register.fields:
+        if part.reserved:
+            known &= ~part.mask
+    if not 0 <= register.reset <= WORD_MASK or register.reset & ~known:
+        raise DescriptionError(
+            register.line,
+            f"{register.name} resets to {register.reset:#x}, outside its fields ({known:#x}); "
+            "correct the reset value or the fields",
+        )
+
+
+def check_unique(items, where):
+    seen = set()
+    for item in items:
+        if item.name in seen:
+            raise DescriptionError(item.line, f"{where} has a second {item.name}; rename one")
+        seen.add(item.name)
+
+
+def read_write_range(element):
+    """The values that a write may have, (lowest, highest); None: all."""
+    constraint = element.find("writeConstraint")
+    if constraint is None:
+        return None
+    limits = constraint.find("range")
+    if limits is None:
+        raise DescriptionError(constraint.line, "<writeConstraint> lacks <range>; add it")
+    low, high = limits.number("minimum"), limits.number("maximum")
+    if not 0 <= low <= high <= WORD_MASK:
+        raise DescriptionError(limits.line, f"the range {low} to {high} is empty or beyond a word")
+    return (low, high)
+
+
+def read_register(element, size):
+    access = read_access(element, "read-write")
+    parts = element.find("fields")
+    register = Register(
+        read_name(element),
+        element.value("description"),
+        element.number("addressOffset"),
+        access,
+        element.number("resetValue"),
+        element.value("dataType", "uint32_t"),
+        sorted(
+            (read_field(each, access) for each in (parts.all("field") if parts else [])),
+            key=lambda each: each.low,
+        ),
+        read_write_range(element),
+        element.line,
+    )
+    if register.data_type not in ("uint32_t", "int32_t"):
+        raise DescriptionError(element.line, f"{register.name} is no uint32_t or int32_t")
+    if register.offset % 4 or not 0 <= register.offset <= size - 4:
+        raise DescriptionError(
+            element.line,
+            f"{register.name} is at offset {register.offset:#x}; "
+            f"use a multiple of 4 below the block's size {size:#x}",
+        )
+    check_fields(register)
+    check_reset(register)
+    return register
+
+
+def read_peripheral(element):
+    block = element.find("addressBlock")
+    if block is None:
+        raise DescriptionError(element.line, "<peripheral> lacks <addressBlock>; add it")
+    size = block.number("size")
+    parts = element.find("registers")
+    registers = [read_register(each, size) for each in (parts.all("register") if parts else [])]
+    registers.sort(key=lambda each: each.offset)
+    for below, above in zip(registers, registers[1:]):
+        if above.offset == below.offset:
+            raise DescriptionError(
+                max(above.line, below.line),
+                f"{above.name} overlaps {below.name} at offset {above.offset:#x}; move one",
+            )
+    name = read_name(element)
+    check_unique(registers, name)
+    interrupts = [(read_name(i), i.number("value"), i.value("description")) for i in element.all("interrupt")]
+    return Peripheral(
+        name, element.value("description"), element.number("baseAddress"), size, interrupts, registers, element.line
+    )
+
+
+def read_device(path):
+    root = parse_xml(path)
+    if root.tag != "device":
+        raise DescriptionError(root.line, f"the root is <{root.tag}>; a CMSIS-SVD has <device>")
+    parts = root.find("peripherals")
+    if parts is None:
+        raise DescriptionError(root.line, "<device> lacks <peripherals>; add it")
+    peripherals = sorted((read_peripheral(each) for each in parts.all("peripheral")), key=lambda each: each.base)
+    check_unique(peripherals, "the device")
+    for below, above in zip(peripherals, peripherals[1:]):
+        if above.base < below.base + below.size:
+            raise DescriptionError(above.line, f"{above.name} overlaps {below.name} at {above.base:#x}; move one")
+    cpu = root.find("cpu")
+    return Device(root.value("name"), root.value("description"), peripherals, cpu.number("nvicPrioBits") if cpu else 0)
+
+
+# Writing
+
+NOTICE = "Generated from {source} by scripts/capsoc_tools/generate/registers.py: change that file, not this one."
+C_QUALIFIERS = {"read-only": "__IM ", "read-write": "__IOM", "write-only": "__OM "}
+
+
+def c_struct(peripheral):
+    lines = [f"/* {peripheral.description} */", "typedef struct {"]
+    position, gaps = 0, 0
+    for register in peripheral.registers:
+        if register.offset > position:
+            words = (register.offset - position) // 4
+            lines.append(f"  __IM  uint32_t RESERVED{gaps}[{words}];")
+            gaps += 1
+        declaration = f"{C_QUALIFIERS[register.access]} {register.data_type} {register.name};"
+        lines.append(f"  {declaration} /* 0x{register.offset:03X}: {register.description} */")
+        position = register.offset + 4
+    # The prefix keeps ADC_Type and the like free for vendor headers.
+    lines.append(f"}} CAPSOC_{peripheral.name}_Type;")
+    return lines
+
+
+def c_fields(peripheral):
+    lines = []
+    for register in peripheral.registers:
+        lines.append(f"#define {peripheral.name}_{register.name}_Reset 0x{register.reset:08X}UL")
+        for part in register.fields:
+            if part.reserved:
+                continue
+            prefix = f"{peripheral.name}_{register.name}_{part.name}"
+            lines.append(f"#define {prefix}_Pos {part.low}UL /* {part.description} */")
+            lines.append(f"#define {prefix}_Msk 0x{part.mask:08X}UL")
+            for name, value, description in part.values:
+                lines.append(f"#define {prefix}_{name} {value}UL /* {description} */")
+    return lines
+
+
+def device_header(device, source):
+    lines = [
+        f"/* {device.description}. {NOTICE.format(source=source)} */",
+        "",
+        "#ifndef CAPSOC_DEVICE_H",
+        "#define CAPSOC_DEVICE_H",
+        "",
+        "#include <stdint.h>",
+        "",
+        "/* As in CMSIS: what software may do with a register. */",
+    ]
+    for name, meaning in (("__IM", "volatile const"), ("__OM", "volatile"), ("__IOM", "volatile")):
+        lines += [f"#ifndef {name}", f"#define {name} {meaning}", "#endif"]
+    lines += ["", "/* Interrupt lines of the NVIC */"]
+    for peripheral in device.peripherals:
+        for name, number, description in peripheral.interrupts:
+            lines.append(f"#define {name}_IRQn {number} /* {description} */")
+    for peripheral in device.peripherals:
+        lines += [""] + c_struct(peripheral)
+        lines += [
+            "",
+            f"#define {peripheral.name}_BASE 0x{peripheral.base:08X}UL",
+            f"#define {peripheral.name} " f"((CAPSOC_{peripheral.name}_Type *){peripheral.name}_BASE)",
+            "",
+        ]
+        lines += c_fields(peripheral)
+    return "\n".join(lines + ["", "#endif", ""])
+
+
+CPP_HEAD = """#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kit/register_description.h"
+
+namespace capsoc::registers {
+"""
+
+
+def cpp_namespace(peripheral):
+    lines = [
+        "",
+        f"/// {peripheral.description}",
+        f"namespace {peripheral.name.lower()} {{",
+        "",
+        f"inline constexpr uint32_t base_address = 0x{peripheral.base:08X};",
+        f"inline constexpr uint32_t block_size = 0x{peripheral.size:X};",
+    ]
+    for name, number, _ in peripheral.interrupts:
+        suffix = "" if name == peripheral.name else "_" + name.lower()
+        lines.append(f"inline constexpr unsigned interrupt{suffix} = {number};")
+    for register in peripheral.registers:
+        lines += [
+            "",
+            f"inline constexpr uint32_t {register.name}_offset = 0x{register.offset:03X};",
+            f"inline constexpr uint32_t {register.name}_reset = 0x{register.reset:08X};",
+        ]
+        for part in register.fields:
+            if part.reserved:
+                continue
+            prefix = f"{register.name}_{part.name}"
+            lines.append(f"inline constexpr uint32_t {prefix}_mask = 0x{part.mask:08X};")
+            lines.append(f"inline constexpr unsigned {prefix}_shift = {part.low};")
+            lines += [f"inline constexpr uint32_t {prefix}_{name.lower()} = {value};" for name, value, _ in part.values]
+    lines += ["", "inline constexpr RegisterDescription table[] = {"]
+    for register in peripheral.registers:
+        lines.append(
+            f'    {{"{register.name}", 0x{register.offset:03X}, '
+            f"Access::{register.access.replace('-', '_')}, 0x{register.reset:08X}, "
+            f"0x{register.writable_mask:08X}, 0x{register.one_to_clear_mask:08X}, "
+            f"0x{register.readable_mask:08X}}},"
+        )
+    return lines + ["};", "", f"}}  // namespace {peripheral.name.lower()}"]
+
+
+def cpp_header(device, source):
+    lines = [f"// {NOTICE.format(source=source)}", CPP_HEAD.rstrip("\n")]
+    for peripheral in device.peripherals:
+        lines += cpp_namespace(peripheral)
+    return "\n".join(lines + ["", "}  // namespace capsoc::registers", ""])
+
+
+def cell(text):
+    return text.replace("|", "\\|")
+
+
+def access_word(part):
+    return "write 1 to clear" if part.one_to_clear else part.access
+
+
+def reference_page(device, source):
+    lines = [f"<!-- {NOTICE.format(source=source)} -->", "# Registers", "", f"{device.description}."]
+    for peripheral in device.peripherals:
+        lines += ["", f"## {peripheral.name} (0x{peripheral.base:08X})", "", peripheral.description]
+        for name, number, description in peripheral.interrupts:
+            lines += ["", f"Interrupt {number}, {name}: {description}."]
+        lines += ["", "| offset | name | access | reset | meaning |", "|---|---|---|---|---|"]
+        for register in peripheral.registers:
+            lines.append(
+                f"| 0x{register.offset:03X} | {register.name} | {register.access} | "
+                f"0x{register.reset:08X} | {cell(register.description)} |"
+            )
+        for register in peripheral.registers:
+            if not register.fields:
+                continue
+            lines += [
+                "",
+                f"### {peripheral.name}.{register.name}",
+                "",
+                "| bits | field | access | meaning |",
+                "|---|---|---|---|",
+            ]
+            for part in register.fields:
+                if part.reserved:
+                    continue
+                bits = str(part.low) if part.low == part.high else f"{part.high}:{part.low}"
+                values = "; ".join(f"{v} {n}: {d}" for n, v, d in part.values)
+                meaning = part.description + (f" {values}." if values else "")
+                lines.append(f"| {bits} | {part.name} | {access_word(part)} | {cell(meaning)} |")
+    return "\n".join(lines + [""])
+
+
+def sv_package(peripheral, source):
+    """Plain localparams only: what Verilator, Icarus Verilog and Yosys all read."""
+    name = f"capsoc_{peripheral.name.lower()}_pkg"
+    # Registers are words of a block, so that all addresses of a package have one width.
+    width = max(1, (peripheral.size - 1).bit_length())
+    lines = [
+        f"// {NOTICE.format(source=source)}",
+        "// Offsets in bytes, reset values, lowest and highest bit of every field (LSB, MSB).",
+        f"package {name};",
+        "",
+        "  // No design needs every name of its description.",
+        "  // verilator lint_off UNUSEDPARAM",
+    ]
+    for register in peripheral.registers:
+        prefix = register.name
+        lines += [
+            "",
+            f"  localparam logic [{width - 1}:0] {prefix}_OFFSET = "
+            f"{width}'h{register.offset:0{(width + 3) // 4}X};",
+            f"  localparam logic [31:0] {prefix}_RESET = 32'h{register.reset:08X};",
+        ]
+        for part in register.fields:
+            if part.reserved:
+                continue
+            lines += [
+                f"  localparam int {prefix}_{part.name}_LSB = {part.low};",
+                f"  localparam int {prefix}_{part.name}_MSB = {part.high};",
+            ]
+            bits = part.high - part.low + 1
+            lines += [
+                f"  localparam logic [{bits - 1}:0] {prefix}_{part.name}_{value_name} = " f"{bits}'d{value};"
+                for value_name, value, _ in part.values
+            ]
+    return "\n".join(lines + ["", "  // verilator lint_on UNUSEDPARAM", f"endpackage : {name}", ""])
+
+
+def sv_selects(peripheral, source):
+    """The type with one bit for each register, and the decoder that sets them. The type stands outside of the
+    package, for the reason that rtl/coprocessor_types.sv gives."""
+    name = f"capsoc_{peripheral.name.lower()}_selects"
+    words = [register.offset // 4 for register in peripheral.registers]
+    width = max(1, (peripheral.size - 1).bit_length())
+    bits = max(words, default=0).bit_length() or 1  # of the number of a word; the address has zeros above
+    gaps = [word for word in range(1 << bits) if word not in words]
+    above = f"address_i[{width - 1}:{bits + 2}] == '0 & " if width > bits + 2 else ""
+    lines = [
+        f"// {NOTICE.format(source=source)}",
+        "// Which register an address names: one bit for each. The bits look at the number of the word alone; "
+        "mapped_o says",
+        "// whether there is a register at this address.",
+        "typedef struct packed {",
+    ]
+    lines += [f"  logic {register.name};" for register in peripheral.registers]
+    lines += [
+        f"}} {name}_t;",
+        "",
+        f"module {name} (",
+        f"  input  logic [{width - 1}:0] address_i,  // of a byte",
+        f"  output {name}_t select_o,",
+        "  output logic mapped_o",
+        ");",
+        "",
+        f"  logic [{bits - 1}:0] word;",
+        f"  logic [{len(words) - 1}:0] hits;",
+        f"  assign word = address_i[{bits + 1}:2];",
+    ]
+    lines += [
+        f"  assign hits[{len(words) - 1 - place}] = word == {bits}'h{word:0{(bits + 3) // 4}X};  // {register.name}"
+        for place, (word, register) in enumerate(zip(words, peripheral.registers))
+    ]
+    # Few words have no register: they take less than an OR over all that have one.
+    inside = "".join(f" & word != {bits}'h{word:0{(bits + 3) // 4}X}" for word in gaps)
+    lines += ["  assign select_o = hits;", f"  assign mapped_o = {above}address_i[1:0] == '0{inside};"]
+    return "\n".join(lines + ["", f"endmodule : {name}", ""])
+
+
+def reserved_values(register):
+    """What a write must not contain: a word outside a range, a field outside its enumeration."""
+    rules = []
+    if register.write_range:
+        low, high = register.write_range
+        rules.append({"rule": "range", "minimum": low, "maximum": high})
+    for part in register.fields:
+        bits = part.high - part.low + 1
+        if part.reserved or not part.values or part.access == "read-only" or bits > 8:
+            continue
+        named = {value for _, value, _ in part.values}
+        unnamed = [value for value in range(1 << bits) if value not in named]
+        if unnamed:
+            rules.append({"rule": "field", "field": part.name, "low": part.low, "high": part.high, "values": unnamed})
+    return rules
+
+
+def test_table(device, source):
+    """Every register for programs: masks as numbers, reserved write values as rules."""
+    peripherals = {}
+    for peripheral in device.peripherals:
+        registers = [
+            {
+                "name": register.name,
+                "offset": register.offset,
+                "access": register.access,
+                "reset": register.reset,
+                "implemented": (register.readable_mask | register.writable_mask | register.one_to_clear_mask),
+                "readable": register.readable_mask,
+                "writable": register.writable_mask,
+                "one_to_clear": register.one_to_clear_mask,
+                "reserved_values": reserved_values(register),
+            }
+            for register in peripheral.registers
+        ]
+        peripherals[peripheral.name] = {"base": peripheral.base, "size": peripheral.size, "registers": registers}
+    table = {"notice": NOTICE.format(source=source), "peripherals": peripherals}
+    return json.dumps(table, indent=1) + "\n"
+
+
+def write_if_changed(path, text):
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def main(arguments):
+    if len(arguments) != 2:
+        print("usage: registers.py DESCRIPTION.svd OUTPUT_DIRECTORY", file=sys.stderr)
+        return 2
+    source, output = Path(arguments[0]), Path(arguments[1])
+    try:
+        device = read_device(source)
+        output.mkdir(parents=True, exist_ok=True)
+        for name, make in (
+            ("capsoc_device.h", device_header),
+            ("capsoc_registers.h", cpp_header),
+            ("registers.md", reference_page),
+            ("capsoc_registers.json", test_table),
+        ):
+            write_if_changed(output / name, make(device, source.name))
+        for peripheral in device.peripherals:
+            if peripheral.name in SYNTHESISED:
+                for part, make in (("pkg", sv_package), ("selects", sv_selects)):
+                    write_if_changed(
+                        output / f"capsoc_{peripheral.name.lower()}_{part}.sv", make(peripheral, source.name)
+                    )
+    except DescriptionError as error:
+        print(f"{source}:{error.line}: {error}", file=sys.stderr)
+        return 2
+    except (OSError, UnicodeDecodeError) as error:
+        print(f"{source}: {error}; check the paths", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,108 @@
+"""Reads the RTL with three tools and fails if one of them has anything to say.
+
+usage: lint_rtl [-h]
+
+verilator --lint-only -Wall and yosys for the top in both arithmetics, iverilog -g2012 -Wall (compile only); verilator
+for the probe with its nodes, too. Status 0: silence; 1: the messages are printed; 2: a tool is missing.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from capsoc_tools.rtl.sources import DESIGN, PROBE, ROOT, RTL, RtlError, generate, read_list
+
+WAIVERS = RTL / "lint" / "verilator.vlt"
+TOP = "coprocessor"
+PROBE_TOP = "coprocessor_probe"
+
+# Icarus 11 says so of every constant bit select in always_comb: the process is then sensitive to the
+# whole vector, which costs time and changes nothing.
+ICARUS_NOTE = re.compile(r"sorry: constant selects in always_\* processes are not currently supported")
+
+
+def said(command, ignore=None):
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    lines = [
+        line
+        for line in (done.stdout + done.stderr).splitlines()
+        if line.strip() and not (ignore and ignore.search(line))
+    ]
+    if done.returncode and not lines:
+        lines = [f"status {done.returncode} without a message"]
+    return lines
+
+
+def checks(files, probe, folder):
+    names = [str(path) for path in files]
+    for paper in (0, 1):
+        label = "paper" if paper else "precise"
+        yield (
+            f"verilator, {label}",
+            ["verilator", "--lint-only", "-Wall", f"-GPaper={paper}", "--top-module", TOP, str(WAIVERS), *names],
+            None,
+        )
+        # What the probe takes out is as wide as the list of nodes says.
+        yield (
+            f"verilator, probe, {label}",
+            [
+                "verilator",
+                "--lint-only",
+                "-Wall",
+                f"-GPaper={paper}",
+                "--top-module",
+                PROBE_TOP,
+                f"-I{folder}",
+                str(WAIVERS),
+                *names,
+                *map(str, probe),
+            ],
+            None,
+        )
+        yield (
+            f"yosys, {label}",
+            [
+                "yosys",
+                "-q",
+                "-p",
+                f"read_verilog -sv {' '.join(names)}; "
+                f"chparam -set Paper {paper} {TOP}; hierarchy -check -top {TOP}; proc; check -assert",
+            ],
+            None,
+        )
+        yield (
+            f"iverilog, {label}",
+            ["iverilog", "-g2012", "-Wall", f"-P{TOP}.Paper={paper}", "-s", TOP, "-t", "null", *names],
+            ICARUS_NOTE,
+        )
+
+
+def main(arguments):
+    if arguments:
+        print(__doc__.strip(), file=sys.stderr if arguments != ["-h"] else sys.stdout)
+        return 0 if arguments == ["-h"] else 2
+    missing = [tool for tool in ("verilator", "yosys", "iverilog") if not shutil.which(tool)]
+    if missing:
+        print(f"lint_rtl: {', '.join(missing)} not found; install scripts/packages.txt", file=sys.stderr)
+        return 2
+    failed = False
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            files = [*generate(Path(folder), nodes=True), *read_list(RTL / DESIGN)]
+            probe = read_list(RTL / PROBE)
+        except RtlError as error:
+            print(f"lint_rtl: {error}", file=sys.stderr)
+            return 2
+        for name, command, ignore in checks(files, probe, folder):
+            lines = said(command, ignore)
+            print(f"{name}: {len(lines)} lines" if lines else f"{name}: clean")
+            print("".join(f"  {line}\n" for line in lines), end="")
+            failed = failed or bool(lines)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

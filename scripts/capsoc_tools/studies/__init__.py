@@ -1,0 +1,1 @@
+"""Measurements on many sensors that the pages quote."""
