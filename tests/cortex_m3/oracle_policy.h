@@ -41,7 +41,7 @@ inline uint32_t with_should_be_bits(const Encoding& e, uint32_t bits) {
 
 inline bool leaves(const DecodedOp& op) {
   // So does it with what follows a load-exclusive, which ends its translation block.
-  bool exclusive = op.operation >= Operation::ldrex && op.operation <= Operation::ldrexh;
+  bool exclusive = is(op, kind::exclusive_load);
   bool conditional = op.operation == Operation::bcond || op.operation == Operation::cbz ||
                      op.operation == Operation::cbnz;
   return exclusive || conditional || (op.operation != Operation::undefined && ends_block(op));
@@ -82,8 +82,8 @@ inline bool may_misalign_sp(const DecodedOp& op) {
   const bool to_sp =
       op.rd == 13 && (line.has('d') || line.has('e')) && op.operation != Operation::str;
   return (to_sp && !moves_by_words) ||
-         (op.writeback && op.rn == 13 && (op.imm & 3) != 0 && op.operation >= Operation::ldr &&
-          op.operation <= Operation::strd);
+         (op.writeback && op.rn == 13 && (op.imm & 3) != 0 &&
+          is(op, kind::load | kind::store | kind::dual_load | kind::dual_store));
 }
 
 inline bool known_fault(const DecodedOp& op) {

@@ -89,8 +89,7 @@ class Oracle : public ::testing::Test {
     bench.core.debug_write(0xE000E008, &disdefwbuf, 4);
     uint64_t faults = bench.core.fault_count();
     bench.core.step_instruction();
-    const bool store_exclusive =
-        op.operation >= Operation::strex && op.operation <= Operation::strexh;
+    const bool store_exclusive = is(op, kind::exclusive_store);
     if (store_exclusive) close_oracle_monitor();
     uc_err error = uc_emu_start(uc, address | 1, 0, 0, 1);
     bool our_fault = bench.core.fault_count() != faults;
@@ -100,7 +99,7 @@ class Oracle : public ::testing::Test {
       return;
     }
     // LDRD, STRD, LDM and STM of the oracle take any address; A3.2.1 has them aligned.
-    const bool several = op.operation >= Operation::ldrd && op.operation <= Operation::stmdb;
+    const bool several = is(op, kind::dual_load | kind::dual_store | kind::multiple);
     if (several && our_fault && bench.core.last_fault().cfsr == 1u << 24) {
       ++skipped;
       return;
@@ -108,8 +107,7 @@ class Oracle : public ::testing::Test {
     // Unicorn fetches the target of a branch within the same call.
     bool fetch_error =
         error == UC_ERR_FETCH_UNMAPPED || error == UC_ERR_EXCEPTION || error == UC_ERR_INSN_INVALID;
-    bool table = op.operation == Operation::tbb || op.operation == Operation::tbh ||
-                 (op.operation >= Operation::ldrex && op.operation <= Operation::strexh);
+    bool table = is(op, kind::table_branch | kind::exclusive);
     // A table branch or exclusive before something it cannot translate is rolled back whole.
     if (!our_fault && fetch_error && table) {
       ++skipped;

@@ -136,7 +136,7 @@ class Sequence {
                                                    static_cast<uint16_t>(bits), it)
                                           : decode(0, static_cast<uint16_t>(bits), 0, it);
       if (outside_the_oracle(op) || unpredictable(op) || known_fault(op)) continue;
-      const bool transfer = op.operation >= Operation::ldr && op.operation <= Operation::strexh;
+      const bool transfer = is(op, kind::transfer);
       // More of what goes on than of what ends a sequence.
       if ((ends_block(op) && random_() % 4 != 0) || (transfer && random_() % 2 != 0)) continue;
       if (guarded > 0 && (leaves(op) || op.operation == Operation::it)) continue;
@@ -173,9 +173,7 @@ class Sequence {
       // Two registers may meet in the part of the address space that is ours alone.
       const uint32_t sum = bench_.core.reg(last_.rn & 15) +
                            (bench_.core.reg(last_.rm & 15) << (last_.shift.amount & 3));
-      const bool transfer =
-          (last_.operation >= Operation::ldr && last_.operation <= Operation::strexh) ||
-          last_.operation == Operation::tbb || last_.operation == Operation::tbh;
+      const bool transfer = is(last_, kind::transfer | kind::table_branch);
       if (transfer && (foreign(sum) || foreign(bench_.core.reg(last_.rn & 15) + last_.imm)))
         return true;
       if (!exclusives_are_comparable()) return true;
@@ -186,8 +184,7 @@ class Sequence {
         ++faults;
         // The oracle must have failed, too. Behind a failed store it goes on for a while.
         const bool unaligned = bench_.core.last_fault().cfsr == 1u << 24;
-        const bool several =
-            last_.operation >= Operation::ldrd && last_.operation <= Operation::stmdb;
+        const bool several = is(last_, kind::dual_load | kind::dual_store | kind::multiple);
         // LDRD, STRD, LDM and STM of the oracle take any address.
         if (error_ == UC_ERR_OK && trace_.size() < 2 * length && !(unaligned && several))
           return differs("fault", 0, 1, seed);
@@ -208,20 +205,31 @@ class Sequence {
     if (guarded && (leaves(op) || op.operation == Operation::undefined)) return false;
     return !outside_the_oracle(op) && !unpredictable(op) && !known_fault(op);
   }
+  /// Bytes that a load-exclusive or store-exclusive accesses.
+  static unsigned exclusive_size(Operation operation) {
+    switch (operation) {
+      case Operation::ldrexb:
+      case Operation::strexb:
+        return 1;
+      case Operation::ldrexh:
+      case Operation::strexh:
+        return 2;
+      default:
+        return 4;
+    }
+  }
   /// Our monitor is a flag, the oracle's an address and a value (A3.4 leaves both free); and it
   /// lets an unaligned STREX pass.
   bool exclusives_are_comparable() {
     const Operation o = last_.operation;
-    if (o < Operation::ldrex || o > Operation::strexh) return true;
+    if (!is(o, kind::exclusive)) return true;
     const uint32_t address = bench_.core.reg(last_.rn) + last_.imm;
-    const unsigned first =
-        static_cast<unsigned>(o >= Operation::strex ? Operation::strex : Operation::ldrex);
-    const unsigned kind = static_cast<unsigned>(o) - first;  // word, byte, halfword
-    if (o >= Operation::strex &&
-        (exclusive_address_ != address || exclusive_kind_ != kind || (address & 3) != 0))
+    const bool store = is(o, kind::exclusive_store);
+    const unsigned size = exclusive_size(o);
+    if (store && (exclusive_address_ != address || exclusive_size_ != size || (address & 3) != 0))
       return false;
-    exclusive_address_ = o <= Operation::ldrexh ? address : ~0u;
-    exclusive_kind_ = kind;
+    exclusive_address_ = store ? ~0u : address;
+    exclusive_size_ = size;
     return true;
   }
   bool differs(const std::string& what, uint32_t theirs, uint32_t mine, uint32_t seed) {
@@ -239,7 +247,7 @@ class Sequence {
   std::vector<uint8_t> uc_ram_ = std::vector<uint8_t>(sequence_ram_size),
                        initial_ = std::vector<uint8_t>(sequence_ram_size);
   uint32_t exclusive_address_ = ~0u;
-  unsigned exclusive_kind_ = 0;
+  unsigned exclusive_size_ = 0;
   Bench bench_;
   std::mt19937 random_;
   std::vector<Registers> trace_;

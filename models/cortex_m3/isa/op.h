@@ -11,6 +11,11 @@ enum class Operation : uint8_t {
 #undef OPERATION
   count
 };
+// The order of the rows means nothing: is() and traits() tell what an operation is.
+bool operator<(Operation, Operation) = delete;
+bool operator<=(Operation, Operation) = delete;
+bool operator>(Operation, Operation) = delete;
+bool operator>=(Operation, Operation) = delete;
 
 /// What sort of operation it is: the second column of operations.def. A bit each, so that sets of
 /// kinds are sums of them.
