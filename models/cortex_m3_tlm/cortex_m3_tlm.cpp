@@ -86,7 +86,8 @@ void CortexM3Tlm::request_reset() {
 
 void CortexM3Tlm::note_work() {
   // The core may be ahead of the kernel; behind it is only after a change to a faster clock.
-  if (idle_) idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
+  if (end_on_idle_)
+    end_on_idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
 }
 
 void CortexM3Tlm::reset_system() {
@@ -112,10 +113,11 @@ void CortexM3Tlm::visit(kit::Archive& archive) {
   archive("core", core_);
   archive("reset_requested", reset_requested_);
   archive.sequence("granted", granted_, 4096);
-  bool watched = idle_.has_value();
-  archive("idle_watch", watched);
-  if (watched != idle_.has_value()) return archive.refuse("is of a run with another end_on_idle");
-  if (idle_) archive("idle", *idle_);
+  bool watched = end_on_idle_.has_value();
+  archive("ends_on_idle", watched);
+  if (watched != end_on_idle_.has_value())
+    return archive.refuse("is of a run with another end_on_idle");
+  if (end_on_idle_) archive("end_on_idle", *end_on_idle_);
 }
 
 void CortexM3Tlm::restored() {
@@ -226,9 +228,9 @@ void CortexM3Tlm::end(EndReason reason) {
 
 void CortexM3Tlm::sleep() {
   latest_holds_ = false;
-  if (idle_) idle_->fall_asleep(sc_core::sc_time_stamp());
+  if (end_on_idle_) end_on_idle_->fall_asleep(sc_core::sc_time_stamp());
   sleep_until_woken();
-  if (idle_) idle_->wake_up(sc_core::sc_time_stamp());
+  if (end_on_idle_) end_on_idle_->wake_up(sc_core::sc_time_stamp());
 }
 
 /// Sleeps until an interrupt or an event of the core's own (SysTick) can wake it.
@@ -237,8 +239,9 @@ void CortexM3Tlm::sleep_until_woken() {
   const sc_core::sc_time longest_nap(1, sc_core::SC_MS);
   while (!core_.wake_pending() && !reset_requested_) {
     const sc_core::sc_time now = sc_core::sc_time_stamp();
-    if (idle_ && idle_->is_over(now)) return end(EndReason::idle);
-    sc_core::sc_time nap = idle_ ? idle_->deadline() - now : sc_core::sc_max_time() - now;
+    if (end_on_idle_ && end_on_idle_->is_over(now)) return end(EndReason::end_on_idle);
+    sc_core::sc_time nap =
+        end_on_idle_ ? end_on_idle_->deadline() - now : sc_core::sc_max_time() - now;
     if (pause_at_ > now && pause_at_ != sc_core::sc_max_time())
       nap = std::min(nap, pause_at_ - now);
     const uint64_t internal = core_.next_internal_event();
@@ -251,8 +254,8 @@ void CortexM3Tlm::sleep_until_woken() {
     } else {
       // Nothing in the kernel and nothing in the core: this sleep has no end.
       if (debugger_ != nullptr && debugger_->asleep_for_good()) return;
-      if (!idle_ && !sc_core::sc_pending_activity()) return end(EndReason::asleep);
-      if (idle_ || pause_at_ != sc_core::sc_max_time())
+      if (!end_on_idle_ && !sc_core::sc_pending_activity()) return end(EndReason::asleep);
+      if (end_on_idle_ || pause_at_ != sc_core::sc_max_time())
         wait(nap, wake_);
       else
         wait(wake_);
@@ -260,8 +263,8 @@ void CortexM3Tlm::sleep_until_woken() {
     settle();
     catch_up();
     if (is_interrupted()) return end(EndReason::interrupted);
-    if (idle_ && pause_at_ <= sc_core::sc_time_stamp()) {
-      idle_->wake_up(sc_core::sc_time_stamp());  // what was slept so far counts
+    if (end_on_idle_ && pause_at_ <= sc_core::sc_time_stamp()) {
+      end_on_idle_->wake_up(sc_core::sc_time_stamp());  // what was slept so far counts
     }
     pause_if_due();
     if (debugger_ != nullptr && debugger_->wants_attention()) return;
@@ -283,7 +286,7 @@ void CortexM3Tlm::let_kernel_run(const sc_core::sc_time& time) {
 /// Behind a read that the kernel has not gone on since: if it is the one of the turn measured last,
 /// and everything else is as it was there, that turn need not be measured again.
 bool CortexM3Tlm::skip_known_turns() {
-  if (idle_ || !steady_.steady || !(latest_ == read_of_turn_)) return false;
+  if (end_on_idle_ || !steady_.steady || !(latest_ == read_of_turn_)) return false;
   const std::optional<Turn> turn = core_.known_turn();
   if (!turn) return false;
   polling_.looked(true);
@@ -294,7 +297,7 @@ bool CortexM3Tlm::skip_known_turns() {
 /// Behind an access: if the program only waits for a device, whole turns of its loop up to the next
 /// activity of the kernel take no time of the host.
 void CortexM3Tlm::skip_polling() {
-  if (idle_ || reset_requested_) return;
+  if (end_on_idle_ || reset_requested_) return;
   steady_until_ = Core::never;
   read_at_ = {};
   measuring_ = true;
@@ -467,7 +470,7 @@ void CortexM3Tlm::note_access(const Transfer& access, bool steady) {
     steady_until_ = steady ? std::min(steady_until_, limit_) : 0;
     read_at_ = {read_at_[1], core_.cycles()};
   }
-  if (idle_ && idle_->is_work(access.address)) note_work();
+  if (end_on_idle_ && end_on_idle_->is_work(access.address)) note_work();
   seems_to_poll_ = fast_forward_ && !measuring_ &&
                    polling_.is_worth_a_look(access.address, access.value, steady);
 }

@@ -20,7 +20,7 @@
 
 #include "cortex_m3/core.h"
 #include "cortex_m3_tlm/debugger.h"
-#include "cortex_m3_tlm/idle_watch.h"
+#include "cortex_m3_tlm/end_on_idle.h"
 #include "cortex_m3_tlm/polling_watch.h"
 #include "kit/clock_domain.h"
 #include "kit/component.h"
@@ -30,7 +30,7 @@
 namespace capsoc::cortex_m3 {
 
 /// Why the processor ended the simulation.
-enum class EndReason { none, exit, lockup, stuck, asleep, idle, interrupted, debugger };
+enum class EndReason { none, exit, lockup, stuck, asleep, end_on_idle, interrupted, debugger };
 
 /// The processor as a bus master.
 class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bus {
@@ -82,8 +82,8 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
   /// in between.
   void count_sleep() { catch_up(); }
 
-  /// Ends the simulation when the program has been idle for so long (idle_watch.h).
-  void set_idle_watch(IdleWatch watch) { idle_.emplace(std::move(watch)); }
+  /// Ends the simulation when the program has been idle for so long (end_on_idle.h).
+  void set_end_on_idle(EndOnIdle rule) { end_on_idle_.emplace(std::move(rule)); }
   /// The program did something at this instant that is seen outside: it is not idle.
   void note_work();
 
@@ -199,7 +199,7 @@ class CortexM3Tlm : public sc_core::sc_module, public kit::Component, private Bu
     }
   };
   std::vector<Granted> granted_;
-  std::optional<IdleWatch> idle_;
+  std::optional<EndOnIdle> end_on_idle_;
   sc_core::sc_time pause_at_ = sc_core::sc_max_time();
   Pause pause_;
   sc_core::sc_time resume_at_;
