@@ -209,13 +209,13 @@ void CortexM3Tlm::end(EndReason reason) {
 }
 
 bool CortexM3Tlm::skip_known_turns() {
-  return !sleep_.watches_idle() && polling_.skip_known(horizon_.limit());
+  return !sleep_.ends_on_idle() && polling_.skip_known(horizon_.limit());
 }
 
 /// After an access: if the program only waits for a device, whole turns of its loop up to the next
 /// activity of the kernel take no time of the host.
 void CortexM3Tlm::skip_polling() {
-  if (sleep_.watches_idle() || reset_requested_) return;
+  if (sleep_.ends_on_idle() || reset_requested_) return;
   const std::optional<Turn> turn = polling_.measure(horizon_.end_of_run());
   if (horizon_.is_late()) horizon_.synchronise();
   horizon_.catch_up();

@@ -18,8 +18,8 @@
 #include "cortex_m3/core.h"
 #include "cortex_m3_tlm/bus_access.h"
 #include "cortex_m3_tlm/debugger.h"
+#include "cortex_m3_tlm/end_on_idle.h"
 #include "cortex_m3_tlm/end_reason.h"
-#include "cortex_m3_tlm/idle_watch.h"
 #include "cortex_m3_tlm/polling_skipper.h"
 #include "cortex_m3_tlm/sleep.h"
 #include "cortex_m3_tlm/time_horizon.h"
@@ -81,8 +81,8 @@ class CortexM3Tlm : public sc_core::sc_module,
   /// in between.
   void count_sleep() { horizon_.catch_up(); }
 
-  /// Ends the simulation when the program has been idle for so long (idle_watch.h).
-  void set_idle_watch(IdleWatch watch) { sleep_.set_idle_watch(std::move(watch)); }
+  /// Ends the simulation when the program has been idle for so long (end_on_idle.h).
+  void set_end_on_idle(EndOnIdle rule) { sleep_.set_end_on_idle(std::move(rule)); }
   /// The program did something at this instant that is seen outside: it is not idle.
   void note_work() { sleep_.note_work(); }
 

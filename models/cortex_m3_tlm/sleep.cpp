@@ -6,34 +6,36 @@ namespace capsoc::cortex_m3 {
 
 void Sleep::note_work() {
   // The core may be ahead of the kernel; behind it is only after a change to a faster clock.
-  if (idle_) idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
+  if (end_on_idle_)
+    end_on_idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
 }
 
 void Sleep::visit(kit::Archive& archive) {
-  bool watched = idle_.has_value();
-  archive("idle_watch", watched);
-  if (watched != idle_.has_value()) return archive.refuse("is of a run with another end_on_idle");
-  if (idle_) archive("idle", *idle_);
+  bool watched = end_on_idle_.has_value();
+  archive("ends_on_idle", watched);
+  if (watched != end_on_idle_.has_value())
+    return archive.refuse("is of a run with another end_on_idle");
+  if (end_on_idle_) archive("end_on_idle", *end_on_idle_);
 }
 
 EndReason Sleep::until_woken() {
-  if (idle_) idle_->fall_asleep(sc_core::sc_time_stamp());
+  if (end_on_idle_) end_on_idle_->fall_asleep(sc_core::sc_time_stamp());
   const EndReason reason = sleep();
-  if (idle_) idle_->wake_up(sc_core::sc_time_stamp());
+  if (end_on_idle_) end_on_idle_->wake_up(sc_core::sc_time_stamp());
   return reason;
 }
 
 EndReason Sleep::sleep() {
   while (!core_.wake_pending() && !client_.must_wake()) {
     const sc_core::sc_time now = sc_core::sc_time_stamp();
-    if (idle_ && idle_->is_over(now)) return EndReason::idle;
+    if (end_on_idle_ && end_on_idle_->is_over(now)) return EndReason::end_on_idle;
     if (const std::optional<EndReason> ends = wait_for_something(now)) return *ends;
     horizon_.settle();
     horizon_.catch_up();
     if (client_.is_interrupted()) return EndReason::interrupted;
     // What was slept so far counts.
-    if (idle_ && horizon_.pause_at() <= sc_core::sc_time_stamp())
-      idle_->wake_up(sc_core::sc_time_stamp());
+    if (end_on_idle_ && horizon_.pause_at() <= sc_core::sc_time_stamp())
+      end_on_idle_->wake_up(sc_core::sc_time_stamp());
     client_.pause_if_due();
     if (client_.debugger_wants_attention()) break;
   }
@@ -43,7 +45,8 @@ EndReason Sleep::sleep() {
 /// Waits for what can come next. A reason: nothing can, and the sleep ends with it.
 std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) {
   const sc_core::sc_time longest_nap(1, sc_core::SC_MS);  // with a debugger
-  sc_core::sc_time nap = idle_ ? idle_->deadline() - now : sc_core::sc_max_time() - now;
+  sc_core::sc_time nap =
+      end_on_idle_ ? end_on_idle_->deadline() - now : sc_core::sc_max_time() - now;
   if (horizon_.pause_at() > now && horizon_.pauses())
     nap = std::min(nap, horizon_.pause_at() - now);
   const uint64_t internal = core_.next_internal_event();
@@ -59,8 +62,8 @@ std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) 
   }
   // Nothing in the kernel and nothing in the core: this sleep has no end.
   if (client_.has_debugger() && client_.debugger_takes_over()) return EndReason::none;
-  if (!idle_ && !sc_core::sc_pending_activity()) return EndReason::asleep;
-  if (idle_ || horizon_.pauses())
+  if (!end_on_idle_ && !sc_core::sc_pending_activity()) return EndReason::asleep;
+  if (end_on_idle_ || horizon_.pauses())
     sc_core::wait(nap, wake_);
   else
     sc_core::wait(wake_);

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "cortex_m3/core.h"
+#include "cortex_m3_tlm/end_on_idle.h"
 #include "cortex_m3_tlm/end_reason.h"
-#include "cortex_m3_tlm/idle_watch.h"
 #include "cortex_m3_tlm/time_horizon.h"
 #include "kit/archive.h"
 #include "kit/clock_domain.h"
@@ -44,13 +44,13 @@ class Sleep {
   void wake() { wake_.notify(sc_core::SC_ZERO_TIME); }
 
   /// Ends the simulation when the program has been idle for a time.
-  void set_idle_watch(IdleWatch watch) { idle_.emplace(std::move(watch)); }
-  bool watches_idle() const { return idle_.has_value(); }
+  void set_end_on_idle(EndOnIdle rule) { end_on_idle_.emplace(std::move(rule)); }
+  bool ends_on_idle() const { return end_on_idle_.has_value(); }
   /// The program did something at the core's time that is seen outside: it is not idle.
   void note_work();
   /// An access to this address outside the memories.
   void note_access(uint32_t address) {
-    if (idle_ && idle_->is_work(address)) note_work();
+    if (end_on_idle_ && end_on_idle_->is_work(address)) note_work();
   }
   /// A state of a run with the idle watch does not fit one without.
   void visit(kit::Archive& archive);
@@ -64,7 +64,7 @@ class Sleep {
   TimeHorizon& horizon_;
   Client& client_;
   sc_core::sc_event wake_;
-  std::optional<IdleWatch> idle_;
+  std::optional<EndOnIdle> end_on_idle_;
 };
 
 }  // namespace capsoc::cortex_m3

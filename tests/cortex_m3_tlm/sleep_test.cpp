@@ -118,14 +118,14 @@ TEST(Sleep, AnInterruptedHostEndsTheSimulation) {
 TEST(Sleep, AProgramThatHasNothingToDoIsIdleAfterTheLimit) {
   in_process([] {
     Asleep a;
-    a.sleep.set_idle_watch({millisecond,
-                            {[](uint32_t address) { return address == 0x40004000; },
-                             [] { return false; }, [] { return uint64_t{0}; }}});
+    a.sleep.set_end_on_idle({millisecond,
+                             {[](uint32_t address) { return address == 0x40004000; },
+                              [] { return false; }, [] { return uint64_t{0}; }}});
     a.sleep.note_access(0x40004000);
     a.sleep.note_access(0x40004004);
-    EXPECT_TRUE(a.sleep.watches_idle());
+    EXPECT_TRUE(a.sleep.ends_on_idle());
     const sc_core::sc_time worked = a.clock.time_of(a.core.cycles());
-    EXPECT_EQ(a.sleep.until_woken(), EndReason::idle);
+    EXPECT_EQ(a.sleep.until_woken(), EndReason::end_on_idle);
     EXPECT_EQ(sc_core::sc_time_stamp(), worked + millisecond);
   });
 }

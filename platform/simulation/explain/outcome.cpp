@@ -28,7 +28,7 @@ Verdict exited(const End& end) {
 Verdict idled(const End& end) {
   std::string idle = fmt::format(
       "the firmware is idle: for {} simulated s only timers woke it, and only to sleep again",
-      end.idle_s);
+      end.end_on_idle);
   if (!end.waits_for_line) return {exit_code::pass, std::move(idle)};
   return {exit_code::limit, idle + "; no line matched --until-uart"};
 }
@@ -61,7 +61,7 @@ Verdict verdict_of(const End& end, const soc::Soc& soc) {
   if (end.matched != nullptr && reason == EndReason::none)
     return {exit_code::pass, fmt::format("{} printed what --until-uart names: {}",
                                          end.matched->name(), end.matched->match()->line)};
-  if (reason == EndReason::idle) return idled(end);
+  if (reason == EndReason::end_on_idle) return idled(end);
   const bool sleeps = reason == EndReason::none && soc.cpu.core().sleeping();
   if (reason == EndReason::asleep || (sleeps && !called && !end.simlimit_reached))
     return {exit_code::limit, "the firmware sleeps and nothing is left that could wake it"};

@@ -17,7 +17,7 @@ struct End {
   bool waits_for_line = false;                  ///< --until-uart was given
   int exit_status = 0;                          ///< of the firmware's SYS_EXIT
   bool status_is_code = false;                  ///< its low byte is the exit code
-  std::string idle_s;                           ///< run.end_on_idle as it was given, s
+  std::string end_on_idle;                      ///< run.end_on_idle as it was given, s
   int signal = 0;                               ///< that ended it; 0: none
   double host_limit_s = 0;                      ///< limit of the host's time
   bool out_of_time = false;                     ///< it was reached

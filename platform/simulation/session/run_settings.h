@@ -101,7 +101,7 @@ struct LimitSettings {
                .by({"--realtime", "[FACTOR]",
                     "Pace simulated time to the host's (1; 0.1: ten times slower)",
                     SettingOption::Form::optional_value, "1"})};
-  NumberField idle_s{
+  NumberField end_on_idle{
       all, setting("run.end_on_idle", SettingKind::number, "0",
                    "end with 0 when only timers woke the program, and only to sleep again, for so "
                    "many simulated s; 0: never")

@@ -9,7 +9,7 @@
 #include "explain/outcome.h"
 #include "host/end_signals.h"
 #include "observers/sample_recording.h"
-#include "session/idle.h"
+#include "session/end_on_idle.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
 
@@ -73,7 +73,7 @@ std::optional<Error> Simulation::load() {
   if (const std::string& reason = soc_.cpu.core().no_translator(); !reason.empty())
     untranslated(reason);
   soc_.cpu.core().listeners().untranslated = untranslated;
-  watch_for_idle(settings_.limits.idle_s(), soc_);
+  end_on_idle(settings_.limits.end_on_idle(), soc_);
   if (auto error = inputs_.load(settings_.firmware, soc_)) return error;
   if (settings_.stop_in_fault())
     soc_.cpu.core().listeners().hopeless = [this] { return soc_.watchdog_is_off(); };
@@ -222,7 +222,7 @@ void Simulation::conclude_run(RunResult& result) const {
   end.waits_for_line = !settings_.uarts.until.empty();
   end.exit_status = ports_->exit_status();
   end.status_is_code = settings_.semihosting.status() == ExitStatus::process;
-  end.idle_s = settings_.limits.idle_s.text();
+  end.end_on_idle = settings_.limits.end_on_idle.text();
   end.signal = host::noted_signal();
   end.host_limit_s = settings_.limits.host_s();
   end.out_of_time = host_limit_.out_of_time();

@@ -1,4 +1,4 @@
-#include "session/idle.h"
+#include "session/end_on_idle.h"
 
 #include <algorithm>
 #include <string>
@@ -21,7 +21,7 @@ bool is_quiet(const bus::MapEntry& entry) {
 
 }  // namespace
 
-void watch_for_idle(double seconds, soc::Soc& soc) {
+void end_on_idle(double seconds, soc::Soc& soc) {
   if (seconds <= 0) return;
   std::vector<std::pair<uint64_t, uint64_t>> quiet;  // first and last address
   for (const bus::MapEntry& entry : soc.ahb.map())
@@ -38,8 +38,8 @@ void watch_for_idle(double seconds, soc::Soc& soc) {
   };
   const auto steps = [&soc] { return uint64_t{soc.adc.count.get()}; };
   constexpr double shortest = 1e-6;  // less than a waking takes
-  soc.cpu.set_idle_watch(
-      cortex_m3::IdleWatch(sc_core::sc_time(std::max(seconds, shortest), sc_core::SC_SEC),
+  soc.cpu.set_end_on_idle(
+      cortex_m3::EndOnIdle(sc_core::sc_time(std::max(seconds, shortest), sc_core::SC_SEC),
                            {is_access, is_running, steps}));
 }
 

@@ -7,6 +7,6 @@ namespace capsoc::run {
 
 /// Lets the processor end the simulation after so many simulated seconds, 0: never;
 /// docs/bringup.md has the rule.
-void watch_for_idle(double seconds, soc::Soc& soc);
+void end_on_idle(double seconds, soc::Soc& soc);
 
 }  // namespace capsoc::run

@@ -9,11 +9,11 @@
 
 namespace capsoc::cortex_m3 {
 
-/// Looks out for a program that has nothing left to do: for a given time in a row neither it nor
-/// the hardware did anything that counts as work, and it slept through at least nine tenths of that
-/// time. All in simulated time, so that the end is at the same cycle whatever the quantum and the
-/// executor are.
-class IdleWatch {
+/// Recognises a program that has nothing left to do (run.end_on_idle): for a given time in a row
+/// neither it nor the hardware did anything that counts as work, and it slept through at least nine
+/// tenths of that time. All in simulated time, so that the end is at the same cycle whatever the
+/// quantum and the executor are.
+class EndOnIdle {
  public:
   /// What counts as work on this board.
   struct Work {
@@ -24,7 +24,7 @@ class IdleWatch {
     /// A number that changes whenever it did.
     std::function<uint64_t()> steps;
   };
-  IdleWatch(const sc_core::sc_time& limit, Work work) : limit_(limit), work_(std::move(work)) {}
+  EndOnIdle(const sc_core::sc_time& limit, Work work) : limit_(limit), work_(std::move(work)) {}
 
   bool is_work(uint32_t address) const { return work_.is_access(address); }
   /// Work was done: the time begins anew.
