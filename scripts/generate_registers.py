@@ -4,8 +4,8 @@
 usage: generate_registers.py DESCRIPTION.svd OUTPUT_DIRECTORY
 
 Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
-capsoc_registers.json (register tests) and for the peripherals that are synthesised a package
-capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
+capsoc_registers.json (register tests) and for the peripherals that are synthesised the model's register map
+capsoc_NAME_map.h (C++), a package capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
 A file whose content would not change is left alone, so that nothing that depends on it is rebuilt.
 An error in the description ends with status 2 and one sentence that names file and line.
 """
@@ -131,6 +131,25 @@ class Peripheral:
     interrupts: list
     registers: list
     line: int
+
+
+@dataclass
+class Pair:
+    """A number of more than 32 bits in two registers, NAME_LO and NAME_HI."""
+
+    name: str
+    low: Register
+    high: Register
+
+
+def pairs_of(peripheral):
+    """The pairs of a peripheral, by the offset of their low words."""
+    by_name = {register.name: register for register in peripheral.registers}
+    return [
+        Pair(register.name[:-3], register, by_name[register.name[:-3] + "_HI"])
+        for register in peripheral.registers
+        if register.name.endswith("_LO") and register.name[:-3] + "_HI" in by_name
+    ]
 
 
 @dataclass
@@ -463,6 +482,88 @@ def cpp_header(device, source):
     return "\n".join(lines + ["", "}  // namespace capsoc::registers", ""])
 
 
+MAP_HEAD = """#pragma once
+
+#include <cstdint>
+
+#include "capsoc_registers.h"
+#include "kit/register_rule.h"
+
+namespace capsoc::{name} {{
+
+namespace description = registers::{name};
+"""
+# The prefix of a register's fields where it is not the register's name.
+FIELD_PREFIXES = {"FLAGS": "flag", "TURN_FLAGS": "turn"}
+
+
+def map_offsets(peripheral):
+    lines = ["", "enum Offset : uint32_t {"]
+    for register in peripheral.registers:
+        lines.append(f"  reg_{register.name.lower()} = description::{register.name}_offset,")
+    return lines + [f"  reg_last = reg_{peripheral.registers[-1].name.lower()},", "};"]
+
+
+def map_fields(register):
+    """One bit: its mask under the field's name; a wider field has _mask and _shift."""
+    prefix = FIELD_PREFIXES.get(register.name, register.name.lower())
+    lines = ["", f"// {register.name}"]
+    for part in register.fields:
+        if part.reserved:
+            continue
+        field_name = f"{prefix}_{part.name.lower()}"
+        described = f"description::{register.name}_{part.name}"
+        if part.low == part.high:
+            lines.append(f"inline constexpr uint32_t {field_name} = {described}_mask;")
+        else:
+            lines.append(f"inline constexpr uint32_t {field_name}_mask = {described}_mask;")
+            lines.append(f"inline constexpr unsigned {field_name}_shift = {described}_shift;")
+    kept = register.mask(("read-write",))
+    if kept:
+        lines.append(f"inline constexpr uint32_t {prefix}_writable = 0x{kept:08X};  // and readable")
+    return lines
+
+
+def map_rules(peripheral):
+    """One row for each word from the first register to the last, so that an offset finds its row by its number."""
+    pairs = pairs_of(peripheral)
+    halves = {half.name: number for number, pair in enumerate(pairs) for half in (pair.low, pair.high)}
+    highs = {pair.high.name for pair in pairs}
+    at = {register.offset: number for number, register in enumerate(peripheral.registers)}
+    lines = ["", "// Pairs of registers, LO and HI, by offset.", "enum Pair : unsigned {"]
+    lines += [f"  pair_{pair.name.lower()}," for pair in pairs]
+    lines += ["  pair_count", "};", "", "// One row a word, from offset 0 to reg_last."]
+    lines.append("inline constexpr registers::RegisterRule rules[] = {")
+    for offset in range(0, peripheral.registers[-1].offset + 4, 4):
+        if offset not in at:
+            lines.append("    {},")
+            continue
+        register = peripheral.registers[at[offset]]
+        lowest, highest = register.write_range or (0, WORD_MASK)
+        pair = f"pair_{pairs[halves[register.name]].name.lower()}" if register.name in halves else "registers::no_pair"
+        # Software may write any word to flags and to halves of a pair; elsewhere a reserved bit is worth a word.
+        tells = register.writable_mask not in (0, WORD_MASK) and register.name not in halves
+        lines.append(
+            f"    {{&description::table[{at[offset]}], 0x{lowest:08X}, 0x{highest:08X}, {pair}, "
+            f"{'true' if register.name in highs else 'false'}, "
+            + (f'"reserved bits of {register.name} are ignored"' if tells else '""')
+            + f"}},  // {register.name}"
+        )
+    return lines + ["};"]
+
+
+def map_header(peripheral, source):
+    """Short names for the model of a peripheral that is synthesised, and its rules."""
+    name = peripheral.name.lower()
+    lines = [f"// {NOTICE.format(source=source)}", MAP_HEAD.format(name=name).rstrip("\n")]
+    lines += map_offsets(peripheral)
+    for register in peripheral.registers:
+        if register.fields:
+            lines += map_fields(register)
+    lines += map_rules(peripheral)
+    return "\n".join(lines + ["", f"}}  // namespace capsoc::{name}", ""])
+
+
 def cell(text):
     return text.replace("|", "\\|")
 
@@ -641,10 +742,8 @@ def main(arguments):
             write_if_changed(output / name, make(device, source.name))
         for peripheral in device.peripherals:
             if peripheral.name in SYNTHESISED:
-                for part, make in (("pkg", sv_package), ("selects", sv_selects)):
-                    write_if_changed(
-                        output / f"capsoc_{peripheral.name.lower()}_{part}.sv", make(peripheral, source.name)
-                    )
+                for part, make in (("map.h", map_header), ("pkg.sv", sv_package), ("selects.sv", sv_selects)):
+                    write_if_changed(output / f"capsoc_{peripheral.name.lower()}_{part}", make(peripheral, source.name))
     except DescriptionError as error:
         print(f"{source}:{error.line}: {error}", file=sys.stderr)
         return 2

@@ -148,7 +148,7 @@ class Generator(unittest.TestCase):
         before = {path: path.stat().st_mtime_ns for path in self.output.iterdir()}
         self.run_generator(DESCRIPTION)
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in self.output.iterdir()})
-        self.assertEqual(len(before), 6)
+        self.assertEqual(len(before), 7)
 
     # What it refuses
 
