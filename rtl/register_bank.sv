@@ -53,28 +53,28 @@ module register_bank #(
 
   // Decoding. An error has no effect and reads 0. A select holds for mapped addresses, and so do the groups.
   capsoc_coprocessor_selects_t select;
-  logic mapped, write, read;
+  capsoc_coprocessor_groups_t  group;
+  logic mapped, write, read, refused;
+  logic [4:0] word_address;
   capsoc_coprocessor_selects u_selects (
-    .address_i (paddr_i),
-    .select_o  (select),
-    .mapped_o  (mapped)
+    .address_i    (paddr_i),
+    .write_data_i (pwdata_i),
+    .select_o     (select),
+    .group_o      (group),
+    .result_o     (result_select_o),
+    .word_o       (word_address),
+    .refused_o    (refused),
+    .mapped_o     (mapped)
   );
   assign write     = psel_i & penable_i & pwrite_i & mapped & (&pstrb_i);
   assign read      = psel_i & penable_i & ~pwrite_i & mapped;
   assign pready_o  = 1'b1;
   assign pslverr_o = psel_i & penable_i & ~(write | read);
 
-  logic is_low, is_high, is_pair, is_step, is_threshold, is_judge, is_soft;
-  assign is_low       = select.FREQ_LO | select.PHASE_LO | select.AU_LO | select.BU_LO | select.CU_LO |
-                        select.AV_LO | select.BV_LO | select.CV_LO;
-  assign is_high      = select.FREQ_HI | select.PHASE_HI | select.AU_HI | select.BU_HI | select.CU_HI |
-                        select.AV_HI | select.BV_HI | select.CV_HI;
-  assign is_pair      = is_low | is_high;
+  logic is_step, is_threshold;
   assign is_step      = select.STEP_AU | select.STEP_BU | select.STEP_CU |
                         select.STEP_AV | select.STEP_BV | select.STEP_CV;
   assign is_threshold = select.LOCK_THRESHOLD | select.DIVERGE_THRESHOLD;
-  assign is_judge     = select.JUDGE | select.TURN_LIMIT;
-  assign is_soft      = select.SOFT_U | select.SOFT_V;
 
   logic write_ctrl, write_cmd, clear_counters, zero_phase;
   assign write_ctrl     = write & select.CTRL;
@@ -85,38 +85,34 @@ module register_bank #(
   assign zero_phase     = write_cmd & pwdata_i[capsoc_coprocessor_pkg::CMD_PHASE0_LSB];
   assign soft_valid_o   = write & select.SOFT_V;
 
-  // Steps of 1.0 or more and negative amplitudes are refused.
-  logic beyond, reserved_ref;
-  assign beyond = pwdata_i[31] & (is_step | select.A1 | select.A2);
-
   // The correction's nodes change between samples only.
   localparam int HasHarmonics = Paper == 0 && Harmonics != 0 ? 1 : 0;
   logic correction_refused;
   assign correction_refused = write & select.CORRECTION & (busy_next_i | HasHarmonics == 0);
   assign correction_o.write = write & select.CORRECTION & ~correction_refused;
-  assign correction_o.node  = pwdata_i[30:24];
-  assign correction_o.value = pwdata_i[19:0];
+  capsoc_coprocessor_correction_t correction;
+  logic unused_correction;  // its reserved bits
+  assign correction         = pwdata_i;
+  assign correction_o.node  = correction.NODE;
+  assign correction_o.value = correction.VALUE;
+  assign unused_correction  = ^correction;
 
-  // Words of the memory stand at their own address, SOFT_U at 0, JUDGE and TURN_LIMIT at 2 and 3. The
-  // word of a LO is its stage, the one of a HI its read latch: a write of LO and a read of HI fill
+  // The word of a LO is its stage, the one of a HI its read latch: a write of LO and a read of HI fill
   // their own word, a write of HI and a read of LO take the other's, which the write leaves at 0.
-  localparam logic [31:0] MemoryWords = 32'hFFF6_FFCD;
   logic        word_we, word_valid;
-  logic [4:0]  word_address, word_source;
+  logic [4:0]  word_source;
   logic [31:0] word_data, word_read, pair_high, pair_low;
-  assign word_address = paddr_i[6:2] & {5{~is_soft}} & {2'b11, ~is_judge, 2'b11};
-  assign word_source  = word_address ^ {4'd0, is_pair};
-  assign word_we      = (read & is_high) | (write & is_low) |
-                        (write & (is_step | is_threshold | is_judge) & ~beyond) |
-                        (write & is_soft & ~soft_valid_o) | (write & is_high);
+  assign word_source  = word_address ^ {4'd0, group.pair};
+  assign word_we      = (read & group.high) |
+                        (write & group.stored & ~soft_valid_o & ~refused);
   word_memory #(
-    .Used (MemoryWords)
+    .Used (capsoc_coprocessor_pkg::WORDS)
   ) u_words (
     .clk_i, .rst_ni,
     .clear_i (clear_o),
     .we_i    (word_we),
-    .waddr_i (word_address ^ {4'd0, pwrite_i & is_high}),
-    .wdata_i (pwrite_i ? pwdata_i & {32{~is_high}} : pair_low),
+    .waddr_i (word_address ^ {4'd0, pwrite_i & group.high}),
+    .wdata_i (pwrite_i ? pwdata_i & {32{~group.high}} : pair_low),
     .raddr_i (word_source),
     .valid_o (word_valid),
     .rdata_o (word_read)
@@ -125,7 +121,7 @@ module register_bank #(
   assign soft_u_o  = word_data;
 
   // Registers
-  logic      freeze;
+  logic      freeze, reserved_ref;
   enables_t  enables;
   settings_t settings;
   setting_registers #(
@@ -134,7 +130,7 @@ module register_bank #(
   ) u_settings (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
-    .write_i       (write & ~(is_step & beyond)),
+    .write_i       (write & ~refused),
     .select_i      (select),
     .pwdata_i,
     .reserved_o    (reserved_ref),
@@ -150,7 +146,7 @@ module register_bank #(
   ) u_state (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
-    .write_i       (write & ~beyond),
+    .write_i       (write & ~refused),
     .zero_phase_i  (zero_phase),
     .select_i      (select),
     .pwdata_i,
@@ -164,7 +160,7 @@ module register_bank #(
   logic [11:0] events, flags;
   assign commit = commit_i & boundary_i;
   assign events = {{flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit}},
-                   (write & beyond) | reserved_ref | correction_refused,
+                   (write & refused) | reserved_ref | correction_refused,
                    {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit}},
                    stream_early_i | soft_early_i,
                    {flags_i.zero, flags_i.sat, flags_i.clip} & {3{commit}}, commit};
@@ -195,32 +191,48 @@ module register_bank #(
   // Reading: two levels of choices, the narrow words among them. A number's bits are the registers that have
   // them: a multiplexer by number takes less than one by selects, and one of three words (numbers 0 to 2) half
   // of one of four. What is not mapped has number 0 everywhere: the narrow words, of which none is selected.
-  // Results: results_memory.sv.
-  assign result_select_o[0] = select.RAW_V | select.CAL_C | select.ERR_U | select.RESIDUE | select.AMPLITUDE |
-                              select.RADIUS_MAX | select.WINDING | select.TURN_DET;
-  assign result_select_o[1] = select.CAL_S | select.CAL_C | select.ERR_V | select.RESIDUE |
-                              select.ERROR_AVERAGE | select.RADIUS_MAX | select.TURN_SAMPLES | select.TURN_DET;
-  assign result_select_o[2] = select.ANGLE | select.ERR_U | select.ERR_V | select.RESIDUE |
-                              select.RESIDUE_MAX | select.WINDING | select.TURN_SAMPLES | select.TURN_DET;
-  assign result_select_o[3] = select.REF_PHASE | select.AMPLITUDE | select.ERROR_AVERAGE | select.RADIUS_MAX |
-                              select.RESIDUE_MAX | select.WINDING | select.TURN_SAMPLES | select.TURN_DET;
-
-  logic        is_memory, is_result;
   logic [1:0]  column, row, kind;
-  logic [31:0] group, narrow, stored, status, ctrl, loop;
-  assign is_memory = is_pair | is_step | is_threshold | is_judge | is_soft;
-  assign is_result = select.RAW_U | select.RAW_V | select.CAL_S | select.CAL_C | select.ANGLE | select.AMPLITUDE |
-                     select.REF_PHASE | select.ERR_U | select.ERR_V | select.ERROR_AVERAGE | select.RESIDUE |
-                     select.RADIUS_MAX | select.RESIDUE_MAX | select.WINDING | select.TURN_SAMPLES | select.TURN_DET;
+  logic [31:0] wide, narrow, stored;
   assign column    = {select.A2 | select.BETA | select.EARLY_COUNT, select.A1 | select.B2 | select.SAMPLES} & {2{mapped}};
   assign row       = {select.PHI | select.SAMPLES | select.EARLY_COUNT, select.B1 | select.B2 | select.BETA} & {2{mapped}};
-  assign kind      = {is_result | (is_memory & ~is_high), is_result | is_high} & {2{mapped}};
-  assign ctrl         = {18'd0, settings.correct, enables, settings.guard, settings.block, freeze, adc_enable_o, settings.source, settings.calib,
-                         settings.demod};
-  assign loop         = {19'd0, settings.ki, 3'd0, settings.kp};
-  assign status       = {18'd0, status_i.good_turns, 3'd0, Paper != 0, 1'b0, freeze & flags[AlarmFlag],
-                         status_i.alarm, status_i.valid, status_i.mirror, status_i.diverged, status_i.lock,
-                         busy_i};
+  assign kind      = {group.result | (group.stored & ~group.high), group.result | group.high} & {2{mapped}};
+
+  capsoc_coprocessor_ctrl_t ctrl;
+  assign ctrl.SRST           = 1'b0;
+  assign ctrl.RESERVED_30_14 = '0;
+  assign ctrl.CORRECT        = settings.correct;
+  assign ctrl.IE_ALARM       = enables.alarm;
+  assign ctrl.IE_TURN        = enables.turn;
+  assign ctrl.IE_ERROR       = enables.error;
+  assign ctrl.IE_LOCK        = enables.lock;
+  assign ctrl.IE_RESULT      = enables.result;
+  assign ctrl.GUARD          = settings.guard;
+  assign ctrl.BLOCK          = settings.block;
+  assign ctrl.FREEZE         = freeze;
+  assign ctrl.ADC            = adc_enable_o;
+  assign ctrl.REF            = settings.source;
+  assign ctrl.CALIB          = settings.calib;
+  assign ctrl.DEMOD          = settings.demod;
+
+  capsoc_coprocessor_loop_t loop;
+  assign loop.RESERVED_31_13 = '0;
+  assign loop.KI             = settings.ki;
+  assign loop.RESERVED_7_5   = '0;
+  assign loop.KP             = settings.kp;
+
+  capsoc_coprocessor_status_t status;
+  assign status.RESERVED_31_14 = '0;
+  assign status.GOOD_TURNS     = status_i.good_turns;
+  assign status.RESERVED_11_9  = '0;
+  assign status.ARITH          = Paper != 0;
+  assign status.RESERVED_7_7   = 1'b0;
+  assign status.FROZEN         = freeze & flags[AlarmFlag];
+  assign status.ALARM          = status_i.alarm;
+  assign status.VALID          = status_i.valid;
+  assign status.MIRROR         = status_i.mirror;
+  assign status.DIVERGED       = status_i.diverged;
+  assign status.LOCK           = status_i.lock;
+  assign status.BUSY           = busy_i;
 
   logic [31:0] a1, a2, b1, b2, beta, phi;
   assign {a1, a2, b1, b2, beta, phi} = state_o.parameters;
@@ -228,21 +240,21 @@ module register_bank #(
     case (row)
       2'd0:
         case (column)
-          2'd0:    group = narrow;
-          2'd1:    group = a1;
-          default: group = a2;
+          2'd0:    wide = narrow;
+          2'd1:    wide = a1;
+          default: wide = a2;
         endcase
       2'd1:
         case (column)
-          2'd0:    group = b1;
-          2'd1:    group = b2;
-          default: group = beta;
+          2'd0:    wide = b1;
+          2'd1:    wide = b2;
+          default: wide = beta;
         endcase
       default:
         case (column)
-          2'd0:    group = phi;
-          2'd1:    group = samples;
-          default: group = early_count;
+          2'd0:    wide = phi;
+          2'd1:    wide = samples;
+          default: wide = early_count;
         endcase
     endcase
   end
@@ -258,7 +270,6 @@ module register_bank #(
                   (turn_flags_i & {32{shown.TURN_FLAGS}});
 
   // A setting that was never written reads its reset value; TURN_LIMIT's is 0.
-  localparam logic [31:0] JudgeReset = capsoc_coprocessor_pkg::JUDGE_RESET;
   always_comb begin
     stored = word_data;
     if (~word_valid & is_step) stored = capsoc_coprocessor_pkg::STEP_AU_RESET;
@@ -267,14 +278,14 @@ module register_bank #(
                          : capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET;
     end
     if (select.JUDGE) begin
-      stored = {10'd0, word_valid ? word_data[21:0] : JudgeReset[21:0]};
+      stored = word_valid ? word_data & capsoc_coprocessor_pkg::JUDGE_WRITABLE : capsoc_coprocessor_pkg::JUDGE_RESET;
     end
     if (select.SOFT_V) stored = '0;
   end
 
   always_comb begin
     case (kind)
-      2'd0:    prdata_o = group;
+      2'd0:    prdata_o = wide;
       2'd1:    prdata_o = pair_high;
       2'd2:    prdata_o = stored;
       default: prdata_o = result_i;

@@ -30,6 +30,22 @@ Weights stored(const Weights& weights, bool paper) {
   return {word(weights.sine), word(weights.cosine), word(weights.constant)};
 }
 
+IdleState power_on_state() {
+  IdleState start;
+  start.settings.steps_u = start_steps_u;
+  start.settings.steps_v = start_steps_v;
+  start.state.block.window_ended = true;  // the first sample begins a window
+  start.state.coefficients.u.sine =
+      start_weight(description::AU_HI_reset, description::AU_LO_reset);
+  start.state.coefficients.v.cosine =
+      start_weight(description::BV_HI_reset, description::BV_LO_reset);
+  start.state.parameters.a1 = static_cast<int32_t>(description::A1_reset);
+  start.state.parameters.a2 = static_cast<int32_t>(description::A2_reset);
+  start.lock_threshold = description::LOCK_THRESHOLD_reset;
+  start.diverge_threshold = description::DIVERGE_THRESHOLD_reset;
+  return start;
+}
+
 Options checked(Options options) {
   options.paper_operand_bits = std::clamp(options.paper_operand_bits, 2, 32);
   options.paper_reference_lead = std::clamp(options.paper_reference_lead, -1024, 1024);
@@ -51,33 +67,14 @@ void Coprocessor::reset() {
 
 void Coprocessor::soft_reset() {
   sequencer_.reset();
-  ctrl_ = 0;
-  flags_ = 0;
-  settings_ = {};
-  settings_.steps_u = start_steps_u;
-  settings_.steps_v = start_steps_v;
-  state_ = {};
-  state_.block.window_ended = true;  // the first sample begins a window
-  state_.coefficients.u.sine = start_weight(description::AU_HI_reset, description::AU_LO_reset);
-  state_.coefficients.v.cosine = start_weight(description::BV_HI_reset, description::BV_LO_reset);
-  state_.parameters.a1 = static_cast<int32_t>(description::A1_reset);
-  state_.parameters.a2 = static_cast<int32_t>(description::A2_reset);
-  results_ = {};
-  judge_settings_ = {};
-  judge_ = {};
-  lock_threshold_ = description::LOCK_THRESHOLD_reset;
-  diverge_threshold_ = description::DIVERGE_THRESHOLD_reset;
-  soft_u_ = 0;
-  samples_ = 0;
-  early_count_ = 0;
-  settled_ = 0;
-  staged_low_ = {};
-  latched_low_ = {};
-  nodes_ = {};
+  IdleState start = power_on_state();
+  start.cycle = arch_.cycle;
+  start.corrections = arch_.corrections;  // a memory without a reset
+  arch_ = start;
 }
 
 void Coprocessor::advance(uint64_t cycle) {
-  cycle_ = std::max(cycle_, cycle);
+  arch_.cycle = std::max(arch_.cycle, cycle);
   while (sequencer_.due(cycle)) {
     commit_tick();
     sequencer_.turn();
@@ -87,15 +84,15 @@ void Coprocessor::advance(uint64_t cycle) {
 
 bool Coprocessor::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
   advance(cycle);
-  if ((ctrl_ & ctrl_adc) == 0 || !latch(cycle, u, v, clip)) return false;
+  if ((arch_.ctrl & ctrl_adc) == 0 || !latch(cycle, u, v, clip)) return false;
   held_.taken = cycle;
   return true;
 }
 
 bool Coprocessor::latch(uint64_t cycle, int32_t u, int32_t v, bool clip) {
   if (!sequencer_.latch(cycle)) {
-    if (early_count_ != UINT32_MAX) ++early_count_;
-    flags_ |= flag_early;
+    if (arch_.early_count != UINT32_MAX) ++arch_.early_count;
+    arch_.flags |= flag_early;
     return false;
   }
   held_ = {};
@@ -112,26 +109,28 @@ void Coprocessor::start_tick() {
     if (sequencer_.occupied(stage)) pipe_[stage] = pipe_[stage - 1];
   if (sequencer_.entered()) {
     pipe_[0] = held_;
-    datapath_.products(pipe_[0], state_);
+    datapath_.products(pipe_[0], arch_.state);
     pipe_[0].saturated_after[0] = pipe_[0].saturated;
   }
   if (sequencer_.occupied(1)) {
     datapath_.relative_angle(pipe_[1]);
-    if (settings_.correct)
-      pipe_[1].relative = corrected_angle(corrections_, pipe_[1].relative, state_.parameters.phi);
+    if (arch_.settings.correct)
+      pipe_[1].relative =
+          corrected_angle(arch_.corrections, pipe_[1].relative, arch_.state.parameters.phi);
     pipe_[1].saturated_after[1] = pipe_[1].saturated;
   }
   if (sequencer_.occupied(2)) {
-    datapath_.reference(pipe_[2], settings_, state_, pending_.reference);
+    datapath_.reference(pipe_[2], arch_.settings, arch_.state, pending_.reference);
     pipe_[2].next_reference = pending_.reference;
-    if (settings_.source != ReferenceSource::tracking) pipe_[2].next_reference.frequency = 0;
+    if (arch_.settings.source != ReferenceSource::tracking) pipe_[2].next_reference.frequency = 0;
     pipe_[2].saturated_after[2] = pipe_[2].saturated;
-    pending_.steer_frequency = settings_.source == ReferenceSource::tracking;
+    pending_.steer_frequency = arch_.settings.source == ReferenceSource::tracking;
   }
   if (sequencer_.occupied(3)) {
-    const bool learns = settings_.demodulate && !frozen() && !pipe_[3].hold_weights;
-    const LearningPlan plan = plan_learning(state_.block, settings_, learns, judge_.last.flags);
-    datapath_.demodulation(pipe_[3], settings_, state_, plan, pending_.learning);
+    const bool learns = arch_.settings.demodulate && !frozen() && !pipe_[3].hold_weights;
+    const LearningPlan plan =
+        plan_learning(arch_.state.block, arch_.settings, learns, arch_.judge.last.flags);
+    datapath_.demodulation(pipe_[3], arch_.settings, arch_.state, plan, pending_.learning);
     pipe_[3].next_coefficients =
         plan.update || plan.sum ? pending_.learning.coefficients : Coefficients{};
     pipe_[3].next_average =
@@ -144,24 +143,24 @@ void Coprocessor::start_tick() {
 
 void Coprocessor::commit_tick() {
   if (sequencer_.occupied(2)) {
-    state_.reference.phase = pending_.reference.phase;
+    arch_.state.reference.phase = pending_.reference.phase;
     // Only the tracking source owns the frequency: otherwise a word that software wrote in the
     // course of this tick would be lost.
-    if (pending_.steer_frequency) state_.reference.frequency = pending_.reference.frequency;
+    if (pending_.steer_frequency) arch_.state.reference.frequency = pending_.reference.frequency;
   }
   if (sequencer_.occupied(3)) {
-    if (pending_.learning.update) state_.coefficients = pending_.learning.coefficients;
-    if (pending_.learning.sum) state_.block.sums = pending_.learning.coefficients;
-    if (!state_.block.begun) state_.block.sums = {};
-    state_.error_sum_u = pending_.learning.error_sum_u;
-    state_.error_sum_v = pending_.learning.error_sum_v;
+    if (pending_.learning.update) arch_.state.coefficients = pending_.learning.coefficients;
+    if (pending_.learning.sum) arch_.state.block.sums = pending_.learning.coefficients;
+    if (!arch_.state.block.begun) arch_.state.block.sums = {};
+    arch_.state.error_sum_u = pending_.learning.error_sum_u;
+    arch_.state.error_sum_v = pending_.learning.error_sum_v;
   }
   if (sequencer_.occupied(4)) commit_results(pipe_[4]);
   if (const auto stage = sequencer_.load_stage()) commit_load(*stage);
 }
 
 void Coprocessor::start_load(unsigned stage) {
-  const Parameters& p = state_.parameters;
+  const Parameters& p = arch_.state.parameters;
   const Rotation& r = load_rotation_;
   if (stage == 0) pending_.load_rotation = datapath_.rotation(to_phase48(p.phi));
   if (stage == 1) {
@@ -174,16 +173,17 @@ void Coprocessor::start_load(unsigned stage) {
 
 void Coprocessor::commit_load(unsigned stage) {
   if (stage < 2) load_rotation_ = pending_.load_rotation;
-  if (stage == 1) state_.coefficients.u = pending_.load_weights;
-  if (stage == 2) state_.coefficients.v = pending_.load_weights;
+  if (stage == 1) arch_.state.coefficients.u = pending_.load_weights;
+  if (stage == 2) arch_.state.coefficients.v = pending_.load_weights;
 }
 
 void Coprocessor::start_results(Packet& packet) {
-  pending_.polar = datapath_.parameters(packet, settings_, state_);
-  pending_.keep_parameters = !settings_.demodulate;
-  pending_.calibrate = (ctrl_ & ctrl_calib) != 0;
-  pending_.error_average = error_average(std::max(state_.error_sum_u, state_.error_sum_v));
-  const bool settled = settled_ + 1 >= settling_samples;
+  pending_.polar = datapath_.parameters(packet, arch_.settings, arch_.state);
+  pending_.keep_parameters = !arch_.settings.demodulate;
+  pending_.calibrate = (arch_.ctrl & ctrl_calib) != 0;
+  pending_.error_average =
+      error_average(std::max(arch_.state.error_sum_u, arch_.state.error_sum_v));
+  const bool settled = arch_.settled + 1 >= settling_samples;
   const JudgedSample judged = {packet.amplitude,
                                packet.det,
                                packet.residue,
@@ -193,27 +193,27 @@ void Coprocessor::start_results(Packet& packet) {
                                packet.zero || packet.unsettled,
                                packet.mirror,
                                packet.turn};
-  pending_.judge =
-      judge(judge_, judged, judge_settings_, settings_.source != ReferenceSource::numeric);
-  pending_.lock = settled && pending_.error_average < lock_threshold_ &&
-                  pending_.judge.permits_lock(judge_settings_.turns);
-  pending_.diverged = settled && pending_.error_average > diverge_threshold_;
+  pending_.judge = judge(arch_.judge, judged, arch_.judge_settings,
+                         arch_.settings.source != ReferenceSource::numeric);
+  pending_.lock = settled && pending_.error_average < arch_.lock_threshold &&
+                  pending_.judge.permits_lock(arch_.judge_settings.turns);
+  pending_.diverged = settled && pending_.error_average > arch_.diverge_threshold;
 }
 
 void Coprocessor::commit_results(const Packet& packet) {
-  Results& r = results_;
-  flags_ |= flag_result;
-  if (packet.clip) flags_ |= flag_clip;
-  if (packet.saturated) flags_ |= flag_sat;
-  if (packet.zero) flags_ |= flag_zero;
-  if (packet.unsettled) flags_ |= flag_unsettled;
-  if (pending_.diverged) flags_ |= flag_diverged;
-  if (pending_.lock != r.lock) flags_ |= flag_lockchg;
-  if (packet.mirror != r.mirror) flags_ |= flag_mirrorchg;
-  judge_ = pending_.judge;
-  state_.block.window_ended = judge_.ended;
-  if (judge_.ended) flags_ |= flag_turn;
-  if (judge_.alarm) flags_ |= flag_alarm;
+  Results& r = arch_.results;
+  arch_.flags |= flag_result;
+  if (packet.clip) arch_.flags |= flag_clip;
+  if (packet.saturated) arch_.flags |= flag_sat;
+  if (packet.zero) arch_.flags |= flag_zero;
+  if (packet.unsettled) arch_.flags |= flag_unsettled;
+  if (pending_.diverged) arch_.flags |= flag_diverged;
+  if (pending_.lock != r.lock) arch_.flags |= flag_lockchg;
+  if (packet.mirror != r.mirror) arch_.flags |= flag_mirrorchg;
+  arch_.judge = pending_.judge;
+  arch_.state.block.window_ended = arch_.judge.ended;
+  if (arch_.judge.ended) arch_.flags |= flag_turn;
+  if (arch_.judge.alarm) arch_.flags |= flag_alarm;
   r.raw_u = static_cast<uint32_t>(packet.u);
   r.raw_v = static_cast<uint32_t>(packet.v);
   r.cal_s = static_cast<uint32_t>(packet.cal_s);
@@ -229,9 +229,9 @@ void Coprocessor::commit_results(const Packet& packet) {
   r.mirror = packet.mirror;
   r.valid = pending_.calibrate && !packet.zero && !packet.unsettled;
   if (r.valid) r.angle = pending_.polar.angle;
-  if (!pending_.keep_parameters) state_.parameters = pending_.polar.parameters;
-  ++samples_;
-  settled_ = std::min(settled_ + 1, settling_samples);
+  if (!pending_.keep_parameters) arch_.state.parameters = pending_.polar.parameters;
+  ++arch_.samples;
+  arch_.settled = std::min(arch_.settled + 1, settling_samples);
   record_nodes(packet);
 }
 
@@ -243,28 +243,28 @@ void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) c
 }
 
 bool Coprocessor::stage_nodes(unsigned stage, Nodes& nodes) const {
-  if (stage >= stage_count || !sequencer_.occupied(stage) || !sequencer_.turns_after(cycle_))
+  if (stage >= stage_count || !sequencer_.occupied(stage) || !sequencer_.turns_after(arch_.cycle))
     return false;
   packet_nodes(pipe_[stage], stage, nodes);
   return true;
 }
 
 void Coprocessor::record_nodes(const Packet& packet) {
-  ++nodes_.commits;
-  nodes_.taken = packet.taken;
-  for (unsigned stage = 0; stage <= commit_stage; ++stage) packet_nodes(packet, stage, nodes_);
+  ++arch_.nodes.commits;
+  arch_.nodes.taken = packet.taken;
+  for (unsigned stage = 0; stage <= commit_stage; ++stage) packet_nodes(packet, stage, arch_.nodes);
 }
 
 bool Coprocessor::frozen() const {
-  return (ctrl_ & ctrl_freeze) != 0 && (flags_ & flag_alarm) != 0;
+  return (arch_.ctrl & ctrl_freeze) != 0 && (arch_.flags & flag_alarm) != 0;
 }
 
 bool Coprocessor::interrupt() const {
-  return ((flags_ & flag_result) && (ctrl_ & ctrl_ie_result)) ||
-         ((flags_ & flag_lockchg) && (ctrl_ & ctrl_ie_lock)) ||
-         ((flags_ & flags_error) && (ctrl_ & ctrl_ie_error)) ||
-         ((flags_ & flag_turn) && (ctrl_ & ctrl_ie_turn)) ||
-         ((flags_ & flag_alarm) && (ctrl_ & ctrl_ie_alarm));
+  return ((arch_.flags & flag_result) && (arch_.ctrl & ctrl_ie_result)) ||
+         ((arch_.flags & flag_lockchg) && (arch_.ctrl & ctrl_ie_lock)) ||
+         ((arch_.flags & flags_error) && (arch_.ctrl & ctrl_ie_error)) ||
+         ((arch_.flags & flag_turn) && (arch_.ctrl & ctrl_ie_turn)) ||
+         ((arch_.flags & flag_alarm) && (arch_.ctrl & ctrl_ie_alarm));
 }
 
 }  // namespace capsoc::coprocessor

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "coprocessor/datapath.h"
 #include "coprocessor/device.h"
@@ -31,10 +30,9 @@ class Coprocessor final : public Device {
   bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
   RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
-  std::string_view guest_error() const override { return guest_error_; }
   bool interrupt() const override;
   bool idle() const override { return !sequencer_.busy(); }
-  const Nodes& nodes() const override { return nodes_; }
+  const Nodes& nodes() const override { return arch_.nodes; }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override;
   void visit(kit::Archive& archive) override;
   bool save_idle(IdleState& state) const override;
@@ -57,10 +55,6 @@ class Coprocessor final : public Device {
     void visit(kit::Archive& archive);
   };
 
-  // state.cpp
-  template <typename Self>
-  static auto members_of(Self& c);
-
   // coprocessor.cpp
   void commit_tick();
   void start_tick();
@@ -73,52 +67,31 @@ class Coprocessor final : public Device {
   bool latch(uint64_t cycle, int32_t u, int32_t v, bool clip);
 
   // register_bank.cpp
-  std::optional<uint32_t> peek(uint32_t offset) const;
-  bool write_control(uint64_t cycle, uint32_t offset, uint32_t value);
-  bool write_setting(uint32_t offset, uint32_t value);
-  bool write_parameter(uint32_t offset, uint32_t value);
-  bool write_pair(uint32_t offset, uint32_t value);
+  struct Registers;
+  void write_pair(const registers::RegisterRule& rule, uint32_t value);
   void write_ctrl(uint32_t value);
   void write_correction(uint32_t value);
   void write_command(uint64_t cycle, uint32_t value);
+  void write_loop(uint32_t value);
+  void write_judge(uint32_t value);
   uint32_t status() const;
   uint32_t turn_flags() const;
+  uint32_t loop() const;
+  uint32_t judge_word() const;
   bool frozen() const;
-  int64_t pair_value(unsigned pair) const;
-  void set_pair(unsigned pair, int32_t high, uint32_t low);
 
   Options options_;
-  uint64_t cycle_ = 0;  // the last edge that has passed
   Datapath datapath_;
   Sequencer sequencer_;
 
-  // Registers
-  uint32_t ctrl_ = 0;
-  uint32_t flags_ = 0;
-  Settings settings_;
-  State state_;
-  Results results_;
-  JudgeSettings judge_settings_;
-  TurnJudge judge_;
-  uint32_t lock_threshold_ = 0;
-  uint32_t diverge_threshold_ = 0;
-  uint32_t soft_u_ = 0;
-  uint32_t samples_ = 0;
-  uint32_t early_count_ = 0;
-  unsigned settled_ = 0;  // samples since reset, up to 64: below that the averages mean nothing
-  // Low words of the 48-bit registers: FREQ, PHASE, AU, BU, CU, AV, BV, CV.
-  std::array<uint32_t, 8> staged_low_{};
-  std::array<uint32_t, 8> latched_low_{};
-  CorrectionTable corrections_{};  // outlives a reset
+  // The architectural state: all that is left while nothing is in the pipeline.
+  IdleState arch_;
 
   // Pipeline
   Packet held_;
   std::array<Packet, stage_count> pipe_;
   Rotation load_rotation_;
   Pending pending_;
-
-  Nodes nodes_;
-  std::string_view guest_error_;
 };
 
 }  // namespace capsoc::coprocessor

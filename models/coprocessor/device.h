@@ -51,11 +51,8 @@ class Device {
   // value instead of the latched one.
   virtual RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) = 0;
   // false: unmapped. A write that has no effect (read-only, reserved value) is true and explained
-  // by guest_error().
+  // by write_complaint() (register_map.h).
   virtual bool write(uint64_t cycle, uint32_t offset, uint32_t value) = 0;
-
-  // What was wrong with the last write, for the log; empty if nothing was.
-  virtual std::string_view guest_error() const = 0;
 
   virtual bool interrupt() const = 0;
   virtual bool idle() const = 0;

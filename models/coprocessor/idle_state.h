@@ -20,7 +20,9 @@ struct Results {
   void visit(kit::Archive& archive);
 };
 
-// What the future depends on when no sample and no LOAD is in the pipeline or waits for it.
+// The architectural state: all that the future depends on when no sample and no LOAD is in the
+// pipeline or waits for it. The model owns one of these, so that a member stands here and in
+// visit(), and nowhere else.
 struct IdleState {
   uint64_t cycle = 0;  // PCLK edge: the last one that has passed
   uint32_t ctrl = 0;
@@ -35,12 +37,12 @@ struct IdleState {
   uint32_t soft_u = 0;
   uint32_t samples = 0;
   uint32_t early_count = 0;
-  unsigned settled = 0;  // samples since reset, up to 64
+  unsigned settled = 0;  // samples since reset, up to 64: below that the averages mean nothing
   // Low words of the 48-bit registers: FREQ, PHASE, AU, BU, CU, AV, BV, CV.
   std::array<uint32_t, 8> staged_low{};
   std::array<uint32_t, 8> latched_low{};
-  CorrectionTable corrections{};
-  Nodes nodes;  // of the last result
+  CorrectionTable corrections{};  // outlives a reset
+  Nodes nodes;                    // of the last result
 
   void visit(kit::Archive& archive);
 };

@@ -1,6 +1,5 @@
 // The state of the coprocessor's model, value by value (kit/archive.h).
 #include <algorithm>
-#include <tuple>
 
 #include "coprocessor/coprocessor.h"
 
@@ -218,52 +217,28 @@ void IdleState::visit(Archive& archive) {
   archive("nodes", nodes);
 }
 
-namespace {
-
-auto members_of(IdleState& s) {
-  return std::tie(s.cycle, s.ctrl, s.flags, s.settings, s.state, s.results, s.judge_settings,
-                  s.judge, s.lock_threshold, s.diverge_threshold, s.soft_u, s.samples,
-                  s.early_count, s.settled, s.staged_low, s.latched_low, s.corrections, s.nodes);
-}
-
-}  // namespace
-
-template <typename Self>
-auto Coprocessor::members_of(Self& c) {
-  return std::tie(c.cycle_, c.ctrl_, c.flags_, c.settings_, c.state_, c.results_, c.judge_settings_,
-                  c.judge_, c.lock_threshold_, c.diverge_threshold_, c.soft_u_, c.samples_,
-                  c.early_count_, c.settled_, c.staged_low_, c.latched_low_, c.corrections_,
-                  c.nodes_);
-}
-
 void Coprocessor::visit(Archive& archive) {
-  IdleState registers;
-  coprocessor::members_of(registers) = members_of(*this);
-  registers.visit(archive);
-  if (archive.loading()) members_of(*this) = coprocessor::members_of(registers);
+  arch_.visit(archive);
   archive("sequencer", sequencer_);
   archive("held", held_);
   archive("pipe", pipe_);
   archive("load_rotation", load_rotation_);
   archive("pending", pending_);
-  if (archive.loading()) guest_error_ = {};
 }
 
 bool Coprocessor::save_idle(IdleState& state) const {
   if (!idle()) return false;
-  coprocessor::members_of(state) = members_of(*this);
+  state = arch_;
   return true;
 }
 
 bool Coprocessor::load_idle(const IdleState& state) {
-  IdleState copy = state;
-  soft_reset();
-  members_of(*this) = coprocessor::members_of(copy);
+  sequencer_.reset();
+  arch_ = state;
   held_ = {};
   pipe_ = {};
   load_rotation_ = {};
   pending_ = {};
-  guest_error_ = {};
   return true;
 }
 

@@ -26,7 +26,7 @@ class Judge : public testing::Test {
   uint32_t read(uint32_t offset) { return bench.read(offset); }
   bool locked() { return (read(reg_status) & status_lock) != 0; }
   uint32_t turn_flags() { return read(reg_turn_flags); }
-  uint32_t turn_count() { return turn_flags() >> turn_count_shift; }
+  uint32_t turn_count() { return turn_flags() >> turn_turn_count_shift; }
 
   // Weights that fit the sensor, as if learnt.
   void fit(const Sensor& s) {
@@ -94,7 +94,7 @@ TEST_F(Judge, FitsAnIndependentComputation) {
   EXPECT_NEAR(static_cast<int32_t>(read(reg_turn_det)), static_cast<double>(det * one_q31), 3);
   EXPECT_EQ(read(reg_turn_samples), samples_a_turn + 1u) << "1 / 5000 turn is rounded down";
   EXPECT_NEAR(static_cast<int32_t>(read(reg_winding)), 1073741824.0, 1 << 20);
-  EXPECT_EQ(turn_flags(), 0xFFu | turn_good | 1u << turn_count_shift);
+  EXPECT_EQ(turn_flags(), 0xFFu | turn_good | 1u << turn_turn_count_shift);
 }
 
 TEST_F(Judge, CountsGoodTurnsAndLocksByThem) {

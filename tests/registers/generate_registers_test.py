@@ -103,6 +103,44 @@ class Generator(unittest.TestCase):
             "assign mapped_o = address_i[11:8] == '0 & address_i[1:0] == '0 & word != 6'h2B & word != 6'h3A;", decoder
         )
 
+    def test_the_decoder_has_numbers_words_and_ranges(self):
+        self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)
+        decoder = self.made("capsoc_coprocessor_selects.sv")
+        self.assertRegex(decoder, r"assign result_o\[3\] = select_o.REF_PHASE \| select_o.AMPLITUDE \| .*TURN_DET;")
+        self.assertIn("assign word_o[2] = address_i[4] & ~(select_o.JUDGE | select_o.TURN_LIMIT);", decoder)
+        self.assertRegex(
+            decoder, r"assign refused_o = \(\(write_data_i\[31\]\) & \(select_o.STEP_AU .*select_o.A2\)\);"
+        )
+        self.assertIn("  logic [6:0] NODE;", decoder.split("} capsoc_coprocessor_correction_t;")[0].rsplit("{")[-1])
+        self.assertIn("WORDS = 32'hFFF6FFCD;", self.made("capsoc_coprocessor_pkg.sv"))
+
+    def test_the_map_has_names_rules_and_pairs(self):
+        self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)
+        made = self.made("capsoc_coprocessor_map.h")
+        for line in (
+            "  reg_ctrl = description::CTRL_offset,",
+            "inline constexpr uint32_t ctrl_demod = description::CTRL_DEMOD_mask;",
+            "inline constexpr unsigned ctrl_ref_shift = description::CTRL_REF_shift;",
+            "inline constexpr uint32_t ctrl_writable = 0x00003FFF;  // and readable",
+            "inline constexpr uint32_t word_judge = 2;",
+        ):
+            self.assertIn(line + "\n", made)
+        self.assertRegex(made, r"0x00000000, 0x7FFFFFFF, registers::no_pair, false, \"\"\},  // STEP_AU\n")
+        self.assertRegex(made, r'pair_freq, true, ""\},  // FREQ_HI\n')
+        self.assertIn('"reserved bits of LOOP are ignored"},  // LOOP\n', made)
+
+    def test_hardware_names_what_there_is(self):
+        def hardware(inner):
+            extension = f"<vendorExtensions><hardware>{inner}</hardware></vendorExtensions></device>\n"
+            return HEAD + register("A", "0x0") + register("B", "0x80") + TAIL.replace("</device>\n", extension)
+
+        place = "<peripheral>P</peripheral>"
+        self.expect_error(hardware("<peripheral>Q</peripheral>"), 7, "Q")
+        self.expect_error(hardware(place + "<results>A C</results>"), 7, "no register C")
+        self.expect_error(hardware(place + "<words>A B</words>"), 7, "B has word 0", "write B=WORD")
+        self.expect_error(hardware(place + "<words>A=32</words>"), 7, "from 0 to 31")
+        self.assertEqual(self.run_on(hardware(place + "<words>A B=1</words>")).returncode, 0)
+
     def test_only_what_is_synthesised_has_a_decoder(self):
         self.run_generator(DESCRIPTION)
         self.assertEqual(
@@ -148,7 +186,7 @@ class Generator(unittest.TestCase):
         before = {path: path.stat().st_mtime_ns for path in self.output.iterdir()}
         self.run_generator(DESCRIPTION)
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in self.output.iterdir()})
-        self.assertEqual(len(before), 6)
+        self.assertEqual(len(before), 7)
 
     # What it refuses
 

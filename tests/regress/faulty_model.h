@@ -53,7 +53,6 @@ class FaultyModel final : public coprocessor::Device {
     if (!changed) return true;
     return model_.write(cycle, changed->offset, changed->value);
   }
-  std::string_view guest_error() const override { return model_.guest_error(); }
   bool interrupt() const override {
     return fault_.interrupt ? fault_.interrupt(model_.interrupt()) : model_.interrupt();
   }

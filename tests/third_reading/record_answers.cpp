@@ -80,7 +80,6 @@ class Recorder final : public Device {
     return ok;
   }
   std::optional<uint64_t> next_event() const override { return device_->next_event(); }
-  std::string_view guest_error() const override { return device_->guest_error(); }
   bool interrupt() const override { return device_->interrupt(); }
   bool idle() const override { return device_->idle(); }
   const coprocessor::Nodes& nodes() const override { return device_->nodes(); }

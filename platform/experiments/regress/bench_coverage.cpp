@@ -20,19 +20,6 @@ size_t loop_class(unsigned shift) {
   return shift == 0 ? 0 : shift < 16 ? 1 : shift == 16 ? 2 : shift < 31 ? 3 : 4;
 }
 
-size_t pair_index(uint32_t offset) {
-  return offset < reg_au_lo ? (offset - reg_freq_lo) / 8 : 2 + (offset - reg_au_lo) / 8;
-}
-
-bool is_pair(uint32_t offset) {
-  return (offset >= reg_freq_lo && offset <= reg_phase_hi) ||
-         (offset >= reg_au_lo && offset <= reg_cv_hi);
-}
-
-bool is_high(uint32_t offset) {
-  return ((offset - (offset < reg_au_lo ? reg_freq_lo : reg_au_lo)) & 4) != 0;
-}
-
 bool is_step(uint32_t offset) {
   return offset >= reg_step_au && offset <= reg_step_cv;
 }
@@ -182,7 +169,7 @@ void Bench::cover_judge(const Nodes& n) {
 
   const int32_t half_turns = static_cast<int32_t>(n.travel) >> 29;
   hit(half_turns == 3 || half_turns == -4, 25);
-  const bool ended = (flags ^ turn_flags_) >> turn_count_shift != 0;
+  const bool ended = (flags ^ turn_flags_) >> turn_turn_count_shift != 0;
   const bool turns_count = (judge_ & description::JUDGE_TURNS_mask) != 0;
   hit((flags & turn_residue) != 0, 28);
   hit(!ended && turns_count && (changed & status_ & status_lock) != 0 &&
@@ -192,8 +179,8 @@ void Bench::cover_judge(const Nodes& n) {
   hit(std::abs(n.residue) == residue_limit - 1, 30);
   hit(std::abs(n.residue) == residue_limit, 31);
   const bool was_good = (turn_flags_ & turn_good) != 0;
-  const bool some = turn_flags_ >> turn_count_shift != 0;
-  hit(ended && flags >> turn_count_shift == 0, 27);
+  const bool some = turn_flags_ >> turn_turn_count_shift != 0;
+  hit(ended && flags >> turn_turn_count_shift == 0, 27);
   turn_flags_ = flags;
   if (!ended) return;
   const bool good = (flags & turn_good) != 0;
@@ -364,7 +351,7 @@ void Bench::cover_collision(uint32_t offset, uint32_t value) {
 
 void Bench::cover_pair_write(uint32_t offset) {
   uint8_t& staged = staged_[pair_index(offset)];
-  if (is_high(offset)) {
+  if (is_pair_high(offset)) {
     coverage_.hit(Group::pair, staged != 0 ? 0 : 1);
     staged = 0;
   } else {
@@ -382,7 +369,7 @@ void Bench::cover_read(uint32_t offset, bool debug, bool ok) {
   if (index < std::size(registers::coprocessor::table)) coverage_.hit(Group::read_of, index);
   if (!is_pair(offset)) return;
   uint8_t& latched = latched_[pair_index(offset)];
-  if (is_high(offset)) {
+  if (is_pair_high(offset)) {
     latched = 1;
   } else {
     coverage_.hit(Group::pair, latched != 0 ? 3 : 4);

@@ -53,7 +53,6 @@ class Recorder final : public coprocessor::Device {
   bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
   coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
-  std::string_view guest_error() const override { return model_.guest_error(); }
   bool interrupt() const override { return model_.interrupt(); }
   bool idle() const override { return model_.idle(); }
   const coprocessor::Nodes& nodes() const override { return model_.nodes(); }

@@ -98,7 +98,8 @@ class CoprocessorRtl::Pins {
     state = to_model(registers, nodes_);
     state.cycle = edge_;
     // A read of HI fills its latch at the coming edge; in the model it has done so.
-    if (reading_) state.latched_low.at(pair_index(pins_.paddr)) = present_low(pins_.paddr - 4u);
+    if (reading_)
+      state.latched_low.at(coprocessor::pair_index(pins_.paddr)) = present_low(pins_.paddr - 4u);
     return true;
   }
 
@@ -252,8 +253,6 @@ class CoprocessorRtl::Pins {
     return clocks_;
   }
 
-  std::string_view guest_error;
-
  private:
   struct Wire {
     int64_t Nodes::*node;
@@ -366,13 +365,8 @@ class CoprocessorRtl::Pins {
   uint32_t present_low(uint32_t offset) {
     std::array<int64_t, 8> pairs{};
     inside_.pairs(instance_.get(), pairs.data());
-    return coprocessor::pair_words(offset, pairs.at(pair_index(offset))).low;
-  }
-
-  /// Of a 48-bit register: FREQ, PHASE, AU, BU, CU, AV, BV, CV.
-  static unsigned pair_index(uint32_t offset) {
-    return offset < coprocessor::reg_au_lo ? (offset - coprocessor::reg_freq_lo) / 8
-                                           : 2 + (offset - coprocessor::reg_au_lo) / 8;
+    const unsigned pair = coprocessor::pair_index(offset);
+    return coprocessor::pair_words(pair, pairs.at(pair)).low;
   }
 
   RtlLibrary::Handle library_;
@@ -427,13 +421,7 @@ RegisterAccess CoprocessorRtl::read(uint64_t cycle, uint32_t offset, bool debug)
 }
 
 bool CoprocessorRtl::write(uint64_t cycle, uint32_t offset, uint32_t value) {
-  const bool mapped = pins_->write(cycle, offset, value);
-  pins_->guest_error = mapped ? coprocessor::write_complaint(offset, value) : "";
-  return mapped;
-}
-
-std::string_view CoprocessorRtl::guest_error() const {
-  return pins_->guest_error;
+  return pins_->write(cycle, offset, value);
 }
 
 bool CoprocessorRtl::interrupt() const {

@@ -531,10 +531,6 @@ bool Lockstep::write(uint64_t cycle, uint32_t offset, uint32_t value) {
   return pair_->write(cycle, offset, value);
 }
 
-std::string_view Lockstep::guest_error() const {
-  return pair_->model_->guest_error();
-}
-
 bool Lockstep::interrupt() const {
   pair_->close();
   return pair_->model_->interrupt();

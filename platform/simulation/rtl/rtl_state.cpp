@@ -17,11 +17,11 @@ using coprocessor::TurnRecord;
 
 namespace {
 
-// rtl/register_bank.sv: its memory has a word for each of these at the word's own address, SOFT_U's
-// at 0, JUDGE's and TURN_LIMIT's at 2 and 3. Of a pair the even one is the stage, the odd one the
-// read latch.
-constexpr uint32_t soft_u_word = 0, judge_word = 2, turn_limit_word = 3;
-constexpr std::array<uint32_t, 8> pair_words = {6, 8, 20, 22, 24, 26, 28, 30};
+// rtl/register_bank.sv: of a pair the memory's even word is the stage, the odd one the read latch.
+constexpr std::array<uint32_t, coprocessor::pair_count> pair_words = {
+    coprocessor::word_freq_lo, coprocessor::word_phase_lo, coprocessor::word_au_lo,
+    coprocessor::word_bu_lo,   coprocessor::word_cu_lo,    coprocessor::word_av_lo,
+    coprocessor::word_bv_lo,   coprocessor::word_cv_lo};
 
 // rtl/results_memory.sv: words of a slot; rtl/turn_judge.sv: words by slot, words of a bank.
 constexpr uint64_t average_at = 8, det_at = 22, record_at = 24;
@@ -31,17 +31,15 @@ struct Setting {
   uint32_t word, offset;
   uint64_t capsoc_rtl_state::*value;
 };
-constexpr std::array<Setting, 10> settings = {
-    {{10, coprocessor::reg_step_au, &capsoc_rtl_state::step_au},
-     {11, coprocessor::description::STEP_BU_offset, &capsoc_rtl_state::step_bu},
-     {12, coprocessor::description::STEP_CU_offset, &capsoc_rtl_state::step_cu},
-     {13, coprocessor::description::STEP_AV_offset, &capsoc_rtl_state::step_av},
-     {14, coprocessor::description::STEP_BV_offset, &capsoc_rtl_state::step_bv},
-     {15, coprocessor::reg_step_cv, &capsoc_rtl_state::step_cv},
-     {17, coprocessor::reg_lock_threshold, &capsoc_rtl_state::lock_threshold},
-     {18, coprocessor::reg_diverge_threshold, &capsoc_rtl_state::diverge_threshold},
-     {judge_word, coprocessor::reg_judge, &capsoc_rtl_state::judge},
-     {turn_limit_word, coprocessor::reg_turn_limit, &capsoc_rtl_state::turn_limit}}};
+constexpr Setting settings[] = {
+#define WORD(name, bits, instance, variable)
+#define WORDS(name, count, bits, instance, variable)
+#define SETTING(name, bits, instance, variable) \
+  {coprocessor::word_##name, coprocessor::reg_##name, &capsoc_rtl_state::name},
+#include "rtl/rtl_state.def"
+#undef WORD
+#undef WORDS
+};
 
 struct Bit {
   uint32_t mask;
@@ -129,7 +127,7 @@ void set_settings(capsoc_rtl_state& r, const IdleState& state) {
     r.*setting.value = read(setting.offset);
     put(setting.word, r.*setting.value);
   }
-  put(soft_u_word, state.soft_u);
+  put(coprocessor::word_soft_u, state.soft_u);
   for (std::size_t pair = 0; pair < pair_words.size(); ++pair) {
     put(pair_words[pair], state.staged_low[pair]);
     put(pair_words[pair] + 1, state.latched_low[pair]);
@@ -148,7 +146,7 @@ void get_settings(const capsoc_rtl_state& r, IdleState& state) {
   const auto at = [&](uint32_t address) {
     return (r.bank_valid >> address & 1) != 0 ? low32(r.bank_words[address]) : 0;
   };
-  state.soft_u = at(soft_u_word);
+  state.soft_u = at(coprocessor::word_soft_u);
   for (std::size_t pair = 0; pair < pair_words.size(); ++pair) {
     state.staged_low[pair] = at(pair_words[pair]);
     state.latched_low[pair] = at(pair_words[pair] + 1);

@@ -3,8 +3,8 @@
 usage: registers.py DESCRIPTION.svd OUTPUT_DIRECTORY
 
 Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
-capsoc_registers.json (register tests) and for the peripherals that are synthesised a package
-capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
+capsoc_registers.json (register tests) and for the peripherals that are synthesised the model's register map
+capsoc_NAME_map.h (C++), a package capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
 A file whose content would not change is left alone, so that nothing that depends on it is rebuilt.
 An error in the description ends with status 2 and one sentence that names file and line.
 """
@@ -130,6 +130,27 @@ class Peripheral:
     interrupts: list
     registers: list
     line: int
+    results: list = field(default_factory=list)  # registers, by their number
+    words: dict = field(default_factory=dict)  # register: its word in the bank's memory
+
+
+@dataclass
+class Pair:
+    """A number of more than 32 bits in two registers, NAME_LO and NAME_HI."""
+
+    name: str
+    low: Register
+    high: Register
+
+
+def pairs_of(peripheral):
+    """The pairs of a peripheral, by the offset of their low words."""
+    by_name = {register.name: register for register in peripheral.registers}
+    return [
+        Pair(register.name[:-3], register, by_name[register.name[:-3] + "_HI"])
+        for register in peripheral.registers
+        if register.name.endswith("_LO") and register.name[:-3] + "_HI" in by_name
+    ]
 
 
 @dataclass
@@ -326,6 +347,37 @@ def read_peripheral(element):
     )
 
 
+def known_register(peripheral, name, element):
+    for register in peripheral.registers:
+        if register.name == name:
+            return register
+    raise DescriptionError(element.line, f"{peripheral.name} has no register {name}; correct the name")
+
+
+def read_hardware(element, peripherals):
+    """What only the RTL of a peripheral needs: the numbers of its results, and the words of its bank's memory. A word is
+    NAME, which stands at the low five bits of its own word's number, or NAME=WORD."""
+    name = element.value("peripheral")
+    peripheral = next((each for each in peripherals if each.name == name), None)
+    if peripheral is None:
+        raise DescriptionError(element.line, f"<hardware> names {name}, and there is no such peripheral")
+    results = element.find("results")
+    if results is not None:
+        peripheral.results = [known_register(peripheral, each, results) for each in results.text.split()]
+    words = element.find("words")
+    for entry in words.text.split() if words is not None else []:
+        register_name, _, place = entry.partition("=")
+        register = known_register(peripheral, register_name, words)
+        word = int(place) if place.isdecimal() else register.offset // 4 % 32
+        if (place and not place.isdecimal()) or word > 31:
+            raise DescriptionError(words.line, f"the word of '{entry}' is no number from 0 to 31")
+        if not place and word in peripheral.words.values():
+            raise DescriptionError(
+                words.line, f"{register_name} has word {word}, which is taken; write {register_name}=WORD"
+            )
+        peripheral.words[register_name] = word
+
+
 def read_device(path):
     root = parse_xml(path)
     if root.tag != "device":
@@ -338,6 +390,9 @@ def read_device(path):
     for below, above in zip(peripherals, peripherals[1:]):
         if above.base < below.base + below.size:
             raise DescriptionError(above.line, f"{above.name} overlaps {below.name} at {above.base:#x}; move one")
+    extensions = root.find("vendorExtensions")
+    for element in extensions.all("hardware") if extensions else []:
+        read_hardware(element, peripherals)
     cpu = root.find("cpu")
     return Device(root.value("name"), root.value("description"), peripherals, cpu.number("nvicPrioBits") if cpu else 0)
 
@@ -462,6 +517,92 @@ def cpp_header(device, source):
     return "\n".join(lines + ["", "}  // namespace capsoc::registers", ""])
 
 
+MAP_HEAD = """#pragma once
+
+#include <cstdint>
+
+#include "capsoc_registers.h"
+#include "kit/register_rule.h"
+
+namespace capsoc::{name} {{
+
+namespace description = registers::{name};
+"""
+# The prefix of a register's fields where it is not the register's name.
+FIELD_PREFIXES = {"FLAGS": "flag", "TURN_FLAGS": "turn"}
+
+
+def map_offsets(peripheral):
+    lines = ["", "enum Offset : uint32_t {"]
+    for register in peripheral.registers:
+        lines.append(f"  reg_{register.name.lower()} = description::{register.name}_offset,")
+    return lines + [f"  reg_last = reg_{peripheral.registers[-1].name.lower()},", "};"]
+
+
+def map_fields(register):
+    """One bit: its mask under the field's name; a wider field has _mask and _shift."""
+    prefix = FIELD_PREFIXES.get(register.name, register.name.lower())
+    lines = ["", f"// {register.name}"]
+    for part in register.fields:
+        if part.reserved:
+            continue
+        field_name = f"{prefix}_{part.name.lower()}"
+        described = f"description::{register.name}_{part.name}"
+        if part.low == part.high:
+            lines.append(f"inline constexpr uint32_t {field_name} = {described}_mask;")
+        else:
+            lines.append(f"inline constexpr uint32_t {field_name}_mask = {described}_mask;")
+            lines.append(f"inline constexpr unsigned {field_name}_shift = {described}_shift;")
+    kept = register.mask(("read-write",))
+    if kept:
+        lines.append(f"inline constexpr uint32_t {prefix}_writable = 0x{kept:08X};  // and readable")
+    return lines
+
+
+def map_rules(peripheral):
+    """One row for each word from the first register to the last, so that an offset finds its row by its number."""
+    pairs = pairs_of(peripheral)
+    halves = {half.name: number for number, pair in enumerate(pairs) for half in (pair.low, pair.high)}
+    highs = {pair.high.name for pair in pairs}
+    at = {register.offset: number for number, register in enumerate(peripheral.registers)}
+    lines = ["", "// Pairs of registers, LO and HI, by offset.", "enum Pair : unsigned {"]
+    lines += [f"  pair_{pair.name.lower()}," for pair in pairs]
+    lines += ["  pair_count", "};", "", "// One row a word, from offset 0 to reg_last."]
+    lines.append("inline constexpr registers::RegisterRule rules[] = {")
+    for offset in range(0, peripheral.registers[-1].offset + 4, 4):
+        if offset not in at:
+            lines.append("    {},")
+            continue
+        register = peripheral.registers[at[offset]]
+        lowest, highest = register.write_range or (0, WORD_MASK)
+        pair = f"pair_{pairs[halves[register.name]].name.lower()}" if register.name in halves else "registers::no_pair"
+        # Software may write any word to flags and to halves of a pair; elsewhere a reserved bit is worth a word.
+        tells = register.writable_mask not in (0, WORD_MASK) and register.name not in halves
+        lines.append(
+            f"    {{&description::table[{at[offset]}], 0x{lowest:08X}, 0x{highest:08X}, {pair}, "
+            f"{'true' if register.name in highs else 'false'}, "
+            + (f'"reserved bits of {register.name} are ignored"' if tells else '""')
+            + f"}},  // {register.name}"
+        )
+    lines += ["};"]
+    if peripheral.words:
+        lines += ["", "// Words of the memory in the RTL's register bank."]
+        lines += [f"inline constexpr uint32_t word_{name.lower()} = {word};" for name, word in peripheral.words.items()]
+    return lines
+
+
+def map_header(peripheral, source):
+    """Short names for the model of a peripheral that is synthesised, and its rules."""
+    name = peripheral.name.lower()
+    lines = [f"// {NOTICE.format(source=source)}", MAP_HEAD.format(name=name).rstrip("\n")]
+    lines += map_offsets(peripheral)
+    for register in peripheral.registers:
+        if register.fields:
+            lines += map_fields(register)
+    lines += map_rules(peripheral)
+    return "\n".join(lines + ["", f"}}  // namespace capsoc::{name}", ""])
+
+
 def cell(text):
     return text.replace("|", "\\|")
 
@@ -509,7 +650,8 @@ def sv_package(peripheral, source):
     width = max(1, (peripheral.size - 1).bit_length())
     lines = [
         f"// {NOTICE.format(source=source)}",
-        "// Offsets in bytes, reset values, lowest and highest bit of every field (LSB, MSB).",
+        "// Offsets in bytes, reset values, bits that software can read and write, lowest and highest bit of every field "
+        "(LSB, MSB).",
         f"package {name};",
         "",
         "  // No design needs every name of its description.",
@@ -522,6 +664,9 @@ def sv_package(peripheral, source):
             f"  localparam logic [{width - 1}:0] {prefix}_OFFSET = "
             f"{width}'h{register.offset:0{(width + 3) // 4}X};",
             f"  localparam logic [31:0] {prefix}_RESET = 32'h{register.reset:08X};",
+            f"  localparam logic [31:0] {prefix}_READABLE = 32'h{register.readable_mask:08X};",
+            f"  localparam logic [31:0] {prefix}_WRITABLE = "
+            f"32'h{register.writable_mask | register.one_to_clear_mask:08X};",
         ]
         for part in register.fields:
             if part.reserved:
@@ -535,18 +680,89 @@ def sv_package(peripheral, source):
                 f"  localparam logic [{bits - 1}:0] {prefix}_{part.name}_{value_name} = " f"{bits}'d{value};"
                 for value_name, value, _ in part.values
             ]
+    if peripheral.words:
+        used = sum(1 << word for word in set(peripheral.words.values()))
+        lines += [
+            "",
+            "  // Words of the bank's memory that are in use",
+            f"  localparam logic [31:0] WORDS = 32'h{used:08X};",
+        ]
     return "\n".join(lines + ["", "  // verilator lint_on UNUSEDPARAM", f"endpackage : {name}", ""])
 
 
+def sv_fields(peripheral):
+    """For each register with fields a type that names them. Members are fields, the highest first."""
+    lines = ["", "// The words of registers, by field."]
+    for register in peripheral.registers:
+        if not register.fields:
+            continue
+        lines.append("typedef struct packed {")
+        for part in reversed(register.fields):
+            width = f"[{part.high - part.low}:0] " if part.high > part.low else ""
+            lines.append(f"  logic {width}{part.name};")
+        lines.append(f"}} capsoc_{peripheral.name.lower()}_{register.name.lower()}_t;")
+    return lines
+
+
+def any_of(registers):
+    """One of these is selected."""
+    return " | ".join(f"select_o.{register.name}" for register in registers) or "1'b0"
+
+
+def sv_bits(target, width, registers, number):
+    """Assigns for every bit of a number the registers whose number has it."""
+    lines = []
+    for bit in range(width):
+        chosen = [register for register in registers if number(register) >> bit & 1]
+        lines.append(f"  assign {target}[{bit}] = {any_of(chosen)};")
+    return lines
+
+
+def sv_word_address(peripheral):
+    """A word's address is the low five bits of its number, but for those that the description puts elsewhere."""
+    lines = []
+    moved = [register for register in peripheral.registers if register.name in peripheral.words]
+    for bit in range(5):
+        own = {register.name: register.offset // 4 >> bit & 1 for register in moved}
+        due = {register.name: peripheral.words[register.name] >> bit & 1 for register in moved}
+        falls = [register for register in moved if own[register.name] and not due[register.name]]
+        rises = [register for register in moved if due[register.name] and not own[register.name]]
+        text = f"address_i[{bit + 2}]"
+        text += f" & ~({any_of(falls)})" if falls else ""
+        lines.append(f"  assign word_o[{bit}] = {f'({text}) | {any_of(rises)}' if rises else text};")
+    return lines
+
+
+def sv_refused(peripheral):
+    """The value that is written is outside the register's range."""
+    ranges = {}
+    for register in peripheral.registers:
+        if register.write_range:
+            ranges.setdefault(register.write_range, []).append(register)
+    terms = []
+    for (low, high), registers in ranges.items():
+        if low == 0 and high & (high + 1) == 0:
+            above = high.bit_length()
+            outside = "write_data_i[31]" if above == 31 else f"|write_data_i[31:{above}]"
+        else:
+            outside = f"write_data_i < 32'd{low} | write_data_i > 32'd{high}"
+        terms.append(f"(({outside}) & ({any_of(registers)}))")
+    return " | ".join(terms) or "1'b0"
+
+
 def sv_selects(peripheral, source):
-    """The type with one bit for each register, and the decoder that sets them. The type stands outside of the
+    """The type with one bit for each register, the types of fields, and the decoder. The types stand outside of the
     package, for the reason that rtl/coprocessor_types.sv gives."""
     name = f"capsoc_{peripheral.name.lower()}_selects"
+    groups = f"capsoc_{peripheral.name.lower()}_groups"
+    pairs = pairs_of(peripheral)
     words = [register.offset // 4 for register in peripheral.registers]
     width = max(1, (peripheral.size - 1).bit_length())
     bits = max(words, default=0).bit_length() or 1  # of the number of a word; the address has zeros above
     gaps = [word for word in range(1 << bits) if word not in words]
     above = f"address_i[{width - 1}:{bits + 2}] == '0 & " if width > bits + 2 else ""
+    result_bits = max(1, (len(peripheral.results) - 1).bit_length())
+    stored = [register for register in peripheral.registers if register.name in peripheral.words]
     lines = [
         f"// {NOTICE.format(source=source)}",
         "// Which register an address names: one bit for each. The bits look at the number of the word alone; "
@@ -558,9 +774,22 @@ def sv_selects(peripheral, source):
     lines += [
         f"}} {name}_t;",
         "",
+        "// What kind of register it is: HI of a pair, one of both, a result, a word of the bank's memory. As the bits above.",
+        "typedef struct packed {",
+        "  logic high, pair, result, stored;",
+        f"}} {groups}_t;",
+    ]
+    lines += sv_fields(peripheral)
+    lines += [
+        "",
         f"module {name} (",
         f"  input  logic [{width - 1}:0] address_i,  // of a byte",
+        "  input  logic [31:0] write_data_i,",
         f"  output {name}_t select_o,",
+        f"  output {groups}_t group_o,",
+        f"  output logic [{result_bits - 1}:0] result_o,  // number of a result; 0 for others",
+        "  output logic [4:0] word_o,  // address in the bank's memory, of a register that is there",
+        "  output logic refused_o,  // the register takes no such value",
         "  output logic mapped_o",
         ");",
         "",
@@ -574,7 +803,24 @@ def sv_selects(peripheral, source):
     ]
     # Few words have no register: they take less than an OR over all that have one.
     inside = "".join(f" & word != {bits}'h{word:0{(bits + 3) // 4}X}" for word in gaps)
-    lines += ["  assign select_o = hits;", f"  assign mapped_o = {above}address_i[1:0] == '0{inside};"]
+    lines += ["  assign select_o = hits;", f"  assign mapped_o = {above}address_i[1:0] == '0{inside};", ""]
+    lines += [
+        "  logic low, high;",
+        f"  assign low = {any_of([pair.low for pair in pairs])};",
+        f"  assign high = {any_of([pair.high for pair in pairs])};",
+        "  assign group_o.high = high;",
+        "  assign group_o.pair = low | high;",
+        f"  assign group_o.result = {any_of(peripheral.results)};",
+        f"  assign group_o.stored = {any_of(stored)};",
+    ]
+    numbers = {register.name: number for number, register in enumerate(peripheral.results)}
+    lines += sv_bits("result_o", result_bits, peripheral.results, lambda register: numbers[register.name])
+    lines += sv_word_address(peripheral)
+    lines += [
+        f"  assign refused_o = {sv_refused(peripheral)};",
+        "  logic unused_data;  // of a word that only some bits decide about",
+        "  assign unused_data = ^write_data_i;",
+    ]
     return "\n".join(lines + ["", f"endmodule : {name}", ""])
 
 
@@ -640,10 +886,8 @@ def main(arguments):
             write_if_changed(output / name, make(device, source.name))
         for peripheral in device.peripherals:
             if peripheral.name in SYNTHESISED:
-                for part, make in (("pkg", sv_package), ("selects", sv_selects)):
-                    write_if_changed(
-                        output / f"capsoc_{peripheral.name.lower()}_{part}.sv", make(peripheral, source.name)
-                    )
+                for part, make in (("map.h", map_header), ("pkg.sv", sv_package), ("selects.sv", sv_selects)):
+                    write_if_changed(output / f"capsoc_{peripheral.name.lower()}_{part}", make(peripheral, source.name))
     except DescriptionError as error:
         print(f"{source}:{error.line}: {error}", file=sys.stderr)
         return 2
