@@ -56,6 +56,7 @@ module register_bank #(
   capsoc_coprocessor_groups_t  group;
   logic mapped, write, read, refused;
   logic [4:0] word_address;
+  logic [31:0] readable, reset_word;
   capsoc_coprocessor_selects u_selects (
     .address_i    (paddr_i),
     .write_data_i (pwdata_i),
@@ -63,6 +64,8 @@ module register_bank #(
     .group_o      (group),
     .result_o     (result_select_o),
     .word_o       (word_address),
+    .readable_o   (readable),
+    .reset_o      (reset_word),
     .refused_o    (refused),
     .mapped_o     (mapped)
   );
@@ -70,11 +73,6 @@ module register_bank #(
   assign read      = psel_i & penable_i & ~pwrite_i & mapped;
   assign pready_o  = 1'b1;
   assign pslverr_o = psel_i & penable_i & ~(write | read);
-
-  logic is_step, is_threshold;
-  assign is_step      = select.STEP_AU | select.STEP_BU | select.STEP_CU |
-                        select.STEP_AV | select.STEP_BV | select.STEP_CV;
-  assign is_threshold = select.LOCK_THRESHOLD | select.DIVERGE_THRESHOLD;
 
   logic write_ctrl, write_cmd, clear_counters, zero_phase;
   assign write_ctrl     = write & select.CTRL;
@@ -269,19 +267,8 @@ module register_bank #(
                   (capsoc_coprocessor_pkg::LATENCY_RESET & {32{shown.LATENCY}}) |
                   (turn_flags_i & {32{shown.TURN_FLAGS}});
 
-  // A setting that was never written reads its reset value; TURN_LIMIT's is 0.
-  always_comb begin
-    stored = word_data;
-    if (~word_valid & is_step) stored = capsoc_coprocessor_pkg::STEP_AU_RESET;
-    if (~word_valid & is_threshold) begin
-      stored = select.LOCK_THRESHOLD ? capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET
-                         : capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET;
-    end
-    if (select.JUDGE) begin
-      stored = word_valid ? word_data & capsoc_coprocessor_pkg::JUDGE_WRITABLE : capsoc_coprocessor_pkg::JUDGE_RESET;
-    end
-    if (select.SOFT_V) stored = '0;
-  end
+  // A setting that was never written reads its reset value.
+  assign stored = word_valid ? word_data & readable : reset_word;
 
   always_comb begin
     case (kind)

@@ -24,6 +24,10 @@ struct Coprocessor::Registers {
   static void put(int64_t& to, int64_t value) { to = value; }
   static void put(uint64_t& to, int64_t value) { to = static_cast<uint64_t>(value) & phase_mask; }
 
+  static constexpr uint32_t writable(uint32_t offset) {
+    return rules[offset / 4].about->writable_mask;
+  }
+
   static constexpr Words make() {
     Words words{};
 #define READS(value)                               \
@@ -39,8 +43,8 @@ struct Coprocessor::Registers {
 #define SHOWS(name, shown) words[description::name##_offset / 4].read = READS(shown);
 #define HOLDS(name, member)                                   \
   words[description::name##_offset / 4].read = READS(member); \
-  words[description::name##_offset / 4].write =               \
-      WRITES((member) = static_cast<decltype(member)>(value));
+  words[description::name##_offset / 4].write = WRITES(       \
+      (member) = static_cast<decltype(member)>(value & writable(description::name##_offset)));
 #define ACTS(name, shown, statement)                         \
   words[description::name##_offset / 4].read = READS(shown); \
   words[description::name##_offset / 4].write = WRITES(statement);

@@ -355,7 +355,7 @@ def known_register(peripheral, name, element):
 
 
 def read_hardware(element, peripherals):
-    """What only the RTL of a peripheral needs: the numbers of its results, and the words of its bank's memory. A word is
+    """What only the RTL of a peripheral needs: numbers of its results, and the words of its bank's memory. A word is
     NAME, which stands at the low five bits of its own word's number, or NAME=WORD."""
     name = element.value("peripheral")
     peripheral = next((each for each in peripherals if each.name == name), None)
@@ -650,7 +650,7 @@ def sv_package(peripheral, source):
     width = max(1, (peripheral.size - 1).bit_length())
     lines = [
         f"// {NOTICE.format(source=source)}",
-        "// Offsets in bytes, reset values, bits that software can read and write, lowest and highest bit of every field "
+        "// Offsets in bytes, reset values, bits that can be read and written, lowest and highest bit of every field "
         "(LSB, MSB).",
         f"package {name};",
         "",
@@ -733,6 +733,19 @@ def sv_word_address(peripheral):
     return lines
 
 
+def sv_stored(peripheral, stored):
+    """What a read shows of a word of the memory. Halves of pairs are there as they are read, and as 0 at reset."""
+    halves = {half.name for pair in pairs_of(peripheral) for half in (pair.low, pair.high)}
+    plain = [register for register in stored if register.name not in halves]
+    lines = []
+    for bit in range(32):
+        hidden = [register for register in plain if not register.readable_mask >> bit & 1]
+        high = [register for register in plain if register.reset >> bit & 1]
+        lines.append(f"  assign readable_o[{bit}] = ~({any_of(hidden)});")
+        lines.append(f"  assign reset_o[{bit}] = {any_of(high)};")
+    return lines
+
+
 def sv_refused(peripheral):
     """The value that is written is outside the register's range."""
     ranges = {}
@@ -774,7 +787,7 @@ def sv_selects(peripheral, source):
     lines += [
         f"}} {name}_t;",
         "",
-        "// What kind of register it is: HI of a pair, one of both, a result, a word of the bank's memory. As the bits above.",
+        "// What kind of register it is: HI of a pair, one of both, a result, a word of the memory. As the bits above.",
         "typedef struct packed {",
         "  logic high, pair, result, stored;",
         f"}} {groups}_t;",
@@ -789,6 +802,8 @@ def sv_selects(peripheral, source):
         f"  output {groups}_t group_o,",
         f"  output logic [{result_bits - 1}:0] result_o,  // number of a result; 0 for others",
         "  output logic [4:0] word_o,  // address in the bank's memory, of a register that is there",
+        "  output logic [31:0] readable_o,  // bits of a word of the memory that a read shows",
+        "  output logic [31:0] reset_o,  // what a word of the memory that was never written reads as",
         "  output logic refused_o,  // the register takes no such value",
         "  output logic mapped_o",
         ");",
@@ -816,6 +831,7 @@ def sv_selects(peripheral, source):
     numbers = {register.name: number for number, register in enumerate(peripheral.results)}
     lines += sv_bits("result_o", result_bits, peripheral.results, lambda register: numbers[register.name])
     lines += sv_word_address(peripheral)
+    lines += sv_stored(peripheral, stored)
     lines += [
         f"  assign refused_o = {sv_refused(peripheral)};",
         "  logic unused_data;  // of a word that only some bits decide about",
