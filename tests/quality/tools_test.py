@@ -1,4 +1,4 @@
-"""scripts/ shows what a user types; the tools lie in scripts/capsoc_tools and scripts/tool finds each."""
+"""scripts/ shows what a user types; the tools lie in scripts/capsoc_tools, and the command `tool` finds each."""
 
 import ast
 import re
