@@ -926,10 +926,11 @@ regress.seed = [1, 2]
         """The same with a command that only prints all results, and inputs that are there: a check takes the first
         run's time.
         """
-        command = re.search(r"^command.line = '(\S+) (.*)'$", text, re.MULTILINE)
-        self.assertTrue(os.access(SOURCE / command[1], os.X_OK), command[1])
+        command = re.search(r"^command.line = '(.*?) (--.*)'$", text, re.MULTILINE)
+        program, *tool = command[1].split()
+        self.assertTrue(os.access(SOURCE / program, os.X_OK), program)
         usage = subprocess.run(
-            [SOURCE / command[1], "--help"], capture_output=True, check=True, text=True, env=CLEAN
+            [SOURCE / program, *tool, "--help"], capture_output=True, check=True, text=True, env=CLEAN
         ).stdout
         for option in re.findall(r"--\w+", command[2]):
             self.assertIn(option, usage)
