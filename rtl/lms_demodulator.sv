@@ -46,19 +46,6 @@ module lms_demodulator (
   output logic               weight_saturated_o
 );
 
-  // The schedule, by the cycle in which operands are chosen; a product is added in the next.
-  typedef enum logic [4:0] {
-    SineU   = 5'd0,
-    CosineU = 5'd1,
-    DataU   = 5'd3,
-    SineV   = 5'd4,   // and u's error is ready
-    CosineV = 5'd5,
-    DataV   = 5'd7,
-    ErrorV  = 5'd8,   // v's error is ready
-    UpdateU = 5'd14,  // two cycles a coefficient
-    UpdateV = 5'd20
-  } cycle_e;
-
   logic load;
   assign load = load_u_i || load_v_i;
 
@@ -103,17 +90,13 @@ module lms_demodulator (
     .error_o(limited)
   );
 
-  logic updating;
+  logic updating;  // cycles 14 to 25
   logic channel_v, second, third, odd;
-  logic [3:0] pair;  // of cycles
-  localparam logic [3:0] PairU = 4'(UpdateU >> 1);
-  localparam logic [3:0] PairV = 4'(UpdateV >> 1);
-  assign pair = cycle_i[4:1];
-  assign updating = cycle_i >= UpdateU;
+  assign updating = cycle_i >= 5'd14;
   assign odd = cycle_i[0];
-  assign channel_v = cycle_i >= UpdateV;
-  assign second = pair == PairU + 4'd1 || pair == PairV + 4'd1;
-  assign third = pair == PairU + 4'd2 || pair == PairV + 4'd2;
+  assign channel_v = cycle_i >= 5'd20;
+  assign second = cycle_i[4:1] == 4'd8 || cycle_i[4:1] == 4'd11;
+  assign third = cycle_i[4:1] == 4'd9 || cycle_i[4:1] == 4'd12;
 
   logic [30:0] step_u, step_v;
   assign step_u = third ? step_cu_q : second && !load ? step_bu_q : step_au_q;
@@ -148,16 +131,15 @@ module lms_demodulator (
 
   logic signed [65:0] sum_q, term;
   logic add_data, add_product;
-  assign add_data = cycle_i == DataU || cycle_i == DataV;
-  assign add_product = cycle_i == SineU + 5'd1 || cycle_i == CosineU + 5'd1 || cycle_i == SineV + 5'd1 ||
-      cycle_i == CosineV + 5'd1;
+  assign add_data = cycle_i == 5'd3 || cycle_i == 5'd7;
+  assign add_product = cycle_i == 5'd1 || cycle_i == 5'd2 || cycle_i == 5'd5 || cycle_i == 5'd6;
   assign term = add_data ? $signed({difference_i[33], difference_i, 31'h3FFF_FFFF}) : ~$signed(product[65:0]);
   logic signed [66:0] sum;
   assign sum = $signed({sum_q, 1'b1}) + $signed({term, !add_data});
 
   logic capture_u, capture_v;
-  assign capture_u = active_i && cycle_i == SineV;
-  assign capture_v = active_i && cycle_i == ErrorV;
+  assign capture_u = active_i && cycle_i == 5'd4;
+  assign capture_v = active_i && cycle_i == 5'd8;
   assign error_saturated_o =
       error_valid_o && !(&sum_q[65:62] || ~|sum_q[65:62]);
   assign error_o = &sum_q[65:62] || ~|sum_q[65:62] ? sum_q[62:31] : {sum_q[65], {31{~sum_q[65]}}};
