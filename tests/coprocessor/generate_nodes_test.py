@@ -11,7 +11,7 @@ from harness import SOURCE
 
 CTEST = {"name": "coprocessor: the probe's nodes are made of their list", "whole": True}
 
-GENERATOR = SOURCE / "scripts" / "capsoc_tools" / "generate" / "nodes.py"
+GENERATOR = [SOURCE / "scripts" / "tool", "nodes"]
 LIST = SOURCE / "models" / "coprocessor" / "nodes.def"
 
 # Three lines, so that the nodes of a test start on line 4.
@@ -34,7 +34,7 @@ class Generator(unittest.TestCase):
         return self.run_generator(source, self.output)
 
     def run_generator(self, *arguments):
-        return subprocess.run([sys.executable, GENERATOR, *arguments], capture_output=True, text=True, check=False)
+        return subprocess.run([sys.executable, *GENERATOR, *arguments], capture_output=True, text=True, check=False)
 
     def made(self, part):
         return (self.output / f"coprocessor_node_{part}.svh").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ from harness import SOURCE
 
 CTEST = {"name": "registers: the generator writes what it read and explains what it cannot", "whole": True}
 
-GENERATOR = SOURCE / "scripts" / "capsoc_tools" / "generate" / "registers.py"
+GENERATOR = [SOURCE / "scripts" / "tool", "registers"]
 DESCRIPTION = SOURCE / "models" / "registers" / "capsoc.svd"
 
 # Four lines, so that the registers of a test start on line 5.
@@ -52,7 +52,7 @@ class Generator(unittest.TestCase):
         return self.run_generator(source)
 
     def run_generator(self, *arguments):
-        command = [sys.executable, str(GENERATOR), *map(str, arguments), str(self.output)]
+        command = [sys.executable, *map(str, GENERATOR), *map(str, arguments), str(self.output)]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
     def made(self, name):

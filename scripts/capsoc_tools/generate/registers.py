@@ -1,6 +1,6 @@
 """Generates the register headers and the reference page from the CMSIS-SVD description.
 
-usage: registers.py DESCRIPTION.svd OUTPUT_DIRECTORY
+usage: registers DESCRIPTION.svd OUTPUT_DIRECTORY
 
 Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
 capsoc_registers.json (register tests) and for the peripherals that are synthesised the model's register map
@@ -13,20 +13,13 @@ import json
 import re
 import sys
 from dataclasses import dataclass, field
-from pathlib import Path
 from xml.parsers import expat
+
+from capsoc_tools.generate.output import SourceError, generate
 
 WORD_MASK = 0xFFFFFFFF
 ACCESSES = ("read-only", "read-write", "write-only")
 SYNTHESISED = ("COPROCESSOR",)
-
-
-class DescriptionError(Exception):
-    """What is wrong and what to do, with the line it is on."""
-
-    def __init__(self, line, message):
-        super().__init__(message)
-        self.line = line
 
 
 @dataclass
@@ -44,7 +37,7 @@ class Element:
     def find(self, tag):
         found = self.all(tag)
         if len(found) > 1:
-            raise DescriptionError(found[1].line, f"<{self.tag}> has a second <{tag}>; keep one")
+            raise SourceError(found[1].line, f"<{self.tag}> has a second <{tag}>; keep one")
         return found[0] if found else None
 
     def value(self, tag, default=None):
@@ -52,7 +45,7 @@ class Element:
         if found is None:
             if default is not None:
                 return default
-            raise DescriptionError(self.line, f"<{self.tag}> lacks <{tag}>; add it")
+            raise SourceError(self.line, f"<{self.tag}> lacks <{tag}>; add it")
         return " ".join(found.text.split())
 
     def number(self, tag, default=None):
@@ -62,7 +55,7 @@ class Element:
         try:
             return int(text, 0)
         except ValueError:
-            raise DescriptionError(self.find(tag).line, f"<{tag}> is '{text}'; write a decimal or 0x number") from None
+            raise SourceError(self.find(tag).line, f"<{tag}> is '{text}'; write a decimal or 0x number") from None
 
 
 @dataclass
@@ -188,21 +181,21 @@ def parse_xml(path):
         parser.Parse(path.read_bytes(), True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        raise DescriptionError(error.lineno, f"not well-formed XML ({reason}); xmllint shows the place") from None
+        raise SourceError(error.lineno, f"not well-formed XML ({reason}); xmllint shows the place") from None
     return root[0]
 
 
 def read_name(element):
     name = element.value("name")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
-        raise DescriptionError(element.line, f"'{name}' is no identifier; use letters, digits and _")
+        raise SourceError(element.line, f"'{name}' is no identifier; use letters, digits and _")
     return name
 
 
 def read_access(element, default):
     access = element.value("access", default)
     if access not in ACCESSES:
-        raise DescriptionError(element.find("access").line, f"access '{access}' is unknown; use {', '.join(ACCESSES)}")
+        raise SourceError(element.find("access").line, f"access '{access}' is unknown; use {', '.join(ACCESSES)}")
     return access
 
 
@@ -212,7 +205,7 @@ def read_values(element, width):
     for entry in group.all("enumeratedValue") if group else []:
         number = entry.number("value")
         if not 0 <= number < 1 << width:
-            raise DescriptionError(entry.line, f"value {number} does not fit {width} bits; widen the field")
+            raise SourceError(entry.line, f"value {number} does not fit {width} bits; widen the field")
         values.append((read_name(entry), number, entry.value("description")))
     return values
 
@@ -220,14 +213,14 @@ def read_values(element, width):
 def read_field(element, access):
     match = re.fullmatch(r"\[(\d+):(\d+)\]", element.value("bitRange"))
     if not match:
-        raise DescriptionError(element.find("bitRange").line, "<bitRange> is not [high:low]")
+        raise SourceError(element.find("bitRange").line, "<bitRange> is not [high:low]")
     high, low = int(match[1]), int(match[2])
     name = read_name(element)
     if not 31 >= high >= low:
-        raise DescriptionError(element.line, f"{name} is bits {high}:{low}; use 31 >= high >= low")
+        raise SourceError(element.line, f"{name} is bits {high}:{low}; use 31 >= high >= low")
     modified = element.value("modifiedWriteValues", "modify")
     if modified not in ("modify", "oneToClear"):
-        raise DescriptionError(element.line, f"modifiedWriteValues '{modified}' is not supported; use oneToClear")
+        raise SourceError(element.line, f"modifiedWriteValues '{modified}' is not supported; use oneToClear")
     return Field(
         name,
         element.value("description"),
@@ -244,16 +237,16 @@ def check_fields(register):
     expected = 0
     for part in sorted(register.fields, key=lambda each: each.low):
         if part.low < expected:
-            raise DescriptionError(part.line, f"{register.name}.{part.name} overlaps the field below it; move one")
+            raise SourceError(part.line, f"{register.name}.{part.name} overlaps the field below it; move one")
         if part.low > expected:
-            raise DescriptionError(
+            raise SourceError(
                 part.line,
                 f"{register.name} says nothing about bits {part.low - 1}:{expected}; "
                 f"add a field RESERVED_{part.low - 1}_{expected}",
             )
         expected = part.high + 1
     if register.fields and expected != 32:
-        raise DescriptionError(
+        raise SourceError(
             register.line,
             f"{register.name} says nothing about bits 31:{expected}; " f"add a field RESERVED_31_{expected}",
         )
@@ -266,7 +259,7 @@ def check_reset(register):
         if part.reserved:
             known &= ~part.mask
     if not 0 <= register.reset <= WORD_MASK or register.reset & ~known:
-        raise DescriptionError(
+        raise SourceError(
             register.line,
             f"{register.name} resets to {register.reset:#x}, outside its fields ({known:#x}); "
             "correct the reset value or the fields",
@@ -277,7 +270,7 @@ def check_unique(items, where):
     seen = set()
     for item in items:
         if item.name in seen:
-            raise DescriptionError(item.line, f"{where} has a second {item.name}; rename one")
+            raise SourceError(item.line, f"{where} has a second {item.name}; rename one")
         seen.add(item.name)
 
 
@@ -288,10 +281,10 @@ def read_write_range(element):
         return None
     limits = constraint.find("range")
     if limits is None:
-        raise DescriptionError(constraint.line, "<writeConstraint> lacks <range>; add it")
+        raise SourceError(constraint.line, "<writeConstraint> lacks <range>; add it")
     low, high = limits.number("minimum"), limits.number("maximum")
     if not 0 <= low <= high <= WORD_MASK:
-        raise DescriptionError(limits.line, f"the range {low} to {high} is empty or beyond a word")
+        raise SourceError(limits.line, f"the range {low} to {high} is empty or beyond a word")
     return (low, high)
 
 
@@ -313,9 +306,9 @@ def read_register(element, size):
         element.line,
     )
     if register.data_type not in ("uint32_t", "int32_t"):
-        raise DescriptionError(element.line, f"{register.name} is no uint32_t or int32_t")
+        raise SourceError(element.line, f"{register.name} is no uint32_t or int32_t")
     if register.offset % 4 or not 0 <= register.offset <= size - 4:
-        raise DescriptionError(
+        raise SourceError(
             element.line,
             f"{register.name} is at offset {register.offset:#x}; "
             f"use a multiple of 4 below the block's size {size:#x}",
@@ -328,14 +321,14 @@ def read_register(element, size):
 def read_peripheral(element):
     block = element.find("addressBlock")
     if block is None:
-        raise DescriptionError(element.line, "<peripheral> lacks <addressBlock>; add it")
+        raise SourceError(element.line, "<peripheral> lacks <addressBlock>; add it")
     size = block.number("size")
     parts = element.find("registers")
     registers = [read_register(each, size) for each in (parts.all("register") if parts else [])]
     registers.sort(key=lambda each: each.offset)
     for below, above in zip(registers, registers[1:]):
         if above.offset == below.offset:
-            raise DescriptionError(
+            raise SourceError(
                 max(above.line, below.line),
                 f"{above.name} overlaps {below.name} at offset {above.offset:#x}; move one",
             )
@@ -351,7 +344,7 @@ def known_register(peripheral, name, element):
     for register in peripheral.registers:
         if register.name == name:
             return register
-    raise DescriptionError(element.line, f"{peripheral.name} has no register {name}; correct the name")
+    raise SourceError(element.line, f"{peripheral.name} has no register {name}; correct the name")
 
 
 def read_hardware(element, peripherals):
@@ -360,7 +353,7 @@ def read_hardware(element, peripherals):
     name = element.value("peripheral")
     peripheral = next((each for each in peripherals if each.name == name), None)
     if peripheral is None:
-        raise DescriptionError(element.line, f"<hardware> names {name}, and there is no such peripheral")
+        raise SourceError(element.line, f"<hardware> names {name}, and there is no such peripheral")
     results = element.find("results")
     if results is not None:
         peripheral.results = [known_register(peripheral, each, results) for each in results.text.split()]
@@ -370,9 +363,9 @@ def read_hardware(element, peripherals):
         register = known_register(peripheral, register_name, words)
         word = int(place) if place.isdecimal() else register.offset // 4 % 32
         if (place and not place.isdecimal()) or word > 31:
-            raise DescriptionError(words.line, f"the word of '{entry}' is no number from 0 to 31")
+            raise SourceError(words.line, f"the word of '{entry}' is no number from 0 to 31")
         if not place and word in peripheral.words.values():
-            raise DescriptionError(
+            raise SourceError(
                 words.line, f"{register_name} has word {word}, which is taken; write {register_name}=WORD"
             )
         peripheral.words[register_name] = word
@@ -381,15 +374,15 @@ def read_hardware(element, peripherals):
 def read_device(path):
     root = parse_xml(path)
     if root.tag != "device":
-        raise DescriptionError(root.line, f"the root is <{root.tag}>; a CMSIS-SVD has <device>")
+        raise SourceError(root.line, f"the root is <{root.tag}>; a CMSIS-SVD has <device>")
     parts = root.find("peripherals")
     if parts is None:
-        raise DescriptionError(root.line, "<device> lacks <peripherals>; add it")
+        raise SourceError(root.line, "<device> lacks <peripherals>; add it")
     peripherals = sorted((read_peripheral(each) for each in parts.all("peripheral")), key=lambda each: each.base)
     check_unique(peripherals, "the device")
     for below, above in zip(peripherals, peripherals[1:]):
         if above.base < below.base + below.size:
-            raise DescriptionError(above.line, f"{above.name} overlaps {below.name} at {above.base:#x}; move one")
+            raise SourceError(above.line, f"{above.name} overlaps {below.name} at {above.base:#x}; move one")
     extensions = root.find("vendorExtensions")
     for element in extensions.all("hardware") if extensions else []:
         read_hardware(element, peripherals)
@@ -880,37 +873,26 @@ def test_table(device, source):
     return json.dumps(table, indent=1) + "\n"
 
 
-def write_if_changed(path, text):
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        path.write_text(text, encoding="utf-8")
-
-
-def main(arguments):
-    if len(arguments) != 2:
-        print("usage: registers.py DESCRIPTION.svd OUTPUT_DIRECTORY", file=sys.stderr)
-        return 2
-    source, output = Path(arguments[0]), Path(arguments[1])
-    try:
-        device = read_device(source)
-        output.mkdir(parents=True, exist_ok=True)
+def texts(source):
+    device = read_device(source)
+    made = {
+        name: make(device, source.name)
         for name, make in (
             ("capsoc_device.h", device_header),
             ("capsoc_registers.h", cpp_header),
             ("registers.md", reference_page),
             ("capsoc_registers.json", test_table),
-        ):
-            write_if_changed(output / name, make(device, source.name))
-        for peripheral in device.peripherals:
-            if peripheral.name in SYNTHESISED:
-                for part, make in (("map.h", map_header), ("pkg.sv", sv_package), ("selects.sv", sv_selects)):
-                    write_if_changed(output / f"capsoc_{peripheral.name.lower()}_{part}", make(peripheral, source.name))
-    except DescriptionError as error:
-        print(f"{source}:{error.line}: {error}", file=sys.stderr)
-        return 2
-    except (OSError, UnicodeDecodeError) as error:
-        print(f"{source}: {error}; check the paths", file=sys.stderr)
-        return 2
-    return 0
+        )
+    }
+    for peripheral in device.peripherals:
+        if peripheral.name in SYNTHESISED:
+            for part, make in (("map.h", map_header), ("pkg.sv", sv_package), ("selects.sv", sv_selects)):
+                made[f"capsoc_{peripheral.name.lower()}_{part}"] = make(peripheral, source.name)
+    return made
+
+
+def main(arguments):
+    return generate(arguments, "registers DESCRIPTION.svd OUTPUT_DIRECTORY", texts)
 
 
 if __name__ == "__main__":

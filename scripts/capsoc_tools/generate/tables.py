@@ -1,6 +1,6 @@
 """Generates the sine table of the paper arithmetic as a SystemVerilog package.
 
-usage: tables.py OUTPUT_DIRECTORY
+usage: tables OUTPUT_DIRECTORY
 
 Writes paper_sine_table.sv: a quarter wave of docs/coprocessor.md's T[j] = round(sin(2 pi j / 512)
 (2^31 - 1)) and its differences. Integers only: half-angle formulas and integer square roots, with
@@ -10,6 +10,8 @@ Writes paper_sine_table.sv: a quarter wave of docs/coprocessor.md's T[j] = round
 import sys
 from math import isqrt
 from pathlib import Path
+
+from capsoc_tools.generate.output import write_if_changed
 
 GUARD = 200
 ONE = 1 << GUARD
@@ -85,10 +87,8 @@ def main(arguments):
         print(__doc__.strip(), file=sys.stdout if asked else sys.stderr)
         return 0 if asked else 2
     path = Path(arguments[0]) / "paper_sine_table.sv"
-    text = package()
     path.parent.mkdir(parents=True, exist_ok=True)
-    if not path.exists() or path.read_text() != text:
-        path.write_text(text)
+    write_if_changed(path, package())
     return 0
 
 

@@ -9,7 +9,7 @@ import sys
 from capsoc_tools import ROOT
 
 RTL = ROOT / "rtl"
-GENERATORS = ROOT / "scripts" / "capsoc_tools" / "generate"
+TOOL = ROOT / "scripts" / "tool"
 DESIGN = "coprocessor.f"
 PROBE = "probe.f"
 REGISTERS = ROOT / "models" / "registers" / "capsoc.svd"
@@ -41,14 +41,14 @@ def generate(folder, nodes=False):
     """Writes the generated SystemVerilog into `folder`, which is made: register package, decoder and tables, and with
     `nodes` what the probe includes. Returns the .sv files in reading order."""
     folder.mkdir(parents=True, exist_ok=True)
-    commands = [("registers.py", REGISTERS, folder), ("tables.py", folder)]
-    commands += [("nodes.py", NODES, folder)] if nodes else []
-    for script, *arguments in commands:
+    commands = [("registers", REGISTERS, folder), ("tables", folder)]
+    commands += [("nodes", NODES, folder)] if nodes else []
+    for generator, *arguments in commands:
         done = subprocess.run(
-            [sys.executable, GENERATORS / script, *arguments], capture_output=True, text=True, check=False
+            [sys.executable, TOOL, generator, *arguments], capture_output=True, text=True, check=False
         )
         if done.returncode:
-            raise RtlError(f"{(GENERATORS / script).relative_to(ROOT)} failed: {(done.stderr or done.stdout).strip()}")
+            raise RtlError(f"scripts/tool {generator} failed: {(done.stderr or done.stdout).strip()}")
     return sorted(folder.glob("*.sv"))
 
 
