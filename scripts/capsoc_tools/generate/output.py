@@ -1,4 +1,4 @@
-"""What the generators have in common: a fault of the source with its line, and outputs that change only if they have to."""
+"""What the generators have in common: a fault of the source with its line, and outputs written only if they change."""
 
 import sys
 from pathlib import Path
