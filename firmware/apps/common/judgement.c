@@ -211,13 +211,14 @@ static void keep_before(struct judgement* judgement, const struct turn_evidence*
 }
 
 // Of turns with demodulation: a drift that does not become smaller goes on.
-static void keep_learning(struct judgement* judgement, uint32_t drift) {
+static void keep_learning(struct judgement* judgement, uint32_t drift,
+                          const struct coprocessor_parameters* before) {
   for (uint32_t i = learning_kept - 1; i > 0; --i) {
     judgement->learning[i] = judgement->learning[i - 1];
     judgement->change[i] = judgement->change[i - 1];
   }
   judgement->learning[0] = drift;
-  judgement->change[0] = judgement->added;
+  judgement->change[0] = minus(&judgement->parameters, before);
   if (judgement->learning_turns < learning_kept) ++judgement->learning_turns;
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
 }
@@ -253,7 +254,6 @@ static struct turn_evidence read_window(struct judgement* judgement, uint32_t fl
   };
   judgement->zeros += turn.zeros;
   judgement->repeats += turn.repeats;
-  judgement->added = minus(&parameters, &judgement->parameters);
   judgement->parameters = parameters;
   judgement->has_parameters = true;
   return turn;
@@ -277,6 +277,7 @@ void judgement_look(struct judgement* judgement) {
   const uint32_t fresh = (ended - judgement->ended) & 0xFF;
   if (fresh == 0) return;
   judgement->ended = ended;
+  const struct coprocessor_parameters before = judgement->parameters;
   struct turn_evidence turn = read_window(judgement, flags);
   judgement->cut = false;
   const uint32_t discard = judgement->discard;
@@ -292,7 +293,7 @@ void judgement_look(struct judgement* judgement) {
       judgement->objection = "turns ended without being looked at: lower rate_hz";
   }
   if ((COPROCESSOR->CTRL & COPROCESSOR_CTRL_DEMOD_Msk) != 0 && turn.whole) {
-    keep_learning(judgement, turn.drift);
+    keep_learning(judgement, turn.drift, &before);
     if (judgement->numeric && good(judgement, &turn)) follow_phi(judgement);
   }
   if (judgement->covers)

@@ -67,7 +67,6 @@ struct judgement {
   int64_t slip;                    // since the fourth
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before
-  struct coprocessor_parameters added;          // in that window, wrapped
   struct turn_evidence turns[judgement_turns];  // whole ones before what is covered, the last first
   uint32_t before;     // of them that are good, without a gap up to what is covered
   const char* spoilt;  // what speaks against the window before what is covered; null: nothing
