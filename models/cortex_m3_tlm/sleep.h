@@ -52,7 +52,7 @@ class Sleep {
   void note_access(uint32_t address) {
     if (end_on_idle_ && end_on_idle_->is_work(address)) note_work();
   }
-  /// A state of a run with the idle watch does not fit one without.
+  /// A state of a run that ends on idle does not fit one that does not.
   void visit(kit::Archive& archive);
 
  private:
