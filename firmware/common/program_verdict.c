@@ -12,6 +12,28 @@ static void print_bound(uint32_t angle) {
   print_text(" deg");
 }
 
+static void print_conditions(const struct verdict_claim* claim) {
+  static const struct {
+    uint32_t condition;
+    const char* text;
+  } conditions[] = {
+      {verdict_if_no_sample_is_stale, "no sample is stale"},
+      {verdict_if_every_sample_is_the_sensors, "every sample is the sensor's"},
+      {verdict_if_no_second_signal, "no second signal turns at almost its speed"},
+      {verdict_if_harmonics_are_small, "harmonics along the circle stay below "},
+  };
+  const char* separator = ", if ";
+  for (size_t i = 0; i < sizeof conditions / sizeof conditions[0]; ++i) {
+    if ((claim->conditions & conditions[i].condition) == 0) continue;
+    print_text(separator);
+    print_text(conditions[i].text);
+    separator = " and ";
+    if (conditions[i].condition != verdict_if_harmonics_are_small) continue;
+    print_fixed((int64_t)claim->unseen * 360, 32, 2, 0);
+    print_text(" deg");
+  }
+}
+
 int pass_within(const char* name, const struct verdict_claim* claim) {
   program_verdict.claim = *claim;
   program_verdict.state = program_verdict_pass;
@@ -23,18 +45,7 @@ int pass_within(const char* name, const struct verdict_claim* claim) {
     print_unsigned(claim->samples, 0);
     print_text(" samples");
   }
-  const char* separator = ", if ";
-  if ((claim->conditions & verdict_if_no_sample_is_stale) != 0) {
-    print_text(separator);
-    print_text("no sample is stale");
-    separator = " and ";
-  }
-  if ((claim->conditions & verdict_if_harmonics_are_small) != 0) {
-    print_text(separator);
-    print_text("harmonics along the circle stay below ");
-    print_fixed((int64_t)claim->unseen * 360, 32, 2, 0);
-    print_text(" deg");
-  }
+  print_conditions(claim);
   print_text("\n");
   return 0;
 }

@@ -15,8 +15,10 @@ enum program_verdict_state {
 
 // What a pass takes for granted, since the samples do not show it.
 enum program_verdict_condition {
-  verdict_if_no_sample_is_stale = 1,   // a sample may repeat an old one
-  verdict_if_harmonics_are_small = 2,  // those along the circle stay below `unseen`
+  verdict_if_no_sample_is_stale = 1,           // a sample may repeat an old one
+  verdict_if_harmonics_are_small = 2,          // those along the circle stay below `unseen`
+  verdict_if_every_sample_is_the_sensors = 4,  // one may lie on the circle in a wrong place
+  verdict_if_no_second_signal = 8,  // at almost the sensor's speed: it looks like a drift
 };
 
 // What a pass says. Angles in 2^-32 turn.

@@ -53,4 +53,18 @@ TEST(Evenness, OfASteadyTurnIsNone) {
   EXPECT_LT(seen(1, 0, 0.0019352, 250), 2e-9);
 }
 
+/// Three quarters of a turn forth, a quarter back and half a turn forth again are a whole turn, and
+/// no steady one.
+TEST(Evenness, ATurnInWhichTheShaftTurnsBackSaysNothing) {
+  evenness state{};
+  double angle = 0.3;
+  for (unsigned k = 0; k < 1500; ++k) {
+    evenness_feed(&state, word_of(angle), 1);
+    angle += k < 750 || k >= 1000 ? 0.001 : -0.001;
+  }
+  evenness_end_window(&state, true);
+  EXPECT_EQ(evenness_deviation(&state), 1u << 31);  // not known
+  EXPECT_EQ(evenness_repeating(&state), 0u);
+}
+
 }  // namespace

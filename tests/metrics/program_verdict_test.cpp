@@ -96,6 +96,9 @@ TEST(ProgramVerdict, WhatAPassTakesForGrantedIsSaid) {
   EXPECT_EQ(conditions(3),
             (std::vector<std::string>{"no sample is stale",
                                       "harmonics along the circle stay below 2.81 deg"}));
+  EXPECT_EQ(conditions(12),
+            (std::vector<std::string>{"every sample is the sensor's",
+                                      "no second signal turns at almost its speed"}));
 }
 
 TEST(ProgramVerdict, AProgramOfTheFirstLayoutSpeaksOfCalibrationMode) {

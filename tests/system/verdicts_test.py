@@ -297,6 +297,46 @@ class Broken(VerdictCase):
         self.check(sensor, "above limit_deg", "selfcal", "-P", f"limit_deg={verdict['bound_deg'] / 2:.3f}")
 
 
+class Followed(VerdictCase):
+    """`follow` vouches for every angle since its lock, whatever the shaft does."""
+
+    SETTINGS = ("-P", "rate_hz=250", "-P", "harmonics_deg=0", "-P", "drift_per_s=0")
+
+    def follow(self, u, samples=25 * RATE):
+        """What it says of a shaft at a turn a second, with U changed from sample 20 s on: `u` has U and the sample."""
+
+        def one(k):
+            x = 2 * math.pi * k / RATE
+            return u(good_u(x), k) if k > 20 * RATE else good_u(x), good_v(x), k / RATE
+
+        sensor = self.record(one(k) for k in range(samples))
+        code, verdict = self.run_program("follow", "--sensor", sensor, *self.SETTINGS)
+        return code, verdict
+
+    def test_without_a_fault_it_passes(self):
+        code, verdict = self.follow(lambda u, k: u)
+        self.assertEqual(code, 0, self.process.stdout)
+        self.assertLess(verdict["bound_deg"], 0.1)
+
+    def test_a_channel_that_is_held_for_a_part_of_a_turn(self):
+        # The turn is not good, and nothing is learnt of it; its angles have been vouched for all the same.
+        code, verdict = self.follow(lambda u, k: good_u(0) if 0 <= k - 20.2 * RATE < 14 else u)
+        self.assertEqual((code, verdict["pass"]), (1, False), self.process.stdout)
+        self.assertIn("the calibrated signals do not stay on a circle", verdict["reason"])
+
+    def test_an_offset_that_jumps_in_the_last_turn(self):
+        # No turn ends with it: the program ends the window itself.
+        length = int(24.6 * RATE)
+        self.follow(lambda u, k: u + 0.04 if k > 24.4 * RATE else u, length)
+        verdict = self.result["verdict"]
+        self.assertTrue(not verdict["pass"] or verdict["bound_holds"], verdict)
+        self.assertGreater(verdict["bound_deg"] or 30, 3.5)
+
+    def test_dropouts(self):
+        code, verdict = self.follow(lambda u, k: 0 if k % 37 == 0 else u)
+        self.assertEqual((code, verdict["pass"]), (1, False), self.process.stdout)
+
+
 class Bounds(VerdictCase):
     """A pass says how far an angle can be off, and `capsoc run` looks."""
 
@@ -330,17 +370,23 @@ class Bounds(VerdictCase):
         self.check(2.6, "unordered", "-C", "sensor.motion.kind=shuffled", "-C", "sensor.motion.seed=3")
         self.assertEqual(
             self.result["verdict"]["conditions"],
-            ["no sample is stale", "harmonics along the circle stay below 2.50 deg"],
+            [
+                "no sample is stale",
+                "every sample is the sensor's",
+                "harmonics along the circle stay below 2.50 deg",
+            ],
         )
         self.assertRegex(
             self.process.stdout.splitlines()[-1],
-            r", last \d+ samples, if no sample is stale and harmonics along the circle stay below 2.50 deg$",
+            r", last \d+ samples, if no sample is stale and every sample is the sensor's and harmonics along the "
+            r"circle stay below 2.50 deg$",
         )
 
     def test_samples_that_come_later_and_later_are_a_condition_of_a_numeric_reference(self):
         # From the 45,000th to the 75,000th: a speed that is a little off does the same, and phi follows both.
         disturbance = Noise(1e-4)
-        for rate, conditions in ((0, []), (0.004, ["no sample is stale"])):
+        slips = ["no sample is stale", "no second signal turns at almost its speed"]
+        for rate, conditions in ((0, []), (0.004, slips)):
             late = [k - int(rate * min(max(k - 45_000, 0), 30_000)) for k in range(110_100)]
             sensor = self.record(
                 (
@@ -381,6 +427,23 @@ class Bounds(VerdictCase):
         code, verdict = self.run_program("selfcal", "--sensor", self.record(both(k) for k in range(105_100)))
         self.assertEqual(code, 0)
         self.assertGreater(verdict["largest_error_deg"], 3)
+
+    def test_a_slower_beat_is_a_condition(self):
+        # At 1.001 times the speed only a drift of the parameters shows it, which a sensor may have, too. From one
+        # program to the next its place in the beat is another.
+        def both(k):
+            x, y = 2 * math.pi * turning(k), 2 * math.pi * 1.001 * turning(k)
+            return (
+                0.6 * (math.sin(x) + 0.07 * math.sin(y + 1)),
+                0.5 * (math.cos(x) + 0.07 * math.cos(y + 1)),
+                turning(k),
+            )
+
+        sensor = self.record(both(k) for k in range(122_300))
+        for program in ("selfcal", "paper", "recursive", "quick", "harmonics"):
+            _, verdict = self.run_program(program, "--sensor", sensor)
+            self.assertTrue(verdict["pass"], program)
+            self.assertIn("no second signal turns at almost its speed", verdict["conditions"], program)
 
     def test_amplitudes_that_change_once_a_turn(self):
         # An eccentric magnet: to the samples' radius almost an offset, to a steady shaft an uneven turn.

@@ -40,6 +40,13 @@ static void pass_marks(struct evenness* state, int64_t step) {
   }
 }
 
+static void follow_turning(struct evenness* state) {
+  if (state->travel > state->most) state->most = state->travel;
+  if (state->travel < state->least) state->least = state->travel;
+  if (state->most - state->travel > state->back) state->back = state->most - state->travel;
+  if (state->travel - state->least > state->forth) state->forth = state->travel - state->least;
+}
+
 void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
   const int32_t way = (int32_t)(angle - state->angle);
   const bool first = !state->any;
@@ -51,6 +58,7 @@ void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
   if (state->samples == 0 || step > state->longest) state->longest = step;
   if (state->samples == 0 || step < state->shortest) state->shortest = step;
   state->travel += way;
+  follow_turning(state);
   state->samples += elapsed;
   pass_marks(state, way);
 }
@@ -77,18 +85,23 @@ static void add_turn(struct evenness* state) {
   ++state->turns;
 }
 
+// A shaft that turns back in the turn passes places twice: no turn shows less of how even it is.
+static bool turned_back(const struct evenness* state) {
+  return state->back > 2 * MARK && state->forth > 2 * MARK;
+}
+
 uint32_t evenness_end_window(struct evenness* state, bool whole) {
   uint32_t jump = 0;
   if (state->samples != 0) {
     const bool enough = whole || state->mean_step == 0;
     if (enough) state->mean_step = (double)state->travel / state->samples;
-    if (whole && state->marks + 1 >= evenness_marks) add_turn(state);
+    if (whole && state->marks + 1 >= evenness_marks && !turned_back(state)) add_turn(state);
     const double mean = state->mean_step;
     jump = rounded_up(fmax((double)state->longest - mean, mean - (double)state->shortest));
   }
   state->origin = state->angle;
   state->samples = 0;
-  state->travel = 0;
+  state->travel = state->most = state->least = state->back = state->forth = 0;
   state->when_sum = 0;
   state->marks = 0;
   return jump;

@@ -20,6 +20,8 @@ struct evenness {
   uint32_t origin;  // angle of the last sample of the window before
   uint32_t samples;
   int64_t travel;               // since the last sample of the window before
+  int64_t most, least;          // of it so far
+  int64_t back, forth;          // the longest way from one of them to a later place
   int64_t longest, shortest;    // step of one sample, signed
   uint32_t marks;               // passed so far
   double when[evenness_marks];  // sample at which each was passed, with its fraction
@@ -35,7 +37,8 @@ struct evenness {
 // The angle of the next sample, `elapsed` samples after the one before (1 unless some were missed).
 void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed);
 
-// Ends the window with the last sample: a `whole` turn adds to what is known over the turns.
+// Ends the window with the last sample: a `whole` turn adds to what is known over the turns, if the
+// shaft has not turned back in it.
 // Returns the largest difference of a step of one sample from the mean step.
 uint32_t evenness_end_window(struct evenness* state, bool whole);
 

@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "capsoc_device.h"
+#include "program_verdict.h"
 #include "sampling.h"
 
 // 2^32 / 2 pi: a radian in 2^-32 turn.
@@ -101,6 +102,7 @@ static bool good(const struct judgement* judgement, const struct turn_evidence* 
   uint32_t bad = COPROCESSOR_TURN_FLAGS_CLIPPED_Msk | COPROCESSOR_TURN_FLAGS_SAT_Msk |
                  COPROCESSOR_TURN_FLAGS_NOANGLE_Msk | COPROCESSOR_TURN_FLAGS_RADIUS_Msk |
                  COPROCESSOR_TURN_FLAGS_RESIDUE_Msk;
+  if (judgement->any_motion) return (flags & bad) == 0;
   if (!judgement->mirrored) bad |= COPROCESSOR_TURN_FLAGS_MIRROR_Msk;
   if (!turn->whole) return (flags & bad) == 0;
   bad |= COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk;
@@ -180,7 +182,8 @@ static const char* objection_to(const struct judgement* judgement,
     return "samples are 0 in both channels again and again: the converter drops out";
   if (judgement->shuffled && turn->repeats >= REPEATS_LIMIT(turn->samples))
     return "samples come again bit for bit: the converter or its link holds old ones";
-  if (turn->drift >= DRIFT_LIMIT) return "the parameters still drift by 5 % a turn or more";
+  if (turn->drift >= DRIFT_LIMIT && !judgement->any_motion)
+    return "the parameters still drift by 5 % a turn or more";
   return NULL;
 }
 
@@ -200,6 +203,7 @@ static void cover(struct judgement* judgement, const struct turn_evidence* turn)
 
 // A window that is cut short before anything is covered ends the row of whole ones.
 static void keep_before(struct judgement* judgement, const struct turn_evidence* turn) {
+  judgement->last = *turn;
   judgement->spoilt = objection_to(judgement, turn);
   if (!turn->whole || judgement->spoilt != NULL) {
     judgement->before = 0;
@@ -210,9 +214,57 @@ static void keep_before(struct judgement* judgement, const struct turn_evidence*
   if (judgement->before < judgement_turns) ++judgement->before;
 }
 
+static bool settles(const struct judgement* judgement) {
+  const uint64_t last = judgement->learning[0], before = judgement->learning[1];
+  return before > last && before >= 2 * last && judgement->learning[2] >= 2 * before;
+}
+
+// Of the last turns of learning. What goes to and fro from turn to turn, by noise or an uneven
+// shaft, goes nowhere: the sum of the changes counts.
+static uint64_t way_of(const struct judgement* judgement, uint32_t turns) {
+  struct coprocessor_parameters begin = judgement->parameters;
+  for (uint32_t i = 0; i < turns; ++i) begin = minus(&begin, &judgement->change[i]);
+  return drift_between(&begin, &judgement->parameters);
+}
+
+// What the parameters are off by, if they went and go on as in these turns.
+static uint64_t going_on(const struct judgement* judgement, uint64_t way, uint32_t turns) {
+  return LONGEST_DRIFT * way / (turns * (judgement->idle_turns + 1));
+}
+
+// What the parameters may still be off by, if their last changes go on as they were: those of a
+// loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
+// same speed, do not.
+static uint64_t wander(const struct judgement* judgement) {
+  if (judgement->learning_turns < learning_judged || by_count()) return 0;
+  if (!settles(judgement))
+    return going_on(judgement, way_of(judgement, learning_judged), learning_judged);
+  const uint64_t last = judgement->learning[0];
+  return last * last / (judgement->learning[1] - last);
+}
+
+// The same, if it is a drift: noise in each of the turns leads no further than in one, rarely by
+// twice the root of the mean square.
+static uint64_t drift_of(const struct judgement* judgement, uint32_t turns) {
+  const uint64_t way = way_of(judgement, turns);
+  double squares = 0;
+  for (uint32_t i = 0; i < turns; ++i)
+    squares += (double)judgement->learning[i] * (double)judgement->learning[i];
+  return (double)way * (double)way * turns > 4 * squares ? going_on(judgement, way, turns) : 0;
+}
+
+// Many turns show a drift that is small beside the noise, few one that came after larger changes.
+static uint64_t steady_drift(const struct judgement* judgement) {
+  const uint32_t turns = judgement->learning_turns;
+  if (turns < learning_judged || by_count() || settles(judgement)) return 0;
+  const uint64_t few = drift_of(judgement, learning_judged), many = drift_of(judgement, turns);
+  return few > many ? few : many;
+}
+
 // Of turns with demodulation: a drift that does not become smaller goes on.
 static void keep_learning(struct judgement* judgement, uint32_t drift,
                           const struct coprocessor_parameters* before) {
+  if (drift == 0) return;  // nothing was learnt in it
   for (uint32_t i = learning_kept - 1; i > 0; --i) {
     judgement->learning[i] = judgement->learning[i - 1];
     judgement->change[i] = judgement->change[i - 1];
@@ -221,6 +273,8 @@ static void keep_learning(struct judgement* judgement, uint32_t drift,
   judgement->change[0] = minus(&judgement->parameters, before);
   if (judgement->learning_turns < learning_kept) ++judgement->learning_turns;
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
+  const uint32_t wandered = drift_between(&judgement->settled, &judgement->parameters);
+  judgement->wandered = larger(judgement->wandered, wandered);
 }
 
 // A loop that settles has changes that shrink; what is beyond 0.6 of the largest before, in a turn,
@@ -229,7 +283,7 @@ static void follow_phi(struct judgement* judgement) {
   const int32_t change = (int32_t)(judgement->parameters.phi - judgement->phi);
   judgement->phi = judgement->parameters.phi;
   if (++judgement->phi_turns < 2) return;
-  for (uint32_t i = learning_kept - 1; i > 0; --i)
+  for (uint32_t i = learning_judged - 1; i > 0; --i)
     judgement->phi_way[i] = judgement->phi_way[i - 1];
   judgement->phi_way[0] = change;
   const uint32_t settling = judgement->phi_change - judgement->phi_change / 5 * 2;
@@ -385,22 +439,6 @@ uint32_t judgement_motion(const struct judgement* judgement) {
   return capped((uint64_t)(step < 0 ? -step : step));
 }
 
-// What the parameters may still be off by, if their last changes go on as they were: those of a
-// loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
-// same speed, do not. What goes to and fro from turn to turn, by noise or an uneven shaft, goes
-// nowhere: the sum of the changes counts.
-static uint64_t wander(const struct judgement* judgement) {
-  if (judgement->learning_turns < learning_kept || by_count()) return 0;
-  const uint64_t last = judgement->learning[0], before = judgement->learning[1];
-  const uint64_t first = judgement->learning[2];
-  const bool settles = before >= 2 * last && first >= 2 * before;
-  if (settles && before > last) return last * last / (before - last);
-  struct coprocessor_parameters begin = judgement->parameters;
-  for (uint32_t i = 0; i < learning_kept; ++i) begin = minus(&begin, &judgement->change[i]);
-  const uint32_t way = drift_between(&begin, &judgement->parameters);
-  return LONGEST_DRIFT * (uint64_t)way / learning_kept;
-}
-
 static uint64_t radius_and_residue(const struct judgement* judgement,
                                    const struct turn_evidence* turn) {
   const uint64_t by_radius = (judgement->numeric ? 2 : 4) * (uint64_t)turn->radius;
@@ -416,7 +454,7 @@ static uint64_t with_jump(uint64_t error, uint64_t jump) {
   return both > error ? both : error;
 }
 
-bool judgement_assumes_harmonics(const struct judgement* judgement) {
+static bool assumes_harmonics(const struct judgement* judgement) {
   if (judgement->unseen == 0 || judgement->numeric) return false;
   return !judgement->watches ||
          2 * (uint64_t)evenness_deviation(&judgement->evenness) > judgement->unseen;
@@ -426,7 +464,7 @@ bool judgement_assumes_harmonics(const struct judgement* judgement) {
 // repeats from turn to turn is the sensor's.
 uint64_t judgement_with_harmonics(const struct judgement* judgement, uint64_t error) {
   if (!judgement->watches) return error + judgement->unseen;
-  const bool assumed = judgement_assumes_harmonics(judgement);
+  const bool assumed = assumes_harmonics(judgement);
   const uint64_t seen = 2 * (uint64_t)(assumed ? evenness_repeating(&judgement->evenness)
                                                : evenness_deviation(&judgement->evenness));
   const uint64_t allowed = error + (assumed ? judgement->unseen : 0);
@@ -441,15 +479,15 @@ uint32_t judgement_bound(const struct judgement* judgement) {
 }
 
 uint32_t judgement_bound_of_last(const struct judgement* judgement) {
-  if (judgement->before == 0) return HALF_TURN;
-  const struct turn_evidence* const turn = &judgement->turns[0];
+  if (judgement->spoilt != NULL) return HALF_TURN;
+  const struct turn_evidence* const turn = &judgement->last;
   return capped(radius_and_residue(judgement, turn) + turn->drift);
 }
 
 // What phi has gone if it always went on as in the last turns: the least of them, one way.
 static uint64_t steady_slip(const struct judgement* judgement) {
   uint32_t least = HALF_TURN;
-  for (uint32_t i = 0; i < learning_kept; ++i) {
+  for (uint32_t i = 0; i < learning_judged; ++i) {
     const int32_t way = judgement->phi_way[i];
     if ((way < 0) != (judgement->phi_way[0] < 0)) return 0;
     if (magnitude(way) < least) least = magnitude(way);
@@ -457,11 +495,22 @@ static uint64_t steady_slip(const struct judgement* judgement) {
   return (uint64_t)least * judgement->judged;
 }
 
-bool judgement_assumes_fresh(const struct judgement* judgement) {
-  if (!judgement->numeric || judgement->steering != NULL) return true;
-  const uint64_t bound = judgement_bound(judgement);
+// Whether phi went further than a loop that settles would take it.
+static bool phi_slips(const struct judgement* judgement, uint64_t bound) {
   const uint64_t slip = (uint64_t)(judgement->slip < 0 ? -judgement->slip : judgement->slip);
   return slip > bound / 8 + ROUNDINGS || steady_slip(judgement) > bound / 3 + ROUNDINGS;
+}
+
+uint32_t judgement_conditions(const struct judgement* judgement, uint64_t bound) {
+  const bool measured = !judgement->numeric || judgement->steering != NULL;
+  const bool slips = !measured && phi_slips(judgement, bound);
+  const uint64_t drift = judgement->any_motion ? judgement->wandered : steady_drift(judgement);
+  uint32_t conditions = 0;
+  if (measured || slips) conditions |= verdict_if_no_sample_is_stale;
+  if (by_count() || judgement->any_motion) conditions |= verdict_if_every_sample_is_the_sensors;
+  if (slips || drift > bound / 8 + ROUNDINGS) conditions |= verdict_if_no_second_signal;
+  if (assumes_harmonics(judgement)) conditions |= verdict_if_harmonics_are_small;
+  return conditions;
 }
 
 const char* judgement_objection(const struct judgement* judgement) {

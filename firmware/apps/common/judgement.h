@@ -15,9 +15,10 @@
 
 // Windows before the covered ones whose evidence is kept; `fewest` is at most one more.
 enum { judgement_turns = 3 };
-// Turns of demodulation whose changes are kept. A second signal at up to 1.3 times the speed still
-// shows in their sum; a faster one shows in a turn.
-enum { learning_kept = 3 };
+// Turns of demodulation whose changes are kept, and how many of them a bound looks at. A second
+// signal at up to 1.3 times the speed still shows in the sum of three; a faster one shows in a
+// turn. More turns tell a slow drift from noise.
+enum { learning_kept = 8, learning_judged = 3 };
 
 // What one window says. Angles in 2^-32 turn.
 struct turn_evidence {
@@ -42,8 +43,12 @@ struct judgement {
   bool corrected;
   // Keeps the numeric reference at the angle; null: its speed is somebody's word.
   struct steering* steering;
-  bool shuffled;  // samples in random order: bit for bit the one before is a stale one
+  uint32_t idle_turns;  // without learning, between two turns with it; the least
+  bool shuffled;        // samples in random order: bit for bit the one before is a stale one
   bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
+  // The shaft may rest, turn back and change its speed: what says so is no objection. Nothing is
+  // covered; the caller looks at every window.
+  bool any_motion;
   // The samples come in order of time and there is no numeric reference: every angle is watched.
   bool watches;
   // The rest starts at 0.
@@ -59,17 +64,20 @@ struct judgement {
   uint32_t learning[learning_kept];                     // drifts
   struct coprocessor_parameters change[learning_kept];  // what was added in each, wrapped
   uint32_t learning_turns;
+  struct coprocessor_parameters settled;  // those from which `wandered` counts; the caller's
+  uint32_t wandered;                      // how far the parameters were from them at most
   // Numeric reference, good turns of demodulation: how far phi goes that does not settle
   uint32_t phi_turns;
-  uint32_t phi;                    // at the end of the last, 2^-32 turn
-  uint32_t phi_change;             // in a turn, decaying
-  int32_t phi_way[learning_kept];  // in the last turns, the last one first
-  int64_t slip;                    // since the fourth
+  uint32_t phi;                      // at the end of the last, 2^-32 turn
+  uint32_t phi_change;               // in a turn, decaying
+  int32_t phi_way[learning_judged];  // in the last turns, the last one first
+  int64_t slip;                      // since the fourth
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before
   struct turn_evidence turns[judgement_turns];  // whole ones before what is covered, the last first
   uint32_t before;     // of them that are good, without a gap up to what is covered
   const char* spoilt;  // what speaks against the window before what is covered; null: nothing
+  struct turn_evidence last;  // of that window
   // Of what is covered
   uint32_t samples;            // judged
   uint32_t whole;              // whole windows
@@ -110,21 +118,25 @@ void judgement_finish(struct judgement* judgement);
 // The largest error that an angle at its sampling instant can have, 2^-32 turn, over all that is
 // covered. Half a turn if there is no better.
 uint32_t judgement_bound(const struct judgement* judgement);
-// Whether the bound holds only if the sensor's harmonics along the circle stay below `unseen`: the
-// motion does not show them.
-bool judgement_assumes_harmonics(const struct judgement* judgement);
-// Whether the bound holds only if no sample is stale. Of a numeric reference jumps are seen, but
-// samples that come later and later are the same as a speed that is a little off, and phi follows
-// them: about a third of the bound is too far. A delay that was always the same is nobody's to see.
-bool judgement_assumes_fresh(const struct judgement* judgement);
+// What a pass with this bound takes for granted, enum program_verdict_condition:
+// - no sample is stale: of a numeric reference jumps are seen, but samples that come later and
+// later
+//   are the same as a speed that is a little off, and phi follows them; about a third of the bound
+//   is too far. A delay that was always the same is nobody's to see.
+// - every sample is the sensor's: of samples in any order, or of any motion, one that lies on the
+//   circle in a wrong place shows nothing.
+// - no second signal at almost the same speed: the parameters drift on by an eighth of the bound
+//   or more, or phi slips, and a drift of the sensor looks the same.
+// - harmonics along the circle stay below `unseen`: the motion does not show them.
+uint32_t judgement_conditions(const struct judgement* judgement, uint64_t bound);
 // Samples that the bound is about.
 uint32_t judgement_covered(const struct judgement* judgement);
 // Of the shaft from one sample to the next, 2^-32 turn, mean of the last whole turn; 0 for samples
 // in any order.
 uint32_t judgement_motion(const struct judgement* judgement);
 
-// The bound by the window that ended last alone, without harmonics along the circle and stale
-// samples; half a turn if it was not good.
+// The bound by the window that ended last alone, before anything is covered, without harmonics
+// along the circle and stale samples; half a turn if something speaks against it.
 uint32_t judgement_bound_of_last(const struct judgement* judgement);
 
 // What it is with them: `error` and the larger of what the motion shows and what is assumed.

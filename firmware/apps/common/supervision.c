@@ -90,8 +90,7 @@ int pass(const char* name, const struct judgement* judgement) {
                                 .samples = judgement_covered(judgement),
                                 .motion = judgement_motion(judgement),
                                 .unseen = judgement->unseen};
-  if (judgement_assumes_fresh(judgement)) claim.conditions |= verdict_if_no_sample_is_stale;
-  if (judgement_assumes_harmonics(judgement)) claim.conditions |= verdict_if_harmonics_are_small;
+  claim.conditions = judgement_conditions(judgement, claim.bound);
   return pass_within(name, &claim);
 }
 

@@ -55,13 +55,14 @@ enum { worst_of_all = 6 };
 struct session {
   struct follower follower;
   struct judgement judgement;
-  uint32_t turns;      // good ones so far
-  uint32_t learnt;     // sample at the end of the last of them
-  uint32_t bound;      // by what it shows, 2^-32 turn
-  uint32_t worst;      // since the lock
-  uint32_t locked_at;  // sample; 0: not yet
-  uint32_t resting;    // samples since the lock
-  uint32_t errors;     // COPROCESSOR_FLAGS_..._Msk since the lock that speak against the angles
+  uint32_t turns;         // good ones so far
+  uint32_t learnt;        // sample at the end of the last of them
+  uint32_t bound;         // by what it shows, 2^-32 turn
+  uint32_t worst;         // since the lock
+  uint32_t locked_at;     // sample; 0: not yet
+  uint32_t resting;       // samples since the lock
+  uint32_t errors;        // COPROCESSOR_FLAGS_..._Msk since the lock that speak against the angles
+  const char* objection;  // the first one since the lock; null: none
 };
 
 #define LEARNING                                                             \
@@ -114,12 +115,21 @@ static void turn_was_good(struct session* session, uint32_t sample, uint32_t sam
   session->learnt = sample;
   if (++session->turns == settings.turns) {
     session->locked_at = sample;
+    session->judgement.settled = session->judgement.parameters;
+    session->judgement.wandered = 0;
     COPROCESSOR->FLAGS = ERRORS_SINCE_LOCK;
     print_text("t ");
     print_unsigned(sample / settings.rate_hz, 4);
     print_text(" s: lock\n");
   }
-  keep_worst(session, session->bound);
+}
+
+// The evidence of a window, whole or not, that has just been looked at. What is no turn says
+// nothing of the motion, but its samples have been vouched for, too.
+static void keep_evidence(struct session* session) {
+  if (session->locked_at == 0) return;
+  if (session->objection == NULL) session->objection = session->judgement.spoilt;
+  keep_worst(session, judgement_bound_of_last(&session->judgement));
 }
 
 // Whether a window of the turn judge ended with this sample, and what follows.
@@ -132,6 +142,7 @@ static void look(struct session* session, uint32_t sample) {
   judgement_look(&session->judgement);
   if (none) return;
   if ((flags & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0) turn_was_good(session, sample, samples);
+  keep_evidence(session);
   const bool timed_out = (flags & COPROCESSOR_TURN_FLAGS_TIMEOUT_Msk) != 0;
   carry_out(session, follower_turn_ended(&session->follower, samples, timed_out));
 }
@@ -169,18 +180,18 @@ static int conclude(const struct session* session, uint32_t samples) {
     return fail_because("follow", "the ADC clipped samples: reduce the gain");
   if ((session->errors & COPROCESSOR_FLAGS_ALARM_Msk) != 0)
     return fail_because("follow", "the signals have left their circle");
-  const char* const reason = error_sentence(session->errors);
+  const char* reason = error_sentence(session->errors);
+  if (reason == NULL) reason = session->objection;
   if (reason != NULL) return fail_because("follow", reason);
   const uint64_t bound = judgement_with_harmonics(&session->judgement, session->worst);
   if (bound > settings.limit_deg)
     return fail_because("follow", "the evidence allows an angle error above limit_deg");
-  struct verdict_claim claim = {.bound = (uint32_t)bound,
-                                .samples = samples - session->locked_at,
-                                .motion = judgement_motion(&session->judgement),
-                                .unseen = settings.harmonics_deg,
-                                .conditions = verdict_if_no_sample_is_stale};
-  if (judgement_assumes_harmonics(&session->judgement))
-    claim.conditions |= verdict_if_harmonics_are_small;
+  const struct verdict_claim claim = {
+      .bound = (uint32_t)bound,
+      .samples = samples - session->locked_at,
+      .motion = judgement_motion(&session->judgement),
+      .unseen = settings.harmonics_deg,
+      .conditions = judgement_conditions(&session->judgement, bound)};
   return pass_within("follow", &claim);
 }
 
@@ -212,6 +223,7 @@ int main(void) {
     print_text("follow: this coprocessor has no block learning (the arithmetic paper has none)\n");
     return status_no_coprocessor;
   }
+  sampling_count_oddities();
   if (!sampling_start(settings.rate_hz)) {
     print_text("follow: the ADC refuses the sampling rate\n");
     return status_refused;
@@ -220,7 +232,7 @@ int main(void) {
   if (turn == 0) return fail_because("follow", "no turn seen");
   struct session session = {
       .follower = {.longest = settings.longest_turn_seconds * settings.rate_hz},
-      .judgement = {.unseen = settings.harmonics_deg, .watches = true}};
+      .judgement = {.unseen = settings.harmonics_deg, .watches = true, .any_motion = true}};
   coprocessor_lock_by_turns();
   COPROCESSOR->CTRL = LEARNING;
   COPROCESSOR->TURN_LIMIT = follower_watchdog(turn);
@@ -230,6 +242,8 @@ int main(void) {
   }
   const uint32_t samples = follow(&session);
   sampling_stop();
+  judgement_finish(&session.judgement);
+  keep_evidence(&session);
   if (samples < settings.seconds * settings.rate_hz) print_end(samples);
   report(&session, samples);
   return conclude(&session, samples);

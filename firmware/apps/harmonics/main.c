@@ -111,6 +111,7 @@ static uint32_t to_numeric_reference(struct supervision* state, uint32_t control
   blocks_watch(samples);
   blocks_set_steps(samples, 1);
   state->judgement.numeric = true;
+  state->judgement.idle_turns = 2;  // those of correct_speed
   judgement_disturbed(&state->judgement);
   return samples;
 }
@@ -121,6 +122,7 @@ static bool learn_block(struct supervision* state) {
   if (!wait_window(state) || !wait_window(state)) return false;
   for (int i = 0; i < 2; ++i)
     if (!next_sample(state)) return false;
+  judgement_look(&state->judgement);  // while it learns: what it has added counts
   COPROCESSOR->CTRL = FROZEN;
   return true;
 }

@@ -12,7 +12,12 @@ namespace capsoc::metrics {
 namespace {
 
 enum State : uint32_t { none, pass, fail };
-enum Condition : uint32_t { no_sample_is_stale = 1, harmonics_are_small = 2 };
+enum Condition : uint32_t {
+  no_sample_is_stale = 1,
+  harmonics_are_small = 2,
+  every_sample_is_the_sensors = 4,
+  no_second_signal = 8,
+};
 
 /// Layouts of the object; host and guest are little-endian.
 struct Object {
@@ -61,6 +66,10 @@ ProgramVerdict verdict_of(const Object& object) {
   if (object.motion != 0) verdict.motion_deg = degrees(object.motion);
   if ((object.conditions & no_sample_is_stale) != 0)
     verdict.conditions.emplace_back("no sample is stale");
+  if ((object.conditions & every_sample_is_the_sensors) != 0)
+    verdict.conditions.emplace_back("every sample is the sensor's");
+  if ((object.conditions & no_second_signal) != 0)
+    verdict.conditions.emplace_back("no second signal turns at almost its speed");
   if ((object.conditions & harmonics_are_small) != 0)
     verdict.conditions.push_back(
         fmt::format("harmonics along the circle stay below {:.2f} deg", degrees(object.unseen)));

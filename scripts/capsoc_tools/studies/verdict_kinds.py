@@ -49,12 +49,14 @@ GOOD = {
     "good: fast": (steady, "fast", ("selfcal", "track", "calibrate", "quick", "recursive", "follow")),
     "good: speed changes": (changing_speed, None, ("calibrate", "quick", "follow")),
     "good: rests": (with_rests, None, ("follow",)),
-    "good: turns back": (reversing, None, ("follow",)),
+    "good: turns back": (reversing, "back and forth", ("follow",)),
 }
 # What a pass may say that it takes for granted, by a word of its line: a kind of these is then outside what the pass
 # is about.
 CONDITIONS = {
-    "stale": {*ORDERS},
+    "no sample is stale": {*ORDERS},
+    "every sample is the sensor's": {"garbage"},
+    "no second signal": {"slow beat"},
     "ripple": {"ripple of the turn"},
     "harmonics": {"harmonic", "bent", "dead zone", "modulated 1 a turn", "modulated 2 a turn"},
 }
@@ -65,7 +67,10 @@ def two_at_once(case):
     """Two of the kinds above together, each of another group."""
 
     def one_of(group, kinds):
-        return kinds[case.draw.choice(sorted(kinds))] if group in groups else None
+        if group not in groups:
+            return None
+        case.broken_by.append(case.draw.choice(sorted(kinds)))
+        return kinds[case.broken_by[-1]]
 
     groups = case.draw.sample(("motion", "order", "signal"), 2)
     return put_together(case, one_of("motion", MOTIONS) or steady, one_of("signal", SIGNALS), one_of("order", ORDERS))

@@ -16,6 +16,9 @@ RATE, SPEED = 250, 0.05
 # error. A good shaft stays within so many degrees of a steady turn for them, and within fewer where the unevenness
 # becomes a part of what is learnt.
 STEADY_DEG = {"selfcal": 3, "track": 3, "quick_known": 3, "paper": 3, "recursive": 3, "harmonics": 1}
+# A sensor with more noise and harmonics than leave so much of an angle is no good one: of 6 degrees a bound of 30 says
+# nothing.
+CLEAN_DEG = 5
 TURN = 2 * np.pi
 
 
@@ -76,6 +79,21 @@ class Sensor:
         depth, frequency = self.ripple
         if self.ripple_deg() > most:
             self.ripple = (depth * most / self.ripple_deg(), frequency)
+
+    def residual_deg(self):
+        """What no calibration takes off the angle, about: four times the noise, half a step of the converter and the
+        harmonics, of both channels, times what beta makes of them.
+        """
+        shares = [(4 * self.noise + 2**-self.bits) / a for a in (self.a1, self.a2)]
+        for channel, _, amplitude, _ in self.harmonics:
+            shares[channel] += amplitude
+        return math.degrees(math.hypot(*shares) / math.cos(self.beta))
+
+    def clean_within(self, most):
+        """Makes noise and harmonics no larger than leaves so many degrees, or as the converter's steps do."""
+        share = min(1.0, most / self.residual_deg())
+        self.noise *= share
+        self.harmonics = [(channel, order, share * size, phase) for channel, order, size, phase in self.harmonics]
 
     def angle(self, seconds):
         """At a steady speed with its ripple."""
@@ -248,10 +266,14 @@ def plan_calibrate(draw, style):
 
 def plan_follow(draw, style):
     rate = 250 if style == "usual" else draw.choice((250, 500, 1000))
-    speed = {"usual": 1.0, "other": round(log_uniform(draw, 0.3, rate / 80), 4)}.get(style) or speed_for(draw, style)
-    turns = {"usual": 120, "long": draw.randint(200, 500), "slow": draw.randint(12, 20)}.get(style) or draw.randint(
-        15, 120
-    )
+    any_speed = round(log_uniform(draw, 0.3, rate / 80), 4)
+    speed = {"usual": 1.0, "other": any_speed, "back and forth": any_speed}.get(style) or speed_for(draw, style)
+    turns = {
+        "usual": 120,
+        "long": draw.randint(200, 500),
+        "slow": draw.randint(12, 20),
+        "back and forth": draw.randint(30, 120),  # in a third of them it turns back, and it needs six good ones
+    }.get(style) or draw.randint(15, 120)
     seconds = min(math.ceil(turns / speed), 300_000 // rate)
     settings = options(rate_hz=rate, seconds=seconds)
     settings += options(measuring_seconds=400, longest_turn_seconds=100) if style == "slow" else []
@@ -288,6 +310,7 @@ class Case:
 
     def __init__(self, seed, kind, number, program, style=None):
         self.kind, self.number, self.program = kind, number, program
+        self.broken_by = [kind]
         self.draw = random.Random(f"{seed} {kind} {number}")
         self.arrays = arrays_from(f"{seed} {kind} {number} {program}")
         planner = random.Random(f"{seed} {kind} {number} {program}")
@@ -295,6 +318,7 @@ class Case:
         self.sensor = Sensor(self.draw, self.plan.speed)
         if kind.startswith("good"):
             self.sensor.steady_within(STEADY_DEG.get(program, 360))
+            self.sensor.clean_within(CLEAN_DEG)
         self.n, self.k = self.plan.length, np.arange(self.plan.length)
         self.seconds = self.k / self.plan.rate
         # Some broken sensors of unordered turn: their samples come in order.

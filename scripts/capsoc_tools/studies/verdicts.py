@@ -18,9 +18,10 @@ other's on the same sensor; each such difference makes the status 1, too.
 
 Good: amplitudes 0.02 .. 0.95 of full scale (log-uniform), ratio 0.5 .. 2, offsets to 0.5 without clipping, beta -1.2
 .. 1.2 rad, noise none or 1e-6 .. 1e-2 of the amplitude, harmonics of orders 2 to 5 to 2 % in sum in 70 %, speed
-ripple of 1e-4 .. 2 % in half of them (at most 3 deg for the programs that count on the pace, 1 for harmonics), 12 to
-24 bits, both directions (random order for unordered). Half of the cases run with the usual settings (0.05 Hz at 250
-Hz), the others with another speed and times that are no whole turns.
+ripple of 1e-4 .. 2 % in half of them (at most 3 deg for the programs that count on the pace, 1 for harmonics), not
+more noise and harmonics than leave about 5 deg of an angle, 12 to 24 bits, both directions (random order for
+unordered). Half of the cases run with the usual settings (0.05 Hz at 250 Hz), the others with another speed and times
+that are no whole turns.
 Broken: a good one, and one thing that breaks it (verdict_motions.py and verdict_signals.py say what).
 """
 
@@ -132,14 +133,15 @@ def false_lock(error, status, turn):
     return float(np.max(np.where(10 * (last - first + 1) >= samples, samples, 0)) / turn)
 
 
-def excludes(kind, line):
+def excludes(broken_by, line):
     """Whether a pass says in its line that it does not cover what is wrong here."""
-    return any(word in line and kind in kinds for word, kinds in verdict_kinds.CONDITIONS.items())
+    return any(word in line and kinds.intersection(broken_by) for word, kinds in verdict_kinds.CONDITIONS.items())
 
 
-def judge(answer, verdict, plan, record, text):
+def judge(answer, verdict, case, record, text):
     """Completes the answer: outcome, bound and true error."""
     error, status = read_record(record)
+    plan = case.plan
     answer["locked_wrong_turns"] = round(false_lock(error, status, plan.turn), 3)
     if verdict is None:
         answer |= {"outcome": "no verdict", "reason": f"exit {answer['exit']}"}
@@ -156,9 +158,10 @@ def judge(answer, verdict, plan, record, text):
         "reason": "",
         "bound": verdict["bound_deg"],
         "error": true,
+        "conditions": verdict["conditions"],
     }
     if answer["outcome"] == "WRONG" and excludes(
-        answer["kind"], next((line for line in reversed(text.splitlines()) if ": pass: " in line), "")
+        case.broken_by, next((line for line in reversed(text.splitlines()) if ": pass: " in line), "")
     ):
         answer["outcome"] = "excluded"
     if answer["outcome"] == "pass" and answer["exit"] != 0:
@@ -183,7 +186,7 @@ def one_case(item):
         except OSError:
             answer |= {"outcome": "error", "reason": process.stderr.decode(errors="replace").strip().splitlines()[-1:]}
             return answer
-        judge(answer, verdict, case.plan, record, process.stdout.decode(errors="replace"))
+        judge(answer, verdict, case, record, process.stdout.decode(errors="replace"))
     return answer
 
 
