@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include "csfn/calibration.h"
@@ -145,6 +146,34 @@ TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
             std::string::npos)
       << header;
   EXPECT_EQ(header.find(testing::TempDir()), std::string::npos) << "no path of this machine";
+}
+
+/// What the noise of one sample makes of its angle is what the angles of the samples show: by the
+/// arctangent, not by the formula.
+TEST(Fit, TheNoiseOfOneSampleIsStatedBesideTheBound) {
+  const csfn::Parameters p{0.6, 0.2, 0.1, -0.1, 0.9};
+  auto samples = one_turn(p, 4000);
+  std::mt19937 generator(1);
+  std::normal_distribution<double> noise(0, 1e-3 * 0x1p31);
+  double squares = 0;
+  for (auto& sample : samples) {
+    sample.u += static_cast<int32_t>(noise(generator));
+    sample.v += static_cast<int32_t>(noise(generator));
+    const double sine = (sample.u * 0x1p-31 - p.b1) / p.a1;
+    const double cosine = ((sample.v * 0x1p-31 - p.b2) / p.a2 + std::sin(p.beta) * sine);
+    const double error = std::atan2(sine, cosine / std::cos(p.beta)) - 2 * pi * sample.angle_turns;
+    squares += std::pow(std::remainder(error, 2 * pi), 2);
+  }
+  const Trace trace(to_recording(samples));
+  const auto fitted = fit(trace.path(), {});
+  ASSERT_TRUE(fitted) << fitted.error();
+  const double expected = std::sqrt(squares / 4000) * 180 / pi;
+  const auto j = to_json(fitted.value(), {}, "capsoc fit x");
+  EXPECT_NEAR(j["residuals"]["angle_deg"].get<double>(), expected, 0.05 * expected);
+  EXPECT_NE(to_table(fitted.value()).find("not in it: what disturbs one sample (0.34 deg rms"),
+            std::string::npos)
+      << expected << "\n"
+      << to_table(fitted.value());
 }
 
 TEST(Fit, AnArcIsJudgedByItsBound) {

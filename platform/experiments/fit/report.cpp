@@ -241,6 +241,13 @@ std::string error_text(const csfn::AngleError& error, bool tested) {
       deg(error.drift), deg(error.resolution), harmonics);
 }
 
+/// What the noise of one sample makes of its angle, root of the mean square over the turn, radians.
+double noise_of_one_sample(const csfn::Identification& answer) {
+  const csfn::Parameters& p = answer.parameters;
+  return answer.residuals.noise * std::hypot(1 / p.a1, 1 / p.a2) /
+         (std::sqrt(2.0) * std::abs(std::cos(p.beta)));
+}
+
 /// What is guaranteed, or why nothing is.
 std::string bound_line(const csfn::Identification& answer) {
   if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
@@ -258,8 +265,11 @@ std::string bound_line(const csfn::Identification& answer) {
     text += fmt::format("             over the {:.0f} degrees that the samples cover {}",
                         bound.arc_degrees, error_text(bound.arc, tested));
   return text +
-         "             for the angle at its sampling instant; not in it: a single harmonic that "
-         "moves samples along the ellipse\n";
+         fmt::format(
+             "             for the angle at its sampling instant; not in it: what disturbs one "
+             "sample ({} deg rms here), and\n"
+             "             a single harmonic that moves samples along the ellipse\n",
+             deg(noise_of_one_sample(answer)));
 }
 
 ordered_json error_json(const csfn::AngleError& error) {
@@ -345,7 +355,8 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
   j["handedness"] = csfn::to_string(answer.handedness);
   j["residuals"] = {{"rms", answer.residuals.rms},
                     {"largest", answer.residuals.largest},
-                    {"noise", answer.residuals.noise}};
+                    {"noise", answer.residuals.noise},
+                    {"angle_deg", noise_of_one_sample(answer) * degrees_per_radian}};
   j["angle_bound_deg"] = bound_json(answer);
   j["warning"] = answer.warning;
   j["no_intervals"] = answer.no_intervals;
