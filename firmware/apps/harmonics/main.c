@@ -9,6 +9,7 @@
 //
 // Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board, or one without block learning or harmonic correction.
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -46,6 +47,9 @@ PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3, speed_rounds = 3, margin = 8 };
+
+// Of the speed, from one round to the next.
+#define STEADY 1e-4
 
 #define FROZEN SAMPLING_CTRL
 #define LEARNING (SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk | COPROCESSOR_CTRL_BLOCK_Msk)
@@ -135,16 +139,29 @@ static bool add_residues(struct supervision* state, uint32_t samples, int64_t* s
   return true;
 }
 
+// Q-format of coprocessor_set_frequency
+struct pace {
+  double sum, before;
+  int count;
+};
+
 // The residue drifts by what the speed is off: the same part of two turns, so that harmonics
 // cancel. It ends before the second turn does, and the next block begins with the third.
-static bool correct_speed(struct supervision* state, uint32_t turn) {
+static bool correct_speed(struct supervision* state, uint32_t turn, struct pace* pace) {
   const uint32_t part = turn - 2 * margin;
   int64_t first = 0, second = 0;
   if (!add_residues(state, part, &first) || !add_residues(state, turn - part, NULL) ||
       !add_residues(state, part, &second))
     return false;
   const double drift = (double)(second - first) / part / turn;
-  coprocessor_set_frequency(coprocessor_frequency() + (int64_t)(drift * 0x1p16));
+  const double measured = (double)coprocessor_frequency() + drift * 0x1p16;
+  pace->sum += measured;
+  ++pace->count;
+  // Of a steady shaft the last measurement is the best one, of an unsteady one the mean of all.
+  const double mean = pace->sum / pace->count;
+  const bool steady = fabs(measured - pace->before) < STEADY * fabs(measured);
+  pace->before = measured;
+  coprocessor_set_frequency((int64_t)(steady ? measured : mean));
   return true;
 }
 
@@ -188,8 +205,9 @@ static const char* learn_again(struct supervision* state, uint32_t turn,
     return "the shaft did not come to another speed in time";
   turn = to_numeric_reference(state, FROZEN);
   if (turn == 0) return no_turn;
+  struct pace pace = {0};
   for (int round = 0; round < speed_rounds; ++round)
-    if (!correct_speed(state, turn)) return ended;
+    if (!correct_speed(state, turn, &pace)) return ended;
   const char* const objection = learn_nodes(state, turn, nodes);
   if (objection != NULL) return objection;
   const double ratio = (double)coprocessor_frequency() / speed, k = ratio * ratio;
@@ -236,8 +254,9 @@ static const char* calibrate(struct supervision* state, uint32_t turn) {
   if (learn_by_angle(state, turn) == 0) return ended;
   turn = to_numeric_reference(state, LEARNING);
   if (turn == 0) return no_turn;
+  struct pace pace = {0};
   for (int round = 0; round < speed_rounds; ++round)
-    if (!learn_block(state) || !correct_speed(state, turn)) return ended;
+    if (!learn_block(state) || !correct_speed(state, turn, &pace)) return ended;
   if (!learn_block(state)) return ended;
   const struct coprocessor_parameters stored = coprocessor_read_parameters();
   coprocessor_load_parameters(&stored);
