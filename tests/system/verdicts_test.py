@@ -4,7 +4,9 @@
 import json
 import math
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 
@@ -507,6 +509,26 @@ class Bounds(VerdictCase):
 
 class Drawn(unittest.TestCase):
     """scripts/tool verdicts on a few drawn sensors of every kind."""
+
+    def test_good_sensors_that_were_refused_once(self):
+        # By: a speed that was measured in one half of a slow wave; a saturation in a lock that was lost again; a shaft
+        # that turned back within a turn.
+        cases = (("good", "29", "harmonics"), ("good", "7", "paper"), ("good: turns back", "0", "follow"))
+        for kind, number, program in cases:
+            with tempfile.TemporaryDirectory() as folder:
+                answers = Path(folder) / "answers.json"
+                chosen = ["--kinds", kind, "--case", number, "--programs", program, "--arithmetic", "precise"]
+                process = subprocess.run(
+                    [SOURCE / "scripts" / "tool", "verdicts", *chosen, "--seed", "37", "--build", BUILD]
+                    + ["--json", answers],
+                    capture_output=True,
+                    text=True,
+                    timeout=300,
+                    check=False,
+                )
+                self.assertEqual(process.returncode, 0, process.stdout + process.stderr)
+                (answer,) = json.loads(answers.read_text())["answers"]
+                self.assertEqual(answer["outcome"], "pass", answer)
 
     def test_no_wrong_pass(self):
         process = subprocess.run(

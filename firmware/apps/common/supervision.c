@@ -36,6 +36,7 @@ static void collect_errors(struct supervision* state) {
 static void follow_lock(struct supervision* state, uint32_t samples, bool locked) {
   if (locked && state->locked_at == 0) {
     state->locked_at = samples;
+    state->errors &= ~TRANSIENT_FLAGS;  // those of a lock that was lost: it learnt on
     COPROCESSOR->FLAGS = TRANSIENT_FLAGS;
     report(state, samples, " s: lock\n");
   } else if (!locked && state->locked_at != 0) {
