@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "csfn/distributions.h"
+#include "identification/distributions.h"
 #include "sensor/random.h"
 
 namespace capsoc::campaign {
@@ -29,7 +29,7 @@ double normal_at(double quantile) {
   constexpr double largest = 8.2;
   if (quantile <= share_below(-largest)) return -largest;
   if (quantile >= share_below(largest)) return largest;
-  const double x = csfn::normal_quantile(std::fabs(2 * quantile - 1));
+  const double x = identification::normal_quantile(std::fabs(2 * quantile - 1));
   return quantile < 0.5 ? -x : x;
 }
 

@@ -18,14 +18,14 @@ namespace {
 class FitSettings : public Settings {
  public:
   run::SensorSettings sensor{*this};
-  ChoiceField<csfn::Method> method{
+  ChoiceField<identification::Method> method{
       *this,
-      {{"ml", csfn::Method::distances},
-       {"adam", csfn::Method::adam},
-       {"lm", csfn::Method::levenberg_marquardt},
-       {"heydemann", csfn::Method::heydemann},
-       {"taubin", csfn::Method::taubin},
-       {"direct", csfn::Method::direct}},
+      {{"ml", identification::Method::distances},
+       {"adam", identification::Method::adam},
+       {"lm", identification::Method::levenberg_marquardt},
+       {"heydemann", identification::Method::heydemann},
+       {"taubin", identification::Method::taubin},
+       {"direct", identification::Method::direct}},
       setting("fit.method", SettingKind::choice, "ml", "how: ml, or as the papers name it")};
   IntegerField samples{*this, setting("fit.samples", SettingKind::integer, "0",
                                       "at most so many; 0: all, of a trace without an end 100,000")
