@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
-#include "cortex_m3_tlm/polling_watch.h"
+#include "cortex_m3/tlm/polling_watch.h"
 #include "executors.h"
 #include "step_counts.h"
 

@@ -5,7 +5,7 @@
 #include <list>
 #include <memory>
 
-#include "cortex_m3_tlm/debugger.h"
+#include "cortex_m3/tlm/debugger.h"
 #include "debug/client.h"
 #include "debug/connections.h"
 #include "debug/soc_target.h"

@@ -7,7 +7,7 @@
 
 #include "bus/ahb_matrix.h"
 #include "bus/memory.h"
-#include "cortex_m3_tlm/cortex_m3_tlm.h"
+#include "cortex_m3/tlm/cortex_m3_tlm.h"
 #include "kit/clocked_bank.h"
 
 namespace own {

@@ -3,7 +3,7 @@
 #include <functional>
 #include <systemc>
 
-#include "../cortex_m3/bench.h"
+#include "../bench.h"
 #include "kit/clock_domain.h"
 
 namespace capsoc::cortex_m3::test {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "cortex_m3/core.h"
-#include "cortex_m3_tlm/polling_watch.h"
+#include "cortex_m3/tlm/polling_watch.h"
 
 namespace capsoc::cortex_m3 {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cortex_m3/core.h"
-#include "cortex_m3_tlm/time_horizon.h"
+#include "cortex_m3/tlm/time_horizon.h"
 #include "kit/archive.h"
 #include "kit/clock_domain.h"
 #include "kit/early_write.h"

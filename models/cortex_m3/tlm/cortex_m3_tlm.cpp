@@ -1,4 +1,4 @@
-#include "cortex_m3_tlm/cortex_m3_tlm.h"
+#include "cortex_m3/tlm/cortex_m3_tlm.h"
 
 #include <fmt/format.h>
 

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "cortex_m3/core.h"
-#include "cortex_m3_tlm/end_on_idle.h"
-#include "cortex_m3_tlm/end_reason.h"
-#include "cortex_m3_tlm/time_horizon.h"
+#include "cortex_m3/tlm/end_on_idle.h"
+#include "cortex_m3/tlm/end_reason.h"
+#include "cortex_m3/tlm/time_horizon.h"
 #include "kit/archive.h"
 #include "kit/clock_domain.h"
 

@@ -1,4 +1,4 @@
-#include "cortex_m3_tlm/bus_access.h"
+#include "cortex_m3/tlm/bus_access.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "cortex_m3_tlm/sleep.h"
+#include "cortex_m3/tlm/sleep.h"
 
 #include <algorithm>
 

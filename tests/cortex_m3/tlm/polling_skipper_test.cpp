@@ -1,8 +1,8 @@
-#include "cortex_m3_tlm/polling_skipper.h"
+#include "cortex_m3/tlm/polling_skipper.h"
 
 #include <gtest/gtest.h>
 
-#include "../cortex_m3/bench.h"
+#include "../bench.h"
 
 namespace capsoc::cortex_m3::test {
 namespace {

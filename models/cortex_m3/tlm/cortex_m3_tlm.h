@@ -16,13 +16,13 @@
 #include <systemc>
 
 #include "cortex_m3/core.h"
-#include "cortex_m3_tlm/bus_access.h"
-#include "cortex_m3_tlm/debugger.h"
-#include "cortex_m3_tlm/end_on_idle.h"
-#include "cortex_m3_tlm/end_reason.h"
-#include "cortex_m3_tlm/polling_skipper.h"
-#include "cortex_m3_tlm/sleep.h"
-#include "cortex_m3_tlm/time_horizon.h"
+#include "cortex_m3/tlm/bus_access.h"
+#include "cortex_m3/tlm/debugger.h"
+#include "cortex_m3/tlm/end_on_idle.h"
+#include "cortex_m3/tlm/end_reason.h"
+#include "cortex_m3/tlm/polling_skipper.h"
+#include "cortex_m3/tlm/sleep.h"
+#include "cortex_m3/tlm/time_horizon.h"
 #include "kit/clock_domain.h"
 #include "kit/component.h"
 

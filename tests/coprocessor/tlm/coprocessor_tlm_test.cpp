@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "test_bench.h"
+#include "../../peripherals/test_bench.h"
 
 namespace {
 

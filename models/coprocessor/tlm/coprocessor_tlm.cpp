@@ -1,4 +1,4 @@
-#include "coprocessor_tlm/coprocessor_tlm.h"
+#include "coprocessor/tlm/coprocessor_tlm.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "cortex_m3_tlm/time_horizon.h"
+#include "cortex_m3/tlm/time_horizon.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cortex_m3_tlm/polling_skipper.h"
+#include "cortex_m3/tlm/polling_skipper.h"
 
 #include <algorithm>
 
