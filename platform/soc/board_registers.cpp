@@ -9,6 +9,7 @@
 
 #include "capsoc_registers.h"
 #include "cortex_m3/system/registers.h"
+#include "soc/board_map.h"
 
 namespace capsoc::soc {
 
@@ -232,7 +233,7 @@ std::string to_svd(const BoardPeripheral& peripheral) {
 
 std::vector<BoardPeripheral> board_peripherals(const Soc& soc) {
   std::vector<BoardPeripheral> all;
-  for (const bus::MapEntry& entry : bus::soc_address_map())
+  for (const bus::MapEntry& entry : board_map())
     if (entry.kind == bus::TargetKind::device) all.push_back(device(entry, soc));
   for (const CorePlace& place : core_places) {
     auto found = std::find_if(all.begin(), all.end(),

@@ -30,6 +30,7 @@
 #include "mps2/scc.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
+#include "soc/board_map.h"
 #include "support/result.h"
 
 namespace capsoc::soc {
@@ -52,12 +53,12 @@ struct Config {
   cortex_m3::Executor executor = cortex_m3::Executor::translator;
   cortex_m3::TranslatorLimits translator;
   bool fast_forward = true;  ///< CortexM3Tlm::set_fast_forward
-  bus::MemoryWaits memory_waits;
+  MemoryWaits memory_waits;
   std::vector<OwnDevice> devices;
 };
 
 /// Arm MPS2 AN385 with the self-calibration coprocessor. The address map is data
-/// (bus/address_map.h).
+/// (soc/board_map.h).
 class Soc : public sc_core::sc_module {
  public:
   Soc(const sc_core::sc_module_name& name, const Config& config);

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "backend/coprocessor_settings.h"
-#include "bus/address_map.h"
 #include "cortex_m3/core.h"
 #include "inputs/input_settings.h"
 #include "observers/schedule_settings.h"
@@ -18,6 +17,7 @@
 #include "ports/uart_lines.h"
 #include "results/result_settings.h"
 #include "session/checkpoint_settings.h"
+#include "soc/board_map.h"
 #include "support/setting_fields.h"
 
 namespace capsoc::run {
@@ -66,7 +66,7 @@ struct MemorySettings {
   IntegerField data_sram{all, wait_states("data_sram", "0")};
   IntegerField psram{all, wait_states("psram", "3")};
 
-  bus::MemoryWaits waits() const {
+  soc::MemoryWaits waits() const {
     const auto of = [](const IntegerField& field) { return static_cast<unsigned>(field()); };
     return {of(code_sram), of(block_ram), of(data_sram), of(psram)};
   }
