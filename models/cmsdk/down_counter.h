@@ -6,7 +6,7 @@
 
 #include "kit/archive.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// Counts from its value to 0, stays there for one step and then takes `reload`; a one-shot counter
 /// or one whose reload is 0 stays at 0. Plain arithmetic: nothing happens between calls, and edge
@@ -48,4 +48,4 @@ class DownCounter {
   bool running_ = false;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -152,4 +152,4 @@ void DualTimer::visit(kit::Archive& archive) {
   }
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

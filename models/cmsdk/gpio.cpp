@@ -1,6 +1,6 @@
 #include "cmsdk/gpio.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -198,4 +198,4 @@ void Gpio::visit(kit::Archive& archive) {
   archive("pin_interrupt", pin_interrupt);
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

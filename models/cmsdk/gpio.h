@@ -12,7 +12,7 @@
 #include "kit/interrupt_line.h"
 #include "kit/probe.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// 16 pins. DATA reads the pins through a synchroniser of two flip-flops, so a change is visible,
 /// and interrupts, two PCLK cycles later. A pin carries DATAOUT where OUTENABLE is set and the
@@ -95,4 +95,4 @@ class Gpio : public kit::ClockedBank {
   std::deque<Sample> synchroniser_;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -1,6 +1,6 @@
 #include "cmsdk/timer.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -68,4 +68,4 @@ void Timer::visit(kit::Archive& archive) {
   counter_.visit(archive, edge_of(archive));
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -6,7 +6,7 @@
 
 #include "kit/guest_error.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -226,4 +226,4 @@ void Uart::visit(kit::Archive& archive) {
   if (receiving_ && far_end_.empty()) archive.refuse("receives a byte that nobody sends");
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

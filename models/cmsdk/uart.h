@@ -12,7 +12,7 @@
 #include "kit/interrupt_line.h"
 #include "kit/probe.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// 8 data bits, no parity, one stop bit; one byte of buffer in each direction. A byte occupies the
 /// line for ten bits of BAUDDIV PCLK cycles (one cycle a bit when transmitting with HSTEST), and
@@ -111,4 +111,4 @@ class Uart : public kit::ClockedBank {
   uint64_t received_at_ = 0;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -126,4 +126,4 @@ void Watchdog::visit(kit::Archive& archive) {
   archive("expired", expired_);
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -9,7 +9,7 @@
 #include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// A 32-bit down-counter of PCLK cycles that runs while INTEN is set. It interrupts on its first
 /// step to 0; if that has not been cleared when it gets there again, it raises its reset output (if
@@ -53,4 +53,4 @@ class Watchdog : public kit::ClockedBank {
   bool expired_ = false;  // reached 0 a second time
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

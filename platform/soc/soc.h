@@ -11,6 +11,8 @@
 #include <systemc>
 #include <vector>
 
+#include "an385/fpga_io.h"
+#include "an385/scc.h"
 #include "bus/address_map.h"
 #include "bus/ahb_matrix.h"
 #include "bus/apb_bridge.h"
@@ -26,8 +28,6 @@
 #include "cortex_m3/tlm/cortex_m3_tlm.h"
 #include "kit/clock_domain.h"
 #include "kit/register_target.h"
-#include "mps2/fpga_io.h"
-#include "mps2/scc.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
 #include "soc/board_map.h"
@@ -88,9 +88,7 @@ class Soc : public sc_core::sc_module {
   bool write_memory(uint32_t address, const void* bytes, uint32_t size);
 
   /// Nothing outside the processor will interrupt it where only NMI or a reset can.
-  bool watchdog_is_off() const {
-    return !watchdog.CONTROL.any(peripherals::Watchdog::control_interrupt);
-  }
+  bool watchdog_is_off() const { return !watchdog.CONTROL.any(cmsdk::Watchdog::control_interrupt); }
 
   /// A word as a debugger reads it, without side effects; 0 where nothing answers.
   uint32_t peek(uint32_t address);
@@ -100,13 +98,13 @@ class Soc : public sc_core::sc_module {
   bus::AhbMatrix ahb;
   bus::ApbBridge apb;
   bus::Memory code_sram, data_sram, block_ram, psram;
-  peripherals::Timer timer0, timer1;
-  peripherals::DualTimer dual_timer;
-  peripherals::Watchdog watchdog;
-  peripherals::Uart uart0, uart1, uart2, uart3, uart4;
-  peripherals::Gpio gpio0, gpio1, gpio2, gpio3;
-  mps2::FpgaIo fpgaio;
-  mps2::Scc scc;
+  cmsdk::Timer timer0, timer1;
+  cmsdk::DualTimer dual_timer;
+  cmsdk::Watchdog watchdog;
+  cmsdk::Uart uart0, uart1, uart2, uart3, uart4;
+  cmsdk::Gpio gpio0, gpio1, gpio2, gpio3;
+  an385::FpgaIo fpgaio;
+  an385::Scc scc;
   coprocessor::CoprocessorTlm coprocessor;
   peripherals::AdcFrontEnd adc;
   peripherals::ClockController clock_controller;
@@ -115,10 +113,8 @@ class Soc : public sc_core::sc_module {
 
   static constexpr std::size_t uart_count = 5;
   /// Every UART and every GPIO, in the order of their numbers.
-  std::array<peripherals::Uart*, uart_count> uarts() {
-    return {&uart0, &uart1, &uart2, &uart3, &uart4};
-  }
-  std::array<peripherals::Gpio*, 4> gpios() { return {&gpio0, &gpio1, &gpio2, &gpio3}; }
+  std::array<cmsdk::Uart*, uart_count> uarts() { return {&uart0, &uart1, &uart2, &uart3, &uart4}; }
+  std::array<cmsdk::Gpio*, 4> gpios() { return {&gpio0, &gpio1, &gpio2, &gpio3}; }
 
  private:
   /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).

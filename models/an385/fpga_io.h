@@ -11,7 +11,7 @@
 #include "kit/probe.h"
 #include "kit/register_bank.h"
 
-namespace capsoc::mps2 {
+namespace capsoc::an385 {
 
 /// Two user LEDs, two buttons, and four counters that nothing waits for: each is computed when it
 /// is read. CLK1HZ and CLK100HZ count simulated time; COUNTER steps at the 25 MHz board clock
@@ -56,4 +56,4 @@ class FpgaIo : public kit::RegisterBank {
   uint64_t anchor_cycle_ = 0;  // COUNTER and PSCNTR hold their values at this edge
 };
 
-}  // namespace capsoc::mps2
+}  // namespace capsoc::an385

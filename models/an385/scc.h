@@ -11,7 +11,7 @@
 #include "kit/probe.h"
 #include "kit/register_bank.h"
 
-namespace capsoc::mps2 {
+namespace capsoc::an385 {
 
 /// Board identification, eight LEDs and switches, and the channel to the board's configuration
 /// controller, behind which this model has the three oscillators and nothing else (function 1,
@@ -46,4 +46,4 @@ class Scc : public kit::RegisterBank {
   std::array<uint32_t, 3> oscillators_{};  // Hz
 };
 
-}  // namespace capsoc::mps2
+}  // namespace capsoc::an385

@@ -1,6 +1,6 @@
-#include "mps2/fpga_io.h"
+#include "an385/fpga_io.h"
 
-namespace capsoc::mps2 {
+namespace capsoc::an385 {
 namespace {
 
 using registers::Access;
@@ -88,4 +88,4 @@ void FpgaIo::visit(kit::Archive& archive) {
   archive("anchor_cycle", anchor_cycle_);
 }
 
-}  // namespace capsoc::mps2
+}  // namespace capsoc::an385

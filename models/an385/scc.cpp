@@ -1,8 +1,8 @@
-#include "mps2/scc.h"
+#include "an385/scc.h"
 
 #include <fmt/format.h>
 
-namespace capsoc::mps2 {
+namespace capsoc::an385 {
 namespace {
 
 using registers::Access;
@@ -88,4 +88,4 @@ void Scc::visit(kit::Archive& archive) {
   archive("oscillators", oscillators_);
 }
 
-}  // namespace capsoc::mps2
+}  // namespace capsoc::an385

@@ -6,9 +6,9 @@
 
 #include "../bus/initiator.h"
 #include "../kit/bench_main.h"
+#include "an385/fpga_io.h"
+#include "an385/scc.h"
 #include "kit/guest_error.h"
-#include "mps2/fpga_io.h"
-#include "mps2/scc.h"
 
 namespace capsoc::test {
 namespace {
@@ -18,8 +18,8 @@ struct Bench {
     to_io.socket.bind(io.socket);
     to_scc.socket.bind(scc.socket);
   }
-  mps2::FpgaIo io{"fpgaio"};
-  mps2::Scc scc{"scc"};
+  an385::FpgaIo io{"fpgaio"};
+  an385::Scc scc{"scc"};
   Initiator to_io{"to_io"}, to_scc{"to_scc"};
 };
 std::unique_ptr<Bench> the_bench;
