@@ -13,6 +13,7 @@
 
 #include "an385/fpga_io.h"
 #include "an385/scc.h"
+#include "armv7m/tlm/core_tlm.h"
 #include "bus/address_map.h"
 #include "bus/ahb_matrix.h"
 #include "bus/apb_bridge.h"
@@ -25,7 +26,6 @@
 #include "cmsdk/watchdog.h"
 #include "coprocessor/tlm/coprocessor_tlm.h"
 #include "coprocessor/types.h"
-#include "cortex_m3/tlm/cortex_m3_tlm.h"
 #include "kit/clock_domain.h"
 #include "kit/register_target.h"
 #include "peripherals/adc_front_end.h"
@@ -50,9 +50,9 @@ struct Config {
   /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
-  cortex_m3::Executor executor = cortex_m3::Executor::translator;
-  cortex_m3::TranslatorLimits translator;
-  bool fast_forward = true;  ///< CortexM3Tlm::set_fast_forward
+  armv7m::Executor executor = armv7m::Executor::translator;
+  armv7m::TranslatorLimits translator;
+  bool fast_forward = true;  ///< CoreTlm::set_fast_forward
   MemoryWaits memory_waits;
   std::vector<OwnDevice> devices;
 };
@@ -94,7 +94,7 @@ class Soc : public sc_core::sc_module {
   uint32_t peek(uint32_t address);
 
   kit::ClockDomain clock;
-  cortex_m3::CortexM3Tlm cpu;
+  armv7m::CoreTlm cpu;
   bus::AhbMatrix ahb;
   bus::ApbBridge apb;
   bus::Memory code_sram, data_sram, block_ram, psram;
@@ -118,7 +118,7 @@ class Soc : public sc_core::sc_module {
 
  private:
   /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).
-  std::array<int, cortex_m3::Core::interrupt_count> high_sources_{};
+  std::array<int, armv7m::Core::interrupt_count> high_sources_{};
   std::vector<kit::Component*> components_;
 
   void list_components();

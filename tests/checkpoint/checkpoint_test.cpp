@@ -5,15 +5,15 @@
 #include <cstdlib>
 #include <random>
 
+#include "armv7m/core.h"
 #include "checkpoint/checkpoint_file.h"
 #include "coprocessor/coprocessor.h"
-#include "cortex_m3/core.h"
 
 namespace capsoc::checkpoint {
 namespace {
 
 /// A processor with a little memory, and a coprocessor: parts with states of many kinds.
-class Machine : public cortex_m3::Bus {
+class Machine : public armv7m::Bus {
  public:
   Machine() {
     core.map_memory(0, sizeof memory, memory, true, 0);
@@ -26,7 +26,7 @@ class Machine : public cortex_m3::Bus {
     memory[4] = 9;     // entry 8
     core.reset();
   }
-  bool read(uint32_t, unsigned, uint32_t& value, unsigned&, cortex_m3::AccessKind) override {
+  bool read(uint32_t, unsigned, uint32_t& value, unsigned&, armv7m::AccessKind) override {
     value = 0;
     return true;
   }
@@ -52,7 +52,7 @@ class Machine : public cortex_m3::Bus {
   }
 
   uint8_t memory[8192] = {};
-  cortex_m3::Core core{*this};
+  armv7m::Core core{*this};
   coprocessor::Coprocessor coprocessor{coprocessor::Options{}};
 
  private:

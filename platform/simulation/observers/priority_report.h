@@ -29,7 +29,7 @@ class PriorityReport final : public RunObserver {
   void finish(RunResult& result) override;
 
  private:
-  void dropped(const cortex_m3::DroppedPriority& dropped);
+  void dropped(const armv7m::DroppedPriority& dropped);
 
   soc::Soc& soc_;
   const ProgramView& view_;

@@ -23,8 +23,8 @@ class VectorReport final : public RunObserver {
 
  private:
   void listen();
-  void written(const cortex_m3::VectorWrite& write);
-  bool is_vector(const cortex_m3::VectorWrite& write) const;
+  void written(const armv7m::VectorWrite& write);
+  bool is_vector(const armv7m::VectorWrite& write) const;
 
   soc::Soc& soc_;
   const ProgramView& view_;

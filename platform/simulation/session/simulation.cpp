@@ -231,7 +231,7 @@ void Simulation::conclude_run(RunResult& result) const {
 }
 
 void Simulation::take_figures(RunResult& result) const {
-  const cortex_m3::Core& core = soc_.cpu.core();
+  const armv7m::Core& core = soc_.cpu.core();
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.instructions = core.instructions();
   result.cycles = core.cycles();

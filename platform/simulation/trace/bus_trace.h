@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "armv7m/core.h"
 #include "bus/address_map.h"
-#include "cortex_m3/core.h"
 #include "soc/board_map.h"
 #include "soc/board_registers.h"
 #include "trace/line_file.h"

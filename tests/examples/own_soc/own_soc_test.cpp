@@ -32,7 +32,7 @@ TEST(OwnSoc, RunsAProgramOfItsOwn) {
   });
   sc_core::sc_start();
   EXPECT_EQ(text, "tick\ntick\ntick\ntick\ntick\ndone\n");
-  EXPECT_EQ(soc.cpu.end_reason(), capsoc::cortex_m3::EndReason::asleep);
+  EXPECT_EQ(soc.cpu.end_reason(), capsoc::armv7m::EndReason::asleep);
   EXPECT_EQ(soc.cpu.core().cycles() / 50000, 5u);
   ASSERT_GE(hashes.size(), 4u);
   EXPECT_NE(hashes[0], hashes[1]);
