@@ -66,12 +66,12 @@ function(capsoc_save_compile_time)
   capsoc_use_precompiled(capsoc_pch_cli capsoc)
   capsoc_use_precompiled(capsoc_pch_run capsoc_inputs capsoc_results capsoc_ports capsoc_backend capsoc_explain capsoc_observers
                          capsoc_session capsoc_gdb)
-  capsoc_use_precompiled(capsoc_pch_shells capsoc_kit capsoc_bus capsoc_cmsdk capsoc_mps2 capsoc_peripherals capsoc_coprocessor_tlm
-                         capsoc_cortex_m3_tlm capsoc_soc)
+  capsoc_use_precompiled(capsoc_pch_shells capsoc_kit capsoc_bus capsoc_cmsdk capsoc_an385 capsoc_peripherals capsoc_coprocessor_tlm
+                         capsoc_armv7m_tlm capsoc_soc)
   # Not the processor and the coprocessor: what is hot is compiled alone.
   capsoc_together(capsoc capsoc_inputs capsoc_results capsoc_ports capsoc_backend capsoc_explain capsoc_observers capsoc_session
                   capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting
-                  capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_mps2
-                  capsoc_coprocessor_tlm capsoc_cortex_m3_tlm capsoc_soc capsoc_csfn capsoc_sensor capsoc_fit capsoc_campaign capsoc_golden capsoc_regress
-                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_input)
+                  capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_an385
+                  capsoc_coprocessor_tlm capsoc_armv7m_tlm capsoc_soc capsoc_identification capsoc_sensor capsoc_fit capsoc_campaign capsoc_golden capsoc_regress
+                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual)
 endfunction()

@@ -1,4 +1,5 @@
-// The address map as data: what answers where, how slowly, and on which interrupt lines.
+// An address map as data: what answers where, how slowly, and on which interrupt lines. The board
+// gives matrix and bridge its own.
 #pragma once
 
 #include <cstdint>
@@ -50,13 +51,6 @@ struct MapEntry {
 
 using AddressMap = std::vector<MapEntry>;
 
-/// Cycles that each word of a memory waits for beyond its own, by memory. The SRAMs of the board
-/// answer at once; its PSRAM is a 16-bit device of 70 ns: two halfwords of two cycles of 40 ns each
-/// make a word, three cycles more than a transfer without waiting.
-struct MemoryWaits {
-  unsigned code_sram = 0, block_ram = 0, data_sram = 0, psram = 3;
-};
-
 /// The name under which the matrix knows the AHB-to-APB bridge.
 constexpr const char* apb_bridge_target = "apb_bridge";
 
@@ -64,10 +58,6 @@ constexpr const char* apb_bridge_target = "apb_bridge";
 /// sizes, ranges past 32 bits, boundaries off the 4-byte grid, windows that do not divide their
 /// range, overlaps, one target on two buses.
 std::string validate(const AddressMap& map);
-
-/// The SoC: Arm MPS2 AN385 (as QEMU's mps2-an385 has it) with the coprocessor, the ADC front-end
-/// and the clock controller in reserved APB slots 0xC to 0xE.
-AddressMap soc_address_map(const MemoryWaits& waits = {});
 
 /// The entry of that name, or nullptr.
 const MapEntry* find_entry(const AddressMap& map, const std::string& name);

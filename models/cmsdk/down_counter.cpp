@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 uint64_t DownCounter::steps_until(uint64_t cycle) const {
   return running_ && cycle > anchor_ ? (cycle - anchor_) / divisor_ : 0;
@@ -48,7 +48,7 @@ void DownCounter::start() {
   running_ = true;
 }
 
-void DownCounter::visit(kit::Archive& archive, uint64_t now) {
+void DownCounter::visit(Archive& archive, uint64_t now) {
   archive("reload", reload);
   archive("one_shot", one_shot);
   archive("present", present_);
@@ -60,4 +60,4 @@ void DownCounter::visit(kit::Archive& archive, uint64_t now) {
   if (present_ > now || anchor_ > present_) archive.refuse("has a counter ahead of time");
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// Counts from its value to 0, stays there for one step and then takes `reload`; a one-shot counter
 /// or one whose reload is 0 stays at 0. Plain arithmetic: nothing happens between calls, and edge
@@ -36,7 +36,7 @@ class DownCounter {
   void stop() { running_ = false; }
 
   /// `now`: the edge at the archive's time; the last advance() cannot lie behind it.
-  void visit(kit::Archive& archive, uint64_t now);
+  void visit(Archive& archive, uint64_t now);
 
  private:
   uint64_t steps_until(uint64_t cycle) const;
@@ -48,4 +48,4 @@ class DownCounter {
   bool running_ = false;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

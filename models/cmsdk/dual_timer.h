@@ -10,7 +10,7 @@
 #include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// Two counters of PCLK cycles with a prescaler of 1, 16 or 256, each free-running, periodic or
 /// one-shot, 16 or 32 bits wide. Each interrupts on the step from 1 to 0, stays at 0 for one step
@@ -29,7 +29,7 @@ class DualTimer : public kit::ClockedBank {
   DualTimer(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   /// TIMINTC: either timer's masked interrupt.
   kit::InterruptLine interrupt{*this, "interrupt"};
@@ -75,4 +75,4 @@ class DualTimer : public kit::ClockedBank {
   void follow();
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

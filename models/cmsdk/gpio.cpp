@@ -1,6 +1,6 @@
 #include "cmsdk/gpio.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -182,7 +182,7 @@ uint64_t Gpio::next_change() const {
   return synchroniser_.empty() ? never : synchroniser_.front().visible_at;
 }
 
-void Gpio::visit(kit::Archive& archive) {
+void Gpio::visit(Archive& archive) {
   ClockedBank::visit(archive);
   archive("output_enable", output_enable_);
   archive("alternate_function", alternate_function_);
@@ -198,4 +198,4 @@ void Gpio::visit(kit::Archive& archive) {
   archive("pin_interrupt", pin_interrupt);
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

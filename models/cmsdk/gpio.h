@@ -12,7 +12,7 @@
 #include "kit/interrupt_line.h"
 #include "kit/probe.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// 16 pins. DATA reads the pins through a synchroniser of two flip-flops, so a change is visible,
 /// and interrupts, two PCLK cycles later. A pin carries DATAOUT where OUTENABLE is set and the
@@ -38,7 +38,7 @@ class Gpio : public kit::ClockedBank {
 
   /// System reset: all pins are inputs; the levels that the outside drives stay.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   std::array<kit::InterruptLine, pin_count> pin_interrupt;
   kit::InterruptLine combined_interrupt{*this, "combined"};
@@ -62,7 +62,7 @@ class Gpio : public kit::ClockedBank {
   struct Sample {
     uint64_t visible_at;  // edge
     uint16_t levels;
-    void visit(kit::Archive& archive) {
+    void visit(Archive& archive) {
       archive("visible_at", visible_at);
       archive("levels", levels);
     }
@@ -95,4 +95,4 @@ class Gpio : public kit::ClockedBank {
   std::deque<Sample> synchroniser_;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -1,6 +1,6 @@
 #include "cmsdk/id_registers.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 using registers::Access;
 using registers::RegisterDescription;
@@ -40,4 +40,4 @@ IdRegisters::IdRegisters(kit::RegisterBank& bank, PartNumber part) {
   }
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

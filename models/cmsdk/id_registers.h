@@ -7,7 +7,7 @@
 
 #include "kit/register_bank.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// PID0 of the peripherals (DDI 0479).
 enum class PartNumber : uint8_t {
@@ -32,4 +32,4 @@ class IdRegisters {
 registers::RegisterDescription describe_register(const char* name, uint32_t offset,
                                                  registers::Access access, uint32_t bits);
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -1,6 +1,6 @@
 #include "cmsdk/timer.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -63,9 +63,9 @@ uint64_t Timer::next_change() const {
   return CTRL.any(ctrl_interrupt) && !INTSTATUS.any(1) ? counter_.next_zero() : never;
 }
 
-void Timer::visit(kit::Archive& archive) {
+void Timer::visit(Archive& archive) {
   ClockedBank::visit(archive);
   counter_.visit(archive, edge_of(archive));
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

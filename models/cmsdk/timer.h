@@ -9,7 +9,7 @@
 #include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// A 32-bit down-counter of PCLK cycles. It interrupts on the step from 1 to 0, stays at 0 for one
 /// cycle and then takes RELOAD: a period is RELOAD + 1 cycles, and RELOAD 0 stops at 0 without
@@ -27,7 +27,7 @@ class Timer : public kit::ClockedBank {
   Timer(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   kit::InterruptLine interrupt{*this, "interrupt"};
 
@@ -44,4 +44,4 @@ class Timer : public kit::ClockedBank {
   DownCounter counter_;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -6,7 +6,7 @@
 
 #include "kit/guest_error.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -213,7 +213,7 @@ uint64_t Uart::next_change() const {
   return std::min(shifting_ ? shifted_at_ : never, receiving_ ? received_at_ : never);
 }
 
-void Uart::visit(kit::Archive& archive) {
+void Uart::visit(Archive& archive) {
   ClockedBank::visit(archive);
   archive("tx_buffer", tx_buffer_);
   archive("shifter", shifter_);
@@ -226,4 +226,4 @@ void Uart::visit(kit::Archive& archive) {
   if (receiving_ && far_end_.empty()) archive.refuse("receives a byte that nobody sends");
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -12,7 +12,7 @@
 #include "kit/interrupt_line.h"
 #include "kit/probe.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// 8 data bits, no parity, one stop bit; one byte of buffer in each direction. A byte occupies the
 /// line for ten bits of BAUDDIV PCLK cycles (one cycle a bit when transmitting with HSTEST), and
@@ -64,7 +64,7 @@ class Uart : public kit::ClockedBank {
 
   /// System reset: what is on the line is lost, what waits at the far end is not.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   kit::InterruptLine rx_interrupt{*this, "rx"};
   kit::InterruptLine tx_interrupt{*this, "tx"};
@@ -111,4 +111,4 @@ class Uart : public kit::ClockedBank {
   uint64_t received_at_ = 0;
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

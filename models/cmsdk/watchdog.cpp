@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 namespace {
 
 using registers::Access;
@@ -120,10 +120,10 @@ void Watchdog::follow() {
   reset_request.set(expired_ && CONTROL.any(control_reset));
 }
 
-void Watchdog::visit(kit::Archive& archive) {
+void Watchdog::visit(Archive& archive) {
   ClockedBank::visit(archive);
   counter_.visit(archive, edge_of(archive));
   archive("expired", expired_);
 }
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -9,7 +9,7 @@
 #include "kit/clocked_bank.h"
 #include "kit/interrupt_line.h"
 
-namespace capsoc::peripherals {
+namespace capsoc::cmsdk {
 
 /// A 32-bit down-counter of PCLK cycles that runs while INTEN is set. It interrupts on its first
 /// step to 0; if that has not been cleared when it gets there again, it raises its reset output (if
@@ -24,7 +24,7 @@ class Watchdog : public kit::ClockedBank {
   Watchdog(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   kit::InterruptLine interrupt{*this, "interrupt"};          ///< WDOGINT, the processor's NMI
   kit::InterruptLine reset_request{*this, "reset_request"};  ///< WDOGRES
@@ -53,4 +53,4 @@ class Watchdog : public kit::ClockedBank {
   bool expired_ = false;  // reached 0 a second time
 };
 
-}  // namespace capsoc::peripherals
+}  // namespace capsoc::cmsdk

@@ -4,6 +4,9 @@
 #include <iostream>
 #include <memory>
 
+#include "base/number.h"
+#include "base/printable.h"
+#include "base/shell.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
@@ -18,9 +21,6 @@
 #include "report/page.h"
 #include "results/results.h"
 #include "sensor/load.h"
-#include "support/number.h"
-#include "support/printable.h"
-#include "support/shell.h"
 
 namespace capsoc::cli {
 namespace {
@@ -44,9 +44,10 @@ struct FitArguments {
 
 /// What the method names on the command line mean.
 void choose_method(FitArguments& arguments) {
-  csfn::IdentifyOptions& identify = arguments.options.identify;
+  identification::IdentifyOptions& identify = arguments.options.identify;
   arguments.options.all_methods = arguments.method == "all";
-  identify.method = csfn::method_from(arguments.method).value_or(csfn::Method::distances);
+  identify.method =
+      identification::method_from(arguments.method).value_or(identification::Method::distances);
   if (arguments.iterations != 0) {
     identify.adam.iterations = arguments.iterations;
     identify.levenberg_marquardt.iterations = arguments.iterations;
@@ -202,7 +203,7 @@ void add_fit(CLI::App& app, int& code) {
     inputs.push_back(option->type_name(type));
     return option;
   };
-  csfn::IdentifyOptions& identify = arguments->options.identify;
+  identification::IdentifyOptions& identify = arguments->options.identify;
   input(fit->add_option(
                "--method", arguments->method,
                "How: ml is the default; adam as the CSFN paper; all: ml, and the others beside it")
@@ -214,10 +215,10 @@ void add_fit(CLI::App& app, int& code) {
         "0..3");
   const auto assume = [arguments](const std::string& word) {
     arguments->options.identify.harmonics.assumption =
-        word == "speed"       ? csfn::Assumption::constant_speed
-        : word == "coverage"  ? csfn::Assumption::even_coverage
-        : word == "symmetric" ? csfn::Assumption::symmetric
-                              : csfn::Assumption::automatic;
+        word == "speed"       ? identification::Assumption::constant_speed
+        : word == "coverage"  ? identification::Assumption::even_coverage
+        : word == "symmetric" ? identification::Assumption::symmetric
+                              : identification::Assumption::automatic;
   };
   input(fit->add_option_function<std::string>(
                "--assume", assume,

@@ -8,6 +8,7 @@
 #include "host/console.h"
 #include "host/files.h"
 #include "results/results.h"
+#include "soc/board_map.h"
 #include "soc/board_registers.h"
 
 namespace capsoc::cli {
@@ -35,7 +36,7 @@ int info_command() {
     host::print("{:<16} {}\n", name, version.get<std::string>());
   host::print("\n{:<12} {:<12} {:<24} {:<14} {:>4}  {}\n", "from", "to", "what", "kind", "wait",
               "interrupts");
-  for (const bus::MapEntry& entry : bus::soc_address_map()) {
+  for (const bus::MapEntry& entry : soc::board_map()) {
     std::string lines;
     for (const bus::InterruptWire& wire : entry.interrupts)
       lines += wire.line == bus::nmi_line ? " NMI" : fmt::format(" {}", wire.line);

@@ -7,8 +7,9 @@
 #include <cstring>
 #include <string_view>
 
+#include "armv7m/system/registers.h"
 #include "capsoc_registers.h"
-#include "cortex_m3/system/registers.h"
+#include "soc/board_map.h"
 
 namespace capsoc::soc {
 
@@ -144,21 +145,20 @@ constexpr CorePlace core_places[] = {
 };
 
 /// The name of one word of a row of registers.def; "" of a reserved one.
-std::string word_name(const cortex_m3::SystemRegister& row, unsigned word,
-                      const std::string& prefix) {
+std::string word_name(const armv7m::SystemRegister& row, unsigned word, const std::string& prefix) {
   std::string name = row.description.name;
   if (name.rfind(prefix, 0) == 0) name = name.substr(prefix.size());
   switch (row.address()) {
-    case cortex_m3::ppb::DWT_COMP0: {
+    case armv7m::ppb::DWT_COMP0: {
       static constexpr const char* of_four[] = {"COMP", "MASK", "FUNCTION", ""};
       const char* const one = of_four[word % 4];
       return *one == '\0' ? "" : fmt::format("{}{}", one, word / 4);
     }
-    case cortex_m3::ppb::MPU_RBAR: {
+    case armv7m::ppb::MPU_RBAR: {
       const char* const one = word % 2 == 0 ? "RBAR" : "RASR";
       return word < 2 ? one : fmt::format("{}_A{}", one, word / 2);
     }
-    case cortex_m3::ppb::SHPR:
+    case armv7m::ppb::SHPR:
       return fmt::format("{}{}", name, word + 1);
     default:
       return row.words == 1 ? name : fmt::format("{}{}", name, word);
@@ -167,11 +167,11 @@ std::string word_name(const cortex_m3::SystemRegister& row, unsigned word,
 
 void add_core_registers(const CorePlace& place, BoardPeripheral& peripheral) {
   for (uint32_t address = place.base; address < place.base + place.size; address += 4) {
-    const cortex_m3::SystemRegister* const row = cortex_m3::find_system_register(address);
+    const armv7m::SystemRegister* const row = armv7m::find_system_register(address);
     if (row == nullptr) continue;
     const std::string name = word_name(*row, (address - row->address()) / 4, place.prefix);
     // Reading CSR clears COUNTFLAG.
-    const bool changes = row->address() == cortex_m3::ppb::SYST_CSR;
+    const bool changes = row->address() == armv7m::ppb::SYST_CSR;
     if (!name.empty()) add_register(peripheral, {name, address, row->description, changes, {}});
   }
 }
@@ -232,7 +232,7 @@ std::string to_svd(const BoardPeripheral& peripheral) {
 
 std::vector<BoardPeripheral> board_peripherals(const Soc& soc) {
   std::vector<BoardPeripheral> all;
-  for (const bus::MapEntry& entry : bus::soc_address_map())
+  for (const bus::MapEntry& entry : board_map())
     if (entry.kind == bus::TargetKind::device) all.push_back(device(entry, soc));
   for (const CorePlace& place : core_places) {
     auto found = std::find_if(all.begin(), all.end(),

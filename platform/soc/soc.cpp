@@ -7,8 +7,6 @@
 namespace capsoc::soc {
 namespace {
 
-constexpr uint64_t kib = 1024, mib = 1024 * kib;
-
 std::unique_ptr<coprocessor::Device> make_coprocessor(const Config& config) {
   if (config.make_coprocessor) return config.make_coprocessor();
   return std::make_unique<coprocessor::Coprocessor>(config.coprocessor);
@@ -19,8 +17,8 @@ std::unique_ptr<coprocessor::Device> make_coprocessor(const Config& config) {
 Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
     : sc_module(name),
       cpu("cpu", clock),
-      ahb("ahb", bus::soc_address_map(config.memory_waits), clock),
-      apb("apb", bus::soc_address_map(), clock),
+      ahb("ahb", board_map(config.memory_waits), clock),
+      apb("apb", board_map(), clock),
       code_sram("code_sram", 4 * mib),
       data_sram("data_sram", 4 * mib),
       block_ram("block_ram", 16 * kib),
@@ -85,7 +83,7 @@ void Soc::list_components() {
 
 /// Every free slot gets the user's device, or a stand-in that says what is missing.
 void Soc::make_others(const std::vector<OwnDevice>& own) {
-  for (const bus::MapEntry& entry : bus::soc_address_map()) {
+  for (const bus::MapEntry& entry : board_map()) {
     if (entry.kind != bus::TargetKind::unimplemented) continue;
     const auto mine = std::find_if(
         own.begin(), own.end(), [&](const OwnDevice& device) { return device.slot == entry.name; });
@@ -117,7 +115,7 @@ void Soc::bind() {
   cpu.dcode.bind(ahb.d_code);
   cpu.system.bind(ahb.system);
   ahb.port(bus::apb_bridge_target)->bind(apb.socket);
-  const bus::AddressMap map = bus::soc_address_map();
+  const bus::AddressMap map = board_map();
   for (kit::Component* part : components_) {
     const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());
     if (entry == nullptr) continue;  // the processor
@@ -129,7 +127,7 @@ void Soc::bind() {
 }
 
 void Soc::each_wire(const EachWire& call) {
-  const bus::AddressMap map = bus::soc_address_map();
+  const bus::AddressMap map = board_map();
   for (kit::Component* part : components_) {
     const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());
     if (entry == nullptr) continue;
@@ -165,7 +163,7 @@ void Soc::reset_peripherals() {
   for (kit::Component* part : components_) part->reset();
 }
 
-void Soc::visit(kit::Archive& archive) {
+void Soc::visit(Archive& archive) {
   archive("clock", clock);
   archive("high_sources", high_sources_);
 }

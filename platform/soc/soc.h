@@ -11,6 +11,10 @@
 #include <systemc>
 #include <vector>
 
+#include "an385/fpga_io.h"
+#include "an385/scc.h"
+#include "armv7m/tlm/core_tlm.h"
+#include "base/result.h"
 #include "bus/address_map.h"
 #include "bus/ahb_matrix.h"
 #include "bus/apb_bridge.h"
@@ -21,16 +25,13 @@
 #include "cmsdk/timer.h"
 #include "cmsdk/uart.h"
 #include "cmsdk/watchdog.h"
+#include "coprocessor/tlm/coprocessor_tlm.h"
 #include "coprocessor/types.h"
-#include "coprocessor_tlm/coprocessor_tlm.h"
-#include "cortex_m3_tlm/cortex_m3_tlm.h"
 #include "kit/clock_domain.h"
 #include "kit/register_target.h"
-#include "mps2/fpga_io.h"
-#include "mps2/scc.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
-#include "support/result.h"
+#include "soc/board_map.h"
 
 namespace capsoc::soc {
 
@@ -49,15 +50,15 @@ struct Config {
   /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
-  cortex_m3::Executor executor = cortex_m3::Executor::translator;
-  cortex_m3::TranslatorLimits translator;
-  bool fast_forward = true;  ///< CortexM3Tlm::set_fast_forward
-  bus::MemoryWaits memory_waits;
+  armv7m::Executor executor = armv7m::Executor::translator;
+  armv7m::TranslatorLimits translator;
+  bool fast_forward = true;  ///< CoreTlm::set_fast_forward
+  MemoryWaits memory_waits;
   std::vector<OwnDevice> devices;
 };
 
 /// Arm MPS2 AN385 with the self-calibration coprocessor. The address map is data
-/// (bus/address_map.h).
+/// (soc/board_map.h).
 class Soc : public sc_core::sc_module {
  public:
   Soc(const sc_core::sc_module_name& name, const Config& config);
@@ -74,7 +75,7 @@ class Soc : public sc_core::sc_module {
   void reset_peripherals();
 
   /// What is between the parts: the clock, and interrupt lines that several drive.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// Every interrupt output with the name of its device and its own, as the address map has them.
   using EachInterrupt =
@@ -87,25 +88,23 @@ class Soc : public sc_core::sc_module {
   bool write_memory(uint32_t address, const void* bytes, uint32_t size);
 
   /// Nothing outside the processor will interrupt it where only NMI or a reset can.
-  bool watchdog_is_off() const {
-    return !watchdog.CONTROL.any(peripherals::Watchdog::control_interrupt);
-  }
+  bool watchdog_is_off() const { return !watchdog.CONTROL.any(cmsdk::Watchdog::control_interrupt); }
 
   /// A word as a debugger reads it, without side effects; 0 where nothing answers.
   uint32_t peek(uint32_t address);
 
   kit::ClockDomain clock;
-  cortex_m3::CortexM3Tlm cpu;
+  armv7m::CoreTlm cpu;
   bus::AhbMatrix ahb;
   bus::ApbBridge apb;
   bus::Memory code_sram, data_sram, block_ram, psram;
-  peripherals::Timer timer0, timer1;
-  peripherals::DualTimer dual_timer;
-  peripherals::Watchdog watchdog;
-  peripherals::Uart uart0, uart1, uart2, uart3, uart4;
-  peripherals::Gpio gpio0, gpio1, gpio2, gpio3;
-  mps2::FpgaIo fpgaio;
-  mps2::Scc scc;
+  cmsdk::Timer timer0, timer1;
+  cmsdk::DualTimer dual_timer;
+  cmsdk::Watchdog watchdog;
+  cmsdk::Uart uart0, uart1, uart2, uart3, uart4;
+  cmsdk::Gpio gpio0, gpio1, gpio2, gpio3;
+  an385::FpgaIo fpgaio;
+  an385::Scc scc;
   coprocessor::CoprocessorTlm coprocessor;
   peripherals::AdcFrontEnd adc;
   peripherals::ClockController clock_controller;
@@ -114,14 +113,12 @@ class Soc : public sc_core::sc_module {
 
   static constexpr std::size_t uart_count = 5;
   /// Every UART and every GPIO, in the order of their numbers.
-  std::array<peripherals::Uart*, uart_count> uarts() {
-    return {&uart0, &uart1, &uart2, &uart3, &uart4};
-  }
-  std::array<peripherals::Gpio*, 4> gpios() { return {&gpio0, &gpio1, &gpio2, &gpio3}; }
+  std::array<cmsdk::Uart*, uart_count> uarts() { return {&uart0, &uart1, &uart2, &uart3, &uart4}; }
+  std::array<cmsdk::Gpio*, 4> gpios() { return {&gpio0, &gpio1, &gpio2, &gpio3}; }
 
  private:
   /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).
-  std::array<int, cortex_m3::Core::interrupt_count> high_sources_{};
+  std::array<int, armv7m::Core::interrupt_count> high_sources_{};
   std::vector<kit::Component*> components_;
 
   void list_components();

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "csfn/ellipse_fit.h"
-#include "csfn/fused_network.h"
-#include "csfn/identify.h"
-#include "csfn/random.h"
+#include "base/random.h"
+#include "identification/ellipse_fit.h"
+#include "identification/fused_network.h"
+#include "identification/identify.h"
 
-namespace capsoc::csfn {
+namespace capsoc::identification {
 namespace {
 
 /// Table 1 of the CSFN paper at random angles, with normal-like noise.
@@ -100,6 +100,6 @@ void taubin(benchmark::State& state) {
 BENCHMARK(taubin)->Arg(10000)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace capsoc::csfn
+}  // namespace capsoc::identification
 
 BENCHMARK_MAIN();

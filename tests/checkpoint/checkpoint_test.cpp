@@ -5,15 +5,15 @@
 #include <cstdlib>
 #include <random>
 
+#include "armv7m/core.h"
 #include "checkpoint/checkpoint_file.h"
 #include "coprocessor/coprocessor.h"
-#include "cortex_m3/core.h"
 
 namespace capsoc::checkpoint {
 namespace {
 
 /// A processor with a little memory, and a coprocessor: parts with states of many kinds.
-class Machine : public cortex_m3::Bus {
+class Machine : public armv7m::Bus {
  public:
   Machine() {
     core.map_memory(0, sizeof memory, memory, true, 0);
@@ -26,7 +26,7 @@ class Machine : public cortex_m3::Bus {
     memory[4] = 9;     // entry 8
     core.reset();
   }
-  bool read(uint32_t, unsigned, uint32_t& value, unsigned&, cortex_m3::AccessKind) override {
+  bool read(uint32_t, unsigned, uint32_t& value, unsigned&, armv7m::AccessKind) override {
     value = 0;
     return true;
   }
@@ -43,16 +43,16 @@ class Machine : public cortex_m3::Bus {
   }
   std::vector<Part> parts() {
     return {{"cpu",
-             [this](kit::Archive& a) {
+             [this](Archive& a) {
                a("core", core);
                if (a.loading()) core.memory_changed();
              }},
-            {"ram", [this](kit::Archive& a) { a.memory("bytes", memory, sizeof memory); }},
-            {"coprocessor", [this](kit::Archive& a) { coprocessor.visit(a); }}};
+            {"ram", [this](Archive& a) { a.memory("bytes", memory, sizeof memory); }},
+            {"coprocessor", [this](Archive& a) { coprocessor.visit(a); }}};
   }
 
   uint8_t memory[8192] = {};
-  cortex_m3::Core core{*this};
+  armv7m::Core core{*this};
   coprocessor::Coprocessor coprocessor{coprocessor::Options{}};
 
  private:
@@ -135,12 +135,12 @@ TEST(CheckpointFile, RefusesAnotherBoard) {
             "capsoc; save it again");
   parts = machine.parts();
   uint32_t more = 0;
-  parts[2].visit = [&](kit::Archive& a) {
+  parts[2].visit = [&](Archive& a) {
     machine.coprocessor.visit(a);
     a("more", more);
   };
   EXPECT_EQ(load(saved.value(), parts)->text, "coprocessor: more is missing");
-  parts[2].visit = [&](kit::Archive& a) { a("cycle", more); };
+  parts[2].visit = [&](Archive& a) { a("cycle", more); };
   EXPECT_EQ(load(saved.value(), parts)->text,
             "coprocessor has other values: the checkpoint is of another version of capsoc; save it "
             "again");

@@ -28,11 +28,11 @@ struct Bench {
   }
 
   kit::ClockDomain clock;  // 25 MHz
-  peripherals::Uart uart;
-  peripherals::Timer timer;
-  peripherals::Gpio gpio;
-  peripherals::DualTimer dual_timer;
-  peripherals::Watchdog watchdog;
+  cmsdk::Uart uart;
+  cmsdk::Timer timer;
+  cmsdk::Gpio gpio;
+  cmsdk::DualTimer dual_timer;
+  cmsdk::Watchdog watchdog;
   Initiator to_uart, to_timer, to_gpio, to_dual_timer, to_watchdog;
 };
 

@@ -5,7 +5,7 @@
 namespace capsoc::test {
 namespace {
 
-using peripherals::DualTimer;
+using cmsdk::DualTimer;
 
 enum Offset : uint64_t {
   load = 0x00,

@@ -8,7 +8,7 @@
 namespace capsoc::test {
 namespace {
 
-using peripherals::Gpio;
+using cmsdk::Gpio;
 
 enum Offset : uint64_t {
   data = 0x00,

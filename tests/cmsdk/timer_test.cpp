@@ -5,7 +5,7 @@
 namespace capsoc::test {
 namespace {
 
-using peripherals::Timer;
+using cmsdk::Timer;
 
 enum Offset : uint64_t { ctrl = 0x0, value = 0x4, reload = 0x8, intstatus = 0xc };
 

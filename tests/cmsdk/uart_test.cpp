@@ -11,7 +11,7 @@
 namespace capsoc::test {
 namespace {
 
-using peripherals::Uart;
+using cmsdk::Uart;
 
 enum Offset : uint64_t { data = 0x0, state = 0x4, ctrl = 0x8, intstatus = 0xc, bauddiv = 0x10 };
 

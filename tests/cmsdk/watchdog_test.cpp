@@ -5,7 +5,7 @@
 namespace capsoc::test {
 namespace {
 
-using peripherals::Watchdog;
+using cmsdk::Watchdog;
 
 enum Offset : uint64_t {
   load = 0x000,

@@ -9,12 +9,12 @@
 #include <random>
 #include <sstream>
 
-#include "csfn/calibration.h"
+#include "base/constants.h"
 #include "fit/report.h"
 #include "golden/golden.h"
+#include "identification/calibration.h"
 #include "metrics/begin_recording.h"
 #include "metrics/sample_record.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
@@ -44,7 +44,7 @@ std::string to_recording(const metrics::SampleRecord& samples) {
   return text.str();
 }
 
-metrics::SampleRecord one_turn(const csfn::Parameters& p, int count) {
+metrics::SampleRecord one_turn(const identification::Parameters& p, int count) {
   metrics::SampleRecord samples;
   for (int i = 0; i < count; ++i) {
     const double turns = static_cast<double>(i) / count, theta = 2 * pi * turns;
@@ -55,7 +55,7 @@ metrics::SampleRecord one_turn(const csfn::Parameters& p, int count) {
   return samples;
 }
 
-const csfn::Parameters sensor{0.6, 0.5, 0.1, -0.1, 0.3};
+const identification::Parameters sensor{0.6, 0.5, 0.1, -0.1, 0.3};
 
 TEST(Record, ARecordingComesBackAsTheSameWords) {
   const auto samples = one_turn(sensor, 1000);
@@ -201,7 +201,7 @@ TEST(Fit, AColumnThatIsNoAngleIsNamed) {
     std::string rows = "t,u,v,angle_deg\n";
     for (int i = 0; i < 500; ++i) {
       const double turns = 3.2 * i / 500, theta = 2 * pi * turns;
-      const csfn::Point at = csfn::point_at({sensor, {}, {}}, theta);
+      const identification::Point at = identification::point_at({sensor, {}, {}}, theta);
       rows += std::to_string(i / 250.0) + "," + std::to_string(at.u) + "," + std::to_string(at.v) +
               "," + std::to_string(factor * 360 * (turns - std::floor(turns))) + "\n";
     }
@@ -274,7 +274,7 @@ TEST(Golden, TooFewSamplesHaveAReason) {
 
 /// A turn in calibration mode by a coprocessor that knows the sensor; its angle is `wrong` radians
 /// off.
-metrics::SampleRecord calibrated_turn(const csfn::Parameters& p, double wrong = 0) {
+metrics::SampleRecord calibrated_turn(const identification::Parameters& p, double wrong = 0) {
   const auto words = metrics::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
   auto samples = one_turn(p, 5000);
   for (metrics::RecordedSample& sample : samples) {
@@ -314,7 +314,7 @@ TEST(GoldenAngle, HalfATurnIsNotForgiven) {
 }
 
 TEST(GoldenAngle, TheDirectionIsTheOneOfTheCoprocessorsBeta) {
-  csfn::Parameters reversed = sensor;
+  identification::Parameters reversed = sensor;
   reversed.beta = pi - sensor.beta;
   EXPECT_EQ(check_of(calibrated_turn(reversed)).verdict, Verdict::agrees);
   // Its angle is pi minus that of the direct one.
@@ -326,11 +326,11 @@ TEST(GoldenAngle, TheDirectionIsTheOneOfTheCoprocessorsBeta) {
 
 TEST(GoldenAngle, WrongParametersHaveTheirOwnWrongAngle) {
   auto samples = calibrated_turn(sensor);
-  csfn::Parameters wrong = sensor;
+  identification::Parameters wrong = sensor;
   wrong.beta += 0.01;
   for (metrics::RecordedSample& sample : samples)
-    sample.result->angle = static_cast<uint32_t>(
-        std::llround(csfn::angle_of(wrong, sample.u / q31, sample.v / q31) / two_pi * q32));
+    sample.result->angle = static_cast<uint32_t>(std::llround(
+        identification::angle_of(wrong, sample.u / q31, sample.v / q31) / two_pi * q32));
   const golden::AngleCheck check = check_of(samples);
   EXPECT_EQ(check.verdict, Verdict::disagrees);
   EXPECT_NEAR(*check.difference, 0.01 * 180 / pi, 0.02);

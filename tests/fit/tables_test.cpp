@@ -5,9 +5,9 @@
 #include <iostream>
 #include <sstream>
 
-#include "csfn/identify.h"
 #include "fit/certainty_tables.h"
 #include "fit/hard_records.h"
+#include "identification/identify.h"
 
 namespace capsoc::fit {
 namespace {
@@ -41,10 +41,10 @@ TEST(Tables, IntervalsOf95PercentHoldTheTruthAsOften) {
 TEST(Tables, FlickerNoiseHasNoIntervalsAndAReason) {
   for (const HardKind& kind : hard_kinds()) {
     if (std::string(kind.name) != "1/f, turning") continue;
-    csfn::Random random(555);
+    Random random(555);
     int kept = 0;
     for (int i = 0; i < 200; ++i) {
-      const auto found = csfn::identify(kind.draw(random).samples);
+      const auto found = identification::identify(kind.draw(random).samples);
       ASSERT_TRUE(found) << found.error();
       kept += found.value().no_intervals.empty() && !found.value().structure.found ? 1 : 0;
     }

@@ -30,7 +30,7 @@ namespace {
 constexpr const char* program_name = "f.elf";
 
 /// A core that runs a sound program from its memories; no device answers.
-class Board : public cortex_m3::Bus {
+class Board : public armv7m::Bus {
  public:
   explicit Board(const loader::ElfImage& image) {
     core.map_memory(0, static_cast<uint32_t>(code_.size()), code_.data(), false, 0);
@@ -39,9 +39,7 @@ class Board : public cortex_m3::Bus {
       if (segment.address + segment.bytes.size() <= code_.size())
         std::copy(segment.bytes.begin(), segment.bytes.end(), code_.begin() + segment.address);
   }
-  bool read(uint32_t, unsigned, uint32_t&, unsigned&, cortex_m3::AccessKind) override {
-    return false;
-  }
+  bool read(uint32_t, unsigned, uint32_t&, unsigned&, armv7m::AccessKind) override { return false; }
   bool write(uint32_t, unsigned, uint32_t, unsigned&) override { return false; }
 
  private:
@@ -49,36 +47,34 @@ class Board : public cortex_m3::Bus {
   std::vector<uint8_t> data_ = std::vector<uint8_t>(1U << 22U);
 
  public:
-  cortex_m3::Core core{*this};
+  armv7m::Core core{*this};
 };
 
 /// The call tree of what a core executes.
-class Calls : public cortex_m3::Observer {
+class Calls : public armv7m::Observer {
  public:
-  Calls(cortex_m3::Core& core, trace::CallTree& tree) : core_(core), tree_(tree) {
+  Calls(armv7m::Core& core, trace::CallTree& tree) : core_(core), tree_(tree) {
     core_.add_observer(*this, true, false);
   }
   ~Calls() override { core_.remove_observer(*this); }
   Calls(const Calls&) = delete;
   Calls& operator=(const Calls&) = delete;
-  void issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp&) override {
-    tree_.issued(core);
-  }
-  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override {
+  void issued(const armv7m::Core& core, const armv7m::DecodedOp&) override { tree_.issued(core); }
+  void retired(const armv7m::Core& core, const armv7m::DecodedOp& op) override {
     tree_.retired(core, op);
   }
-  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+  void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
                uint64_t since) override {
     tree_.entered(core, exception, how, since);
   }
-  void returned(const cortex_m3::Core& core, unsigned exception) override {
+  void returned(const armv7m::Core& core, unsigned exception) override {
     tree_.returned(core, exception);
   }
-  void accessed(const cortex_m3::Core&, const cortex_m3::DirectAccess&) override {}
-  void started(const cortex_m3::Core& core) override { tree_.started(core); }
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core& core) override { tree_.started(core); }
 
  private:
-  cortex_m3::Core& core_;
+  armv7m::Core& core_;
   trace::CallTree& tree_;
 };
 
@@ -139,7 +135,7 @@ class Questions {
       const uint32_t address = sound_.addresses[i];
       for (const source::Place& place : program_.places_at(address))
         EXPECT_TRUE(is_plain(source::to_text(place))) << number_;
-      cortex_m3::InterruptedRegisters registers;
+      armv7m::InterruptedRegisters registers;
       registers.r.fill(0x20000100);
       registers.r[14] = sound_.addresses[(i + 1) % sound_.addresses.size()];
       registers.r[15] = address;
@@ -151,7 +147,7 @@ class Questions {
     trace::Functions functions;
     functions.add(image_);
     trace::CallTree tree(functions);
-    cortex_m3::Core& core = sound_.board.core;
+    armv7m::Core& core = sound_.board.core;
     const Calls calls(core, tree);
     core.reset();
     core.run(core.cycles() + 400);

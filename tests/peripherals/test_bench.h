@@ -8,7 +8,7 @@
 
 #include "../kit/bus_access.h"
 #include "capsoc_registers.h"
-#include "coprocessor_tlm/coprocessor_tlm.h"
+#include "coprocessor/tlm/coprocessor_tlm.h"
 #include "kit/clock_domain.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"

@@ -15,11 +15,20 @@ ROOTS = [
 ]
 
 
-def layers():
-    """Folder -> line in the block ```layers of the page, counted from the top."""
+def block(name):
+    """The lines of the block ```name of the page."""
     page = (SOURCE / "docs" / "architecture.md").read_text(encoding="utf-8")
-    block = re.search(r"^```layers\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1]
-    return {folder: number for number, line in enumerate(block.splitlines()) for folder in line.split()}
+    return re.search(rf"^```{name}\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1].splitlines()
+
+
+def layers():
+    """Folder -> line in the block ```layers, counted from the top."""
+    return {folder: number for number, line in enumerate(block("layers")) for folder in line.split()}
+
+
+def kinds():
+    """Folder of models/ -> its kind, from the block ```kinds."""
+    return {folder: kind for kind, *folders in map(str.split, block("kinds")) for folder in folders}
 
 
 def sources():
@@ -89,6 +98,22 @@ class Layers(unittest.TestCase):
                 self.assertTrue(
                     mine == its or self.layers[mine] < self.layers[its],
                     f"{path.relative_to(SOURCE)}:{number}: {mine} may not include {its} (docs/architecture.md)",
+                )
+
+    def test_models_by_kind(self):
+        """A model includes its own kind and the base."""
+        kind_of = kinds()
+        folders = {f"models/{path.name}" for path in (SOURCE / "models").iterdir() if path.is_dir()}
+        self.assertEqual(set(kind_of), folders, "the block kinds of docs/architecture.md")
+        self.assertEqual(set(kind_of.values()), {"hardware", "world", "identification", "base"})
+        for path in sources():
+            mine = kind_of.get("/".join(path.relative_to(SOURCE).parts[:2]))
+            for number, other in includes(path) if mine else ():
+                its = kind_of.get("/".join(other.relative_to(SOURCE).parts[:2]))
+                self.assertIn(
+                    its,
+                    (mine, "base"),
+                    f"{path.relative_to(SOURCE)}:{number}: {mine} may not include {its or 'the platform'}",
                 )
 
     def test_rings_of_rooms(self):

@@ -33,7 +33,7 @@ class CallStackTest : public testing::Test {
     memory_[at + 28] = psr;
   }
   CallStack from(uint32_t pc, uint32_t lr, unsigned exception) {
-    cortex_m3::InterruptedRegisters registers;
+    armv7m::InterruptedRegisters registers;
     registers.r[13] = registers.msp = stack;
     registers.psp = process;
     registers.r[14] = lr;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "coprocessor/types.h"
-#include "csfn/samples.h"
+#include "identification/samples.h"
 #include "sensor/signal_config.h"
 
 namespace capsoc::accuracy {
@@ -26,8 +26,8 @@ struct Outcome {
   /// From here on a1, a2, b1, b2 and beta stay within 1 %; absent: not at the end. phi is left out:
   /// with the angle source it is not observable.
   std::optional<double> settled_s;
-  bool clipped = false;         ///< the signal left the converter's range at least once
-  csfn::Parameters parameters;  ///< at the end, as in the registers
+  bool clipped = false;                   ///< the signal left the converter's range at least once
+  identification::Parameters parameters;  ///< at the end, as in the registers
 };
 
 struct Comparison {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "accuracy/experiment.h"
-#include "csfn/calibration.h"
+#include "base/constants.h"
 #include "fit/contenders.h"
+#include "identification/calibration.h"
 #include "peripherals/quantiser.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::accuracy {
 namespace {
@@ -57,10 +57,10 @@ std::vector<PeerRecord> records() {
 }
 
 /// What the methods on the host see.
-csfn::Samples samples_of(const Experiment& e) {
+identification::Samples samples_of(const Experiment& e) {
   sensor::DescribedSource source(e.signal);
   const auto count = std::llround(e.duration_s * e.signal.sample_rate_hz);
-  csfn::Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  identification::Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   for (long long k = 0; k < count; ++k) {
     const auto value =
         source.sample(static_cast<uint64_t>(k), static_cast<double>(k) / e.signal.sample_rate_hz);
@@ -92,8 +92,9 @@ struct LastTurn {
     }
   }
 
-  Figure error(const csfn::Parameters& parameters) const {
-    return degrees(csfn::peak_to_peak_error(csfn::canonical(parameters).parameters, u, v, theta) /
+  Figure error(const identification::Parameters& parameters) const {
+    return degrees(identification::peak_to_peak_error(
+                       identification::canonical(parameters).parameters, u, v, theta) /
                    radians_per_degree);
   }
 };
@@ -151,7 +152,7 @@ void print_peers(Report& report) {
     } else {
       blocks.cells.emplace_back("-");
     }
-    const csfn::Samples samples = samples_of(record.experiment);
+    const identification::Samples samples = samples_of(record.experiment);
     for (std::size_t i = 0; i < contenders.size(); ++i) {
       const auto found = contenders[i].identify(samples);
       add(report, others[i], record, found ? turn.error(found.value()) : Figure{"refuses", {}});

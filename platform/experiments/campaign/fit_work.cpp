@@ -1,6 +1,8 @@
 // `capsoc fit`, on samples of a generated sensor, as a kind of work.
 #include <fmt/format.h>
 
+#include "base/setting_fields.h"
+#include "base/shell.h"
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "fit/fit.h"
@@ -8,8 +10,6 @@
 #include "inputs/run_inputs.h"
 #include "results/results.h"
 #include "sensor/load.h"
-#include "support/setting_fields.h"
-#include "support/shell.h"
 
 namespace capsoc::campaign {
 namespace {
@@ -18,14 +18,14 @@ namespace {
 class FitSettings : public Settings {
  public:
   run::SensorSettings sensor{*this};
-  ChoiceField<csfn::Method> method{
+  ChoiceField<identification::Method> method{
       *this,
-      {{"ml", csfn::Method::distances},
-       {"adam", csfn::Method::adam},
-       {"lm", csfn::Method::levenberg_marquardt},
-       {"heydemann", csfn::Method::heydemann},
-       {"taubin", csfn::Method::taubin},
-       {"direct", csfn::Method::direct}},
+      {{"ml", identification::Method::distances},
+       {"adam", identification::Method::adam},
+       {"lm", identification::Method::levenberg_marquardt},
+       {"heydemann", identification::Method::heydemann},
+       {"taubin", identification::Method::taubin},
+       {"direct", identification::Method::direct}},
       setting("fit.method", SettingKind::choice, "ml", "how: ml, or as the papers name it")};
   IntegerField samples{*this, setting("fit.samples", SettingKind::integer, "0",
                                       "at most so many; 0: all, of a trace without an end 100,000")

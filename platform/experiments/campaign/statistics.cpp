@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "csfn/distributions.h"
-#include "support/number.h"
+#include "base/number.h"
+#include "identification/distributions.h"
 
 namespace capsoc::campaign {
 namespace {
@@ -95,7 +95,7 @@ std::vector<std::size_t> classes_of(const std::vector<std::string>& axis,
 }  // namespace
 
 Interval wilson(uint64_t passed, uint64_t count) {
-  const double z = csfn::normal_quantile(confidence);
+  const double z = identification::normal_quantile(confidence);
   const auto n = static_cast<double>(count);
   const double share = static_cast<double>(passed) / n;
   const double centre = share + z * z / (2 * n);

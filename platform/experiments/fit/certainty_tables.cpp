@@ -9,17 +9,17 @@
 #include <string>
 #include <vector>
 
-#include "csfn/circle_plane.h"
-#include "csfn/identify.h"
+#include "base/constants.h"
 #include "fit/drawn_records.h"
 #include "fit/hard_records.h"
-#include "support/constants.h"
+#include "identification/circle_plane.h"
+#include "identification/identify.h"
 
 namespace capsoc::fit {
 namespace {
 
-csfn::IdentifyOptions options_for(const DrawnRecord& record) {
-  csfn::IdentifyOptions options;
+identification::IdentifyOptions options_for(const DrawnRecord& record) {
+  identification::IdentifyOptions options;
   options.step = record.step;
   return options;
 }
@@ -29,10 +29,10 @@ struct Coverage {
   std::array<int, 5> held{};
 };
 
-void count_held(const csfn::Identification& found, const csfn::Parameters& truth,
-                Coverage& coverage) {
-  const csfn::Parameters& p = found.network_parameters;
-  const csfn::Intervals& half = found.intervals;
+void count_held(const identification::Identification& found,
+                const identification::Parameters& truth, Coverage& coverage) {
+  const identification::Parameters& p = found.network_parameters;
+  const identification::Intervals& half = found.intervals;
   const std::array<double, 5> error = {p.a1 - truth.a1, p.a2 - truth.a2, p.b1 - truth.b1,
                                        p.b2 - truth.b2, p.beta - truth.beta};
   const std::array<double, 5> width = {half.a1, half.a2, half.b1, half.b2, half.beta};
@@ -40,26 +40,26 @@ void count_held(const csfn::Identification& found, const csfn::Parameters& truth
   for (std::size_t k = 0; k < 5; ++k) coverage.held[k] += std::abs(error[k]) <= width[k] ? 1 : 0;
 }
 
-const csfn::Gate* failed_gate(const csfn::Identification& found) {
-  for (const csfn::Gate& gate : found.gates)
+const identification::Gate* failed_gate(const identification::Identification& found) {
+  for (const identification::Gate& gate : found.gates)
     if (!gate.passed) return &gate;
   return nullptr;
 }
 
 /// Whether what the gate says is so, by what is known of the record.
-bool is_true(const csfn::Gate& gate, const DrawnRecord& record) {
+bool is_true(const identification::Gate& gate, const DrawnRecord& record) {
   const bool no_ellipse = record.kind == RecordKind::dead || record.kind == RecordKind::constant ||
                           record.kind == RecordKind::equal;
   if (no_ellipse) return true;
-  const double slope = csfn::CirclePlane(record.truth).largest_slope();
+  const double slope = identification::CirclePlane(record.truth).largest_slope();
   const double noise = record.noise * slope;
   const auto count = static_cast<double>(record.samples.u.size());
   if (gate.name == "outliers") return record.outside > 0.15;
   if (gate.name == "clipping" || gate.name == "plateau") return record.clipped >= 2;
   if (gate.name == "noise") return noise > 0.2 || record.outside > 0.3;
   if (gate.name == "coverage" || gate.name == "gap") {
-    const csfn::Coverage there =
-        csfn::coverage_of(record.samples.u, record.samples.v, record.truth);
+    const identification::Coverage there =
+        identification::coverage_of(record.samples.u, record.samples.v, record.truth);
     return there.part < 0.55 || there.largest_gap > 135;
   }
   // Too little to tell the angle: an arc, few samples or noise. Five parameters know the angle to
@@ -79,10 +79,10 @@ struct Verdicts {
 };
 
 std::string judge(const DrawnRecord& record, Verdicts& verdicts) {
-  const auto result = csfn::identify(record.samples, options_for(record));
+  const auto result = identification::identify(record.samples, options_for(record));
   if (!result) return result.error();
-  const csfn::Identification& found = result.value();
-  if (const csfn::Gate* gate = failed_gate(found)) {
+  const identification::Identification& found = result.value();
+  if (const identification::Gate* gate = failed_gate(found)) {
     const bool good = is_true(*gate, record);
     ++(good ? verdicts.refused : verdicts.falsely);
     return good ? "" : "refused: " + gate->reason;
@@ -130,13 +130,13 @@ int print_hard_coverage(std::ostream& out, int records, uint64_t from) {
       "{:>7}\n",
       "record", "records", "refused", "none", "interval", "a1", "a2", "b1", "b2", "beta", "all");
   for (const HardKind& kind : hard_kinds()) {
-    csfn::Random random(from);
+    Random random(from);
     Coverage coverage;
     coverage.wanted = records;
     int refused = 0, none = 0;
     for (int i = 0; i < records; ++i) {
       const DrawnRecord record = kind.draw(random);
-      const auto found = csfn::identify(record.samples, options_for(record));
+      const auto found = identification::identify(record.samples, options_for(record));
       if (!found || found.value().rejected())
         ++refused;
       else if (!found.value().no_intervals.empty() || found.value().structure.found)
@@ -169,12 +169,12 @@ int print_coverage(std::ostream& out, int records, uint64_t from) {
       from, "noise", "samples", "records", "accepted", "a1", "a2", "b1", "b2", "beta", "all");
   for (const double noise : {1e-4, 1e-3, 1e-2, 3e-2}) {
     for (const Eigen::Index count : {20, 100, 1000, 20000}) {
-      csfn::Random random(from + static_cast<uint64_t>(count));
+      Random random(from + static_cast<uint64_t>(count));
       Coverage coverage;
       coverage.wanted = count > 10000 ? std::max(records / 5, 1) : records;
       for (int i = 0; i < coverage.wanted; ++i) {
         const DrawnRecord record = draw_good_record(random, noise, count);
-        const auto found = csfn::identify(record.samples, options_for(record));
+        const auto found = identification::identify(record.samples, options_for(record));
         if (!found || found.value().rejected()) continue;
         if (found.value().no_intervals.empty()) count_held(found.value(), record.truth, coverage);
       }
@@ -195,12 +195,12 @@ int print_bounds(std::ostream& out, int sensors, uint64_t from) {
       sensors, from, "record", "accepted", "no bound", "over", "median", "95 %", "least",
       "whole, median");
   for (const RecordKind kind : {RecordKind::good, RecordKind::tiny, RecordKind::converter}) {
-    csfn::Random random(from);
+    Random random(from);
     std::vector<double> ratios, whole;
     int none = 0, over = 0;
     for (int i = 0; i < sensors; ++i) {
       const DrawnRecord record = draw_record(random, kind);
-      const auto found = csfn::identify(record.samples, options_for(record));
+      const auto found = identification::identify(record.samples, options_for(record));
       if (!found || found.value().rejected() || !found.value().bound) {
         ++none;
         continue;
@@ -243,15 +243,15 @@ int print_allowance(std::ostream& out, int sensors) {
   out << fmt::format(
       "\nThe angle's error in units of the harmonics' amplitude that {} samples show; the bound "
       "takes {:g} of it ({} drawn sensors a row, seed {})\n{:26} {:>8} {:>10} {:>8} {:>13}\n",
-      count, csfn::angle_by_amplitude, sensors, seed, "harmonics", "median", "99 % below",
+      count, identification::angle_by_amplitude, sensors, seed, "harmonics", "median", "99 % below",
       "largest", "the bound's, %");
   for (const Row& row : rows) {
-    csfn::Random random(seed);
+    Random random(seed);
     std::vector<double> ratios;
     for (int i = 0; i < sensors; ++i) {
       const DrawnRecord record =
           draw_harmonic_record(random, row.least, row.highest, row.both, count);
-      const auto found = csfn::identify(record.samples);
+      const auto found = identification::identify(record.samples);
       if (!found || found.value().rejected()) continue;
       ratios.push_back(angle_error_of(record, found.value().network_parameters) /
                        std::max(found.value().structure.amplitude, 1e-300));
@@ -259,7 +259,8 @@ int print_allowance(std::ostream& out, int sensors) {
     std::sort(ratios.begin(), ratios.end());
     const auto all = static_cast<double>(sensors);
     const auto held = static_cast<double>(
-        std::upper_bound(ratios.begin(), ratios.end(), csfn::angle_by_amplitude) - ratios.begin());
+        std::upper_bound(ratios.begin(), ratios.end(), identification::angle_by_amplitude) -
+        ratios.begin());
     const auto place = static_cast<std::size_t>(0.99 * static_cast<double>(ratios.size()));
     const bool good = !row.claimed || held >= 0.95 * all;
     missed += good ? 0 : 1;
@@ -272,7 +273,7 @@ int print_allowance(std::ostream& out, int sensors) {
 
 int print_drawn(std::ostream& out, int records) {
   int missed = 0;
-  csfn::Random random(seed);
+  Random random(seed);
   std::array<Verdicts, record_kinds> verdicts;
   std::array<std::vector<std::string>, record_kinds> wrong;
   for (int i = 0; i < records; ++i) {

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "csfn/samples.h"
-#include "support/result.h"
+#include "base/result.h"
+#include "identification/samples.h"
 
 namespace capsoc::fit {
 
 struct Contender {
   std::string name;  ///< as `capsoc fit --method` has it
   /// Canonical parameters at the record's end, or why there are none.
-  std::function<Result<csfn::Parameters>(const csfn::Samples&)> identify;
-  bool of_the_papers;  ///< one of those that they name beside their own (csfn/peers.h)
+  std::function<Result<identification::Parameters>(const identification::Samples&)> identify;
+  bool of_the_papers;  ///< one of those that they name beside their own (identification/peers.h)
 };
 
 /// The CSFN's trainings, the ellipse fits, and those that the papers name, in this order.

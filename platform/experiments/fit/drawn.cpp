@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 
-#include "csfn/calibration.h"
-#include "csfn/network.h"
-#include "support/constants.h"
+#include "base/constants.h"
+#include "identification/calibration.h"
+#include "identification/network.h"
 
 namespace capsoc::fit {
 namespace {
@@ -36,15 +36,15 @@ double turn_of(double radians) {
 }
 
 void add_ellipse(const Fit& fit, Curves& curves) {
-  const csfn::Samples& samples = fit.record.samples;
+  const identification::Samples& samples = fit.record.samples;
   const Eigen::Index step = samples.u.size() / static_cast<Eigen::Index>(2 * buckets) + 1;
   Curve some, ellipse;
   for (Eigen::Index i = 0; i < samples.u.size(); i += step) some.add(samples.u[i], samples.v[i]);
-  csfn::SignalModel model{fit.answer.parameters};
+  identification::SignalModel model{fit.answer.parameters};
   if (fit.answer.harmonics.identified) model = fit.answer.harmonics.model;
   constexpr int points = 720;
   for (int i = 0; i < points; ++i) {
-    const csfn::Point point = csfn::point_at(model, two_pi * i / points);
+    const identification::Point point = identification::point_at(model, two_pi * i / points);
     ellipse.add(point.u, point.v);
   }
   add(curves, "samples", some);
@@ -52,29 +52,30 @@ void add_ellipse(const Fit& fit, Curves& curves) {
 }
 
 void add_residuals(const Fit& fit, Curves& curves) {
-  const csfn::Samples& samples = fit.record.samples;
-  const csfn::Parameters& p = fit.answer.network_parameters;
-  csfn::Network network(samples.u.size());
-  network.set_nodes(csfn::to_nodes(p));
+  const identification::Samples& samples = fit.record.samples;
+  const identification::Parameters& p = fit.answer.network_parameters;
+  identification::Network network(samples.u.size());
+  network.set_nodes(identification::to_nodes(p));
   network.forward(samples.u, samples.v);
   const auto residuals = network.residuals();
   Curve by_sample;
   Points by_angle;
   for (Eigen::Index i = 0; i < samples.u.size(); ++i) {
     by_sample.add(static_cast<double>(i), residuals[i]);
-    by_angle.emplace_back(turn_of(csfn::angle_of(p, samples.u[i], samples.v[i])), residuals[i]);
+    by_angle.emplace_back(turn_of(identification::angle_of(p, samples.u[i], samples.v[i])),
+                          residuals[i]);
   }
   add(curves, "residual", by_sample);
   add(curves, "residual_by_angle", in_order(std::move(by_angle)));
 }
 
 void add_errors(const Fit& fit, Curves& curves) {
-  const csfn::Samples& samples = fit.record.samples;
+  const identification::Samples& samples = fit.record.samples;
   if (fit.record.angle.size() == 0) return;
   Eigen::ArrayXd raw(samples.u.size()), found(samples.u.size());
   for (Eigen::Index i = 0; i < raw.size(); ++i) {
-    raw[i] = csfn::uncalibrated_angle(samples.u[i], samples.v[i]);
-    found[i] = csfn::angle_of(fit.answer.parameters, samples.u[i], samples.v[i]);
+    raw[i] = identification::uncalibrated_angle(samples.u[i], samples.v[i]);
+    found[i] = identification::angle_of(fit.answer.parameters, samples.u[i], samples.v[i]);
   }
   add(curves, "error_by_angle", angle_error_curve(found, fit.record.angle));
   add(curves, "raw_by_angle", angle_error_curve(raw, fit.record.angle));
@@ -83,11 +84,11 @@ void add_errors(const Fit& fit, Curves& curves) {
 void add_training(const Fit& fit, Curves& curves) {
   const auto along = [&](const char* name, auto value) {
     Curve curve;
-    for (const csfn::TracePoint& point : fit.answer.convergence)
+    for (const identification::TracePoint& point : fit.answer.convergence)
       curve.add(point.iteration, value(point));
     add(curves, name, curve);
   };
-  using Point = csfn::TracePoint;
+  using Point = identification::TracePoint;
   along("loss", [](const Point& p) { return p.loss; });
   along("iteration.a1", [](const Point& p) { return p.parameters.a1; });
   along("iteration.a2", [](const Point& p) { return p.parameters.a2; });
@@ -100,15 +101,16 @@ void add_training(const Fit& fit, Curves& curves) {
 
 Curve angle_error_curve(const Eigen::ArrayXd& angles, const Eigen::ArrayXd& truth) {
   const Eigen::ArrayXd reversed = -truth;
-  const bool direct =
-      csfn::peak_to_peak_error(angles, truth) <= csfn::peak_to_peak_error(angles, reversed);
+  const bool direct = identification::peak_to_peak_error(angles, truth) <=
+                      identification::peak_to_peak_error(angles, reversed);
   const Eigen::ArrayXd& nearer = direct ? truth : reversed;
   std::complex<double> mean = 0;
   for (Eigen::Index i = 0; i < angles.size(); ++i) mean += std::polar(1.0, angles[i] - nearer[i]);
   Points points;
   for (Eigen::Index i = 0; i < angles.size(); ++i)
-    points.emplace_back(turn_of(truth[i]),
-                        csfn::wrapped(angles[i] - nearer[i] - std::arg(mean)) * degrees_per_radian);
+    points.emplace_back(
+        turn_of(truth[i]),
+        identification::wrapped(angles[i] - nearer[i] - std::arg(mean)) * degrees_per_radian);
   return in_order(std::move(points));
 }
 

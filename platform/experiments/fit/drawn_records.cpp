@@ -3,21 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::fit {
 namespace {
 
-double between(csfn::Random& random, double least, double largest) {
+double between(Random& random, double least, double largest) {
   return least + (largest - least) * random.uniform();
 }
 
-double log_between(csfn::Random& random, double least, double largest) {
+double log_between(Random& random, double least, double largest) {
   return least * std::pow(largest / least, random.uniform());
 }
 
-csfn::Parameters draw_sensor(csfn::Random& random) {
-  csfn::Parameters p;
+identification::Parameters draw_sensor(Random& random) {
+  identification::Parameters p;
   p.a1 = between(random, 0.1, 0.9);
   p.a2 = std::clamp(p.a1 * log_between(random, 0.5, 2), 0.1, 0.9);
   p.b1 = between(random, -0.3, 0.3);
@@ -26,31 +26,31 @@ csfn::Parameters draw_sensor(csfn::Random& random) {
   return p;
 }
 
-void draw_harmonics(csfn::Random& random, DrawnRecord& record) {
+void draw_harmonics(Random& random, DrawnRecord& record) {
   const double size = log_between(random, 1e-3, 3e-2);
   for (auto* channel : {&record.u, &record.v}) {
-    for (csfn::HarmonicTerm& term : *channel) {
+    for (identification::HarmonicTerm& term : *channel) {
       const double amplitude = size * random.uniform(), phase = 2 * pi * random.uniform();
       term = {amplitude * std::cos(phase), amplitude * std::sin(phase)};
     }
   }
 }
 
-void take_samples(csfn::Random& random, DrawnRecord& record, Eigen::Index count, double turns) {
+void take_samples(Random& random, DrawnRecord& record, Eigen::Index count, double turns) {
   record.samples = {Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   record.theta.resize(count);
   const double origin = 2 * pi * random.uniform();
   for (Eigen::Index i = 0; i < count; ++i) {
     record.theta[i] = origin + 2 * pi * turns * random.uniform();
-    const csfn::Point at = point_of(record, record.theta[i]);
+    const identification::Point at = point_of(record, record.theta[i]);
     record.samples.u[i] = at.u + record.noise * normal(random);
     record.samples.v[i] = at.v + record.noise * normal(random);
   }
 }
 
-void disturb(csfn::Random& random, DrawnRecord& record) {
+void disturb(Random& random, DrawnRecord& record) {
   const Eigen::Index count = record.samples.u.size();
-  csfn::Samples& samples = record.samples;
+  identification::Samples& samples = record.samples;
   switch (record.kind) {
     case RecordKind::converter:
       record.step = std::ldexp(1.0, -static_cast<int>(between(random, 9, 16)));
@@ -106,8 +106,8 @@ const char* to_string(RecordKind kind) {
   return names[static_cast<int>(kind)];
 }
 
-csfn::Point point_of(const DrawnRecord& record, double theta) {
-  csfn::Point at = csfn::point_at({record.truth, {}, {}}, theta);
+identification::Point point_of(const DrawnRecord& record, double theta) {
+  identification::Point at = identification::point_at({record.truth, {}, {}}, theta);
   for (std::size_t k = 0; k < record.u.size(); ++k) {
     const double order = static_cast<double>(k) + 2;
     const double sine = std::sin(order * theta), cosine = std::cos(order * theta);
@@ -117,7 +117,7 @@ csfn::Point point_of(const DrawnRecord& record, double theta) {
   return at;
 }
 
-DrawnRecord draw_good_record(csfn::Random& random, double noise, Eigen::Index count) {
+DrawnRecord draw_good_record(Random& random, double noise, Eigen::Index count) {
   DrawnRecord record;
   record.truth = draw_sensor(random);
   record.noise = noise * std::min(record.truth.a1, record.truth.a2);
@@ -125,7 +125,7 @@ DrawnRecord draw_good_record(csfn::Random& random, double noise, Eigen::Index co
   return record;
 }
 
-DrawnRecord draw_harmonic_record(csfn::Random& random, int least, int highest, bool both,
+DrawnRecord draw_harmonic_record(Random& random, int least, int highest, bool both,
                                  Eigen::Index count) {
   DrawnRecord record;
   record.kind = RecordKind::harmonics;
@@ -141,10 +141,10 @@ DrawnRecord draw_harmonic_record(csfn::Random& random, int least, int highest, b
   return record;
 }
 
-DrawnRecord draw_record(csfn::Random& random, RecordKind kind) {
+DrawnRecord draw_record(Random& random, RecordKind kind) {
   DrawnRecord record;
   record.kind = kind;
-  csfn::Parameters& p = record.truth;
+  identification::Parameters& p = record.truth;
   p = draw_sensor(random);
   if (kind == RecordKind::tiny || kind == RecordKind::offset) {
     const double scale = kind == RecordKind::tiny ? log_between(random, 1e-3, 1e-2) : 0.05;
@@ -160,19 +160,20 @@ DrawnRecord draw_record(csfn::Random& random, RecordKind kind) {
   return record;
 }
 
-double angle_error_of(const DrawnRecord& record, const csfn::Parameters& parameters) {
+double angle_error_of(const DrawnRecord& record, const identification::Parameters& parameters) {
   constexpr int points = 360;
   double largest = 0;
   for (int i = 0; i < points; ++i) {
     const double theta = 2 * pi * i / points;
-    const csfn::Point at = point_of(record, theta);
-    const double error = csfn::wrapped(csfn::angle_of(parameters, at.u, at.v) - theta);
+    const identification::Point at = point_of(record, theta);
+    const double error =
+        identification::wrapped(identification::angle_of(parameters, at.u, at.v) - theta);
     largest = std::max(largest, std::abs(error));
   }
   return largest;
 }
 
-double normal(csfn::Random& random) {
+double normal(Random& random) {
   // Box and Muller; the same bytes wherever the C library's functions round alike.
   const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
   return radius * std::cos(2 * pi * random.uniform());

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string>
 
-#include "csfn/calibration.h"
-#include "csfn/random.h"
-#include "csfn/samples.h"
+#include "base/random.h"
+#include "identification/calibration.h"
+#include "identification/samples.h"
 
 namespace capsoc::fit {
 
@@ -32,11 +32,11 @@ const char* to_string(RecordKind kind);
 
 struct DrawnRecord {
   RecordKind kind = RecordKind::good;
-  csfn::Samples samples;
-  Eigen::ArrayXd theta;    ///< true angles, radians
-  csfn::Parameters truth;  ///< canonical; full scale = 1
+  identification::Samples samples;
+  Eigen::ArrayXd theta;              ///< true angles, radians
+  identification::Parameters truth;  ///< canonical; full scale = 1
   /// Relative to the amplitudes, order 2 to 5 of each channel: size and phase.
-  std::array<csfn::HarmonicTerm, 4> u{}, v{};
+  std::array<identification::HarmonicTerm, 4> u{}, v{};
   double noise = 0;    ///< standard deviation of each channel
   double step = 0;     ///< of the converter; 0: none
   double outside = 0;  ///< part of the samples that are outliers
@@ -46,23 +46,23 @@ struct DrawnRecord {
 /// Amplitudes 0.1 .. 0.9, ratio 0.5 .. 2, offsets to 0.3, |beta| to 1 rad, noise 1e-4 .. 3e-2 of
 /// the smaller amplitude, 20 .. 20,000 samples (both spread evenly over their logarithms) at random
 /// angles, and what the kind has besides.
-DrawnRecord draw_record(csfn::Random& random, RecordKind kind);
+DrawnRecord draw_record(Random& random, RecordKind kind);
 
 /// The same with the noise (relative to the smaller amplitude) and the number of samples given.
-DrawnRecord draw_good_record(csfn::Random& random, double noise, Eigen::Index count);
+DrawnRecord draw_good_record(Random& random, double noise, Eigen::Index count);
 
 /// Without noise; harmonics of the orders least .. highest, within 2 .. 5, of amplitudes to 0.001
 /// at any phase, in both channels or in U alone.
-DrawnRecord draw_harmonic_record(csfn::Random& random, int least, int highest, bool both,
+DrawnRecord draw_harmonic_record(Random& random, int least, int highest, bool both,
                                  Eigen::Index count);
 
 /// Of the sensor without noise, at the angle (radians).
-csfn::Point point_of(const DrawnRecord& record, double theta);
+identification::Point point_of(const DrawnRecord& record, double theta);
 
 /// Largest error of the angle over the turn, radians, with the parameters given.
-double angle_error_of(const DrawnRecord& record, const csfn::Parameters& parameters);
+double angle_error_of(const DrawnRecord& record, const identification::Parameters& parameters);
 
 /// One of the standard normal distribution.
-double normal(csfn::Random& random);
+double normal(Random& random);
 
 }  // namespace capsoc::fit

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <complex>
 
-#include "csfn/calibration.h"
-#include "csfn/fused_network.h"
-#include "csfn/peers.h"
-#include "support/constants.h"
+#include "base/constants.h"
+#include "identification/calibration.h"
+#include "identification/fused_network.h"
+#include "identification/peers.h"
 
 namespace capsoc::fit {
 namespace {
@@ -18,33 +18,34 @@ double degrees(double radians) {
   return radians * 180 / pi;
 }
 
-Eigen::ArrayXd angles_of(const csfn::SignalModel& model, bool harmonics,
-                         const csfn::Samples& samples) {
+Eigen::ArrayXd angles_of(const identification::SignalModel& model, bool harmonics,
+                         const identification::Samples& samples) {
   Eigen::ArrayXd angles(samples.u.size());
   for (Eigen::Index i = 0; i < angles.size(); ++i)
-    angles[i] = harmonics ? csfn::angle_of(model, samples.u[i], samples.v[i])
-                          : csfn::angle_of(model.fundamental, samples.u[i], samples.v[i]);
+    angles[i] = harmonics ? identification::angle_of(model, samples.u[i], samples.v[i])
+                          : identification::angle_of(model.fundamental, samples.u[i], samples.v[i]);
   return angles;
 }
 
 /// The samples do not tell which way the shaft turns, so either way of counting is right.
 double peak_to_peak(const Eigen::ArrayXd& angles, const Eigen::ArrayXd& truth) {
   const Eigen::ArrayXd reversed = -truth;
-  return degrees(std::min(csfn::peak_to_peak_error(angles, truth),
-                          csfn::peak_to_peak_error(angles, reversed)));
+  return degrees(std::min(identification::peak_to_peak_error(angles, truth),
+                          identification::peak_to_peak_error(angles, reversed)));
 }
 
-std::optional<double> angle_error(const Record& record, const csfn::Parameters& parameters) {
+std::optional<double> angle_error(const Record& record,
+                                  const identification::Parameters& parameters) {
   if (record.angle.size() == 0) return std::nullopt;
   return peak_to_peak(angles_of({parameters}, false, record.samples), record.angle);
 }
 
-AngleErrors angle_errors(const Record& record, const csfn::Identification& answer) {
+AngleErrors angle_errors(const Record& record, const identification::Identification& answer) {
   AngleErrors errors;
   if (record.angle.size() == 0) return errors;
   Eigen::ArrayXd raw(record.angle.size());
   for (Eigen::Index i = 0; i < raw.size(); ++i)
-    raw[i] = csfn::uncalibrated_angle(record.samples.u[i], record.samples.v[i]);
+    raw[i] = identification::uncalibrated_angle(record.samples.u[i], record.samples.v[i]);
   errors.uncalibrated = peak_to_peak(raw, record.angle);
   errors.calibrated = angle_error(record, answer.parameters);
   if (answer.harmonics.identified)
@@ -65,7 +66,8 @@ double turning_with(const Eigen::ArrayXd& angles, const Eigen::ArrayXd& truth, d
 
 /// Empty for a column of angles that turns with the signals, or none; otherwise what it seems to
 /// be.
-std::string reason_against_angle(const Record& record, const csfn::Parameters& parameters) {
+std::string reason_against_angle(const Record& record,
+                                 const identification::Parameters& parameters) {
   constexpr double turns_along = 0.7, certain = 0.95;
   if (record.angle.size() == 0) return "";
   const Eigen::ArrayXd angles = angles_of({parameters}, false, record.samples);
@@ -99,24 +101,24 @@ std::string reason_against_angle(const Record& record, const csfn::Parameters& p
          "unit and whether it belongs to these samples";
 }
 
-std::optional<csfn::Parameters> truth_of(const sensor::Description& d) {
+std::optional<identification::Parameters> truth_of(const sensor::Description& d) {
   if (!d.a1 || !d.a2 || !d.b1 || !d.b2 || !d.beta) return std::nullopt;
-  return csfn::canonical({*d.a1, *d.a2, *d.b1, *d.b2, *d.beta}).parameters;
+  return identification::canonical({*d.a1, *d.a2, *d.b1, *d.b2, *d.beta}).parameters;
 }
 
-double difference(const csfn::Parameters& one, const csfn::Parameters& other) {
+double difference(const identification::Parameters& one, const identification::Parameters& other) {
   return std::max({std::fabs(one.a1 - other.a1) / other.a1, std::fabs(one.a2 - other.a2) / other.a2,
                    std::fabs(one.b1 - other.b1) / other.a1, std::fabs(one.b2 - other.b2) / other.a2,
                    std::fabs(one.beta - other.beta)});
 }
 
-Attempt training_attempt(const Record& record, const csfn::Identification& found,
-                         const csfn::Parameters& answer) {
+Attempt training_attempt(const Record& record, const identification::Identification& found,
+                         const identification::Parameters& answer) {
   Attempt attempt;
-  attempt.method = csfn::to_string(found.method);
+  attempt.method = identification::to_string(found.method);
   attempt.loss = found.loss;
   attempt.iterations = found.iterations;
-  attempt.stopped = csfn::to_string(found.stopped);
+  attempt.stopped = identification::to_string(found.stopped);
   attempt.error = found.rejection();
   if (found.rejected()) return attempt;
   attempt.parameters = found.network_parameters;
@@ -125,9 +127,9 @@ Attempt training_attempt(const Record& record, const csfn::Identification& found
   return attempt;
 }
 
-Attempt companion_attempt(const Record& record, const csfn::Companion& companion) {
+Attempt companion_attempt(const Record& record, const identification::Companion& companion) {
   Attempt attempt;
-  attempt.method = csfn::to_string(companion.method);
+  attempt.method = identification::to_string(companion.method);
   attempt.parameters = companion.parameters;
   attempt.error = companion.error;
   attempt.loss = companion.loss;
@@ -136,39 +138,42 @@ Attempt companion_attempt(const Record& record, const csfn::Companion& companion
   return attempt;
 }
 
-Attempt peer_attempt(const Record& record, csfn::Peer peer, const csfn::Parameters& answer) {
+Attempt peer_attempt(const Record& record, identification::Peer peer,
+                     const identification::Parameters& answer) {
   Attempt attempt;
-  attempt.method = csfn::to_string(peer);
-  const csfn::Samples& samples = record.samples;
-  const auto found = csfn::identify_by(peer, samples.u, samples.v);
+  attempt.method = identification::to_string(peer);
+  const identification::Samples& samples = record.samples;
+  const auto found = identification::identify_by(peer, samples.u, samples.v);
   if (!found) {
     attempt.error = found.error();
     return attempt;
   }
-  const csfn::Parameters& p = found.value().parameters;
+  const identification::Parameters& p = found.value().parameters;
   attempt.parameters = p;
   attempt.iterations = found.value().steps;
-  attempt.loss = csfn::FusedNetwork().loss(csfn::to_nodes(p), samples.u, samples.v);
+  attempt.loss =
+      identification::FusedNetwork().loss(identification::to_nodes(p), samples.u, samples.v);
   attempt.difference = difference(p, answer);
   attempt.angle_error_deg = angle_error(record, p);
   return attempt;
 }
 
 /// The answer's method, the trainings, the closed forms, and the papers' other methods.
-std::vector<Attempt> all_attempts(const Fit& fit, csfn::IdentifyOptions options) {
-  const csfn::Parameters& answer = fit.answer.network_parameters;
+std::vector<Attempt> all_attempts(const Fit& fit, identification::IdentifyOptions options) {
+  const identification::Parameters& answer = fit.answer.network_parameters;
   std::vector<Attempt> attempts = {training_attempt(fit.record, fit.answer, answer)};
   options.harmonics = {};
   options.trace = false;
-  for (const csfn::Method method : {csfn::Method::adam, csfn::Method::levenberg_marquardt}) {
+  for (const identification::Method method :
+       {identification::Method::adam, identification::Method::levenberg_marquardt}) {
     options.method = method;
     if (method == fit.answer.method) continue;
-    if (const auto other = csfn::identify(fit.record.samples, options))
+    if (const auto other = identification::identify(fit.record.samples, options))
       attempts.push_back(training_attempt(fit.record, other.value(), answer));
   }
-  for (const csfn::Companion& companion : fit.answer.companions)
+  for (const identification::Companion& companion : fit.answer.companions)
     attempts.push_back(companion_attempt(fit.record, companion));
-  for (const csfn::Peer peer : csfn::all_peers)
+  for (const identification::Peer peer : identification::all_peers)
     attempts.push_back(peer_attempt(fit.record, peer, answer));
   return attempts;
 }
@@ -184,22 +189,22 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
     return Error{fmt::format(
         "{}: --use-angle needs a true angle of every sample; name its column with --columns",
         trace)};
-  const csfn::Samples& samples = fit.record.samples;
-  if (const auto error = csfn::check_samples(samples.u, samples.v)) {
+  const identification::Samples& samples = fit.record.samples;
+  if (const auto error = identification::check_samples(samples.u, samples.v)) {
     fit.rejection = error->text;
     return fit;
   }
-  csfn::IdentifyOptions identify = options.identify;
+  identification::IdentifyOptions identify = options.identify;
   identify.gates.full_scale = fit.record.full_scale;
   identify.step = fit.record.step;
-  auto answer = csfn::identify(fit.record.samples, identify);
+  auto answer = identification::identify(fit.record.samples, identify);
   if (!answer) return Error{fmt::format("{}: {}", trace, answer.error())};
   fit.answer = std::move(answer.value());
   fit.truth = truth_of(fit.record.description);
   fit.rejection = fit.answer.rejection();
   if (!fit.rejection.empty()) return fit;
 
-  const csfn::Parameters& p = fit.answer.parameters;
+  const identification::Parameters& p = fit.answer.parameters;
   const auto words = metrics::to_words({p.a1, p.a2, p.b1, p.b2, p.beta, 0});
   if (!words) {
     fit.rejection = fmt::format(
@@ -213,7 +218,8 @@ Result<Fit> fit(const std::string& trace, const FitOptions& options) {
   if (options.use_angle) {
     fit.rejection = fit.angle_column;
     if (!fit.rejection.empty()) return fit;
-    fit.error_curve = csfn::error_curve_of(samples, fit.record.angle, p, fit.answer.outliers);
+    fit.error_curve =
+        identification::error_curve_of(samples, fit.record.angle, p, fit.answer.outliers);
   }
   // A column of something else is no truth for anything that follows.
   if (!fit.angle_column.empty()) fit.record.angle.resize(0);

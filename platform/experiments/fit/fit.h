@@ -5,29 +5,29 @@
 #include <string>
 #include <vector>
 
-#include "csfn/error_curve.h"
-#include "csfn/identify.h"
 #include "fit/record.h"
+#include "identification/error_curve.h"
+#include "identification/identify.h"
 #include "metrics/metrics.h"
 
 namespace capsoc::fit {
 
 struct FitOptions {
   RecordOptions record;
-  csfn::IdentifyOptions identify;
+  identification::IdentifyOptions identify;
   bool all_methods = false;  ///< the other methods, too, for the table
   bool use_angle = false;    ///< an error table from the recorded true angle
 };
 
 /// What one method made of the samples.
 struct Attempt {
-  std::string method;                          ///< its name
-  std::optional<csfn::Parameters> parameters;  ///< nothing: see error
+  std::string method;                                    ///< its name
+  std::optional<identification::Parameters> parameters;  ///< nothing: see error
   std::string error;
   double loss = 0;                        ///< mean of (1 - Y)^2
   int iterations = 0;                     ///< 0 for the closed forms
   std::string stopped;                    ///< empty for the closed forms
-  double difference = 0;                  ///< from the answer, as in csfn::Companion
+  double difference = 0;                  ///< from the answer, as in identification::Companion
   std::optional<double> angle_error_deg;  ///< peak to peak, where the true angle is known
 };
 
@@ -41,19 +41,19 @@ struct AngleErrors {
 
 struct Fit {
   Record record;
-  csfn::Identification answer;
+  identification::Identification answer;
   /// Why there is no calibration: samples that no ellipse can be put through (too few, a point, a
   /// straight line), the reason of the gate that rejected it, or parameters that the
   /// registers cannot hold. Empty: there is one.
   std::string rejection;
-  metrics::ParameterWords words;          ///< phi is 0
-  std::optional<csfn::Parameters> truth;  ///< canonical
+  metrics::ParameterWords words;                    ///< phi is 0
+  std::optional<identification::Parameters> truth;  ///< canonical
   AngleErrors errors;
   /// One sentence when the true angle of the record does not turn with its signals: it is not used
   /// then. Empty otherwise.
   std::string angle_column;
   /// With FitOptions::use_angle: the table, or why there is none.
-  std::optional<csfn::ErrorCurve> error_curve;
+  std::optional<identification::ErrorCurve> error_curve;
   std::vector<Attempt> attempts;  ///< with FitOptions::all_methods: all, the answer's first, the
                                   ///< papers' other methods (peers.h) last
 };

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "csfn/samples.h"
+#include "base/result.h"
+#include "identification/samples.h"
 #include "sensor/description_keys.h"
 #include "sensor/recording_options.h"
 #include "sensor/source.h"
-#include "support/result.h"
 
 namespace capsoc::fit {
 
@@ -27,7 +27,7 @@ struct RecordOptions {
 struct Record {
   std::string path;
   std::string sha256;  ///< of the file, or of what is built in
-  csfn::Samples samples;
+  identification::Samples samples;
   Eigen::ArrayXd angle;  ///< true angle, radians; empty when it is not known
   sensor::Description description;
   unsigned adc_bits = 32;

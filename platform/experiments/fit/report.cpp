@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <iterator>
 
-#include "support/constants.h"
-#include "support/json.h"
+#include "base/constants.h"
+#include "base/json.h"
 
 namespace capsoc::fit {
 namespace {
@@ -28,8 +28,8 @@ struct ParameterRow {
 };
 
 std::vector<ParameterRow> rows_of(const Fit& fit) {
-  using P = csfn::Parameters;
-  using I = csfn::Intervals;
+  using P = identification::Parameters;
+  using I = identification::Intervals;
   const auto row = [&](const char* name, int64_t word, double P::*value, double I::*interval) {
     ParameterRow r{name, word, fit.answer.parameters.*value, {}, {}, {}};
     if (fit.answer.no_intervals.empty()) r.interval = fit.answer.intervals.*interval;
@@ -45,13 +45,13 @@ std::vector<ParameterRow> rows_of(const Fit& fit) {
           ParameterRow{"phi", fit.words.phi, 0, {}, {}, {}}};
 }
 
-ordered_json values_json(const csfn::Parameters& p) {
+ordered_json values_json(const identification::Parameters& p) {
   return {{"a1", p.a1}, {"a2", p.a2}, {"b1", p.b1}, {"b2", p.b2}, {"beta", p.beta}};
 }
 
-ordered_json gates_json(const csfn::Identification& answer) {
+ordered_json gates_json(const identification::Identification& answer) {
   ordered_json gates = ordered_json::array();
-  for (const csfn::Gate& gate : answer.gates)
+  for (const identification::Gate& gate : answer.gates)
     gates.push_back({{"name", gate.name},
                      {"passed", gate.passed},
                      {"value", gate.value},
@@ -59,11 +59,11 @@ ordered_json gates_json(const csfn::Identification& answer) {
   return gates;
 }
 
-ordered_json companions_json(const csfn::Identification& answer) {
+ordered_json companions_json(const identification::Identification& answer) {
   ordered_json companions = ordered_json::array();
-  for (const csfn::Companion& companion : answer.companions) {
+  for (const identification::Companion& companion : answer.companions) {
     ordered_json j;
-    j["method"] = csfn::to_string(companion.method);
+    j["method"] = identification::to_string(companion.method);
     if (companion.parameters) {
       j["parameters"] = values_json(*companion.parameters);
       j["loss"] = companion.loss;
@@ -95,14 +95,14 @@ ordered_json attempts_json(const std::vector<Attempt>& attempts) {
   return j;
 }
 
-ordered_json term_json(const csfn::HarmonicTerm& term) {
+ordered_json term_json(const identification::HarmonicTerm& term) {
   return {{"sine", term.sine}, {"cosine", term.cosine}};
 }
 
-ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
+ordered_json harmonics_json(const identification::Harmonics& harmonics) {
   ordered_json j;
   j["identified"] = harmonics.identified;
-  j["assumption"] = csfn::to_string(harmonics.used);
+  j["assumption"] = identification::to_string(harmonics.used);
   j["reason"] = harmonics.reason;
   j["check"] = {{"what", harmonics.check},
                 {"value", harmonics.check_value},
@@ -119,11 +119,11 @@ ordered_json harmonics_json(const csfn::Harmonics& harmonics) {
   return j;
 }
 
-ordered_json error_table_json(const csfn::ErrorCurve& curve) {
+ordered_json error_table_json(const identification::ErrorCurve& curve) {
   ordered_json j;
   j["identified"] = curve.identified;
   j["reason"] = curve.reason;
-  j["held_out_deg"] = {{"folds", csfn::error_folds},
+  j["held_out_deg"] = {{"folds", identification::error_folds},
                        {"by", curve.by_turns ? "turns" : "sectors"},
                        {"rms_before", curve.before.rms * degrees_per_radian},
                        {"rms_after", curve.after.rms * degrees_per_radian},
@@ -137,7 +137,7 @@ ordered_json error_table_json(const csfn::ErrorCurve& curve) {
   return j;
 }
 
-std::string error_table_lines(const csfn::ErrorCurve& curve) {
+std::string error_table_lines(const identification::ErrorCurve& curve) {
   std::string text =
       fmt::format("error table  {}{}\n", curve.identified ? "" : "none: ", curve.reason);
   if (curve.identified)
@@ -150,7 +150,7 @@ std::string error_table_lines(const csfn::ErrorCurve& curve) {
   return text;
 }
 
-std::string error_table_macro(const csfn::ErrorCurve& curve) {
+std::string error_table_macro(const identification::ErrorCurve& curve) {
   std::string text =
       "\n// The coprocessor's harmonic correction, 2^-24 turn\n#define CALIBRATION_NODES \\\n  {";
   for (std::size_t node = 0; node < curve.nodes.size(); ++node)
@@ -167,11 +167,12 @@ std::string degrees(const std::optional<double>& value) {
 }
 
 std::string how(const Fit& fit) {
-  const csfn::Identification& a = fit.answer;
-  std::string text = csfn::to_string(a.method);
+  const identification::Identification& a = fit.answer;
+  std::string text = identification::to_string(a.method);
   if (a.iterations > 0)
-    text += fmt::format(", {} after {} iterations", csfn::to_string(a.stopped), a.iterations);
-  if (a.method == csfn::Method::adam) text += fmt::format(", seed {}", a.seed);
+    text +=
+        fmt::format(", {} after {} iterations", identification::to_string(a.stopped), a.iterations);
+  if (a.method == identification::Method::adam) text += fmt::format(", seed {}", a.seed);
   return text;
 }
 
@@ -185,7 +186,7 @@ std::string attempts_table(const std::vector<Attempt>& attempts) {
       text += fmt::format("{:<10}  {}\n", name, attempt.error);
       continue;
     }
-    const csfn::Parameters& p = *attempt.parameters;
+    const identification::Parameters& p = *attempt.parameters;
     const std::string error =
         attempt.angle_error_deg ? fmt::format("{:.3g}", *attempt.angle_error_deg) : "-";
     text += fmt::format("{:<10}{:>13.9f}{:>13.9f}{:>13.9f}{:>13.9f}{:>13.9f}{:>11.1e}{:>12}{:>7}\n",
@@ -197,14 +198,15 @@ std::string attempts_table(const std::vector<Attempt>& attempts) {
          "angle error: peak to peak, deg\n";
 }
 
-std::string harmonics_table(const csfn::Harmonics& harmonics) {
-  std::string text =
-      fmt::format("harmonics    {}: {}\n", csfn::to_string(harmonics.used), harmonics.reason);
+std::string harmonics_table(const identification::Harmonics& harmonics) {
+  std::string text = fmt::format("harmonics    {}: {}\n", identification::to_string(harmonics.used),
+                                 harmonics.reason);
   if (!harmonics.identified) return text;
   text += fmt::format("{:<13}{:>14}{:>14}{:>14}{:>14}\n", "", "u sine", "u cosine", "v sine",
                       "v cosine");
   for (const std::size_t index : {0, 1}) {
-    const csfn::HarmonicTerm &u = harmonics.model.u.at(index), &v = harmonics.model.v.at(index);
+    const identification::HarmonicTerm &u = harmonics.model.u.at(index),
+                                       &v = harmonics.model.v.at(index);
     text += fmt::format("  order {:<5}{:>14.9f}{:>14.9f}{:>14.9f}{:>14.9f}\n", index + 2, u.sine,
                         u.cosine, v.sine, v.cosine);
   }
@@ -212,7 +214,7 @@ std::string harmonics_table(const csfn::Harmonics& harmonics) {
 }
 
 /// The first of them, and how many there are.
-std::string outliers_line(const csfn::Identification& answer) {
+std::string outliers_line(const identification::Identification& answer) {
   if (answer.outliers.empty()) return "";
   constexpr std::size_t named = 8;
   std::string text = fmt::format(
@@ -227,7 +229,7 @@ std::string deg(double radians) {
   return fmt::format("{:.2g}", radians * degrees_per_radian);
 }
 
-std::string error_text(const csfn::AngleError& error, bool tested) {
+std::string error_text(const identification::AngleError& error, bool tested) {
   const std::string harmonics =
       tested ? fmt::format(
                    "with harmonics of several orders, as large as the residuals leave room "
@@ -237,8 +239,8 @@ std::string error_text(const csfn::AngleError& error, bool tested) {
   return fmt::format(
       "{} deg at {:g} % confidence, if the channels have no harmonics (noise {}, method {}, drift "
       "{}, resolution {})\n             {}\n",
-      deg(error.parameters), 100 * csfn::bound_confidence, deg(error.noise), deg(error.method),
-      deg(error.drift), deg(error.resolution), harmonics);
+      deg(error.parameters), 100 * identification::bound_confidence, deg(error.noise),
+      deg(error.method), deg(error.drift), deg(error.resolution), harmonics);
 }
 
 /// What the noise of one sample makes of its angle, root of the mean square over the turn, radians.
@@ -249,16 +251,16 @@ double noise_of_one_sample(const csfn::Identification& answer) {
 }
 
 /// What is guaranteed, or why nothing is.
-std::string bound_line(const csfn::Identification& answer) {
+std::string bound_line(const identification::Identification& answer) {
   if (!answer.bound) return fmt::format("angle bound  none: {}\n", answer.warning);
-  const csfn::AngleBound& bound = *answer.bound;
+  const identification::AngleBound& bound = *answer.bound;
   if (answer.harmonics.identified)
     return fmt::format(
         "angle bound  over the whole turn {} deg with the harmonics taken off: 4 times the "
         "expected "
         "error\n             for the angle at its sampling instant, if the assumption of {} "
         "holds\n",
-        deg(bound.total), csfn::to_string(answer.harmonics.used));
+        deg(bound.total), identification::to_string(answer.harmonics.used));
   const bool tested = answer.structure.last_order > 0;
   std::string text = fmt::format("angle bound  over the whole turn {}", error_text(bound, tested));
   if (bound.arc_degrees < 360)
@@ -272,10 +274,10 @@ std::string bound_line(const csfn::Identification& answer) {
              deg(noise_of_one_sample(answer)));
 }
 
-ordered_json error_json(const csfn::AngleError& error) {
+ordered_json error_json(const identification::AngleError& error) {
   return {{"total", error.total * degrees_per_radian},
           {"parameters", error.parameters * degrees_per_radian},
-          {"confidence", csfn::bound_confidence},
+          {"confidence", identification::bound_confidence},
           {"noise", error.noise * degrees_per_radian},
           {"harmonics", error.harmonics * degrees_per_radian},
           {"method", error.method * degrees_per_radian},
@@ -283,7 +285,7 @@ ordered_json error_json(const csfn::AngleError& error) {
           {"resolution", error.resolution * degrees_per_radian}};
 }
 
-ordered_json bound_json(const csfn::Identification& answer) {
+ordered_json bound_json(const identification::Identification& answer) {
   if (!answer.bound) return nullptr;
   ordered_json j = error_json(*answer.bound);
   j["arc_degrees"] = answer.bound->arc_degrees;
@@ -292,16 +294,17 @@ ordered_json bound_json(const csfn::Identification& answer) {
 }
 
 /// Why there are no intervals, and what the samples are.
-std::string notes_lines(const csfn::Identification& answer) {
+std::string notes_lines(const identification::Identification& answer) {
   std::string text;
   if (!answer.no_intervals.empty()) text += "intervals    none: " + answer.no_intervals + "\n";
   for (const std::string& note : answer.notes) text += "note         " + note + "\n";
   return text;
 }
 
-std::string gates_line(const csfn::Identification& answer) {
+std::string gates_line(const identification::Identification& answer) {
   std::string names;
-  for (const csfn::Gate& gate : answer.gates) names += (names.empty() ? "" : ", ") + gate.name;
+  for (const identification::Gate& gate : answer.gates)
+    names += (names.empty() ? "" : ", ") + gate.name;
   return "gates        passed: " + names + "\n";
 }
 
@@ -325,7 +328,7 @@ std::string unit_line(const sensor::Description& d) {
 }  // namespace
 
 ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::string& command) {
-  const csfn::Identification& answer = fit.answer;
+  const identification::Identification& answer = fit.answer;
   ordered_json j;
   j["schema"] = schema_version;
   j["versions"] = versions;
@@ -340,8 +343,8 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
                  {"zero", d.zero},
                  {"step", number_or_null(d.step)}};
   if (!fit.record.warnings.empty()) j["sensor_warnings"] = fit.record.warnings;
-  j["method"] = csfn::to_string(answer.method);
-  j["stop_reason"] = csfn::to_string(answer.stopped);
+  j["method"] = identification::to_string(answer.method);
+  j["stop_reason"] = identification::to_string(answer.stopped);
   j["iterations"] = answer.iterations;
   j["seed"] = answer.seed;
   j["loss"] = answer.loss;
@@ -352,7 +355,7 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
                                  {"relative_error", number_or_null(row.relative_error)},
                                  {"interval", number_or_null(row.interval)}};
   j["confidence"] = answer.intervals.confidence;
-  j["handedness"] = csfn::to_string(answer.handedness);
+  j["handedness"] = identification::to_string(answer.handedness);
   j["residuals"] = {{"rms", answer.residuals.rms},
                     {"largest", answer.residuals.largest},
                     {"noise", answer.residuals.noise},
@@ -411,8 +414,8 @@ std::string to_header(const Fit& fit) {
 
 std::string to_convergence(const Fit& fit) {
   std::string text = "iteration,loss,a1,a2,b1,b2,beta\n";
-  for (const csfn::TracePoint& point : fit.answer.convergence) {
-    const csfn::Parameters& p = point.parameters;
+  for (const identification::TracePoint& point : fit.answer.convergence) {
+    const identification::Parameters& p = point.parameters;
     fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}\n", point.iteration, point.loss,
                    p.a1, p.a2, p.b1, p.b2, p.beta);
   }
@@ -420,7 +423,7 @@ std::string to_convergence(const Fit& fit) {
 }
 
 std::string to_table(const Fit& fit) {
-  const csfn::Identification& answer = fit.answer;
+  const identification::Identification& answer = fit.answer;
   std::string text = fmt::format("trace        {}: {} samples, {} bits\n", fit.record.path,
                                  fit.record.samples.u.size(), fit.record.adc_bits);
   text += unit_line(fit.record.description);
@@ -435,7 +438,7 @@ std::string to_table(const Fit& fit) {
                         row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-");
   text += fmt::format("\nresidual     {:.2e} rms, {:.2e} at most; noise {:.2e} of full scale\n",
                       answer.residuals.rms, answer.residuals.largest, answer.residuals.noise);
-  text += fmt::format("rotation     {}\n", csfn::to_string(answer.handedness));
+  text += fmt::format("rotation     {}\n", identification::to_string(answer.handedness));
   text += gates_line(answer);
   text += outliers_line(answer);
   text += notes_lines(answer);

@@ -10,22 +10,22 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "coprocessor/coprocessor.h"
-#include "csfn/calibration.h"
-#include "csfn/identify.h"
-#include "csfn/peers.h"
-#include "csfn/random.h"
 #include "fit/contenders.h"
 #include "fit/drawn_records.h"
-#include "support/constants.h"
+#include "identification/calibration.h"
+#include "identification/identify.h"
+#include "identification/peers.h"
 
 namespace capsoc::fit {
 namespace {
 
-using csfn::Assumption;
-using csfn::Method;
-using csfn::Parameters;
-using csfn::SignalModel;
+using identification::Assumption;
+using identification::Method;
+using identification::Parameters;
+using identification::SignalModel;
 
 constexpr Eigen::Index record_length = 10000;
 /// Table 1 of the CSFN paper.
@@ -47,36 +47,36 @@ struct Recording {
   double fifth = 0;  ///< a harmonic that no model has, relative
 };
 
-csfn::Point sample_of(const Recording& recording, double theta) {
-  csfn::Point at = csfn::point_at(recording.sensor, theta);
+identification::Point sample_of(const Recording& recording, double theta) {
+  identification::Point at = identification::point_at(recording.sensor, theta);
   at.u += recording.fifth * papers.a1 * std::sin(5 * theta);
   at.v += recording.fifth * papers.a2 * std::cos(5 * theta);
   return at;
 }
 
 /// Twelve uniform numbers: near enough to a normal one, and the same with every compiler.
-double normal(csfn::Random& random) {
+double normal(Random& random) {
   double sum = -6;
   for (int i = 0; i < 12; ++i) sum += random.uniform();
   return sum;
 }
 
-csfn::Samples record(const Recording& recording) {
-  csfn::Random random(seed);
-  csfn::Samples samples{Eigen::ArrayXd(record_length), Eigen::ArrayXd(record_length)};
+identification::Samples record(const Recording& recording) {
+  Random random(seed);
+  identification::Samples samples{Eigen::ArrayXd(record_length), Eigen::ArrayXd(record_length)};
   std::vector<double> place(record_length);
   for (Eigen::Index i = 0; i < record_length; ++i) {
     place[i] = static_cast<double>(i) / static_cast<double>(record_length);
   }
   if (recording.angles == Angles::even) {
     for (Eigen::Index i = record_length - 1; i > 0; --i) {
-      std::swap(place[i], place[random.below(i + 1)]);
+      std::swap(place[i], place[random.index(i + 1)]);
     }
   }
   const double step = recording.bits > 0 ? std::ldexp(1.0, 1 - recording.bits) : 0;
   for (Eigen::Index i = 0; i < record_length; ++i) {
     if (recording.angles == Angles::random) place[i] = random.uniform();
-    csfn::Point at = sample_of(recording, 2 * pi * recording.turns * place[i] + 0.1);
+    identification::Point at = sample_of(recording, 2 * pi * recording.turns * place[i] + 0.1);
     at.u += recording.noise * normal(random);
     at.v += recording.noise * normal(random);
     samples.u[i] = step > 0 ? step * std::round(at.u / step) : at.u;
@@ -92,11 +92,11 @@ double error_of(const Recording& recording, const Calibration& calibration) {
   Eigen::ArrayXd u(points), v(points), theta(points);
   for (Eigen::Index i = 0; i < points; ++i) {
     theta[i] = 2 * pi * static_cast<double>(i) / points;
-    const csfn::Point at = sample_of(recording, theta[i]);
+    const identification::Point at = sample_of(recording, theta[i]);
     u[i] = at.u;
     v[i] = at.v;
   }
-  return csfn::peak_to_peak_error(calibration, u, v, theta) / radians_per_degree;
+  return identification::peak_to_peak_error(calibration, u, v, theta) / radians_per_degree;
 }
 
 double uncalibrated_error(const Recording& recording) {
@@ -104,8 +104,8 @@ double uncalibrated_error(const Recording& recording) {
   return error_of(recording, Parameters{1, 1, 0, 0, 0});
 }
 
-csfn::IdentifyOptions options_of(Method method) {
-  csfn::IdentifyOptions options;
+identification::IdentifyOptions options_of(Method method) {
+  identification::IdentifyOptions options;
   options.method = method;
   return options;
 }
@@ -125,7 +125,7 @@ class Judge {
 
 void print_table_1(std::ostream& out, Judge& judge) {
   const Recording recording;
-  const csfn::Samples samples = record(recording);
+  const identification::Samples samples = record(recording);
   out << fmt::format(
       "Table 1 of the CSFN paper: {} samples at random angles, seed {}; the paper: relative errors "
       "1.7e-7 .. 7.1e-7, 73.72 deg before, 0.09 arc seconds after\n",
@@ -133,13 +133,13 @@ void print_table_1(std::ostream& out, Judge& judge) {
   out << fmt::format("{:10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>11} {:>16}\n", "method", "a1", "a2",
                      "b1", "b2", "beta", "before, deg", "after, arc sec");
   for (const Method method : methods) {
-    const auto found = csfn::identify(samples, options_of(method));
+    const auto found = identification::identify(samples, options_of(method));
     if (!found) continue;
     const Parameters& p = found.value().parameters;
     const double errors[] = {p.a1 / papers.a1 - 1, p.a2 / papers.a2 - 1, p.b1 / papers.b1 - 1,
                              p.b2 / papers.b2 - 1, p.beta / papers.beta - 1};
     double worst = 0;
-    std::string line = fmt::format("{:10}", csfn::to_string(method));
+    std::string line = fmt::format("{:10}", identification::to_string(method));
     for (const double error : errors) {
       line += fmt::format(" {:9.1e}", error);
       worst = std::max(worst, std::abs(error));
@@ -180,14 +180,15 @@ void print_methods(std::ostream& out, Judge& judge) {
       "\nAngle error after calibration, degrees peak to peak over the whole turn ({} samples)\n",
       record_length);
   out << fmt::format("{:26}", "record");
-  for (const Method method : methods) out << fmt::format(" {:>10}", csfn::to_string(method));
+  for (const Method method : methods)
+    out << fmt::format(" {:>10}", identification::to_string(method));
   out << "\n";
   for (const Row& row : rows) {
-    const csfn::Samples samples = record(row.recording);
+    const identification::Samples samples = record(row.recording);
     std::string line = fmt::format("{:26}", row.name);
     bool good = true;
     for (const Method method : methods) {
-      const auto found = csfn::identify(samples, options_of(method));
+      const auto found = identification::identify(samples, options_of(method));
       if (!found || found.value().rejected()) {
         line += fmt::format(" {:>10}", "rejected");
         good = false;
@@ -237,18 +238,19 @@ void print_harmonics(std::ostream& out, Judge& judge) {
     recording.fifth = row.fifth;
     recording.sensor.u[1].sine = 0.01;
     recording.sensor.v[1].cosine = 0.01;
-    csfn::IdentifyOptions options = options_of(Method::levenberg_marquardt);
+    identification::IdentifyOptions options = options_of(Method::levenberg_marquardt);
     options.harmonics.highest = 3;
-    const auto found = csfn::identify(record(recording), options);
+    const auto found = identification::identify(record(recording), options);
     if (!found) continue;
-    const csfn::Harmonics& harmonics = found.value().harmonics;
+    const identification::Harmonics& harmonics = found.value().harmonics;
     const double error = error_of(recording, harmonics.model);
     const double expected = harmonics.expected_error / radians_per_degree;
     const double bound = row.bound > 0 ? row.bound : 4 * expected + 1e-9;
-    out << fmt::format(
-        "{:26} {:8.0e} {:8.2f} {:8.3f} {:10.2e} {:10.2e}  {}{}\n", row.name, row.noise,
-        uncalibrated_error(recording), error_of(recording, found.value().network_parameters), error,
-        expected, csfn::to_string(harmonics.used), judge(harmonics.identified && error <= bound));
+    out << fmt::format("{:26} {:8.0e} {:8.2f} {:8.3f} {:10.2e} {:10.2e}  {}{}\n", row.name,
+                       row.noise, uncalibrated_error(recording),
+                       error_of(recording, found.value().network_parameters), error, expected,
+                       identification::to_string(harmonics.used),
+                       judge(harmonics.identified && error <= bound));
   }
 }
 
@@ -263,7 +265,8 @@ struct Bounded {
 constexpr double recorded_turns = 7.3;
 
 /// The coprocessor's model, which is told the speed; 2 mu is half of omega, as its firmware has it.
-Result<Parameters> demodulated(coprocessor::Arithmetic arithmetic, const csfn::Samples& samples) {
+Result<Parameters> demodulated(coprocessor::Arithmetic arithmetic,
+                               const identification::Samples& samples) {
   constexpr uint64_t cycles_a_sample = 200;  // more than the latency
   constexpr double turns_a_sample = recorded_turns / static_cast<double>(record_length);
   coprocessor::Options options;
@@ -287,9 +290,9 @@ Result<Parameters> demodulated(coprocessor::Arithmetic arithmetic, const csfn::S
     return static_cast<int32_t>(device.read(cycle, offset, true).value);
   };
   const auto fraction = [&](uint32_t offset) { return read(offset) * 0x1p-31; };
-  return csfn::canonical({fraction(coprocessor::reg_a1), fraction(coprocessor::reg_a2),
-                          fraction(coprocessor::reg_b1), fraction(coprocessor::reg_b2),
-                          read(coprocessor::reg_beta) * 0x1p-32 * 2 * pi})
+  return identification::canonical({fraction(coprocessor::reg_a1), fraction(coprocessor::reg_a2),
+                                    fraction(coprocessor::reg_b1), fraction(coprocessor::reg_b2),
+                                    read(coprocessor::reg_beta) * 0x1p-32 * 2 * pi})
       .parameters;
 }
 
@@ -299,9 +302,12 @@ std::vector<Bounded> bounded_contenders() {
     // The observer's start fades as exp(-x) (1 + x + x^2 / 2), x = 0.3 omega t: 1.2e-4 rad are
     // left.
     std::array<double, 3> bounds = {1e-6, method.of_the_papers ? 1 : 0.1, 4};
-    if (method.name == csfn::to_string(csfn::Peer::fourier)) bounds = {0.2, 0.3, 2.5};
-    if (method.name == csfn::to_string(csfn::Peer::observer)) bounds = {0.02, 0.3, 2.5};
-    if (method.name == csfn::to_string(csfn::Peer::two_step)) bounds = {0.5, 1, 12};
+    if (method.name == identification::to_string(identification::Peer::fourier))
+      bounds = {0.2, 0.3, 2.5};
+    if (method.name == identification::to_string(identification::Peer::observer))
+      bounds = {0.02, 0.3, 2.5};
+    if (method.name == identification::to_string(identification::Peer::two_step))
+      bounds = {0.5, 1, 12};
     all.push_back({std::move(method), bounds});
   }
   const auto first_of_the_papers = std::find_if(
@@ -311,7 +317,8 @@ std::vector<Bounded> bounded_contenders() {
     const bool precise = arithmetic == coprocessor::Arithmetic::precise;
     lmsed.push_back(
         {{precise ? "lmsed" : "lmsed 32",
-          [arithmetic](const csfn::Samples& s) { return demodulated(arithmetic, s); }, false},
+          [arithmetic](const identification::Samples& s) { return demodulated(arithmetic, s); },
+          false},
          // Its coefficients follow a harmonic within the turn, by some 0.4 degrees.
          {0.3, 0.5, 3}});
   }
@@ -353,7 +360,7 @@ int print_peers(std::ostream& out) {
       line += fmt::format(" {:10.2e}", error);
     }
     using Clock = std::chrono::steady_clock;
-    const csfn::Samples samples = record(recordings[0]);
+    const identification::Samples samples = record(recordings[0]);
     double least_us = HUGE_VAL;
     for (int i = 0; i < 3; ++i) {
       const auto begin = Clock::now();

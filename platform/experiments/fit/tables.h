@@ -11,9 +11,9 @@ namespace capsoc::fit {
 /// miss their bound: 0 is the expected result.
 int print_tables(std::ostream& out);
 
-/// The methods that the papers name (csfn/peers.h) beside the CSFN's and the closed forms, on the
-/// same records and by the same clock. The errors are the same on every run, the times are this
-/// host's. Returns the number of methods that miss a bound of their errors.
+/// The methods that the papers name (identification/peers.h) beside the CSFN's and the closed
+/// forms, on the same records and by the same clock. The errors are the same on every run, the
+/// times are this host's. Returns the number of methods that miss a bound of their errors.
 int print_peers(std::ostream& out);
 
 }  // namespace capsoc::fit

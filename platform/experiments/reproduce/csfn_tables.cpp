@@ -15,14 +15,14 @@ constexpr double arc_seconds = 3600;
 const std::array<const char*, 5> names = {"a1", "a2", "b1", "b2", "beta"};
 using FiveFigures = std::array<double, 5>;
 
-FiveFigures figures(const csfn::Parameters& p) {
+FiveFigures figures(const identification::Parameters& p) {
   return {p.a1, p.a2, p.b1, p.b2, p.beta};
 }
 
 std::optional<fit::Fit> fitted(Report& report, const std::string& trace,
                                const fit::FitOptions& options = {}) {
   fit::FitOptions papers = options;
-  papers.identify.method = csfn::Method::adam;
+  papers.identify.method = identification::Method::adam;
   papers.identify.trace = true;
   auto result = fit::fit(trace, papers);
   const std::string reason = result ? result.value().rejection : result.error();

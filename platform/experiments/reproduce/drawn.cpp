@@ -7,17 +7,17 @@
 #include <cmath>
 #include <complex>
 
-#include "csfn/calibration.h"
+#include "base/constants.h"
 #include "fit/drawn.h"
 #include "fit/fit.h"
-#include "reference/lms_reference.h"
+#include "identification/calibration.h"
+#include "identification/lms_reference.h"
 #include "reproduce/figures.h"
 #include "reproduce/lms_experiment.h"
 #include "reproduce/paper_words.h"
 #include "reproduce/rtl_experiment.h"
 #include "reproduce/soc_experiment.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -83,7 +83,7 @@ Learning learn(const Experiment& experiment) {
   const double rate = experiment.signal.sample_rate_hz;
   const auto count = static_cast<uint64_t>(std::llround(experiment.duration_s * rate));
   sensor::DescribedSource source(experiment.signal);
-  reference::LmsReference lms(experiment.steps, experiment.gain);
+  identification::lms::LmsReference lms(experiment.steps, experiment.gain);
   Learning drawn;
   std::vector<std::array<double, 3>> samples;
   for (uint64_t k = 0; k < count; ++k) {
@@ -92,7 +92,7 @@ Learning learn(const Experiment& experiment) {
     if (!value) break;
     const double reference = two_pi * value->reference_turns;
     lms.update(std::sin(reference), std::cos(reference), value->u, value->v);
-    const reference::Parameters p = lms.parameters();
+    const identification::lms::Parameters p = lms.parameters();
     const std::array<double, 6> now = {p.a1, p.a2, p.b1, p.b2, p.beta, p.phi};
     for (std::size_t i = 0; i < now.size(); ++i) drawn.parameters.at(i).add(t, now.at(i));
     drawn.error_u.add(t, lms.error_u());
@@ -100,13 +100,13 @@ Learning learn(const Experiment& experiment) {
     samples.push_back({value->u, value->v, reference});
   }
   // As the paper's Table 1: the parameters of the end for the whole record, against omega k.
-  const reference::Parameters end = lms.parameters();
+  const identification::lms::Parameters end = lms.parameters();
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const auto& [u, v, reference] = samples[k];
     const double t = static_cast<double>(k) / rate;
-    const double angle = reference::calibrated_angle(end, u, v);
-    drawn.raw.add(t, in_degrees(reference::wrapped(std::atan2(u, v) - reference)));
-    drawn.calibrated.add(t, in_degrees(reference::wrapped(angle - end.phi - reference)));
+    const double angle = identification::lms::calibrated_angle(end, u, v);
+    drawn.raw.add(t, in_degrees(identification::lms::wrapped(std::atan2(u, v) - reference)));
+    drawn.calibrated.add(t, in_degrees(identification::lms::wrapped(angle - end.phi - reference)));
     if (t > 40) continue;  // two turns
     drawn.before.add(t, u);
     drawn.after.add(t, v);
@@ -211,7 +211,7 @@ std::optional<Error> soc_experiment(Drawing& drawing, const std::string& traces)
     options.samples = 100000;
     const auto record = fit::read_record(traces + "/soc_experiment.toml", options);
     if (!record) return Error{record.error()};
-    const csfn::Samples& samples = record.value().samples;
+    const identification::Samples& samples = record.value().samples;
     for (const auto& [name, signal, letter] :
          {std::tuple{"U", &samples.u, 'a'}, std::tuple{"V", &samples.v, 'b'}}) {
       Curve wave;
@@ -245,7 +245,7 @@ struct CsfnNames {
 };
 
 void csfn_signals(Drawing& drawing, const fit::Record& record, const CsfnNames& called) {
-  const csfn::Samples& samples = record.samples;
+  const identification::Samples& samples = record.samples;
   for (const auto& [name, signal] : {std::pair{"U", &samples.u}, std::pair{"V", &samples.v}}) {
     Curve by_sample;
     Points by_angle;
@@ -263,8 +263,8 @@ void csfn_signals(Drawing& drawing, const fit::Record& record, const CsfnNames& 
 void csfn_learning(Drawing& drawing, const fit::Fit& fit, const CsfnNames& called) {
   std::array<Curve, 5> parameters;
   Curve loss;
-  for (const csfn::TracePoint& point : fit.answer.convergence) {
-    const csfn::Parameters& p = point.parameters;
+  for (const identification::TracePoint& point : fit.answer.convergence) {
+    const identification::Parameters& p = point.parameters;
     const std::array<double, 5> now = {p.a1, p.a2, p.b1, p.b2, p.beta};
     for (std::size_t i = 0; i < now.size(); ++i) parameters.at(i).add(point.iteration, now.at(i));
     loss.add(point.iteration, point.loss);
@@ -275,14 +275,14 @@ void csfn_learning(Drawing& drawing, const fit::Fit& fit, const CsfnNames& calle
 }
 
 void csfn_calibrated(Drawing& drawing, const fit::Fit& fit, const CsfnNames& called) {
-  const csfn::Samples& samples = fit.record.samples;
+  const identification::Samples& samples = fit.record.samples;
   Eigen::ArrayXd raw(samples.u.size()), found(samples.u.size());
   Points sine, cosine;
   Curve circle;
   for (Eigen::Index k = 0; k < raw.size(); ++k) {
-    const csfn::Parameters& p = fit.answer.parameters;
-    raw[k] = csfn::uncalibrated_angle(samples.u[k], samples.v[k]);
-    found[k] = csfn::angle_of(p, samples.u[k], samples.v[k]);
+    const identification::Parameters& p = fit.answer.parameters;
+    raw[k] = identification::uncalibrated_angle(samples.u[k], samples.v[k]);
+    found[k] = identification::angle_of(p, samples.u[k], samples.v[k]);
     const double s = (samples.u[k] - p.b1) / p.a1;
     const double c = ((samples.v[k] - p.b2) / p.a2 + s * std::sin(p.beta)) / std::cos(p.beta);
     const double angle = turn_of(fit.record.angle[k]);
@@ -301,7 +301,7 @@ void csfn_calibrated(Drawing& drawing, const fit::Fit& fit, const CsfnNames& cal
 std::optional<Error> csfn_experiment(Drawing& drawing, const std::string& trace,
                                      const CsfnNames& called, int batch) {
   fit::FitOptions options;
-  options.identify.method = csfn::Method::adam;
+  options.identify.method = identification::Method::adam;
   options.identify.trace = true;
   if (batch != 0) options.identify.adam.batch = batch;
   const auto fit = fit::fit(trace, options);
@@ -318,7 +318,7 @@ std::optional<Error> csfn_spectrum(Drawing& drawing, const std::string& traces) 
   const auto record = fit::read_record(traces + "/csfn_experiment.toml");
   if (!record) return Error{record.error()};
   // By least squares at the true angles: the record is shuffled, so there is no time.
-  const csfn::Samples& samples = record.value().samples;
+  const identification::Samples& samples = record.value().samples;
   for (const auto& [name, signal] : {std::pair{"U", &samples.u}, std::pair{"V", &samples.v}}) {
     const std::vector<double> amplitudes = order_amplitudes(record.value().angle, *signal, 8);
     Curve orders;

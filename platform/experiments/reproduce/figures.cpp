@@ -9,11 +9,11 @@
 #include <complex>
 #include <vector>
 
+#include "base/constants.h"
 #include "reproduce/lms_experiment.h"
 #include "reproduce/paper_words.h"
 #include "reproduce/rtl_experiment.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -36,14 +36,14 @@ void curve_rows(Report& report, const std::vector<double>& times_s,
   }
 }
 
-SixFigures figures_of(const reference::Parameters& p) {
+SixFigures figures_of(const identification::lms::Parameters& p) {
   return {p.a1, p.a2, p.b1, p.b2, p.beta, p.phi};
 }
 
 void lms_curve(Report& report, const Experiment& experiment, const std::vector<double>& times_s) {
   const sensor::SignalConfig& s = experiment.signal;
   std::vector<SixFigures> curve;
-  for (const reference::Parameters& p : learning_curve(experiment, times_s))
+  for (const identification::lms::Parameters& p : learning_curve(experiment, times_s))
     curve.push_back(figures_of(p));
   curve_rows(report, times_s, curve, {s.a1, s.a2, s.b1, s.b2, s.beta, s.phi}, 0.01);
 }
@@ -171,7 +171,7 @@ void figure_19(Report& report, const std::string& traces) {
     report.failure(trace, record.error());
     return;
   }
-  const csfn::Samples& samples = record.value().samples;
+  const identification::Samples& samples = record.value().samples;
   report.row("fundamental of U, Hz", "0.051", fixed(fundamental_hz(samples.u, 250), 5),
              agrees(fundamental_hz(samples.u, 250), 0.051, 3));
   report.row("fundamental of V, Hz", "0.051", fixed(fundamental_hz(samples.v, 250), 5),
@@ -213,15 +213,15 @@ void spectrum_rows(Report& report, const fit::Record& record,
 
 void learning_rows(Report& report, const fit::Fit& fit) {
   const auto& trace = fit.answer.convergence;
-  const csfn::Parameters& end = fit.answer.parameters;
+  const identification::Parameters& end = fit.answer.parameters;
   const std::array<double, 5> target = {end.a1, end.a2, end.b1, end.b2, end.beta};
   for (const int iteration : {40, 120, 320, INT_MAX}) {
-    const auto reached = [&](const csfn::TracePoint& point) {
+    const auto reached = [&](const identification::TracePoint& point) {
       return point.iteration >= iteration || &point == &trace.back();
     };
     const auto at = std::find_if(trace.begin(), trace.end(), reached);
     if (at == trace.end()) return;
-    const csfn::Parameters& p = at->parameters;
+    const identification::Parameters& p = at->parameters;
     const std::array<double, 5> here = {p.a1, p.a2, p.b1, p.b2, p.beta};
     for (std::size_t i = 0; i < here.size(); ++i) {
       const std::string label =

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
 
-using reference::Parameters;
+using identification::lms::Parameters;
 
 constexpr double window_s = 20.0;
 
@@ -28,8 +28,8 @@ struct Sample {
 };
 
 double angle_error(const Parameters& p, const Sample& s) {
-  const double angle = reference::calibrated_angle(p, s.u, s.v) - p.phi;
-  return degrees(std::abs(reference::wrapped(angle - s.reference)));
+  const double angle = identification::lms::calibrated_angle(p, s.u, s.v) - p.phi;
+  return degrees(std::abs(identification::lms::wrapped(angle - s.reference)));
 }
 
 void note_first(std::optional<double>& first, bool reached, double t) {
@@ -55,8 +55,9 @@ void measure_frozen(const std::vector<Sample>& record, double rate, double phi, 
   for (size_t k = 0; k < record.size(); ++k) {
     const Sample& s = record[k];
     const double raw = std::atan2(s.u, s.v);
-    const double to_reference = degrees(std::abs(reference::wrapped(raw - s.reference)));
-    const double to_truth = degrees(std::abs(reference::wrapped(raw - s.reference - phi)));
+    const double to_reference = degrees(std::abs(identification::lms::wrapped(raw - s.reference)));
+    const double to_truth =
+        degrees(std::abs(identification::lms::wrapped(raw - s.reference - phi)));
     const double calibrated = angle_error(outcome.parameters, s);
     outcome.uncalibrated = std::max(outcome.uncalibrated, to_reference);
     outcome.uncalibrated_to_truth = std::max(outcome.uncalibrated_to_truth, to_truth);
@@ -73,7 +74,7 @@ std::vector<Parameters> learning_curve(const Experiment& experiment,
                                        const std::vector<double>& times_s) {
   const double rate = experiment.signal.sample_rate_hz;
   sensor::DescribedSource source(experiment.signal);
-  reference::LmsReference lms(experiment.steps, experiment.gain);
+  identification::lms::LmsReference lms(experiment.steps, experiment.gain);
   std::vector<Parameters> curve;
   for (uint64_t k = 0; curve.size() < times_s.size(); ++k) {
     const double t = static_cast<double>(k) / rate;
@@ -91,7 +92,7 @@ Outcome run(const Experiment& experiment) {
   const double rate = experiment.signal.sample_rate_hz;
   const auto count = static_cast<uint64_t>(std::llround(experiment.duration_s * rate));
   sensor::DescribedSource source(experiment.signal);
-  reference::LmsReference lms(experiment.steps, experiment.gain);
+  identification::lms::LmsReference lms(experiment.steps, experiment.gain);
   Outcome outcome;
   std::vector<Sample> record;
   record.reserve(count);

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "reference/lms_reference.h"
+#include "identification/lms_reference.h"
 #include "sensor/signal_config.h"
 
 namespace capsoc::reproduce {
@@ -11,17 +11,17 @@ namespace capsoc::reproduce {
 /// One run of the double-precision LMSED over a record, as in the SoC paper's section 4.1.
 struct Experiment {
   sensor::SignalConfig signal;  ///< its motion's frequency is also the reference's
-  reference::Steps steps;
-  reference::Gain gain = reference::Gain::without_factor_two;
+  identification::lms::Steps steps;
+  identification::lms::Gain gain = identification::lms::Gain::without_factor_two;
   double duration_s = 400.0;
 };
 
 /// Largest |angle error| in degrees. `calibrated` uses the parameters of the run's end for every
 /// sample; phi is taken off as Eq (5) has it: angle - phi_hat against omega k.
 struct Outcome {
-  reference::Parameters parameters;          ///< at the end
-  std::optional<double> first_within_s;      ///< all parameters within 1 % for the first time
-  std::optional<double> first_amplitudes_s;  ///< a1 and a2 alone
+  identification::lms::Parameters parameters;  ///< at the end
+  std::optional<double> first_within_s;        ///< all parameters within 1 % for the first time
+  std::optional<double> first_amplitudes_s;    ///< a1 and a2 alone
   std::optional<double> first_amplitudes_offsets_s;  ///< a1, a2, b1, b2
   std::optional<double> stays_within_s;              ///< within 1 % from here to the end
   double uncalibrated = 0.0;                         ///< atan2(U, V) against omega k: contains phi
@@ -34,7 +34,7 @@ struct Outcome {
 Outcome run(const Experiment& experiment);
 
 /// The parameters at these times after the start, in order, all before the experiment's end.
-std::vector<reference::Parameters> learning_curve(const Experiment& experiment,
-                                                  const std::vector<double>& times_s);
+std::vector<identification::lms::Parameters> learning_curve(const Experiment& experiment,
+                                                            const std::vector<double>& times_s);
 
 }  // namespace capsoc::reproduce

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <vector>
 
+#include "base/constants.h"
 #include "fit/fit.h"
 #include "reproduce/csfn_tables.h"
 #include "reproduce/figures.h"
@@ -15,7 +16,6 @@
 #include "reproduce/report.h"
 #include "reproduce/rtl_experiment.h"
 #include "reproduce/soc_experiment.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -24,7 +24,7 @@ constexpr int seeds = 6;
 using SixFigures = std::array<double, 6>;
 constexpr SixFigures preset = {0.6079, 0.6228, 0.1336, 0.1831, 0.0629, 0.0876};
 
-SixFigures figures(const reference::Parameters& p) {
+SixFigures figures(const identification::lms::Parameters& p) {
   return {p.a1, p.a2, p.b1, p.b2, p.beta, p.phi};
 }
 
@@ -68,7 +68,7 @@ void table_1(Report& report) {
              agrees(outcome.calibrated, 9.52e-4, 6));
   ratio_row(report, "0.003", 3, outcome.calibrated, outcome.uncalibrated, 0);
   Experiment doubled = section_4_1();
-  doubled.gain = reference::Gain::with_factor_two;
+  doubled.gain = identification::lms::Gain::with_factor_two;
   const Outcome with_factor = run(doubled);
   report.sentence(
       "The parameters of 400 s are applied to the whole record, and the update is made without "

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "csfn/calibration.h"
+#include "base/constants.h"
 #include "fit/fit.h"
+#include "identification/calibration.h"
 #include "reproduce/coprocessor_run.h"
 #include "reproduce/paper_words.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {
@@ -130,7 +130,8 @@ Errors frozen(const fit::Record& record, const std::array<uint32_t, 6>& words,
 std::vector<double> uncalibrated_turns(const fit::Record& record) {
   std::vector<double> turns;
   for (Eigen::Index k = 0; k < turn; ++k) {
-    const double angle = csfn::uncalibrated_angle(record.samples.u[k], record.samples.v[k]);
+    const double angle =
+        identification::uncalibrated_angle(record.samples.u[k], record.samples.v[k]);
     turns.push_back((angle - record.angle[k]) / (2 * pi));
   }
   return turns;
@@ -300,7 +301,7 @@ std::vector<double> ellipse_turns(const fit::Fit& fit) {
   std::vector<double> turns;
   for (Eigen::Index k = 0; k < turn; ++k) {
     const double angle =
-        csfn::angle_of(fit.answer.parameters, record.samples.u[k], record.samples.v[k]);
+        identification::angle_of(fit.answer.parameters, record.samples.u[k], record.samples.v[k]);
     turns.push_back((angle - record.angle[k]) / (2 * pi));
   }
   return turns;
@@ -312,7 +313,7 @@ Errors ellipse_errors(const fit::Fit& fit) {
 
 void table_10(Report& report, const Errors& before, const fit::Fit& csfn) {
   report.heading("10");
-  const csfn::Parameters& p = csfn.answer.parameters;
+  const identification::Parameters& p = csfn.answer.parameters;
   const auto row = [&](const char* name, double printed, double here) {
     report.row(name, fixed(printed, 4), fixed(here, 4), agrees(here, printed, 4, 0.02));
   };

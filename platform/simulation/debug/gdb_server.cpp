@@ -41,8 +41,8 @@ bool GdbServer::step_is_over() const {
   return pc < how_.range_start || pc >= how_.range_end;
 }
 
-bool GdbServer::after_run(cortex_m3::StopReason reason, bool advanced) {
-  using cortex_m3::StopReason;
+bool GdbServer::after_run(armv7m::StopReason reason, bool advanced) {
+  using armv7m::StopReason;
   using Kind = StopCause::Kind;
   switch (reason) {
     case StopReason::breakpoint: {
@@ -53,7 +53,7 @@ bool GdbServer::after_run(cortex_m3::StopReason reason, bool advanced) {
       return true;
     }
     case StopReason::watchpoint: {
-      const cortex_m3::WatchHit& hit = soc_.cpu.core().debugging().watch_hit();
+      const armv7m::WatchHit& hit = soc_.cpu.core().debugging().watch_hit();
       const StopPoint point = !hit.watchpoint.on_read    ? StopPoint::write_watchpoint
                               : !hit.watchpoint.on_write ? StopPoint::read_watchpoint
                                                          : StopPoint::access_watchpoint;

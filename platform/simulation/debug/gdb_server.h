@@ -5,7 +5,7 @@
 #include <list>
 #include <memory>
 
-#include "cortex_m3_tlm/debugger.h"
+#include "armv7m/tlm/debugger.h"
 #include "debug/client.h"
 #include "debug/connections.h"
 #include "debug/soc_target.h"
@@ -19,7 +19,7 @@ namespace capsoc::debug {
 /// or interrupts has it; when the last of these is gone, the run goes on by itself. Everything
 /// happens in the processor's process between two instructions, and halting keeps simulated time,
 /// so that looking changes no result.
-class GdbServer : public cortex_m3::Debugger {
+class GdbServer : public armv7m::Debugger {
  public:
   /// `halted`: nothing is executed before a client says so. `give_up` ends the waiting for clients
   /// (a signal, a limit of the host's time).
@@ -39,7 +39,7 @@ class GdbServer : public cortex_m3::Debugger {
   void finish(int exit_code);
 
   bool before_run() override;
-  bool after_run(cortex_m3::StopReason reason, bool advanced) override;
+  bool after_run(armv7m::StopReason reason, bool advanced) override;
   bool asleep_for_good() override;
   bool wants_attention() const override { return halted_ || connections_->any(); }
   bool ended() const override { return ended_; }

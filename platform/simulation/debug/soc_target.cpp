@@ -22,7 +22,7 @@ bool in_bit_band(uint32_t address) {
 
 enum : unsigned { xpsr = 16, msp, psp, primask, basepri, faultmask, control };
 
-cortex_m3::Watchpoint watchpoint(StopPoint kind, uint32_t address, uint32_t size) {
+armv7m::Watchpoint watchpoint(StopPoint kind, uint32_t address, uint32_t size) {
   return {address, size, kind != StopPoint::write_watchpoint, kind != StopPoint::read_watchpoint};
 }
 
@@ -33,7 +33,7 @@ bool is_breakpoint(StopPoint kind) {
 }  // namespace
 
 uint32_t SocTarget::read_register(unsigned index) {
-  const cortex_m3::Core& core = soc_.cpu.core();
+  const armv7m::Core& core = soc_.cpu.core();
   switch (index) {
     case xpsr:
       return core.state().xpsr();
@@ -55,7 +55,7 @@ uint32_t SocTarget::read_register(unsigned index) {
 }
 
 void SocTarget::write_register(unsigned index, uint32_t value) {
-  cortex_m3::Core& core = soc_.cpu.core();
+  armv7m::Core& core = soc_.cpu.core();
   switch (index) {
     case xpsr:
       return core.edit().set_xpsr(value);
@@ -185,7 +185,7 @@ void SocTarget::reset() {
 }
 
 std::string SocTarget::state() {
-  const cortex_m3::Core& core = soc_.cpu.core();
+  const armv7m::Core& core = soc_.cpu.core();
   if (core.locked_up()) return "lockup";
   const uint32_t exception = core.state().xpsr() & 0x1FFU;
   const std::string mode =

@@ -8,8 +8,8 @@
 namespace capsoc::run {
 namespace {
 
-const char* name_of(cortex_m3::FaultReport::Kind kind) {
-  using Kind = cortex_m3::FaultReport::Kind;
+const char* name_of(armv7m::FaultReport::Kind kind) {
+  using Kind = armv7m::FaultReport::Kind;
   switch (kind) {
     case Kind::none:
       return "no fault";
@@ -45,7 +45,7 @@ class Lines {
 };
 
 /// Where a data address leads.
-std::string about_address(const ProgramView& view, const cortex_m3::FaultReport& report) {
+std::string about_address(const ProgramView& view, const armv7m::FaultReport& report) {
   const std::string object = view.program().symbol_at(report.address);
   return fmt::format("{}  {}", word(report.address),
                      object.empty() ? view.location(report.address) : object);
@@ -54,33 +54,33 @@ std::string about_address(const ProgramView& view, const cortex_m3::FaultReport&
 constexpr uint32_t forced = 1u << 30;
 
 /// Only faults leave a status.
-bool is_escalated_svc(const cortex_m3::FaultReport& report) {
+bool is_escalated_svc(const armv7m::FaultReport& report) {
   return report.hfsr == forced && report.cfsr == 0;
 }
 
 /// The exception that a fault is of by its status: MemManage, BusFault or UsageFault; SVCall leaves
 /// none.
 unsigned exception_of(uint32_t cfsr) {
-  namespace exception = cortex_m3::exception;
+  namespace exception = armv7m::exception;
   if (cfsr == 0) return exception::svcall;
   if ((cfsr & 0xFF) != 0) return exception::mem_manage;
   return (cfsr & 0xFF00) != 0 ? exception::bus_fault : exception::usage_fault;
 }
 
 /// Why something became a HardFault.
-std::string escalation(const ProgramView& view, const cortex_m3::FaultReport& report) {
+std::string escalation(const ProgramView& view, const armv7m::FaultReport& report) {
   if (report.hfsr != forced) return "";
-  const cortex_m3::State& state = view.soc().cpu.core().state();
+  const armv7m::State& state = view.soc().cpu.core().state();
   const unsigned number = exception_of(report.cfsr);
   const std::string name = trace::exception_name(number);
-  if (number != cortex_m3::exception::svcall && !state.scb.fault_enabled(number))
+  if (number != armv7m::exception::svcall && !state.scb.fault_enabled(number))
     return name + " is not enabled (SHCSR)";
   return fmt::format("{} has the priority {:#x}, which does not preempt: {}", name,
                      state.nvic.priority(number), describe_priority(view.soc()));
 }
 
-void add_lost_write(const ProgramView& view, const cortex_m3::FaultReport& report, Lines& lines) {
-  const cortex_m3::LostWrite& write = report.lost_write;
+void add_lost_write(const ProgramView& view, const armv7m::FaultReport& report, Lines& lines) {
+  const armv7m::LostWrite& write = report.lost_write;
   if (!write.known) return;
   lines.add("write", fmt::format("{} to {}, {}", word(write.value), word(write.address),
                                  view.location(write.address)));
@@ -96,14 +96,14 @@ void add_findings(const Findings& findings, Lines& lines) {
 
 std::string describe_fault(const ProgramView& view, const Findings& findings) {
   // A default handler that gives up faults again: what matters is the fault that it was called for.
-  const cortex_m3::Core& core = view.soc().cpu.core();
-  cortex_m3::FaultReport report = core.first_fault();
+  const armv7m::Core& core = view.soc().cpu.core();
+  armv7m::FaultReport report = core.first_fault();
   constexpr uint32_t svc_size = 2;  // its frame returns behind it
   if (is_escalated_svc(report)) report.registers.r[15] -= svc_size;
   Lines lines;
   lines.add(fmt::format("fault report: {} (exception {}, {} active before) at cycle {}\n",
                         name_of(report.kind), report.exception, report.nesting, report.cycle));
-  lines.add("cause", cortex_m3::describe_cfsr(report.cfsr, report.hfsr));
+  lines.add("cause", armv7m::describe_cfsr(report.cfsr, report.hfsr));
   if (const std::string why = escalation(view, report); !why.empty()) lines.add("escalated", why);
   add_lost_write(view, report, lines);
   lines.add("at", view.place(report.registers.r[15]));
@@ -122,10 +122,10 @@ std::string describe_fault(const ProgramView& view, const Findings& findings) {
                 : "  the registers then, which could not all be stacked:\n");
   lines.add(view.text_of(report.registers));
   if (core.last_fault().cycle != report.cycle)
-    lines.add("then", fmt::format("{} at {} in cycle {}: {}", name_of(core.last_fault().kind),
-                                  view.place(core.last_fault().frame[6]), core.last_fault().cycle,
-                                  cortex_m3::describe_cfsr(core.last_fault().cfsr,
-                                                           core.last_fault().hfsr)));
+    lines.add("then",
+              fmt::format("{} at {} in cycle {}: {}", name_of(core.last_fault().kind),
+                          view.place(core.last_fault().frame[6]), core.last_fault().cycle,
+                          armv7m::describe_cfsr(core.last_fault().cfsr, core.last_fault().hfsr)));
   add_findings(findings, lines);
   if (const std::string pending = describe_pending(view.soc()); !pending.empty())
     lines.add("  pending and not taken:\n" + pending);
@@ -139,8 +139,8 @@ std::string describe_fault(const ProgramView& view, const Findings& findings) {
 }
 
 std::string describe_place(const ProgramView& view, const Findings& findings) {
-  const cortex_m3::Core& core = view.soc().cpu.core();
-  const cortex_m3::State& state = core.state();
+  const armv7m::Core& core = view.soc().cpu.core();
+  const armv7m::State& state = core.state();
   Lines lines;
   lines.add(fmt::format("the firmware at cycle {}, {}:\n", core.cycles(),
                         core.sleeping() ? "asleep" : "running"));

@@ -10,7 +10,7 @@
 namespace capsoc::run {
 namespace {
 
-using cortex_m3::EndReason;
+using armv7m::EndReason;
 
 /// An exit code with its reason.
 struct Verdict {

@@ -9,7 +9,7 @@
 namespace capsoc::run {
 namespace {
 
-namespace exception = cortex_m3::exception;
+namespace exception = armv7m::exception;
 constexpr int lowest = 256;  // nothing is active or masked
 
 std::string named(unsigned number) {
@@ -26,7 +26,7 @@ struct Obstacle {
 };
 
 /// Of all but the faults themselves, whose handlers are not what was to blame.
-Obstacle obstacle_of(const cortex_m3::State& state) {
+Obstacle obstacle_of(const armv7m::State& state) {
   Obstacle worst;
   const auto consider = [&worst](int priority, std::string text) {
     if (priority < worst.priority) worst = {priority, std::move(text)};
@@ -45,13 +45,13 @@ Obstacle obstacle_of(const cortex_m3::State& state) {
   return worst;
 }
 
-bool is_enabled(const cortex_m3::State& state, unsigned number) {
+bool is_enabled(const armv7m::State& state, unsigned number) {
   if (number >= exception::mem_manage && number <= exception::usage_fault)
     return state.scb.fault_enabled(number);
   return number < exception::first_interrupt || state.nvic.is_enabled(number);
 }
 
-std::string reason(const cortex_m3::State& state, unsigned number, const Obstacle& obstacle) {
+std::string reason(const armv7m::State& state, unsigned number, const Obstacle& obstacle) {
   const int priority = state.nvic.priority(number);
   if (!is_enabled(state, number))
     return number < exception::first_interrupt ? "it is disabled (SHCSR)"
@@ -64,7 +64,7 @@ std::string reason(const cortex_m3::State& state, unsigned number, const Obstacl
 }  // namespace
 
 std::string describe_pending(const soc::Soc& soc) {
-  const cortex_m3::State& state = soc.cpu.core().state();
+  const armv7m::State& state = soc.cpu.core().state();
   const Obstacle obstacle = obstacle_of(state);
   std::string text;
   for (unsigned number = 2; number < exception::count; ++number)

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.h"
 #include "loader/demangle.h"
-#include "support/printable.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::run {
@@ -50,14 +50,14 @@ std::optional<uint32_t> ProgramView::read_word(uint32_t address) const {
   return bytes[0] | bytes[1] << 8 | bytes[2] << 16 | static_cast<uint32_t>(bytes[3]) << 24;
 }
 
-cortex_m3::InterruptedRegisters ProgramView::registers() const {
-  const cortex_m3::State& state = soc_.cpu.core().state();
-  cortex_m3::InterruptedRegisters registers{state.r, state.msp(), state.psp(), state.ipsr};
+armv7m::InterruptedRegisters ProgramView::registers() const {
+  const armv7m::State& state = soc_.cpu.core().state();
+  armv7m::InterruptedRegisters registers{state.r, state.msp(), state.psp(), state.ipsr};
   registers.r[15] = state.pc;
   return registers;
 }
 
-source::CallStack ProgramView::call_stack(const cortex_m3::InterruptedRegisters& registers) const {
+source::CallStack ProgramView::call_stack(const armv7m::InterruptedRegisters& registers) const {
   return program_.call_stack(
       registers, [this](uint32_t address) { return read_word(address); }, longest_stack);
 }
@@ -75,7 +75,7 @@ std::string ProgramView::place(uint32_t address) const {
 
 std::string ProgramView::here() const {
   constexpr std::size_t most = 4;
-  const cortex_m3::InterruptedRegisters now = registers();
+  const armv7m::InterruptedRegisters now = registers();
   const std::string symbol = program_.symbol_at(now.r[15]);
   std::string text = fmt::format("pc {:#010x} {}", now.r[15], symbol);
   const source::CallStack stack = program_.call_stack(
@@ -175,7 +175,7 @@ std::string ProgramView::text_of(const source::CallStack& stack) const {
   return text;
 }
 
-std::string ProgramView::text_of(const cortex_m3::InterruptedRegisters& registers) const {
+std::string ProgramView::text_of(const armv7m::InterruptedRegisters& registers) const {
   static constexpr const char* names[] = {"r0", "r1", "r2",  "r3",  "r4",  "r5", "r6", "r7",
                                           "r8", "r9", "r10", "r11", "r12", "sp", "lr", "pc"};
   std::string text;

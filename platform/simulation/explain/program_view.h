@@ -25,8 +25,8 @@ class ProgramView {
   soc::Soc& soc() const { return soc_; }
 
   /// The registers as they are now.
-  cortex_m3::InterruptedRegisters registers() const;
-  source::CallStack call_stack(const cortex_m3::InterruptedRegisters& registers) const;
+  armv7m::InterruptedRegisters registers() const;
+  source::CallStack call_stack(const armv7m::InterruptedRegisters& registers) const;
 
   /// "0x00000124  main+0x12, src/main.c:12" of an instruction; without the address's own name where
   /// it has none.
@@ -44,7 +44,7 @@ class ProgramView {
 
   /// Lines of a report, indented by four.
   std::string text_of(const source::CallStack& stack) const;
-  std::string text_of(const cortex_m3::InterruptedRegisters& registers) const;
+  std::string text_of(const armv7m::InterruptedRegisters& registers) const;
   /// A line for each gap in what is known of the programs, indented by two; "" if there is none.
   std::string gaps() const;
 

@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "csfn/calibration.h"
-#include "csfn/identify.h"
-#include "support/constants.h"
+#include "base/constants.h"
+#include "identification/calibration.h"
+#include "identification/identify.h"
 
 namespace capsoc::golden {
 namespace {
 
 constexpr double turn = 0x1p32 / (2 * pi);  ///< 2^-32 turn in a radian
 
-csfn::Samples to_samples(const metrics::SampleRecord& record) {
+identification::Samples to_samples(const metrics::SampleRecord& record) {
   const auto count = static_cast<Eigen::Index>(record.size());
-  csfn::Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  identification::Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     samples.u[i] = record[static_cast<std::size_t>(i)].u / q31;
     samples.v[i] = record[static_cast<std::size_t>(i)].v / q31;
@@ -24,19 +24,21 @@ csfn::Samples to_samples(const metrics::SampleRecord& record) {
   return samples;
 }
 
-csfn::Parameters canonical_of(const metrics::ParameterWords& words) {
+identification::Parameters canonical_of(const metrics::ParameterWords& words) {
   const metrics::Parameters p = metrics::to_values(words);
-  return csfn::canonical({p.a1, p.a2, p.b1, p.b2, p.beta}).parameters;
+  return identification::canonical({p.a1, p.a2, p.b1, p.b2, p.beta}).parameters;
 }
 
-std::optional<double> angle_difference(const csfn::Parameters& soc, const csfn::Parameters& csfn) {
+std::optional<double> angle_difference(const identification::Parameters& soc,
+                                       const identification::Parameters& csfn) {
   if (!(soc.a1 > 0 && soc.a2 > 0)) return std::nullopt;
   constexpr int points = 3600;
   double largest = 0;
   for (int i = 0; i < points; ++i) {
     const double theta = 2 * pi * i / points;
-    const csfn::Point point = csfn::point_at({csfn}, theta);
-    const double difference = csfn::wrapped(csfn::angle_of(soc, point.u, point.v) - theta);
+    const identification::Point point = identification::point_at({csfn}, theta);
+    const double difference =
+        identification::wrapped(identification::angle_of(soc, point.u, point.v) - theta);
     largest = std::max(largest, std::fabs(difference));
   }
   return largest * turn;
@@ -56,17 +58,17 @@ GoldenRow angle_row(const char* name, double soc, double csfn, double interval) 
 
 Golden compare(const metrics::SampleRecord& record, const metrics::ParameterWords& words,
                const GoldenSettings& settings) {
-  csfn::IdentifyOptions options;
-  options.method = csfn::Method::levenberg_marquardt;
+  identification::IdentifyOptions options;
+  options.method = identification::Method::levenberg_marquardt;
   options.gates.full_scale = 1;
   options.step = settings.converter_step;
   Golden golden;
   golden.samples = record.size();
-  const csfn::Samples samples = to_samples(record);
-  auto identified = csfn::identify(samples, options);
+  const identification::Samples samples = to_samples(record);
+  auto identified = identification::identify(samples, options);
   if (identified && identified.value().rejected()) {
-    options.method = csfn::Method::distances;
-    identified = csfn::identify(samples, options);
+    options.method = identification::Method::distances;
+    identified = identification::identify(samples, options);
   }
   golden.rejection = identified ? identified.value().rejection() : identified.error();
   if (!golden.rejection.empty()) {
@@ -74,17 +76,17 @@ Golden compare(const metrics::SampleRecord& record, const metrics::ParameterWord
     return golden;
   }
 
-  const csfn::Identification& answer = identified.value();
-  const csfn::Parameters soc = canonical_of(words);
-  const csfn::Parameters& csfn = answer.parameters;
-  const csfn::Intervals& half = answer.intervals;
+  const identification::Identification& answer = identified.value();
+  const identification::Parameters soc = canonical_of(words);
+  const identification::Parameters& csfn = answer.parameters;
+  const identification::Intervals& half = answer.intervals;
   golden.rows = {
       fraction_row("a1", soc.a1, csfn.a1, half.a1), fraction_row("a2", soc.a2, csfn.a2, half.a2),
       fraction_row("b1", soc.b1, csfn.b1, half.b1), fraction_row("b2", soc.b2, csfn.b2, half.b2),
       angle_row("beta", soc.beta, csfn.beta, half.beta)};
   golden.angle_difference = angle_difference(soc, csfn);
   golden.method = answer.method;
-  golden.stop_reason = csfn::to_string(answer.stopped);
+  golden.stop_reason = identification::to_string(answer.stopped);
   golden.iterations = answer.iterations;
   golden.confidence = half.confidence;
   golden.angle = compare_angles(record, answer, settings);
@@ -99,7 +101,7 @@ nlohmann::ordered_json to_json(const Golden& golden) {
     j["angle"] = to_json(golden.angle);
     return j;
   }
-  j["method"] = csfn::to_string(golden.method);
+  j["method"] = identification::to_string(golden.method);
   j["stop_reason"] = golden.stop_reason;
   j["iterations"] = golden.iterations;
   j["confidence"] = golden.confidence;

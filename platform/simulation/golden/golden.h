@@ -22,8 +22,9 @@ struct GoldenRow {
   double interval = 0;     ///< half width of the CSFN's confidence interval, in the same units
 };
 
-/// Both answers on one record. The words of the SoC are made canonical first (csfn/calibration.h):
-/// the samples alone do not tell beta from pi - beta turned the other way round.
+/// Both answers on one record. The words of the SoC are made canonical first
+/// (identification/calibration.h): the samples alone do not tell beta from pi - beta turned the
+/// other way round.
 struct Golden {
   std::size_t samples = 0;
   std::string rejection;  ///< why the CSFN has no answer; empty: it has
@@ -31,7 +32,7 @@ struct Golden {
   /// Largest difference of the two calibrated angles over a turn of the CSFN's curve, 2^-32 turn;
   /// nothing when they run opposite ways or an answer is no ellipse.
   std::optional<double> angle_difference;
-  csfn::Method method = csfn::Method::levenberg_marquardt;
+  identification::Method method = identification::Method::levenberg_marquardt;
   std::string stop_reason;  ///< why the CSFN's training ended
   int iterations = 0;
   double confidence = 0;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "csfn/calibration.h"
-#include "support/constants.h"
-#include "support/json.h"
+#include "base/constants.h"
+#include "base/json.h"
+#include "identification/calibration.h"
 
 namespace capsoc::golden {
 namespace {
@@ -22,7 +22,7 @@ bool same(const metrics::ParameterWords& a, const metrics::ParameterWords& b) {
          a.phi == b.phi;
 }
 
-csfn::Parameters of_words(const metrics::ParameterWords& words) {
+identification::Parameters of_words(const metrics::ParameterWords& words) {
   const metrics::Parameters p = metrics::to_values(words);
   return {p.a1, p.a2, p.b1, p.b2, p.beta};
 }
@@ -49,13 +49,13 @@ Window held(const metrics::SampleRecord& record, std::size_t end) {
   return {k, end};
 }
 
-double csfn_angle(const csfn::Parameters& p, const metrics::RecordedSample& sample) {
-  return csfn::angle_of(p, sample.u / q31, sample.v / q31);
+double csfn_angle(const identification::Parameters& p, const metrics::RecordedSample& sample) {
+  return identification::angle_of(p, sample.u / q31, sample.v / q31);
 }
 
 /// The last turn of demodulation up to `end`, and as many samples as the weights need to forget.
-Window last_turn(const metrics::SampleRecord& record, std::size_t end, const csfn::Parameters& p,
-                 double smallest_step) {
+Window last_turn(const metrics::SampleRecord& record, std::size_t end,
+                 const identification::Parameters& p, double smallest_step) {
   const double memory = smallest_step > 0 ? 4 / smallest_step : 0;
   double travel = 0, after = 0;
   std::size_t k = end;
@@ -63,7 +63,7 @@ Window last_turn(const metrics::SampleRecord& record, std::size_t end, const csf
     const auto& result = record[k - 1].result;
     if (result && !result->demodulating) break;
     const double angle = csfn_angle(p, record[k - 1]);
-    if (k < end) travel += csfn::wrapped(after - angle);
+    if (k < end) travel += identification::wrapped(after - angle);
     after = angle;
     if (std::fabs(travel) >= two_pi && static_cast<double>(end - k) >= memory) break;
   }
@@ -71,20 +71,23 @@ Window last_turn(const metrics::SampleRecord& record, std::size_t end, const csf
 }
 
 /// Largest difference of the angles that two sets of parameters give for one curve, radians.
-double largest_difference(const csfn::Parameters& one, const csfn::Parameters& other) {
+double largest_difference(const identification::Parameters& one,
+                          const identification::Parameters& other) {
   constexpr int points = 72;
   double largest = 0;
   for (int i = 0; i < points; ++i) {
     const double theta = two_pi * i / points;
-    const csfn::Point at = csfn::point_at({other, {}, {}}, theta);
-    largest = std::max(largest, std::fabs(csfn::wrapped(csfn::angle_of(one, at.u, at.v) - theta)));
+    const identification::Point at = identification::point_at({other, {}, {}}, theta);
+    largest = std::max(
+        largest,
+        std::fabs(identification::wrapped(identification::angle_of(one, at.u, at.v) - theta)));
   }
   return largest;
 }
 
 double wander(const metrics::SampleRecord& record, const Window& window) {
   if (window.begin == window.end) return 0;
-  const csfn::Parameters last = of_words(record[window.end - 1].result->words);
+  const identification::Parameters last = of_words(record[window.end - 1].result->words);
   double largest = 0;
   for (std::size_t k = window.begin; k < window.end; ++k)
     if (record[k].result)
@@ -96,25 +99,27 @@ double wander(const metrics::SampleRecord& record, const Window& window) {
 constexpr double weights_width = 4.74;
 
 /// How much an error of both channels, full scale, turns the angle at most, radians.
-double sensitivity(const csfn::Parameters& p) {
+double sensitivity(const identification::Parameters& p) {
   return std::hypot(1 / p.a1, 1 / p.a2) / std::cos(p.beta);
 }
 
 /// The CSFN's own. Where it found harmonics it has none of its angle against the truth; between two
 /// ellipses through the same samples each may be off by what such harmonics do.
-double csfn_bound(const metrics::SampleRecord& record, const csfn::Identification& answer) {
+double csfn_bound(const metrics::SampleRecord& record,
+                  const identification::Identification& answer) {
   if (answer.bound) return answer.bound->total;
   const double noise =
       weights_width * 2 * answer.residuals.noise / std::sqrt(static_cast<double>(record.size()));
-  return 2 * csfn::angle_by_amplitude * answer.structure.amplitude +
+  return 2 * identification::angle_by_amplitude * answer.structure.amplitude +
          noise * sensitivity(answer.parameters);
 }
 
 /// docs/results.md derives it.
 AngleTolerance tolerance(const metrics::SampleRecord& record, const Window& learnt,
-                         const csfn::Identification& answer, const GoldenSettings& settings) {
+                         const identification::Identification& answer,
+                         const GoldenSettings& settings) {
   constexpr double last_place = 1 / q31;
-  const csfn::Parameters& p = answer.parameters;
+  const identification::Parameters& p = answer.parameters;
   const bool learns = learnt.begin != learnt.end && settings.largest_step > 0;
   AngleTolerance bound;
   bound.csfn = csfn_bound(record, answer);
@@ -140,24 +145,24 @@ AngleTolerance tolerance(const metrics::SampleRecord& record, const Window& lear
 }
 
 /// Of the sample's place between centre (0) and ellipse (1).
-double radius_of(const csfn::Parameters& p, const metrics::RecordedSample& sample) {
+double radius_of(const identification::Parameters& p, const metrics::RecordedSample& sample) {
   const double sine = (sample.u / q31 - p.b1) / p.a1;
   const double other = (sample.v / q31 - p.b2) / p.a2;
   return std::hypot(sine, (other + sine * std::sin(p.beta)) / std::cos(p.beta));
 }
 
 /// Fills in samples and difference.
-void measure(const metrics::SampleRecord& record, const Window& window, const csfn::Parameters& p,
-             AngleCheck& check) {
+void measure(const metrics::SampleRecord& record, const Window& window,
+             const identification::Parameters& p, AngleCheck& check) {
   double largest = 0;
   for (std::size_t k = window.begin; k < window.end; ++k) {
     const metrics::RecordedSample& sample = record[k];
     if (!sample.result || !sample.result->angle_valid) continue;
-    const bool reversed = csfn::canonical(of_words(sample.result->words)).reversed;
+    const bool reversed = identification::canonical(of_words(sample.result->words)).reversed;
     const double theirs = csfn_angle(p, sample);
     const double expected = reversed ? pi - theirs : theirs;
     const double difference =
-        std::fabs(csfn::wrapped(sample.result->angle / q32 * two_pi - expected));
+        std::fabs(identification::wrapped(sample.result->angle / q32 * two_pi - expected));
     largest = std::max(largest, difference * std::min(1.0, radius_of(p, sample)));
     ++check.samples;
   }
@@ -198,12 +203,13 @@ const char* to_string(AngleCheck::Verdict verdict) {
   return "";
 }
 
-AngleCheck compare_angles(const metrics::SampleRecord& record, const csfn::Identification& answer,
+AngleCheck compare_angles(const metrics::SampleRecord& record,
+                          const identification::Identification& answer,
                           const GoldenSettings& settings) {
   AngleCheck check;
   const std::size_t end = end_of_results(record);
   if (end == 0) return check;
-  const csfn::Parameters& p = answer.parameters;
+  const identification::Parameters& p = answer.parameters;
   check.demodulating = record[end - 1].result->demodulating;
   const std::size_t learnt_until = end_of(record, true);
   const Window learnt = last_turn(record, learnt_until, p, settings.smallest_step);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "csfn/identify.h"
+#include "identification/identify.h"
 #include "metrics/sample_record.h"
 
 namespace capsoc::golden {
@@ -49,7 +49,8 @@ const char* to_string(AngleCheck::Verdict verdict);
 /// parameters, or, if it ends in demodulation, over its last turn (or 4 / smallest_step samples if
 /// that is more). The samples do not tell the direction: it is that of the coprocessor's beta.
 /// A sample inside the ellipse counts by its radius. `answer` is not rejected.
-AngleCheck compare_angles(const metrics::SampleRecord& record, const csfn::Identification& answer,
+AngleCheck compare_angles(const metrics::SampleRecord& record,
+                          const identification::Identification& answer,
                           const GoldenSettings& settings);
 
 nlohmann::ordered_json to_json(const AngleCheck& check);

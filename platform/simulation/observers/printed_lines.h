@@ -34,7 +34,7 @@ class PrintedLines final : public RunObserver {
   struct Uart {
     uint64_t written = 0, sent = 0;
     std::deque<Line> lines;
-    cortex_m3::InterruptedRegisters newest;  ///< at the newest byte
+    armv7m::InterruptedRegisters newest;  ///< at the newest byte
     kit::Listening transmitted;
   };
   void written(const tlm::tlm_generic_payload& payload);

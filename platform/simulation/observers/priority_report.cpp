@@ -23,13 +23,11 @@ std::string register_name(uint32_t address) {
 
 std::optional<Error> PriorityReport::open() {
   if (bits_ == most_bits) return std::nullopt;
-  soc_.cpu.core().listeners().priority = [this](const cortex_m3::DroppedPriority& d) {
-    dropped(d);
-  };
+  soc_.cpu.core().listeners().priority = [this](const armv7m::DroppedPriority& d) { dropped(d); };
   return std::nullopt;
 }
 
-void PriorityReport::dropped(const cortex_m3::DroppedPriority& dropped) {
+void PriorityReport::dropped(const armv7m::DroppedPriority& dropped) {
   const std::string text = fmt::format(
       "{} = {:#x}: the {} has {} priority bits, the rest is dropped; QEMU's board "
       "has 8: -C cpu.priority_bits=8",

@@ -22,14 +22,14 @@ class PriorityReport final : public RunObserver {
       : soc_(soc), view_(view), bits_(bits) {}
 
   std::optional<Error> open() override;
-  void visit(kit::Archive& archive) override {
+  void visit(Archive& archive) override {
     archive("priority_warned", warned_);
     archive("priority_probe", probe_);
   }
   void finish(RunResult& result) override;
 
  private:
-  void dropped(const cortex_m3::DroppedPriority& dropped);
+  void dropped(const armv7m::DroppedPriority& dropped);
 
   soc::Soc& soc_;
   const ProgramView& view_;

@@ -16,7 +16,7 @@ namespace capsoc::run {
 /// run.
 class ReportGatherer final : public RunObserver {
  public:
-  ReportGatherer(metrics::SampleProbe& samples, peripherals::Uart& uart)
+  ReportGatherer(metrics::SampleProbe& samples, cmsdk::Uart& uart)
       : samples_(samples), uart_(uart) {}
 
   std::optional<Error> open() override;
@@ -25,7 +25,7 @@ class ReportGatherer final : public RunObserver {
 
  private:
   metrics::SampleProbe& samples_;
-  peripherals::Uart& uart_;
+  cmsdk::Uart& uart_;
   metrics::SampleCurves curves_;
   UartText text_;
   kit::Listening drawing_;

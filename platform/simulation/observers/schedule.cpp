@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "observers/symbols.h"
-#include "support/printable.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::run {
@@ -34,7 +34,7 @@ std::optional<Error> Schedule::open() {
     if (!address) return Error{address.error()};
     current_ = address.value();
   }
-  cortex_m3::Core& core = view_.soc().cpu.core();
+  armv7m::Core& core = view_.soc().cpu.core();
   if (times_interrupts_)
     core.listeners().pended = [this](unsigned exception) { pended(exception); };
   if (times_interrupts_ || current_) core.add_observer(*this, false, false);
@@ -98,12 +98,12 @@ void Schedule::note_entry() {
   entry_.reset();
 }
 
-void Schedule::entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+void Schedule::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
                        uint64_t since) {
   charge(since);
   running_ = 0;
   if (!times_interrupts_) return;
-  if (how == cortex_m3::Entry::displaces && entry_) {
+  if (how == armv7m::Entry::displaces && entry_) {
     pended_at_[entry_->exception] = core.cycles() - entry_->waited;  // waits on
     entry_.reset();
   }
@@ -113,18 +113,18 @@ void Schedule::entered(const cortex_m3::Core& core, unsigned exception, cortex_m
   pended_at_[exception] = never;
 }
 
-void Schedule::returned(const cortex_m3::Core& core, unsigned) {
+void Schedule::returned(const armv7m::Core& core, unsigned) {
   charge(core.cycles());
   if (core.state().ipsr == 0) look_at_task();
 }
 
-void Schedule::started(const cortex_m3::Core& core) {
+void Schedule::started(const armv7m::Core& core) {
   charge(core.cycles());
   running_ = 0;
 }
 
 void Schedule::finish(RunResult& result) {
-  const cortex_m3::Core& core = view_.soc().cpu.core();
+  const armv7m::Core& core = view_.soc().cpu.core();
   if (current_) {
     charge(core.cycles());
     tasks_[0].name = "(no task)";

@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "cortex_m3/observer.h"
+#include "armv7m/observer.h"
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "explain/program_view.h"
 #include "observers/run_observer.h"
 #include "observers/schedule_settings.h"
 #include "results/results.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
 /// Is told of exceptions alone, so it costs next to nothing. Behind --restore it begins anew.
-class Schedule final : public RunObserver, private cortex_m3::Observer {
+class Schedule final : public RunObserver, private armv7m::Observer {
  public:
   Schedule(const ProgramView& view, const ScheduleSettings& settings)
       : view_(view), settings_(settings) {}
@@ -44,13 +44,13 @@ class Schedule final : public RunObserver, private cortex_m3::Observer {
     uint64_t waited = 0;
   };
 
-  void issued(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
-  void retired(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
-  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+  void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void retired(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
                uint64_t since) override;
-  void returned(const cortex_m3::Core& core, unsigned exception) override;
-  void accessed(const cortex_m3::Core&, const cortex_m3::DirectAccess&) override {}
-  void started(const cortex_m3::Core& core) override;
+  void returned(const armv7m::Core& core, unsigned exception) override;
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core& core) override;
 
   void pended(unsigned exception);
   void charge(uint64_t until);

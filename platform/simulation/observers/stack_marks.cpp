@@ -79,15 +79,15 @@ void StackMarks::look(StackMark& stack, uint32_t stack_pointer, uint32_t instruc
   }
 }
 
-void StackMarks::retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) {
-  const cortex_m3::State& state = core.state();
+void StackMarks::retired(const armv7m::Core& core, const armv7m::DecodedOp& op) {
+  const armv7m::State& state = core.state();
   if (!state.uses_psp()) return look(main_stack(), state.r[13], op.address);
   if (process_ == 0) process_stack(state.r[13]);
   look(stacks_[process_], state.r[13], op.address);
 }
 
-void StackMarks::entered(const cortex_m3::Core& core, unsigned, cortex_m3::Entry, uint64_t) {
-  const cortex_m3::State& state = core.state();
+void StackMarks::entered(const armv7m::Core& core, unsigned, armv7m::Entry, uint64_t) {
+  const armv7m::State& state = core.state();
   constexpr uint32_t from_process = 1U << 2;
   if ((state.r[14] & from_process) != 0 && process_ != 0) {
     stacks_[process_].suspended_at = state.psp();
@@ -96,11 +96,11 @@ void StackMarks::entered(const cortex_m3::Core& core, unsigned, cortex_m3::Entry
   look(main_stack(), state.msp(), state.pc);
 }
 
-void StackMarks::returned(const cortex_m3::Core& core, unsigned) {
+void StackMarks::returned(const armv7m::Core& core, unsigned) {
   if (core.state().uses_psp()) process_stack(core.state().psp());
 }
 
-void StackMarks::started(const cortex_m3::Core& core) {
+void StackMarks::started(const armv7m::Core& core) {
   process_ = 0;
   const uint32_t msp = core.state().msp();
   if (stacks_.empty()) stacks_.push_back({false, msp, msp});

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "explain/program_view.h"
 #include "observers/run_observer.h"
 #include "observers/stack_settings.h"
 #include "soc/soc.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
@@ -25,7 +25,7 @@ struct StackMark {
 
 /// Follows both stack pointers, instruction by instruction. A process stack is a new one when
 /// Thread mode goes on at a PSP at which none was left.
-class StackMarks final : public RunObserver, private cortex_m3::Observer {
+class StackMarks final : public RunObserver, private armv7m::Observer {
  public:
   StackMarks(const ProgramView& view, const StackSettings& settings)
       : view_(view), settings_(settings) {}
@@ -47,13 +47,13 @@ class StackMarks final : public RunObserver, private cortex_m3::Observer {
   /// "MSP" or "PSP", and the object that the stack lies in, if there is one.
   std::string name_of(const StackMark& mark) const;
 
-  void issued(const cortex_m3::Core&, const cortex_m3::DecodedOp&) override {}
-  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
-  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+  void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void retired(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
+  void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
                uint64_t since) override;
-  void returned(const cortex_m3::Core& core, unsigned exception) override;
-  void accessed(const cortex_m3::Core&, const cortex_m3::DirectAccess&) override {}
-  void started(const cortex_m3::Core& core) override;
+  void returned(const armv7m::Core& core, unsigned exception) override;
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core& core) override;
 
   StackMark& main_stack();
   StackMark& process_stack(uint32_t psp);

@@ -2,7 +2,7 @@
 
 namespace capsoc::run {
 
-void UartText::listen(peripherals::Uart& uart) {
+void UartText::listen(cmsdk::Uart& uart) {
   listening_ = uart.transmitted.listen([this](uint8_t byte) {
     ++bytes_;
     const auto c = static_cast<char>(byte);

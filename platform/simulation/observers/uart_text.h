@@ -12,7 +12,7 @@ namespace capsoc::run {
 /// Keeps the beginning and the end of what a UART sends.
 class UartText {
  public:
-  void listen(peripherals::Uart& uart);
+  void listen(cmsdk::Uart& uart);
 
   std::string text() const;
   /// Bytes between the beginning and the end.

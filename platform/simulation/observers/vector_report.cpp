@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 #include "kit/guest_error.h"
 #include "trace/exception_name.h"
 
@@ -21,14 +21,14 @@ std::optional<Error> VectorReport::open() {
 
 /// As long as there is room: data that lies where a short table leaves it is written often.
 void VectorReport::listen() {
-  soc_.cpu.core().listeners().vectors = [this](const cortex_m3::VectorWrite& write) {
+  soc_.cpu.core().listeners().vectors = [this](const armv7m::VectorWrite& write) {
     written(write);
     return lines_ < most;
   };
 }
 
 /// A whole word that is a handler's address with the Thumb bit, or a stack in memory.
-bool VectorReport::is_vector(const cortex_m3::VectorWrite& write) const {
+bool VectorReport::is_vector(const armv7m::VectorWrite& write) const {
   if (write.size != 4) return false;
   const uint32_t table = soc_.cpu.core().state().scb.vector(0);
   uint8_t byte = 0;
@@ -37,7 +37,7 @@ bool VectorReport::is_vector(const cortex_m3::VectorWrite& write) const {
   return (write.value & 1) != 0 && soc_.read_memory(write.value & ~1u, &byte, 1);
 }
 
-void VectorReport::visit(kit::Archive& archive) {
+void VectorReport::visit(Archive& archive) {
   archive("vector_text", text_);
   archive("vector_lines", lines_);
   if (archive.loading()) listen();
@@ -48,7 +48,7 @@ std::optional<Finding> VectorReport::finding() const {
   return Finding{"written into the vector table", text_};
 }
 
-void VectorReport::written(const cortex_m3::VectorWrite& write) {
+void VectorReport::written(const armv7m::VectorWrite& write) {
   if (lines_ >= most || is_vector(write)) return;
   ++lines_;
   const unsigned number = (write.address - soc_.cpu.core().state().scb.vector(0)) / 4;

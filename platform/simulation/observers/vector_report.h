@@ -18,13 +18,13 @@ class VectorReport final : public RunObserver {
   VectorReport(soc::Soc& soc, const ProgramView& view) : soc_(soc), view_(view) {}
 
   std::optional<Error> open() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   std::optional<Finding> finding() const override;
 
  private:
   void listen();
-  void written(const cortex_m3::VectorWrite& write);
-  bool is_vector(const cortex_m3::VectorWrite& write) const;
+  void written(const armv7m::VectorWrite& write);
+  bool is_vector(const armv7m::VectorWrite& write) const;
 
   soc::Soc& soc_;
   const ProgramView& view_;

@@ -57,12 +57,12 @@ std::optional<Error> BoardPins::add(const TextField& field, unsigned pins,
 std::optional<Error> BoardPins::open(const PinSettings& settings) {
   for (std::size_t n = 0; n < settings.gpios.size(); ++n) {
     if (settings.gpios[n]() == "null") continue;
-    peripherals::Gpio& gpio = *soc_.gpios()[n];
+    cmsdk::Gpio& gpio = *soc_.gpios()[n];
     const auto drive = [&gpio](unsigned pin, bool level) {
       const auto mask = static_cast<uint16_t>(1u << pin);
       gpio.drive(mask, level ? mask : 0);
     };
-    if (auto error = add(settings.gpios[n], peripherals::Gpio::pin_count, drive)) return error;
+    if (auto error = add(settings.gpios[n], cmsdk::Gpio::pin_count, drive)) return error;
     listen_to_gpio(n);
   }
   if (settings.buttons() != "null") {

@@ -70,7 +70,7 @@ SemihostingPort::SemihostingPort(soc::Soc& soc, std::unique_ptr<serial::Characte
     : soc_(soc),
       console_(std::move(console), give_up),
       semihosting_(*this, std::move(files), console_, std::move(environment)) {
-  soc_.cpu.core().listeners().semihosting = [this](cortex_m3::Core& core) {
+  soc_.cpu.core().listeners().semihosting = [this](armv7m::Core& core) {
     soc_.cpu.note_work();
     uint32_t result = core.reg(0);
     const bool goes_on = semihosting_.call(core.reg(0), core.reg(1), result);

@@ -63,7 +63,7 @@ std::optional<Error> UartLines::open(const UartSettings& settings) {
 }
 
 void UartLines::connect(std::size_t number) {
-  peripherals::Uart& uart = *soc_.uarts()[number];
+  cmsdk::Uart& uart = *soc_.uarts()[number];
   serial::SerialLine& line = *lines_[number];
   transmitted_[number] = uart.transmitted.listen(
       [&](uint8_t byte) { line.transmitted(byte, uart.transmitter_idle()); });
@@ -82,7 +82,7 @@ void UartLines::look() {
     looked_ = now;
     // The receivers of a board that waits for its state are not themselves yet.
     if (!soc_.cpu.waits_for_resume())
-      for (peripherals::Uart* uart : soc_.uarts()) uart->look_for_input();
+      for (cmsdk::Uart* uart : soc_.uarts()) uart->look_for_input();
     // With nothing else to do, simulated time need not race.
     if (!pace_ && !sc_core::sc_pending_activity()) std::this_thread::sleep_for(idle_nap);
     if (give_up_()) return sc_core::sc_stop();
@@ -122,7 +122,7 @@ std::vector<std::string> UartLines::failures() const {
   return sentences;
 }
 
-void UartLines::visit(kit::Archive& archive) {
+void UartLines::visit(Archive& archive) {
   for (const auto& line : lines_) archive(line->name().c_str(), *line);
 }
 

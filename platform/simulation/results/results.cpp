@@ -5,8 +5,8 @@
 #include <cmath>
 #include <systemc>
 
+#include "base/json.h"
 #include "inputs/input_settings.h"
-#include "support/json.h"
 #include "version/version.h"
 
 namespace capsoc::run {
@@ -170,7 +170,7 @@ bool is_set(const Setting& setting) {
   return !setting.optional || setting.source != SettingSource::built_in;
 }
 
-ordered_json translator_json(const cortex_m3::TranslationCounts& counts) {
+ordered_json translator_json(const armv7m::TranslationCounts& counts) {
   const auto share = [&](uint64_t instructions) {
     return counts.executed == 0
                ? 0.0

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "cortex_m3/executors/translator/translator.h"
+#include "armv7m/executors/translator/translator.h"
+#include "base/curve.h"
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "golden/golden.h"
 #include "inputs/input_file.h"
 #include "metrics/metrics.h"
 #include "metrics/program_verdict.h"
 #include "results/exit_codes.h"
-#include "support/curve.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 #include "trace/profile.h"
 
 namespace capsoc::run {
@@ -65,7 +65,7 @@ struct RunResult {
   double wall_s = 0;
   uint64_t instructions = 0;
   uint64_t cycles = 0;
-  std::optional<cortex_m3::TranslationCounts> translation;  ///< of the translator, if it was used
+  std::optional<armv7m::TranslationCounts> translation;  ///< of the translator, if it was used
   uint64_t samples = 0;
   metrics::Convergence convergence;
   std::vector<std::string> sensor_warnings;  ///< where the program does not match the sensor

@@ -39,8 +39,8 @@ void end_on_idle(double seconds, soc::Soc& soc) {
   const auto steps = [&soc] { return uint64_t{soc.adc.count.get()}; };
   constexpr double shortest = 1e-6;  // less than a waking takes
   soc.cpu.set_end_on_idle(
-      cortex_m3::EndOnIdle(sc_core::sc_time(std::max(seconds, shortest), sc_core::SC_SEC),
-                           {is_access, is_running, steps}));
+      armv7m::EndOnIdle(sc_core::sc_time(std::max(seconds, shortest), sc_core::SC_SEC),
+                        {is_access, is_running, steps}));
 }
 
 }  // namespace capsoc::run

@@ -5,9 +5,9 @@
 
 #include <string>
 
+#include "armv7m/core.h"
 #include "backend/coprocessor_settings.h"
-#include "bus/address_map.h"
-#include "cortex_m3/core.h"
+#include "base/setting_fields.h"
 #include "inputs/input_settings.h"
 #include "observers/schedule_settings.h"
 #include "observers/stack_settings.h"
@@ -18,7 +18,7 @@
 #include "ports/uart_lines.h"
 #include "results/result_settings.h"
 #include "session/checkpoint_settings.h"
-#include "support/setting_fields.h"
+#include "soc/board_map.h"
 
 namespace capsoc::run {
 
@@ -30,11 +30,11 @@ struct CpuSettings {
                .in(1, 1e9)
                .is_host_side()
                .by({"--quantum", "NS", "How far the processor may run ahead; changes speed only"})};
-  ChoiceField<cortex_m3::Executor> executor{
+  ChoiceField<armv7m::Executor> executor{
       all,
-      {{"translator", cortex_m3::Executor::translator},
-       {"blocks", cortex_m3::Executor::blocks},
-       {"stepping", cortex_m3::Executor::stepping}},
+      {{"translator", armv7m::Executor::translator},
+       {"blocks", armv7m::Executor::blocks},
+       {"stepping", armv7m::Executor::stepping}},
       setting("cpu.executor", SettingKind::choice, "translator",
               "translator (to x86-64; elsewhere blocks), blocks or stepping; same results")
           .is_host_side()};
@@ -66,14 +66,14 @@ struct MemorySettings {
   IntegerField data_sram{all, wait_states("data_sram", "0")};
   IntegerField psram{all, wait_states("psram", "3")};
 
-  bus::MemoryWaits waits() const {
+  soc::MemoryWaits waits() const {
     const auto of = [](const IntegerField& field) { return static_cast<unsigned>(field()); };
     return {of(code_sram), of(block_ram), of(data_sram), of(psram)};
   }
   static Setting wait_states(const std::string& memory, const char* cycles) {
     return setting("memory." + memory + ".wait_states", SettingKind::integer, cycles,
                    "cycles that each word of the " + memory + " waits for beyond its own")
-        .in(0, cortex_m3::timing::most_wait_states);
+        .in(0, armv7m::timing::most_wait_states);
   }
 };
 

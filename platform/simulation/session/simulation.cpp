@@ -110,8 +110,8 @@ std::optional<Error> Simulation::open() {
 /// Everything that has a state.
 std::vector<checkpoint::Part> Simulation::parts() {
   std::vector<checkpoint::Part> parts = parts_of(soc_);
-  parts.push_back({"observation", [this](kit::Archive& archive) { watch_.all().visit(archive); }});
-  parts.push_back({"host", [this](kit::Archive& archive) { ports_->visit(archive); }});
+  parts.push_back({"observation", [this](Archive& archive) { watch_.all().visit(archive); }});
+  parts.push_back({"host", [this](Archive& archive) { ports_->visit(archive); }});
   return parts;
 }
 
@@ -231,7 +231,7 @@ void Simulation::conclude_run(RunResult& result) const {
 }
 
 void Simulation::take_figures(RunResult& result) const {
-  const cortex_m3::Core& core = soc_.cpu.core();
+  const armv7m::Core& core = soc_.cpu.core();
   result.simulated_s = sc_core::sc_time_stamp().to_seconds();
   result.instructions = core.instructions();
   result.cycles = core.cycles();

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.h"
 #include "source/prologue.h"
-#include "support/printable.h"
 
 namespace capsoc::source {
 namespace {
@@ -23,7 +23,7 @@ struct Context {
   unsigned exception = 0;
 };
 
-Context begin(const cortex_m3::InterruptedRegisters& from) {
+Context begin(const armv7m::InterruptedRegisters& from) {
   Context context;
   context.r = from.r;
   context.process_stack = from.psp;
@@ -147,8 +147,8 @@ Unwound Program::unwind(uint32_t address, Registers& registers, const ReadWord& 
   return Unwound::caller;
 }
 
-CallStack Program::call_stack(const cortex_m3::InterruptedRegisters& registers,
-                              const ReadWord& read, std::size_t most) const {
+CallStack Program::call_stack(const armv7m::InterruptedRegisters& registers, const ReadWord& read,
+                              std::size_t most) const {
   CallStack stack;
   Context context = begin(registers);
   bool exact = true;  // the address is an instruction's, not one behind a call

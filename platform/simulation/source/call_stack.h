@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cortex_m3/fault_report.h"
+#include "armv7m/fault_report.h"
 #include "loader/elf_image.h"
 #include "source/debug_information.h"
 
@@ -48,7 +48,7 @@ class Program {
 
   /// From registers on. What was called is followed through exceptions and both stacks, `most`
   /// frames far.
-  CallStack call_stack(const cortex_m3::InterruptedRegisters& registers, const ReadWord& read,
+  CallStack call_stack(const armv7m::InterruptedRegisters& registers, const ReadWord& read,
                        std::size_t most) const;
 
   /// What of the debug information cannot be read: one sentence for each part.

@@ -1,12 +1,12 @@
 #include "source/prologue.h"
 
-#include "cortex_m3/isa/decoder.h"
+#include "armv7m/isa/decoder.h"
 
 namespace capsoc::source {
 namespace {
 
-using cortex_m3::DecodedOp;
-using cortex_m3::Operation;
+using armv7m::DecodedOp;
+using armv7m::Operation;
 
 constexpr unsigned stack_pointer = 13, link = 14, program_counter = 15;
 constexpr unsigned longest_prologue = 48;  // instructions; compilers mix others in
@@ -21,9 +21,9 @@ std::optional<DecodedOp> decode_at(uint32_t address, const ReadWord& read) {
   const auto first = read_halfword(address, read);
   if (!first) return std::nullopt;
   const auto second =
-      cortex_m3::is_wide(*first) ? read_halfword(address + 2, read) : std::optional<uint16_t>(0);
+      armv7m::is_wide(*first) ? read_halfword(address + 2, read) : std::optional<uint16_t>(0);
   if (!second) return std::nullopt;
-  return cortex_m3::decode(address, *first, *second, 0);
+  return armv7m::decode(address, *first, *second, 0);
 }
 
 /// What a function has done to the stack so far; depths are bytes below its caller's stack pointer.
@@ -33,7 +33,7 @@ struct Prologue {
   std::optional<unsigned> frame_pointer;
   uint32_t frame_depth = 0;  ///< of what the frame pointer points to
 
-  void store(const cortex_m3::RegisterList& list) {
+  void store(const armv7m::RegisterList& list) {
     depth += 4 * list.count();
     uint32_t at = depth;
     for (unsigned n = 0; n < 15; ++n) {
@@ -46,7 +46,7 @@ struct Prologue {
     const bool on_stack = op.rn == stack_pointer && op.writeback;
     if (op.operation == Operation::stmdb && on_stack) return store(op.list);
     if (op.operation == Operation::str && on_stack &&
-        op.addressing == cortex_m3::Addressing::pre_indexed) {
+        op.addressing == armv7m::Addressing::pre_indexed) {
       depth -= op.imm;
       if (!saved[op.rd]) saved[op.rd] = depth;
       return;
@@ -79,9 +79,9 @@ bool unwind_by_prologue(uint32_t function, uint32_t address, Registers& register
   for (unsigned count = 0; at < address && count < longest_prologue; ++count) {
     const auto op = decode_at(at, read);
     if (!op) return false;
-    if (cortex_m3::ends_block(*op)) break;
+    if (armv7m::ends_block(*op)) break;
     prologue.follow(*op);
-    at = cortex_m3::next_address(*op);
+    at = armv7m::next_address(*op);
   }
   const uint32_t above = prologue.frame_pointer
                              ? registers[*prologue.frame_pointer] + prologue.frame_depth

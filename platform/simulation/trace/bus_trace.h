@@ -9,8 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "armv7m/core.h"
 #include "bus/address_map.h"
-#include "cortex_m3/core.h"
+#include "soc/board_map.h"
 #include "soc/board_registers.h"
 #include "trace/line_file.h"
 
@@ -46,7 +47,7 @@ class BusTrace {
   std::string target(uint32_t address);
 
   std::unique_ptr<LineFile> file_;
-  bus::AddressMap map_ = bus::soc_address_map();
+  bus::AddressMap map_ = soc::board_map();
   const bus::MapEntry* last_ = nullptr;
   std::unordered_map<uint32_t, std::string> registers_;
 };

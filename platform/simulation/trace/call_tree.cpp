@@ -8,10 +8,10 @@
 namespace capsoc::trace {
 namespace {
 
-using cortex_m3::Core;
-using cortex_m3::DecodedOp;
-using cortex_m3::Entry;
-using cortex_m3::Operation;
+using armv7m::Core;
+using armv7m::DecodedOp;
+using armv7m::Entry;
+using armv7m::Operation;
 
 /// Bounds on what a guest can make us keep: beyond them paths end early and threads are forgotten.
 constexpr std::size_t most_nodes = 1U << 20, most_frames = 1U << 16, most_suspended = 1024;

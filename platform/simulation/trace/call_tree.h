@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "cortex_m3/core.h"
+#include "armv7m/core.h"
 #include "trace/functions.h"
 
 namespace capsoc::trace {
@@ -48,14 +48,13 @@ class CallTree {
   /// Costs and calls count while this is true; stacks are followed always.
   void count(bool on) { counting_ = on; }
 
-  void issued(const cortex_m3::Core& core);
-  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op);
-  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
-               uint64_t since);
-  void returned(const cortex_m3::Core& core, unsigned exception);
-  void started(const cortex_m3::Core& core);
+  void issued(const armv7m::Core& core);
+  void retired(const armv7m::Core& core, const armv7m::DecodedOp& op);
+  void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how, uint64_t since);
+  void returned(const armv7m::Core& core, unsigned exception);
+  void started(const armv7m::Core& core);
   /// Ends every frame; nothing may follow.
-  void finish(const cortex_m3::Core& core);
+  void finish(const armv7m::Core& core);
 
   /// Costs of the instructions, by address.
   const std::unordered_map<uint32_t, Cost>& by_address() const { return by_address_; }
@@ -104,11 +103,11 @@ class CallTree {
   void charge(Cost cost);
   void charge_name(uint32_t name, uint64_t cycles);
   void wait_until(uint64_t cycle);
-  void jump(const cortex_m3::Core& core, uint32_t from);
-  void call(const cortex_m3::Core& core, uint32_t site);
+  void jump(const armv7m::Core& core, uint32_t from);
+  void call(const armv7m::Core& core, uint32_t site);
   bool leave_frames(uint32_t pc, uint32_t stack_pointer);
   bool go_back(uint32_t pc, uint32_t stack_pointer);
-  void resume_thread(const cortex_m3::Core& core);
+  void resume_thread(const armv7m::Core& core);
   uint32_t child(uint32_t node, uint32_t function);
   uint32_t exception_function(unsigned number);
 

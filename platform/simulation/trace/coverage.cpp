@@ -9,12 +9,12 @@
 #include <tuple>
 #include <utility>
 
-#include "cortex_m3/isa/decoder.h"
+#include "armv7m/isa/decoder.h"
+#include "base/input_file.h"
+#include "base/printable.h"
 #include "host/files.h"
 #include "host/sha256.h"
 #include "loader/demangle.h"
-#include "support/input_file.h"
-#include "support/printable.h"
 #include "trace/source_paths.h"
 
 namespace capsoc::trace {
@@ -25,8 +25,8 @@ constexpr uint64_t largest_file = 256U << 20U;
 /// may claim code without end.
 constexpr uint64_t most_visits = 8;
 
-using cortex_m3::DecodedOp;
-using cortex_m3::ExecutionCounts;
+using armv7m::DecodedOp;
+using armv7m::ExecutionCounts;
 using source::DebugInformation;
 
 /// What ExecutionCounts came to, by address.
@@ -128,10 +128,10 @@ class Collector {
 
   std::optional<DecodedOp> decode(uint32_t address, uint8_t it) const {
     uint16_t first = 0, second = 0;
-    const cortex_m3::Core& core = soc_.cpu.core();
+    const armv7m::Core& core = soc_.cpu.core();
     if (!core.debug_read(address, &first, 2)) return std::nullopt;
-    if (cortex_m3::is_wide(first) && !core.debug_read(address + 2, &second, 2)) return std::nullopt;
-    return cortex_m3::decode(address, first, second, it);
+    if (armv7m::is_wide(first) && !core.debug_read(address + 2, &second, 2)) return std::nullopt;
+    return armv7m::decode(address, first, second, it);
   }
 
   void add_decisions(const loader::Symbol& symbol) {
@@ -154,16 +154,16 @@ class Collector {
   }
 
   void add_decision(const DecodedOp& op, bool& decided) {
-    using cortex_m3::Operation;
+    using armv7m::Operation;
     const uint64_t begun = counts_.begun(op.address), skipped = counts_.skipped(op.address);
     if (op.operation == Operation::bcond || op.operation == Operation::cbz ||
         op.operation == Operation::cbnz) {
       const uint64_t taken = counts_.taken(op.address);
       add_outcomes(op.address, {taken, begun - skipped - taken});
-    } else if (op.condition != cortex_m3::condition_always) {
+    } else if (op.condition != armv7m::condition_always) {
       // THEN and ELSE have one condition, unless one of them sets the flags.
       if (!decided) add_outcomes(op.address, {begun - skipped, skipped});
-      decided = !op.set_flags && !is(op, cortex_m3::kind::compare);
+      decided = !op.set_flags && !is(op, armv7m::kind::compare);
     }
   }
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "cortex_m3/execution_counts.h"
+#include "armv7m/execution_counts.h"
+#include "base/result.h"
 #include "soc/soc.h"
 #include "source/call_stack.h"
-#include "support/result.h"
 #include "trace/coverage_file.h"
 
 namespace capsoc::trace {
@@ -43,7 +43,7 @@ class Coverage {
   const source::Program& program_;
   std::string path_;
   ProgramCoverage earlier_;  ///< what the file has already
-  cortex_m3::ExecutionCounts counts_;
+  armv7m::ExecutionCounts counts_;
 };
 
 }  // namespace capsoc::trace

@@ -1,6 +1,7 @@
 #include "trace/exception_name.h"
 
 #include "bus/address_map.h"
+#include "soc/board_map.h"
 
 namespace capsoc::trace {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 /// The outputs on a line, joined by "/".
 std::string interrupt_name(int line) {
   std::string name;
-  for (const bus::MapEntry& entry : bus::soc_address_map()) {
+  for (const bus::MapEntry& entry : soc::board_map()) {
     for (const bus::InterruptWire& wire : entry.interrupts) {
       if (wire.line != line) continue;
       if (!name.empty()) name += '/';

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "cortex_m3/isa/decoder.h"
+#include "armv7m/isa/decoder.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::trace {
@@ -28,7 +28,7 @@ InstructionTrace::InstructionTrace(std::unique_ptr<LineFile> file, Functions& fu
                              "place", "instruction", "changed registers"));
 }
 
-InstructionTrace::Registers InstructionTrace::registers_of(const cortex_m3::Core& core) {
+InstructionTrace::Registers InstructionTrace::registers_of(const armv7m::Core& core) {
   Registers r{};
   for (unsigned n = 0; n <= 12; ++n) r[n] = core.reg(n);
   r[13] = core.reg(14);
@@ -49,23 +49,23 @@ std::string InstructionTrace::changes(const Registers& now) const {
   return text;
 }
 
-const std::string& InstructionTrace::text_of(const cortex_m3::DecodedOp& op) {
+const std::string& InstructionTrace::text_of(const armv7m::DecodedOp& op) {
   Text& known = texts_[op.address];
   if (known.text.empty() || known.encoding != op.encoding || known.it_state != op.it_before) {
     known = {op.encoding, op.it_before,
              fmt::format("{:08x} {:<28} {:<32}", op.address, functions_.place(op.address),
-                         cortex_m3::disassemble(op))};
+                         armv7m::disassemble(op))};
   }
   return known.text;
 }
 
-void InstructionTrace::issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp&) {
+void InstructionTrace::issued(const armv7m::Core& core, const armv7m::DecodedOp&) {
   before_ = registers_of(core);
   issue_cycle_ = core.cycles();
   pending_ = true;
 }
 
-void InstructionTrace::retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op,
+void InstructionTrace::retired(const armv7m::Core& core, const armv7m::DecodedOp& op,
                                double seconds) {
   pending_ = false;
   std::string line = note(issue_cycle_, seconds, text_of(op)) + changes(registers_of(core));
@@ -73,7 +73,7 @@ void InstructionTrace::retired(const cortex_m3::Core& core, const cortex_m3::Dec
   file_->put(std::move(line));
 }
 
-void InstructionTrace::entered(unsigned exception, cortex_m3::Entry how, uint64_t since,
+void InstructionTrace::entered(unsigned exception, armv7m::Entry how, uint64_t since,
                                double seconds) {
   constexpr const char* hows[] = {"", ", tail-chained", ", late, in place of the one before"};
   file_->put(note(since, seconds,
@@ -81,17 +81,17 @@ void InstructionTrace::entered(unsigned exception, cortex_m3::Entry how, uint64_
                               hows[static_cast<unsigned>(how)])));
 }
 
-void InstructionTrace::returned(const cortex_m3::Core& core, unsigned exception, double seconds) {
+void InstructionTrace::returned(const armv7m::Core& core, unsigned exception, double seconds) {
   file_->put(note(core.cycles(), seconds,
                   fmt::format("<-- exception {} {}, back to {}", exception,
                               exception_name(exception), functions_.place(core.reg(15)))));
 }
 
-void InstructionTrace::started(const cortex_m3::Core& core, double seconds) {
+void InstructionTrace::started(const armv7m::Core& core, double seconds) {
   file_->put(note(core.cycles(), seconds, "--- reset"));
 }
 
-std::optional<Error> InstructionTrace::finish(const cortex_m3::Core& core, double seconds) {
+std::optional<Error> InstructionTrace::finish(const armv7m::Core& core, double seconds) {
   if (core.locked_up()) file_->put(note(core.cycles(), seconds, "--- lockup"));
   return file_->finish();
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "cortex_m3/core.h"
+#include "armv7m/core.h"
 #include "trace/functions.h"
 #include "trace/line_file.h"
 
@@ -19,26 +19,26 @@ class InstructionTrace {
  public:
   InstructionTrace(std::unique_ptr<LineFile> file, Functions& functions);
 
-  void issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op);
+  void issued(const armv7m::Core& core, const armv7m::DecodedOp& op);
   /// An instruction was issued and has not retired.
   bool pending() const { return pending_; }
   /// `seconds`: when it was issued.
-  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op, double seconds);
-  void entered(unsigned exception, cortex_m3::Entry how, uint64_t since, double seconds);
-  void returned(const cortex_m3::Core& core, unsigned exception, double seconds);
-  void started(const cortex_m3::Core& core, double seconds);
+  void retired(const armv7m::Core& core, const armv7m::DecodedOp& op, double seconds);
+  void entered(unsigned exception, armv7m::Entry how, uint64_t since, double seconds);
+  void returned(const armv7m::Core& core, unsigned exception, double seconds);
+  void started(const armv7m::Core& core, double seconds);
   /// Cycle at which the instruction under way began.
   uint64_t issue_cycle() const { return issue_cycle_; }
 
-  std::optional<Error> finish(const cortex_m3::Core& core, double seconds);
+  std::optional<Error> finish(const armv7m::Core& core, double seconds);
 
  private:
   static constexpr unsigned register_count = 20;
   using Registers = std::array<uint32_t, register_count>;
 
-  static Registers registers_of(const cortex_m3::Core& core);
+  static Registers registers_of(const armv7m::Core& core);
   std::string changes(const Registers& now) const;
-  const std::string& text_of(const cortex_m3::DecodedOp& op);
+  const std::string& text_of(const armv7m::DecodedOp& op);
 
   struct Text {
     uint32_t encoding;

@@ -75,7 +75,7 @@ void Tracer::connect() {
   const bool stepping = instructions_ != nullptr || calls_ != nullptr || window_->has_addresses() ||
                         (bus_ != nullptr && options_.fetches);
   if (translation_ != nullptr)
-    soc_.cpu.core().listeners().translated = [this](const cortex_m3::Translation& translation) {
+    soc_.cpu.core().listeners().translated = [this](const armv7m::Translation& translation) {
       translation_->put(translation);
     };
   soc_.cpu.core().add_observer(*this, stepping, bus_ != nullptr);
@@ -115,7 +115,7 @@ bool Tracer::open_at(uint64_t picoseconds) {
   return window_->open();
 }
 
-void Tracer::issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) {
+void Tracer::issued(const armv7m::Core& core, const armv7m::DecodedOp& op) {
   if (window_->has_times()) open_at(picoseconds_of(core.cycles()));
   if (window_->has_addresses()) {
     window_->instruction(op.address);
@@ -135,13 +135,13 @@ void Tracer::issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op)
   bus_->put(fetch);
 }
 
-void Tracer::retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) {
+void Tracer::retired(const armv7m::Core& core, const armv7m::DecodedOp& op) {
   if (calls_ != nullptr) calls_->retired(core, op);
   if (instructions_ != nullptr && instructions_->pending())
     instructions_->retired(core, op, seconds_of(instructions_->issue_cycle()));
 }
 
-void Tracer::entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+void Tracer::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
                      uint64_t since) {
   const bool open = open_at(picoseconds_of(core.cycles()));
   if (calls_ != nullptr) calls_->entered(core, exception, how, since);
@@ -150,7 +150,7 @@ void Tracer::entered(const cortex_m3::Core& core, unsigned exception, cortex_m3:
   if (waves_ != nullptr) waves_->exception(picoseconds_of(core.cycles()), exception);
 }
 
-void Tracer::returned(const cortex_m3::Core& core, unsigned exception) {
+void Tracer::returned(const armv7m::Core& core, unsigned exception) {
   const bool open = open_at(picoseconds_of(core.cycles()));
   if (calls_ != nullptr) calls_->returned(core, exception);
   if (instructions_ != nullptr && open)
@@ -159,7 +159,7 @@ void Tracer::returned(const cortex_m3::Core& core, unsigned exception) {
     waves_->exception(picoseconds_of(core.cycles()), core.state().xpsr() & 0x1FFU);
 }
 
-void Tracer::accessed(const cortex_m3::Core& core, const cortex_m3::DirectAccess& access) {
+void Tracer::accessed(const armv7m::Core& core, const armv7m::DirectAccess& access) {
   if (bus_ == nullptr || !open_at(picoseconds_of(core.cycles()))) return;
   BusAccess seen;
   seen.cycle = core.cycles();
@@ -173,7 +173,7 @@ void Tracer::accessed(const cortex_m3::Core& core, const cortex_m3::DirectAccess
   bus_->put(seen);
 }
 
-void Tracer::started(const cortex_m3::Core& core) {
+void Tracer::started(const armv7m::Core& core) {
   const bool open = open_at(picoseconds_of(core.cycles()));
   if (calls_ != nullptr) calls_->started(core);
   if (instructions_ != nullptr && open) instructions_->started(core, seconds_of(core.cycles()));
@@ -186,16 +186,16 @@ void Tracer::transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc
   if (!open_at(picoseconds(now + begin))) return;
   const auto kind = soc_.cpu.accessing();
   // Fetches are lines of their own, one an instruction, unless they fail.
-  if (kind == cortex_m3::AccessKind::fetch && payload.is_response_ok()) return;
+  if (kind == armv7m::AccessKind::fetch && payload.is_response_ok()) return;
   BusAccess seen;
   seen.cycle = soc_.clock.cycles_at(now + begin);
   seen.seconds = (now + begin).to_seconds();
   seen.cycles = std::max<uint64_t>(1, soc_.clock.cycles_at(now + end) - seen.cycle + 1);
   seen.address = static_cast<uint32_t>(payload.get_address());
-  seen.initiator = !kind                                   ? "debugger"
-                   : seen.address >= 0x20000000            ? "system"
-                   : *kind == cortex_m3::AccessKind::fetch ? "i-code"
-                                                           : "d-code";
+  seen.initiator = !kind                                ? "debugger"
+                   : seen.address >= 0x20000000         ? "system"
+                   : *kind == armv7m::AccessKind::fetch ? "i-code"
+                                                        : "d-code";
   seen.data = data_word(payload);
   seen.size = std::min(payload.get_data_length(), 4U);
   seen.write = payload.is_write();
@@ -220,7 +220,7 @@ std::vector<FunctionCost> Tracer::top_functions() {
 }
 
 std::vector<Error> Tracer::finish() {
-  const cortex_m3::Core& core = soc_.cpu.core();
+  const armv7m::Core& core = soc_.cpu.core();
   std::vector<Error> errors;
   const auto keep = [&errors](std::optional<Error> error) {
     if (error) errors.push_back(std::move(*error));

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "loader/elf_image.h"
 #include "soc/soc.h"
-#include "support/result.h"
 #include "trace/bus_trace.h"
 #include "trace/call_tree.h"
 #include "trace/functions.h"
@@ -38,7 +38,7 @@ struct TraceOptions {
 
 /// Attached before the simulation starts, detached by finish() or the end of its life. Changes the
 /// simulation's speed and nothing else.
-class Tracer : private cortex_m3::Observer {
+class Tracer : private armv7m::Observer {
  public:
   /// `images`: where the symbols are; `line_of` is asked at the end, for the profile. An Error: a
   /// file that cannot be written or a wrong bound; nothing is left behind. `soc` must outlive it.
@@ -60,13 +60,13 @@ class Tracer : private cortex_m3::Observer {
   std::optional<Error> open();
   void connect();
 
-  void issued(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
-  void retired(const cortex_m3::Core& core, const cortex_m3::DecodedOp& op) override;
-  void entered(const cortex_m3::Core& core, unsigned exception, cortex_m3::Entry how,
+  void issued(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
+  void retired(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
+  void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
                uint64_t since) override;
-  void returned(const cortex_m3::Core& core, unsigned exception) override;
-  void accessed(const cortex_m3::Core& core, const cortex_m3::DirectAccess& access) override;
-  void started(const cortex_m3::Core& core) override;
+  void returned(const armv7m::Core& core, unsigned exception) override;
+  void accessed(const armv7m::Core& core, const armv7m::DirectAccess& access) override;
+  void started(const armv7m::Core& core) override;
   void transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
                 const sc_core::sc_time& end);
   void result(const coprocessor::Nodes& nodes);

@@ -42,7 +42,7 @@ TranslationTrace::~TranslationTrace() {
   if (map_ != nullptr) std::fclose(map_);
 }
 
-void TranslationTrace::put(const cortex_m3::Translation& t) {
+void TranslationTrace::put(const armv7m::Translation& t) {
   const std::string place = functions_.place(t.address);
   if (map_ != nullptr)
     fmt::print(map_, "{:x} {:x} {:08x} {}\n", reinterpret_cast<uintptr_t>(t.code), t.bytes,

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "cortex_m3/listeners.h"
-#include "support/result.h"
+#include "armv7m/listeners.h"
+#include "base/result.h"
 #include "trace/functions.h"
 #include "trace/line_file.h"
 
@@ -25,7 +25,7 @@ class TranslationTrace {
   TranslationTrace(const TranslationTrace&) = delete;
   TranslationTrace& operator=(const TranslationTrace&) = delete;
 
-  void put(const cortex_m3::Translation& translation);
+  void put(const armv7m::Translation& translation);
   /// The last call.
   std::optional<Error> finish();
 

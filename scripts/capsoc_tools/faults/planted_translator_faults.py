@@ -3,7 +3,7 @@
 usage: planted_translator_faults [--match TEXT | --number N] [--jobs N] [--work FOLDER]
 
 Copies the tree's sources to FOLDER (default build/translator_faults), and for each fault of
-tests/faults/translator.toml exchanges the text, builds cortex_m3_test, and runs its tests of the translator
+tests/faults/translator.toml exchanges the text, builds armv7m_test, and runs its tests of the translator
 until the first one fails. A test that crashes or does not end has noticed it, too. Without a fault all have to pass.
 
 --number N: the N-th fault of the list alone, and what came of it as a JSON object, for a campaign that shares them out
@@ -33,7 +33,7 @@ from capsoc_tools.faults.planting import (
     planted,
 )
 
-TARGET = "cortex_m3_test"
+TARGET = "armv7m_test"
 FILTER = (
     "*Translator*:Borders.*:Literals.*:StackPointer.*:OverTheEnd*:Flags.*:Limits.*:Branches.*:Unaligned.*:"
     "Operands.*:Windows.*:Rooms.*:Instructions.*:*VectorWrites*:VectorTable.*:"
@@ -45,7 +45,7 @@ MOST_SECONDS = 120  # of the tests, which take ten
 def failing(tree, log):
     """The first test that does not pass, or how the program ended; empty if all pass."""
     command = [
-        tree / "build/tests/cortex_m3" / TARGET,
+        tree / "build/tests/armv7m" / TARGET,
         f"--gtest_filter={FILTER}",
         "--gtest_fail_fast",
         "--gtest_brief=0",

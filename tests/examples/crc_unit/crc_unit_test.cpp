@@ -11,7 +11,7 @@
 
 namespace {
 
-using capsoc::cortex_m3::Core;
+using capsoc::armv7m::Core;
 
 TEST(CrcUnit, WorksWithItsDriver) {
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);

@@ -5,9 +5,9 @@
 #include <functional>
 #include <string>
 
+#include "armv7m/tlm/core_tlm.h"
 #include "bus/ahb_matrix.h"
 #include "bus/memory.h"
-#include "cortex_m3_tlm/cortex_m3_tlm.h"
 #include "kit/clocked_bank.h"
 
 namespace own {
@@ -28,7 +28,7 @@ class Ticker : public kit::ClockedBank {
       interrupt.set(PENDING.any(1));
     });
   }
-  void visit(kit::Archive& archive) override {
+  void visit(Archive& archive) override {
     ClockedBank::visit(archive);
     archive("next", next_);
   }
@@ -83,7 +83,7 @@ class OwnSoc : public sc_core::sc_module {
   }
 
   kit::ClockDomain clock{50'000'000};
-  capsoc::cortex_m3::CortexM3Tlm cpu{"cpu", clock};
+  capsoc::armv7m::CoreTlm cpu{"cpu", clock};
   capsoc::bus::AhbMatrix ahb{"ahb", map(), clock};
   capsoc::bus::Memory ram{"ram", 0x10000};
   Ticker ticker{"ticker", clock};

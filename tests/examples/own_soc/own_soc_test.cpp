@@ -22,7 +22,7 @@ TEST(OwnSoc, RunsAProgramOfItsOwn) {
   std::vector<uint64_t> hashes;
   const sc_core::sc_time step(1, sc_core::SC_MS);
   soc.cpu.set_pause(step, [&](const sc_core::sc_time& now) {
-    capsoc::kit::StateHash hash;
+    capsoc::StateHash hash;
     hash("clock", soc.clock);
     for (capsoc::kit::Component* part : std::initializer_list<capsoc::kit::Component*>{
              &soc.cpu, &soc.ram, &soc.ticker, &soc.printer})
@@ -32,7 +32,7 @@ TEST(OwnSoc, RunsAProgramOfItsOwn) {
   });
   sc_core::sc_start();
   EXPECT_EQ(text, "tick\ntick\ntick\ntick\ntick\ndone\n");
-  EXPECT_EQ(soc.cpu.end_reason(), capsoc::cortex_m3::EndReason::asleep);
+  EXPECT_EQ(soc.cpu.end_reason(), capsoc::armv7m::EndReason::asleep);
   EXPECT_EQ(soc.cpu.core().cycles() / 50000, 5u);
   ASSERT_GE(hashes.size(), 4u);
   EXPECT_NE(hashes[0], hashes[1]);

@@ -1,0 +1,178 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "armv7m/executors/blocks.h"
+#include "armv7m/executors/stepping.h"
+#include "armv7m/executors/translator/translator.h"
+#include "armv7m/known_turn.h"
+#include "armv7m/machine.h"
+#include "armv7m/observers.h"
+
+namespace capsoc::armv7m {
+
+enum class StopReason {
+  budget,
+  sleeping,
+  lockup,
+  semihosting_exit,
+  breakpoint,
+  watchpoint,
+  reset_request,
+  attention,
+  stuck
+};
+enum class Executor { stepping, blocks, translator };
+
+/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 to 256 priorities. The executors
+/// agree bit for bit and cycle for cycle. Nothing a guest does ends the host program.
+class Core {
+ public:
+  static constexpr unsigned interrupt_count = exception::interrupts;
+  static constexpr uint64_t never = State::never;
+
+  explicit Core(Bus& bus)
+      : machine_(*this, bus), stepping_(machine_), blocks_(machine_, stepping_) {}
+
+  // How it is built. Before reset().
+  /// Where reset() finds the vector table, and VTOR's reset value (B3.2.5): 0 unless set.
+  void set_vector_table(uint32_t address) { vector_table_ = address; }
+  /// Implemented bits of each priority (B1.5.4), 3 to 8 from the most significant one down; others
+  /// count as the nearest of these.
+  void set_priority_bits(unsigned bits) { machine_.state.nvic.set_priority_bits(bits); }
+
+  /// Power-on reset: reads the vector table; cycles go on, so that time does not jump.
+  void reset();
+
+  // Memory
+  /// Memory the core reaches without the bus; `wait_states` a word. The host memory stays the
+  /// caller's. Whoever else writes into it calls invalidate_code().
+  void map_memory(uint32_t base, uint32_t size, uint8_t* host, bool writable,
+                  unsigned wait_states) {
+    machine_.memory.map().map({base, size, host, writable, wait_states});
+  }
+  void unmap_memory(uint32_t base, uint32_t size) { machine_.memory.map().unmap(base, size); }
+  void invalidate_code(uint32_t address, uint32_t size) {
+    machine_.memory.invalidate_code(address, size);
+  }
+  /// Whoever else wrote into memory, anywhere: decoded code is dropped.
+  void memory_changed() { machine_.memory.invalidate_all_code(); }
+  /// Access without side effects or time, for debuggers; false where nothing can be shown.
+  bool debug_read(uint32_t address, void* data, uint32_t size) const {
+    return machine_.memory.debug_read(address, data, size);
+  }
+  bool debug_write(uint32_t address, const void* data, uint32_t size) {
+    return machine_.memory.debug_write(address, data, size);
+  }
+
+  // Time
+  /// Executes whole instructions while cycles() < until_cycle.
+  StopReason run(uint64_t until_cycle);
+  /// One instruction (or the entry of one exception).
+  StopReason step_instruction();
+  /// One turn of the loop the program is in, from here to here or, where the first turn leaves
+  /// other registers or flags, from there to there, by single steps while cycles() is below
+  /// `until_cycle` and nobody wants attention(). Nothing: it does not come back soon, or not
+  /// to the same registers and flags, or it writes or does anything but compute and load; what was
+  /// executed is as good as by run(). What its loads from the bus do is the caller's to know.
+  std::optional<Turn> repeat_turn(uint64_t until_cycle);
+  /// The turn that repeat_turn() found last, if it would find the same from here provided that the
+  /// one load in it gave the same in the same time. Executes nothing.
+  std::optional<Turn> known_turn() const;
+  /// Executes as many whole turns, each like the one before, as end until `until_cycle`.
+  void skip_turns(const Turn& turn, uint64_t until_cycle);
+  /// Cycles since construction; inside a bus access the cycle at which it happens.
+  uint64_t cycles() const { return machine_.cycles(); }
+  uint64_t instructions() const { return machine_.state.instructions; }
+  /// While sleeping: time passes, SysTick counts.
+  void skip_to(uint64_t cycle);
+  /// Cycle of SysTick's next wrap that pends its exception, else `never`.
+  uint64_t next_internal_event() const { return machine_.state.systick.event(); }
+  /// HCLK cycles of SysTick's reference clock (25 at reset).
+  void set_systick_reference(unsigned cycles_a_tick) {
+    machine_.state.systick.set_reference(cycles(), cycles_a_tick);
+  }
+  /// Before set_executor().
+  void limit_translator(const TranslatorLimits& limits) { translator_limits_ = limits; }
+  /// Where there can be no translator, it is blocks instead: see no_translator().
+  void set_executor(Executor executor);
+  /// Why there is no translator though it was asked for; empty: nothing is missing, so far.
+  const std::string& no_translator() const {
+    return translator_ != nullptr ? translator_->refusal() : no_translator_;
+  }
+  /// How often a block is executed before it is translated, 1 to 254; after set_executor().
+  void set_translation_threshold(uint8_t executions) {
+    if (translator_ != nullptr) translator_->set_threshold(executions);
+  }
+  /// What the translator has done; none without one.
+  std::optional<TranslationCounts> translation() const {
+    if (translator_ == nullptr || !translator_->refusal().empty()) return std::nullopt;
+    return translator_->counts();
+  }
+
+  // Wires
+  void set_interrupt(unsigned line, bool level);
+  void pulse_nmi() { machine_.pending.pend(exception::nmi); }
+  void send_event();  // the RXEV input
+  /// Leaves run() after the present instruction.
+  void attention() { machine_.requests.raise(Requests::attention); }
+  bool sleeping() const { return machine_.state.sleeping; }
+  bool locked_up() const { return machine_.state.locked_up; }
+  bool wake_pending() const { return machine_.pending.wake_pending(); }
+
+  // State, between two instructions
+  const State& state() const { return machine_.state; }
+  /// To be changed, registers above all; what follows from it is looked at anew.
+  State& edit();
+  /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
+  uint32_t reg(unsigned n) const { return machine_.state.reg(n); }
+  void set_reg(unsigned n, uint32_t value) { edit().set_reg(n, value); }
+  /// After loading, whatever was made from another state is dropped; memory_changed() says that
+  /// memory was loaded, too.
+  void visit(Archive& archive);
+  const FaultReport& last_fault() const { return machine_.state.last_fault; }
+  /// The fault that began the present chain: no other fault was being handled when it happened.
+  const FaultReport& first_fault() const { return machine_.state.first_fault; }
+  uint64_t fault_count() const { return machine_.state.fault_count; }
+
+  // Onlookers
+  Listeners& listeners() { return machine_.listeners; }
+  /// One more that looks on, behind those before it, until it is removed. It stays the caller's.
+  /// `instructions`: at each one, the executor is stepping meanwhile. `accesses`: at each data
+  /// access, direct memory is reached the slow way meanwhile. Exceptions are told either way. An
+  /// observer that was added before is added anew.
+  void add_observer(Observer& observer, bool instructions, bool accesses);
+  void remove_observer(Observer& observer);
+  Debugging& debugging() { return machine_.debugging; }
+  /// Counts from now on, between two runs; null: nobody any more. They stay the caller's.
+  void count_executions(ExecutionCounts* counts);
+
+ private:
+  StopReason execute(uint64_t until_cycle);
+  std::optional<StopReason> service();
+  std::optional<StopReason> stop_wanted();
+  void expire_systick();
+  std::optional<Turn> measure_turn(uint64_t until_cycle);
+  bool turns_are_seen() const;
+  void step_observed();
+  bool is_interrupted() const;
+  void observers_changed();
+
+  Machine machine_;
+  Stepping stepping_;
+  Blocks blocks_;
+  Observers observers_;
+  uint32_t vector_table_ = 0;
+  bool one_instruction_ = false;
+  KnownTurn known_turn_;
+  Executor executor_ = Executor::blocks;
+  TranslatorLimits translator_limits_;
+  std::unique_ptr<Translator> translator_;
+  std::string no_translator_;
+  InstructionExecutor* executing_ = &blocks_;  // stepping while somebody sees each one
+};
+
+}  // namespace capsoc::armv7m

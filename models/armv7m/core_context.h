@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+
+#include "armv7m/event.h"
+#include "armv7m/executors/translator/host_context.h"
+#include "armv7m/halting_debug.h"
+#include "armv7m/listeners.h"
+#include "armv7m/state.h"
+
+namespace capsoc::armv7m {
+
+class ExecutionCounts;
+
+/// What all parts of the processor share, and know each other by no more than that: the state, what
+/// an instruction leaves for the run loop, and the listeners. The lowest part of a Machine.
+class CoreContext {
+ public:
+  /// `core`: what observers and listeners are given. Not owned.
+  explicit CoreContext(Core& core) : core_(core) {}
+  CoreContext(const CoreContext&) = delete;
+  CoreContext& operator=(const CoreContext&) = delete;
+
+  State state;
+  HostContext host_context;  // translated code addresses it relative to the state
+  Requests requests;
+  Event event;
+  HaltingDebug halting;
+  Listeners listeners;
+  ExecutionCounts* counts = nullptr;  // null: executions are not counted
+  /// Cycles of the present block that count already, within an access.
+  uint64_t cycle_offset = 0;
+  /// Accesses to the private peripherals so far; of this program's run, no state.
+  uint64_t private_accesses = 0;
+
+  Core& core() { return core_; }
+  const Core& core() const { return core_; }
+  /// Inside an access the cycle at which it happens.
+  uint64_t cycles() const { return state.cycles + cycle_offset; }
+
+  // What an instruction results in. False: the block is left.
+  /// The next instruction is the one behind it.
+  bool leave(const DecodedOp& op) {
+    state.pc = next_address(op);
+    return false;
+  }
+  /// A fault of the instruction at an address; `value` goes to MMFAR or BFAR.
+  bool fault(uint32_t instruction, Cause cause, uint32_t value = 0) {
+    event = {Event::Kind::fault, cause, value, event.return_address};
+    state.pc = instruction;
+    return false;
+  }
+  bool fault(const DecodedOp& op, Cause cause, uint32_t value = 0) {
+    return fault(op.address, cause, value);
+  }
+  /// BranchWritePC (A2.3.1).
+  bool branch_to(uint32_t address) {
+    state.pc = address & ~1u;
+    return false;
+  }
+  /// BXWritePC (A2.3.1).
+  bool interwork_to(uint32_t target);
+  /// The time a branch takes beyond its own.
+  void refill(unsigned cycles) {
+    state.cycles += cycles;
+    state.refilling = cycles < timing::most_refill;
+  }
+  void sleep(bool for_event);
+  /// Notifies the listener of each case once. Inside a block state.pc is behind what is executed,
+  /// so it is the instruction's address for that long.
+  void report(Unpredictable which, uint32_t instruction);
+
+ private:
+  Core& core_;
+};
+
+}  // namespace capsoc::armv7m

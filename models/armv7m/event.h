@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+
+namespace capsoc::armv7m {
+
+/// Why an instruction raises a fault: one bit of CFSR each (B3.2.15).
+enum class Cause : uint8_t {
+  undefined_instruction,
+  invalid_state,
+  invalid_pc,
+  no_coprocessor,
+  unaligned,
+  divide_by_zero,
+  fetch_bus,
+  fetch_access,
+  data_bus,
+  data_access,
+  stacking_bus,
+  stacking_access,
+  unstacking_bus,
+  unstacking_access
+};
+
+/// What an instruction leaves behind for the exception model: taken care of before the next one.
+struct Event {
+  enum class Kind : uint8_t { none, fault, svc, bkpt, exception_return };
+  Kind kind = Kind::none;
+  Cause cause{};                ///< of a fault
+  uint32_t value = 0;           ///< address of a fault, number of a BKPT, EXC_RETURN
+  uint32_t return_address = 0;  ///< of BKPT, and the instruction that returned
+};
+
+/// What the run loop is to look at between two instructions, in one word, so that it asks once.
+class Requests {
+ public:
+  enum Reason : uint32_t {
+    changed = 1 << 0,    ///< something that decides on exceptions, sleep, memory or mode
+    attention = 1 << 1,  ///< somebody outside wants run() to end
+    stuck = 1 << 2,
+    watchpoint = 1 << 3,
+    breakpoint = 1 << 4,  ///< BKPT, for a debugger that halts
+  };
+  static constexpr uint32_t stops = attention | stuck | watchpoint | breakpoint;
+
+  void raise(Reason reason) { reasons_ |= reason | changed; }
+  bool any() const { return reasons_ != 0; }
+  bool has(uint32_t reasons) const { return (reasons_ & reasons) != 0; }
+  /// A stop stays until it is taken.
+  void looked_at() { reasons_ &= stops; }
+  bool take(Reason reason) {
+    const bool there = has(reason);
+    reasons_ &= ~uint32_t{reason};
+    return there;
+  }
+  void drop_stops() { reasons_ &= ~stops; }
+
+ private:
+  uint32_t reasons_ = 0;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,175 @@
+#include "armv7m/executors/translator/block_plan.h"
+
+#include <algorithm>
+
+#include "armv7m/executors/execute.h"
+#include "armv7m/machine.h"
+
+namespace capsoc::armv7m {
+namespace {
+
+constexpr uint32_t unaligned_most = 2;  // cycles of the parts of an access beyond the first
+
+/// In no IT block.
+bool stands_alone(const Step& step) {
+  return step.condition == condition_always && step.it_before == 0 && step.it_after == 0;
+}
+
+}  // namespace
+
+uint32_t written_by(const DecodedOp& op) {
+  const auto bit = [](unsigned n) { return n < 16 ? 1u << n : 0u; };
+  const bool indexed = op.writeback || op.addressing == Addressing::pre_indexed ||
+                       op.addressing == Addressing::post_indexed;
+  if (is(op, kind::transfer)) {
+    uint32_t set = indexed ? bit(op.rn) : 0;
+    if (is(op, kind::load | kind::dual_load | kind::exclusive_load)) set |= bit(op.rd);
+    if (is(op, kind::dual_load | kind::exclusive_store)) set |= bit(op.ra);
+    if (is(op, kind::multiple_load)) set |= op.list.bits;
+    return set;
+  }
+  if (op.operation == Operation::bl || op.operation == Operation::blx) return bit(14);
+  if (is(op, kind::compare | kind::any_branch | kind::none)) return 0;
+  if (is(op, kind::system)) return op.operation == Operation::mrs ? bit(op.rd) : 0;
+  return bit(op.rd) | (is(op, kind::long_multiply) ? bit(op.ra) : 0);
+}
+
+bool writes_sp(const Step& step) {
+  if (step.body != &both<Execute::align_sp> || step.rd != 13 || step.set_flags) return false;
+  switch (step.operation) {
+    case Operation::add_imm:
+    case Operation::sub_imm:
+    case Operation::add_reg:
+    case Operation::sub_reg:
+    case Operation::mov_reg:
+    case Operation::mov_high:
+    case Operation::add_high:
+      return step.shift.type != ShiftType::rrx;
+    default:
+      return false;
+  }
+}
+
+bool moves_stack_pointer(const Step& step) {
+  constexpr uint32_t psp = 9;
+  const unsigned n = step.operation == Operation::mrs ? step.rd : step.rn;
+  return (step.encoding & 0xFF) == psp && n < 13 && stands_alone(step);
+}
+
+bool is_translated(const Step& step) {
+  if (writes_sp(step)) return true;
+  if (step.body != Execute::unconditional(step)) return false;
+  const bool leaves = is(step, kind::any_branch) || step.rd == 15 || step.list.has(15);
+  if (leaves && step.it_after != 0) return false;
+  switch (step.operation) {
+    case Operation::mrs:
+    case Operation::msr:
+      return moves_stack_pointer(step);
+    case Operation::isb:
+      return stands_alone(step);
+    case Operation::b:
+      return pc_of(step) + step.imm != step.address;
+    case Operation::ssat:
+    case Operation::usat:
+      return false;
+    case Operation::nop:
+    case Operation::it:
+    case Operation::barrier:
+    case Operation::fall_through:
+      return true;
+    default:
+      break;
+  }
+  if (step.addressing == Addressing::unprivileged) return false;
+  if (is(step, kind::multiple)) return step.list.bits != 0 && !step.list.has(13);
+  return is(step, kind::data_processing | kind::any_branch | kind::load | kind::store |
+                      kind::dual_load | kind::dual_store);
+}
+
+bool may_be_left_at(const Step& step) {
+  return flag_use(step).exits || !is_translated(step) || writes_sp(step);
+}
+
+void BlockPlan::begin(const Step* head, CodePage& page) {
+  head_ = head;
+  page_ = &page;
+  present_ = 0;
+  collect_steps();
+  visible_ = live_flags(
+      steps_.size(), [&](std::size_t i) -> const DecodedOp& { return *steps_[i]; },
+      [&](std::size_t i) { return may_be_left_at(*steps_[i]); });
+}
+
+/// Most cycles a translated step takes, without branching.
+uint32_t BlockPlan::bound_of(const Step& step) const {
+  uint32_t bound = step.cycles;
+  const uint32_t wait = machine_.memory.map().largest_wait();
+  if (is(step, kind::transfer)) bound += wait * std::max(2u, step.list.count()) + unaligned_most;
+  if (is(step, kind::divide)) bound += timing::divide_most;
+  if (is(step, kind::long_multiply)) bound += timing::long_multiply_most;
+  return bound;
+}
+
+void BlockPlan::collect_steps() {
+  steps_.clear();
+  bound_ = timing::most_refill;
+  for (const Step* step = head_;; ++step) {
+    steps_.push_back(step);
+    cut_ = steps_.size();
+    if (bound_ + bound_of(*step) > most_cycles) {
+      cut_ = steps_.size() - 1;
+      return split();
+    }
+    bound_ += bound_of(*step);
+    if (step->operation == Operation::fall_through) return;
+    if (step->condition == condition_always && !is_translated(*step)) return;
+  }
+}
+
+/// Lets the block run into another one where it is cut, or as soon before as one may begin there:
+/// with flags that are all the block's own, or none, since the recipe of those that were left to it
+/// uncomputed can be passed on as a whole only.
+void BlockPlan::split() {
+  std::size_t place = 0;
+  uint8_t own = 0;
+  for (std::size_t i = 1; i <= cut_; ++i) {
+    const Step& last = *steps_[i - 1];
+    const FlagUse effects = flag_use(last);
+    own |= effects.sets | effects.kills;
+    const bool whole = own == 0 || own == flag::all;
+    if (whole && steps_[i]->it_before == 0 && !timing::hangs_on(last.trail, *steps_[i])) place = i;
+  }
+  if (place == 0) return;
+  close_ = closing_step(*steps_[place - 1]);
+  Execute::bind(close_);
+  steps_.resize(place);
+  steps_.push_back(&close_);
+  cut_ = steps_.size();
+}
+
+std::size_t BlockPlan::end_of_group(std::size_t begin) const {
+  std::size_t end = begin;
+  const uint8_t condition = steps_[begin]->condition;
+  while (end < cut_ && steps_[end]->condition == condition) {
+    const Step& step = *steps_[end++];
+    if (step.set_flags || step.operation == Operation::cmp_high || ends_block(step)) break;
+    if (!is_translated(step)) break;
+  }
+  return end;
+}
+
+uint8_t BlockPlan::visible_behind_group(std::size_t begin, std::size_t end) const {
+  uint8_t visible = visible_[end - 1];
+  for (std::size_t i = begin; i < end; ++i) {
+    if (may_be_left_at(*steps_[i])) return flag::all;
+    visible |= flag_use_if_executed(*steps_[i]).reads;
+  }
+  return visible;
+}
+
+int32_t BlockPlan::in_code_page(const void* member) const {
+  return static_cast<int32_t>(static_cast<const uint8_t*>(member) -
+                              reinterpret_cast<const uint8_t*>(page_));
+}
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "armv7m/executors/translator/flag_sources.h"
+#include "armv7m/memory/memory.h"
+
+namespace capsoc::armv7m {
+
+/// Memory that host code reaches with one comparison: pages in a row that are mapped directly.
+struct MemoryWindow {
+  uint64_t units[3] = {};  ///< its size in bytes, halfwords, words; 0: closed
+  uint8_t* host = nullptr;
+  uint64_t bias = 0;  ///< from an address of the guest to the host's
+  uint32_t base = 0;
+  bool fixed = false;        ///< the base stays as long as there is translated code
+  uint32_t wait_states = 0;  ///< of its region, as long as there is translated code for it
+};
+
+/// Where the code of the addresses is that indirect branches led to last: one load instead of the
+/// three, each waiting for the one before, through the page's record.
+struct JumpCache {
+  static constexpr unsigned size = 256;
+  static constexpr uint64_t none = ~uint64_t{0};  ///< no address with bit 0 set
+
+  std::array<uint64_t, size> target{};  ///< bit 0 set, by its bits 1 and up
+  std::array<const void*, size> code{};
+  uint32_t used = 1;
+
+  void clear() {
+    if (used != 0) target.fill(none);
+    used = 0;
+  }
+};
+
+/// What translated code uses beside the state, at a fixed distance from it.
+struct HostContext {
+  static constexpr unsigned windows = 8;
+
+  /// Upper half: cycles left, below zero when the budget is over. Lower half: instructions so far.
+  uint64_t budget = 0;
+  const Memory::Page* pages = nullptr;  ///< the view in use
+  uint64_t closed = 0;                  ///< all ones: no store beside code, its page may forbid it
+  const void* leave = nullptr;          ///< the code that returns to C++
+  uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
+  WordsAside aside{};
+  uint64_t place = 0;  ///< kept for a moment by a return
+  JumpCache jumps;
+  /// By region: for reading; for writing the longest row without code, and the one it begins with.
+  std::array<MemoryWindow, windows> read, write, write_from_base;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,226 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "armv7m/isa/op.h"
+
+namespace capsoc::armv7m {
+
+/// Groups of instructions that take the same time, in the order of the instruction set summary of
+/// the Cortex-M3 TRM (ARM DDI 0337I, table 3-1).
+enum class CycleClass : uint8_t {
+  alu,
+  multiply_add,
+  multiply_long,
+  multiply_accumulate_long,
+  divide,
+  load,
+  store,
+  store_reg,
+  dual,
+  multiple,
+  branch,
+  table,
+  barrier,
+  system
+};
+
+/// The time of everything, to be held beside the TRM. It depends on the instruction, its operands,
+/// whether it branches, and the instruction executed right before it; never on how the simulator
+/// executes it.
+///
+/// | TRM, table 3-1            | there          | here                                            |
+/// |---------------------------|----------------|-------------------------------------------------|
+/// | move, add, shift, logical | 1              | 1                                               |
+/// | ... to the PC             | 1 + P          | 1 + 2 (P, below)                                |
+/// | MUL                       | 1              | 1                                               |
+/// | MLA, MLS                  | 2              | 2                                               |
+/// | SMULL, UMULL              | 3 to 5         | 3, and 1 for each operand beyond 16 bits        |
+/// | SMLAL, UMLAL              | 4 to 7         | 4, and 1 each, and 1 if both are                |
+/// | SDIV, UDIV                | 2 to 12        | 2, and 1 for every 4 bits of quotient           |
+/// | LDR, LDREX, STREX         | 2              | 2; 1 behind a load (pairing, below)             |
+/// | LDR PC                    | 2 + P, above 4 | 2 + 3                                           |
+/// | STR [Rn, #imm]            | 2, "always 1"  | 1: it goes to the write buffer                  |
+/// | STR [Rn, Rm]              | 2              | 2; 1 behind a load                              |
+/// | LDRD, STRD                | 1 + N          | 3                                               |
+/// | LDM, STM, PUSH, POP       | 1 + N          | 1 + N, and 3 with the PC                        |
+/// | B<c>, CBZ                 | 1 or 1 + P     | 1, 1 + 1 when taken                             |
+/// | B, BL                     | 1 + P          | 1 + 1                                           |
+/// | BX, BLX                   | 1 + P          | 1 + 2                                           |
+/// | TBB, TBH                  | 2 + P, above 5 | 2 + 1 + 3: the load, the sum, the refill        |
+/// | CPS, MRS, MSR             | 1 or 2         | 2                                               |
+/// | DMB, DSB, ISB             | 1 + B          | 2                                               |
+/// | NOP, SEV, CLREX           | 1              | 1                                               |
+/// | IT                        | 1, or folded   | 1; 0 behind a 16-bit instruction (folding)      |
+/// | WFI, WFE                  | 1 + W          | 1 + the sleep                                   |
+/// | failed condition          | 1              | 1                                               |
+///
+/// P, the refill of the pipeline, is between 1 and 3 (3.3.1); it hangs on where the target lies,
+/// how wide it is, and how early its address is known. An earlier issue (DDI 0337E, 18.1) says
+/// more: one cycle where the branch holds its target as a number, two where it is in a register,
+/// and longer to a 32-bit instruction that is not aligned, since its halves are in two words: a
+/// cycle more here. Where the target is loaded it is three whatever the target (3.3.2, of LDR PC,
+/// TBB and TBH). Wait states come on top: of a data access once an access, of a fetch once a word
+/// that the instruction begins in. The parts of an unaligned access beyond the first take a cycle
+/// each.
+///
+/// Not known, and not modelled: when LDR Rx, [PC, #imm] pays its cycle for contention with the
+/// fetch (3.3.2: "might"), how far the prefetch buffer of three words hides the wait states of
+/// fetches and what rows of unaligned 32-bit instructions cost in it, when a full write buffer
+/// delays a store, and which instructions IT does not fold behind.
+namespace timing {
+constexpr unsigned refill_immediate = 1, refill_register = 2, refill_loaded = 3;
+constexpr unsigned most_refill = 3;
+
+/// Most wait states that a memory may have: the time of any instruction with those of its fetch
+/// fits the byte that a decoded one has for it (an LDM of 16 registers takes 17 cycles).
+constexpr unsigned most_wait_states = 200;
+
+/// What a refill of one or two cycles takes longer because of the instruction it leads to.
+inline unsigned refill_beyond(const DecodedOp& target) {
+  return (target.size >> 2) & (target.address >> 1) & 1;
+}
+
+// Exceptions (TRM, chapter 5): 12 cycles to the first instruction of the handler, 10 back to the
+// interrupted program, 6 from one handler to the next. A late arrival of higher priority takes over
+// the stacking that is under way and costs nothing of its own.
+constexpr unsigned exception_entry = 12;
+constexpr unsigned exception_return = 10;
+constexpr unsigned tail_chain = 6;
+constexpr unsigned late_arrival = 0;
+
+constexpr unsigned cycles(CycleClass kind) {
+  switch (kind) {
+    case CycleClass::multiply_add:
+      return 2;
+    case CycleClass::multiply_long:
+      return 3;
+    case CycleClass::multiply_accumulate_long:
+      return 4;
+    case CycleClass::divide:
+      return 2;
+    case CycleClass::load:
+      return 2;
+    case CycleClass::store:
+      return 1;
+    case CycleClass::store_reg:
+      return 2;
+    case CycleClass::dual:
+      return 3;
+    case CycleClass::multiple:
+      return 1;  // and one a register
+    case CycleClass::table:
+      return 3;
+    case CycleClass::barrier:
+      return 2;
+    case CycleClass::system:
+      return 2;
+    default:
+      return 1;
+  }
+}
+
+/// Beyond the cycles of the table: operands that need more than half of the multiplier's width.
+/// The TRM gives the range and its cause, early termination, but not the thresholds.
+constexpr unsigned long_multiply_most = 3;
+constexpr unsigned multiply_long_extra(uint32_t n, uint32_t m) {
+  return (n >> 16 != 0 ? 1u : 0u) + (m >> 16 != 0 ? 1u : 0u);
+}
+constexpr unsigned multiply_accumulate_long_extra(uint32_t n, uint32_t m) {
+  unsigned wide = multiply_long_extra(n, m);
+  return wide == 2 ? 3 : wide;
+}
+/// Size of a signed operand, for the rules that ask for its significant bits.
+constexpr uint32_t magnitude(uint32_t x) {
+  return (x >> 31) ? 0u - x : x;
+}
+
+/// Beyond the two cycles every division takes: the divider retires about four quotient bits a
+/// cycle, so the time follows the difference of the operands' magnitudes.
+constexpr unsigned divide_most = 12;
+inline unsigned divide_extra(uint32_t dividend, uint32_t divisor) {
+  if (divisor == 0 || dividend < divisor) return 0;
+  int difference = __builtin_clz(divisor) - __builtin_clz(dividend);
+  return 1 + static_cast<unsigned>(difference) / 4;
+}
+
+/// Flash words that begin inside the instruction: each costs the region's wait states once.
+constexpr unsigned words_fetched(uint32_t address, unsigned size) {
+  return ((address & 2) == 0 || size == 4) ? 1 : 0;
+}
+
+// Pairing (TRM, 3.3.2 "Load/store timings") and folding.
+//
+// What an instruction leaves for its successor: nothing (0), or the registers it has just loaded
+// or computed, that it was a 16-bit one, that it has branched and the pipeline is still refilled.
+// Conditional instructions and branches leave no registers, exceptions, accesses to devices and
+// faults nothing at all.
+using Trail = uint16_t;
+constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200, trail_refill = 0x400,
+                trail_narrow = 0x800;
+constexpr Trail trail_pairs = trail_load | trail_data;
+/// What some instructions mind that are executed next (minded_by), beside the refill.
+constexpr Trail trail_for_neighbours = trail_pairs | trail_narrow;
+
+inline Trail registers_left_by(const DecodedOp& op) {
+  if (op.condition != condition_always) return no_trail;
+  if (is(op, kind::single_transfer)) {
+    // Nothing pipelines behind a store or behind a base update, and a load to the PC branches.
+    // STREX counts as a load.
+    if (is(op, kind::store) || op.writeback || op.rd == 15) return no_trail;
+    const unsigned loaded = is(op, kind::exclusive_store) ? op.ra : op.rd;
+    return static_cast<Trail>(trail_load | loaded << 4 | loaded);
+  }
+  constexpr uint32_t computes = kind::data_processing & ~uint32_t{kind::compare};
+  if (!is(op, computes) || op.rd == 15) return no_trail;
+  const bool is_long = is(op, kind::long_multiply);
+  const unsigned second = is_long ? op.ra : op.rd;
+  return static_cast<Trail>(trail_data | second << 4 | op.rd);
+}
+
+inline Trail trail_of(const DecodedOp& op) {
+  const bool loads_pc = is(op, kind::multiple_load) && op.list.has(15);
+  const Trail width = op.size == 2 && !loads_pc ? trail_narrow : no_trail;
+  return static_cast<Trail>(registers_left_by(op) | width);
+}
+
+/// IT can be folded onto a 16-bit instruction in front of it and takes no time then (Cortex-M4 TRM,
+/// ARM DDI 0439, table 3-1; of the M3 the TRM says that there is folding and that ACTLR.DISFOLD
+/// switches it off).
+inline bool folds(Trail before, const DecodedOp& op) {
+  return op.operation == Operation::it && (before & trail_narrow) != 0;
+}
+
+/// True when the address of a transfer is made from a register of the trail.
+inline bool address_uses(const DecodedOp& op, Trail trail) {
+  const unsigned one = trail & 15, other = trail >> 4 & 15;
+  const bool table = is(op, kind::table_branch);
+  if (op.addressing != Addressing::literal && (op.rn == one || op.rn == other)) return true;
+  return (op.addressing == Addressing::reg || table) && (op.rm == one || op.rm == other);
+}
+
+/// Cycles to add to an instruction for what was executed right before it.
+inline int pairing(Trail before, const DecodedOp& op) {
+  const bool transfer = is(op, kind::transfer | kind::table_branch);
+  const bool pairs = (before & trail_pairs) != 0;
+  if (!pairs || !transfer || op.condition != condition_always) return 0;
+  // The register bank has no forwarding path to the address generation.
+  if ((before & trail_data) != 0) return address_uses(op, before) ? 1 : 0;
+  const bool pipelines = is(op, kind::single_transfer) && !op.writeback &&
+                         !address_uses(op, before) && (is(op, kind::store) || op.rd != 15);
+  return pipelines && op.cycles == 2 ? -1 : 0;
+}
+
+/// The bits of a trail that an instruction's time may hang on, but for its own refill.
+inline Trail minded_by(const DecodedOp& op) {
+  if (is(op, kind::transfer | kind::table_branch)) return trail_pairs;
+  return op.operation == Operation::it ? trail_narrow : no_trail;
+}
+/// True when a block that begins with this instruction cannot be entered behind this trail: its
+/// operations are timed as if there were none.
+inline bool hangs_on(Trail before, const DecodedOp& op) {
+  return (before & trail_for_neighbours) != 0 && (before & minded_by(op)) != 0;
+}
+}  // namespace timing
+}  // namespace capsoc::armv7m

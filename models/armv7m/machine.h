@@ -1,0 +1,64 @@
+#pragma once
+
+#include "armv7m/core_context.h"
+#include "armv7m/debugging.h"
+#include "armv7m/exceptions.h"
+#include "armv7m/execution_counts.h"
+#include "armv7m/executors/block_builder.h"
+#include "armv7m/memory/memory_access.h"
+#include "armv7m/pending_exceptions.h"
+#include "armv7m/system/system_space.h"
+#include "armv7m/watchpoints.h"
+
+namespace capsoc::armv7m {
+
+/// The processor as its executors see it, and as no other component does (core.h): the shared
+/// context and the parts around it. Beside the state it holds only caches, wires and a debugger's
+/// settings.
+class Machine : public CoreContext {
+ public:
+  Machine(Core& core, Bus& bus);
+
+  PendingExceptions pending;
+  Watchpoints watchpoints;
+  MemoryAccess memory;
+  Exceptions exceptions;
+  SystemSpace system;
+  Debugging debugging;
+  /// Blocks that may reach this cycle are not entered by a link.
+  uint64_t block_limit = 0;
+  BlockBuilder* block_builder = nullptr;  // of blocks that are not there yet; not owned
+
+  /// `b .` in a fault handler: how one that gives up ends.
+  void spin_in_fault();
+  /// What both executors do behind an operation that left: account for it, then see to its event.
+  void account(const Step& op);
+  void conclude(const Step& op);
+  /// In between, while executions are counted.
+  void count(const Step& op) {
+    if (event.kind == Event::Kind::none) counts->left(op, state.pc);
+  }
+  /// Takes the event.
+  void handle_event();
+};
+
+inline void Machine::account(const Step& op) {
+  state.cycles += op.cycles_before + op.cycles;
+  state.instructions += op.instructions_to;
+  state.it_state = op.it_after;
+  state.trail = state.refilling ? timing::trail_refill
+                : state.stalled ? timing::no_trail
+                                : op.trail;
+  state.stalled = state.refilling = false;
+}
+
+inline void Machine::conclude(const Step& op) {
+  if (__builtin_expect(event.kind == Event::Kind::none, 1)) return;
+  if (event.kind == Event::Kind::fault) state.it_state = op.it_before;
+  if (event.kind == Event::Kind::exception_return) event.return_address = op.address;
+  state.trail = timing::no_trail;
+  handle_event();
+  if (counts != nullptr) counts->moved(next_address(op), state.pc);
+}
+
+}  // namespace capsoc::armv7m

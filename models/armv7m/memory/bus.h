@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+namespace capsoc::armv7m {
+
+enum class AccessKind : uint8_t { fetch, load, store };
+
+/// The slow path of the core: everything without a direct mapping. Addresses are aligned to the
+/// size of 1, 2 or 4 bytes; false is a bus error; `wait_cycles` is what the access took beyond its
+/// first cycle.
+class Bus {
+ public:
+  virtual ~Bus() = default;
+  virtual bool read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
+                    AccessKind kind) = 0;
+  virtual bool write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) = 0;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+#include "armv7m/core_context.h"
+
+namespace capsoc::armv7m {
+
+/// Which exceptions are pending and which of them may be taken (ARM DDI 0403, B1.5.4): priorities,
+/// masks, and what makes an exception pending. Takes none: Exceptions does.
+class PendingExceptions {
+ public:
+  /// `context` is not owned.
+  explicit PendingExceptions(CoreContext& context) : context_(context) {}
+
+  /// Lower is more urgent; 256 when nothing is active or masked.
+  int execution_priority(bool ignore_primask = false) const;
+  int group_priority(unsigned number) const;
+  bool enabled(unsigned number) const;
+  /// The pending exception of the highest priority, lowest number first, if it preempts `below`;
+  /// else 0.
+  unsigned highest_pending(int below) const;
+  /// WFI wakes on an exception that would preempt were PRIMASK clear; WFE besides on an event
+  /// (B1.5.17).
+  bool wake_pending() const;
+  /// Whether an exception that comes by itself, NMI aside, could preempt the present code.
+  bool can_be_preempted() const;
+
+  void pend(unsigned number);
+  /// A store that had left the instruction behind failed (B1.5.14): BusFault, or HardFault where
+  /// that is disabled, waits until its priority is sufficient. No register keeps the write.
+  void imprecise_bus_fault(const LostWrite& write);
+  /// An event of the DWT or a step (C1.6.1): ignored unless the DebugMonitor is enabled and of
+  /// sufficient priority.
+  void debug_event(Scb::DebugReason reason);
+  bool monitor_can_preempt() const;
+
+ private:
+  CoreContext& context_;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+
+#include "armv7m/core_context.h"
+#include "armv7m/memory/memory_access.h"
+#include "armv7m/memory/private_bus.h"
+#include "armv7m/pending_exceptions.h"
+#include "armv7m/system/registers.h"
+
+namespace capsoc::armv7m {
+
+/// The private peripheral bus (B3.1, C1.2): takes each access to the room whose register it is, and
+/// what follows from it to the others.
+class SystemSpace : public PrivateBus {
+ public:
+  /// Nothing is owned.
+  SystemSpace(CoreContext& context, PendingExceptions& pending, MemoryAccess& memory)
+      : context_(context), pending_(pending), memory_(memory) {}
+
+  /// Without privilege only STIR answers, if CCR.USERSETMPEND lets it, and open stimulus ports.
+  BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged) override;
+  BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged) override;
+  uint32_t peek(uint32_t address) const override;
+
+  void check_access(const DecodedOp& op, uint32_t address, unsigned size) override;
+  void check_write(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value,
+                   bool done) override;
+  void check_basepri(const DecodedOp& op, uint32_t value);
+
+  /// A debugger's access: DEMCR.TRCENA is set.
+  void enable_tracing();
+  /// What has to be looked at at each instruction or access, from DEMCR and the DWT's registers.
+  void select_observation();
+
+ private:
+  bool open_to_user(uint32_t address, bool write) const;
+  uint32_t icsr() const;
+  void write_word(const SystemRegister& target, uint32_t address, const LaneWrite& write);
+  void write_icsr(uint32_t value);
+  void write_interrupts(uint32_t address, const LaneWrite& write);
+  void write_demcr(uint32_t value);
+  void write_itm(uint32_t address, unsigned size, uint32_t value);
+  void check_mpu(const DecodedOp& op, uint32_t address, uint32_t value);
+  void check_priorities(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value);
+  void dropped_priority(const DecodedOp& op, const DroppedPriority& dropped);
+
+  CoreContext& context_;
+  PendingExceptions& pending_;
+  MemoryAccess& memory_;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,121 @@
+#include "armv7m/tlm/bus_access.h"
+
+#include <algorithm>
+
+namespace capsoc::armv7m {
+namespace {
+
+constexpr uint32_t code_region_end =
+    0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
+
+}  // namespace
+
+BusAccess::BusAccess(const Ports& ports, kit::ClockDomain& clock, Core& core, TimeHorizon& horizon)
+    : ports_(ports), clock_(clock), core_(core), horizon_(horizon) {
+  // Putting them on and off costs as much as a hop of the bus.
+  payload_.set_extension(&steady_);
+  payload_.set_extension(&early_);
+}
+
+BusAccess::~BusAccess() {
+  payload_.clear_extension<kit::SteadyRead>();
+  payload_.clear_extension<kit::EarlyWrite>();
+}
+
+BusAccess::Port& BusAccess::port(uint32_t address, AccessKind kind) {
+  if (address >= code_region_end) return ports_.system;
+  return kind == AccessKind::fetch ? ports_.icode : ports_.dcode;
+}
+
+bool BusAccess::map_if_memory(uint32_t address, AccessKind kind) {
+  tlm::tlm_generic_payload request;
+  tlm::tlm_dmi memory;
+  request.set_address(address);
+  request.set_command(tlm::TLM_WRITE_COMMAND);
+  if (!port(address, kind)->get_direct_mem_ptr(request, memory)) return false;
+  const uint64_t size = memory.get_end_address() - memory.get_start_address() + 1;
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const auto wait_states = static_cast<unsigned>(clock_.cycles_at(now + memory.get_read_latency()) -
+                                                 clock_.cycles_at(now));
+  core_.map_memory(static_cast<uint32_t>(memory.get_start_address()), static_cast<uint32_t>(size),
+                   memory.get_dmi_ptr(), memory.is_write_allowed(), wait_states);
+  return true;
+}
+
+void BusAccess::invalidate(uint64_t first, uint64_t last) {
+  core_.unmap_memory(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1));
+  granted_.erase(std::remove_if(granted_.begin(), granted_.end(),
+                                [&](const Granted& granted) {
+                                  return granted.address >= first && granted.address <= last;
+                                }),
+                 granted_.end());
+}
+
+void BusAccess::remap() {
+  for (const Granted& granted : granted_) map_if_memory(granted.address, granted.kind);
+}
+
+bool BusAccess::may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const {
+  if (horizon_.is_late()) return false;
+  if (kind == AccessKind::load) return address == steady_address_;
+  return kind == AccessKind::store && may_write_early && address == early_address_ &&
+         payload_.get_data_length() == early_size_;
+}
+
+/// Makes the transaction that payload_ describes; returns the cycles it took.
+unsigned BusAccess::transport(uint32_t address, AccessKind kind, bool may_write_early) {
+  const bool ahead = may_be_ahead(address, kind, may_write_early);
+  if (!ahead) horizon_.synchronise();
+  const unsigned cycles = send(address, kind, ahead);
+  if (kind != AccessKind::store || !early_.refused()) return cycles;
+  horizon_.synchronise();
+  return send(address, kind, false);
+}
+
+unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
+  steady_.steady = false;
+  payload_.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  early_.early = ahead;
+  early_.taken = false;
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const sc_core::sc_time begin =
+      ahead ? clock_.time_of(core_.cycles()) - now : sc_core::SC_ZERO_TIME;
+  sc_core::sc_time delay = begin;
+  accessing_ = kind;
+  port(address, kind)->b_transport(payload_, delay);
+  accessing_.reset();
+  return static_cast<unsigned>(clock_.cycles_at(sc_core::sc_time_stamp() + delay) -
+                               clock_.cycles_at(now + begin));
+}
+
+BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, unsigned size,
+                                    uint32_t& value, AccessKind kind, bool may_write_early) {
+  uint8_t bytes[4] = {};
+  if (command == tlm::TLM_WRITE_COMMAND)
+    for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
+  payload_.set_command(command);
+  payload_.set_address(address);
+  payload_.set_dmi_allowed(false);
+  payload_.set_data_ptr(bytes);
+  payload_.set_data_length(size);
+  payload_.set_streaming_width(size);
+  Result result;
+  result.wait_cycles = transport(address, kind, may_write_early);
+  result.steady = steady_.steady;
+  // A steady read that was made ahead has done nothing.
+  if (!early_.early || !result.steady) horizon_.look_ahead();
+  result.ok = payload_.is_response_ok();
+  result.maps = payload_.is_dmi_allowed() && map_if_memory(address, kind);
+  if (result.maps) granted_.push_back({address, kind});
+
+  value = 0;
+  for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
+  if (result.steady) steady_address_ = address;
+  if (kind == AccessKind::store) {
+    early_address_ = early_.taken ? std::optional(address) : std::nullopt;
+    early_size_ = size;
+  }
+  return result;
+}
+
+}  // namespace capsoc::armv7m

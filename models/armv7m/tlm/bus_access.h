@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <systemc>
+#include <tlm>
+#include <vector>
+
+#include "armv7m/core.h"
+#include "armv7m/tlm/time_horizon.h"
+#include "base/archive.h"
+#include "kit/clock_domain.h"
+#include "kit/early_write.h"
+#include "kit/steady_read.h"
+
+namespace capsoc::armv7m {
+
+/// The core's accesses as transactions on the three AHB-Lite ports, each at its exact time: before
+/// one the kernel catches up with the core, unless the device takes the time of the access as a
+/// delay (kit::SteadyRead, kit::EarlyWrite) and the kernel has nothing to do before. Maps memory
+/// that a port grants directly. Nothing passed in is owned.
+class BusAccess {
+ public:
+  using Port = tlm::tlm_initiator_socket<32>;
+  struct Ports {
+    Port& icode;   ///< instruction fetches below 0x20000000
+    Port& dcode;   ///< data accesses below 0x20000000
+    Port& system;  ///< everything else
+  };
+  struct Result {
+    bool ok = false;
+    bool steady = false;  ///< side-effect-free and stable, as the device said
+    bool maps = false;    ///< the memory was mapped: it is not accessed over the bus any more
+    unsigned wait_cycles = 0;
+  };
+
+  BusAccess(const Ports& ports, kit::ClockDomain& clock, Core& core, TimeHorizon& horizon);
+  ~BusAccess();
+  BusAccess(const BusAccess&) = delete;
+  BusAccess& operator=(const BusAccess&) = delete;
+
+  /// Makes an access of 1, 2 or 4 bytes and looks ahead again. `may_write_early`: a write that the
+  /// device takes early need not wait for the kernel.
+  Result access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
+                AccessKind kind, bool may_write_early);
+  /// What the access that is on a socket now is for; nothing: there is none.
+  std::optional<AccessKind> accessing() const { return accessing_; }
+
+  /// The port takes direct memory back.
+  void invalidate(uint64_t first, uint64_t last);
+  /// The memory that was granted; after a restore remap() maps it again.
+  void visit(Archive& archive) { archive.sequence("granted", granted_, 4096); }
+  void remap();
+
+ private:
+  /// Direct memory that was granted: the first access to it went over the bus and took its time.
+  struct Granted {
+    uint32_t address = 0;
+    AccessKind kind = AccessKind::load;
+    void visit(Archive& archive) {
+      archive("address", address);
+      archive.at_most("kind", kind, AccessKind::store);
+    }
+  };
+
+  Port& port(uint32_t address, AccessKind kind);
+  bool may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const;
+  unsigned transport(uint32_t address, AccessKind kind, bool may_write_early);
+  unsigned send(uint32_t address, AccessKind kind, bool ahead);
+  bool map_if_memory(uint32_t address, AccessKind kind);
+
+  Ports ports_;
+  kit::ClockDomain& clock_;
+  Core& core_;
+  TimeHorizon& horizon_;
+  tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
+  kit::SteadyRead steady_;            // on the payload: of the last read
+  kit::EarlyWrite early_;             // on the payload: of the last write
+  std::optional<uint32_t> steady_address_;  // of the last steady read
+  std::optional<uint32_t> early_address_;   // of the last write that was taken early, or would be
+  unsigned early_size_ = 0;
+  std::optional<AccessKind> accessing_;
+  std::vector<Granted> granted_;
+};
+
+}  // namespace capsoc::armv7m

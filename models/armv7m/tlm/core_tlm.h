@@ -1,0 +1,156 @@
+// TLM-2.0 shell of the Cortex-M3: three AHB-Lite ports, interrupt lines, and the core's cycles tied
+// to simulated time.
+//
+// The quantum is a speed knob and nothing else. The core never runs past the kernel's next pending
+// activity, and before an access to a device it synchronises, or is sure that the device may be
+// told the time of the access instead. So every model sees every access at its exact time, and
+// every interrupt reaches the core at the instruction it would reach without temporal decoupling.
+#pragma once
+
+#include <tlm_utils/simple_initiator_socket.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <systemc>
+
+#include "armv7m/core.h"
+#include "armv7m/tlm/bus_access.h"
+#include "armv7m/tlm/debugger.h"
+#include "armv7m/tlm/end_on_idle.h"
+#include "armv7m/tlm/end_reason.h"
+#include "armv7m/tlm/polling_skipper.h"
+#include "armv7m/tlm/sleep.h"
+#include "armv7m/tlm/time_horizon.h"
+#include "kit/clock_domain.h"
+#include "kit/component.h"
+
+namespace capsoc::armv7m {
+
+/// The processor as a bus master: its SystemC process, and what that is made of: a TimeHorizon, its
+/// BusAccess, a PollingSkipper and its Sleep.
+class CoreTlm : public sc_core::sc_module,
+                public kit::Component,
+                private Bus,
+                private Sleep::Client {
+ public:
+  using Socket = tlm_utils::simple_initiator_socket_tagged<CoreTlm, 32>;
+
+  Socket icode;   ///< instruction fetches below 0x20000000
+  Socket dcode;   ///< data accesses below 0x20000000
+  Socket system;  ///< everything else
+
+  CoreTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
+
+  /// How far the core may run ahead of the kernel.
+  void set_quantum(const sc_core::sc_time& quantum) { horizon_.set_quantum(quantum); }
+  /// Whether the turns of a loop that only waits for a device are skipped as far as nothing can
+  /// happen, and what such loops do beside is done without the kernel where it may be. It changes
+  /// nothing but the host's time.
+  void set_fast_forward(bool on) { polling_.set_enabled(on); }
+  /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
+  void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
+  /// A level on an interrupt line.
+  void set_interrupt(unsigned line, bool level);
+  /// A rising edge of the NMI input.
+  void pulse_nmi();
+  /// A system reset from outside (a watchdog, a pin), before the next instruction.
+  void request_reset();
+
+  Core& core() { return core_; }
+  const Core& core() const { return core_; }
+  EndReason end_reason() const { return end_reason_; }
+
+  /// What the access that is on a socket now is for; nothing: it is not the core's (a debugger's).
+  std::optional<AccessKind> accessing() const { return bus_.accessing(); }
+
+  /// Asked again and again while the core executes, hundreds of thousands of cycles apart at the
+  /// most, and soon after interrupt() whatever the core does: true ends the simulation (a limit of
+  /// the host's time, a signal).
+  void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
+  /// Has that asked soon by a core that executes. A signal handler may call it.
+  void interrupt() { called_.store(true, std::memory_order_relaxed); }
+  /// The same for a core that sleeps, which may be at any simulated time: for whoever runs the
+  /// kernel, while it is paused.
+  void wake_if_interrupted() {
+    if (is_called()) sleep_.wake();
+  }
+
+  /// Behind the end of the simulation: a core that sleeps has done so until now, whoever woke it
+  /// in between.
+  void count_sleep() { horizon_.catch_up(); }
+
+  /// Ends the simulation when the program has been idle for so long (end_on_idle.h).
+  void set_end_on_idle(EndOnIdle rule) { sleep_.set_end_on_idle(std::move(rule)); }
+  /// The program did something at this instant that is seen outside: it is not idle.
+  void note_work() { sleep_.note_work(); }
+
+  /// Called between two instructions, with the core and the kernel at one instant, the first at or
+  /// after the time that was asked for; asleep counts as between. Returns when it wants to be
+  /// called again, sc_max_time(): never. It changes nothing in the simulation.
+  using Pause = std::function<sc_core::sc_time(const sc_core::sc_time& now)>;
+  void set_pause(const sc_core::sc_time& first, Pause pause);
+  /// The pause is wanted now, from within a call that the processor makes.
+  void pause_now() { horizon_.set_pause(sc_core::SC_ZERO_TIME); }
+  /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
+  /// state back. False ends the simulation.
+  void resume_at(const sc_core::sc_time& time, std::function<bool()> load);
+  bool waits_for_resume() const { return static_cast<bool>(load_); }
+
+  const char* component_name() const override { return basename(); }
+  /// The processor's part of a system reset is the caller of on_reset_request()'s.
+  void reset() override {}
+  void visit(Archive& archive) override;
+  void restored() override;
+
+  /// Asked before and told after every run of the core; null: nobody. It stays the caller's.
+  void set_debugger(Debugger* debugger) { debugger_ = debugger; }
+  /// A system reset at once; for the debugger, out of its calls.
+  void reset_now() { reset_system(); }
+
+ private:
+  void thread();
+  bool is_called() const { return called_.load(std::memory_order_relaxed); }
+  bool skip_known_turns();
+  void skip_polling();
+  void end(EndReason reason);
+  bool begin();
+  void reset_system();
+  bool access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
+              unsigned& wait_cycles, AccessKind kind);
+  void invalidate(int port, sc_dt::uint64 first, sc_dt::uint64 last);
+  void attend_to(StopReason reason);
+
+  bool read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
+            AccessKind kind) override;
+  bool write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) override;
+
+  bool must_wake() const override { return reset_requested_; }
+  bool is_interrupted() override;
+  void pause_if_due() override;
+  bool has_debugger() const override { return debugger_ != nullptr; }
+  bool debugger_wants_attention() const override {
+    return debugger_ != nullptr && debugger_->wants_attention();
+  }
+  bool debugger_takes_over() override { return debugger_->asleep_for_good(); }
+
+  kit::ClockDomain& clock_;
+  Core core_;
+  TimeHorizon horizon_;
+  BusAccess bus_;
+  PollingSkipper polling_;
+  Sleep sleep_;
+  std::atomic<bool> called_{false};  // by interrupt()
+  uint64_t asked_at_ = 0;            // the cycle at which interrupted_ was asked last
+  std::function<void()> reset_request_;
+  std::function<bool()> interrupted_;
+  EndReason end_reason_ = EndReason::none;
+  Debugger* debugger_ = nullptr;
+  bool reset_requested_ = false;
+  Pause pause_;
+  sc_core::sc_time resume_at_;
+  std::function<bool()> load_;  // empty: nothing to be loaded, or it is
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "armv7m/core.h"
+#include "armv7m/tlm/polling_watch.h"
+
+namespace capsoc::armv7m {
+
+/// What an access to the bus resulted in.
+struct BusTransfer {
+  uint32_t address, size, value, wait_cycles;
+  bool operator==(const BusTransfer& other) const {
+    return address == other.address && size == other.size && value == other.value &&
+           wait_cycles == other.wait_cycles;
+  }
+};
+
+/// Executes loops that only wait for a device without host time: one iteration by single steps,
+/// then as many whole ones as end before anything can happen. And answers a repeated read of the
+/// same status without an access. Depends on no kernel: the caller passes in how far the core may
+/// go and whether the kernel has run. The core is not owned.
+class PollingSkipper {
+ public:
+  explicit PollingSkipper(Core& core) : core_(core) {}
+
+  /// Off: it notices nothing, and every access is made. It is on at first.
+  void set_enabled(bool on) { enabled_ = on; }
+  bool enabled() const { return enabled_; }
+
+  /// Before an access is made: the previous read no longer counts.
+  void forget_read() { holds_ = false; }
+  /// After it. `is_read`: a successful load; `steady`: side-effect-free, and stable until the
+  /// kernel's next activity (kit::SteadyRead); `limit`: the cycle of that; `kernel_runs`: a number
+  /// that changes whenever the kernel runs.
+  void made(const BusTransfer& transfer, bool is_read, bool steady, uint64_t limit,
+            uint64_t kernel_runs);
+  /// The latest transfer, if the same read need not be made again: the device said so, and neither
+  /// the kernel nor another access has run since. Else null.
+  const BusTransfer* repeats(uint32_t address, unsigned size, uint64_t kernel_runs) const {
+    const bool same = holds_ && kernel_runs == kernel_runs_ && latest_->address == address &&
+                      latest_->size == size;
+    return same ? &*latest_ : nullptr;
+  }
+  /// Instead of made(), where that transfer was taken.
+  void repeated(uint64_t limit) { note(*latest_, true, limit); }
+
+  /// Whether it is worth a look after this run of the core.
+  bool seems_to_poll() const { return seems_to_poll_; }
+  void clear() { seems_to_poll_ = false; }
+
+  /// After a read that the kernel has not run since: skips whole iterations up to a cycle if the
+  /// read is the one of the iteration measured last and everything else is as it was there. False,
+  /// and nothing done: it is not.
+  bool skip_known(uint64_t limit);
+  /// Executes up to two iterations by single steps, below a cycle. Nothing: the program does not
+  /// only wait. The caller lets the kernel catch up, and calls skip() if nothing has changed.
+  std::optional<Turn> measure(uint64_t until_cycle);
+  /// Skips whole iterations like the one measured, as long as its reads are stable.
+  void skip(const Turn& turn) { core_.skip_turns(turn, steady_until_); }
+
+ private:
+  void note(const BusTransfer& transfer, bool steady, uint64_t limit);
+
+  Core& core_;
+  PollingWatch watch_;
+  bool enabled_ = true;
+  std::optional<BusTransfer> latest_;  // only a steady read is one of an iteration
+  bool latest_steady_ = false;
+  bool holds_ = false;  // it was a steady read, and no access has been made since
+  uint64_t kernel_runs_ = 0;
+  bool seems_to_poll_ = false;
+  // While an iteration is measured
+  bool measuring_ = false;
+  uint64_t steady_until_ = 0;             // the cycle until which all its reads stay as they are
+  std::array<uint64_t, 2> read_at_{};     // the cycles of the latest two reads
+  std::optional<BusTransfer> only_read_;  // of the iteration measured last, if it has just one
+};
+
+}  // namespace capsoc::armv7m

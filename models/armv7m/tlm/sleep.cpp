@@ -1,0 +1,73 @@
+#include "armv7m/tlm/sleep.h"
+
+#include <algorithm>
+
+namespace capsoc::armv7m {
+
+void Sleep::note_work() {
+  // The core may be ahead of the kernel; behind it is only after a change to a faster clock.
+  if (end_on_idle_)
+    end_on_idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
+}
+
+void Sleep::visit(Archive& archive) {
+  bool watched = end_on_idle_.has_value();
+  archive("ends_on_idle", watched);
+  if (watched != end_on_idle_.has_value())
+    return archive.refuse("is of a run with another end_on_idle");
+  if (end_on_idle_) archive("end_on_idle", *end_on_idle_);
+}
+
+EndReason Sleep::until_woken() {
+  if (end_on_idle_) end_on_idle_->fall_asleep(sc_core::sc_time_stamp());
+  const EndReason reason = sleep();
+  if (end_on_idle_) end_on_idle_->wake_up(sc_core::sc_time_stamp());
+  return reason;
+}
+
+EndReason Sleep::sleep() {
+  while (!core_.wake_pending() && !client_.must_wake()) {
+    const sc_core::sc_time now = sc_core::sc_time_stamp();
+    if (end_on_idle_ && end_on_idle_->is_over(now)) return EndReason::end_on_idle;
+    if (const std::optional<EndReason> ends = wait_for_something(now)) return *ends;
+    horizon_.settle();
+    horizon_.catch_up();
+    if (client_.is_interrupted()) return EndReason::interrupted;
+    // What was slept so far counts.
+    if (end_on_idle_ && horizon_.pause_at() <= sc_core::sc_time_stamp())
+      end_on_idle_->wake_up(sc_core::sc_time_stamp());
+    client_.pause_if_due();
+    if (client_.debugger_wants_attention()) break;
+  }
+  return EndReason::none;
+}
+
+/// Waits for what can come next. A reason: nothing can, and the sleep ends with it.
+std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) {
+  const sc_core::sc_time longest_nap(1, sc_core::SC_MS);  // with a debugger
+  sc_core::sc_time nap =
+      end_on_idle_ ? end_on_idle_->deadline() - now : sc_core::sc_max_time() - now;
+  if (horizon_.pause_at() > now && horizon_.pauses())
+    nap = std::min(nap, horizon_.pause_at() - now);
+  const uint64_t internal = core_.next_internal_event();
+  if (internal != Core::never) {
+    const sc_core::sc_time until = clock_.time_of(internal);
+    if (client_.has_debugger()) nap = std::min(nap, longest_nap);
+    if (until > now) sc_core::wait(std::min(until - now, nap), wake_);
+    return std::nullopt;
+  }
+  if (client_.has_debugger() && sc_core::sc_pending_activity()) {
+    sc_core::wait(std::min(nap, longest_nap), wake_);
+    return std::nullopt;
+  }
+  // Nothing in the kernel and nothing in the core: this sleep has no end.
+  if (client_.has_debugger() && client_.debugger_takes_over()) return EndReason::none;
+  if (!end_on_idle_ && !sc_core::sc_pending_activity()) return EndReason::asleep;
+  if (end_on_idle_ || horizon_.pauses())
+    sc_core::wait(nap, wake_);
+  else
+    sc_core::wait(wake_);
+  return std::nullopt;
+}
+
+}  // namespace capsoc::armv7m

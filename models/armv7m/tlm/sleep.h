@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <systemc>
+#include <utility>
+
+#include "armv7m/core.h"
+#include "armv7m/tlm/end_on_idle.h"
+#include "armv7m/tlm/end_reason.h"
+#include "armv7m/tlm/time_horizon.h"
+#include "base/archive.h"
+#include "kit/clock_domain.h"
+
+namespace capsoc::armv7m {
+
+/// The processor asleep (WFI, WFE): waits in the kernel until an interrupt, an event of the core's
+/// own (SysTick) or a client wakes it, and notices a program that has nothing left to do. Nothing
+/// passed in is owned.
+class Sleep {
+ public:
+  /// Who may end a sleep, or wants to run during it. All calls come from the processor's process.
+  class Client {
+   public:
+    virtual bool must_wake() const = 0;
+    /// True ends the simulation. Asked at each awakening.
+    virtual bool is_interrupted() = 0;
+    virtual void pause_if_due() = 0;
+    /// A debugger is asked now and then, so that it can interrupt the sleep.
+    virtual bool has_debugger() const = 0;
+    virtual bool debugger_wants_attention() const = 0;
+    /// Nothing is left that could wake the processor. True: the sleep ends, and not the simulation.
+    virtual bool debugger_takes_over() = 0;
+
+   protected:
+    ~Client() = default;
+  };
+
+  Sleep(kit::ClockDomain& clock, Core& core, TimeHorizon& horizon, Client& client)
+      : clock_(clock), core_(core), horizon_(horizon), client_(client) {}
+
+  /// Sleeps. Anything but `none` ends the simulation.
+  EndReason until_woken();
+  /// Looks again whether there is a reason to wake up. From any process, at any time.
+  void wake() { wake_.notify(sc_core::SC_ZERO_TIME); }
+
+  /// Ends the simulation when the program has been idle for a time.
+  void set_end_on_idle(EndOnIdle rule) { end_on_idle_.emplace(std::move(rule)); }
+  bool ends_on_idle() const { return end_on_idle_.has_value(); }
+  /// The program did something at the core's time that is seen outside: it is not idle.
+  void note_work();
+  /// An access to this address outside the memories.
+  void note_access(uint32_t address) {
+    if (end_on_idle_ && end_on_idle_->is_work(address)) note_work();
+  }
+  /// A state of a run that ends on idle does not fit one that does not.
+  void visit(Archive& archive);
+
+ private:
+  EndReason sleep();
+  std::optional<EndReason> wait_for_something(const sc_core::sc_time& now);
+
+  kit::ClockDomain& clock_;
+  Core& core_;
+  TimeHorizon& horizon_;
+  Client& client_;
+  sc_core::sc_event wake_;
+  std::optional<EndOnIdle> end_on_idle_;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <systemc>
+
+#include "armv7m/core.h"
+#include "kit/clock_domain.h"
+
+namespace capsoc::armv7m {
+
+/// How far the core may run ahead of the kernel, and how the two come together again. The core
+/// never passes the kernel's next pending activity, a pause, or the end of the quantum.
+///
+/// Functions that wait must be called from the processor's SystemC process. Cycles are edge numbers
+/// of the clock. Clock and core are not owned.
+class TimeHorizon {
+ public:
+  TimeHorizon(kit::ClockDomain& clock, Core& core) : clock_(clock), core_(core) {}
+
+  /// How far the core may run ahead, from the next look_ahead() on.
+  void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
+  /// The core stops at the first instant at or after `time`; sc_max_time(): no pause.
+  void set_pause(const sc_core::sc_time& time);
+  /// The same, from the next look_ahead() on: between two runs of the core.
+  void plan_pause(const sc_core::sc_time& time) { pause_at_ = time; }
+  const sc_core::sc_time& pause_at() const { return pause_at_; }
+  bool pauses() const { return pause_at_ != sc_core::sc_max_time(); }
+
+  /// Asks the kernel for its next activity. Call after anything that may have scheduled one.
+  void look_ahead();
+  /// Computes the bounds again: the same times may be other cycles now.
+  void clock_changed() { set_bounds(); }
+  /// Begins a run of the core: the first cycle that it may not reach. No later than `longest`
+  /// cycles from now.
+  uint64_t begin_run(uint64_t longest);
+  /// Of the run that was begun.
+  uint64_t end_of_run() const { return end_of_run_; }
+  /// A bound has come nearer than it was when the run began.
+  bool is_nearer() const { return limit_ < end_of_run_; }
+  /// The first cycle that the core may not pass without the kernel.
+  uint64_t limit() const { return limit_; }
+  /// Something happens in the kernel, or between it and the core, at or before the core's time; or
+  /// the kernel is to stop and waits for its processes.
+  bool is_late() const { return core_.cycles() >= late_from_ || is_stopping(); }
+
+  /// Lets the kernel catch up with the core, and settles.
+  void synchronise();
+  /// Lets the kernel do what is due up to the core's time and go no further, so that the core meets
+  /// what it waits for without an instant of its own. Behind a pause it synchronises.
+  void follow();
+  /// Everything else that happens at this instant happens before the processor's next instruction.
+  void settle();
+  /// Advances the core to the kernel. After a change to a faster clock inside an instruction the
+  /// clock domain is ahead of the core: the core stalls.
+  void catch_up();
+  /// Changes whenever the kernel has run.
+  uint64_t kernel_runs() const { return kernel_runs_; }
+
+ private:
+  /// sc_stop() was called, by any process.
+  static bool is_stopping() { return sc_core::sc_get_simulator_status() != sc_core::SC_SIM_OK; }
+  void set_bounds();
+  void let_kernel_run(const sc_core::sc_time& time);
+
+  kit::ClockDomain& clock_;
+  Core& core_;
+  sc_core::sc_time quantum_{1, sc_core::SC_MS};
+  sc_core::sc_time pause_at_ = sc_core::sc_max_time();
+  sc_core::sc_time looked_at_;      // the kernel was asked last, after an access or a wait:
+  sc_core::sc_time next_activity_;  // its next one, which does not come nearer by itself
+  uint64_t late_from_ = 0;          // the first cycle at or after which the kernel has to run
+  uint64_t limit_ = 0;
+  uint64_t end_of_run_ = 0;
+  uint64_t kernel_runs_ = 0;
+};
+
+}  // namespace capsoc::armv7m

@@ -1,0 +1,15 @@
+// Whether the samples that a fit left out are disturbances, or a part of the turn where the sensor
+// is no ellipse.
+#pragma once
+
+#include "identification/gates.h"
+#include "identification/robust_fit.h"
+
+namespace capsoc::identification {
+
+/// "places": disturbances strike at any angle. Outliers near the ellipse which are at the same
+/// angles more often than the kept samples explain, and outliers without which a part of the turn
+/// has no sample, are no disturbances but a dead zone, a stuck code or a broken contact.
+Gate check_left_out(const Samples& samples, const RobustFit& robust);
+
+}  // namespace capsoc::identification

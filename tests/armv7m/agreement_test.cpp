@@ -1,0 +1,137 @@
+// The executors against each other: random programs, random interrupts, random quanta.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <optional>
+#include <random>
+
+#include "armv7m/isa/decoder.h"
+#include "bench.h"
+#include "board.h"
+#include "executors.h"
+#include "step_counts.h"
+
+namespace capsoc::armv7m::test {
+namespace {
+
+/// Random bits through the pattern of a random line of isa.def; plain random bits now and then.
+void random_code(std::mt19937& random, std::vector<uint8_t>& flash) {
+  uint32_t at = Bench::program;
+  auto put = [&](uint32_t halfword) {
+    uint16_t h = static_cast<uint16_t>(halfword);
+    std::memcpy(&flash[at], &h, 2);
+    at += 2;
+  };
+  while (at < Bench::program + 0x400) {
+    const Encoding& e = encodings()[random() % encoding_count()];
+    uint32_t bits = (random() & ~e.mask) | e.value;
+    if (random() % 32 == 0) {
+      put(random());
+    } else if (e.length == 32) {
+      put(bits >> 16);
+      put(bits);
+    } else {
+      put(bits);
+    }
+  }
+}
+
+/// The DWT and the DebugMonitor at work in a third of the programs.
+void watch_at_random(Bench& b, std::mt19937& random) {
+  const auto write = [&b](uint32_t address, uint32_t value) {
+    b.core.debug_write(address, &value, 4);
+  };
+  write(0xE000EDFC, 1u << 24 | 1u << 16 | (random() % 4 == 0 ? 1u << 18 : 0));
+  write(0xE0001000, 1);
+  for (uint32_t n = 0; n < 4; ++n) {
+    const uint32_t place = random() % 2 == 0 ? Bench::ram_base + (random() & 0xFFFF)
+                                             : Bench::program + (random() & 0x3FE);
+    write(0xE0001020 + 16 * n, n == 0 ? random() % 2000 : place);
+    write(0xE0001024 + 16 * n, random() % 16);
+    write(0xE0001028 + 16 * n, n == 0 ? 0x84 : random() % 8);
+  }
+}
+
+void prepare(Bench& b, uint32_t seed) {
+  std::mt19937 random(seed);
+  random_code(random, b.flash);
+  // HardFault steps over the faulting halfword: ldr r0,[sp,#24]; adds r0,#2; str r0,[sp,#24]; bx lr
+  b.code(0x4000 + 32 * 3, {0x9806, 0x3002, 0x9006, 0x4770});
+  for (uint8_t& byte : b.ram) byte = static_cast<uint8_t>(random());
+  b.on_write = [&b](uint32_t value) { b.core.set_interrupt(value & 31, (value & 32) != 0); };
+  b.core.reset();
+  for (unsigned n = 0; n < 13; ++n) {
+    b.core.set_reg(n, n % 3 == 0 ? random() : Bench::ram_base + (random() & 0xFFFC));
+  }
+  b.core.set_reg(7, 0x40000000);
+  uint32_t enable = 0xE000E100;
+  b.core.set_reg(6, enable);
+  if (seed % 3 == 2) watch_at_random(b, random);
+}
+
+void expect_equal(Bench& a, Bench& b, uint32_t seed) {
+  for (unsigned n = 0; n < 16; ++n)
+    ASSERT_EQ(a.core.reg(n), b.core.reg(n)) << "r" << n << " seed " << seed;
+  ASSERT_EQ(a.core.state().xpsr(), b.core.state().xpsr()) << "seed " << seed;
+  ASSERT_EQ(a.core.cycles(), b.core.cycles()) << "seed " << seed;
+  ASSERT_EQ(a.core.instructions(), b.core.instructions()) << "seed " << seed;
+}
+
+}  // namespace
+
+class Agreement : public testing::TestWithParam<Executor> {};
+
+TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
+  const unsigned long programs = repetitions("CAPSOC_AGREEMENT", 1500);
+  uint64_t instructions = 0, faults = 0, translated = 0;
+  const unsigned long first = repetitions("CAPSOC_AGREEMENT_SEED", 1);
+  for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
+    Bench a(seed % 3), b(seed % 3);
+    a.core.set_executor(Executor::stepping);
+    choose(b.core, GetParam());
+    prepare(a, seed);
+    prepare(b, seed);
+    std::optional<StepCounts> steps;
+    ExecutionCounts executed;
+    if (seed % 2 == 0) {
+      steps.emplace(a.core);
+      b.core.count_executions(&executed);
+    }
+    std::mt19937 random(seed * 7919);
+    for (unsigned slice = 0; slice < 12; ++slice) {
+      const uint64_t longest = seed % 2 == 0 ? 200 : 1500;
+      uint64_t until = a.core.cycles() + 1 + random() % longest,
+               middle = a.core.cycles() + random() % longest;
+      a.core.run(until);
+      if (middle < until) b.core.run(middle);  // one more cut must change nothing
+      StopReason reason = b.core.run(until);
+      ASSERT_NO_FATAL_FAILURE(expect_equal(a, b, seed));
+      if (reason == StopReason::lockup) break;
+      unsigned line = random() % 32;
+      bool level = random() % 2 != 0;
+      for (Bench* bench : {&a, &b}) {
+        bench->core.set_interrupt(line, level);
+        if (line == 0) bench->core.pulse_nmi();
+        if (bench->core.sleeping()) bench->core.skip_to(until + 50);
+      }
+    }
+    ASSERT_EQ(a.ram, b.ram) << "seed " << seed;
+    if (steps) {
+      ASSERT_NO_FATAL_FAILURE(expect_same_counts(*steps, executed)) << "seed " << seed;
+    }
+    instructions += b.core.instructions();
+    faults += b.core.fault_count();
+    translated += b.core.translation().value_or(TranslationCounts{}).instructions;
+  }
+  std::printf("agreement: %lu programs, %llu instructions (%llu translated), %llu faults\n",
+              programs, static_cast<unsigned long long>(instructions),
+              static_cast<unsigned long long>(translated), static_cast<unsigned long long>(faults));
+  EXPECT_GT(instructions, programs * 66);
+  if (GetParam() == Executor::translator && has_translator()) {
+    EXPECT_GT(translated, programs);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Executors, Agreement, testing::ValuesIn(fast_executors), executor_name);
+
+}  // namespace capsoc::armv7m::test

@@ -1,0 +1,319 @@
+// Random programs that loop, so that their code becomes hot: data processing, IT blocks, transfers
+// through pointers that mostly lead to memory, branches, calls and returns, across the border of
+// two pages in flash or in RAM that the program writes. The fast executors against stepping. The
+// long run: CAPSOC_HOT_CODE=100000.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <random>
+
+#include "armv7m/isa/decoder.h"
+#include "armv7m/isa/unpredictable.h"
+#include "bench.h"
+#include "board.h"
+#include "executors.h"
+#include "step_counts.h"
+
+namespace capsoc::armv7m::test {
+namespace {
+
+// r4 and r5 are pointers, r6 counts the loops.
+constexpr uint32_t kept_registers = 1u << 4 | 1u << 5 | 1u << 6 | 1u << 13 | 1u << 14 | 1u << 15;
+
+bool keeps(unsigned n) {
+  return (kept_registers >> n & 1) != 0;
+}
+
+class Program {
+ public:
+  Program(std::mt19937& random, uint32_t address)
+      : random_(random), address_(address), start_(address) {}
+
+  const std::vector<uint16_t>& build(uint32_t stack) {
+    set(0, stack);
+    put(0x4685);  // mov sp,r0
+    const unsigned parts = 2 + random_() % 4;
+    for (unsigned i = 0; i < parts; ++i) loop(2 + random_() % 6);
+    put(0xE7FE - ((address_ - start_) / 2));  // b to the start
+    return code_;
+  }
+
+ private:
+  void put(uint32_t halfword) {
+    code_.push_back(static_cast<uint16_t>(halfword));
+    address_ += 2;
+  }
+  void put(const DecodedOp& op) {
+    if (op.size == 4) put(op.encoding >> 16);
+    put(op.encoding);
+  }
+  void set(unsigned n, uint32_t value) {  // movw, movt
+    for (const uint32_t base : {0xF240u, 0xF2C0u}) {
+      const uint32_t half = base == 0xF240u ? value & 0xFFFF : value >> 16;
+      put(base | half >> 12 | (half >> 11 & 1) << 10);
+      put((half >> 8 & 7) << 12 | n << 8 | (half & 0xFF));
+    }
+  }
+  uint32_t pointer() {
+    switch (random_() % 12) {
+      case 0:
+        return 0x40000000;
+      case 1:
+        return 0x2000 + random_() % 1024;  // flash
+      case 2:
+        return Bench::ram_base + 0x2000 - random_() % 32;  // the end of a page
+      case 3:
+        return Bench::ram_base + random_() % 0x8000;
+      case 4:
+        return start_ + random_() % 256;
+      default:
+        return Bench::ram_base + 0x1000 + (random_() % 0x3000 & ~3u);
+    }
+  }
+
+  bool fits(const DecodedOp& op) {
+    if (op.operation == Operation::undefined || unpredictable_encoding(op)) return false;
+    if (is(op, kind::data_processing)) {
+      const bool second = is(op, kind::long_multiply) && keeps(op.ra);
+      return is(op, kind::compare) || (!keeps(op.rd) && !second);
+    }
+    if (!is(op, kind::transfer) || is(op, kind::exclusive)) return op.operation == Operation::nop;
+    const bool literal = op.addressing == Addressing::literal;
+    if (!literal && op.rn != 4 && op.rn != 5 && op.rn != 13) return false;
+    if (op.addressing == Addressing::reg && random_() % 64 != 0) return false;
+    if (is(op, kind::multiple_load)) return (op.list.bits & kept_registers) == 0;
+    if (is(op, kind::load)) return !keeps(op.rd);
+    return !is(op, kind::dual_load) || (!keeps(op.rd) && !keeps(op.ra));
+  }
+
+  /// A random instruction that leaves the frame of the program alone.
+  DecodedOp draw(uint8_t it) {
+    while (true) {
+      const Encoding& e = encodings()[random_() % encoding_count()];
+      if (is(e.operation, kind::any_branch | kind::system | kind::none)) continue;
+      uint32_t bits = (random_() & ~e.mask) | e.value;
+      bits = (bits | e.ones) & ~e.zeros;
+      const bool wide = e.length == 32;
+      const auto first = static_cast<uint16_t>(wide ? bits >> 16 : bits);
+      const DecodedOp op = decode(address_, first, static_cast<uint16_t>(bits), it);
+      if (op.size == (wide ? 4 : 2) && fits(op)) return op;
+    }
+  }
+  void one() {
+    const DecodedOp op = draw(0);
+    put(op);
+  }
+  void it_block() {
+    const uint32_t condition = random_() % 14, mask = 1 + random_() % 15;
+    uint8_t it = static_cast<uint8_t>(condition << 4 | mask);
+    put(0xBF00u | it);
+    while (it != 0) {
+      const DecodedOp op = draw(it);
+      put(op);
+      it = op.it_after;
+    }
+  }
+  /// Over some instructions, on a condition or by CBZ and CBNZ.
+  void branch_ahead() {
+    const std::size_t at = code_.size();
+    put(0);
+    for (unsigned n = 1 + random_() % 4; n > 0; --n) one();
+    const auto distance = static_cast<uint32_t>(code_.size() - at - 2);
+    const uint32_t over = random_() % 3 == 0 ? 0xB100u | (random_() % 2) << 11 |
+                                                   (distance & 0x1F) << 3 | random_() % 4
+                                             : 0xD000u | (random_() % 14) << 8 | distance;
+    code_[at] = static_cast<uint16_t>(over);
+  }
+  /// BL over a function that stands here.
+  void call() {
+    const bool pushes = random_() % 2 != 0;
+    const std::size_t at = code_.size();
+    put(0);  // b over the function
+    const uint32_t function = address_;
+    if (pushes) put(0xB50E);  // push {r1-r3,lr}
+    for (unsigned n = random_() % 4; n > 0; --n) one();
+    put(pushes ? 0xBD0E : 0x4770);  // pop {r1-r3,pc}, bx lr
+    code_[at] = static_cast<uint16_t>(0xE000u | ((code_.size() - at - 2) & 0x7FF));
+    const uint32_t offset = function - (address_ + 4);
+    put(0xF000u | (offset >> 12 & 0x7FF));
+    put(0xF800u | (offset >> 1 & 0x7FF));
+  }
+  void loop(unsigned parts) {
+    put(0x2600u | (random_() % 24 + 2));  // movs r6,#n
+    const std::size_t top = code_.size();
+    set(4, pointer());
+    set(5, pointer());
+    for (unsigned i = 0; i < parts; ++i) {
+      switch (random_() % 6) {
+        case 0:
+          it_block();
+          break;
+        case 1:
+          branch_ahead();
+          break;
+        case 2:
+          call();
+          break;
+        default:
+          for (unsigned n = 1 + random_() % 5; n > 0; --n) one();
+          break;
+      }
+    }
+    put(0x3E01);  // subs r6,#1
+    const auto back = static_cast<uint32_t>(code_.size() - top + 2);
+    const uint32_t offset = 0u - 2 * back;  // bne.w top
+    put(0xF000u | (offset >> 20 & 1) << 10 | 1u << 6 | (offset >> 12 & 0x3F));
+    put(0x8000u | (offset >> 18 & 1) << 13 | (offset >> 19 & 1) << 11 | (offset >> 1 & 0x7FF));
+  }
+
+  std::mt19937& random_;
+  uint32_t address_, start_;
+  std::vector<uint16_t> code_;
+};
+
+void prepare_loops(Bench& b, uint32_t seed) {
+  std::mt19937 random(seed);
+  const bool in_ram = seed % 4 == 1;
+  // Most programs lie across the border of a page.
+  const uint32_t page = in_ram ? Bench::ram_base + 0x6000 : Bench::program + 0x1000;
+  const uint32_t start = page - 2 * (random() % 160);
+  for (uint8_t& byte : b.ram) byte = static_cast<uint8_t>(random());
+  for (std::size_t i = 0x8000; i < b.flash.size(); ++i) b.flash[i] = static_cast<uint8_t>(random());
+  const std::vector<uint16_t> code = Program(random, start).build(Bench::stack - 256);
+  std::memcpy(in_ram ? &b.ram[start - Bench::ram_base] : &b.flash[start], code.data(),
+              2 * code.size());
+  // HardFault steps over the faulting halfword: ldr r0,[sp,#24]; adds r0,#2; str r0,[sp,#24]; bx lr
+  b.code(0x4000 + 32 * 3, {0x9806, 0x3002, 0x9006, 0x4770});
+  b.core.reset();
+  b.core.set_reg(15, start);
+  for (unsigned n = 0; n < 13; ++n) b.core.set_reg(n, random());
+  if (seed % 5 != 0) return;
+  const auto write = [&b](uint32_t address, uint32_t value) {
+    b.core.debug_write(address, &value, 4);
+  };
+  write(0xE000ED98, 0);  // MPU: half of the RAM is read-only, the default map behind it
+  write(0xE000ED9C, Bench::ram_base);
+  write(0xE000EDA0, 0x06000000 | 12 << 1 | 1);
+  write(0xE000ED94, 5);
+}
+
+void expect_equal_at(const Core& a, const Core& b, uint32_t seed, unsigned slice) {
+  for (unsigned n = 0; n < 16; ++n)
+    ASSERT_EQ(a.reg(n), b.reg(n)) << "r" << n << " seed " << seed << " slice " << slice;
+  ASSERT_EQ(a.state().xpsr(), b.state().xpsr()) << "seed " << seed << " slice " << slice;
+  ASSERT_EQ(a.cycles(), b.cycles()) << "seed " << seed << " slice " << slice;
+  ASSERT_EQ(a.instructions(), b.instructions()) << "seed " << seed << " slice " << slice;
+}
+
+}  // namespace
+
+class HotCode : public testing::TestWithParam<Executor> {};
+
+TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
+  const unsigned long programs = repetitions("CAPSOC_HOT_CODE", 1000);
+  const unsigned long first = repetitions("CAPSOC_HOT_CODE_SEED", 1);
+  uint64_t instructions = 0, translated = 0, evictions = 0, faults = 0;
+  for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
+    Bench a(seed % 3), b(seed % 3);
+    a.core.set_executor(Executor::stepping);
+    choose(b.core, GetParam(), seed % 11 == 0 ? smallest_translator() : TranslatorLimits{});
+    if (seed % 7 == 0) b.core.set_translation_threshold(20);
+    prepare_loops(a, seed);
+    prepare_loops(b, seed);
+    std::optional<StepCounts> steps;
+    ExecutionCounts executed;
+    if (seed % 2 == 0) {
+      steps.emplace(a.core);
+      b.core.count_executions(&executed);
+    }
+    std::mt19937 random(seed * 7919);
+    for (unsigned slice = 0; slice < 10; ++slice) {
+      const uint64_t until = a.core.cycles() + 1 + random() % 3000;
+      const uint64_t middle = a.core.cycles() + random() % 3000;
+      a.core.run(until);
+      if (middle < until) b.core.run(middle);
+      const StopReason reason = b.core.run(until);
+      ASSERT_NO_FATAL_FAILURE(expect_equal_at(a.core, b.core, seed, slice));
+      if (reason == StopReason::lockup) break;
+      const unsigned line = random() % 32;
+      for (Bench* bench : {&a, &b}) {
+        bench->core.set_interrupt(line, true);
+        bench->core.set_interrupt(line, false);
+        if (line == 0) bench->core.pulse_nmi();
+      }
+    }
+    const auto differs = std::mismatch(a.ram.begin(), a.ram.end(), b.ram.begin()).first;
+    ASSERT_EQ(differs - a.ram.begin(), static_cast<std::ptrdiff_t>(a.ram.size()))
+        << "first byte of RAM that differs, seed " << seed;
+    if (steps) {
+      ASSERT_NO_FATAL_FAILURE(expect_same_counts(*steps, executed)) << "seed " << seed;
+    }
+    instructions += b.core.instructions();
+    const TranslationCounts counts = b.core.translation().value_or(TranslationCounts{});
+    translated += counts.instructions;
+    evictions += counts.evictions;
+    faults += b.core.fault_count();
+  }
+  std::printf(
+      "hot code: %lu programs, %llu instructions (%llu translated), %llu evictions, %llu faults\n",
+      programs, static_cast<unsigned long long>(instructions),
+      static_cast<unsigned long long>(translated), static_cast<unsigned long long>(evictions),
+      static_cast<unsigned long long>(faults));
+  EXPECT_GT(instructions, programs * 1000);
+  if (GetParam() == Executor::translator && has_translator()) {
+    EXPECT_GT(translated, instructions / 3);
+    if (programs >= 1000) {
+      EXPECT_GT(evictions, programs / 100);
+    }
+  }
+}
+
+/// A block leaves its flags uncomputed for one that sets them all, and that has not been executed
+/// when it is written anew and then reads them.
+TEST_P(HotCode, CodeThatABranchLeadsToMayChangeBeforeItIsExecuted) {
+  constexpr uint32_t start = Bench::ram_base + 0x100, target = start + 0x84;
+  std::vector<uint32_t> results;
+  for (const Executor executor : {Executor::stepping, GetParam()}) {
+    Bench b;
+    choose(b.core, executor);
+    b.core.reset();
+    // 0: cmp r0,r1; beq target; strh r3,[r4]; mov r0,r1; b 0
+    const uint16_t code[] = {0x4288, 0xD03F, 0x8023, 0x4608, 0xE7FA};
+    const uint16_t behind[] = {0x4292, 0xE7BB};  // cmp r2,r2, to be adcs r5,r5; b 0
+    std::memcpy(&b.ram[start - Bench::ram_base], code, sizeof code);
+    std::memcpy(&b.ram[target - Bench::ram_base], behind, sizeof behind);
+    b.core.set_reg(1, 5);
+    b.core.set_reg(3, 0x416D);
+    b.core.set_reg(4, target);
+    b.core.set_reg(15, start);
+    b.core.run(120);
+    results.push_back(b.core.reg(5));
+  }
+  EXPECT_GT(results[0], 3u);
+  EXPECT_EQ(results[0], results[1]);
+}
+
+/// ... and that changes what they are made from before somebody looks.
+TEST_P(HotCode, FlagsLeftToTheNextBlockAreSeenRightInIt) {
+  std::vector<uint32_t> seen[2];
+  for (const Executor executor : {Executor::stepping, GetParam()}) {
+    Bench b;
+    choose(b.core, executor);
+    std::vector<uint32_t>& words = seen[executor == Executor::stepping ? 0 : 1];
+    b.on_write = [&](uint32_t) { words.push_back(b.core.state().xpsr()); };
+    // 0: cmp r0,r1; b 1; nop; 1: mov r0,r2; str r2,[r7]; cmp r2,r3; mov r0,r3; b 0
+    b.start({0x4288, 0xE000, 0xBF00, 0x4610, 0x603A, 0x429A, 0x4618, 0xE7F7});
+    for (const unsigned n : {0u, 1u, 3u}) b.core.set_reg(n, 5);
+    b.core.set_reg(7, 0x40000000);
+    b.core.run(400);
+  }
+  EXPECT_GT(seen[0].size(), 10u);
+  EXPECT_EQ(seen[0], seen[1]);
+  EXPECT_EQ(seen[0].back() >> 28, 6u) << "equal: Z and C";
+}
+
+INSTANTIATE_TEST_SUITE_P(Executors, HotCode, testing::ValuesIn(fast_executors), executor_name);
+
+}  // namespace capsoc::armv7m::test

@@ -1,0 +1,179 @@
+// Records as people make them: what the identifier says of each kind, and that it is so.
+#include <gtest/gtest.h>
+
+#include "identification/calibration.h"
+#include "identification/ellipse_distance.h"
+#include "identification/identify.h"
+#include "signals.h"
+
+namespace capsoc::identification {
+namespace {
+
+constexpr Parameters usual_sensor = {0.45, 0.40, 0.06, -0.09, 0.2};
+
+double normal(Random& random) {
+  const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
+  return radius * std::cos(2 * pi * random.uniform());
+}
+
+/// Samples at the angles of `theta`(i), with white noise.
+template <class Theta>
+Samples taken_at(const Parameters& p, Eigen::Index count, double noise, uint64_t seed,
+                 Theta theta) {
+  Random random(seed);
+  Samples samples{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Point at = point_at({p, {}, {}}, theta(i));
+    samples.u[i] = at.u + noise * normal(random);
+    samples.v[i] = at.v + noise * normal(random);
+  }
+  return samples;
+}
+
+bool has(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(EllipseDistance, IsTheNearestPointsOfAnyEllipse) {
+  Random random(3);
+  for (int k = 0; k < 200; ++k) {
+    const Parameters p = {0.1 + random.uniform(), 0.1 + random.uniform(), random.uniform(),
+                          random.uniform(), 3.1 * (random.uniform() - 0.5)};
+    const double u = 3 * random.uniform() - 1, v = 3 * random.uniform() - 1;
+    double least = HUGE_VAL;
+    for (int i = 0; i < 20000; ++i) {
+      const Point at = point_at({p, {}, {}}, 2 * pi * i / 20000);
+      least = std::min(least, std::hypot(u - at.u, v - at.v));
+    }
+    EXPECT_NEAR(std::abs(EllipseDistance(p).at(u, v)), least, 3e-4) << "beta " << p.beta;
+  }
+}
+
+TEST(HardRecords, AThinEllipseHasNoOutliers) {
+  Parameters thin = usual_sensor;
+  thin.beta = -1.46;
+  const auto found =
+      identify(taken_at(thin, 5000, 2e-5, 8, [](auto i) { return 0.0123 * i; })).value();
+  EXPECT_FALSE(found.rejected()) << found.rejection();
+  EXPECT_TRUE(found.outliers.empty());
+}
+
+TEST(HardRecords, CorrelatedNoiseWidensTheIntervals) {
+  Random random(4);
+  Samples samples =
+      taken_at(usual_sensor, 1000, 0, 1, [](auto i) { return 2 * pi * 20.3 * i / 1000; });
+  double u = 0, v = 0;
+  for (Eigen::Index i = 0; i < 1000; ++i) {
+    u = 0.9 * u + std::sqrt(0.19) * 4e-4 * normal(random);
+    v = 0.9 * v + std::sqrt(0.19) * 4e-4 * normal(random);
+    samples.u[i] += u;
+    samples.v[i] += v;
+  }
+  const auto found = identify(samples).value();
+  EXPECT_TRUE(found.correlation.found);
+  EXPECT_NEAR(found.correlation.of_neighbours(), 0.9, 0.05);
+  EXPECT_GT(found.widening, 2);
+  ASSERT_FALSE(found.notes.empty());
+  EXPECT_TRUE(has(found.notes.front(), "correlated"));
+  const auto white = identify(taken_at(usual_sensor, 1000, 4e-4, 1, [](auto i) {
+                       return 2 * pi * 20.3 * i / 1000;
+                     })).value();
+  EXPECT_FALSE(white.correlation.found);
+  EXPECT_TRUE(white.notes.empty());
+}
+
+TEST(HardRecords, AnOffsetThatDriftsLeavesNoIntervals) {
+  Samples samples =
+      taken_at(usual_sensor, 1000, 4e-4, 5, [](auto i) { return 2 * pi * 20.3 * i / 1000; });
+  samples.u += Eigen::ArrayXd::LinSpaced(1000, -1e-3, 1e-3);
+  const auto found = identify(samples).value();
+  EXPECT_TRUE(has(found.no_intervals, "drifts") && has(found.no_intervals, "b1"))
+      << found.no_intervals;
+  ASSERT_TRUE(found.bound);
+  EXPECT_GT(found.bound->drift, 1e-3);
+}
+
+TEST(HardRecords, OneSidedOutliersLeaveNoIntervals) {
+  Samples samples =
+      taken_at(usual_sensor, 1000, 4e-4, 5, [](auto i) { return 2 * pi * 20.3 * i / 1000; });
+  Random random(9);
+  for (double& value : samples.u)
+    if (random.uniform() < 0.05) value += 4e-4 * (2 + 4 * random.uniform());
+  const auto found = identify(samples).value();
+  EXPECT_TRUE(has(found.no_intervals, "farther to one side")) << found.no_intervals;
+}
+
+TEST(HardRecords, FewAnglesAreCountedAsSuch) {
+  const auto indexed = [](int positions, int each) {
+    return identify(taken_at(usual_sensor, positions * each, 2e-4, 5,
+                             [&](auto i) {
+                               return 2 * pi * static_cast<double>(i / each) / positions + 0.1;
+                             }))
+        .value();
+  };
+  const auto eight = indexed(8, 20);
+  EXPECT_EQ(eight.positions.count, 8);
+  ASSERT_TRUE(eight.bound);
+  EXPECT_LT(eight.bound->total, 0.3 * radians_per_degree);
+  const auto five = indexed(5, 40);
+  EXPECT_EQ(five.positions.count, 5);
+  EXPECT_EQ(five.warning, "");
+  ASSERT_FALSE(five.notes.empty());
+  EXPECT_TRUE(has(five.notes.front(), "nothing to test"));
+  EXPECT_EQ(
+      identify(taken_at(usual_sensor, 1000, 2e-4, 5,
+                        [random = Random(6)](auto) mutable { return 2 * pi * random.uniform(); }))
+          .value()
+          .positions.count,
+      0);
+}
+
+TEST(HardRecords, AStepperIsNotClipped) {
+  Samples samples = taken_at(usual_sensor, 1000, 2e-4, 5, [](auto i) {
+    return 2 * pi * static_cast<double>(i / 20) / 50 + 0.1;
+  });
+  for (Eigen::ArrayXd* channel : {&samples.u, &samples.v})
+    *channel = (*channel * 2048).round() / 2048;
+  const auto found = identify(samples).value();
+  EXPECT_FALSE(found.rejected()) << found.rejection();
+  EXPECT_LT(difference(found.parameters, usual_sensor), 1e-3);
+}
+
+TEST(HardRecords, ARecordThatRestsAndThenTurnsIsFitted) {
+  const auto found =
+      identify(taken_at(usual_sensor, 5000, 1e-4, 6, [](auto i) {
+        return i < 4000 ? 0.7 : 0.7 + 2 * pi * 4 * static_cast<double>(i - 4000) / 1000;
+      })).value();
+  EXPECT_FALSE(found.rejected()) << found.rejection();
+  EXPECT_LT(difference(found.parameters, usual_sensor), 1e-4);
+}
+
+TEST(HardRecords, ADeadZoneIsNoOutlier) {
+  Samples samples =
+      taken_at(usual_sensor, 3000, 1e-4, 7, [](auto i) { return 2 * pi * 6.0 * i / 3000; });
+  for (double& value : samples.u)
+    if (std::abs(value - usual_sensor.b1) < 0.08 * usual_sensor.a1) value = usual_sensor.b1;
+  EXPECT_TRUE(has(identify(samples).value().rejection(), "dead zone"));
+}
+
+TEST(HardRecords, AnArcIsJudgedByItsBound) {
+  const auto swing = [](double degrees, double noise) {
+    return identify(taken_at(usual_sensor, 20000, noise, 7,
+                             [&](auto i) {
+                               return degrees / 2 * radians_per_degree *
+                                      std::sin(2 * pi * i / 777.0);
+                             }))
+        .value();
+  };
+  const auto wide = swing(150, 1e-4);
+  ASSERT_FALSE(wide.rejected()) << wide.rejection();
+  EXPECT_NEAR(wide.bound->arc_degrees, 150, 3);
+  EXPECT_LT(wide.bound->total, 0.2 * radians_per_degree);
+  EXPECT_LE(wide.bound->arc.parameters, wide.bound->parameters);
+  const auto narrow = swing(20, 2e-4);
+  EXPECT_TRUE(narrow.rejected() || has(narrow.no_intervals, "too little of the turn"))
+      << narrow.no_intervals;
+}
+
+}  // namespace
+}  // namespace capsoc::identification
