@@ -72,7 +72,11 @@ class FaultPlaces(unittest.TestCase):
         self.assertEqual(len(proofs), len(planting.read_list("proofs")["fault"]))
 
     def test_campaigns_have_as_many_faults_as_their_lists(self):
-        for campaign, name in (("planted_faults", "lockstep"), ("translator_faults", "translator")):
+        for campaign, name in (
+            ("planted_faults", "lockstep"),
+            ("translator_faults", "translator"),
+            ("verdict_faults", "verdicts"),
+        ):
             with self.subTest(campaign):
                 text = (SOURCE / "campaigns" / f"{campaign}.toml").read_text(encoding="utf-8")
                 axis = tomllib.loads(text)["axes"][0]["value"]["fault"]

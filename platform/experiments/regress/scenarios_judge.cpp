@@ -111,9 +111,13 @@ void windows_by_count(Bench& bench) {
 
 void mirrored_and_saturated(Bench& bench) {
   const double step = 1.0 / turn_samples;
-  Shaft mirrored(bench, ctrl_calib, step, {0.5, 0.5, 0, 0, 3});
-  mirrored.move(70, step);
-  mirrored.read();
+  // With the angle as reference nothing else is wrong with a mirrored turn.
+  for (unsigned from : {0u, 1u, 2u}) {
+    Shaft mirrored(bench, ctrl_calib | source(from), step, {0.5, 0.5, 0, 0, 3});
+    bench.write(reg_judge, judge_word(1));
+    mirrored.move(3 * turn_samples + 6, step);
+    mirrored.read();
+  }
   Shaft saturated(bench, ctrl_calib, step);
   saturated.move(30, step);
   bench.write_pair(reg_au_lo + 16, int64_t{3} << 45);  // c_u 1.5: the error saturates

@@ -1,6 +1,6 @@
 """Plants faults in the judgement of the self-calibration programs, one at a time; a test has to notice each.
 
-usage: planted_verdict_faults [--match TEXT]
+usage: planted_verdict_faults [--match TEXT | --number N] [--work FOLDER]
 
 The faults of tests/faults/verdicts.toml, in a copy of the tracked files; build/ is the built program. Noticed
 means that tests/system/verdicts_test.py (without its drawn sensors), traces_test.py or papers_test.py (Table 9)
@@ -9,14 +9,24 @@ or something does not build.
 """
 
 import argparse
+import json
 import os
 import re
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
-from capsoc_tools.faults.planting import ROOT, PlantError, add_options, build, chosen, configure, copy_tree, planted
+from capsoc_tools.faults.planting import (
+    ROOT,
+    PlantError,
+    add_options,
+    build,
+    chosen,
+    configure,
+    copy_tree,
+    free_folder,
+    numbered,
+    planted,
+)
 
 # All but the drawn sensors, which take minutes.
 VERDICTS = re.findall(
@@ -51,21 +61,40 @@ def try_fault(tree, fault, log):
         return not passes(tree)
 
 
+def prepare(tree, log):
+    """The tracked files with their firmware built, beside the program that is there; without a fault all passes."""
+    copy_tree(tree)
+    configure(tree, log)
+    build(tree, ["firmware"], log)
+    program = tree / "build" / "capsoc"
+    program.unlink(missing_ok=True)
+    program.symlink_to(ROOT / "build" / "capsoc")
+    if not passes(tree):
+        raise PlantError("without a fault the tests fail")
+
+
+def try_one(faults, arguments):
+    """For a campaign: a JSON object on stdout, all else on stderr."""
+    fault = numbered(faults, arguments.number)
+    with free_folder(arguments.work.resolve()) as work:
+        prepare(work / "tree", work / "log")
+        red = try_fault(work / "tree", fault, work / "log")
+    print(json.dumps({"fault": fault["name"], "noticed": red}))
+    return 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0], prog="planted_verdict_faults")
-    add_options(parser, jobs=False)
+    add_options(parser, "verdict_faults", jobs=False, numbered=True)
     arguments = parser.parse_args()
     noticed = 0
     try:
         faults = chosen("verdicts", arguments)
-        with tempfile.TemporaryDirectory(prefix="capsoc-faults-") as folder:
-            tree, log = Path(folder) / "tree", Path(folder) / "log"
-            copy_tree(tree)
-            configure(tree, log)
-            build(tree, ["firmware"], log)
-            (tree / "build" / "capsoc").symlink_to(ROOT / "build" / "capsoc")
-            if not passes(tree):
-                raise PlantError("without a fault the tests fail")
+        if arguments.number is not None:
+            return try_one(faults, arguments)
+        with free_folder(arguments.work.resolve()) as work:
+            tree, log = work / "tree", work / "log"
+            prepare(tree, log)
             for fault in faults:
                 red = try_fault(tree, fault, log)
                 noticed += red

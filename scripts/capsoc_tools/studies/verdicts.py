@@ -4,6 +4,7 @@ usage: verdicts [--good N] [--broken N] [--seed S] [--programs P,...] [--arithme
 [--kinds K,...]
                 [--jobs N] [--build FOLDER] [--json FILE] [--records FILE] [--same-as FILE] [--details]
        verdicts --write FILE --kinds K --case N --programs P [--arithmetic A] [--seed S]
+       verdicts --number N [the options of the first form]
 
 A *wrong pass* is a pass whose bound the true angle leaves. The program never sees the true angle, so it would pass
 without it, too. The truth is looked at twice: by `capsoc run`, and here, from the recorded angles. A wrong pass is
@@ -11,6 +12,7 @@ without it, too. The truth is looked at twice: by `capsoc run`, and here, from t
 verdict_kinds.CONDITIONS); these are counted apart. A *false lock* is STATUS.LOCK with an error above 10 degrees for
 longer than a turn. Status 0: no wrong pass; 1: some, each with the command that makes its recording again; 2: usage.
 
+--number runs the Nth of these cases alone, counted from 1, and prints its answer as JSON (campaigns/verdicts.toml).
 --write makes the recording of one case and prints the command that runs the program on it. --records FILE keeps every
 answer as it comes, a line each; the same command with the same file continues where it was interrupted. --same-as
 FILE (the records of another coprocessor) also counts where verdict, reason, bound or exit code differ from the
@@ -364,6 +366,7 @@ def arguments():
     parser.add_argument("--kinds", default="", help="only these, separated by commas")
     parser.add_argument("--details", action="store_true", help="a line for each kind, program and arithmetic")
     parser.add_argument("--case", type=int, metavar="N", help="only case N of each kind")
+    parser.add_argument("--number", type=int, metavar="N", help="only the Nth case, counted from 1; prints JSON")
     parser.add_argument(
         "--write", type=Path, metavar="FILE", help="write the recording of one case and print the command that runs it"
     )
@@ -404,6 +407,11 @@ def main():
         if len({item[:3] for item in items}) != 1 or options.case is None:
             refuse("--write needs one kind, one case and one program: --kinds K --case N --programs P")
         print(shlex.join(make_recording(items[0], options.write)[1]))
+        return 0
+    if options.number is not None:
+        if not 1 <= options.number <= len(items):
+            refuse(f"--number {options.number}: there are 1 .. {len(items)}")
+        print(json.dumps({"bound": None, "error": None, **one_case(items[options.number - 1])}))
         return 0
     if not items:
         refuse("no case is left: the arithmetic paper has no quick, harmonics or follow")
