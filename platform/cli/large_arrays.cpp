@@ -1,5 +1,6 @@
 // Large arrays in large pages. SystemC clears three megabytes for its temporary values when it is
-// loaded: hundreds of page faults, a sixth of a short run's time.
+// loaded: hundreds of page faults, a sixth of a short run's time. CMake's option CAPSOC_LARGE_PAGES
+// leaves it out.
 #include <sys/mman.h>
 
 #include <cstdint>
