@@ -105,6 +105,8 @@ int check_command(const CampaignArguments& a) {
   }
   std::fflush(stdout);
   const auto seconds = campaign::time_one(p, longest_trial_s);
+  if (const int signal = host::noted_signal(); signal != 0)
+    return run::exit_code::signal_base + signal;
   if (!seconds) {
     host::print("the first run gives no estimate of time: {}\n", seconds.error());
     return run::exit_code::pass;

@@ -780,15 +780,17 @@ class Commands(CampaignCase):
     def test_a_signal_ends_the_campaign_with_its_commands(self):
         marker = 2000 + os.getpid()
         self.describe_command(f"sleep {marker}; true")
-        process = self.start("run", "d.toml", "--jobs", "2")
         running = ["pgrep", "-fc", f"^sleep {marker}$"]
-        while subprocess.run(running, capture_output=True, check=False).stdout.strip() != b"2":
-            self.assertIsNone(process.poll())
-            time.sleep(0.05)
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 128 + signal.SIGTERM)
-        self.assertEqual(subprocess.run(running, capture_output=True, check=False).stdout.strip(), b"0")
+        for words, workers in ((("run", "d.toml", "--jobs", "2"), b"2"), (("check", "d.toml"), b"1")):
+            process = self.start(*words)
+            while subprocess.run(running, capture_output=True, check=False).stdout.strip() != workers:
+                self.assertIsNone(process.poll())
+                time.sleep(0.05)
+            process.send_signal(signal.SIGTERM)
+            process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 128 + signal.SIGTERM)
+            left = subprocess.run(running, capture_output=True, check=False).stdout.strip()
+            self.assertEqual(left, b"0", words)
 
     def test_other_inputs_are_other_runs(self):
         self.path("in").mkdir()

@@ -156,7 +156,10 @@ Result<double> time_one(const Plan& plan, double limit_s) {
     ending = ended.ending;
     return std::nullopt;
   };
+  // So that the worker's end is the end of all that it started.
+  host::note_end_signals();
   if (auto error = engine.perform({0}, take, [](std::size_t) {})) return *error;
+  if (host::noted_signal() != 0) return Error{"a signal came"};
   std::remove((trial + ".fst").c_str());  // of a difference in lockstep
   if (ending != workers::finished) return Error{ending};
   return seconds;

@@ -25,7 +25,8 @@ struct RunOptions {
 /// (host::noted_signal()).
 Result<uint64_t> perform(const Plan& plan, Store& store, const RunOptions& options);
 
-/// How long the first run takes, seconds; an Error if it does not end in `limit_s`.
+/// How long the first run takes, seconds; an Error if it does not end in `limit_s`, or if a signal
+/// comes before (host::noted_signal()).
 Result<double> time_one(const Plan& plan, double limit_s);
 
 /// The rows of `stores` in one; they are of one description and one program. How many were taken.
