@@ -81,7 +81,7 @@ void FpgaIo::hold_prescaled() {
   anchor_cycle_ = board_clock_.cycles_at(access_time());
 }
 
-void FpgaIo::visit(kit::Archive& archive) {
+void FpgaIo::visit(Archive& archive) {
   RegisterBank::visit(archive);
   archive("start_1hz", start_1hz_);
   archive("start_100hz", start_100hz_);

@@ -22,7 +22,7 @@ class FpgaIo : public kit::RegisterBank {
   explicit FpgaIo(const sc_core::sc_module_name& name);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   /// Buttons of the board, bit 0 and 1, 1 while pressed.
   void set_buttons(uint32_t pressed) { BUTTON.set(pressed & 3); }

@@ -83,7 +83,7 @@ void Scc::transfer(uint32_t control) {
   SYS_CFGSTAT.set(status_complete);
 }
 
-void Scc::visit(kit::Archive& archive) {
+void Scc::visit(Archive& archive) {
   RegisterBank::visit(archive);
   archive("oscillators", oscillators_);
 }

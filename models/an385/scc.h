@@ -22,7 +22,7 @@ class Scc : public kit::RegisterBank {
   explicit Scc(const sc_core::sc_module_name& name);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   void set_switches(uint32_t switches) { CFG_REG3.set(switches & 0xff); }
   /// The LEDs after each change, bits 0 to 7.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 
@@ -39,7 +39,7 @@ State& Core::edit() {
   return machine_.state;
 }
 
-void Core::visit(kit::Archive& archive) {
+void Core::visit(Archive& archive) {
   State& state = machine_.state;
   state.visit(archive);
   uint32_t stimulus_ports = machine_.debugging.stimulus_ports();

@@ -132,7 +132,7 @@ class Core {
   void set_reg(unsigned n, uint32_t value) { edit().set_reg(n, value); }
   /// After loading, whatever was made from another state is dropped; memory_changed() says that
   /// memory was loaded, too.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
   const FaultReport& last_fault() const { return machine_.state.last_fault; }
   /// The fault that began the present chain: no other fault was being handled when it happened.
   const FaultReport& first_fault() const { return machine_.state.first_fault; }

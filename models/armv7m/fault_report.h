@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -18,7 +18,7 @@ struct LostWrite {
   uint32_t instruction = 0;  ///< address of the store
   uint64_t cycle = 0;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// The registers of code that was interrupted.
@@ -27,7 +27,7 @@ struct InterruptedRegisters {
   uint32_t msp = 0, psp = 0;
   uint32_t ipsr = 0;  ///< the exception that it belonged to, 0: Thread mode
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// What was known when a fault handler was entered, or the core locked up.
@@ -43,7 +43,7 @@ struct FaultReport {
   InterruptedRegisters registers;  // before anything was stacked
   LostWrite lost_write;            // of an imprecise fault
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// The fault status registers in words, one clause a bit; "no fault" when none is set.

@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 
-void LostWrite::visit(kit::Archive& archive) {
+void LostWrite::visit(Archive& archive) {
   archive("known", known);
   archive("address", address);
   archive("value", value);
@@ -14,14 +14,14 @@ void LostWrite::visit(kit::Archive& archive) {
   archive("cycle", cycle);
 }
 
-void InterruptedRegisters::visit(kit::Archive& archive) {
+void InterruptedRegisters::visit(Archive& archive) {
   archive("r", r);
   archive("msp", msp);
   archive("psp", psp);
   archive("ipsr", ipsr);
 }
 
-void FaultReport::visit(kit::Archive& archive) {
+void FaultReport::visit(Archive& archive) {
   archive.at_most("kind", kind, Kind::lockup);
   archive("exception", exception);
   archive("cfsr", cfsr);
@@ -36,7 +36,7 @@ void FaultReport::visit(kit::Archive& archive) {
   archive("lost_write", lost_write);
 }
 
-void State::visit(kit::Archive& archive) {
+void State::visit(Archive& archive) {
   archive("r", r);
   archive("n", n);
   archive("z", z);

@@ -15,7 +15,7 @@
 #include "armv7m/system/scb.h"
 #include "armv7m/system/systick.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -57,7 +57,7 @@ struct State {
   std::array<bool, 2> priority_told{};  ///< of bits that were dropped, of nothing but ones
 
   /// Refuses what no processor can be in.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
   /// Power-on reset of all but the time; the vector table is not read yet.
   void reset();
 

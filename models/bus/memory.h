@@ -30,7 +30,7 @@ class Memory : public sc_core::sc_module, public kit::Component {
   /// A system reset: RAM keeps its contents.
   void reset() override {}
   const char* component_name() const override { return basename(); }
-  void visit(kit::Archive& archive) override { archive.memory("bytes", data(), size_); }
+  void visit(Archive& archive) override { archive.memory("bytes", data(), size_); }
   /// A power cycle: all bytes 0.
   void clear();
 

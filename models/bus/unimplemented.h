@@ -34,7 +34,7 @@ class Unimplemented : public sc_core::sc_module, public kit::Component {
   /// A system reset changes nothing here; what was logged once stays logged.
   void reset() override {}
   const char* component_name() const override { return basename(); }
-  void visit(kit::Archive& archive) override {
+  void visit(Archive& archive) override {
     archive("accesses", accesses_);
     archive("report", report_);
   }

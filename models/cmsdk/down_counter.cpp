@@ -48,7 +48,7 @@ void DownCounter::start() {
   running_ = true;
 }
 
-void DownCounter::visit(kit::Archive& archive, uint64_t now) {
+void DownCounter::visit(Archive& archive, uint64_t now) {
   archive("reload", reload);
   archive("one_shot", one_shot);
   archive("present", present_);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::cmsdk {
 
@@ -36,7 +36,7 @@ class DownCounter {
   void stop() { running_ = false; }
 
   /// `now`: the edge at the archive's time; the last advance() cannot lie behind it.
-  void visit(kit::Archive& archive, uint64_t now);
+  void visit(Archive& archive, uint64_t now);
 
  private:
   uint64_t steps_until(uint64_t cycle) const;

@@ -144,7 +144,7 @@ void DualTimer::follow() {
   interrupt.set(ITCR.any(1) ? ITOP.any(3) : timer1.masked_interrupt() || timer2.masked_interrupt());
 }
 
-void DualTimer::visit(kit::Archive& archive) {
+void DualTimer::visit(Archive& archive) {
   ClockedBank::visit(archive);
   for (Unit* unit : {&timer1, &timer2}) {
     unit->counter_.visit(archive, edge_of(archive));

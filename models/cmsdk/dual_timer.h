@@ -29,7 +29,7 @@ class DualTimer : public kit::ClockedBank {
   DualTimer(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   /// TIMINTC: either timer's masked interrupt.
   kit::InterruptLine interrupt{*this, "interrupt"};

@@ -182,7 +182,7 @@ uint64_t Gpio::next_change() const {
   return synchroniser_.empty() ? never : synchroniser_.front().visible_at;
 }
 
-void Gpio::visit(kit::Archive& archive) {
+void Gpio::visit(Archive& archive) {
   ClockedBank::visit(archive);
   archive("output_enable", output_enable_);
   archive("alternate_function", alternate_function_);

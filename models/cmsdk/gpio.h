@@ -38,7 +38,7 @@ class Gpio : public kit::ClockedBank {
 
   /// System reset: all pins are inputs; the levels that the outside drives stay.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   std::array<kit::InterruptLine, pin_count> pin_interrupt;
   kit::InterruptLine combined_interrupt{*this, "combined"};
@@ -62,7 +62,7 @@ class Gpio : public kit::ClockedBank {
   struct Sample {
     uint64_t visible_at;  // edge
     uint16_t levels;
-    void visit(kit::Archive& archive) {
+    void visit(Archive& archive) {
       archive("visible_at", visible_at);
       archive("levels", levels);
     }

@@ -63,7 +63,7 @@ uint64_t Timer::next_change() const {
   return CTRL.any(ctrl_interrupt) && !INTSTATUS.any(1) ? counter_.next_zero() : never;
 }
 
-void Timer::visit(kit::Archive& archive) {
+void Timer::visit(Archive& archive) {
   ClockedBank::visit(archive);
   counter_.visit(archive, edge_of(archive));
 }

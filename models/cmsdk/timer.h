@@ -27,7 +27,7 @@ class Timer : public kit::ClockedBank {
   Timer(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   kit::InterruptLine interrupt{*this, "interrupt"};
 

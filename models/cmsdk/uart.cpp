@@ -213,7 +213,7 @@ uint64_t Uart::next_change() const {
   return std::min(shifting_ ? shifted_at_ : never, receiving_ ? received_at_ : never);
 }
 
-void Uart::visit(kit::Archive& archive) {
+void Uart::visit(Archive& archive) {
   ClockedBank::visit(archive);
   archive("tx_buffer", tx_buffer_);
   archive("shifter", shifter_);

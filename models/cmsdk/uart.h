@@ -64,7 +64,7 @@ class Uart : public kit::ClockedBank {
 
   /// System reset: what is on the line is lost, what waits at the far end is not.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   kit::InterruptLine rx_interrupt{*this, "rx"};
   kit::InterruptLine tx_interrupt{*this, "tx"};

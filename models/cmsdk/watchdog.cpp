@@ -120,7 +120,7 @@ void Watchdog::follow() {
   reset_request.set(expired_ && CONTROL.any(control_reset));
 }
 
-void Watchdog::visit(kit::Archive& archive) {
+void Watchdog::visit(Archive& archive) {
   ClockedBank::visit(archive);
   counter_.visit(archive, edge_of(archive));
   archive("expired", expired_);

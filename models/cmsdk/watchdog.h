@@ -24,7 +24,7 @@ class Watchdog : public kit::ClockedBank {
   Watchdog(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
 
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
 
   kit::InterruptLine interrupt{*this, "interrupt"};          ///< WDOGINT, the processor's NMI
   kit::InterruptLine reset_request{*this, "reset_request"};  ///< WDOGRES

@@ -1,8 +1,8 @@
 // Calibrator: from a sample to the pair (S, C) that is proportional to (sin, cos) of the angle.
 #pragma once
 
+#include "base/fixed.h"
 #include "coprocessor/types.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
 

@@ -34,7 +34,7 @@ class Coprocessor final : public Device {
   bool idle() const override { return !sequencer_.busy(); }
   const Nodes& nodes() const override { return arch_.nodes; }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   bool save_idle(IdleState& state) const override;
   bool load_idle(const IdleState& state) override;
   std::unique_ptr<Device> clone() const override { return std::make_unique<Coprocessor>(*this); }
@@ -52,7 +52,7 @@ class Coprocessor final : public Device {
     Rotation load_rotation;
     Weights load_weights;
 
-    void visit(kit::Archive& archive);
+    void visit(Archive& archive);
   };
 
   // coprocessor.cpp

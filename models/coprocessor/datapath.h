@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdint>
 
+#include "base/fixed.h"
 #include "coprocessor/reference_generator.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/types.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
 
@@ -48,7 +48,7 @@ struct Packet {
   // `saturated` as the stages left it
   std::array<bool, 4> saturated_after{};
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Registers that the pipeline reads.
@@ -64,7 +64,7 @@ struct Settings {
   bool guard = false;
   bool correct = false;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Registers that the pipeline writes.
@@ -76,7 +76,7 @@ struct State {
   uint64_t error_sum_v = 0;
   BlockLearning block;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // What T3 writes.
@@ -87,7 +87,7 @@ struct Learning {
   uint64_t error_sum_u = 0;
   uint64_t error_sum_v = 0;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // What T4 finds.
@@ -95,7 +95,7 @@ struct PolarResult {
   Parameters parameters;
   uint32_t angle = 0;  // 2^-32 turn
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // What T3 does with its update, decided as the tick begins.

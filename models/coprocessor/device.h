@@ -16,8 +16,8 @@
 #include <optional>
 #include <string_view>
 
+#include "base/archive.h"
 #include "coprocessor/nodes.h"
-#include "kit/archive.h"
 
 namespace capsoc::coprocessor {
 
@@ -68,7 +68,7 @@ class Device {
 
   // The state, between two edges: everything that was asked for at the last one is done. A device
   // that cannot be saved refuses.
-  virtual void visit(kit::Archive& archive) { archive.refuse("cannot be saved"); }
+  virtual void visit(Archive& archive) { archive.refuse("cannot be saved"); }
 
   // The same while it is idle, in the form of all devices (coprocessor/idle_state.h): what one has
   // saved another goes on from. save_idle: false while it computes. load_idle: reset comes first.

@@ -17,7 +17,7 @@ struct Results {
            residue = 0, reference_phase = 0, amplitude = 0, error_average = 0;
   bool lock = false, diverged = false, mirror = false, valid = false;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // The architectural state: all that the future depends on when no sample and no LOAD is in the
@@ -44,7 +44,7 @@ struct IdleState {
   CorrectionTable corrections{};  // outlives a reset
   Nodes nodes;                    // of the last result
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 }  // namespace capsoc::coprocessor

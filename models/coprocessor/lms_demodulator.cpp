@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fixed/fixed.h"
+#include "base/fixed.h"
 
 namespace capsoc::coprocessor {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::coprocessor {
 namespace formats {
@@ -21,7 +21,7 @@ const std::array<NamedNode, node_count>& node_names() {
   return names;
 }
 
-void Nodes::visit(kit::Archive& archive) {
+void Nodes::visit(Archive& archive) {
   for (const NamedNode& node : node_names()) archive(node.name, this->*node.value);
   archive("commits", commits);
   archive("taken", taken);

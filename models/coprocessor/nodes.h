@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -21,7 +21,7 @@ struct Nodes {
   // The edge at which submit() latched this sample; 0: software wrote it. No node.
   uint64_t taken = 0;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Where a node comes into being: 0 to 4 for T0 to T4, `commit_stage` for the registers.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "fixed/fixed.h"
-#include "support/constants.h"
+#include "base/constants.h"
+#include "base/fixed.h"
 
 namespace capsoc::coprocessor::paper {
 namespace {

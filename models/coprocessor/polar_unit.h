@@ -2,8 +2,8 @@
 // it stands in for the paper's square root (Eq (10)) and PI arctangent (Eq (11)).
 #pragma once
 
+#include "base/fixed.h"
 #include "coprocessor/types.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
 

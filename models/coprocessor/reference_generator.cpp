@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/fixed.h"
 #include "coprocessor/cordic_rom.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
 namespace {

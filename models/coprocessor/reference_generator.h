@@ -9,7 +9,7 @@ struct Rotation {
   int32_t sine = 0;    // Q1.31, full scale 2^31 - 1
   int32_t cosine = 0;  // Q1.31
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Rotation CORDIC, 30 stages, 5 guard bits, rounded shifts. phase: u48, 2^-48 turn.

@@ -1,10 +1,10 @@
 // Register accesses of the coprocessor. docs/coprocessor.md, "Registers".
 #include <array>
 
+#include "base/fixed.h"
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/lms_demodulator.h"
 #include "coprocessor/reference_generator.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
 

@@ -1,8 +1,8 @@
 // What the register description alone decides about an access. docs/coprocessor.md, "Registers".
+#include "base/fixed.h"
 #include "coprocessor/lms_demodulator.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/types.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor {
 namespace {

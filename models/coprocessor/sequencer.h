@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::coprocessor {
 
@@ -44,7 +44,7 @@ class Sequencer {
   // The next cycle at which a result is committed, a load ends or busy changes.
   std::optional<uint64_t> next_event() const;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
  private:
   bool pipeline_empty() const;

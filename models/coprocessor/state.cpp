@@ -1,11 +1,9 @@
-// The state of the coprocessor's model, value by value (kit/archive.h).
+// The state of the coprocessor's model, value by value (base/archive.h).
 #include <algorithm>
 
 #include "coprocessor/coprocessor.h"
 
 namespace capsoc::coprocessor {
-
-using kit::Archive;
 
 void Weights::visit(Archive& archive) {
   archive("sine", sine);

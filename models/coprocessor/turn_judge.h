@@ -19,7 +19,7 @@ struct JudgeSettings {
   bool count = false;       // windows of turn_limit samples
   uint32_t turn_limit = 0;  // samples; 0: no time-out
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // What a window leaves: registers RADIUS_MAX to TURN_DET and TURN_FLAGS.
@@ -31,7 +31,7 @@ struct TurnRecord {
   int32_t det = 0;           // Q1.31, of the last sample
   uint32_t flags = 0;        // without TURN_COUNT
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // What T4 knows of its sample.
@@ -66,7 +66,7 @@ struct TurnJudge {
   // for which it will not be good, unless LOCK needs no turns.
   bool permits_lock(unsigned turns) const;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Whether a deviation is at |DET| n / 256 (rounded down) or beyond; never with n = 0.

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -32,14 +32,14 @@ struct Weights {
   int64_t cosine = 0;
   int64_t constant = 0;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 struct Coefficients {
   Weights u;
   Weights v;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Block learning: the sums that become the coefficients when a window of the turn judge has ended.
@@ -49,7 +49,7 @@ struct BlockLearning {
   bool begun = false;         // a sample is in its sums
   bool window_ended = false;  // since the last sample that T3 began with
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // Effective steps 2mu of one channel, unsigned Q1.31, below 2^31.
@@ -58,7 +58,7 @@ struct Steps {
   uint32_t cosine = 0;
   uint32_t constant = 0;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // The six parameters of Eq (5): amplitudes and offsets Q1.31, angles in 2^-32 turn.
@@ -70,7 +70,7 @@ struct Parameters {
   uint32_t beta = 0;
   uint32_t phi = 0;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 // The phase accumulator and its frequency word, 2^-48 turn (a sample).
@@ -78,7 +78,7 @@ struct ReferenceState {
   uint64_t phase = 0;     // u48, wraps: it is an angle
   int64_t frequency = 0;  // s48, the sign is the direction
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 }  // namespace capsoc::coprocessor

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "identification/distributions.h"
 #include "identification/linear_algebra.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -5,9 +5,9 @@
 #include <iterator>
 #include <utility>
 
+#include "base/constants.h"
 #include "identification/circle_plane.h"
 #include "identification/sentence.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

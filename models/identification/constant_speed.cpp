@@ -3,10 +3,10 @@
 #include <cmath>
 #include <complex>
 
+#include "base/constants.h"
 #include "identification/harmonics_route.h"
 #include "identification/known_angles.h"
 #include "identification/sentence.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "base/constants.h"
 #include "identification/linear_algebra.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

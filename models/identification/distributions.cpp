@@ -5,7 +5,7 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <array>
 
+#include "base/result.h"
 #include "identification/moments.h"
 #include "identification/samples.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <complex>
 
+#include "base/constants.h"
 #include "identification/calibration.h"
 #include "identification/linear_algebra.h"
 #include "identification/sentence.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <vector>
 
+#include "base/constants.h"
 #include "identification/harmonics_route.h"
 #include "identification/known_angles.h"
 #include "identification/sentence.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "base/result.h"
 #include "identification/calibration.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "identification/linear_algebra.h"
-#include "identification/random.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 double distance_of(const Channel& u, const Channel& v, const SignalModel& model) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "identification/certainty.h"
 #include "identification/correlation.h"
 #include "identification/gates.h"
@@ -13,7 +14,6 @@
 #include "identification/samples.h"
 #include "identification/steadiness.h"
 #include "identification/training.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

@@ -1,9 +1,9 @@
 // The identifier as one function: samples in, parameters with intervals, checks and reasons out.
 #pragma once
 
+#include "base/result.h"
 #include "identification/identification.h"
 #include "identification/samples.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

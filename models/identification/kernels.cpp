@@ -1,6 +1,6 @@
 #include "identification/kernels.h"
 
-#include "support/host_features.h"
+#include "base/host_features.h"
 
 namespace capsoc::identification {
 

@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "base/result.h"
 #include "identification/samples.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

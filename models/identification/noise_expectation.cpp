@@ -2,8 +2,8 @@
 
 #include <array>
 
+#include "base/constants.h"
 #include "identification/linear_algebra.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

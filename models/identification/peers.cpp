@@ -5,12 +5,12 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "identification/calibration.h"
 #include "identification/ellipse_fit.h"
 #include "identification/fused_network.h"
-#include "identification/random.h"
 #include "identification/training.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {
@@ -44,7 +44,7 @@ Result<PeerAnswer> descend(const Channel& u, const Channel& v, double rate, doub
   Nodes nodes = to_nodes(paper_start(samples.u, samples.v)), velocity = Nodes::Zero();
   for (int step = 0; step < training_steps; ++step) {
     for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::Index k = random.below(samples.u.size());
+      const Eigen::Index k = random.index(samples.u.size());
       batch_u[i] = samples.u[k];
       batch_v[i] = samples.v[k];
     }

@@ -6,8 +6,8 @@
 #include <array>
 #include <cstdint>
 
+#include "base/result.h"
 #include "identification/samples.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

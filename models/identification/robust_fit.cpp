@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "identification/calibration.h"
 #include "identification/circle_plane.h"
 #include "identification/distributions.h"
 #include "identification/ellipse_distance.h"
 #include "identification/ellipse_fit.h"
-#include "identification/random.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {
@@ -49,7 +49,7 @@ Samples taken(const Channel& u, const Channel& v, const std::vector<Eigen::Index
 std::vector<Eigen::Index> draw(Random& random, Eigen::Index from, Eigen::Index count) {
   std::vector<Eigen::Index> places;
   while (static_cast<Eigen::Index>(places.size()) < count) {
-    const Eigen::Index place = random.below(from);
+    const Eigen::Index place = random.index(from);
     if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
   }
   return places;

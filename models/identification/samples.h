@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::identification {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "identification/samples.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "identification/angle_change.h"
 #include "identification/circle_plane.h"
 #include "identification/distributions.h"
 #include "identification/linear_algebra.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/random.h"
 #include "identification/fused_network.h"
 #include "identification/linear_algebra.h"
-#include "identification/random.h"
 
 namespace capsoc::identification {
 namespace {
@@ -70,7 +70,7 @@ class Batches {
 
   void shuffle() {
     for (Eigen::Index i = count() - 1; i > 0; --i)
-      std::swap(samples_[i], samples_[random_.below(i + 1)]);
+      std::swap(samples_[i], samples_[random_.index(i + 1)]);
   }
 
   std::vector<Pair> samples_;

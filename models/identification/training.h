@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/result.h"
 #include "identification/network.h"
 #include "identification/samples.h"
-#include "support/result.h"
 
 namespace capsoc::identification {
 

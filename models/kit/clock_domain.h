@@ -6,7 +6,7 @@
 #include <systemc>
 #include <vector>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::kit {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 #include "kit/interrupt_line.h"
 
 namespace capsoc::kit {

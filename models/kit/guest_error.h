@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::kit {
 

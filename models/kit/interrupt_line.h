@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::kit {
 

@@ -170,14 +170,14 @@ void AdcFrontEnd::update_interrupt() {
   interrupt.set(sample || end || clip);
 }
 
-void AdcFrontEnd::Segment::visit(kit::Archive& archive) {
+void AdcFrontEnd::Segment::visit(Archive& archive) {
   archive("index", index);
   archive("seconds", seconds);
   archive("period", period);
   archive("hz", hz);
 }
 
-void AdcFrontEnd::visit(kit::Archive& archive) {
+void AdcFrontEnd::visit(Archive& archive) {
   RegisterBank::visit(archive);
   archive("index", index_);
   archive("next_cycle", next_cycle_);

@@ -56,7 +56,7 @@ class AdcFrontEnd : public kit::RegisterBank {
 
   /// System reset: stops, all registers to their reset values.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   void restored() override;
 
   /// The width of the converter that is fitted, 12 to 32 bits: what BITS holds after a reset.
@@ -70,7 +70,7 @@ class AdcFrontEnd : public kit::RegisterBank {
     double seconds = 0;
     uint64_t period = 1;
     uint64_t hz = 1;
-    void visit(kit::Archive& archive);
+    void visit(Archive& archive);
   };
 
   void write_ctrl(uint32_t value);

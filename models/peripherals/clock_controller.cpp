@@ -106,7 +106,7 @@ void ClockController::update() {
   }
 }
 
-void ClockController::visit(kit::Archive& archive) {
+void ClockController::visit(Archive& archive) {
   RegisterBank::visit(archive);
   archive("core", core_);
   for (sc_core::sc_time* due : {&lock_at_, &switch_at_}) {

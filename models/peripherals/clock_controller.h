@@ -25,7 +25,7 @@ class ClockController : public kit::RegisterBank {
 
   /// System reset: PLL off, HCLK from the reference.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   void restored() override;
 
  private:

@@ -25,7 +25,7 @@ uint64_t Pll::output_hz() const {
   return drives_output() ? reference_hz * multiplier_ / divider_ : reference_hz;
 }
 
-void Pll::visit(kit::Archive& archive) {
+void Pll::visit(Archive& archive) {
   archive("multiplier", multiplier_);
   archive("divider", divider_);
   archive("enabled", enabled_);

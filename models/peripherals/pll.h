@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::peripherals {
 
@@ -35,7 +35,7 @@ class Pll {
   /// Frequency behind the switch, in Hz; a fraction is cut off.
   uint64_t output_hz() const;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
  private:
   uint32_t multiplier_ = 1;

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::peripherals {
 
@@ -13,7 +13,7 @@ struct SensorSample {
   bool clip = false;    ///< at least one channel was outside the range of the converter
   uint64_t number = 0;  ///< that its source gave it (AdcInput)
 
-  void visit(kit::Archive& archive) {
+  void visit(Archive& archive) {
     archive("u", u);
     archive("v", v);
     archive("clip", clip);

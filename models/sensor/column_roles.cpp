@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
+#include "base/nearest.h"
+#include "base/printable.h"
 #include "sensor/text.h"
-#include "support/nearest.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/printable.h"
 #include "sensor/recording_builder.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

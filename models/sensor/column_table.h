@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "sensor/column_roles.h"
 #include "sensor/recorded_source.h"
 #include "sensor/recording_options.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

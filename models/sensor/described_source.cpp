@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/input_file.h"
+#include "base/printable.h"
 #include "sensor/described_source.h"
 #include "sensor/mat_file.h"
 #include "sensor/recorded_source.h"
@@ -15,8 +17,6 @@
 #include "sensor/text_recording.h"
 #include "sensor/toml_reader.h"
 #include "sensor/wav_file.h"
-#include "support/input_file.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "sensor/description_keys.h"
 #include "sensor/recording_options.h"
 #include "sensor/source.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

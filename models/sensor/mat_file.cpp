@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/printable.h"
 #include "sensor/bytes.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "sensor/column_table.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

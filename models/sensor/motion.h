@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sensor/random.h"
+#include "base/random.h"
 #include "sensor/signal_config.h"
 
 namespace capsoc::sensor {

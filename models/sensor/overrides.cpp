@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "support/nearest.h"
-#include "support/printable.h"
+#include "base/nearest.h"
+#include "base/printable.h"
 
 namespace capsoc::sensor {
 namespace {

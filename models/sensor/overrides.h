@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/toml.h"
 #include "sensor/description_keys.h"
-#include "support/result.h"
-#include "support/toml.h"
 
 namespace capsoc::sensor {
 

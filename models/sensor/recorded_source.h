@@ -3,10 +3,10 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "sensor/recording_options.h"
 #include "sensor/sample_column.h"
 #include "sensor/source.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/constants.h"
+#include "base/printable.h"
 #include "sensor/motion.h"
 #include "sensor/text.h"
-#include "support/constants.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -5,13 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "base/result.h"
 #include "sensor/column_roles.h"
 #include "sensor/recorded_source.h"
 #include "sensor/recording_options.h"
 #include "sensor/sample_column.h"
 #include "sensor/sample_units.h"
 #include "sensor/time_stamps.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "sensor/column_table.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

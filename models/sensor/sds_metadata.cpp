@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "base/number.h"
+#include "base/printable.h"
 #include "sensor/sds_file.h"
 #include "sensor/text.h"
-#include "support/number.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::sensor {
 

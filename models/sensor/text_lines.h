@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "support/input_file.h"
-#include "support/result.h"
+#include "base/input_file.h"
+#include "base/result.h"
 
 namespace capsoc::sensor {
 

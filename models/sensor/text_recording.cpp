@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/printable.h"
 #include "sensor/text.h"
 #include "sensor/text_dialect.h"
-#include "support/printable.h"
 
 namespace capsoc::sensor {
 namespace {

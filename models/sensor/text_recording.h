@@ -4,10 +4,10 @@
 #include <functional>
 #include <string>
 
+#include "base/result.h"
 #include "sensor/recorded_source.h"
 #include "sensor/recording_builder.h"
 #include "sensor/text_lines.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

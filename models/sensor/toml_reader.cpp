@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
+#include "base/nearest.h"
+#include "base/printable.h"
+#include "base/toml.h"
 #include "sensor/overrides.h"
 #include "sensor/text.h"
-#include "support/constants.h"
-#include "support/nearest.h"
-#include "support/printable.h"
-#include "support/toml.h"
 
 namespace capsoc::sensor {
 namespace {

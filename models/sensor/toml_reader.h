@@ -3,9 +3,9 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "sensor/description_keys.h"
 #include "sensor/signal_config.h"
-#include "support/result.h"
 
 namespace capsoc::sensor {
 

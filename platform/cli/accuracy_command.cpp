@@ -5,7 +5,7 @@
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/table_output.h"
-#include "support/accuracy_table_names.h"
+#include "report/accuracy_table_names.h"
 
 namespace capsoc::cli {
 namespace {

@@ -4,6 +4,9 @@
 #include <iostream>
 #include <memory>
 
+#include "base/number.h"
+#include "base/printable.h"
+#include "base/shell.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
@@ -18,9 +21,6 @@
 #include "report/page.h"
 #include "results/results.h"
 #include "sensor/load.h"
-#include "support/number.h"
-#include "support/printable.h"
-#include "support/shell.h"
 
 namespace capsoc::cli {
 namespace {

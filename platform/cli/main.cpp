@@ -14,13 +14,13 @@
 #include <systemc>
 #include <vector>
 
+#include "base/nearest.h"
 #include "cli/commands.h"
 #include "cli/exit_codes.h"
 #include "cli/refuse.h"
 #include "host/console.h"
 #include "host/end_signals.h"
 #include "results/results.h"
-#include "support/nearest.h"
 #include "version/version.h"
 
 namespace {

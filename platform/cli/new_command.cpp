@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/printable.h"
+#include "base/result.h"
+#include "base/shell.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "host/console.h"
 #include "host/files.h"
 #include "host/places.h"
 #include "soc/board_registers.h"
-#include "support/printable.h"
-#include "support/result.h"
-#include "support/shell.h"
 
 namespace capsoc::cli {
 namespace {

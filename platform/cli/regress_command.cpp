@@ -8,6 +8,7 @@
 #include <memory>
 #include <thread>
 
+#include "base/shell.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
@@ -18,7 +19,6 @@
 #include "regress/rtl_comparison.h"
 #include "report/page.h"
 #include "results/results.h"
-#include "support/shell.h"
 #include "trace/save_file.h"
 
 namespace capsoc::cli {

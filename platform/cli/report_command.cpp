@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "base/nearest.h"
+#include "base/printable.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
@@ -12,8 +14,6 @@
 #include "report/page.h"
 #include "report/picture.h"
 #include "results/results.h"
-#include "support/nearest.h"
-#include "support/printable.h"
 
 namespace capsoc::cli {
 namespace {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "base/printable.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "host/end_signals.h"
@@ -16,7 +17,6 @@
 #include "session/run_files.h"
 #include "session/run_settings.h"
 #include "session/simulation.h"
-#include "support/printable.h"
 
 namespace capsoc::cli {
 namespace {

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <iostream>
 
+#include "base/printable.h"
 #include "cli/refuse.h"
 #include "cli/whole_number.h"
 #include "host/console.h"
 #include "host/files.h"
 #include "report/page.h"
 #include "results/results.h"
-#include "support/printable.h"
 
 namespace capsoc::cli {
 namespace {

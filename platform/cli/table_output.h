@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/curve.h"
+#include "base/data_table.h"
+#include "base/result.h"
 #include "host/file_uses.h"
-#include "support/curve.h"
-#include "support/data_table.h"
-#include "support/result.h"
 
 namespace capsoc::cli {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/curve.h"
 #include "report/result_file.h"
-#include "support/curve.h"
 
 namespace capsoc::report {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/constants.h"
 #include "report/figure.h"
-#include "support/constants.h"
 
 namespace capsoc::report {
 namespace {

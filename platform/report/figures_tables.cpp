@@ -1,8 +1,8 @@
 // The figures of `capsoc accuracy` and `capsoc bench`: bars of the rows that they print.
 #include <fmt/format.h>
 
+#include "report/accuracy_table_names.h"
 #include "report/figure.h"
-#include "support/accuracy_table_names.h"
 
 namespace capsoc::report {
 namespace {

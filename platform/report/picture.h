@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "report/figure.h"
-#include "support/result.h"
 
 namespace capsoc::report {
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "support/input_file.h"
-#include "support/printable.h"
+#include "base/input_file.h"
+#include "base/printable.h"
 
 namespace capsoc::report {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "support/curve.h"
-#include "support/result.h"
+#include "base/curve.h"
+#include "base/result.h"
 
 namespace capsoc::report {
 

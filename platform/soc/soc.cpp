@@ -163,7 +163,7 @@ void Soc::reset_peripherals() {
   for (kit::Component* part : components_) part->reset();
 }
 
-void Soc::visit(kit::Archive& archive) {
+void Soc::visit(Archive& archive) {
   archive("clock", clock);
   archive("high_sources", high_sources_);
 }

@@ -14,6 +14,7 @@
 #include "an385/fpga_io.h"
 #include "an385/scc.h"
 #include "armv7m/tlm/core_tlm.h"
+#include "base/result.h"
 #include "bus/address_map.h"
 #include "bus/ahb_matrix.h"
 #include "bus/apb_bridge.h"
@@ -31,7 +32,6 @@
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
 #include "soc/board_map.h"
-#include "support/result.h"
 
 namespace capsoc::soc {
 
@@ -75,7 +75,7 @@ class Soc : public sc_core::sc_module {
   void reset_peripherals();
 
   /// What is between the parts: the clock, and interrupt lines that several drive.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// Every interrupt output with the name of its device and its own, as the address map has them.
   using EachInterrupt =

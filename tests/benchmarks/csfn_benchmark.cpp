@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "base/random.h"
 #include "identification/ellipse_fit.h"
 #include "identification/fused_network.h"
 #include "identification/identify.h"
-#include "identification/random.h"
 
 namespace capsoc::identification {
 namespace {

@@ -43,12 +43,12 @@ class Machine : public armv7m::Bus {
   }
   std::vector<Part> parts() {
     return {{"cpu",
-             [this](kit::Archive& a) {
+             [this](Archive& a) {
                a("core", core);
                if (a.loading()) core.memory_changed();
              }},
-            {"ram", [this](kit::Archive& a) { a.memory("bytes", memory, sizeof memory); }},
-            {"coprocessor", [this](kit::Archive& a) { coprocessor.visit(a); }}};
+            {"ram", [this](Archive& a) { a.memory("bytes", memory, sizeof memory); }},
+            {"coprocessor", [this](Archive& a) { coprocessor.visit(a); }}};
   }
 
   uint8_t memory[8192] = {};
@@ -135,12 +135,12 @@ TEST(CheckpointFile, RefusesAnotherBoard) {
             "capsoc; save it again");
   parts = machine.parts();
   uint32_t more = 0;
-  parts[2].visit = [&](kit::Archive& a) {
+  parts[2].visit = [&](Archive& a) {
     machine.coprocessor.visit(a);
     a("more", more);
   };
   EXPECT_EQ(load(saved.value(), parts)->text, "coprocessor: more is missing");
-  parts[2].visit = [&](kit::Archive& a) { a("cycle", more); };
+  parts[2].visit = [&](Archive& a) { a("cycle", more); };
   EXPECT_EQ(load(saved.value(), parts)->text,
             "coprocessor has other values: the checkpoint is of another version of capsoc; save it "
             "again");

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/fixed.h"
 #include "coprocessor/coprocessor.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor::test {
 

@@ -1,4 +1,4 @@
-#include "fixed/fixed.h"
+#include "base/fixed.h"
 
 #include <gtest/gtest.h>
 

@@ -8,12 +8,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/constants.h"
 #include "fit/report.h"
 #include "golden/golden.h"
 #include "identification/calibration.h"
 #include "metrics/begin_recording.h"
 #include "metrics/sample_record.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {

@@ -41,7 +41,7 @@ TEST(Tables, IntervalsOf95PercentHoldTheTruthAsOften) {
 TEST(Tables, FlickerNoiseHasNoIntervalsAndAReason) {
   for (const HardKind& kind : hard_kinds()) {
     if (std::string(kind.name) != "1/f, turning") continue;
-    identification::Random random(555);
+    Random random(555);
     int kept = 0;
     for (int i = 0; i < 200; ++i) {
       const auto found = identification::identify(kind.draw(random).samples);

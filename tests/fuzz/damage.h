@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-#include "sensor/random.h"
+#include "base/random.h"
 
 namespace capsoc::test {
 
@@ -74,7 +74,7 @@ class Damage {
   }
 
  private:
-  sensor::RandomSequence random_;
+  RandomSequence random_;
   uint64_t draw_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/setting_fields.h"
 #include "damage.h"
 #include "loader/elf_image.h"
 #include "loader/program_file.h"
@@ -22,7 +23,6 @@
 #include "sensor/toml_reader.h"
 #include "sensor/wav_file.h"
 #include "serial/pin_line.h"
-#include "support/setting_fields.h"
 #include "tally.h"
 #include "trace/coverage_file.h"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <functional>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "identification/distributions.h"
-#include "identification/random.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

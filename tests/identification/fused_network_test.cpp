@@ -78,7 +78,7 @@ TEST(FusedNetwork, GivesTheSameDigitsAtEveryWidth) {
     widths += supported(width) ? 1 : 0;
   }
   for (int run = 0; run < 300; ++run) {
-    const TestSignal signal = make_signal(table_1, 1 + random.below(300), random.word(), 1e-2);
+    const TestSignal signal = make_signal(table_1, 1 + random.index(300), random.word(), 1e-2);
     const Nodes nodes =
         nodes_of(0.1 + random.uniform(), 0.1 + random.uniform(), random.uniform() - 0.5,
                  random.uniform() - 0.5, 1.8 * random.uniform() - 0.9);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "base/constants.h"
 #include "identification/identify.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/constants.h"
 #include "identification/ellipse_fit.h"
 #include "signals.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 namespace {

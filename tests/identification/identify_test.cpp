@@ -303,7 +303,7 @@ TEST(Identify, HasIntervalsThatAgreeWithABootstrapAndHoldTheTruth) {
   for (int run = 0; run < resamples; ++run) {
     TestSignal drawn{Eigen::ArrayXd(1000), Eigen::ArrayXd(1000)};
     for (Eigen::Index i = 0; i < 1000; ++i) {
-      const Eigen::Index j = random.below(1000);
+      const Eigen::Index j = random.index(1000);
       drawn.u[i] = signal.u[j];
       drawn.v[i] = signal.v[j];
     }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::identification::lms {
 namespace {

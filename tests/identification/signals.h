@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "identification/calibration.h"
-#include "identification/random.h"
 #include "identification/samples.h"
-#include "support/constants.h"
 
 namespace capsoc::identification {
 
@@ -55,7 +55,7 @@ inline HarmonicSignal make_harmonic_signal(const SignalModel& model, Eigen::Inde
   Eigen::ArrayXd place = Eigen::ArrayXd::LinSpaced(count, 0, static_cast<double>(count - 1));
   place /= static_cast<double>(count);
   if (angles == Angles::even_shuffled) {
-    for (Eigen::Index i = count - 1; i > 0; --i) std::swap(place[i], place[random.below(i + 1)]);
+    for (Eigen::Index i = count - 1; i > 0; --i) std::swap(place[i], place[random.index(i + 1)]);
   }
   const auto normal = [&random] {
     double sum = -6;

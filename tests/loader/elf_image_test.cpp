@@ -4,8 +4,8 @@
 
 #include <random>
 
+#include "base/printable.h"
 #include "loader/demangle.h"
-#include "support/printable.h"
 
 namespace capsoc::loader {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "capsoc_registers.h"
 #include "metrics/last_turn.h"
-#include "support/constants.h"
 
 namespace capsoc::metrics {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::metrics {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.h"
 #include "sensor/motion.h"
-#include "support/constants.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sensor/random.h"
+#include "base/random.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.h"
 #include "sensor/load.h"
-#include "support/constants.h"
 
 namespace capsoc::sensor {
 namespace {

@@ -3,7 +3,7 @@
 // stepping executor do the work. A match is taken behind the instruction that made it.
 #include "armv7m/system/dwt.h"
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -41,7 +41,7 @@ void Dwt::reset() {
   *this = {};
 }
 
-void Dwt::visit(kit::Archive& archive) {
+void Dwt::visit(Archive& archive) {
   archive("ctrl", ctrl_);
   archive("cyccnt_base", cyccnt_base_);
   archive("cyccnt_stopped", cyccnt_stopped_);

@@ -5,7 +5,7 @@
 
 #include "armv7m/system/registers.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -18,7 +18,7 @@ namespace capsoc::armv7m {
 class Dwt {
  public:
   void reset();
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   uint32_t cycle_count(uint64_t now, bool tracing) const;
   /// CYCCNT is `count` now.

@@ -1,6 +1,6 @@
 #include "armv7m/system/itm.h"
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -8,7 +8,7 @@ constexpr uint32_t unlock_key = 0xC5ACCE55, tcr_itmena = 1;
 constexpr uint32_t lsr_present = 1, lsr_locked = 2, fifo_ready = 1;
 }  // namespace
 
-void Itm::visit(kit::Archive& archive) {
+void Itm::visit(Archive& archive) {
   archive("ter", ter_);
   archive("tpr", tpr_);
   archive("tcr", tcr_);

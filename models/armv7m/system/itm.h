@@ -4,7 +4,7 @@
 
 #include "armv7m/system/registers.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -17,7 +17,7 @@ class Itm {
   static constexpr unsigned ports = 32;
 
   void reset() { *this = {}; }
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// Ports can be open to the unprivileged, eight of them for each bit of TPR; the rest never is.
   bool open_to_user(uint32_t address) const;

@@ -1,6 +1,6 @@
 #include "armv7m/system/mpu.h"
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -42,7 +42,7 @@ bool is_rasr(uint32_t address) {
 
 }  // namespace
 
-void Mpu::visit(kit::Archive& archive) {
+void Mpu::visit(Archive& archive) {
   archive("ctrl", ctrl_);
   archive.at_most("rnr", rnr_, 7u);
   archive("rbar", rbar_);

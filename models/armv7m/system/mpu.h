@@ -7,7 +7,7 @@
 #include "armv7m/isa/unpredictable.h"
 #include "armv7m/system/registers.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -25,7 +25,7 @@ class Mpu {
   static constexpr unsigned regions = 8;
 
   void reset() { *this = {}; }
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// Whether accesses are held against the regions at all. `at_negative_priority`: in HardFault and
   /// NMI, and with FAULTMASK (HFNMIENA, B3.5.5).

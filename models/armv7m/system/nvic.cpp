@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -42,7 +42,7 @@ void Nvic::reset() {
   priority_.fill(0);
 }
 
-void Nvic::visit(kit::Archive& archive) {
+void Nvic::visit(Archive& archive) {
   archive("pending", pending_);
   archive("active", active_);
   archive("enabled", enabled_);

@@ -6,7 +6,7 @@
 #include "armv7m/system/exception_number.h"
 #include "armv7m/system/registers.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -23,7 +23,7 @@ class Nvic {
 
   /// Priorities and their implemented bits stay until set again.
   void reset();
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   uint64_t pending() const { return pending_; }
   uint64_t active() const { return active_; }

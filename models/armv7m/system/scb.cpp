@@ -1,6 +1,6 @@
 #include "armv7m/system/scb.h"
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -70,7 +70,7 @@ void Scb::reset() {
   ccr_ = find_system_register(ppb::CCR)->description.reset;
 }
 
-void Scb::visit(kit::Archive& archive) {
+void Scb::visit(Archive& archive) {
   archive("vtor", vtor_);
   archive.at_most("prigroup", prigroup_, 7u);
   archive("scr", scr_);

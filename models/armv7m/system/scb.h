@@ -6,7 +6,7 @@
 #include "armv7m/system/nvic.h"
 #include "armv7m/system/registers.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -17,7 +17,7 @@ namespace capsoc::armv7m {
 class Scb {
  public:
   void reset();
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   uint32_t vector(unsigned number) const { return vtor_ + 4 * number; }
   void set_vector_table(uint32_t address) { vtor_ = address; }

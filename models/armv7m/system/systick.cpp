@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -16,7 +16,7 @@ void Systick::reset(uint64_t now) {
   start_cycle_ = now;
 }
 
-void Systick::visit(kit::Archive& archive) {
+void Systick::visit(Archive& archive) {
   archive("csr", csr_);
   archive("rvr", rvr_);
   archive("start", start_);

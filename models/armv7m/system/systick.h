@@ -4,7 +4,7 @@
 
 #include "armv7m/system/registers.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -17,7 +17,7 @@ class Systick {
   static constexpr uint64_t never = ~uint64_t{0};
 
   void reset(uint64_t now);
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// Cycle of the next wrap that pends the exception, else `never`.
   uint64_t event() const { return event_; }

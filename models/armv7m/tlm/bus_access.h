@@ -8,7 +8,7 @@
 
 #include "armv7m/core.h"
 #include "armv7m/tlm/time_horizon.h"
-#include "kit/archive.h"
+#include "base/archive.h"
 #include "kit/clock_domain.h"
 #include "kit/early_write.h"
 #include "kit/steady_read.h"
@@ -49,7 +49,7 @@ class BusAccess {
   /// The port takes direct memory back.
   void invalidate(uint64_t first, uint64_t last);
   /// The memory that was granted; after a restore remap() maps it again.
-  void visit(kit::Archive& archive) { archive.sequence("granted", granted_, 4096); }
+  void visit(Archive& archive) { archive.sequence("granted", granted_, 4096); }
   void remap();
 
  private:
@@ -57,7 +57,7 @@ class BusAccess {
   struct Granted {
     uint32_t address = 0;
     AccessKind kind = AccessKind::load;
-    void visit(kit::Archive& archive) {
+    void visit(Archive& archive) {
       archive("address", address);
       archive.at_most("kind", kind, AccessKind::store);
     }

@@ -89,7 +89,7 @@ void CoreTlm::resume_at(const sc_core::sc_time& time, std::function<bool()> load
   load_ = std::move(load);
 }
 
-void CoreTlm::visit(kit::Archive& archive) {
+void CoreTlm::visit(Archive& archive) {
   archive("core", core_);
   archive("reset_requested", reset_requested_);
   bus_.visit(archive);

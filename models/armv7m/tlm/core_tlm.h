@@ -101,7 +101,7 @@ class CoreTlm : public sc_core::sc_module,
   const char* component_name() const override { return basename(); }
   /// The processor's part of a system reset is the caller of on_reset_request()'s.
   void reset() override {}
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   void restored() override;
 
   /// Asked before and told after every run of the core; null: nobody. It stays the caller's.

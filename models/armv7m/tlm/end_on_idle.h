@@ -5,7 +5,7 @@
 #include <systemc>
 #include <utility>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::armv7m {
 
@@ -38,7 +38,7 @@ class EndOnIdle {
     slept_ += now - asleep_since_;
     asleep_since_ = now;
   }
-  void visit(kit::Archive& archive) {
+  void visit(Archive& archive) {
     for (sc_core::sc_time* time : {&since_, &slept_, &asleep_since_}) {
       uint64_t ticks = time->value();
       archive("time", ticks);

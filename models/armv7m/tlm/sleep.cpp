@@ -10,7 +10,7 @@ void Sleep::note_work() {
     end_on_idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
 }
 
-void Sleep::visit(kit::Archive& archive) {
+void Sleep::visit(Archive& archive) {
   bool watched = end_on_idle_.has_value();
   archive("ends_on_idle", watched);
   if (watched != end_on_idle_.has_value())

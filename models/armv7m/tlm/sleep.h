@@ -8,7 +8,7 @@
 #include "armv7m/tlm/end_on_idle.h"
 #include "armv7m/tlm/end_reason.h"
 #include "armv7m/tlm/time_horizon.h"
-#include "kit/archive.h"
+#include "base/archive.h"
 #include "kit/clock_domain.h"
 
 namespace capsoc::armv7m {
@@ -53,7 +53,7 @@ class Sleep {
     if (end_on_idle_ && end_on_idle_->is_work(address)) note_work();
   }
   /// A state of a run that ends on idle does not fit one that does not.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
  private:
   EndReason sleep();

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "capsoc_registers.h"
 #include "coprocessor/sequencer.h"
-#include "support/printable.h"
 
 namespace capsoc::coprocessor {
 
@@ -146,7 +146,7 @@ std::optional<sc_core::sc_time> CoprocessorTlm::quiet_at() const {
   return clock_.time_of(device_->next_event().value_or(interval_ + 1));
 }
 
-void CoprocessorTlm::visit(kit::Archive& archive) {
+void CoprocessorTlm::visit(Archive& archive) {
   // Idle, it is the same whatever device is here; in between every device has its own.
   IdleState state;
   bool idle = device_->save_idle(state);

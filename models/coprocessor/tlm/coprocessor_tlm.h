@@ -41,7 +41,7 @@ class CoprocessorTlm : public kit::RegisterTarget {
 
   /// System reset: power-on state; time goes on.
   void reset() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   void restored() override { follow(); }
 
   /// The results of every sample, in the cycle in which they become visible and before the
@@ -64,7 +64,7 @@ class CoprocessorTlm : public kit::RegisterTarget {
  private:
   struct Write {
     uint32_t offset = 0, value = 0;
-    void visit(kit::Archive& archive) {
+    void visit(Archive& archive) {
       archive("offset", offset);
       archive("value", value);
     }
@@ -73,7 +73,7 @@ class CoprocessorTlm : public kit::RegisterTarget {
   /// A sample in the device.
   struct Taken {
     uint64_t edge = 0, number = 0;
-    void visit(kit::Archive& archive) {
+    void visit(Archive& archive) {
       archive("edge", edge);
       archive("number", number);
     }

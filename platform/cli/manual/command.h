@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "support/settings.h"
+#include "base/settings.h"
 
 namespace capsoc::manual {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "support/data_table.h"
+#include "base/data_table.h"
 
 namespace capsoc::accuracy {
 

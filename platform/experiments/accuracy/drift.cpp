@@ -8,8 +8,8 @@
 
 #include "accuracy/experiment.h"
 #include "accuracy/following.h"
-#include "sensor/random.h"
-#include "support/constants.h"
+#include "base/constants.h"
+#include "base/random.h"
 
 namespace capsoc::accuracy {
 namespace {
@@ -125,7 +125,7 @@ Comparison lms_on(const Case& one_case) {
 /// noise of so much of a1 behind a converter of 14 bits.
 FollowingOutcome worst_drawn(const Case& one_case, double noise) {
   constexpr int sensors = 20, numbers = 12;
-  const sensor::RandomSequence random(1, 0);
+  const RandomSequence random(1, 0);
   FollowingOutcome worst;
   worst.locked = true;
   for (uint64_t i = 0; i < sensors; ++i) {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <future>
 
+#include "base/constants.h"
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/register_map.h"
 #include "peripherals/quantiser.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::accuracy {
 namespace {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "accuracy/experiment.h"
+#include "base/constants.h"
 #include "fit/contenders.h"
 #include "identification/calibration.h"
 #include "peripherals/quantiser.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::accuracy {
 namespace {

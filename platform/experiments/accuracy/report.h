@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "accuracy/experiment.h"
-#include "support/data_table.h"
+#include "base/data_table.h"
 
 namespace capsoc::accuracy {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/random.h"
 #include "identification/distributions.h"
-#include "sensor/random.h"
 
 namespace capsoc::campaign {
 namespace {
@@ -47,11 +47,11 @@ double in_equal_steps(double a, double b, uint64_t index, uint64_t count) {
 }  // namespace
 
 uint64_t draw_word(uint64_t seed, const std::string& name, uint64_t index) {
-  return sensor::RandomSequence(seed, stream_of(name)).word(index);
+  return RandomSequence(seed, stream_of(name)).word(index);
 }
 
 double draw(uint64_t seed, const std::string& name, uint64_t index) {
-  return sensor::RandomSequence(seed, stream_of(name)).uniform(index);
+  return RandomSequence(seed, stream_of(name)).uniform(index);
 }
 
 std::string draw_seed(uint64_t seed, const std::string& name, uint64_t index) {

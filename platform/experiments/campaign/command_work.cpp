@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <map>
 
+#include "base/printable.h"
+#include "base/setting_fields.h"
+#include "base/shell.h"
 #include "campaign/flat.h"
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "results/results.h"
-#include "support/printable.h"
-#include "support/setting_fields.h"
-#include "support/shell.h"
 #include "workers/command.h"
 
 namespace capsoc::campaign {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::campaign {
 

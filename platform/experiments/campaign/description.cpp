@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "base/input_file.h"
+#include "base/printable.h"
 #include "campaign/toml_table.h"
-#include "support/input_file.h"
-#include "support/printable.h"
 
 namespace capsoc::campaign {
 namespace {

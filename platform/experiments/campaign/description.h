@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "campaign/axis.h"
 #include "campaign/expression.h"
-#include "support/result.h"
 #include "workers/engine.h"
 
 namespace capsoc::campaign {

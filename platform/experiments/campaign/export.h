@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "base/result.h"
 #include "campaign/store.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "support/number.h"
-#include "support/printable.h"
+#include "base/number.h"
+#include "base/printable.h"
 
 namespace capsoc::campaign {
 namespace {

@@ -21,7 +21,7 @@
 #include <variant>
 #include <vector>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::campaign {
 

@@ -1,6 +1,8 @@
 // `capsoc fit`, on samples of a generated sensor, as a kind of work.
 #include <fmt/format.h>
 
+#include "base/setting_fields.h"
+#include "base/shell.h"
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "fit/fit.h"
@@ -8,8 +10,6 @@
 #include "inputs/run_inputs.h"
 #include "results/results.h"
 #include "sensor/load.h"
-#include "support/setting_fields.h"
-#include "support/shell.h"
 
 namespace capsoc::campaign {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "campaign/description.h"
 #include "campaign/store.h"
 #include "campaign/work.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

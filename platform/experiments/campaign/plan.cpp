@@ -6,13 +6,13 @@
 #include <unordered_set>
 #include <utility>
 
+#include "base/nearest.h"
+#include "base/number.h"
+#include "base/printable.h"
 #include "campaign/design.h"
 #include "campaign/flat.h"
 #include "host/places.h"
 #include "host/sha256.h"
-#include "support/nearest.h"
-#include "support/number.h"
-#include "support/printable.h"
 #include "version/version.h"
 
 namespace capsoc::campaign {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "campaign/description.h"
 #include "campaign/work.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

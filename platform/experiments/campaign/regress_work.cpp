@@ -1,6 +1,7 @@
 // `capsoc regress`, a scenario with a seed, as a kind of work.
 #include <fmt/format.h>
 
+#include "base/setting_fields.h"
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "regress/campaign.h"
@@ -8,7 +9,6 @@
 #include "regress/scenario.h"
 #include "results/results.h"
 #include "rtl/rtl_library.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::campaign {
 namespace {

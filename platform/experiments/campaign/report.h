@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "campaign/statistics.h"
 #include "campaign/store.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/curve.h"
+#include "base/json.h"
+#include "base/printable.h"
+#include "base/xml.h"
 #include "campaign/plan.h"
 #include "campaign/report.h"
 #include "campaign/stored_campaign.h"
-#include "support/curve.h"
-#include "support/json.h"
-#include "support/printable.h"
-#include "support/xml.h"
 
 namespace capsoc::campaign {
 namespace {

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/input_file.h"
+#include "base/printable.h"
+#include "base/shell.h"
 #include "host/files.h"
 #include "host/places.h"
-#include "support/input_file.h"
-#include "support/printable.h"
-#include "support/shell.h"
 
 namespace capsoc::campaign {
 namespace {

@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include "base/number.h"
 #include "identification/distributions.h"
-#include "support/number.h"
 
 namespace capsoc::campaign {
 namespace {

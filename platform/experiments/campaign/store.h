@@ -9,10 +9,10 @@
 #include <unordered_set>
 #include <vector>
 
+#include "base/result.h"
 #include "campaign/database.h"
 #include "campaign/plan.h"
 #include "campaign/store_place.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

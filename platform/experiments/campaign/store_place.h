@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::campaign {
 

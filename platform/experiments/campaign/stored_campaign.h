@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
+#include "base/result.h"
 #include "campaign/judge.h"
 #include "campaign/store.h"
 #include "campaign/work.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "support/nearest.h"
-#include "support/printable.h"
+#include "base/nearest.h"
+#include "base/printable.h"
 
 namespace capsoc::campaign {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "support/result.h"
-#include "support/toml.h"
+#include "base/result.h"
+#include "base/toml.h"
 
 namespace capsoc::campaign {
 

@@ -1,7 +1,7 @@
 #include "campaign/work.h"
 
+#include "base/printable.h"
 #include "campaign/kinds.h"
-#include "support/printable.h"
 
 namespace capsoc::campaign {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "campaign/axis.h"
-#include "support/result.h"
 
 namespace capsoc::campaign {
 

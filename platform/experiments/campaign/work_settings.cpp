@@ -4,8 +4,8 @@
 
 #include <map>
 
+#include "base/printable.h"
 #include "host/sha256.h"
-#include "support/printable.h"
 
 namespace capsoc::campaign {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/settings.h"
 #include "campaign/axis.h"
-#include "support/result.h"
-#include "support/settings.h"
 
 namespace capsoc::campaign {
 

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.h"
 #include "fit/drawn_records.h"
 #include "fit/hard_records.h"
 #include "identification/circle_plane.h"
 #include "identification/identify.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
@@ -130,7 +130,7 @@ int print_hard_coverage(std::ostream& out, int records, uint64_t from) {
       "{:>7}\n",
       "record", "records", "refused", "none", "interval", "a1", "a2", "b1", "b2", "beta", "all");
   for (const HardKind& kind : hard_kinds()) {
-    identification::Random random(from);
+    Random random(from);
     Coverage coverage;
     coverage.wanted = records;
     int refused = 0, none = 0;
@@ -169,7 +169,7 @@ int print_coverage(std::ostream& out, int records, uint64_t from) {
       from, "noise", "samples", "records", "accepted", "a1", "a2", "b1", "b2", "beta", "all");
   for (const double noise : {1e-4, 1e-3, 1e-2, 3e-2}) {
     for (const Eigen::Index count : {20, 100, 1000, 20000}) {
-      identification::Random random(from + static_cast<uint64_t>(count));
+      Random random(from + static_cast<uint64_t>(count));
       Coverage coverage;
       coverage.wanted = count > 10000 ? std::max(records / 5, 1) : records;
       for (int i = 0; i < coverage.wanted; ++i) {
@@ -195,7 +195,7 @@ int print_bounds(std::ostream& out, int sensors, uint64_t from) {
       sensors, from, "record", "accepted", "no bound", "over", "median", "95 %", "least",
       "whole, median");
   for (const RecordKind kind : {RecordKind::good, RecordKind::tiny, RecordKind::converter}) {
-    identification::Random random(from);
+    Random random(from);
     std::vector<double> ratios, whole;
     int none = 0, over = 0;
     for (int i = 0; i < sensors; ++i) {
@@ -246,7 +246,7 @@ int print_allowance(std::ostream& out, int sensors) {
       count, identification::angle_by_amplitude, sensors, seed, "harmonics", "median", "99 % below",
       "largest", "the bound's, %");
   for (const Row& row : rows) {
-    identification::Random random(seed);
+    Random random(seed);
     std::vector<double> ratios;
     for (int i = 0; i < sensors; ++i) {
       const DrawnRecord record =
@@ -273,7 +273,7 @@ int print_allowance(std::ostream& out, int sensors) {
 
 int print_drawn(std::ostream& out, int records) {
   int missed = 0;
-  identification::Random random(seed);
+  Random random(seed);
   std::array<Verdicts, record_kinds> verdicts;
   std::array<std::vector<std::string>, record_kinds> wrong;
   for (int i = 0; i < records; ++i) {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 
+#include "base/constants.h"
 #include "identification/calibration.h"
 #include "identification/network.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {

@@ -1,8 +1,8 @@
 // A fit as curves for a report.
 #pragma once
 
+#include "base/curve.h"
 #include "fit/fit.h"
-#include "support/curve.h"
 
 namespace capsoc::fit {
 

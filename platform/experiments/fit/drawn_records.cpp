@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::fit {
 namespace {
 
-double between(identification::Random& random, double least, double largest) {
+double between(Random& random, double least, double largest) {
   return least + (largest - least) * random.uniform();
 }
 
-double log_between(identification::Random& random, double least, double largest) {
+double log_between(Random& random, double least, double largest) {
   return least * std::pow(largest / least, random.uniform());
 }
 
-identification::Parameters draw_sensor(identification::Random& random) {
+identification::Parameters draw_sensor(Random& random) {
   identification::Parameters p;
   p.a1 = between(random, 0.1, 0.9);
   p.a2 = std::clamp(p.a1 * log_between(random, 0.5, 2), 0.1, 0.9);
@@ -26,7 +26,7 @@ identification::Parameters draw_sensor(identification::Random& random) {
   return p;
 }
 
-void draw_harmonics(identification::Random& random, DrawnRecord& record) {
+void draw_harmonics(Random& random, DrawnRecord& record) {
   const double size = log_between(random, 1e-3, 3e-2);
   for (auto* channel : {&record.u, &record.v}) {
     for (identification::HarmonicTerm& term : *channel) {
@@ -36,8 +36,7 @@ void draw_harmonics(identification::Random& random, DrawnRecord& record) {
   }
 }
 
-void take_samples(identification::Random& random, DrawnRecord& record, Eigen::Index count,
-                  double turns) {
+void take_samples(Random& random, DrawnRecord& record, Eigen::Index count, double turns) {
   record.samples = {Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   record.theta.resize(count);
   const double origin = 2 * pi * random.uniform();
@@ -49,7 +48,7 @@ void take_samples(identification::Random& random, DrawnRecord& record, Eigen::In
   }
 }
 
-void disturb(identification::Random& random, DrawnRecord& record) {
+void disturb(Random& random, DrawnRecord& record) {
   const Eigen::Index count = record.samples.u.size();
   identification::Samples& samples = record.samples;
   switch (record.kind) {
@@ -118,7 +117,7 @@ identification::Point point_of(const DrawnRecord& record, double theta) {
   return at;
 }
 
-DrawnRecord draw_good_record(identification::Random& random, double noise, Eigen::Index count) {
+DrawnRecord draw_good_record(Random& random, double noise, Eigen::Index count) {
   DrawnRecord record;
   record.truth = draw_sensor(random);
   record.noise = noise * std::min(record.truth.a1, record.truth.a2);
@@ -126,7 +125,7 @@ DrawnRecord draw_good_record(identification::Random& random, double noise, Eigen
   return record;
 }
 
-DrawnRecord draw_harmonic_record(identification::Random& random, int least, int highest, bool both,
+DrawnRecord draw_harmonic_record(Random& random, int least, int highest, bool both,
                                  Eigen::Index count) {
   DrawnRecord record;
   record.kind = RecordKind::harmonics;
@@ -142,7 +141,7 @@ DrawnRecord draw_harmonic_record(identification::Random& random, int least, int 
   return record;
 }
 
-DrawnRecord draw_record(identification::Random& random, RecordKind kind) {
+DrawnRecord draw_record(Random& random, RecordKind kind) {
   DrawnRecord record;
   record.kind = kind;
   identification::Parameters& p = record.truth;
@@ -174,7 +173,7 @@ double angle_error_of(const DrawnRecord& record, const identification::Parameter
   return largest;
 }
 
-double normal(identification::Random& random) {
+double normal(Random& random) {
   // Box and Muller; the same bytes wherever the C library's functions round alike.
   const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
   return radius * std::cos(2 * pi * random.uniform());

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/random.h"
 #include "identification/calibration.h"
-#include "identification/random.h"
 #include "identification/samples.h"
 
 namespace capsoc::fit {
@@ -46,14 +46,14 @@ struct DrawnRecord {
 /// Amplitudes 0.1 .. 0.9, ratio 0.5 .. 2, offsets to 0.3, |beta| to 1 rad, noise 1e-4 .. 3e-2 of
 /// the smaller amplitude, 20 .. 20,000 samples (both spread evenly over their logarithms) at random
 /// angles, and what the kind has besides.
-DrawnRecord draw_record(identification::Random& random, RecordKind kind);
+DrawnRecord draw_record(Random& random, RecordKind kind);
 
 /// The same with the noise (relative to the smaller amplitude) and the number of samples given.
-DrawnRecord draw_good_record(identification::Random& random, double noise, Eigen::Index count);
+DrawnRecord draw_good_record(Random& random, double noise, Eigen::Index count);
 
 /// Without noise; harmonics of the orders least .. highest, within 2 .. 5, of amplitudes to 0.001
 /// at any phase, in both channels or in U alone.
-DrawnRecord draw_harmonic_record(identification::Random& random, int least, int highest, bool both,
+DrawnRecord draw_harmonic_record(Random& random, int least, int highest, bool both,
                                  Eigen::Index count);
 
 /// Of the sensor without noise, at the angle (radians).
@@ -63,6 +63,6 @@ identification::Point point_of(const DrawnRecord& record, double theta);
 double angle_error_of(const DrawnRecord& record, const identification::Parameters& parameters);
 
 /// One of the standard normal distribution.
-double normal(identification::Random& random);
+double normal(Random& random);
 
 }  // namespace capsoc::fit

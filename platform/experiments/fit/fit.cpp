@@ -6,10 +6,10 @@
 #include <cmath>
 #include <complex>
 
+#include "base/constants.h"
 #include "identification/calibration.h"
 #include "identification/fused_network.h"
 #include "identification/peers.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {

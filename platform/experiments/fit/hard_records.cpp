@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::fit {
 namespace {
@@ -15,12 +15,12 @@ using Noise = std::function<std::array<double, 2>()>;
 
 constexpr Eigen::Index usual = 1000;
 
-double uniform_within(identification::Random& random, double least, double largest) {
+double uniform_within(Random& random, double least, double largest) {
   return least + (largest - least) * random.uniform();
 }
 
 /// A sensor with a noise of 1e-4 to 1e-2 of its smaller amplitude.
-DrawnRecord draw_sensor_with_noise(identification::Random& random) {
+DrawnRecord draw_sensor_with_noise(Random& random) {
   DrawnRecord record = draw_good_record(random, 1, 1);
   record.noise *= 1e-4 * std::pow(100.0, random.uniform());
   return record;
@@ -38,7 +38,7 @@ void take(DrawnRecord& record, Eigen::Index count, const Angle& angle, const Noi
   }
 }
 
-Noise white(identification::Random& random) {
+Noise white(Random& random) {
   return [&random]() -> std::array<double, 2> {
     const double u = normal(random);
     return {u, normal(random)};
@@ -46,7 +46,7 @@ Noise white(identification::Random& random) {
 }
 
 /// 2.3 to 40 turns in order of time.
-Angle turning(identification::Random& random, Eigen::Index count) {
+Angle turning(Random& random, Eigen::Index count) {
   const double turns = 2.3 * std::pow(40 / 2.3, random.uniform()),
                origin = 2 * pi * random.uniform();
   return [=](Eigen::Index i) {
@@ -54,14 +54,14 @@ Angle turning(identification::Random& random, Eigen::Index count) {
   };
 }
 
-Angle anywhere(identification::Random& random) {
+Angle anywhere(Random& random) {
   return [&random](Eigen::Index) { return 2 * pi * random.uniform(); };
 }
 
 /// Autoregressive noise of variance 1 in both channels.
 class Remembering {
  public:
-  Remembering(identification::Random& random, double keeps) : random_(&random), keeps_(keeps) {
+  Remembering(Random& random, double keeps) : random_(&random), keeps_(keeps) {
     for (double& one : state_) one = normal(random);
   }
   std::array<double, 2> next() {
@@ -71,12 +71,12 @@ class Remembering {
   }
 
  private:
-  identification::Random* random_;
+  Random* random_;
   double keeps_;
   std::array<double, 2> state_{};
 };
 
-DrawnRecord with_memory(identification::Random& random, double keeps, bool in_order) {
+DrawnRecord with_memory(Random& random, double keeps, bool in_order) {
   DrawnRecord record = draw_sensor_with_noise(random);
   Remembering noise(random, keeps);
   take(record, usual, in_order ? turning(random, usual) : anywhere(random),
@@ -85,7 +85,7 @@ DrawnRecord with_memory(identification::Random& random, double keeps, bool in_or
 }
 
 /// Parts of equal power with memories of 1/2 to 2,048 samples: more than the record has.
-DrawnRecord flicker(identification::Random& random) {
+DrawnRecord flicker(Random& random) {
   DrawnRecord record = draw_sensor_with_noise(random);
   std::vector<Remembering> parts;
   double memory = 0.5;
@@ -106,7 +106,7 @@ DrawnRecord flicker(identification::Random& random) {
 }
 
 /// One offset or amplitude goes linearly through 0.1 to 10 times the noise.
-DrawnRecord drifting(identification::Random& random) {
+DrawnRecord drifting(Random& random) {
   DrawnRecord record = draw_sensor_with_noise(random);
   const double size = record.noise * 0.1 * std::pow(100.0, random.uniform());
   const auto what = static_cast<int>(4 * random.uniform());
@@ -123,12 +123,12 @@ DrawnRecord drifting(identification::Random& random) {
   return record;
 }
 
-DrawnRecord indexed(identification::Random& random, Eigen::Index positions, Eigen::Index each,
-                    int bits, bool shuffled) {
+DrawnRecord indexed(Random& random, Eigen::Index positions, Eigen::Index each, int bits,
+                    bool shuffled) {
   DrawnRecord record = draw_sensor_with_noise(random);
   const double origin = 2 * pi * random.uniform();
   const Angle angle = [&](Eigen::Index i) {
-    const Eigen::Index place = shuffled ? random.below(positions) : i / each;
+    const Eigen::Index place = shuffled ? random.index(positions) : i / each;
     return origin + 2 * pi * static_cast<double>(place) / static_cast<double>(positions);
   };
   take(record, positions * each, angle, white(random));
@@ -140,7 +140,7 @@ DrawnRecord indexed(identification::Random& random, Eigen::Index positions, Eige
 }
 
 /// A swing over so many degrees, noise 1e-4 to 1e-3.
-DrawnRecord arc(identification::Random& random, double degrees) {
+DrawnRecord arc(Random& random, double degrees) {
   DrawnRecord record = draw_good_record(random, 1, 1);
   record.noise *= 1e-4 * std::pow(10.0, random.uniform());
   const double middle = 2 * pi * random.uniform();
@@ -153,7 +153,7 @@ DrawnRecord arc(identification::Random& random, double degrees) {
 }
 
 /// 1 to 10 % of U's samples are 2 to 6 times the noise too large.
-DrawnRecord one_sided(identification::Random& random) {
+DrawnRecord one_sided(Random& random) {
   DrawnRecord record = draw_sensor_with_noise(random);
   take(record, usual, turning(random, usual), white(random));
   const double share = 0.01 * std::pow(10.0, random.uniform());
@@ -165,7 +165,7 @@ DrawnRecord one_sided(identification::Random& random) {
 }  // namespace
 
 const std::vector<HardKind>& hard_kinds() {
-  using R = identification::Random;
+  using R = Random;
   static const std::vector<HardKind> kinds = {
       {"AR(1) 0.5, turning", [](R& r) { return with_memory(r, 0.5, true); }},
       {"AR(1) 0.5, random angles", [](R& r) { return with_memory(r, 0.5, false); }},

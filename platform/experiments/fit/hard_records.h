@@ -11,7 +11,7 @@ namespace capsoc::fit {
 /// A kind of record for the table of coverage.
 struct HardKind {
   const char* name;
-  DrawnRecord (*draw)(identification::Random& random);
+  DrawnRecord (*draw)(Random& random);
 };
 
 /// Correlated noise (AR(1) with 0.5 and 0.9 in order of time and at random angles, 1/f), drift,

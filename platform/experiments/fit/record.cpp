@@ -6,11 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "base/constants.h"
 #include "golden/trace.h"
 #include "peripherals/quantiser.h"
 #include "sensor/recorded_source.h"
 #include "sensor/sample_column.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "identification/samples.h"
 #include "sensor/description_keys.h"
 #include "sensor/recording_options.h"
 #include "sensor/source.h"
-#include "support/result.h"
 
 namespace capsoc::fit {
 

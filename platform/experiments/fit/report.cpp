@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <iterator>
 
-#include "support/constants.h"
-#include "support/json.h"
+#include "base/constants.h"
+#include "base/json.h"
 
 namespace capsoc::fit {
 namespace {

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.h"
+#include "base/random.h"
 #include "coprocessor/coprocessor.h"
 #include "fit/contenders.h"
 #include "fit/drawn_records.h"
 #include "identification/calibration.h"
 #include "identification/identify.h"
 #include "identification/peers.h"
-#include "identification/random.h"
-#include "support/constants.h"
 
 namespace capsoc::fit {
 namespace {
@@ -55,14 +55,14 @@ identification::Point sample_of(const Recording& recording, double theta) {
 }
 
 /// Twelve uniform numbers: near enough to a normal one, and the same with every compiler.
-double normal(identification::Random& random) {
+double normal(Random& random) {
   double sum = -6;
   for (int i = 0; i < 12; ++i) sum += random.uniform();
   return sum;
 }
 
 identification::Samples record(const Recording& recording) {
-  identification::Random random(seed);
+  Random random(seed);
   identification::Samples samples{Eigen::ArrayXd(record_length), Eigen::ArrayXd(record_length)};
   std::vector<double> place(record_length);
   for (Eigen::Index i = 0; i < record_length; ++i) {
@@ -70,7 +70,7 @@ identification::Samples record(const Recording& recording) {
   }
   if (recording.angles == Angles::even) {
     for (Eigen::Index i = record_length - 1; i > 0; --i) {
-      std::swap(place[i], place[random.below(i + 1)]);
+      std::swap(place[i], place[random.index(i + 1)]);
     }
   }
   const double step = recording.bits > 0 ? std::ldexp(1.0, 1 - recording.bits) : 0;

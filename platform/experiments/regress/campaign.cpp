@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <numeric>
 
+#include "base/nearest.h"
 #include "host/end_signals.h"
 #include "regress/run_result.h"
-#include "support/nearest.h"
 #include "workers/engine.h"
 #include "workers/progress.h"
 

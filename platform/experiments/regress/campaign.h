@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "coprocessor/device.h"
 #include "coprocessor/types.h"
 #include "regress/coverage.h"
 #include "regress/scenario.h"
-#include "support/result.h"
 
 namespace capsoc::regress {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "support/splitmix64.h"
+#include "base/splitmix64.h"
 
 namespace capsoc::regress {
 namespace {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <map>
 
-#include "support/shell.h"
-#include "support/xml.h"
+#include "base/shell.h"
+#include "base/xml.h"
 #include "trace/save_file.h"
 
 namespace capsoc::regress {

@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/input_file.h"
 #include "host/files.h"
-#include "support/input_file.h"
 
 namespace capsoc::regress {
 namespace {

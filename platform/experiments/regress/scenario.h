@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "regress/bench.h"
-#include "regress/random.h"
+#include "regress/corner_words.h"
 
 namespace capsoc::regress {
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
+#include "base/constants.h"
+#include "base/fixed.h"
 #include "coprocessor/register_map.h"
-#include "fixed/fixed.h"
 #include "regress/scenario.h"
-#include "support/constants.h"
 
 namespace capsoc::regress {
 
@@ -81,14 +81,14 @@ void run_ties(Bench& bench, Random& random, const Budget&) {
     for (int64_t low : {0x4000, 0x3FFF, 0x4001, -0x4000, -0x4001, -0x3FFF, 0xC000}) {
       std::array<int64_t, 6> weights{};
       for (int64_t& weight : weights)
-        weight = static_cast<int64_t>(static_cast<int32_t>(random.corner32())) * (1 << 14) + low;
+        weight = static_cast<int64_t>(static_cast<int32_t>(corner32(random))) * (1 << 14) + low;
       for (int64_t& weight : weights) weight = (weight & ~int64_t{0x7FFF}) + (low & 0x7FFF);
       bench.drain();
       set_weights(bench, weights);
-      settle(bench, random.corner32(), random.corner32());
+      settle(bench, corner32(random), corner32(random));
       for (int64_t& weight : weights) weight = -weight;
       set_weights(bench, weights);
-      settle(bench, random.corner32(), random.corner32());
+      settle(bench, corner32(random), corner32(random));
     }
     // Phases half way between two words of REF_PHASE and between two steps of the CORDIC.
     for (uint64_t low : {0x8000u, 0x7FFFu, 0x8001u, 0x400u, 0x3FFu, 0x401u, 0xFFFFu, 0x10000u}) {
@@ -365,7 +365,7 @@ void run_step_ends(Bench& bench, Random& random, const Budget&) {
       set_steps(bench, step);
       bench.write_pair(reg_freq_lo, int64_t{1} << 44);
       for (unsigned i = 0; i < 12 && !bench.failed(); ++i) {
-        bench.sample(random.corner32(), random.corner32());
+        bench.sample(corner32(random), corner32(random));
         bench.wait(32);
       }
       rotating(bench, 24, 0.7, 1.0 / 16, 0.2, 32);
@@ -425,7 +425,7 @@ void run_weight_clamp(Bench& bench, Random& random, const Budget&) {
         bench.write(reg_ctrl, both);
         // Back from there, all steps on.
         set_steps(bench, top);
-        for (unsigned i = 0; i < 6; ++i) settle(bench, random.corner32(), random.corner32());
+        for (unsigned i = 0; i < 6; ++i) settle(bench, corner32(random), corner32(random));
       }
 }
 

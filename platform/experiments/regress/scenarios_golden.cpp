@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.h"
+#include "base/fixed.h"
 #include "coprocessor/register_map.h"
-#include "fixed/fixed.h"
 #include "golden/golden.h"
 #include "regress/scenario.h"
-#include "support/constants.h"
 
 namespace capsoc::regress {
 

@@ -2,10 +2,10 @@
 #include <array>
 #include <cmath>
 
+#include "base/constants.h"
 #include "coprocessor/register_map.h"
 #include "regress/scenario.h"
 #include "regress/shaft.h"
-#include "support/constants.h"
 
 namespace capsoc::regress {
 

@@ -60,7 +60,7 @@ uint32_t draw_step(Random& random) {
     case 1:
       return INT32_MAX - static_cast<uint32_t>(random.below(3));
     case 2:
-      return random.corner32() & INT32_MAX;
+      return corner32(random) & INT32_MAX;
     default:
       return (random.word32() & INT32_MAX) >> random.below(31);
   }
@@ -68,11 +68,11 @@ uint32_t draw_step(Random& random) {
 
 // Threshold near the sizes that averages have.
 uint32_t draw_threshold(Random& random) {
-  return random.chance(0.1) ? random.corner32() : random.word32() >> random.below(32);
+  return random.chance(0.1) ? corner32(random) : random.word32() >> random.below(32);
 }
 
 int64_t draw_weight(Random& random) {
-  const auto word = static_cast<int64_t>(static_cast<int32_t>(random.corner32()));
+  const auto word = static_cast<int64_t>(static_cast<int32_t>(corner32(random)));
   return word * (int64_t{1} << 15) + static_cast<int64_t>(random.below(65536)) - 32768;
 }
 
@@ -108,7 +108,7 @@ void configure(Bench& bench, Random& random, const Signal& signal) {
 void load(Bench& bench, Random& random) {
   for (uint32_t offset = reg_a1; offset <= reg_phi; offset += 4)
     if (random.chance(0.5))
-      bench.write(offset, offset <= reg_a2 ? random.corner32() & INT32_MAX : random.corner32());
+      bench.write(offset, offset <= reg_a2 ? corner32(random) & INT32_MAX : corner32(random));
   bench.write(reg_cmd, cmd_load);
 }
 
@@ -143,7 +143,7 @@ void access(Bench& bench, Random& random, const Habits& habits) {
     bench.read(offset, random.chance(0.05));
     return;
   }
-  uint32_t value = random.chance(0.5) ? random.corner32() : random.word32();
+  uint32_t value = random.chance(0.5) ? corner32(random) : random.word32();
   if (offset == reg_ctrl) value = draw_ctrl(random) | (random.word32() & 0x7FFFE0C0u);
   if (offset == reg_cmd && random.chance(0.7)) value &= ~cmd_load;
   if (offset >= reg_step_au && offset <= reg_step_cv && random.chance(0.8))

@@ -86,15 +86,15 @@ void run_pairs(Bench& bench, Random& random, const Budget&) {
     const uint32_t low = lows[random.below(lows.size())];
     switch (random.below(7)) {
       case 0:
-        bench.write(low, random.corner32());
+        bench.write(low, corner32(random));
         break;
       case 1:
-        bench.write(low + 4, random.corner32());
+        bench.write(low + 4, corner32(random));
         break;
       case 2:
-        bench.write(low, random.corner32());
-        bench.write(lows[random.below(lows.size())] + 4, random.corner32());
-        bench.write(low + 4, random.corner32());
+        bench.write(low, corner32(random));
+        bench.write(lows[random.below(lows.size())] + 4, corner32(random));
+        bench.write(low + 4, corner32(random));
         break;
       case 3:
         bench.read(low + 4);
@@ -143,7 +143,7 @@ void run_flags(Bench& bench, Random& random, const Budget&) {
     bench.interrupt();
     for (unsigned i = 0; i < 130 && !bench.failed(); ++i) {
       // Zero, clipped, saturated, mirrored and small ones in turn; lock is lost and regained.
-      const uint32_t word = i % 7 == 0 ? 0 : i % 11 == 0 ? 0x80000000u : random.corner32();
+      const uint32_t word = i % 7 == 0 ? 0 : i % 11 == 0 ? 0x80000000u : corner32(random);
       if (i % 13 == 0) bench.write_pair(0x50, (i % 2 == 0 ? 1 : -1) * (int64_t{1} << 45));
       if (i % 9 == 0) bench.write(reg_lock_threshold, i % 2 == 0 ? 0 : ~0u);
       if (i % 9 == 1) bench.write(reg_diverge_threshold, i % 2 == 0 ? 0 : ~0u);

@@ -98,7 +98,7 @@ void run_slew(Bench& bench, Random& random, const Budget&) {
   for (unsigned n = 1; n < 8; ++n) {
     begin_slewing(bench, random, slewing, n);
     for (unsigned i = 0; i < 24 && !bench.failed(); ++i) {
-      bench.sample(random.corner32(), random.word32() >> random.below(32));
+      bench.sample(corner32(random), random.word32() >> random.below(32));
       bench.wait(32);
     }
   }

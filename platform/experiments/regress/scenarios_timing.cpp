@@ -110,10 +110,10 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
     // Products that end in exactly one half, if the sine is odd.
     if (i % 4 == 3) bench.write(reg_a1, static_cast<uint32_t>(2 * random.below(100) + 1) << 15);
     if (i % 4 == 3) bench.write(reg_a2, static_cast<uint32_t>(2 * random.below(100) + 1) << 15);
-    bench.write(reg_b1, random.corner32());
-    bench.write(reg_b2, random.corner32());
+    bench.write(reg_b1, corner32(random));
+    bench.write(reg_b2, corner32(random));
     bench.write(reg_phi, (i << 28) + static_cast<uint32_t>(i % 3) - 1u);
-    bench.write(reg_beta, i % 8 == 0 ? random.corner32() : i << 26);
+    bench.write(reg_beta, i % 8 == 0 ? corner32(random) : i << 26);
     bench.write(reg_cmd, cmd_load);
     bench.drain();
     read_weights(bench);

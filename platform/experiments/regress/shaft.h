@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/constants.h"
+#include "base/fixed.h"
 #include "coprocessor/register_map.h"
-#include "fixed/fixed.h"
 #include "regress/bench.h"
-#include "support/constants.h"
 
 namespace capsoc::regress {
 

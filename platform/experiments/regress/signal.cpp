@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "fixed/fixed.h"
-#include "support/constants.h"
+#include "base/constants.h"
+#include "base/fixed.h"
 
 namespace capsoc::regress {
 namespace {
@@ -64,9 +64,9 @@ Sample Signal::next(Random& random) {
       return {static_cast<uint32_t>(word), static_cast<uint32_t>(word >> 32), (word & 255) == 0};
     }
     case Kind::corners:
-      return {random.corner32(), random.corner32(), random.chance(0.1)};
+      return {corner32(random), corner32(random), random.chance(0.1)};
     case Kind::steps:
-      if (random.chance(0.05)) held_ = {random.corner32(), random.corner32(), random.chance(0.1)};
+      if (random.chance(0.05)) held_ = {corner32(random), corner32(random), random.chance(0.1)};
       return held_;
     case Kind::shuffled_sensor:
       return sensor(random.uniform());

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "regress/random.h"
+#include "regress/corner_words.h"
 
 namespace capsoc::regress {
 

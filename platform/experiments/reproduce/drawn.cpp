@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 
+#include "base/constants.h"
 #include "fit/drawn.h"
 #include "fit/fit.h"
 #include "identification/calibration.h"
@@ -17,7 +18,6 @@
 #include "reproduce/rtl_experiment.h"
 #include "reproduce/soc_experiment.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "support/curve.h"
-#include "support/result.h"
+#include "base/curve.h"
+#include "base/result.h"
 
 namespace capsoc::reproduce {
 

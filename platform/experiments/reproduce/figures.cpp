@@ -9,11 +9,11 @@
 #include <complex>
 #include <vector>
 
+#include "base/constants.h"
 #include "reproduce/lms_experiment.h"
 #include "reproduce/paper_words.h"
 #include "reproduce/rtl_experiment.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "base/curve.h"
 #include "fit/fit.h"
 #include "reproduce/report.h"
-#include "support/curve.h"
 
 namespace capsoc::reproduce {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::reproduce {
 

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <vector>
 
+#include "base/constants.h"
 #include "fit/fit.h"
 #include "reproduce/csfn_tables.h"
 #include "reproduce/figures.h"
@@ -15,7 +16,6 @@
 #include "reproduce/report.h"
 #include "reproduce/rtl_experiment.h"
 #include "reproduce/soc_experiment.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "coprocessor/paper_units.h"
 #include "reproduce/paper_words.h"
 #include "sensor/described_source.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {

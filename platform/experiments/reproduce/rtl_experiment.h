@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/curve.h"
 #include "reproduce/coprocessor_run.h"
-#include "support/curve.h"
 
 namespace capsoc::reproduce {
 

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/constants.h"
 #include "fit/fit.h"
 #include "identification/calibration.h"
 #include "reproduce/coprocessor_run.h"
 #include "reproduce/paper_words.h"
-#include "support/constants.h"
 
 namespace capsoc::reproduce {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <string>
 
+#include "base/curve.h"
+#include "base/result.h"
 #include "reproduce/report.h"
-#include "support/curve.h"
-#include "support/result.h"
 
 namespace capsoc::reproduce {
 

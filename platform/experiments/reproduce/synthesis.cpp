@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "support/input_file.h"
+#include "base/input_file.h"
 
 namespace capsoc::reproduce {
 namespace {

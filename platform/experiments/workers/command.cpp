@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/printable.h"
 #include "host/descriptor.h"
-#include "support/printable.h"
 
 namespace capsoc::workers {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::workers {
 

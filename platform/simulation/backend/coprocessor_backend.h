@@ -6,12 +6,12 @@
 #include <string>
 
 #include "backend/coprocessor_settings.h"
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "coprocessor/device.h"
 #include "coprocessor/types.h"
 #include "rtl/coprocessor_rtl.h"
 #include "rtl/lockstep.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 #include "trace/wave_file.h"
 
 namespace capsoc::run {

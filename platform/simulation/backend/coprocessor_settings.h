@@ -1,9 +1,9 @@
 // The settings of the coprocessor.
 #pragma once
 
+#include "base/setting_fields.h"
 #include "coprocessor/types.h"
 #include "rtl/coprocessor_rtl.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

@@ -6,9 +6,9 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "base/input_file.h"
+#include "base/printable.h"
 #include "host/sha256.h"
-#include "support/input_file.h"
-#include "support/printable.h"
 #include "version/version.h"
 
 namespace capsoc::checkpoint {
@@ -152,7 +152,7 @@ Result<Checkpoint> save(uint64_t time, const std::vector<Part>& parts) {
   checkpoint.time = time;
   checkpoint.written_by = fmt::format("{} ({})", capsoc::version(), commit());
   for (const Part& part : parts) {
-    kit::StateWriter writer;
+    StateWriter writer;
     writer.set_time(time);
     part.visit(writer);
     if (!writer.ok()) return Error{fmt::format("{}: {}", part.name, writer.problem())};
@@ -169,7 +169,7 @@ std::optional<Error> load(const Checkpoint& checkpoint, const std::vector<Part>&
     if (i >= checkpoint.sections.size() || checkpoint.sections[i].name != parts[i].name)
       return other(parts[i].name + " is missing");
     const Section& section = checkpoint.sections[i];
-    kit::StateReader reader(section.bytes);
+    StateReader reader(section.bytes);
     reader.set_time(checkpoint.time);
     parts[i].visit(reader);
     if (!reader.ok()) return Error{fmt::format("{}: {}", section.name, reader.problem())};

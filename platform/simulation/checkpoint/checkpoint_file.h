@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "kit/archive.h"
-#include "support/result.h"
+#include "base/archive.h"
+#include "base/result.h"
 
 namespace capsoc::checkpoint {
 
@@ -18,7 +18,7 @@ inline constexpr int version = 1;
 /// A part of a run that has a state.
 struct Part {
   std::string name;  ///< unique
-  std::function<void(kit::Archive&)> visit;
+  std::function<void(Archive&)> visit;
 };
 
 /// What a run was, as far as a run that goes on must be the same: names and values.

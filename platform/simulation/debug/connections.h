@@ -12,7 +12,7 @@
 #include <string_view>
 #include <thread>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::debug {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.h"
 #include "loader/demangle.h"
-#include "support/printable.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::run {

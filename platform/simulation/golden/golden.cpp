@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "identification/calibration.h"
 #include "identification/identify.h"
-#include "support/constants.h"
 
 namespace capsoc::golden {
 namespace {

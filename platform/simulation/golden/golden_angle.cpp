@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+#include "base/json.h"
 #include "identification/calibration.h"
-#include "support/constants.h"
-#include "support/json.h"
 
 namespace capsoc::golden {
 namespace {

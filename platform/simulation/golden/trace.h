@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "sensor/load.h"
-#include "support/result.h"
 
 namespace capsoc::golden {
 

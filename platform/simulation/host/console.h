@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::host {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::host {
 

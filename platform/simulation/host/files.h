@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "host/end_signals.h"
-#include "support/result.h"
 
 namespace capsoc::host {
 

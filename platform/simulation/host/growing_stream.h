@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "host/files.h"
-#include "support/result.h"
 
 namespace capsoc::host {
 

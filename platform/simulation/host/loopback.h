@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/result.h"
 #include "host/descriptor.h"
-#include "support/result.h"
 
 namespace capsoc::host {
 

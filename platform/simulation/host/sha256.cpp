@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 
 namespace capsoc::host {
 
@@ -36,7 +36,7 @@ std::string Sha256::hex() const {
   return text;
 }
 
-void Sha256::visit(kit::Archive& archive) {
+void Sha256::visit(Archive& archive) {
   SHA256_CTX& state = context_->state;
   archive("h", state.h);
   archive("bits_low", state.Nl);

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace capsoc::kit {
+namespace capsoc {
 class Archive;
 }
 
@@ -23,7 +23,7 @@ class Sha256 {
   std::string hex() const;
 
   /// Where the stream is; a loaded one goes on there.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
  private:
   struct Context;

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/number.h"
+#include "base/printable.h"
 #include "host/places.h"
 #include "sensor/description_keys.h"
-#include "support/number.h"
-#include "support/printable.h"
 
 namespace capsoc::run {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "sensor/load.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

@@ -4,8 +4,8 @@
 
 #include <cstring>
 
+#include "base/printable.h"
 #include "inputs/run_inputs.h"
-#include "support/printable.h"
 
 namespace capsoc::run {
 namespace {

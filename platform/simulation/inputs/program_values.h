@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include "base/result.h"
 #include "inputs/input_settings.h"
 #include "loader/program_settings.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "base/number.h"
+#include "base/printable.h"
 #include "golden/trace.h"
 #include "host/places.h"
 #include "host/sha256.h"
@@ -18,8 +20,6 @@
 #include "metrics/sensor_match.h"
 #include "sensor/description_keys.h"
 #include "sensor/load.h"
-#include "support/number.h"
-#include "support/printable.h"
 
 namespace capsoc::run {
 namespace {

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "inputs/input_file.h"
 #include "inputs/input_settings.h"
 #include "loader/elf_image.h"
@@ -14,8 +16,6 @@
 #include "metrics/metrics.h"
 #include "sensor/load.h"
 #include "soc/soc.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "support/printable.h"
+#include "base/printable.h"
 
 namespace capsoc::loader {
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <utility>
 
+#include "base/input_file.h"
+#include "base/printable.h"
 #include "loader/demangle.h"
-#include "support/input_file.h"
-#include "support/printable.h"
 
 namespace capsoc::loader {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/input_file.h"
 #include "loader/elf_image.h"
-#include "support/input_file.h"
 
 namespace capsoc::loader {
 

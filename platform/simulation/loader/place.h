@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "base/result.h"
 #include "loader/elf_image.h"
-#include "support/result.h"
 
 namespace capsoc::loader {
 

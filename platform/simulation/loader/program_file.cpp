@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/input_file.h"
 #include "loader/hex_record.h"
-#include "support/input_file.h"
 
 namespace capsoc::loader {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "support/number.h"
-#include "support/printable.h"
+#include "base/number.h"
+#include "base/printable.h"
 
 namespace capsoc::loader {
 namespace {

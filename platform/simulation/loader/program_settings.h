@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "loader/elf_image.h"
-#include "support/result.h"
 
 namespace capsoc::loader {
 

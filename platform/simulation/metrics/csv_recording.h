@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "host/growing_stream.h"
 #include "metrics/sample_writer.h"
-#include "support/result.h"
 
 namespace capsoc::metrics {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::metrics {
 namespace {
@@ -163,7 +163,7 @@ AngleErrors Metrics::angle_errors() const {
   return errors;
 }
 
-void ParameterWords::visit(kit::Archive& archive) {
+void ParameterWords::visit(Archive& archive) {
   archive("a1", a1);
   archive("a2", a2);
   archive("b1", b1);
@@ -172,7 +172,7 @@ void ParameterWords::visit(kit::Archive& archive) {
   archive("phi", phi);
 }
 
-void SensorTruth::visit(kit::Archive& archive) {
+void SensorTruth::visit(Archive& archive) {
   archive("time_s", time_s);
   archive("u", u);
   archive("v", v);
@@ -180,7 +180,7 @@ void SensorTruth::visit(kit::Archive& archive) {
   archive("has_truth", has_truth);
 }
 
-void AngleErrors::visit(kit::Archive& archive) {
+void AngleErrors::visit(Archive& archive) {
   archive("angle_known", angle_known);
   archive("uncalibrated_max", uncalibrated_max);
   archive("uncalibrated_max_paper", uncalibrated_max_paper);
@@ -188,17 +188,17 @@ void AngleErrors::visit(kit::Archive& archive) {
   archive("calibration_mode_max", calibration_mode_max);
 }
 
-void Metrics::NumberedError::visit(kit::Archive& archive) {
+void Metrics::NumberedError::visit(Archive& archive) {
   archive("sample", sample);
   archive("degrees", degrees);
 }
 
-void Metrics::TimedError::visit(kit::Archive& archive) {
+void Metrics::TimedError::visit(Archive& archive) {
   archive("time_s", time_s);
   archive("degrees", degrees);
 }
 
-void Metrics::visit(kit::Archive& archive) {
+void Metrics::visit(Archive& archive) {
   archive("samples", samples_);
   archive("in_flight", in_flight_);
   archive("words", words_);

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "kit/archive.h"
+#include "base/archive.h"
+#include "base/constants.h"
 #include "metrics/truth_alignment.h"
-#include "support/constants.h"
 
 namespace capsoc::metrics {
 
@@ -25,7 +25,7 @@ struct ParameterWords {
   int32_t a1 = 0, a2 = 0, b1 = 0, b2 = 0;  ///< Q1.31
   uint32_t beta = 0, phi = 0;              ///< 2^-32 turn
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// Words to numbers: Q1.31 to full scale, 2^-32 turn to radians in (-pi, pi].
@@ -53,7 +53,7 @@ struct SensorTruth {
   double angle_turns = 0;  ///< true mechanical angle theta, turns
   bool has_truth = false;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// What the coprocessor made of a sample.
@@ -89,7 +89,7 @@ struct AngleErrors {
   /// all of calibration mode; since CTRL.CORRECT changed, if it did
   std::optional<double> calibration_mode_max;
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// Follows a run sample by sample. Never influences the simulation.
@@ -122,14 +122,14 @@ class Metrics {
   const ParameterWords& words() const { return words_; }
   void preset(const ParameterWords& words) { words_ = words; }
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
   const std::optional<Parameters>& truth() const { return truth_; }
 
  private:
   struct TimedError {
     double time_s = 0, degrees = 0;
 
-    void visit(kit::Archive& archive);
+    void visit(Archive& archive);
   };
 
   /// The largest error of each suffix of the results: those that a later one exceeds are gone.
@@ -137,7 +137,7 @@ class Metrics {
     uint64_t sample = 0;
     double degrees = 0;
 
-    void visit(kit::Archive& archive);
+    void visit(Archive& archive);
   };
 
   static constexpr std::size_t longest_revolution = 10'000'000;  ///< samples

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "support/input_file.h"
+#include "base/input_file.h"
 
 namespace capsoc::metrics {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "loader/elf_image.h"
 #include "metrics/metrics.h"
-#include "support/result.h"
 
 namespace capsoc::metrics {
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <string_view>
 
-#include "support/constants.h"
-#include "support/printable.h"
+#include "base/constants.h"
+#include "base/printable.h"
 
 namespace capsoc::metrics {
 namespace {

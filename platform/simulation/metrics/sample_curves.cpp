@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <string>
 
+#include "base/constants.h"
 #include "capsoc_registers.h"
-#include "support/constants.h"
 
 namespace capsoc::metrics {
 namespace {

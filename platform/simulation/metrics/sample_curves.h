@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "base/curve.h"
 #include "metrics/last_turn.h"
 #include "metrics/metrics.h"
 #include "metrics/sample_record.h"
-#include "support/curve.h"
 
 namespace capsoc::metrics {
 

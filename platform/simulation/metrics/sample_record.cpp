@@ -6,8 +6,8 @@
 #include <array>
 #include <sstream>
 
-#include "support/constants.h"
-#include "support/printable.h"
+#include "base/constants.h"
+#include "base/printable.h"
 
 namespace capsoc::metrics {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "kit/probe.h"
 #include "metrics/metrics.h"
-#include "support/result.h"
 
 namespace capsoc::metrics {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "metrics/sample_record.h"
-#include "support/result.h"
 
 namespace capsoc::metrics {
 

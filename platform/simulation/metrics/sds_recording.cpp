@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/constants.h"
 #include "host/growing_stream.h"
 #include "metrics/spooled_recording.h"
-#include "support/constants.h"
 
 namespace capsoc::metrics {
 namespace {

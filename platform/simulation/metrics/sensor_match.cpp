@@ -170,7 +170,7 @@ void SensorMatch::say(const std::string& sentence) {
   warn_(file_ + ": " + sentence);
 }
 
-void SamplingState::visit(kit::Archive& archive) {
+void SamplingState::visit(Archive& archive) {
   archive("demodulating", demodulating);
   archive.at_most("reference", reference, Reference::angle);
   archive("rate_hz", rate_hz);
@@ -178,7 +178,7 @@ void SamplingState::visit(kit::Archive& archive) {
   archive("frequency", frequency);
 }
 
-void SensorMatch::visit(kit::Archive& archive) {
+void SensorMatch::visit(Archive& archive) {
   archive("state", state_);
   archive("same", same_);
   archive("judged", judged_);

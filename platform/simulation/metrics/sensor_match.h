@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 #include "sensor/source.h"
 
 namespace capsoc::metrics {
@@ -22,7 +22,7 @@ struct SamplingState {
   uint32_t period_cycles = 0;  ///< the same as the program can set it, in cycles of its clock
   int32_t frequency = 0;       ///< upper word of FREQ, 2^-32 turn a sample
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 };
 
 /// Mean speed of a recording with true angles, in turns a sample, negative: backwards. Nothing for
@@ -44,7 +44,7 @@ class SensorMatch {
   void result(const SamplingState& state);
   /// The sensor starts from its sample 0.
   void restarted() { same_ = 0; }
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// The run is over: a record shorter than two turns is judged now.
   void finish();

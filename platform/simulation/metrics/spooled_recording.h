@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "metrics/sample_writer.h"
-#include "support/result.h"
 
 namespace capsoc::metrics {
 

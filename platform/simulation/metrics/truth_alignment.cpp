@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "support/constants.h"
+#include "base/constants.h"
 
 namespace capsoc::metrics {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "capsoc_registers.h"
-#include "support/constants.h"
 
 namespace capsoc::run {
 namespace {

@@ -147,7 +147,7 @@ void Observation::give(uint64_t number, const metrics::CoprocessorResult& result
   on_the_way_.pop_front();
 }
 
-void Observation::visit(kit::Archive& archive) {
+void Observation::visit(Archive& archive) {
   archive("metrics", metrics_);
   archive("truth", truth_);
   archive("number", number_);

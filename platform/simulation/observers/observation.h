@@ -31,7 +31,7 @@ class Observation final : public RunObserver {
 
   std::optional<Error> open() override;
   /// What listeners of `samples` keep is on the host and no part of it.
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   void close(RunResult& result) override;
   void finish(RunResult& result) override;
 

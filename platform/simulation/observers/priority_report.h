@@ -22,7 +22,7 @@ class PriorityReport final : public RunObserver {
       : soc_(soc), view_(view), bits_(bits) {}
 
   std::optional<Error> open() override;
-  void visit(kit::Archive& archive) override {
+  void visit(Archive& archive) override {
     archive("priority_warned", warned_);
     archive("priority_probe", probe_);
   }

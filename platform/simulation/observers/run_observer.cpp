@@ -10,7 +10,7 @@ std::optional<Error> Observers::add(std::unique_ptr<RunObserver> observer) {
   return std::nullopt;
 }
 
-void Observers::visit(kit::Archive& archive) {
+void Observers::visit(Archive& archive) {
   for (const auto& observer : all_) observer->visit(archive);
 }
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
+#include "base/result.h"
 #include "explain/fault_report.h"
-#include "kit/archive.h"
 #include "results/results.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 
@@ -29,7 +29,7 @@ class RunObserver {
 
   /// The state that a checkpoint holds. Names are unique among all observers. One without state
   /// visits nothing, so that a restored run may have other observers.
-  virtual void visit(kit::Archive&) {}
+  virtual void visit(Archive&) {}
 
   /// The simulation is over and its exit code not known yet: completes the outputs, with a sentence
   /// in `result.lost` for each that is not whole.
@@ -51,7 +51,7 @@ class Observers {
   /// Opens the observer and keeps it. An Error as RunObserver::open() has it.
   std::optional<Error> add(std::unique_ptr<RunObserver> observer);
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
   void close(RunResult& result);
   void finish(RunResult& result);
   /// Of the first one that stopped the simulation; empty if none did.

@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "kit/probe.h"
 #include "metrics/sample_record.h"
 #include "metrics/sample_writer.h"
 #include "observers/run_observer.h"
 #include "results/result_settings.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 

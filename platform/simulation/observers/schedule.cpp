@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "observers/symbols.h"
-#include "support/printable.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::run {

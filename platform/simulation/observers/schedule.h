@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "armv7m/observer.h"
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "explain/program_view.h"
 #include "observers/run_observer.h"
 #include "observers/schedule_settings.h"
 #include "results/results.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "explain/program_view.h"
 #include "observers/run_observer.h"
 #include "observers/stack_settings.h"
 #include "soc/soc.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

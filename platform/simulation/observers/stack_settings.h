@@ -1,7 +1,7 @@
 // The settings of the stacks.
 #pragma once
 
-#include "support/setting_fields.h"
+#include "base/setting_fields.h"
 
 namespace capsoc::run {
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <optional>
 
-#include "support/nearest.h"
-#include "support/printable.h"
+#include "base/nearest.h"
+#include "base/printable.h"
 
 namespace capsoc::run {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/result.h"
 #include "source/call_stack.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "backend/coprocessor_settings.h"
+#include "base/result.h"
 #include "explain/program_view.h"
 #include "observers/run_observer.h"
 #include "observers/trace_settings.h"
-#include "support/result.h"
 #include "trace/coverage.h"
 #include "trace/tracer.h"
 

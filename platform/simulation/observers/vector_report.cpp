@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kit/archive.h"
+#include "base/archive.h"
 #include "kit/guest_error.h"
 #include "trace/exception_name.h"
 
@@ -37,7 +37,7 @@ bool VectorReport::is_vector(const armv7m::VectorWrite& write) const {
   return (write.value & 1) != 0 && soc_.read_memory(write.value & ~1u, &byte, 1);
 }
 
-void VectorReport::visit(kit::Archive& archive) {
+void VectorReport::visit(Archive& archive) {
   archive("vector_text", text_);
   archive("vector_lines", lines_);
   if (archive.loading()) listen();

@@ -18,7 +18,7 @@ class VectorReport final : public RunObserver {
   VectorReport(soc::Soc& soc, const ProgramView& view) : soc_(soc), view_(view) {}
 
   std::optional<Error> open() override;
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   std::optional<Finding> finding() const override;
 
  private:

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/setting_fields.h"
 #include "serial/pin_line.h"
 #include "soc/soc.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

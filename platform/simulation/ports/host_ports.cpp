@@ -80,7 +80,7 @@ void HostPorts::tell_debugger(int code) {
   if (gdb_ != nullptr) gdb_->finish(code);
 }
 
-void HostPorts::visit(kit::Archive& archive) {
+void HostPorts::visit(Archive& archive) {
   archive("uarts", uarts_);
   archive("itm", *itm_);
   archive("semihosting", *semihosting_);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "debug/gdb_server.h"
 #include "ports/board_pins.h"
 #include "ports/itm_output.h"
@@ -12,8 +14,6 @@
 #include "ports/semihosting_port.h"
 #include "ports/uart_lines.h"
 #include "soc/soc.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
@@ -40,7 +40,7 @@ class HostPorts {
   /// What the program ended with goes to a debugger.
   void tell_debugger(int code);
 
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
   /// Who saves the state when a debugger asks for it.
   void on_save(debug::SocTarget::Saver saver) {
     if (gdb_ != nullptr) gdb_->on_save(std::move(saver));

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "kit/archive.h"
+#include "base/archive.h"
+#include "base/result.h"
 #include "serial/character_backend.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 
@@ -24,7 +24,7 @@ class ItmOutput {
   static bool is_shown(const std::string& place) { return place != "null"; }
   /// A write of `size` bytes, the lowest one first; those to other ports are dropped.
   void put(unsigned port, uint32_t value, unsigned size);
-  void visit(kit::Archive& archive) {
+  void visit(Archive& archive) {
     if (backend_) flush();
     archive("line", line_);
   }

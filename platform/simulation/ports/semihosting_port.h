@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
+#include "base/setting_fields.h"
 #include "loader/elf_image.h"
 #include "semihosting/semihosting.h"
 #include "serial/open_backend.h"
 #include "soc/soc.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
@@ -55,7 +55,7 @@ class SemihostingPort : private semihosting::GuestMemory {
   int exit_status() const { return semihosting_.exit_status(); }
   /// What the guest wrote is with the host.
   void flush() { console_.flush(); }
-  void visit(kit::Archive& archive) { semihosting_.visit(archive); }
+  void visit(Archive& archive) { semihosting_.visit(archive); }
   void restored() { semihosting_.restored(); }
   /// At the end of the run: why text of the console was lost, or "". Standard error may lose it: it
   /// is the console's place when nobody asked for one.

@@ -122,7 +122,7 @@ std::vector<std::string> UartLines::failures() const {
   return sentences;
 }
 
-void UartLines::visit(kit::Archive& archive) {
+void UartLines::visit(Archive& archive) {
   for (const auto& line : lines_) archive(line->name().c_str(), *line);
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/setting_fields.h"
 #include "serial/serial_line.h"
 #include "soc/soc.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 
@@ -62,7 +62,7 @@ class UartLines : public sc_core::sc_module {
   /// The UART that --fail-uart ended the run for.
   std::optional<std::size_t> failed() const;
   const serial::SerialLine& line(std::size_t number) const { return *lines_[number]; }
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   /// A sentence for each place that lost bytes which it should have kept.
   std::vector<std::string> failures() const;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <systemc>
 
+#include "base/json.h"
 #include "inputs/input_settings.h"
-#include "support/json.h"
 #include "version/version.h"
 
 namespace capsoc::run {

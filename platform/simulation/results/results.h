@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "armv7m/executors/translator/translator.h"
+#include "base/curve.h"
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "golden/golden.h"
 #include "inputs/input_file.h"
 #include "metrics/metrics.h"
 #include "metrics/program_verdict.h"
 #include "results/exit_codes.h"
-#include "support/curve.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 #include "trace/profile.h"
 
 namespace capsoc::run {

@@ -70,7 +70,7 @@ class CoprocessorRtl::Pins {
     return other;
   }
 
-  void visit(kit::Archive& archive) {
+  void visit(Archive& archive) {
     settle();
     std::string rtl = library_->api().source_hash;
     archive("rtl", rtl);
@@ -259,7 +259,7 @@ class CoprocessorRtl::Pins {
     std::size_t index;
   };
 
-  void visit_verilated(kit::Archive& archive) {
+  void visit_verilated(Archive& archive) {
     const std::size_t size = inside_.save(instance_.get(), nullptr, 0);
     if (size == 0) return archive.refuse("cannot be saved with coverage");
     std::string bytes(size, 0);
@@ -440,7 +440,7 @@ bool CoprocessorRtl::stage_nodes(unsigned stage, Nodes& nodes) const {
   return pins_->stage_nodes(stage, nodes);
 }
 
-void CoprocessorRtl::visit(kit::Archive& archive) {
+void CoprocessorRtl::visit(Archive& archive) {
   pins_->visit(archive);
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "coprocessor/device.h"
 #include "rtl/rtl_library.h"
-#include "support/result.h"
 
 namespace capsoc::rtl {
 
@@ -34,7 +34,7 @@ class CoprocessorRtl final : public coprocessor::Device {
   const coprocessor::Nodes& nodes() const override;
   bool stage_nodes(unsigned stage, coprocessor::Nodes& nodes) const override;
   const char* kind() const override { return "rtl"; }
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   bool save_idle(coprocessor::IdleState& state) const override;
   bool load_idle(const coprocessor::IdleState& state) override;
   std::unique_ptr<Device> clone() const override;

@@ -286,7 +286,7 @@ class Lockstep::Pair {
     return history;
   }
 
-  void visit(kit::Archive& archive) {
+  void visit(Archive& archive) {
     close();
     model_->visit(archive);
     rtl_->visit(archive);
@@ -485,7 +485,7 @@ Lockstep::Lockstep(std::unique_ptr<Device> model, std::unique_ptr<Device> rtl)
 
 Lockstep::~Lockstep() = default;
 
-void Lockstep::Counters::visit(kit::Archive& archive) {
+void Lockstep::Counters::visit(Archive& archive) {
   archive("samples", samples);
   archive("reads", reads);
   archive("writes", writes);
@@ -494,7 +494,7 @@ void Lockstep::Counters::visit(kit::Archive& archive) {
   archive("interrupt_edges", interrupt_edges);
 }
 
-void Lockstep::visit(kit::Archive& archive) {
+void Lockstep::visit(Archive& archive) {
   pair_->visit(archive);
 }
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "coprocessor/device.h"
-#include "support/result.h"
 
 namespace capsoc::rtl {
 
@@ -66,7 +66,7 @@ class Lockstep final : public coprocessor::Device {
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;
   const char* kind() const override { return "lockstep"; }
-  void visit(kit::Archive& archive) override;
+  void visit(Archive& archive) override;
   bool save_idle(coprocessor::IdleState& state) const override;
   bool load_idle(const coprocessor::IdleState& state) override;
 
@@ -89,7 +89,7 @@ class Lockstep final : public coprocessor::Device {
   struct Counters {
     uint64_t samples = 0, reads = 0, writes = 0, commits = 0, nodes = 0, interrupt_edges = 0;
 
-    void visit(kit::Archive& archive);
+    void visit(Archive& archive);
   };
   const Counters& counters() const;
 

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/input_file.h"
 #include "coprocessor/nodes.h"
 #include "host/places.h"
-#include "support/input_file.h"
 
 namespace capsoc::rtl {
 namespace {

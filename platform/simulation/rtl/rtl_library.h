@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "base/result.h"
 #include "coprocessor/types.h"
 #include "rtl/rtl_abi.h"
-#include "support/result.h"
 
 namespace capsoc::rtl {
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <string>
 
+#include "base/archive.h"
+#include "base/result.h"
 #include "host/descriptor.h"
-#include "kit/archive.h"
-#include "support/result.h"
 
 namespace capsoc::semihosting {
 
@@ -38,7 +38,7 @@ class GuestFiles {
   /// As write(2), within the bounds above.
   ssize_t write(const host::Descriptor& file, const void* data, std::size_t size);
 
-  void visit(kit::Archive& archive) { archive("written", written_); }
+  void visit(Archive& archive) { archive("written", written_); }
 
  private:
   struct Place {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "support/printable.h"
+#include "base/printable.h"
 
 namespace capsoc::semihosting {
 namespace {
@@ -393,7 +393,7 @@ void Semihosting::end(uint32_t operation, uint32_t argument) {
   console_.flush();
 }
 
-void Semihosting::File::visit(kit::Archive& archive, const GuestFiles& files) {
+void Semihosting::File::visit(Archive& archive, const GuestFiles& files) {
   archive.at_most("kind", kind, Kind::host);
   archive("position", position);
   archive("name", name);
@@ -419,7 +419,7 @@ void Semihosting::restored() {
       GuestFiles::cut(entry.second.descriptor, entry.second.size);
 }
 
-void Semihosting::visit(kit::Archive& archive) {
+void Semihosting::visit(Archive& archive) {
   console_.flush();
   archive("files", files_);
   std::vector<uint32_t> handles, unknown(unknown_.begin(), unknown_.end());

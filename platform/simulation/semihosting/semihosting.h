@@ -42,7 +42,7 @@ class Semihosting {
   int exit_status() const { return exit_status_; }
 
   /// Open files by name, size and position: their contents stay with the host.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
   /// What was written to open files since their state was saved is cut off.
   void restored();
 
@@ -55,7 +55,7 @@ class Semihosting {
     uint32_t mode = 0;
     uint64_t size = 0;  ///< of a host file when its state was loaded
 
-    void visit(kit::Archive& archive, const GuestFiles& files);
+    void visit(Archive& archive, const GuestFiles& files);
   };
 
   int64_t dispatch(uint32_t operation, uint32_t argument);

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <memory>
 
+#include "base/result.h"
 #include "host/descriptor.h"
 #include "serial/character_backend.h"
-#include "support/result.h"
 
 namespace capsoc::serial {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <re2/re2.h>
 
-#include "support/printable.h"
+#include "base/printable.h"
 
 namespace capsoc::serial {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "kit/archive.h"
-#include "support/result.h"
+#include "base/archive.h"
+#include "base/result.h"
 
 namespace re2 {
 class RE2;
@@ -43,7 +43,7 @@ class LineWatch {
   std::optional<Match> feed(uint8_t byte, bool dry);
 
   /// The line so far.
-  void visit(kit::Archive& archive) { archive("line", line_); }
+  void visit(Archive& archive) { archive("line", line_); }
 
  private:
   std::optional<Match> look() const;

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "base/result.h"
 #include "serial/character_backend.h"
-#include "support/result.h"
 
 namespace capsoc::serial {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/input_file.h"
+#include "base/number.h"
+#include "base/printable.h"
 #include "serial/file_backend.h"
 #include "serial/open_backend.h"
-#include "support/input_file.h"
-#include "support/number.h"
-#include "support/printable.h"
 
 namespace capsoc::serial {
 namespace {

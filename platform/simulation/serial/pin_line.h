@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "serial/character_backend.h"
-#include "support/result.h"
 
 namespace capsoc::serial {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "base/result.h"
 #include "host/descriptor.h"
 #include "serial/stream_backend.h"
-#include "support/result.h"
 
 namespace capsoc::serial {
 

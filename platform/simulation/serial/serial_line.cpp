@@ -5,9 +5,9 @@
 #include <chrono>
 #include <thread>
 
+#include "base/input_file.h"
 #include "serial/file_backend.h"
 #include "serial/open_backend.h"
-#include "support/input_file.h"
 
 namespace capsoc::serial {
 namespace {
@@ -86,7 +86,7 @@ std::optional<uint8_t> SerialLine::next_input() {
   return static_cast<uint8_t>(incoming_[taken_++]);
 }
 
-void SerialLine::visit(kit::Archive& archive) {
+void SerialLine::visit(Archive& archive) {
   flush();
   archive("bytes", bytes_);
   archive("digest", digest_);

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "host/sha256.h"
 #include "serial/character_backend.h"
 #include "serial/line_watch.h"
-#include "support/result.h"
 
 namespace capsoc::serial {
 
@@ -46,7 +46,7 @@ class SerialLine {
 
   /// What was counted and taken. Bytes that the host delivered and the UART has not received yet
   /// stay with the host: a run that goes on gets them from its own backend.
-  void visit(kit::Archive& archive);
+  void visit(Archive& archive);
 
   const std::string& name() const { return config_.name; }
   const CharacterBackend& backend() const { return *backend_; }

@@ -3,9 +3,9 @@
 
 #include <memory>
 
+#include "base/result.h"
 #include "host/loopback.h"
 #include "serial/stream_backend.h"
-#include "support/result.h"
 
 namespace capsoc::serial {
 

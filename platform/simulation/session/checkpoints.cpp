@@ -8,6 +8,9 @@
 #include <chrono>
 #include <sstream>
 
+#include "base/input_file.h"
+#include "base/number.h"
+#include "base/printable.h"
 #include "host/console.h"
 #include "host/end_signals.h"
 #include "host/file_uses.h"
@@ -16,9 +19,6 @@
 #include "results/results.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
-#include "support/input_file.h"
-#include "support/number.h"
-#include "support/printable.h"
 
 namespace capsoc::run {
 namespace {
@@ -117,10 +117,10 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const RunSet
 
 std::vector<checkpoint::Part> parts_of(soc::Soc& soc) {
   std::vector<checkpoint::Part> parts;
-  parts.push_back({"board", [&soc](kit::Archive& archive) { soc.visit(archive); }});
+  parts.push_back({"board", [&soc](Archive& archive) { soc.visit(archive); }});
   for (kit::Component* part : soc.components())
     parts.push_back(
-        {part->component_name(), [part](kit::Archive& archive) { part->visit_all(archive); }});
+        {part->component_name(), [part](Archive& archive) { part->visit_all(archive); }});
   parts.push_back({"guest_errors", kit::visit_guest_errors});
   return parts;
 }

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "base/setting_fields.h"
 #include "checkpoint/checkpoint_file.h"
 #include "inputs/run_inputs.h"
 #include "ports/host_ports.h"
 #include "session/checkpoint_settings.h"
 #include "soc/soc.h"
-#include "support/result.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

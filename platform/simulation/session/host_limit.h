@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::run {
 

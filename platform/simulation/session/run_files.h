@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "base/result.h"
 #include "host/file_uses.h"
 #include "inputs/input_file.h"
 #include "inputs/run_inputs.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "support/shell.h"
+#include "base/shell.h"
 
 namespace capsoc::run {
 std::string reproducing_command(const Settings& settings) {

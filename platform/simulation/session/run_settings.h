@@ -7,6 +7,7 @@
 
 #include "armv7m/core.h"
 #include "backend/coprocessor_settings.h"
+#include "base/setting_fields.h"
 #include "inputs/input_settings.h"
 #include "observers/schedule_settings.h"
 #include "observers/stack_settings.h"
@@ -18,7 +19,6 @@
 #include "results/result_settings.h"
 #include "session/checkpoint_settings.h"
 #include "soc/board_map.h"
-#include "support/setting_fields.h"
 
 namespace capsoc::run {
 

@@ -5,13 +5,13 @@
 #include <string>
 
 #include "backend/coprocessor_backend.h"
+#include "base/result.h"
 #include "explain/program_view.h"
 #include "inputs/run_inputs.h"
 #include "observers/observation.h"
 #include "observers/run_observer.h"
 #include "ports/uart_lines.h"
 #include "soc/soc.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 

@@ -110,8 +110,8 @@ std::optional<Error> Simulation::open() {
 /// Everything that has a state.
 std::vector<checkpoint::Part> Simulation::parts() {
   std::vector<checkpoint::Part> parts = parts_of(soc_);
-  parts.push_back({"observation", [this](kit::Archive& archive) { watch_.all().visit(archive); }});
-  parts.push_back({"host", [this](kit::Archive& archive) { ports_->visit(archive); }});
+  parts.push_back({"observation", [this](Archive& archive) { watch_.all().visit(archive); }});
+  parts.push_back({"host", [this](Archive& archive) { ports_->visit(archive); }});
   return parts;
 }
 

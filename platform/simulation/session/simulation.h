@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backend/coprocessor_backend.h"
+#include "base/result.h"
 #include "explain/program_view.h"
 #include "inputs/run_inputs.h"
 #include "ports/host_ports.h"
@@ -18,7 +19,6 @@
 #include "session/run_limits.h"
 #include "session/run_watch.h"
 #include "soc/soc.h"
-#include "support/result.h"
 
 namespace capsoc::run {
 

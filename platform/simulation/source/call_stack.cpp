@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.h"
 #include "source/prologue.h"
-#include "support/printable.h"
 
 namespace capsoc::source {
 namespace {

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
 #include "loader/demangle.h"
 #include "source/elf_copy.h"
-#include "support/printable.h"
 
 namespace capsoc::source {
 namespace {

@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "armv7m/isa/decoder.h"
+#include "base/input_file.h"
+#include "base/printable.h"
 #include "host/files.h"
 #include "host/sha256.h"
 #include "loader/demangle.h"
-#include "support/input_file.h"
-#include "support/printable.h"
 #include "trace/source_paths.h"
 
 namespace capsoc::trace {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "armv7m/execution_counts.h"
+#include "base/result.h"
 #include "soc/soc.h"
 #include "source/call_stack.h"
-#include "support/result.h"
 #include "trace/coverage_file.h"
 
 namespace capsoc::trace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc::trace {
 

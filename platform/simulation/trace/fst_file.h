@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "support/result.h"
+#include "base/result.h"
 #include "trace/wave_file.h"
 
 namespace capsoc::trace {

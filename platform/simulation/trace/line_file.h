@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "host/files.h"
-#include "support/result.h"
 
 namespace capsoc::trace {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "loader/elf_image.h"
 #include "soc/soc.h"
-#include "support/result.h"
 #include "trace/bus_trace.h"
 #include "trace/call_tree.h"
 #include "trace/functions.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "armv7m/listeners.h"
-#include "support/result.h"
+#include "base/result.h"
 #include "trace/functions.h"
 #include "trace/line_file.h"
 

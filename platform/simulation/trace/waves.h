@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "coprocessor/device.h"
 #include "soc/soc.h"
-#include "support/result.h"
 #include "trace/bus_trace.h"
 #include "trace/fst_file.h"
 

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "support/nearest.h"
+#include "base/nearest.h"
 
 namespace capsoc::trace {
 namespace {

@@ -21,7 +21,7 @@ class CrcUnit : public capsoc::kit::RegisterBank {
   }
 
   // What a checkpoint keeps beside the registers.
-  void visit(capsoc::kit::Archive& archive) override {
+  void visit(capsoc::Archive& archive) override {
     RegisterBank::visit(archive);
     archive("state", state_);
   }

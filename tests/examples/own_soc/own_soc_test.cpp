@@ -22,7 +22,7 @@ TEST(OwnSoc, RunsAProgramOfItsOwn) {
   std::vector<uint64_t> hashes;
   const sc_core::sc_time step(1, sc_core::SC_MS);
   soc.cpu.set_pause(step, [&](const sc_core::sc_time& now) {
-    capsoc::kit::StateHash hash;
+    capsoc::StateHash hash;
     hash("clock", soc.clock);
     for (capsoc::kit::Component* part : std::initializer_list<capsoc::kit::Component*>{
              &soc.cpu, &soc.ram, &soc.ticker, &soc.printer})

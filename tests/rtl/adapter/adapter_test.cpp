@@ -68,10 +68,10 @@ TEST_P(Adapter, SpecialisedEdgesLeaveWhatTheWholeDesignLeaves) {
       cycle = end + seed % 7 * 40;
       specialised.advance(cycle);
       whole.advance(cycle);
-      kit::StateWriter writer;
+      StateWriter writer;
       whole.visit(writer);
       const std::string state = writer.take();
-      kit::StateComparison comparison(state);
+      StateComparison comparison(state);
       specialised.visit(comparison);
       ASSERT_EQ(comparison.difference(), "") << "gap " << gap << ", seed " << seed;
     }

@@ -34,13 +34,13 @@ struct Sides {
 };
 
 std::string bytes_of(IdleState state) {
-  kit::StateWriter writer;
+  StateWriter writer;
   writer("state", state);
   return writer.take();
 }
 
 std::string difference(const std::string& saved, IdleState state) {
-  kit::StateComparison comparison(saved);
+  StateComparison comparison(saved);
   comparison("state", state);
   return comparison.difference();
 }

@@ -8,10 +8,10 @@
 #include <cstdlib>
 #include <random>
 
+#include "base/fixed.h"
 #include "bench.h"
 #include "coprocessor/calibrator.h"
 #include "coprocessor/lms_demodulator.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::rtl_test {
 namespace {

@@ -7,11 +7,11 @@
 #include <random>
 
 #include "Vpaper_bench.h"
+#include "base/fixed.h"
 #include "coprocessor/calibrator.h"
 #include "coprocessor/datapath.h"
 #include "coprocessor/lms_demodulator.h"
 #include "coprocessor/paper_units.h"
-#include "fixed/fixed.h"
 
 namespace capsoc::coprocessor::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "armv7m/executors/translator/block_compiler.h"
 #include "armv7m/executors/translator/translator.h"
 #include "armv7m/machine.h"
-#include "support/host_features.h"
+#include "base/host_features.h"
 
 namespace capsoc::armv7m {
 namespace {

@@ -22,11 +22,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/splitmix64.h"
 #include "mutants_abi.h"
 #include "regress/bench.h"
 #include "regress/recording.h"
 #include "regress/scenario.h"
-#include "support/splitmix64.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "support/setting_fields.h"
+#include "base/setting_fields.h"
 
 namespace capsoc {
 namespace {

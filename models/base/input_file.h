@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "support/result.h"
+#include "base/result.h"
 
 namespace capsoc {
 

@@ -1,10 +1,10 @@
-#include "kit/archive.h"
+#include "base/archive.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-namespace capsoc::kit {
+namespace capsoc {
 namespace {
 
 enum class Colour : uint8_t { red, green, blue };
@@ -195,4 +195,4 @@ TEST(Archive, AfterARefusalNothingChanges) {
 }
 
 }  // namespace
-}  // namespace capsoc::kit
+}  // namespace capsoc

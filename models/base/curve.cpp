@@ -1,4 +1,4 @@
-#include "support/curve.h"
+#include "base/curve.h"
 
 #include <fmt/format.h>
 

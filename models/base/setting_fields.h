@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "support/settings.h"
+#include "base/settings.h"
 
 namespace capsoc {
 

@@ -1,6 +1,6 @@
-#include "kit/archive.h"
+#include "base/archive.h"
 
-namespace capsoc::kit {
+namespace capsoc {
 namespace {
 
 constexpr uint64_t fnv_prime = 0x100000001b3;
@@ -121,4 +121,4 @@ void StateComparison::raw(void* bytes, std::size_t size) {
                 in_hexadecimal(static_cast<char*>(bytes) + at, shown);
 }
 
-}  // namespace capsoc::kit
+}  // namespace capsoc

@@ -1,13 +1,12 @@
-#include "sensor/random.h"
+#include "base/random.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "support/constants.h"
-#include "support/splitmix64.h"
+#include "base/constants.h"
+#include "base/splitmix64.h"
 
-namespace capsoc::sensor {
-namespace {}  // namespace
+namespace capsoc {
 
 // The stream number passes through the mixer before it meets the seed: neighbouring seeds and
 // streams must not land on overlapping stretches of the one SplitMix64 sequence.
@@ -36,4 +35,4 @@ double RandomSequence::gaussian_peak(uint64_t count) const {
   return peak;
 }
 
-}  // namespace capsoc::sensor
+}  // namespace capsoc

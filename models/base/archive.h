@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace capsoc::kit {
+namespace capsoc {
 
 __extension__ typedef __int128 Int128;
 
@@ -252,4 +252,4 @@ void Archive::visit_sequence(T& values, std::size_t most) {
   visit_elements(values);
 }
 
-}  // namespace capsoc::kit
+}  // namespace capsoc

@@ -1,10 +1,10 @@
-#include "sensor/random.h"
+#include "base/random.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace capsoc::sensor {
+namespace capsoc {
 namespace {
 
 TEST(RandomSequence, GivesTheSameWordsOnEveryMachine) {
@@ -65,4 +65,4 @@ TEST(RandomSequence, FindsTheLargestOfARecord) {
 }
 
 }  // namespace
-}  // namespace capsoc::sensor
+}  // namespace capsoc

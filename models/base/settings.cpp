@@ -1,4 +1,4 @@
-#include "support/settings.h"
+#include "base/settings.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <functional>
 #include <utility>
 
-#include "support/input_file.h"
-#include "support/nearest.h"
-#include "support/printable.h"
-#include "support/toml.h"
+#include "base/input_file.h"
+#include "base/nearest.h"
+#include "base/printable.h"
+#include "base/toml.h"
 
 namespace capsoc {
 namespace {

@@ -1,4 +1,4 @@
-#include "support/data_table.h"
+#include "base/data_table.h"
 
 #include <fmt/format.h>
 

@@ -1,13 +1,13 @@
-#include "support/setting_fields.h"
+#include "base/setting_fields.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 
-#include "support/number.h"
-#include "support/printable.h"
-#include "support/result.h"
+#include "base/number.h"
+#include "base/printable.h"
+#include "base/result.h"
 
 namespace capsoc {
 namespace {
