@@ -11,6 +11,7 @@
 #include "armv7m/known_turn.h"
 #include "armv7m/machine.h"
 #include "armv7m/observers.h"
+#include "armv7m/profile.h"
 
 namespace capsoc::armv7m {
 
@@ -27,15 +28,17 @@ enum class StopReason {
 };
 enum class Executor { stepping, blocks, translator };
 
-/// An ARMv7-M Cortex-M3 (ARM DDI 0403) with 32 interrupts of 8 to 256 priorities. The executors
-/// agree bit for bit and cycle for cycle. Nothing a guest does ends the host program.
+/// A core of the ARMv7-M architecture (ARM DDI 0403), of the Cortex-M3's profile by default, with
+/// 32 interrupts of 8 to 256 priorities. The executors agree bit for bit and cycle for cycle.
+/// Nothing a guest does ends the host program.
 class Core {
  public:
   static constexpr unsigned interrupt_count = exception::interrupts;
   static constexpr uint64_t never = State::never;
 
-  explicit Core(Bus& bus)
-      : machine_(*this, bus), stepping_(machine_), blocks_(machine_, stepping_) {}
+  /// Neither is owned.
+  explicit Core(Bus& bus, const Profile& profile = cortex_m3)
+      : machine_(*this, bus, profile), stepping_(machine_), blocks_(machine_, stepping_) {}
 
   // How it is built. Before reset().
   /// Where reset() finds the vector table, and VTOR's reset value (B3.2.5): 0 unless set.
@@ -46,6 +49,8 @@ class Core {
 
   /// Power-on reset: reads the vector table; cycles go on, so that time does not jump.
   void reset();
+
+  const Profile& profile() const { return machine_.profile; }
 
   // Memory
   /// Memory the core reaches without the bus; `wait_states` a word. The host memory stays the

@@ -6,6 +6,7 @@
 #include "armv7m/executors/translator/host_context.h"
 #include "armv7m/halting_debug.h"
 #include "armv7m/listeners.h"
+#include "armv7m/profile.h"
 #include "armv7m/state.h"
 
 namespace capsoc::armv7m {
@@ -16,8 +17,9 @@ class ExecutionCounts;
 /// an instruction leaves for the run loop, and the listeners. The lowest part of a Machine.
 class CoreContext {
  public:
-  /// `core`: what observers and listeners are given. Not owned.
-  explicit CoreContext(Core& core) : core_(core) {}
+  /// `core`: what observers and listeners are given. Neither is owned.
+  explicit CoreContext(Core& core, const Profile& core_profile = cortex_m3)
+      : profile(core_profile), core_(core) {}
   CoreContext(const CoreContext&) = delete;
   CoreContext& operator=(const CoreContext&) = delete;
 
@@ -32,6 +34,7 @@ class CoreContext {
   uint64_t cycle_offset = 0;
   /// Accesses to the private peripherals so far; of this program's run, no state.
   uint64_t private_accesses = 0;
+  const Profile& profile;
 
   Core& core() { return core_; }
   const Core& core() const { return core_; }

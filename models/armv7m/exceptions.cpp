@@ -132,7 +132,7 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
   State& state = context_.state;
   if (exception::is_fault(number)) capture_fault(number, return_address);
   const uint64_t since = state.cycles;
-  state.cycles += timing::exception_entry;
+  state.cycles += context_.profile.timing.exception_entry;
   const uint32_t exc_return = exc_return_ones | (state.ipsr != 0    ? to_handler
                                                  : state.uses_psp() ? to_thread_process
                                                                     : to_thread_main);
@@ -166,7 +166,7 @@ void Exceptions::late_arrival(unsigned number) {
   state.nvic.set_active(displaced, false);
   state.nvic.set_pending(displaced, true);
   const uint64_t since = state.cycles;
-  state.cycles += timing::late_arrival;
+  state.cycles += context_.profile.timing.late_arrival;
   if (exception::is_fault(number)) capture_fault(number, state.pc);
   take(number, state.r[14], Entry::displaces, since);
 }
@@ -229,7 +229,7 @@ void Exceptions::return_fault(Cause cause, uint32_t exc_return) {
   }
   capture_fault(number, state.pc);
   const uint64_t since = state.cycles;
-  state.cycles += timing::tail_chain;
+  state.cycles += context_.profile.timing.tail_chain;
   take(number, exc_return, Entry::tail_chains, since);
 }
 
@@ -257,12 +257,12 @@ void Exceptions::leave(uint32_t exc_return, uint32_t instruction) {
   if (!legal) return return_fault(Cause::invalid_pc, 0xF0000000u | exc_return);
   if (const unsigned next = pending_.highest_pending(pending_.execution_priority()); next != 0) {
     const uint64_t since = state.cycles;
-    state.cycles += timing::tail_chain;
+    state.cycles += context_.profile.timing.tail_chain;
     if (exception::is_fault(next)) capture_fault(next, state.pc);
     return take(next, exc_return, Entry::tail_chains, since);
   }
   Cause cause{};
-  state.cycles += timing::exception_return;
+  state.cycles += context_.profile.timing.exception_return;
   if (!pop_stack(exc_return, instruction, cause)) return return_fault(cause, exc_return);
   state.stalled = false;
   state.exclusive = false;

@@ -63,7 +63,8 @@ void KnownTurn::keep(const Machine& machine, const std::array<uint32_t, longest>
   for (unsigned n = 0; n < count; ++n) {
     const std::optional<Fetched> fetched = fetch(machine, addresses[n]);
     if (!fetched) return;
-    const DecodedOp op = decode(fetched->address, fetched->halfwords[0], fetched->halfwords[1], 0);
+    const DecodedOp op =
+        decode(fetched->address, fetched->halfwords[0], fetched->halfwords[1], 0, machine.profile);
     if (depends_on_more(op)) return;
     loads += is(op, kind::load) ? 1 : 0;
     named_ |= registers_named_by(op);

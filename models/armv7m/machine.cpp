@@ -4,8 +4,8 @@
 
 namespace capsoc::armv7m {
 
-Machine::Machine(Core& core, Bus& bus)
-    : CoreContext(core),
+Machine::Machine(Core& core, Bus& bus, const Profile& core_profile)
+    : CoreContext(core, core_profile),
       pending(*this),
       watchpoints(*this, pending),
       memory(*this, bus, system, pending, watchpoints),

@@ -17,7 +17,7 @@ namespace capsoc::armv7m {
 /// settings.
 class Machine : public CoreContext {
  public:
-  Machine(Core& core, Bus& bus);
+  Machine(Core& core, Bus& bus, const Profile& core_profile);
 
   PendingExceptions pending;
   Watchpoints watchpoints;

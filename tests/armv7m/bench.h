@@ -17,9 +17,10 @@ class Bench : public Bus {
   std::vector<uint8_t> flash = std::vector<uint8_t>(65536), ram = std::vector<uint8_t>(65536);
   uint32_t device = 0;
   std::function<void(uint32_t)> on_write;
-  Core core{*this};
+  Core core;
 
-  explicit Bench(unsigned wait_states = 0) {
+  explicit Bench(unsigned wait_states = 0, const Profile& profile = cortex_m3)
+      : core(*this, profile) {
     core.map_memory(0, 65536, flash.data(), false, wait_states);
     core.map_memory(ram_base, 65536, ram.data(), true, 0);
     word(0, stack);

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "armv7m/profile.h"
 #include "armv7m/system/registers.h"
 #include "bench.h"
 #include "executors.h"

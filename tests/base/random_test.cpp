@@ -3,9 +3,27 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 namespace capsoc {
 namespace {
+
+TEST(Random, GivesSplitMix64FromItsSeed) {
+  Random random(0);
+  EXPECT_EQ(random.word(), 0xE220A8397B1DCDAFull);  // Steele, Lea and Flood's first of seed 0
+  EXPECT_NE(Random(1, 0).word(), Random(1, 1).word());
+}
+
+// Records, stimuli and training depend on which of the two a caller takes.
+TEST(Random, BelowIsARemainderAndIndexAScaledFraction) {
+  Random below(5), index(5), words(5);
+  for (int i = 0; i < 1000; ++i) {
+    const uint64_t word = words.word();
+    EXPECT_EQ(below.below(10), word % 10);
+    EXPECT_EQ(index.index(10),
+              static_cast<int64_t>(static_cast<double>(word >> 11) * 0x1p-53 * 10));
+  }
+}
 
 TEST(RandomSequence, GivesTheSameWordsOnEveryMachine) {
   const RandomSequence sequence(1, 0);

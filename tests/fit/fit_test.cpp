@@ -151,7 +151,7 @@ TEST(Fit, TheCalibrationHasWordsValuesAndChecksums) {
 /// What the noise of one sample makes of its angle is what the angles of the samples show: by the
 /// arctangent, not by the formula.
 TEST(Fit, TheNoiseOfOneSampleIsStatedBesideTheBound) {
-  const csfn::Parameters p{0.6, 0.2, 0.1, -0.1, 0.9};
+  const identification::Parameters p{0.6, 0.2, 0.1, -0.1, 0.9};
   auto samples = one_turn(p, 4000);
   std::mt19937 generator(1);
   std::normal_distribution<double> noise(0, 1e-3 * 0x1p31);

@@ -61,7 +61,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
       std::memcpy(&second, memory.read + offset + 2, 2);
     }
     Step step;
-    static_cast<DecodedOp&>(step) = decode(address, first, second, it);
+    static_cast<DecodedOp&>(step) = decode(address, first, second, it, machine_.profile);
     const bool depends =
         it != 0 || (trail & timing::trail_pairs) != 0 || timing::folds(trail, step);
     if (steps.size() >= (branches ? usual_length : straight_length) && !depends) break;

@@ -21,7 +21,7 @@ const Step& Stepping::decoded(uint32_t address, uint16_t first, uint16_t second)
                     step.it_before == it_state;
   if (same) return step;
   step = {};
-  static_cast<DecodedOp&>(step) = decode(address, first, second, it_state);
+  static_cast<DecodedOp&>(step) = decode(address, first, second, it_state, machine_.profile);
   step.instructions_to = 1;
   Execute::bind(step);
   return step;

@@ -305,8 +305,8 @@ void simplify(DecodedOp& op) {
   }
 }
 
-uint8_t static_cycles(const DecodedOp& op, CycleClass kind) {
-  unsigned n = timing::cycles(kind);
+uint8_t static_cycles(const DecodedOp& op, CycleClass kind, const Timing& timing) {
+  unsigned n = timing.of(kind);
   if (kind == CycleClass::multiple) n += op.list.count();
   return static_cast<uint8_t>(n);
 }
@@ -350,7 +350,8 @@ const Encoding& line_of(const DecodedOp& op) {
   return table[op.row];
 }
 
-DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state) {
+DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state,
+                 const Profile& profile) {
   DecodedOp op;
   op.address = address;
   op.size = is_wide(first) ? 4 : 2;
@@ -362,7 +363,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   op.operation = Operation::undefined;
   op.cycles = 1;
   const Encoding* e = find_encoding(op.encoding, op.size);
-  if (e == nullptr) return op;
+  if (e == nullptr || is(e->operation, ~profile.instructions)) return op;
   op.row = static_cast<uint16_t>(e - table);
   Fields f(*e, op.encoding);
   op.operation = e->operation;
@@ -376,7 +377,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   resolve(op, f, e->form);
   if (e->form == Form::it) op.it_after = static_cast<uint8_t>(op.imm);
   simplify(op);
-  op.cycles = static_cycles(op, e->cycle_class);
+  op.cycles = static_cycles(op, e->cycle_class, profile.timing);
   return op;
 }
 

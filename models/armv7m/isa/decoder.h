@@ -5,6 +5,7 @@
 
 #include "armv7m/isa/op.h"
 #include "armv7m/isa/timing.h"
+#include "armv7m/profile.h"
 
 namespace capsoc::armv7m {
 
@@ -91,8 +92,9 @@ constexpr uint8_t it_advance(uint8_t it) {
 /// The line that an instruction was decoded by; not for Operation::undefined.
 const Encoding& line_of(const DecodedOp& op);
 
-/// Decodes any 16 or 32 bits; what is no instruction becomes Operation::undefined.
-DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state);
+/// Decodes any 16 or 32 bits; what is no instruction of the profile becomes Operation::undefined.
+DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_state,
+                 const Profile& profile = cortex_m3);
 
 /// Assembly text of a decoded instruction, for traces and reports.
 std::string disassemble(const DecodedOp& op);

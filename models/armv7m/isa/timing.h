@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include "armv7m/isa/op.h"
@@ -25,6 +26,42 @@ enum class CycleClass : uint8_t {
   barrier,
   system
 };
+inline constexpr std::size_t cycle_classes = static_cast<std::size_t>(CycleClass::system) + 1;
+
+/// The times that one core of the architecture has and another need not have (profile.h), in
+/// cycles.
+struct Timing {
+  /// Of an instruction, by its class; `multiple` takes one more for each register.
+  std::array<uint8_t, cycle_classes> cycles;
+  uint8_t exception_entry;   ///< to the first instruction of the handler
+  uint8_t exception_return;  ///< back to the interrupted program
+  uint8_t tail_chain;        ///< from one handler to the next
+  uint8_t late_arrival;      ///< a higher priority takes over the stacking that is under way
+
+  constexpr unsigned of(CycleClass kind) const { return cycles[static_cast<std::size_t>(kind)]; }
+};
+
+/// Of the Cortex-M3: instructions as in the table below, exceptions by chapter 5 of the TRM.
+inline constexpr Timing cortex_m3_timing{{
+                                             1,  // alu
+                                             2,  // multiply_add
+                                             3,  // multiply_long
+                                             4,  // multiply_accumulate_long
+                                             2,  // divide
+                                             2,  // load
+                                             1,  // store
+                                             2,  // store_reg
+                                             3,  // dual
+                                             1,  // multiple
+                                             1,  // branch
+                                             3,  // table
+                                             2,  // barrier
+                                             2,  // system
+                                         },
+                                         12,
+                                         10,
+                                         6,
+                                         0};
 
 /// The time of everything, to be held beside the TRM. It depends on the instruction, its operands,
 /// whether it branches, and the instruction executed right before it; never on how the simulator
@@ -69,6 +106,9 @@ enum class CycleClass : uint8_t {
 /// fetch (3.3.2: "might"), how far the prefetch buffer of three words hides the wait states of
 /// fetches and what rows of unaligned 32-bit instructions cost in it, when a full write buffer
 /// delays a store, and which instructions IT does not fold behind.
+///
+/// What follows belongs to the three-stage pipeline, not to a profile: refills, pairing, folding
+/// and what operands add.
 namespace timing {
 constexpr unsigned refill_immediate = 1, refill_register = 2, refill_loaded = 3;
 constexpr unsigned most_refill = 3;
@@ -80,45 +120,6 @@ constexpr unsigned most_wait_states = 200;
 /// What a refill of one or two cycles takes longer because of the instruction it leads to.
 inline unsigned refill_beyond(const DecodedOp& target) {
   return (target.size >> 2) & (target.address >> 1) & 1;
-}
-
-// Exceptions (TRM, chapter 5): 12 cycles to the first instruction of the handler, 10 back to the
-// interrupted program, 6 from one handler to the next. A late arrival of higher priority takes over
-// the stacking that is under way and costs nothing of its own.
-constexpr unsigned exception_entry = 12;
-constexpr unsigned exception_return = 10;
-constexpr unsigned tail_chain = 6;
-constexpr unsigned late_arrival = 0;
-
-constexpr unsigned cycles(CycleClass kind) {
-  switch (kind) {
-    case CycleClass::multiply_add:
-      return 2;
-    case CycleClass::multiply_long:
-      return 3;
-    case CycleClass::multiply_accumulate_long:
-      return 4;
-    case CycleClass::divide:
-      return 2;
-    case CycleClass::load:
-      return 2;
-    case CycleClass::store:
-      return 1;
-    case CycleClass::store_reg:
-      return 2;
-    case CycleClass::dual:
-      return 3;
-    case CycleClass::multiple:
-      return 1;  // and one a register
-    case CycleClass::table:
-      return 3;
-    case CycleClass::barrier:
-      return 2;
-    case CycleClass::system:
-      return 2;
-    default:
-      return 1;
-  }
 }
 
 /// Beyond the cycles of the table: operands that need more than half of the multiplier's width.

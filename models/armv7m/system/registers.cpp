@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "armv7m/profile.h"
+
 namespace capsoc::armv7m {
 namespace {
 

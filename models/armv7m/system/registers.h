@@ -17,8 +17,20 @@ enum Address : uint32_t {
 };
 }  // namespace ppb
 
-/// The part that answers for a register; `constant`: it always reads as its reset value.
-enum class Room : uint8_t { constant, itm, dwt, systick, nvic, scb, exceptions, mpu, debug };
+/// The part that answers for a register; `constant`: it always reads as its reset value;
+/// `identity`: as the core's profile says.
+enum class Room : uint8_t {
+  constant,
+  identity,
+  itm,
+  dwt,
+  systick,
+  nvic,
+  scb,
+  exceptions,
+  mpu,
+  debug
+};
 
 /// One row of registers.def.
 struct SystemRegister {

@@ -59,6 +59,8 @@ uint32_t SystemSpace::peek(uint32_t address) const {
       if (address == ppb::DHCSR) return context_.halting.control_and_status();
       return state.scb.demcr() |
              (state.nvic.is_pending(exception::debug_monitor) ? demcr_mon_pend : 0);
+    case Room::identity:
+      return context_.profile.identity.word(address);
     case Room::constant:
       break;
   }

@@ -30,13 +30,14 @@ void log_unpredictable(Unpredictable which, uint32_t address) {
 
 }  // namespace
 
-CoreTlm::CoreTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
+CoreTlm::CoreTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
+                 const Profile& profile)
     : sc_module(name),
       icode("icode"),
       dcode("dcode"),
       system("system"),
       clock_(clock),
-      core_(*this),
+      core_(*this, profile),
       horizon_(clock, core_),
       bus_({icode, dcode, system}, clock, core_, horizon_),
       polling_(core_),

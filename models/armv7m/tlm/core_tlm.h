@@ -41,7 +41,9 @@ class CoreTlm : public sc_core::sc_module,
   Socket dcode;   ///< data accesses below 0x20000000
   Socket system;  ///< everything else
 
-  CoreTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock);
+  /// Neither is owned.
+  CoreTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
+          const Profile& profile = cortex_m3);
 
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { horizon_.set_quantum(quantum); }

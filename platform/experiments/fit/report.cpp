@@ -244,8 +244,8 @@ std::string error_text(const identification::AngleError& error, bool tested) {
 }
 
 /// What the noise of one sample makes of its angle, root of the mean square over the turn, radians.
-double noise_of_one_sample(const csfn::Identification& answer) {
-  const csfn::Parameters& p = answer.parameters;
+double noise_of_one_sample(const identification::Identification& answer) {
+  const identification::Parameters& p = answer.parameters;
   return answer.residuals.noise * std::hypot(1 / p.a1, 1 / p.a2) /
          (std::sqrt(2.0) * std::abs(std::cos(p.beta)));
 }

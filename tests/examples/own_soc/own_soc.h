@@ -28,7 +28,7 @@ class Ticker : public kit::ClockedBank {
       interrupt.set(PENDING.any(1));
     });
   }
-  void visit(Archive& archive) override {
+  void visit(capsoc::Archive& archive) override {
     ClockedBank::visit(archive);
     archive("next", next_);
   }

@@ -417,7 +417,7 @@ bool FlagTracker::stays_recoverable(uint32_t target, uint32_t& written) const {
     if (offset + 4 > Memory::page_size) return false;
     uint16_t halfwords[2];
     std::memcpy(halfwords, memory.read + offset, 4);
-    const DecodedOp op = decode(target, halfwords[0], halfwords[1], 0);
+    const DecodedOp op = decode(target, halfwords[0], halfwords[1], 0, machine_.profile);
     // Who changes these bytes changes what this block does.
     for (uint32_t at = offset; at < offset + op.size; at += 2)
       plan_.page().code_lines |= 1ull << (at / 64);
