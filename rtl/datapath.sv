@@ -161,7 +161,7 @@ module datapath #(
     .clk_i, .rst_ni, .tick_i, \
     .keep_i(state_we_o), .learning_i(learning), .sum_i(sum), \
     .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
-    .steps_i(steps), .slew_i(settings_i.judge[21:19]), \
+    .steps_i(steps), .slew_i(settings_i.judge.SLEW), \
     .weights_i(weights_now), .parameters_i(parameters_now), .relative_i(relative), \
     .core_o(core), .weights_o(weights), .parameters_o(parameters)
   logic signed [31:0] data;
@@ -272,7 +272,7 @@ module datapath #(
     .turn_i           (turn4),
     .octant_i         (angle[31:29]),
     .ref_i            (settings_i.source),
-    .judge_i          (settings_i.judge[18:0]),
+    .judge_i          (settings_i.judge),
     .turn_limit_i     (settings_i.turn_limit),
     .write_o          (quality_we),
     .write_address_o  (quality_address),
