@@ -318,6 +318,22 @@ module datapath #(
     .result_o      (stored_result)
   );
 
+`ifdef VERILATOR
+  // A core's words are of samples that are there, and each memory takes one in a cycle.
+  always_ff @(posedge clk_i) begin
+    if (rst_ni) begin
+      assert (!core.det_valid || stage[0]) else $error("DET of no sample in cycle %0d", cycle);
+      assert (!core.calibrated_valid || (stage[0] && !first && !second))
+      else $error("a calibrated word of no sample, or beside the sample, in cycle %0d", cycle);
+      assert (!core.amplitude_valid || stage[core.amplitude_late ? 2 : 1])
+      else $error("an amplitude of no sample in cycle %0d", cycle);
+      assert (!core.error_valid || (stage[3] && !(stage[2] && (first || second))))
+      else $error("an error of no sample, or beside T2's words, in cycle %0d", cycle);
+      assert (!commit_o || boundary) else $error("a commit in cycle %0d, within a tick", cycle);
+    end
+  end
+`endif
+
   // ANGLE keeps its word while there is no valid one.
   always_ff @(posedge clk_i) begin
     if (commit_o && valid) angle_q <= angle;
