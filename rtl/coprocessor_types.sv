@@ -1,5 +1,6 @@
 // What goes together between the units of the coprocessor, as packed structs. Members are unsigned words;
-// docs/coprocessor.md has their formats.
+// docs/coprocessor.md has their formats. A register whose fields go to several units has the type that the register
+// description makes for it, and its reserved bits are 0.
 //
 // The types belong to no package, and this file is read before the modules: Icarus Verilog 11 aborts at a port of a struct
 // that is named with its package (package::type), and yosys 0.23 reads no import. Icarus assigns to a member of a member in
@@ -46,7 +47,7 @@ typedef struct packed {
   steps_t      steps;
   logic [31:0] lock_threshold;     // u32, Q1.31
   logic [31:0] diverge_threshold;
-  logic [21:0] judge;              // JUDGE
+  capsoc_coprocessor_judge_t judge;
   logic [31:0] turn_limit;         // samples
 } settings_t;
 

@@ -161,7 +161,7 @@ module datapath #(
     .clk_i, .rst_ni, .tick_i, \
     .keep_i(state_we_o), .learning_i(learning), .sum_i(sum), \
     .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
-    .steps_i(steps), .slew_i(settings_i.judge[21:19]), \
+    .steps_i(steps), .slew_i(settings_i.judge.SLEW), \
     .weights_i(weights_now), .parameters_i(parameters_now), .relative_i(relative), \
     .core_o(core), .weights_o(weights), .parameters_o(parameters)
   logic signed [31:0] data;
@@ -272,7 +272,7 @@ module datapath #(
     .turn_i           (turn4),
     .octant_i         (angle[31:29]),
     .ref_i            (settings_i.source),
-    .judge_i          (settings_i.judge[18:0]),
+    .judge_i          (settings_i.judge),
     .turn_limit_i     (settings_i.turn_limit),
     .write_o          (quality_we),
     .write_address_o  (quality_address),
@@ -317,6 +317,22 @@ module datapath #(
     .slot_i        (result_slot),
     .result_o      (stored_result)
   );
+
+`ifdef VERILATOR
+  // A core's words are of samples that are there, and each memory takes one in a cycle.
+  always_ff @(posedge clk_i) begin
+    if (rst_ni) begin
+      assert (!core.det_valid || stage[0]) else $error("DET of no sample in cycle %0d", cycle);
+      assert (!core.calibrated_valid || (stage[0] && !first && !second))
+      else $error("a calibrated word of no sample, or beside the sample, in cycle %0d", cycle);
+      assert (!core.amplitude_valid || stage[core.amplitude_late ? 2 : 1])
+      else $error("an amplitude of no sample in cycle %0d", cycle);
+      assert (!core.error_valid || (stage[3] && !(stage[2] && (first || second))))
+      else $error("an error of no sample, or beside T2's words, in cycle %0d", cycle);
+      assert (!commit_o || boundary) else $error("a commit in cycle %0d, within a tick", cycle);
+    end
+  end
+`endif
 
   // ANGLE keeps its word while there is no valid one.
   always_ff @(posedge clk_i) begin

@@ -59,6 +59,12 @@ module harmonic_correction #(
     if (|cycle_i[4:3]) word_q <= table_memory[address];  // at rest nothing moves
   end
 
+`ifdef VERILATOR
+  always_ff @(posedge clk_i) begin
+    assert (!write_i || boundary_i || cycle_i == '0) else $error("node %0d is written in cycle %0d of a tick", node_i, cycle_i);
+  end
+`endif
+
   logic signed [20:0] sum_q, halved;
   assign halved = cycle_i[3:0] == 4'd14 ? sum_q : sum_q >>> 1;
   always_ff @(posedge clk_i) begin

@@ -80,6 +80,12 @@ module reference_generator #(
   assign hit_phase = active_i && tracking_q && cycle_i == kp_q;
   assign hit_freq = active_i && tracking_q && cycle_i == ki_q;
   assign add_freq = cycle_i == {4'b0, kp_q == '0};
+`ifdef VERILATOR
+  always_ff @(posedge clk_i) begin
+    assert (!(add_freq && hit_phase)) else $error("FREQ and the residue meet in the adder in cycle %0d", cycle_i);
+    assert (!(hit_freq && cycle_i < {4'b0, kp_q == '0})) else $error("FREQ changes before it is added");
+  end
+`endif
   // The rounding bit comes in as a carry: {a, 1} + {b, carry}.
   assign phase_sum = {1'b0, phase_q, 1'b1} + {1'b0, add_freq  ? {freq_q, 1'b0} :
                                                     hit_phase ? {steer_q, steer_round_q} : '0};

@@ -74,6 +74,12 @@ module register_bank #(
   assign pready_o  = 1'b1;
   assign pslverr_o = psel_i & penable_i & ~(write | read);
 
+`ifdef VERILATOR
+  always_ff @(posedge clk_i) begin
+    if (rst_ni) assert (~(write | read) | $onehot(select)) else $error("access to 0x%h of several registers, or of none", paddr_i);
+  end
+`endif
+
   logic write_ctrl, write_cmd, clear_counters, zero_phase;
   assign write_ctrl     = write & select.CTRL;
   assign write_cmd      = write & select.CMD;

@@ -85,6 +85,16 @@ module sequencer (
     end
   end
 
+`ifdef VERILATOR
+  always_ff @(posedge clk_i) begin
+    if (rst_ni) begin
+      assert ($onehot0(load_q)) else $error("two steps of a LOAD in one tick: %b", load_q);
+      assert (~(|load_q) | ~(|stage_q)) else $error("a LOAD and a sample in one tick: %b, %b", load_q, stage_q);
+      assert (running | cycle_q == '0) else $error("cycle %0d without a tick", cycle_q);
+    end
+  end
+`endif
+
   // Data of the held sample; nobody looks at them while held_q is 0, so a soft reset leaves them.
   logic [31:0] held_u_d, held_v_d, held_u_q, held_v_q;
   logic        held_clip_d, held_clip_q;

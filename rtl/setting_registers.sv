@@ -159,7 +159,7 @@ module setting_registers #(
   assign settings_o.steps             = steps;
   assign settings_o.lock_threshold    = lock_threshold_q;
   assign settings_o.diverge_threshold = diverge_threshold_q;
-  assign settings_o.judge             = judge_q;
+  assign settings_o.judge             = 32'(judge_q);
   assign settings_o.turn_limit        = turn_limit_q;
 
   logic unused_selects;  // of the other registers

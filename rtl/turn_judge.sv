@@ -39,7 +39,7 @@ module turn_judge (
   input  logic [ 2:0] octant_i,
   // Registers
   input  logic [ 1:0] ref_i,
-  input  logic [18:0] judge_i,
+  input  capsoc_coprocessor_judge_t judge_i,
   input  logic [31:0] turn_limit_i,
   // For the bus's copy of the memory
   output logic        write_o,
@@ -122,7 +122,10 @@ module turn_judge (
   logic [31:0] turn_limit_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
-      {count_q, turns_q, alarm_limit_q, radius_limit_q} <= judge_i;
+      count_q <= judge_i.COUNT;
+      turns_q <= judge_i.TURNS;
+      alarm_limit_q <= judge_i.ALARM_LIMIT;
+      radius_limit_q <= judge_i.RADIUS_LIMIT;
       turn_limit_q <= turn_limit_i;
       by_angle_q <= ref_i != '0;
     end
@@ -372,6 +375,6 @@ module turn_judge (
   assign alarm_o = alarm_q;
 
   logic unused_bits;
-  assign unused_bits = ^stage_i[1:0];
+  assign unused_bits = ^{stage_i[1:0], judge_i.RESERVED_31_22, judge_i.SLEW};
 
 endmodule

@@ -25,6 +25,12 @@ module word_memory #(
   end
   assign rdata_o = words[raddr_i];
 
+`ifdef VERILATOR
+  always_ff @(posedge clk_i) begin
+    if (rst_ni) assert (~we_i | Used[waddr_i]) else $error("word %0d is written and never shown", waddr_i);
+  end
+`endif
+
   logic [31:0] valid_q, valid_d;
   always_comb begin
     for (int i = 0; i < 32; i = i + 1) begin

@@ -116,7 +116,7 @@ module register_bank_properties (
       6'h23: begin now = {16'd0, parameters.b2}; given = {16'd0, parameters_in.b2}; end
       6'h24: begin now = {16'd0, parameters.beta}; given = {16'd0, parameters_in.beta}; end
       6'h25: begin now = {16'd0, parameters.phi}; given = {16'd0, parameters_in.phi}; end
-      6'h26: begin now = {26'd0, settings.judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
+      6'h26: begin now = {16'd0, settings.judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
       6'h27: now = {16'd0, settings.turn_limit};
       default: now = 48'd0;
     endcase

@@ -11,7 +11,7 @@ module turn_judge_properties (
   input logic        clip_i, saturated_i, no_angle_i, mirror_i, turn_i,
   input logic [ 2:0] octant_i,
   input logic [ 1:0] ref_i,
-  input logic [18:0] judge_i,
+  input capsoc_coprocessor_judge_t judge_i,
   input logic [31:0] turn_limit_i
 );
 

@@ -32,7 +32,7 @@ set(capsoc_verilator_definitions VL_TIME_CONTEXT VM_COVERAGE=1 VM_TRACE=1 VM_TRA
 
 # capsoc_verilated_library(NAME TOP MODULE WRAPPER FILE HASH FOLDER SOURCES FILE... FLAGS FLAG... DEFINITIONS DEFINITION...
 #                          [DEPENDS FILE...] [COVERAGE] [SPECIALISE SCRIPT]): what all of them have in common. FOLDER has rtl_hash.h;
-# SCRIPT makes the specialised edges of specialised.h.
+# SCRIPT makes the edges of specialised/edges.h.
 function(capsoc_verilated_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;HASH;SPECIALISE" "WRAPPER;SOURCES;FLAGS;DEFINITIONS;DEPENDS")
   # Verilator's own sources. They stay inside each library: two in one program share nothing.

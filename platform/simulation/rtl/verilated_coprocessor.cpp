@@ -9,8 +9,9 @@
 #include "Vcoprocessor_probe.h"
 #include "Vcoprocessor_probe__Syms.h"
 #include "Vcoprocessor_probe___024root.h"
+#include "coprocessor/sequencer.h"
 #include "rtl/rtl_abi.h"
-#include "rtl/specialised.h"
+#include "rtl/specialised/edges.h"
 #include "rtl/verilated_instance.h"
 #include "verilated_save.h"
 
@@ -82,6 +83,7 @@ using capsoc::rtl::specialised_outputs;
 using capsoc::rtl::SpecialisedEdge;
 using capsoc::rtl::SpecialisedState;
 using capsoc::rtl::stage_0_alone;
+constexpr unsigned last_cycle = capsoc::coprocessor::tick_cycles - 1;
 using Root = Vcoprocessor_probe___024root;
 
 unsigned cycle_of(const Root& top) {
@@ -103,6 +105,11 @@ SpecialisedState state_of(const Root& top) {
   }
   if (waiting != 0 || (stages & (stages - 1)) != 0) return other_state;
   return static_cast<SpecialisedState>(stage_0_alone + __builtin_ctz(stages));
+}
+
+/// The state of a sample in one of the stages, which lasts for a tick.
+constexpr bool in_pipeline(SpecialisedState state) {
+  return state < held_alone;
 }
 
 /// Whether with these inputs there is one sample in the design at the most, and nothing else.
@@ -172,7 +179,7 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
       edge(&root());
       ++made;
       ++cycle;
-    } while (made < count && state <= 4 && cycle < 31);
+    } while (made < count && in_pipeline(state) && cycle < last_cycle);
     if (made != 0) stale_ = true;
     return made;
   }

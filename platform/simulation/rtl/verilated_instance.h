@@ -42,6 +42,9 @@ struct VerilatedInstance {
   ~VerilatedInstance() {
     close_waves();
     top->final();
+    // The scopes of a design with assertions leave the context of the thread, which may be
+    // another instance's and gone.
+    Verilated::threadContextp(&context);
   }
 
   VerilatedInstance(const VerilatedInstance&) = delete;

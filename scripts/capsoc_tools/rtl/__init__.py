@@ -1,1 +1,1 @@
-"""The coprocessor's RTL: file list, linter, proofs, synthesis, specialised edges."""
+"""The coprocessor's RTL: file list, linter, proofs, synthesis."""

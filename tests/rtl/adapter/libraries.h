@@ -1,7 +1,11 @@
-// The two libraries of the build, opened.
+// The libraries of the build, opened: those of the program, or with CAPSOC_CHECKED_RTL=1 in the
+// environment those whose assertions are switched on.
 #pragma once
 
 #include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
 
 #include "coprocessor/types.h"
 #include "rtl/rtl_library.h"
@@ -15,7 +19,9 @@ inline coprocessor::Options options_of(coprocessor::Arithmetic arithmetic) {
 }
 
 inline RtlLibrary::Handle open_library(coprocessor::Arithmetic arithmetic) {
-  auto library = RtlLibrary::open(RtlLibrary::file_name(arithmetic), options_of(arithmetic));
+  std::string name = RtlLibrary::file_name(arithmetic);
+  if (std::getenv("CAPSOC_CHECKED_RTL") != nullptr) name.insert(name.rfind('.'), "_checked");
+  auto library = RtlLibrary::open(name, options_of(arithmetic));
   if (!library) {
     ADD_FAILURE() << library.error();
     return nullptr;

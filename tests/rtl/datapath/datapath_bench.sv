@@ -55,7 +55,7 @@ module datapath_bench #(
   assign tick = {boundary_i, enter_i, cycle_i, stage_i, load_i, load_start_i};
   assign steps = {step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i};
   assign settings = {demod_i, calib_i, block_i, guard_i, correct_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
-                     judge_i, turn_limit_i};
+                     32'(judge_i), turn_limit_i};
   assign weights = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
   assign parameters = {a1_i, a2_i, b1_i, b2_i, beta_i, phi_i};
   assign state = {phase_i, freq_i, weights, parameters};
