@@ -127,7 +127,7 @@ void record(const Arguments& a, const regress::Scenario& scenario, uint64_t seed
   Recorder recorder(std::move(device), file);
   regress::Coverage coverage(o.arithmetic);
   regress::Bench bench(recorder, o.arithmetic, coverage, [] { return false; });
-  regress::Random random(seed, static_cast<uint64_t>(&scenario - regress::scenarios().data()));
+  Random random(seed, static_cast<uint64_t>(&scenario - regress::scenarios().data()));
   scenario.run(bench, random,
                {a.budget.samples * scenario.sample_share / 1000,
                 a.budget.accesses * scenario.access_share / 1000});
