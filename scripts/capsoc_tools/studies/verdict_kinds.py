@@ -51,14 +51,12 @@ GOOD = {
     "good: rests": (with_rests, None, ("follow",)),
     "good: turns back": (reversing, "back and forth", ("follow",)),
 }
-# What a pass may say that it takes for granted, by a word of its line: a kind of these is then outside what the pass
-# is about.
+# What a pass may take for granted, by how its condition begins: a kind of these is then outside what the pass is about.
 CONDITIONS = {
     "no sample is stale": {*ORDERS},
     "every sample is the sensor's": {"garbage"},
-    "no second signal": {"slow beat"},
-    "ripple": {"ripple of the turn"},
-    "harmonics": {"harmonic", "bent", "dead zone", "modulated 1 a turn", "modulated 2 a turn"},
+    "no second signal turns at almost its speed": {"slow beat"},
+    "harmonics along the circle": {"harmonic", "bent", "dead zone", "modulated 1 a turn", "modulated 2 a turn"},
 }
 BROKEN = [*MOTIONS, *ORDERS, *SIGNALS, *LEGAL, "two at once"]
 

@@ -149,6 +149,7 @@ def in_mode(elf, settings, demodulation, calibration, speed, margin):
 
 # How a program is used, and the speeds in turns a second of each but "usual", which is the program's own.
 STYLES = {"usual": None, "other": (0.04, 0.6), "long": (0.1, 1), "slow": (0.008, 0.03), "fast": (1, 9)}
+STYLES["back and forth"] = STYLES["other"]
 
 
 def speed_for(draw, style, least=0.0, most=math.inf):

@@ -8,7 +8,7 @@ usage: verdicts [--good N] [--broken N] [--seed S] [--programs P,...] [--arithme
 
 A *wrong pass* is a pass whose bound the true angle leaves. The program never sees the true angle, so it would pass
 without it, too. The truth is looked at twice: by `capsoc run`, and here, from the recorded angles. A wrong pass is
-*excluded* if its line names the condition that the kind breaks ("... if no sample is stale";
+*excluded* if it has the condition that the kind breaks ("... if no sample is stale";
 verdict_kinds.CONDITIONS); these are counted apart. A *false lock* is STATUS.LOCK with an error above 10 degrees for
 longer than a turn. Status 0: no wrong pass; 1: some, each with the command that makes its recording again; 2: usage.
 
@@ -53,6 +53,8 @@ CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 # Of these the arithmetic paper has nothing.
 PRECISE_ONLY = ("quick", "quick_known", "harmonics", "follow")
 LOCK = 2
+# Of a case: the others are a wrong pass, or no answer.
+RIGHT = ("pass", "refused", "excluded")
 FALSE_LOCK_DEG = 10
 
 Item = collections.namedtuple("Item", "kind number program arithmetic seed coprocessor build")
@@ -135,9 +137,10 @@ def false_lock(error, status, turn):
     return float(np.max(np.where(10 * (last - first + 1) >= samples, samples, 0)) / turn)
 
 
-def excludes(broken_by, line):
-    """Whether a pass says in its line that it does not cover what is wrong here."""
-    return any(word in line and kinds.intersection(broken_by) for word, kinds in verdict_kinds.CONDITIONS.items())
+def excludes(broken_by, conditions):
+    """Whether a pass takes for granted that nothing of this kind is wrong."""
+    broken = [words for words, kinds in verdict_kinds.CONDITIONS.items() if kinds.intersection(broken_by)]
+    return any(condition.startswith(tuple(broken)) for condition in conditions)
 
 
 def judge(answer, verdict, case, record, text):
@@ -162,9 +165,7 @@ def judge(answer, verdict, case, record, text):
         "error": true,
         "conditions": verdict["conditions"],
     }
-    if answer["outcome"] == "WRONG" and excludes(
-        case.broken_by, next((line for line in reversed(text.splitlines()) if ": pass: " in line), "")
-    ):
+    if answer["outcome"] == "WRONG" and excludes(case.broken_by, verdict["conditions"]):
         answer["outcome"] = "excluded"
     if answer["outcome"] == "pass" and answer["exit"] != 0:
         answer |= {"outcome": "error", "reason": "it passes, its bound holds, and the exit code is not 0"}
@@ -411,7 +412,9 @@ def main():
     if options.number is not None:
         if not 1 <= options.number <= len(items):
             refuse(f"--number {options.number}: there are 1 .. {len(items)}")
-        print(json.dumps({"bound": None, "error": None, **one_case(items[options.number - 1])}))
+        answer = one_case(items[options.number - 1])
+        right = answer["outcome"] in RIGHT
+        print(json.dumps({"bound": None, "error": None, **answer, "right": right}))
         return 0
     if not items:
         refuse("no case is left: the arithmetic paper has no quick, harmonics or follow")
