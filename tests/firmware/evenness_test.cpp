@@ -1,6 +1,7 @@
 // The unevenness of a turn, from the angles that a sensor with harmonics along the circle gives.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -51,6 +52,21 @@ TEST(Evenness, SeesEveryOrderAtItsFixedPlaces) {
 
 TEST(Evenness, OfASteadyTurnIsNone) {
   EXPECT_LT(seen(1, 0, 0.0019352, 250), 2e-9);
+}
+
+/// Steps of 0.001 turns there and back, and one of 0.1.
+TEST(Evenness, TheExcessIsOfTheLongestStepEitherWay) {
+  for (const double jump : {0.0, 0.1, -0.1}) {
+    evenness state{};
+    double angle = 0.3;
+    for (unsigned k = 0; k < 1000; ++k) {
+      evenness_feed(&state, word_of(angle), 1);
+      angle += (k < 600 ? 0.001 : -0.001) + (k == 300 ? jump : 0);
+    }
+    const double longest = jump != 0 ? std::fabs(jump + 0.001) : 0.001;
+    const double mean = 0.001 + (longest - 0.001) / 999;
+    EXPECT_NEAR(evenness_excess(&state) / 4294967296.0, std::max(0.0, longest - 2 * mean), 1e-6);
+  }
 }
 
 /// Three quarters of a turn forth, a quarter back and half a turn forth again are a whole turn, and

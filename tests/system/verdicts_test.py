@@ -334,6 +334,19 @@ class Followed(VerdictCase):
         self.assertTrue(not verdict["pass"] or verdict["bound_holds"], verdict)
         self.assertGreater(verdict["bound_deg"] or 30, 3.5)
 
+    def test_a_channel_that_is_held_where_the_vector_stays_near_the_circle(self):
+        # With beta at -0.9 it is 0.1 off at most, and 140 degrees wrong; then it jumps back.
+        amplitude, beta = 0.03, -0.9
+
+        def one(k):
+            x = -2 * math.pi * k / RATE
+            held = -2 * math.pi * (20 * RATE + 80) / RATE if 0 < k - 20 * RATE - 80 < 57 else x
+            return amplitude * math.sin(held), amplitude * math.cos(x + beta), -k / RATE
+
+        self.run_program("follow", "--sensor", self.record(one(k) for k in range(25 * RATE)), *self.SETTINGS)
+        verdict = self.result["verdict"]
+        self.assertTrue(not verdict["pass"] or verdict["bound_holds"], verdict)
+
     def test_dropouts(self):
         code, verdict = self.follow(lambda u, k: 0 if k % 37 == 0 else u)
         self.assertEqual((code, verdict["pass"]), (1, False), self.process.stdout)

@@ -59,6 +59,7 @@ void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
   if (state->samples == 0 || step < state->shortest) state->shortest = step;
   state->travel += way;
   follow_turning(state);
+  state->distance += magnitude(step);
   state->samples += elapsed;
   pass_marks(state, way);
 }
@@ -102,9 +103,16 @@ uint32_t evenness_end_window(struct evenness* state, bool whole) {
   state->origin = state->angle;
   state->samples = 0;
   state->travel = state->most = state->least = state->back = state->forth = 0;
+  state->distance = 0;
   state->when_sum = 0;
   state->marks = 0;
   return jump;
+}
+
+uint32_t evenness_excess(const struct evenness* state) {
+  if (state->samples == 0) return 0;
+  const double longest = fmax((double)state->longest, -(double)state->shortest);
+  return rounded_up(longest - 2 * (double)state->distance / state->samples);
 }
 
 void evenness_restart(struct evenness* state) {

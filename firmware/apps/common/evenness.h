@@ -23,6 +23,7 @@ struct evenness {
   int64_t most, least;          // of it so far
   int64_t back, forth;          // the longest way from one of them to a later place
   int64_t longest, shortest;    // step of one sample, signed
+  int64_t distance;             // all steps without their signs
   uint32_t marks;               // passed so far
   double when[evenness_marks];  // sample at which each was passed, with its fraction
   double when_sum;
@@ -38,9 +39,13 @@ struct evenness {
 void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed);
 
 // Ends the window with the last sample: a `whole` turn adds to what is known over the turns, if the
-// shaft has not turned back in it.
-// Returns the largest difference of a step of one sample from the mean step.
+// shaft has not turned back in it. Returns the largest difference of a step of one sample from the
+// mean step.
 uint32_t evenness_end_window(struct evenness* state, bool whole);
+
+// Before that, of a shaft of any motion: by how much its longest step, either way, is more than
+// twice the mean length of all.
+uint32_t evenness_excess(const struct evenness* state);
 
 // Forgets the turns, for instance when the parameters have changed.
 void evenness_restart(struct evenness* state);

@@ -273,6 +273,7 @@ static void keep_learning(struct judgement* judgement, uint32_t drift,
   judgement->change[0] = minus(&judgement->parameters, before);
   if (judgement->learning_turns < learning_kept) ++judgement->learning_turns;
   if (drift >= SAME_PARAMETERS) evenness_restart(&judgement->evenness);
+  if (!judgement->any_motion) return;
   const uint32_t wandered = drift_between(&judgement->settled, &judgement->parameters);
   judgement->wandered = larger(judgement->wandered, wandered);
 }
@@ -338,7 +339,9 @@ void judgement_look(struct judgement* judgement) {
   judgement->discard = 0;
   if (judgement->watches) {
     const bool even = turn.whole && fresh == 1 && discard == 0 && good(judgement, &turn);
-    turn.jump = evenness_end_window(&judgement->evenness, even);
+    const uint32_t excess = evenness_excess(&judgement->evenness);
+    const uint32_t jump = evenness_end_window(&judgement->evenness, even);
+    turn.jump = judgement->any_motion ? excess : jump;
   }
   if (fresh <= discard) return;
   if (fresh - discard > 1) {
@@ -481,7 +484,7 @@ uint32_t judgement_bound(const struct judgement* judgement) {
 uint32_t judgement_bound_of_last(const struct judgement* judgement) {
   if (judgement->spoilt != NULL) return HALF_TURN;
   const struct turn_evidence* const turn = &judgement->last;
-  return capped(radius_and_residue(judgement, turn) + turn->drift);
+  return capped(with_jump(radius_and_residue(judgement, turn), turn->jump) + turn->drift);
 }
 
 // What phi has gone if it always went on as in the last turns: the least of them, one way.

@@ -29,8 +29,10 @@ struct turn_evidence {
   uint32_t drift;    // largest change in the turn: amplitudes, offsets (relative), beta (radians)
   uint32_t zeros;    // samples of 0 in both channels, if they are counted
   uint32_t repeats;  // samples that are bit for bit the one before, if they are counted
-  uint32_t jump;     // largest step of the angle beyond the mean one, if the angles are watched
-  bool whole;        // a turn, or a full window in any order; not cut short at either end
+  // Largest step of the angle beyond the mean one, if the angles are watched; beyond twice the mean
+  // length of all, if the shaft may have any motion
+  uint32_t jump;
+  bool whole;  // a turn, or a full window in any order; not cut short at either end
 };
 
 struct judgement {
@@ -136,7 +138,7 @@ uint32_t judgement_covered(const struct judgement* judgement);
 uint32_t judgement_motion(const struct judgement* judgement);
 
 // The bound by the window that ended last alone, before anything is covered, without harmonics
-// along the circle and stale samples; half a turn if something speaks against it.
+// along the circle; half a turn if something speaks against it.
 uint32_t judgement_bound_of_last(const struct judgement* judgement);
 
 // What it is with them: `error` and the larger of what the motion shows and what is assumed.
