@@ -3,8 +3,10 @@
 
 import json
 import os
+import shlex
 import subprocess
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -213,6 +215,19 @@ class Kinds(unittest.TestCase):
             answers = json.loads(path.read_text())["answers"]
         self.assertEqual({a["kind"] for a in answers}, set(KINDS))
         self.assertEqual([a for a in answers if a["outcome"] in ("error", "no verdict")], [])
+
+
+class Campaign(unittest.TestCase):
+    def test_it_has_every_case(self):
+        description = tomllib.loads((SOURCE / "campaigns/verdicts.toml").read_text(encoding="utf-8"))
+        (axis,) = description["axes"]
+        points = axis["value"]["case"]["points"]
+        self.assertEqual(axis["value"]["case"]["range"], [1, points])
+        words = shlex.split(description["settings"]["command"]["line"])
+        self.assertEqual((words[:2], words[-2:]), (["scripts/tool", "verdicts"], ["--number", "$case"]))
+        process = verdicts(*words[2:-1], points + 1)
+        self.assertEqual(process.returncode, 2)
+        self.assertIn(f": there are 1 .. {points}\n", process.stderr)
 
 
 if __name__ == "__main__":
