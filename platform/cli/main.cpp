@@ -91,6 +91,7 @@ constexpr Command commands[] = {
     {"regress", cli::add_regress},
     {"campaign", cli::add_campaign},
     {"report", cli::add_report},
+    {"serve", cli::add_serve},
     {"new", cli::add_new},
     {"generate", cli::add_generate, true},
 };

@@ -95,6 +95,14 @@ class CoreTlm : public sc_core::sc_module,
   void set_pause(const sc_core::sc_time& first, Pause pause);
   /// The pause is wanted now, from within a call that the processor makes.
   void pause_now() { horizon_.set_pause(sc_core::SC_ZERO_TIME); }
+  /// The same from anywhere in the simulation, whatever the processor does.
+  void pause_soon() {
+    pause_now();
+    sleep_.wake();
+  }
+  /// Somebody outside may wake a processor that nothing inside could: then it sleeps until the
+  /// pause instead of ending the simulation.
+  void expect_inputs() { sleep_.expect_inputs(); }
   /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
   /// state back. False ends the simulation.
   void resume_at(const sc_core::sc_time& time, std::function<bool()> load);

@@ -62,7 +62,8 @@ std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) 
   }
   // Nothing in the kernel and nothing in the core: this sleep has no end.
   if (client_.has_debugger() && client_.debugger_takes_over()) return EndReason::none;
-  if (!end_on_idle_ && !sc_core::sc_pending_activity()) return EndReason::asleep;
+  const bool goes_on = end_on_idle_ || (expects_inputs_ && horizon_.pauses());
+  if (!goes_on && !sc_core::sc_pending_activity()) return EndReason::asleep;
   if (end_on_idle_ || horizon_.pauses())
     sc_core::wait(nap, wake_);
   else

@@ -45,6 +45,9 @@ class Sleep {
 
   /// Ends the simulation when the program has been idle for a time.
   void set_end_on_idle(EndOnIdle rule) { end_on_idle_.emplace(std::move(rule)); }
+  /// Somebody outside the simulation may wake the processor: while a pause is planned, it sleeps on
+  /// though nothing inside could.
+  void expect_inputs() { expects_inputs_ = true; }
   bool ends_on_idle() const { return end_on_idle_.has_value(); }
   /// The program did something at the core's time that is seen outside: it is not idle.
   void note_work();
@@ -65,6 +68,7 @@ class Sleep {
   Client& client_;
   sc_core::sc_event wake_;
   std::optional<EndOnIdle> end_on_idle_;
+  bool expects_inputs_ = false;
 };
 
 }  // namespace capsoc::armv7m

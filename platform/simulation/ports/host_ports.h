@@ -51,6 +51,8 @@ class HostPorts {
   void restored() { semihosting_->restored(); }
 
   const UartLines& uarts() const { return uarts_; }
+  /// The byte that the receiver of a UART gets from its line, if there is one now.
+  std::optional<uint8_t> next_uart_input(std::size_t number) { return uarts_.next_input(number); }
   int exit_status() const { return semihosting_->exit_status(); }
 
  private:

@@ -62,6 +62,8 @@ class UartLines : public sc_core::sc_module {
   /// The UART that --fail-uart ended the run for.
   std::optional<std::size_t> failed() const;
   const serial::SerialLine& line(std::size_t number) const { return *lines_[number]; }
+  /// The byte that the receiver gets from the line, if there is one now.
+  std::optional<uint8_t> next_input(std::size_t number) { return lines_[number]->next_input(); }
   void visit(Archive& archive);
 
   /// A sentence for each place that lost bytes which it should have kept.

@@ -213,17 +213,22 @@ std::optional<Error> Checkpoints::save_beside(const std::string& file, const cha
   return save_now(file);
 }
 
-std::optional<Error> Checkpoints::save_now(const std::string& file) {
-  const auto begin = std::chrono::steady_clock::now();
+Result<std::string> Checkpoints::packed() {
   auto saved = checkpoint::save(sc_core::sc_time_stamp().value(), parts_);
-  if (!saved) return Error{fmt::format("{}: not saved: {}", file, saved.error())};
+  if (!saved) return Error{fmt::format("not saved: {}", saved.error())};
   const auto& known = identity();
   if (!known) return Error{known.error()};
   saved.value().identity = known.value();
-  const std::string bytes = checkpoint::pack(saved.value());
-  auto error = host::write_whole(file, bytes);
+  return checkpoint::pack(saved.value());
+}
+
+std::optional<Error> Checkpoints::save_now(const std::string& file) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto bytes = packed();
+  if (!bytes) return Error{fmt::format("{}: {}", file, bytes.error())};
+  auto error = host::write_whole(file, bytes.value());
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
-  if (!error) spdlog::info("{}: {} bytes in {:.1f} ms", file, bytes.size(), taken.count());
+  if (!error) spdlog::info("{}: {} bytes in {:.1f} ms", file, bytes.value().size(), taken.count());
   return error;
 }
 

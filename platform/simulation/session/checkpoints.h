@@ -63,6 +63,9 @@ class Checkpoints {
   /// cannot be written.
   std::optional<Error> save_beside(const std::string& file, const char* by);
 
+  /// The bytes of such a file. An Error: a part cannot be saved, or an input is gone.
+  Result<std::string> packed();
+
   /// Gives every part its state, then lets them go on. Twice: as a test before the simulation
   /// starts, and when its time has come.
   std::optional<Error> load(const checkpoint::Checkpoint& from);

@@ -31,6 +31,7 @@ class RunWatch {
   /// Those whose outputs are opened after the host's ports.
   std::optional<Error> observe_outputs(const UartLines& uarts);
 
+  Observation& observation() { return *observation_; }
   Observers& all() { return observers_; }
   const Observers& all() const { return observers_; }
 

@@ -29,13 +29,29 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   return config;
 }
 
+/// What the run goes on from; nothing: from reset.
+Result<std::optional<checkpoint::Checkpoint>> restored_state(const RunSettings& settings,
+                                                             const RunInputs& inputs,
+                                                             const std::string& state) {
+  if (state.empty()) return checkpoint_to_restore(settings, inputs);
+  auto unpacked = checkpoint::unpack(state, "the snapshot");
+  if (!unpacked) return Error{unpacked.error()};
+  return std::optional<checkpoint::Checkpoint>(std::move(unpacked.value()));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& settings) {
+  return construct(settings, {});
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& settings,
+                                                          const Additions& additions) {
   if (auto error = check_recording(settings.results)) return *error;
   auto inputs = read_inputs(settings);
   if (!inputs) return Error{inputs.error()};
-  auto restore = checkpoint_to_restore(settings, inputs.value());
+  if (additions.inputs) additions.inputs(inputs.value());
+  auto restore = restored_state(settings, inputs.value(), additions.state);
   if (!restore) return Error{restore.error()};
   // SystemC prints notes of its own on stdout, which belongs to the firmware.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
@@ -136,7 +152,30 @@ void Simulation::pace() {
     real_time_.pace(sc_core::sc_time_stamp(), [this] { return host_limit_.reached(); });
 }
 
+void Simulation::stop_soon() {
+  stop_at_ = sc_core::SC_ZERO_TIME;
+  soc_.cpu.pause_soon();
+}
+
+void Simulation::interrupt() {
+  stop_asked_ = true;
+  call_from_signal();
+}
+
+bool Simulation::take_interruption() {
+  stop_asked_ = false;
+  return std::exchange(interruption_, false);
+}
+
+bool Simulation::is_over() const {
+  return sc_core::sc_get_status() == sc_core::SC_STOPPED;
+}
+
 bool Simulation::interrupted() {
+  if (stop_asked_.exchange(false)) {
+    interruption_ = true;
+    stop_soon();
+  }
   if (checkpoints_ != nullptr) checkpoints_->look_for_signal();
   if (!host_limit_.reached()) return false;
   // A call of the program that gave up waiting for the host is its last one.
@@ -212,6 +251,11 @@ std::optional<Error> Simulation::save(const std::string& file) {
     return Error{file +
                  ": not saved: the run is over, or has not begun; save between two advances"};
   return checkpoints_->save_beside(file, "save");
+}
+
+Result<std::string> Simulation::packed_state() {
+  if (!stopped_) return Error{"the run is over: it has no state to go on from"};
+  return checkpoints_->packed();
 }
 
 void Simulation::conclude_run(RunResult& result) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,6 +34,14 @@ class Simulation {
   /// reset. The settings must outlive it. An Error is a wrong input: nothing was simulated and
   /// nothing written.
   static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings);
+  /// What a session adds to the settings.
+  struct Additions {
+    std::function<void(RunInputs& inputs)>
+        inputs;         ///< lays something over them, once they are read
+    std::string state;  ///< of packed_state(), to go on from instead of reset; "": none
+  };
+  static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings,
+                                                       const Additions& additions);
   ~Simulation() = default;
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -41,6 +50,18 @@ class Simulation {
   /// instructions; asleep counts as between. False: the run is over, by itself or by a limit. An
   /// Error: the state to go on from did not fit after all.
   Result<bool> advance_to(const sc_core::sc_time& time);
+  /// From within the simulation (a probe's listener, a debugger): the advance under way ends at the
+  /// first instant from now on at which the processor is between two instructions.
+  void stop_soon();
+  /// The same from a signal handler, soon; when that is, the host decides.
+  void interrupt();
+  /// Whether that was, since this was asked last.
+  bool take_interruption();
+  /// It cannot go on: the run ended by itself, or a limit ended it.
+  bool is_over() const;
+  /// A processor that nothing inside could wake sleeps on to the end of an advance, since somebody
+  /// outside may: a session.
+  void expect_inputs() { soc_.cpu.expect_inputs(); }
   /// To the end of the run, whatever ends it.
   std::optional<Error> advance_to_end();
 
@@ -48,11 +69,17 @@ class Simulation {
   /// Error: a file of the run, or one that cannot be written; nothing is half written.
   std::optional<Error> save(const std::string& file);
 
+  /// The same in memory, for additions to the same settings.
+  Result<std::string> packed_state();
+
   /// Closes what was open and says what came of it. Nothing can be simulated after it.
   RunResult finish();
 
   /// To be looked at between two advances.
   soc::Soc& soc() { return soc_; }
+  const ProgramView& view() const { return view_; }
+  Observation& observation() { return watch_.observation(); }
+  HostPorts& ports() { return *ports_; }
 
  private:
   Simulation(const RunSettings& settings, RunInputs inputs,
@@ -88,7 +115,8 @@ class Simulation {
   std::unique_ptr<Checkpoints> checkpoints_;
   sc_core::sc_time stop_at_ = sc_core::sc_max_time();
   bool stopped_ = false;
-  std::atomic<bool> called_{false};
+  std::atomic<bool> called_{false}, stop_asked_{false};
+  bool interruption_ = false;
 };
 
 /// From settings to the result in one call; an Error as Simulation has it.

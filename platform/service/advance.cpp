@@ -1,0 +1,303 @@
+#include "service/advance.h"
+
+#include <fmt/format.h>
+#include <re2/re2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/printable.h"
+#include "trace/exception_name.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr double longest_s = 1e6;
+/// The last ones of many instructions are executed one by one.
+constexpr uint64_t stepped = 64;
+constexpr unsigned exception_count = 16 + armv7m::Core::interrupt_count;
+
+sc_core::sc_time time_of(double seconds) {
+  return {std::round(seconds * 1e12), sc_core::SC_PS};
+}
+
+bool is_time(double seconds) {
+  return seconds >= 0 && seconds <= longest_s;
+}
+
+Answer wrong(std::string sentence) {
+  return refuse(std::move(sentence), Code::wrong_parameter);
+}
+
+/// The number of an exception: given as such, or by its name.
+std::optional<unsigned> exception_named(const Json& given) {
+  for (unsigned number = 1; number < exception_count; ++number)
+    if (given.is_string() ? trace::exception_name(number) == given.get<std::string>()
+                          : given == Json(number))
+      return number;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Advance::~Advance() {
+  soc::Soc& soc = board_.soc();
+  board_.events().watch_exception(-1, nullptr);
+  board_.on_clock_change = nullptr;
+  if (uart_) board_.uart(*uart_).forget_pattern();
+  if (breakpoint_ && !had_breakpoint_) soc.cpu.core().debugging().clear_breakpoint(*breakpoint_);
+  if (has_debugger_) soc.cpu.set_debugger(nullptr);
+}
+
+/// Called from within the simulation, or before it goes on.
+void Advance::stop(const char* reason) {
+  if (hit_ == nullptr) hit_ = reason;
+  board_.simulation().stop_soon();
+}
+
+void Advance::attach_debugger() {
+  has_debugger_ = true;
+  board_.soc().cpu.set_debugger(this);
+}
+
+bool Advance::after_run(armv7m::StopReason reason, bool) {
+  const armv7m::Core& core = board_.soc().cpu.core();
+  if (reason == armv7m::StopReason::breakpoint) stop("address");
+  if (instruction_ && core.instructions() >= *instruction_) {
+    steps_ = false;
+    stop("instructions");
+  }
+  return false;
+}
+
+std::optional<Answer> Advance::plan() {
+  unsigned goals = 0;
+  for (const char* goal : {"seconds", "until_s", "cycles", "instructions", "samples", "address",
+                           "exception", "uart", "expression"})
+    goals += call_.has(goal) ? 1 : 0;
+  if (goals > 1) return wrong("simulation.advance: name one goal; limit the others by within_s");
+  if (auto answer = plan_times()) return answer;
+  if (auto answer = plan_counts()) return answer;
+  if (auto answer = plan_places()) return answer;
+  if (auto answer = plan_uart()) return answer;
+  return plan_expression();
+}
+
+/// The processor has one debugger.
+std::optional<Answer> Advance::refuse_beside_gdb() const {
+  if (board_.settings().gdb.port() < 0) return std::nullopt;
+  return refuse(
+      "simulation.advance: gdb.port gives the processor to a debugger, which sets its own "
+      "breakpoints; advance by time or cycles");
+}
+
+std::optional<Answer> Advance::plan_times() {
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  for (const char* name : {"seconds", "until_s", "within_s"}) {
+    if (!call_.has(name)) continue;
+    const double seconds = call_.number(name);
+    if (!is_time(seconds))
+      return wrong(
+          fmt::format("simulation.advance: {} has to lie between 0 and {} s", name, longest_s));
+    limit_ = time_of(seconds);
+    if (std::string_view(name) != "until_s") limit_ += now;
+    if (std::string_view(name) == "within_s") limit_is_goal_ = false;
+  }
+  if (call_.has("within_s") && (call_.has("seconds") || call_.has("until_s")))
+    return wrong("simulation.advance: within_s limits what is not a time itself");
+  if (limit_ < now)
+    return wrong(
+        fmt::format("simulation.advance: it is {} s already; time goes forward only, go "
+                    "back to a snapshot",
+                    now.to_seconds()));
+  return std::nullopt;
+}
+
+std::optional<Answer> Advance::plan_counts() {
+  soc::Soc& soc = board_.soc();
+  const armv7m::Core& core = soc.cpu.core();
+  if (call_.has("cycles")) {
+    cycle_ = core.cycles() + call_.integer("cycles");
+    // What cycle is when is another matter from here on.
+    board_.on_clock_change = [this] { board_.simulation().stop_soon(); };
+  }
+  if (call_.has("instructions")) {
+    if (auto answer = refuse_beside_gdb()) return answer;
+    instruction_ = core.instructions() + call_.integer("instructions");
+  }
+  if (call_.has("samples")) {
+    samples_left_ = call_.integer("samples");
+    if (samples_left_ == 0)
+      hit_ = "samples";
+    else
+      listening_.push_back(
+          board_.simulation().observation().samples.listen([this](const metrics::RecordedSample&) {
+            if (samples_left_ > 0 && --samples_left_ == 0) stop("samples");
+          }));
+  }
+  return std::nullopt;
+}
+
+std::optional<Answer> Advance::plan_places() {
+  armv7m::Debugging& debugging = board_.soc().cpu.core().debugging();
+  if (call_.has("address")) {
+    if (auto answer = refuse_beside_gdb()) return answer;
+    const auto address = board_.address(call_.json("address"));
+    if (!address) return refuse(address.error());
+    breakpoint_ = address.value() & ~1U;
+    had_breakpoint_ = debugging.has_breakpoint(*breakpoint_);
+    debugging.set_breakpoint(*breakpoint_);
+    // Where it stands is no arrival.
+    debugging.pass_breakpoint();
+    attach_debugger();
+  }
+  if (!call_.has("exception")) return std::nullopt;
+  const auto number = exception_named(call_.json("exception"));
+  if (!number)
+    return wrong(
+        fmt::format("simulation.advance: there is no exception {}; give its number (1 to "
+                    "{}), or a name as HardFault, SysTick, coprocessor interrupt",
+                    printable(call_.json("exception").dump(), 80), exception_count - 1));
+  board_.events().watch_exception(static_cast<int>(*number), [this] { stop("exception"); });
+  return std::nullopt;
+}
+
+std::optional<Answer> Advance::plan_uart() {
+  if (!call_.has("uart")) return std::nullopt;
+  const Json& wanted = call_.json("uart");
+  const auto uart = wanted.find("uart"), pattern = wanted.find("pattern");
+  if (uart == wanted.end() || !uart->is_number_unsigned() ||
+      uart->get<uint64_t>() >= soc::Soc::uart_count || pattern == wanted.end() ||
+      !pattern->is_string())
+    return wrong(
+        R"(simulation.advance: write uart as {"uart": 0, "pattern": "regular expression"})");
+  re2::RE2::Options options;
+  options.set_log_errors(false);
+  options.set_encoding(re2::RE2::Options::EncodingLatin1);
+  pattern_ = std::make_shared<const re2::RE2>(pattern->get<std::string>(), options);
+  if (!pattern_->ok())
+    return wrong(fmt::format("simulation.advance: {} is no regular expression: {}",
+                             printable(pattern->get<std::string>(), 80), pattern_->error()));
+  uart_ = uart->get<std::size_t>();
+  board_.uart(*uart_).expect(pattern_.get(), [this] { stop("uart"); });
+  return std::nullopt;
+}
+
+std::optional<Answer> Advance::plan_expression() {
+  if (!call_.has("expression")) return std::nullopt;
+  const Json& wanted = call_.json("expression");
+  const auto text = wanted.find("text"), every = wanted.find("every_s");
+  const bool has_step = every != wanted.end();
+  if (text == wanted.end() || !text->is_string() || (has_step && !every->is_number()))
+    return wrong(
+        R"(simulation.advance: write expression as {"text": "turns > 3", "every_s": 0.001})");
+  const double step = has_step ? every->get<double>() : 1e-3;
+  if (!(step >= 1e-9 && step <= longest_s))
+    return wrong("simulation.advance: every_s has to lie between 1e-9 and 1e6");
+  every_ = time_of(step);
+  auto expression = Expression::parse(text->get<std::string>());
+  if (!expression) return wrong(expression.error());
+  expression_ = std::move(expression.value());
+  if (const auto now = value(); !now) return refuse(now.error());
+  return std::nullopt;
+}
+
+std::optional<Error> Advance::advance_to(sc_core::sc_time time) {
+  if (is_over_ || is_cut_) return std::nullopt;
+  const sc_core::sc_time until = std::min(time, limit_);
+  const auto more = board_.simulation().advance_to(until);
+  if (!more) return Error{more.error()};
+  is_over_ = !more.value();
+  // Before its time, and nobody here had asked for it: somebody outside had.
+  is_cut_ = board_.simulation().take_interruption();
+  return std::nullopt;
+}
+
+std::optional<Error> Advance::run_cycles() {
+  const armv7m::Core& core = board_.soc().cpu.core();
+  while (!is_over_ && !is_cut_ && core.cycles() < *cycle_ && (sc_core::sc_time_stamp() < limit_))
+    if (auto error = advance_to(board_.soc().clock.time_of(*cycle_))) return error;
+  if (!is_over_ && core.cycles() >= *cycle_) hit_ = "cycles";
+  return std::nullopt;
+}
+
+/// An instruction takes half a cycle at least (an IT that is folded takes none), so half as many
+/// cycles as instructions are left pass none of them.
+std::optional<Error> Advance::run_instructions() {
+  const armv7m::Core& core = board_.soc().cpu.core();
+  const auto left = [&] { return *instruction_ - std::min(*instruction_, core.instructions()); };
+  while (!is_over_ && !is_cut_ && left() > stepped && sc_core::sc_time_stamp() < limit_)
+    if (auto error = advance_to(board_.soc().clock.time_of(core.cycles() + left() / 2)))
+      return error;
+  if (left() > 0 && !is_over_ && !is_cut_ && sc_core::sc_time_stamp() < limit_) {
+    steps_ = true;
+    attach_debugger();
+    return advance_to(limit_);
+  }
+  if (left() == 0) hit_ = "instructions";
+  return std::nullopt;
+}
+
+Result<double> Advance::value() {
+  return expression_->value([this](const std::string& name) { return board_.number_of(name); });
+}
+
+bool Advance::holds(const Result<double>& value, std::optional<Error>& error) {
+  if (!value) error = Error{value.error()};
+  return value && value.value() != 0;
+}
+
+std::optional<Error> Advance::run_expression() {
+  std::optional<Error> error;
+  while (!is_over_ && !is_cut_ && !error) {
+    if (holds(value(), error)) {
+      hit_ = "expression";
+      break;
+    }
+    if (error || sc_core::sc_time_stamp() >= limit_) break;
+    // A grid of absolute times: where the advance began does not matter.
+    const uint64_t steps = sc_core::sc_time_stamp().value() / every_.value() + 1;
+    error = advance_to(sc_core::sc_time::from_value(steps * every_.value()));
+  }
+  return error;
+}
+
+std::optional<Error> Advance::run() {
+  if (hit_ != nullptr) return std::nullopt;
+  if (cycle_) return run_cycles();
+  if (instruction_) return run_instructions();
+  if (expression_) return run_expression();
+  return advance_to(limit_);
+}
+
+Answer Advance::answer() {
+  Answer answer;
+  const char* const at_limit = limit_is_goal_ ? "time" : "limit";
+  const char* const reason = is_over_          ? "over"
+                             : hit_ != nullptr ? hit_
+                             : is_cut_         ? "interrupted"
+                                               : at_limit;
+  answer.result = {{"state", board_.state()}, {"reason", reason}};
+  if (uart_ && board_.uart(*uart_).match()) {
+    const UartTap::Match& match = *board_.uart(*uart_).match();
+    Json groups = Json::array();
+    for (const auto& group : match.groups) groups.push_back(group ? Json(*group) : Json(nullptr));
+    answer.result["match"] = {{"text", match.text}, {"groups", std::move(groups)}};
+  }
+  answer.result["events"] = board_.events().take();
+  return answer;
+}
+
+Answer Advance::perform() {
+  if (board_.is_finished() || board_.simulation().is_over())
+    return refuse(
+        "the simulation is over and cannot go on; ask for simulation.finish, or restore "
+        "a snapshot",
+        Code::over);
+  if (auto refusal = plan()) return *refusal;
+  if (auto error = run()) return refuse(error->text);
+  return answer();
+}
+
+}  // namespace capsoc::service

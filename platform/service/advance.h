@@ -1,0 +1,80 @@
+// A simulation moved on until something is so.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <systemc>
+#include <vector>
+
+#include "armv7m/tlm/debugger.h"
+#include "base/result.h"
+#include "kit/probe.h"
+#include "service/board.h"
+#include "service/expression.h"
+#include "service/verb.h"
+
+namespace re2 {
+class RE2;
+}
+
+namespace capsoc::service {
+
+/// One advance. Whatever it stops at, it stops between two instructions, at the same one however
+/// the way there is cut into pieces.
+class Advance final : private armv7m::Debugger {
+ public:
+  Advance(Board& board, const Call& call) : board_(board), call_(call) {}
+  ~Advance() override;
+  Advance(const Advance&) = delete;
+  Advance& operator=(const Advance&) = delete;
+
+  Answer perform();
+
+ private:
+  /// Why it stopped, as the answer has it; null: it did not.
+  const char* hit_ = nullptr;
+
+  std::optional<Answer> plan();
+  std::optional<Answer> refuse_beside_gdb() const;
+  std::optional<Answer> plan_times();
+  std::optional<Answer> plan_counts();
+  std::optional<Answer> plan_places();
+  std::optional<Answer> plan_uart();
+  std::optional<Answer> plan_expression();
+  void stop(const char* reason);
+  void attach_debugger();
+  std::optional<Error> run();
+  std::optional<Error> run_cycles();
+  std::optional<Error> run_instructions();
+  std::optional<Error> run_expression();
+  std::optional<Error> advance_to(sc_core::sc_time time);
+  bool holds(const Result<double>& value, std::optional<Error>& error);
+  Result<double> value();
+  Answer answer();
+
+  // armv7m::Debugger
+  bool before_run() override { return steps_; }
+  bool after_run(armv7m::StopReason reason, bool advanced) override;
+  bool asleep_for_good() override { return false; }
+  bool wants_attention() const override { return false; }
+  bool ended() const override { return false; }
+
+  Board& board_;
+  const Call& call_;
+  sc_core::sc_time limit_ = sc_core::sc_max_time();
+  bool limit_is_goal_ = true;  // reaching it is what was asked for
+  bool is_over_ = false, is_cut_ = false;
+  std::optional<uint64_t> cycle_, instruction_;  // to be reached
+  uint64_t samples_left_ = 0;
+  std::optional<uint32_t> breakpoint_;
+  bool had_breakpoint_ = false, has_debugger_ = false, steps_ = false;
+  std::shared_ptr<const re2::RE2> pattern_;
+  std::optional<std::size_t> uart_;
+  std::optional<Expression> expression_;
+  sc_core::sc_time every_;
+  std::vector<kit::Listening> listening_;
+};
+
+}  // namespace capsoc::service

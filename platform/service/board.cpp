@@ -1,0 +1,244 @@
+#include "service/board.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "base/printable.h"
+#include "host/places.h"
+#include "results/results.h"
+#include "service/value.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr const char* origin = "settings";
+
+/// As the command line would carry it.
+std::optional<std::string> text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean() || value.is_number()) return value.dump();
+  return std::nullopt;
+}
+
+/// A program of one's own, or one that comes with capsoc by its name alone.
+std::string program_named(const std::string& name) {
+  std::error_code ignored;
+  if (std::filesystem::exists(name, ignored) || name.find('/') != std::string::npos) return name;
+  for (const char* ending : {"", ".elf"})
+    if (std::string known = host::data_path("firmware/" + name + ending);
+        std::filesystem::exists(known, ignored))
+      return known;
+  return name;
+}
+
+std::vector<double> column(const std::deque<std::pair<double, double>>& pairs,
+                           double std::pair<double, double>::*member) {
+  std::vector<double> values;
+  for (const auto& pair : pairs) values.push_back(pair.*member);
+  return values;
+}
+
+/// Bytes as JSON can carry them.
+Json numbers(const std::string& bytes) {
+  Json list = Json::array();
+  for (const char c : bytes) list.push_back(static_cast<uint8_t>(c));
+  return list;
+}
+
+std::string from_numbers(const Json& list) {
+  std::string bytes;
+  for (const Json& each : list) bytes += static_cast<char>(each.get<uint8_t>());
+  return bytes;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snapshot& from) {
+  std::unique_ptr<Board> board(new Board);
+  if (auto error = board->set(settings)) return *error;
+  const auto lay_over = [&](run::RunInputs& inputs) {
+    const run::SensorSettings& sensor = board->settings_.sensor;
+    auto port = std::make_unique<SensorPort>(std::move(inputs.source), inputs.sensor_file,
+                                             sensor.keys(), sensor.recording().value());
+    board->sensor_ = port.get();
+    inputs.source = std::move(port);
+  };
+  auto simulation = run::Simulation::construct(board->settings_, {lay_over, from.state});
+  if (!simulation) return Error{simulation.error()};
+  board->simulation_ = std::move(simulation.value());
+  board->attach();
+  // To its first instant: out of reset, or out of the state that it goes on from.
+  const auto begun = board->simulation_->advance_to(sc_core::SC_ZERO_TIME);
+  if (!begun) return Error{begun.error()};
+  if (auto error = board->take_over(from.held)) return *error;
+  return board;
+}
+
+Board::~Board() = default;
+
+std::optional<Error> Board::set(const Json& settings) {
+  // Standard output belongs to the session.
+  const std::string console = settings_.uarts.lines[0].backend.about().path;
+  if (auto error = settings_.set(console, "null", SettingSource::file, "built-in")) return error;
+  for (const auto& [name, value] : settings.items()) {
+    std::optional<std::string> text = text_of(value);
+    if (!text)
+      return Error{fmt::format("settings: '{}' has to be a text, a number, true or false",
+                               printable(name, 80))};
+    if (name == settings_.firmware.elf.about().path) text = program_named(*text);
+    if (auto error = settings_.set(name, *text, SettingSource::command_line, origin)) return error;
+  }
+  for (const run::UartSettings::Line& line : settings_.uarts.lines)
+    if (line.backend() == "stdout" || line.backend() == "stdio")
+      return Error{
+          fmt::format("{}: {}: standard output belongs to the session; read the UART with "
+                      "uart.read",
+                      line.backend.about().path, line.backend())};
+  return std::nullopt;
+}
+
+void Board::attach() {
+  simulation_->expect_inputs();
+  target_ = std::make_unique<debug::SocTarget>(soc());
+  variables_ = std::make_unique<source::Variables>(simulation_->view().program().images());
+  registers_ = std::make_unique<RegisterIndex>(soc());
+  events_.attach(soc());
+  soc().clock.on_change([this] {
+    if (on_clock_change) on_clock_change();
+  });
+  for (std::size_t n = 0; n < uarts_.size(); ++n)
+    uarts_[n].attach(*soc().uarts()[n],
+                     [this, n] { return simulation_->ports().next_uart_input(n); });
+  listening_ =
+      simulation_->observation().samples.listen([this](const metrics::RecordedSample& sample) {
+        if (samples_.size() == most_samples) {
+          samples_.pop_front();
+          ++first_sample_;
+        }
+        samples_.push_back(sample);
+      });
+}
+
+source::ReadPointer Board::pointer_reader() {
+  return [this](uint32_t address) -> std::optional<uint32_t> {
+    const std::string bytes = target_->read_memory(address, 4);
+    if (bytes.size() < 4) return std::nullopt;
+    uint32_t word = 0;
+    for (std::size_t i = 4; i-- > 0;) word = word << 8U | static_cast<uint8_t>(bytes[i]);
+    return word;
+  };
+}
+
+Result<double> Board::number_of(const std::string& name) {
+  if (name.front() == '$') {
+    for (unsigned i = 0; i < debug::registers.size(); ++i)
+      if (name.substr(1) == debug::registers[i].name)
+        return static_cast<double>(target_->read_register(i));
+    return Error{fmt::format("the processor has no register '{}'", printable(name, 80))};
+  }
+  if (!registers_->has_peripheral(name.substr(0, name.find('.')))) return number_of_variable(name);
+  const auto place = registers_->find(name);
+  if (!place) return Error{place.error()};
+  const auto word = pointer_reader()(place.value().reg->address);
+  if (!word) return Error{fmt::format("{} cannot be read", name)};
+  const soc::RegisterField* const field = place.value().field;
+  return static_cast<double>(field != nullptr ? value_in(*field, *word) : *word);
+}
+
+Result<double> Board::number_of_variable(const std::string& name) {
+  const auto variable = variables_->find(name, pointer_reader());
+  if (!variable) return Error{variable.error()};
+  const source::Variable& found = variable.value();
+  const std::string bytes = target_->read_memory(found.address, std::max(8U, found.type->size));
+  const Json value = value_of(found, bytes);
+  if (value.is_number()) return value.get<double>();
+  for (const auto& [enumerator, number] : found.type->enumerators)
+    if (value.is_string() && value == Json(enumerator)) return static_cast<double>(number);
+  if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
+  return Error{fmt::format("{} is {}, which is no number", printable(name, 80), found.type->name)};
+}
+
+Result<Board::Snapshot> Board::snapshot() {
+  for (const Setting& setting : settings_.all())
+    if (setting.kind == SettingKind::output && !setting.value.empty())
+      return Error{
+          fmt::format("{} names a file that whatever goes on from here would write, too; "
+                      "construct the simulation without it",
+                      setting.path)};
+  auto state = simulation_->packed_state();
+  if (!state) return Error{state.error()};
+  return Snapshot{std::move(state.value()), held()};
+}
+
+Json Board::held() const {
+  Json uarts = Json::array();
+  for (const UartTap& uart : uarts_)
+    uarts.push_back({{"waiting", numbers(uart.waiting())}, {"unread", numbers(uart.unread())}});
+  Json sensor = Json::object();
+  for (const sensor::KeyValue& key : sensor_->changed()) sensor[key.name] = key.value;
+  using Pair = std::pair<double, double>;
+  return {{"uarts", std::move(uarts)},
+          {"sensor", std::move(sensor)},
+          {"u", column(sensor_->injected(), &Pair::first)},
+          {"v", column(sensor_->injected(), &Pair::second)},
+          {"samples", sample_count()}};
+}
+
+std::string Board::beside_the_checkpoint() const {
+  for (std::size_t n = 0; n < uarts_.size(); ++n)
+    if (const std::size_t bytes = uarts_[n].waiting().size(); bytes > 0)
+      return fmt::format("uart{} has {} bytes that the program has not received", n, bytes);
+  if (!sensor_->changed().empty()) return "the sensor was changed on the way";
+  if (!sensor_->injected().empty())
+    return fmt::format("{} injected samples are not taken yet", sensor_->injected().size());
+  return "";
+}
+
+std::optional<Error> Board::take_over(const Json& held) {
+  if (held.is_null()) return std::nullopt;
+  for (std::size_t n = 0; n < uarts_.size(); ++n) {
+    uarts_[n].send(from_numbers(held.at("uarts").at(n).at("waiting")));
+    uarts_[n].set_unread(from_numbers(held.at("uarts").at(n).at("unread")));
+  }
+  std::vector<sensor::KeyValue> keys;
+  for (const auto& [name, value] : held.at("sensor").items())
+    keys.push_back({name, value.get<std::string>(), name});
+  sensor_->inject(held.at("u").get<std::vector<double>>(), held.at("v").get<std::vector<double>>());
+  first_sample_ = held.at("samples").get<uint64_t>();
+  return keys.empty() ? std::nullopt : sensor_->change(keys);
+}
+
+Json Board::state() {
+  const armv7m::Core& core = soc().cpu.core();
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  return {{"time_s", now.to_seconds()}, {"time_ps", now.value()},
+          {"cycles", core.cycles()},    {"instructions", core.instructions()},
+          {"samples", sample_count()},  {"pc", core.reg(15)},
+          {"asleep", core.sleeping()},  {"over", is_finished() || simulation_->is_over()}};
+}
+
+Json Board::finish() {
+  if (result_) return *result_;
+  const run::RunResult result = simulation_->finish();
+  Json reports = Json::array();
+  for (const std::string* text : {&result.divergence, &result.fault_report, &result.place_report})
+    if (!text->empty()) reports.push_back(*text);
+  result_ = {{"code", result.code},
+             {"reason", result.reason},
+             {"reports", std::move(reports)},
+             {"lost", result.lost},
+             {"result", run::to_json(result, settings_)}};
+  return *result_;
+}
+
+Result<uint32_t> Board::address(const Json& place) const {
+  if (place.is_number()) return place.get<uint32_t>();
+  const auto name = place.get<std::string>();
+  if (const auto found = simulation_->view().program().address_of(name)) return *found;
+  return Error{fmt::format("there is no symbol '{}' in the program", printable(name, 80))};
+}
+
+}  // namespace capsoc::service

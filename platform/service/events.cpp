@@ -1,0 +1,106 @@
+#include "service/events.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/nearest.h"
+#include "base/printable.h"
+#include "service/uart_tap.h"
+#include "trace/exception_name.h"
+
+namespace capsoc::service {
+namespace {
+
+double now_s() {
+  return sc_core::sc_time_stamp().to_seconds();
+}
+
+}  // namespace
+
+Events::~Events() {
+  if (looking_) soc_->cpu.core().remove_observer(*this);
+}
+
+const std::vector<std::string>& Events::kinds() {
+  static const std::vector<std::string> all = {"exception", "uart", "pins"};
+  return all;
+}
+
+std::optional<Error> Events::subscribe(const std::vector<std::string>& wanted,
+                                       std::array<UartTap, soc::Soc::uart_count>& uarts) {
+  const auto has = [&](const char* kind) {
+    return std::find(wanted.begin(), wanted.end(), kind) != wanted.end();
+  };
+  for (const std::string& kind : wanted)
+    if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end())
+      return Error{fmt::format("there is no kind of events '{}'; did you mean {}?",
+                               printable(kind, 80), nearest_names(printable(kind, 80), kinds()))};
+  exceptions_ = has("exception");
+  look();
+  listening_.clear();
+  for (std::size_t n = 0; n < uarts.size(); ++n) {
+    uarts[n].on_line = nullptr;
+    if (has("uart"))
+      uarts[n].on_line = [this, n](const std::string& line) {
+        add({{"kind", "uart"}, {"time_s", now_s()}, {"uart", n}, {"line", line}});
+      };
+  }
+  if (!has("pins")) return std::nullopt;
+  std::size_t number = 0;
+  for (cmsdk::Gpio* gpio : soc_->gpios()) {
+    listening_.push_back(gpio->outputs.listen([this, number](uint16_t levels, uint16_t driven) {
+      add({{"kind", "pins"},
+           {"time_s", now_s()},
+           {"gpio", number},
+           {"levels", levels},
+           {"driven", driven}});
+    }));
+    ++number;
+  }
+  return std::nullopt;
+}
+
+void Events::watch_exception(int number, std::function<void()> on_entry) {
+  watched_ = number;
+  on_entry_ = std::move(on_entry);
+  look();
+}
+
+void Events::look() {
+  const bool wanted = exceptions_ || watched_ >= 0;
+  if (wanted == looking_) return;
+  looking_ = wanted;
+  if (wanted)
+    soc_->cpu.core().add_observer(*this, false, false);
+  else
+    soc_->cpu.core().remove_observer(*this);
+}
+
+void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry, uint64_t) {
+  if (exceptions_)
+    add({{"kind", "exception"},
+         {"time_s", soc_->clock.time_of(core.cycles()).to_seconds()},
+         {"exception", exception},
+         {"name", trace::exception_name(exception)}});
+  if (static_cast<int>(exception) == watched_) on_entry_();
+}
+
+void Events::add(Json event) {
+  if (events_.size() == most_kept)
+    ++lost_;
+  else
+    events_.push_back(std::move(event));
+}
+
+Json Events::take() {
+  Json all = Json::array();
+  for (Json& event : events_) all.push_back(std::move(event));
+  events_.clear();
+  if (const uint64_t lost = std::exchange(lost_, 0); lost > 0)
+    all.push_back({{"kind", "lost"}, {"time_s", now_s()}, {"count", lost}});
+  return all;
+}
+
+}  // namespace capsoc::service

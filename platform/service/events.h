@@ -1,0 +1,66 @@
+// What happened in a simulation, for whoever asked to be told.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "armv7m/observer.h"
+#include "base/result.h"
+#include "kit/probe.h"
+#include "service/message.h"
+#include "soc/soc.h"
+
+namespace capsoc::service {
+
+class UartTap;
+
+/// Collects events of the kinds that were asked for, with their simulated times, until they are
+/// taken. Looks only.
+class Events final : private armv7m::Observer {
+ public:
+  static constexpr std::size_t most_kept = 100'000;
+
+  Events() = default;
+  ~Events() override;
+  Events(const Events&) = delete;
+  Events& operator=(const Events&) = delete;
+
+  static const std::vector<std::string>& kinds();
+
+  void attach(soc::Soc& soc) { soc_ = &soc; }
+  /// From now on these kinds and no others. An Error: there is no such kind.
+  std::optional<Error> subscribe(const std::vector<std::string>& kinds,
+                                 std::array<UartTap, soc::Soc::uart_count>& uarts);
+  /// Those since the last call, in the order in which they came; the last one of kind "lost" says
+  /// how many were too many.
+  Json take();
+
+  /// Calls back when the processor enters this exception; below 0: never.
+  void watch_exception(int number, std::function<void()> on_entry);
+
+ private:
+  void add(Json event);
+  void look();
+
+  void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void retired(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how,
+               uint64_t since) override;
+  void returned(const armv7m::Core&, unsigned) override {}
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core&) override {}
+
+  soc::Soc* soc_ = nullptr;
+  std::deque<Json> events_;
+  uint64_t lost_ = 0;
+  bool exceptions_ = false, looking_ = false;
+  int watched_ = -1;
+  std::function<void()> on_entry_;
+  std::vector<kit::Listening> listening_;
+};
+
+}  // namespace capsoc::service

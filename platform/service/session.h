@@ -1,0 +1,133 @@
+// The session: one process that owns clients and files, and has each simulation in a worker
+// process.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "host/descriptor.h"
+#include "service/message.h"
+#include "service/outbox.h"
+#include "service/verb.h"
+#include "service/worker.h"
+
+namespace capsoc::service {
+
+/// Where clients come from.
+struct Door {
+  host::Descriptor listener;  ///< none: the one client is on stdin and stdout
+  std::string token;          ///< that a client has to show first; "": none
+  bool checks_user = false;   ///< only processes of the same user may connect
+};
+
+class Session {
+ public:
+  explicit Session(Door door);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Serves until session.end, a signal, or the end of standard input. Returns once all workers
+  /// have ended.
+  void serve();
+
+ private:
+  struct Client;
+  struct Simulation;
+  /// What comes of a call: an answer of the worker, or that it is no more.
+  using Take = std::function<void(Answer answer)>;
+  struct Request {
+    uint64_t client;
+    Json id;
+    std::string method;
+    Json parameters;
+    Frames frames;
+  };
+  using Handler = void (Session::*)(Request& request);
+  struct SessionVerb {
+    Declaration about;
+    bool of_simulation;
+    Handler perform;
+  };
+
+ public:
+  /// Of all methods: {"methods": [...]}.
+  static Json schema();
+
+ private:
+  static const std::vector<SessionVerb>& verbs();
+
+  // Input and output.
+  void wait();
+  void accept();
+  void read_client(Client& client);
+  void read_worker(Simulation& simulation);
+  void take(Client& client, Message message);
+  void take_answer(Simulation& simulation, Message message);
+  void answer(const Request& request, Answer answer);
+  void answer_client(uint64_t client, const Json& id, Answer answer);
+
+  // Requests.
+  void perform(Request& request);
+  void about(Request& request);
+  void tell_schema(Request& request);
+  void authenticate(Request& request);
+  void list(Request& request);
+  void end(Request& request);
+  void construct(Request& request);
+  void close(Request& request);
+  void interrupt(Request& request);
+  void snapshot(Request& request);
+  void restore(Request& request);
+  void clone(Request& request);
+  void drop(Request& request);
+  void forward(Request& request);
+  void hand_on(Simulation& simulation, Request& request);
+  void settle(const Request& request, Answer final_answer);
+  void finish_restore(const Request& request, uint64_t number, uint64_t fresh, Answer constructed);
+  /// Clones under way.
+  struct Family {
+    uint64_t left = 0;
+    std::vector<uint64_t> numbers;
+    Answer refusal;
+  };
+  void finish_clone(const Request& request, Family& family);
+
+  // Simulations.
+  struct Snapshot {
+    Json settings, held;
+    std::string state;
+  };
+  using Taken = std::function<void(std::optional<Snapshot> snapshot, Answer refusal)>;
+  /// Null, and the request is answered, if there is none of that number.
+  Simulation* simulation_of(const Request& request);
+  /// Adds a worker and constructs in it; `done` gets its number, or the refusal.
+  using Constructed = std::function<void(uint64_t number, Answer answer)>;
+  void start(uint64_t client, Json settings, const Snapshot* from, Constructed done);
+  void call(Simulation& simulation, const std::string& method, Json parameters, Frames frames,
+            Take take);
+  void take_snapshot(Simulation& simulation, Taken taken);
+  void end_worker(Simulation& simulation);
+  void reap();
+  void worker_is_gone(Simulation& simulation, int status);
+  void client_is_gone(Client& client);
+  void tidy();
+
+  Door door_;
+  std::map<uint64_t, std::unique_ptr<Client>> clients_;
+  std::map<uint64_t, std::unique_ptr<Simulation>> simulations_;
+  std::vector<std::unique_ptr<Simulation>> ending_;  ///< closed; their processes are on their way
+  std::map<uint64_t, std::shared_ptr<const Snapshot>> snapshots_;
+  std::map<uint64_t, std::string> ended_;  ///< why a number stands for nothing any more
+  uint64_t next_client_ = 1, next_simulation_ = 1, next_snapshot_ = 1, next_call_ = 1;
+  bool is_ending_ = false;
+};
+
+}  // namespace capsoc::service

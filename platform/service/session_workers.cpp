@@ -1,0 +1,132 @@
+// The session's side of its workers.
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+#include "service/session_parts.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr std::size_t most_simulations = 1000;
+/// For a closed simulation to write its outputs.
+constexpr std::chrono::seconds patience{10};
+
+std::string ending_of(int status) {
+  if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));
+  if (WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory) return "ran out of memory";
+  return fmt::format("ended by itself with code {}", WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+}
+
+}  // namespace
+
+void Session::start(uint64_t client, Json settings, const Snapshot* from, Constructed done) {
+  if (simulations_.size() + ending_.size() >= most_simulations)
+    return done(
+        0, refuse(fmt::format("there are {} simulations already; close one", most_simulations)));
+  auto worker = WorkerProcess::start([this] {
+    // Descriptors of the session; that of the new worker is closed by itself.
+    for (auto& [number, each] : clients_)
+      if (!each->is_standard) each->input.reset();
+    for (auto& [number, each] : simulations_) each->worker.connection.reset();
+    for (auto& each : ending_) each->worker.connection.reset();
+    door_.listener.reset();
+  });
+  if (!worker) return done(0, refuse(worker.error()));
+  const uint64_t number = next_simulation_++;
+  auto simulation = std::make_unique<Simulation>();
+  simulation->number = number;
+  simulation->client = client;
+  simulation->settings = settings;
+  simulation->worker = std::move(worker.value());
+  Simulation& added = *(simulations_[number] = std::move(simulation));
+  Json parameters = {{"settings", std::move(settings)}};
+  Frames frames;
+  if (from != nullptr) {
+    parameters["held"] = from->held;
+    frames.push_back(from->state);
+  }
+  call(added, construct_method, std::move(parameters), std::move(frames),
+       [this, number, done = std::move(done)](Answer answer) {
+         const auto found = simulations_.find(number);
+         if (answer.ok() && found != simulations_.end()) {
+           found->second->is_constructed = true;
+         } else if (found != simulations_.end()) {
+           end_worker(*found->second);
+           ending_.push_back(std::move(found->second));
+           simulations_.erase(found);
+         }
+         done(number, std::move(answer));
+       });
+}
+
+void Session::call(Simulation& simulation, const std::string& method, Json parameters,
+                   Frames frames, Take take) {
+  const uint64_t number = next_call_++;
+  Message message;
+  message.body = {{"call", number}, {"method", method}, {"params", std::move(parameters)}};
+  message.frames = std::move(frames);
+  simulation.pending.push_back({number, method, std::move(take)});
+  const bool was_empty = simulation.outbox.empty();
+  simulation.outbox.add(to_bytes(message));
+  if (was_empty) simulation.outbox.write_to(simulation.worker.connection.get());
+}
+
+void Session::take_snapshot(Simulation& simulation, Taken taken) {
+  call(simulation, snapshot_method, Json::object(), {},
+       [settings = simulation.settings, taken = std::move(taken)](Answer answer) {
+         if (!answer.ok() || answer.frames.empty()) return taken(std::nullopt, std::move(answer));
+         taken(Snapshot{settings, std::move(answer.result.at("held")),
+                        std::move(answer.frames.front())},
+               {});
+       });
+}
+
+/// It writes its outputs and ends; an advance under way is stopped.
+void Session::end_worker(Simulation& simulation) {
+  simulation.deadline = std::chrono::steady_clock::now() + patience;
+  if (!simulation.pending.empty()) simulation.worker.interrupt(simulation.pending.front().call);
+  if (simulation.worker.connection.valid()) shutdown(simulation.worker.connection.get(), SHUT_RDWR);
+}
+
+void Session::reap() {
+  for (auto at = ending_.begin(); at != ending_.end();) {
+    const pid_t process = (*at)->worker.process;
+    if (std::chrono::steady_clock::now() > (*at)->deadline) kill(process, SIGKILL);
+    int status = 0;
+    at = waitpid(process, &status, WNOHANG) == process ? ending_.erase(at) : at + 1;
+  }
+  std::vector<uint64_t> gone;
+  for (auto& [number, simulation] : simulations_)
+    if (!simulation->worker.connection.valid()) gone.push_back(number);
+  for (const uint64_t number : gone) {
+    const auto found = simulations_.find(number);
+    int status = 0;
+    // It has closed its connection and has nothing left to do.
+    kill(found->second->worker.process, SIGKILL);
+    waitpid(found->second->worker.process, &status, 0);
+    const std::unique_ptr<Simulation> simulation = std::move(found->second);
+    simulations_.erase(found);
+    worker_is_gone(*simulation, status);
+  }
+}
+
+void Session::worker_is_gone(Simulation& simulation, int status) {
+  ended_[simulation.number] = ending_of(status);
+  const std::string sentence =
+      fmt::format("simulation {} {}; the others go on", simulation.number, ending_of(status));
+  while (!simulation.pending.empty()) {
+    const Take take = std::move(simulation.pending.front().take);
+    simulation.pending.pop_front();
+    take(refuse(sentence, Code::no_simulation));
+  }
+  for (const Request& request : simulation.waiting)
+    answer(request, refuse(sentence, Code::no_simulation));
+}
+
+}  // namespace capsoc::service

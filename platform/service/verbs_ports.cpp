@@ -1,0 +1,123 @@
+// What the chip is connected to: UARTs, pins, the ITM's text; and events.
+#include <fmt/format.h>
+
+#include "service/board_verbs.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr std::size_t most_waiting = std::size_t{16} << 20;
+
+/// The number of a UART or a GPIO; the Error says how many there are.
+Result<std::size_t> number(const Call& call, const char* name, std::size_t count) {
+  const uint64_t given = call.integer(name);
+  if (given < count) return static_cast<std::size_t>(given);
+  return Error{fmt::format("there is no {} {}; they are 0 to {}", name, given, count - 1)};
+}
+
+Answer send_uart(Board& board, const Call& call) {
+  const auto uart = number(call, "uart", soc::Soc::uart_count);
+  if (!uart) return refuse(uart.error());
+  UartTap& tap = board.uart(uart.value());
+  const std::string bytes = call.bytes("bytes");
+  if (bytes.size() > most_waiting - tap.waiting().size())
+    return refuse(
+        fmt::format("uart{}: more than 16 MiB wait for the program; advance until it has taken "
+                    "them",
+                    uart.value()));
+  tap.send(bytes);
+  return {};
+}
+
+Answer read_uart(Board& board, const Call& call) {
+  const auto uart = number(call, "uart", soc::Soc::uart_count);
+  if (!uart) return refuse(uart.error());
+  Answer answer;
+  uint64_t lost = 0;
+  answer.result["text"] = board.uart(uart.value()).take(lost);
+  answer.result["lost"] = lost;
+  return answer;
+}
+
+Answer drive_pin(Board& board, const Call& call) {
+  const auto gpio = number(call, "gpio", board.soc().gpios().size());
+  if (!gpio) return refuse(gpio.error());
+  const auto pin = number(call, "pin", cmsdk::Gpio::pin_count);
+  if (!pin) return refuse(pin.error());
+  const auto mask = static_cast<uint16_t>(1U << pin.value());
+  board.soc().gpios()[gpio.value()]->drive(mask, call.boolean("level") ? mask : uint16_t{0});
+  return {};
+}
+
+Answer read_pins(Board& board, const Call& call) {
+  const auto gpio = number(call, "gpio", board.soc().gpios().size());
+  if (!gpio) return refuse(gpio.error());
+  const cmsdk::Gpio& port = *board.soc().gpios()[gpio.value()];
+  Answer answer;
+  for (const auto& [name, bits] :
+       {std::make_pair("pins", port.pins()), std::make_pair("driven", port.driven())}) {
+    Json& list = answer.result[name] = Json::array();
+    for (unsigned pin = 0; pin < cmsdk::Gpio::pin_count; ++pin)
+      list.push_back((bits >> pin & 1U) != 0);
+  }
+  return answer;
+}
+
+Answer press_button(Board& board, const Call& call) {
+  const auto button = number(call, "button", 2);
+  if (!button) return refuse(button.error());
+  an385::FpgaIo& io = board.soc().fpgaio;
+  const uint32_t mask = 1U << button.value();
+  io.set_buttons(call.boolean("pressed") ? io.BUTTON.get() | mask : io.BUTTON.get() & ~mask);
+  return {};
+}
+
+Answer subscribe(Board& board, const Call& call) {
+  if (auto error = board.subscribe(call.texts("kinds"))) return refuse(error->text);
+  return {};
+}
+
+}  // namespace
+
+std::vector<BoardVerb> port_verbs() {
+  return {
+      {{"uart.send",
+        "Sends bytes to a UART of the board, which takes them as fast as the program receives "
+        "them.",
+        {need("uart", Type::integer, "0 to 4"), need("bytes", Type::bytes, "what is sent")},
+        {}},
+       send_uart},
+      {{"uart.read",
+        "What a UART has sent since this was asked last, or since a pattern was found "
+        "(simulation.advance).",
+        {need("uart", Type::integer, "0 to 4")},
+        {{"text", "text", "bytes that are no UTF-8 are replaced"},
+         {"lost", "integer", "bytes before it that were too many to be kept (16 MiB)"}}},
+       read_uart,
+       true},
+      {{"pin.drive",
+        "Drives a pin of a GPIO from outside, from this instant on.",
+        {need("gpio", Type::integer, "0 to 3"), need("pin", Type::integer, "0 to 15"),
+         need("level", Type::boolean, "high or low")},
+        {}},
+       drive_pin},
+      {{"pin.read",
+        "The levels at the pins of a GPIO.",
+        {need("gpio", Type::integer, "0 to 3")},
+        {{"pins", "list", "16 levels, true is high"},
+         {"driven", "list", "whether the chip drives each"}}},
+       read_pins},
+      {{"button.press",
+        "Presses or releases one of the two buttons.",
+        {need("button", Type::integer, "0 or 1"), need("pressed", Type::boolean, "or released")},
+        {}},
+       press_button},
+      {{"events.subscribe",
+        "Which events the next answers of simulation.advance carry; an empty list ends it.",
+        {need("kinds", Type::list, "exception, uart (a line was sent), pins (an output changed)")},
+        {}},
+       subscribe},
+  };
+}
+
+}  // namespace capsoc::service

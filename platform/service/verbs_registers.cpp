@@ -1,0 +1,172 @@
+// Registers of the processor, of the devices and of the coprocessor.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+#include "base/constants.h"
+#include "base/nearest.h"
+#include "base/printable.h"
+#include "service/board_verbs.h"
+#include "soc/board_registers.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr double degrees_of_turn = 360;
+
+Answer read_processor(Board& board, const Call&) {
+  Answer answer;
+  Json& all = answer.result["registers"] = Json::object();
+  for (unsigned i = 0; i < debug::registers.size(); ++i)
+    all[debug::registers[i].name] = board.target().read_register(i);
+  return answer;
+}
+
+Answer write_processor(Board& board, const Call& call) {
+  const std::string name = call.text("register");
+  const uint64_t value = call.integer("value");
+  std::vector<std::string> names;
+  for (unsigned i = 0; i < debug::registers.size(); ++i) {
+    names.emplace_back(debug::registers[i].name);
+    if (names.back() != name) continue;
+    if (value >> debug::registers[i].bits != 0)
+      return refuse(fmt::format("{} has {} bits", name, debug::registers[i].bits));
+    board.target().write_register(i, static_cast<uint32_t>(value));
+    return {};
+  }
+  return refuse(fmt::format("the processor has no register '{}'; did you mean {}?",
+                            printable(name, 80), nearest_names(printable(name, 80), names)));
+}
+
+Json fields_of(const soc::BoardRegister& reg, uint32_t word) {
+  Json fields = Json::object();
+  for (const soc::RegisterField& field : reg.fields) fields[field.name] = value_in(field, word);
+  return fields;
+}
+
+Answer read_register(Board& board, const Call& call) {
+  const auto place = board.registers().find(call.text("name"));
+  if (!place) return refuse(place.error());
+  const RegisterPlace& at = place.value();
+  const auto word = board.pointer_reader()(at.reg->address);
+  if (!word) return refuse(fmt::format("{} cannot be read", call.text("name")));
+  Answer answer;
+  if (at.field != nullptr)
+    answer.result["value"] = value_in(*at.field, *word);
+  else
+    answer.result = {{"value", *word}, {"fields", fields_of(*at.reg, *word)}};
+  return answer;
+}
+
+Answer write_register(Board& board, const Call& call) {
+  const auto place = board.registers().find(call.text("name"));
+  if (!place) return refuse(place.error());
+  const RegisterPlace& at = place.value();
+  const uint64_t value = call.integer("value");
+  const unsigned bits = at.field != nullptr ? at.field->bits : 32;
+  if (value >> bits != 0) return refuse(fmt::format("{} has {} bits", call.text("name"), bits));
+  auto word = static_cast<uint32_t>(value);
+  if (at.field != nullptr) {
+    const auto old = board.pointer_reader()(at.reg->address);
+    const uint64_t mask = ((uint64_t{1} << bits) - 1) << at.field->low;
+    word = static_cast<uint32_t>((old.value_or(0) & ~mask) | value << at.field->low);
+  }
+  std::string bytes;
+  for (unsigned i = 0; i < 4; ++i) bytes += static_cast<char>(word >> 8 * i & 0xFFU);
+  if (!board.target().write_memory(at.reg->address, bytes))
+    return refuse(fmt::format("{} cannot be written", call.text("name")));
+  return {};
+}
+
+Answer list_registers(Board& board, const Call&) {
+  Answer answer;
+  Json& list = answer.result["peripherals"] = Json::array();
+  for (const soc::BoardPeripheral& peripheral : board.registers().all()) {
+    Json registers = Json::array();
+    for (const soc::BoardRegister& reg : peripheral.registers) {
+      Json fields = Json::array();
+      for (const soc::RegisterField& field : reg.fields)
+        fields.push_back({{"name", field.name}, {"low", field.low}, {"bits", field.bits}});
+      registers.push_back(
+          {{"name", reg.name}, {"address", reg.address}, {"fields", std::move(fields)}});
+    }
+    list.push_back({{"name", peripheral.name},
+                    {"description", peripheral.description},
+                    {"registers", std::move(registers)}});
+  }
+  return answer;
+}
+
+Answer read_coprocessor(Board& board, const Call&) {
+  const auto& samples = board.samples();
+  const auto newest = std::find_if(samples.rbegin(), samples.rend(),
+                                   [](const auto& sample) { return sample.result.has_value(); });
+  if (newest == samples.rend())
+    return refuse("the coprocessor has no result yet; advance until it has taken a sample");
+  const metrics::RecordedResult& result = *newest->result;
+  const metrics::Parameters found = metrics::to_values(result.words);
+  constexpr double degrees = 180 / pi;
+  Answer answer;
+  answer.result["signals"] = {{"a1", found.a1},
+                              {"a2", found.a2},
+                              {"b1", found.b1},
+                              {"b2", found.b2},
+                              {"beta_deg", found.beta * degrees},
+                              {"phi_deg", found.phi * degrees},
+                              {"angle_deg", result.angle / q32 * degrees_of_turn},
+                              {"angle_valid", result.angle_valid},
+                              {"error_u", result.error_u / q31},
+                              {"error_v", result.error_v / q31},
+                              {"error_average", result.error_average / q31},
+                              {"status", result.status},
+                              {"flags", result.flags}};
+  return answer;
+}
+
+}  // namespace
+
+std::vector<BoardVerb> register_verbs() {
+  return {
+      {{"processor.read",
+        "The registers of the processor, with the names that GDB has for them.",
+        {},
+        {{"registers", "object", "r0 to r12, sp, lr, pc, xpsr, msp, psp, primask, ..."}}},
+       read_processor},
+      {{"processor.write",
+        "Writes a register of the processor.",
+        {need("register", Type::text, "its name"), need("value", Type::integer, "the new value")},
+        {}},
+       write_processor},
+      {{"register.read",
+        "A register of a device, or one of its fields, by the names of the SVD file "
+        "(COPROCESSOR.STATUS, COPROCESSOR.STATUS.LOCK). Nothing happens by being read so.",
+        {need("name", Type::text, "PERIPHERAL.REGISTER or PERIPHERAL.REGISTER.FIELD")},
+        {{"value", "integer", "of the register or the field"},
+         {"fields", "object", "of a register: the value of each field"}}},
+       read_register},
+      {{"register.write",
+        "Writes a register as the processor would. With a field the other bits are written as "
+        "they are read.",
+        {need("name", Type::text, "as in register.read"),
+         need("value", Type::integer, "the new value")},
+        {}},
+       write_register},
+      {{"register.list",
+        "All registers of the board.",
+        {},
+        {{"peripherals", "list",
+          "of objects: name, description, registers (name, address, fields: name, low, bits)"}}},
+       list_registers},
+      {{"coprocessor.read",
+        "What the coprocessor held when its newest result was committed.",
+        {},
+        {{"signals", "object",
+          "a1, a2, b1, b2, error_u, error_v, error_average (full scale), beta_deg, phi_deg, "
+          "angle_deg, angle_valid, status, flags"}}},
+       read_coprocessor},
+  };
+}
+
+}  // namespace capsoc::service

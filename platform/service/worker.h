@@ -1,0 +1,45 @@
+// A simulation in a process of its own, under the session that forked it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "base/result.h"
+#include "host/descriptor.h"
+#include "service/message.h"
+
+namespace capsoc::service {
+
+/// What a worker and its session write in one place, since a message would come too late: which
+/// call is to stop. Mapped by both.
+struct Shared {
+  std::atomic<uint64_t> interrupted_call{0};
+};
+
+/// The exit code of a worker that got no more memory.
+inline constexpr int out_of_memory = 77;
+
+/// The methods that a session has for itself; others are those of board_verbs(). A request is
+/// {"call", "method", "params"}, its answer {"call"} with "result" or "error".
+inline constexpr const char* construct_method = "worker.construct";  ///< settings, held, samples; a
+                                                                     ///< frame: a snapshot's state
+inline constexpr const char* snapshot_method = "worker.snapshot";    ///< answers held and a frame
+
+/// The session's end of a worker.
+struct WorkerProcess {
+  pid_t process = -1;
+  host::Descriptor connection;  ///< does not block
+  std::shared_ptr<Shared> shared;
+
+  /// Before the session has a thread. An Error: the system has no process left. `close_others` is
+  /// called in the worker: it closes what belongs to the session alone.
+  static Result<WorkerProcess> start(const std::function<void()>& close_others);
+  /// Stops the call if it is under way, or when it begins.
+  void interrupt(uint64_t call) const;
+};
+
+}  // namespace capsoc::service
