@@ -17,6 +17,12 @@ struct RegisterDescription {
   uint32_t readable_mask;      ///< bits that can read as something other than 0
 };
 
+/// A field of a register, which it names.
+struct FieldDescription {
+  const char *reg, *name;
+  unsigned low, bits;
+};
+
 /// What a register that held `old` holds after a write of the bytes in `lanes` (a mask): bits that
 /// can be written take it, those that a 1 clears are cleared.
 constexpr uint32_t stored(const RegisterDescription& about, uint32_t old, uint32_t written,

@@ -200,11 +200,10 @@ Result<double> evaluate(const Node& node, const Expression::Lookup& lookup) {
     return node.name == "-" ? -left.value() : of_bits(~bits(left.value()));
   }
   // What is decided already need not exist.
-  if (node.name == "and" && left.value() == 0) return 0.0;
-  if (node.name == "or" && left.value() != 0) return 1.0;
+  if (node.name == "and" && left.value() == 0) return left;
+  if (node.name == "or" && left.value() != 0) return left;
   auto right = evaluate(*node.right, lookup);
-  if (!right) return right;
-  if (node.name == "and" || node.name == "or") return of(right.value() != 0);
+  if (!right || node.name == "and" || node.name == "or") return right;
   return apply(node.name, left.value(), right.value());
 }
 

@@ -120,6 +120,16 @@ Json read(const Variable& variable, const std::string& bytes, std::size_t at) {
 std::optional<Error> write(const Variable& variable, const Json& value, std::string& bytes,
                            std::size_t at);
 
+/// A whole number of so many bits.
+bool fits_in(const Json& value, unsigned bits, bool is_signed) {
+  if (!value.is_number_integer()) return false;
+  const bool is_negative = !value.is_number_unsigned() && value.get<int64_t>() < 0;
+  if (!is_signed) return !is_negative && (value.get<uint64_t>() & ~mask_of(bits)) == 0;
+  if (is_negative)
+    return extended(value.get<uint64_t>() & mask_of(bits), bits) == value.get<int64_t>();
+  return (value.get<uint64_t>() & ~mask_of(bits - 1)) == 0;
+}
+
 Error wrong(const Variable& variable, const char* wanted) {
   return Error{fmt::format("{} is {}: give {}", variable.name, variable.type->name, wanted)};
 }
@@ -127,10 +137,7 @@ Error wrong(const Variable& variable, const char* wanted) {
 std::optional<Error> write_integer(const Variable& variable, const Json& value, std::string& bytes,
                                    std::size_t at) {
   const unsigned bits = bits_of(variable);
-  const bool fits = value.is_number_unsigned() ? (value.get<uint64_t>() & ~mask_of(bits)) == 0
-                                               : value.is_number_integer() &&
-                                                     extended(value.get<uint64_t>() & mask_of(bits),
-                                                              bits) == value.get<int64_t>();
+  const bool fits = fits_in(value, bits, variable.type->is_signed);
   if (!fits) return wrong(variable, fmt::format("a whole number of {} bits", bits).c_str());
   const std::size_t size = extent(variable);
   const uint64_t mask = mask_of(bits) << variable.bit;

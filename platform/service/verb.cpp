@@ -45,13 +45,19 @@ const Element* element_of(const Json& value) {
   return nullptr;
 }
 
+bool is_below(const Json& value, uint64_t end) {
+  if (!value.is_number_integer() || (!value.is_number_unsigned() && value.get<int64_t>() < 0))
+    return false;
+  return value.get<uint64_t>() < end;
+}
+
 /// The frame that an array refers to, whole elements of its type; null if it is none.
 const std::string* frame_of(const Json& value, const Frames& frames) {
   if (!value.is_object()) return nullptr;
   const Element* const element = element_of(value);
   const auto number = value.find("frame");
-  if (element == nullptr || number == value.end() || !number->is_number_unsigned()) return nullptr;
-  if (number->get<uint64_t>() >= frames.size()) return nullptr;
+  if (element == nullptr || number == value.end() || !is_below(*number, frames.size()))
+    return nullptr;
   const std::string& frame = frames[number->get<std::size_t>()];
   return frame.size() % element->size == 0 ? &frame : nullptr;
 }
@@ -64,10 +70,6 @@ bool is_list_of_numbers(const Json& value) {
 bool is_list_of_texts(const Json& value) {
   return value.is_array() &&
          std::all_of(value.begin(), value.end(), [](const Json& each) { return each.is_string(); });
-}
-
-bool is_below(const Json& value, uint64_t end) {
-  return value.is_number_unsigned() && value.get<uint64_t>() < end;
 }
 
 bool is_of(Type type, const Json& value, const Frames& frames) {

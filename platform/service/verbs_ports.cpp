@@ -44,8 +44,12 @@ Answer drive_pin(Board& board, const Call& call) {
   if (!gpio) return refuse(gpio.error());
   const auto pin = number(call, "pin", cmsdk::Gpio::pin_count);
   if (!pin) return refuse(pin.error());
+  const Json& level = call.json("level");
+  if (!level.is_boolean() && !level.is_null())
+    return refuse("pin.drive: the parameter 'level' has to be true, false or null",
+                  Code::wrong_parameter);
   const auto mask = static_cast<uint16_t>(1U << pin.value());
-  board.soc().gpios()[gpio.value()]->drive(mask, call.boolean("level") ? mask : uint16_t{0});
+  board.soc().gpios()[gpio.value()]->drive(mask, level == Json(true) ? mask : uint16_t{0});
   return {};
 }
 
@@ -98,7 +102,7 @@ std::vector<BoardVerb> port_verbs() {
       {{"pin.drive",
         "Drives a pin of a GPIO from outside, from this instant on.",
         {need("gpio", Type::integer, "0 to 3"), need("pin", Type::integer, "0 to 15"),
-         need("level", Type::boolean, "high or low")},
+         need("level", Type::any, "true: high, false: low, null: nobody drives it, and it is low")},
         {}},
        drive_pin},
       {{"pin.read",

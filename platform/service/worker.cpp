@@ -94,7 +94,18 @@ class Worker {
     send(reply);
   }
 
+  /// What nobody foresaw is an answer, too.
   Answer perform(Message& message) {
+    try {
+      return perform_method(message);
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      return refuse(fmt::format("internal error: {}", error.what()));
+    }
+  }
+
+  Answer perform_method(Message& message) {
     const auto method = message.body.at("method").get<std::string>();
     const Json& parameters = message.body.at("params");
     if (method == construct_method) return construct(parameters, message.frames);

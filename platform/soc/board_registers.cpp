@@ -27,13 +27,18 @@ struct OwnTable {
   uint32_t base;
   const RegisterDescription* first;
   std::size_t count;
+  const registers::FieldDescription* fields;
+  std::size_t field_count;
 };
 constexpr OwnTable own_tables[] = {
     {"COPROCESSOR", registers::coprocessor::base_address, registers::coprocessor::table,
-     std::size(registers::coprocessor::table)},
-    {"ADC", registers::adc::base_address, registers::adc::table, std::size(registers::adc::table)},
+     std::size(registers::coprocessor::table), registers::coprocessor::fields,
+     std::size(registers::coprocessor::fields)},
+    {"ADC", registers::adc::base_address, registers::adc::table, std::size(registers::adc::table),
+     registers::adc::fields, std::size(registers::adc::fields)},
     {"CLOCKCTRL", registers::clockctrl::base_address, registers::clockctrl::table,
-     std::size(registers::clockctrl::table)},
+     std::size(registers::clockctrl::table), registers::clockctrl::fields,
+     std::size(registers::clockctrl::fields)},
 };
 
 const OwnTable* own_table(uint64_t base) {
@@ -99,6 +104,16 @@ void add_register(BoardPeripheral& peripheral, BoardRegister added) {
   peripheral.registers.push_back(std::move(added));
 }
 
+void add_own_registers(BoardPeripheral& peripheral, const OwnTable& own) {
+  for (std::size_t i = 0; i < own.count; ++i) {
+    BoardRegister added{own.first[i].name, own.base + own.first[i].offset, own.first[i], false, {}};
+    for (std::size_t k = 0; k < own.field_count; ++k)
+      if (added.name == own.fields[k].reg)
+        added.fields.push_back({own.fields[k].name, own.fields[k].low, own.fields[k].bits});
+    peripheral.registers.push_back(std::move(added));
+  }
+}
+
 BoardPeripheral device(const bus::MapEntry& entry, const Soc& soc) {
   BoardPeripheral peripheral;
   const auto base = static_cast<uint32_t>(entry.base);
@@ -112,10 +127,10 @@ BoardPeripheral device(const bus::MapEntry& entry, const Soc& soc) {
     peripheral.interrupts.push_back(
         {only ? peripheral.name : peripheral.name + "_" + upper(wire.output), wire.line});
   }
-  for (std::size_t i = 0; own != nullptr && i < own->count; ++i)
-    add_register(peripheral,
-                 {own->first[i].name, base + own->first[i].offset, own->first[i], false, {}});
-  if (own != nullptr) return peripheral;
+  if (own != nullptr) {
+    add_own_registers(peripheral, *own);
+    return peripheral;
+  }
   for (const kit::Component* part : soc.components()) {
     const auto* const bank = dynamic_cast<const kit::RegisterBank*>(part);
     if (bank == nullptr || part->component_name() != entry.name) continue;

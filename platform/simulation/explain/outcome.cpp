@@ -43,12 +43,15 @@ Verdict stopped(const End& end) {
   if (end.simlimit_reached)
     return {exit_code::limit, fmt::format("the limit of {:g} simulated s was hit",
                                           sc_core::sc_time_stamp().to_seconds())};
+  if (end.could_go_on)
+    return {exit_code::pass,
+            fmt::format("closed at {:g} simulated s", sc_core::sc_time_stamp().to_seconds())};
   return {exit_code::internal, "the simulation ended without a reason"};
 }
 
 Verdict verdict_of(const End& end, const soc::Soc& soc) {
   const EndReason reason = soc.cpu.end_reason();
-  const bool called = end.signal != 0 || end.out_of_time;
+  const bool called = end.signal != 0 || end.out_of_time || end.could_go_on;
   if (end.diverged) return {exit_code::diverged, "the coprocessor's model and RTL differ"};
   if (!end.crash.empty()) return {exit_code::crashed, end.crash};
   if (end.matched != nullptr && end.matched->match()->failed)

@@ -271,6 +271,7 @@ void Simulation::conclude_run(RunResult& result) const {
   end.host_limit_s = settings_.limits.host_s();
   end.out_of_time = host_limit_.out_of_time();
   end.simlimit_reached = limit_.expired();
+  end.could_go_on = stopped_;
   conclude(end, soc_, result);
 }
 

@@ -72,7 +72,9 @@ const Type* TypeReader::type_of(Dwarf_Die* entry) {
 const Type* TypeReader::named_anew(Dwarf_Die* entry, Type& type, const char* qualifier) {
   if (const Type* const meant = type_of(entry)) type = *meant;
   if (const std::string name = name_of(entry); !name.empty()) type.name = name;
-  if (*qualifier != '\0') type.name = fmt::format("{} {}", qualifier, type.name);
+  const std::string prefix = qualifier;
+  if (!prefix.empty() && type.name.compare(0, prefix.size(), prefix) != 0)
+    type.name = fmt::format("{} {}", qualifier, type.name);
   return &type;
 }
 

@@ -52,7 +52,7 @@ std::size_t end_of_name(std::string_view path) {
 /// The variables of one image.
 class Variables::Reader {
  public:
-  explicit Reader(const loader::ElfImage& image) : copy_(*image.file) {}
+  explicit Reader(const loader::ElfImage& image) : image_(image), copy_(*image.file) {}
 
   void read(std::multimap<std::string, Known>& variables) {
     if (copy_.dwarf() == nullptr) return;
@@ -67,6 +67,14 @@ class Variables::Reader {
   }
 
  private:
+  /// What the linker left out is described as if it lay at 0.
+  bool is_linked(Dwarf_Die* entry, uint32_t address) const {
+    const loader::Symbol* const symbol = image_.symbol_at(address);
+    if (symbol == nullptr || symbol->is_code) return false;
+    // C: "turns", or "turns.3" of a function; C++: mangled, with the name in it.
+    return symbol->name.find(name_of(entry)) != std::string::npos;
+  }
+
   void read_scope(Dwarf_Die* scope, const std::string& prefix, int depth,
                   std::multimap<std::string, Known>& variables) {
     Dwarf_Die child;
@@ -75,7 +83,7 @@ class Variables::Reader {
       if (++entries_ > most_entries) return;
       switch (dwarf_tag(&child)) {
         case DW_TAG_variable:
-          if (const auto address = fixed_address(&child))
+          if (const auto address = fixed_address(&child); address && is_linked(&child, *address))
             if (const Type* const type = types_.type_of(&child)) {
               const std::string name = prefix + name_of(&child);
               variables.emplace(name, Known{file_, {name, *address, type}});
@@ -94,6 +102,7 @@ class Variables::Reader {
     } while (dwarf_siblingof(&child, &child) == 0);
   }
 
+  const loader::ElfImage& image_;
   ElfCopy copy_;
   TypeReader types_;
   std::string file_;

@@ -500,6 +500,13 @@ def cpp_namespace(peripheral):
             f"0x{register.writable_mask:08X}, 0x{register.one_to_clear_mask:08X}, "
             f"0x{register.readable_mask:08X}}},"
         )
+    lines += ["};", "", "inline constexpr FieldDescription fields[] = {"]
+    for register in peripheral.registers:
+        lines += [
+            f'    {{"{register.name}", "{part.name}", {part.low}, {part.mask.bit_count()}}},'
+            for part in register.fields
+            if not part.reserved
+        ]
     return lines + ["};", "", f"}}  // namespace {peripheral.name.lower()}"]
 
 
