@@ -279,19 +279,24 @@ PROGRAM = r"""
 enum colour { RED, GREEN = 5, BLUE = -3 };
 typedef struct point { int16_t x; uint8_t y; } point_t;
 struct everything {
-  char text[8]; int8_t i8; uint8_t u8; int16_t i16; uint32_t u32; int64_t i64; uint64_t u64; float f; double d; bool b;
-  unsigned low : 3; int high : 5; unsigned long wide : 17; enum colour colour; point_t points[2][3]; struct everything *next;
+  char text[8]; int8_t i8; uint8_t u8; int16_t i16; uint32_t u32; int64_t i64; uint64_t u64;
+  float f; double d; bool b;
+  unsigned low : 3; int high : 5; unsigned long wide : 17; enum colour colour; point_t points[2][3];
+  struct everything *next;
   union { uint32_t word; uint8_t bytes[4]; } either; const volatile point_t *where;
 };
 struct everything second = {"two", 1, 2, 3, 4, 5, 6, 7.5f, 8.25, false, 1, 2, 3, GREEN, {{{1, 2}}}, 0, {0x01020304}, 0};
 point_t origin = {-7, 9};
-struct everything first = {"first", -8, 200, -1600, 0xDEADBEEFu, -640000000000, 0xFFFFFFFFFFFFFFFFu, -1.5f, 1e300, true,
+struct everything first = {"first", -8, 200, -1600, 0xDEADBEEFu, -640000000000, 0xFFFFFFFFFFFFFFFFu, -1.5f, 1e300,
+  true,
   5, -11, 99999, BLUE, {{{-1, 1}, {2, 2}, {3, 3}}, {{4, 4}, {5, 5}, {-6, 6}}}, &second, {0xA1B2C3D4u}, &origin};
 static int hidden = 77;
 int *pointer = &hidden;
-int reset(void) { static volatile uint16_t inside = 4321; for (;;) { ++hidden; ++inside; first.u8 += (uint8_t)inside; } }
+int reset(void) {
+  static volatile uint16_t inside = 4321; for (;;) { ++hidden; ++inside; first.u8 += (uint8_t)inside; } }
 __attribute__((section(".vectors"), used)) const void *const vectors[2] = {(void *)0x20001000, (void *)reset};
 """
+OPTIONS = "-mcpu=cortex-m3 -mthumb -g -O1 -nostdlib -T link.ld"
 OTHER = "static int hidden = 5; int other(void) { return ++hidden; }"
 LINK = """ENTRY(reset) SECTIONS { . = 0; .text : { KEEP(*(.vectors)) *(.text*) *(.rodata*) }
 . = 0x20000000; .data : { *(.data*) *(.bss*) } }"""
@@ -306,7 +311,7 @@ class Variables(Driven):
             (self.folder / name).write_text(text)
         self.elf = self.folder / "program.elf"
         done = subprocess.run(
-            "arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -g -O1 -nostdlib -T link.ld main.c other.c -o program.elf".split(),
+            ["arm-none-eabi-gcc", *OPTIONS.split(), "main.c", "other.c", "-o", "program.elf"],
             cwd=self.folder,
             capture_output=True,
             text=True,
