@@ -45,14 +45,44 @@ static void follow_lock(struct supervision* state, uint32_t samples, bool locked
   }
 }
 
+static uint32_t turn_of_reference(void) {
+  const int64_t frequency = coprocessor_frequency();
+  const uint64_t speed = (uint64_t)(frequency < 0 ? -frequency : frequency);
+  const uint64_t turn = speed != 0 ? (UINT64_C(1) << 48) / speed + 1 : UINT32_MAX;
+  return turn < UINT32_MAX ? (uint32_t)turn : UINT32_MAX;
+}
+
+uint32_t supervision_period(const struct supervision* state) {
+  if (!state->judgement.numeric) return state->rate_hz;
+  const uint32_t turn = turn_of_reference();
+  return turn < state->rate_hz ? turn : state->rate_hz;
+}
+
+// Samples that MIRROR stands until it is believed. A demodulation is as many turns as the sensor
+// needs: of a fast shaft it is over in seconds.
+static uint64_t mirror_samples(const struct supervision* state) {
+  const uint64_t given = (uint64_t)state->mirror_seconds * state->rate_hz;
+  if (!state->judgement.numeric) return given;
+  const uint32_t turn = turn_of_reference();
+  return turn < given ? turn : given;
+}
+
+static bool seems_reversed(struct supervision* state, uint32_t samples, bool mirror) {
+  if (!mirror) {
+    state->mirror_since = 0;
+    return false;
+  }
+  if (state->mirror_since == 0) state->mirror_since = samples;
+  return samples - state->mirror_since >= mirror_samples(state);
+}
+
 bool supervise(struct supervision* state, uint32_t samples) {
   const uint32_t status = COPROCESSOR->STATUS;
   collect_errors(state);
   judgement_look(&state->judgement);
   set_lock_threshold(state);
   follow_lock(state, samples, (status & COPROCESSOR_STATUS_LOCK_Msk) != 0);
-  state->mirror_since = (status & COPROCESSOR_STATUS_MIRROR_Msk) != 0 ? state->mirror_since + 1 : 0;
-  if (state->mirror_since <= state->mirror_seconds) return false;
+  if (!seems_reversed(state, samples, (status & COPROCESSOR_STATUS_MIRROR_Msk) != 0)) return false;
   coprocessor_reverse_reference();
   COPROCESSOR->LOCK_THRESHOLD = UINT32_MAX;
   judgement_restart(&state->judgement);
@@ -64,15 +94,18 @@ bool supervise(struct supervision* state, uint32_t samples) {
 }
 
 bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_seconds) {
-  for (uint32_t seconds = 1; seconds * state->rate_hz <= samples; ++seconds) {
-    if (!judgement_until(&state->judgement, seconds * state->rate_hz)) return false;
-    supervise(state, seconds * state->rate_hz);
-    if (seconds % progress_seconds == 0) {
-      const struct coprocessor_parameters parameters = coprocessor_read_parameters();
-      print_progress(seconds, &parameters);
-    }
+  uint32_t next_line = progress_seconds;
+  const uint32_t period = supervision_period(state);
+  for (uint32_t now = 0; now < samples;) {
+    now = samples - now < period ? samples : now + period;
+    if (!judgement_until(&state->judgement, now)) return false;
+    supervise(state, now);
+    if (now / state->rate_hz < next_line) continue;
+    next_line += progress_seconds;
+    const struct coprocessor_parameters parameters = coprocessor_read_parameters();
+    print_progress(now / state->rate_hz, &parameters);
   }
-  return judgement_until(&state->judgement, samples);  // what is less than a second
+  return true;
 }
 
 const char* error_sentence(uint32_t errors) {

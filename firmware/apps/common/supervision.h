@@ -1,4 +1,5 @@
-// Looks after a demodulation once a second: direction of rotation, lock and error flags.
+// Looks after a demodulation once a second, of a faster shaft once a turn: direction of rotation,
+// lock and error flags.
 #ifndef CAPSOC_SUPERVISION_H
 #define CAPSOC_SUPERVISION_H
 
@@ -8,19 +9,25 @@
 #include "judgement.h"
 
 struct supervision {
-  const char* name;         // of the program, for the verdict
-  uint32_t rate_hz;         // samples a second
-  uint32_t mirror_seconds;  // that the mirror flag may stand before the reference is turned round
+  const char* name;  // of the program, for the verdict
+  uint32_t rate_hz;  // samples a second
+  // That the mirror flag may stand before the reference is turned round; of a numeric reference no
+  // longer than a turn
+  uint32_t mirror_seconds;
   struct judgement judgement;  // with its settings
   // The rest starts at 0.
-  uint32_t mirror_since;  // seconds
+  uint32_t mirror_since;  // sample count at which the mirror flag was first seen; 0: it is down
   uint32_t locked_at;     // sample count at which the present lock was first seen; 0: not locked
   uint32_t errors;        // COPROCESSOR_FLAGS_..._Msk that count as errors
 };
 
-// To be called every rate_hz samples just after a result, with the count of samples. Reports what
-// changed and takes the record of a turn that ended. True if the reference was turned round
-// (coprocessor_reverse_reference) by this call.
+// Samples from one look of a demodulation to the next: a second, or a turn of a faster numeric
+// reference.
+uint32_t supervision_period(const struct supervision* state);
+
+// To be called every supervision_period samples and after the last one, just after a result, with
+// the count of samples. Reports what changed and takes the record of a turn that ended. True if the
+// reference was turned round (coprocessor_reverse_reference) by this call.
 bool supervise(struct supervision* state, uint32_t samples);
 
 // Supervises the first `samples` samples and prints the parameters every `progress_seconds`. False

@@ -86,11 +86,13 @@ static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
       control |= COPROCESSOR_CTRL_GUARD_Msk;
       COPROCESSOR->CTRL = control;
     }
-    // The sums of the block under way are of the other direction then.
-    if (sample % settings.rate_hz == 0 && supervise(state, sample) && !drop_block(control, sample))
-      return false;
     judgement_look(judgement);
-    if (judgement->judged == shown) continue;
+    const bool ended = judgement->judged != shown;
+    // The sums of the block under way are of the other direction then.
+    if ((ended || sample % settings.rate_hz == 0) && supervise(state, sample) &&
+        !drop_block(control, sample))
+      return false;
+    if (!ended) continue;
     shown = judgement->judged;
     if (!judgement->numeric && (COPROCESSOR->TURN_FLAGS & COPROCESSOR_TURN_FLAGS_GOOD_Msk) != 0)
       turn = COPROCESSOR->TURN_SAMPLES;
@@ -99,13 +101,6 @@ static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
     print_progress(sample / settings.rate_hz, &parameters);
   }
   return true;
-}
-
-// Of a fast shaft no more than a turn: the rest of the learning has to be left for the other
-// direction.
-static uint32_t mirror_seconds(uint32_t turn) {
-  const uint32_t of_a_turn = (turn + settings.rate_hz - 1) / settings.rate_hz;
-  return of_a_turn < settings.mirror_seconds ? of_a_turn : settings.mirror_seconds;
 }
 
 int main(void) {
@@ -150,7 +145,7 @@ int main(void) {
 
   struct supervision state = {.name = "quick",
                               .rate_hz = settings.rate_hz,
-                              .mirror_seconds = known ? mirror_seconds(turn) : UINT32_MAX,
+                              .mirror_seconds = known ? settings.mirror_seconds : UINT32_MAX,
                               .judgement = {.limit = settings.limit_deg,
                                             .unseen = known ? 0 : settings.harmonics_deg,
                                             .fewest = 2,

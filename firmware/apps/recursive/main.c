@@ -77,24 +77,25 @@ static void learn_one(struct estimator* state, struct cost* cost) {
 
 // False if the signal ended before. What comes while a sample is worked on is missed, and counted.
 static bool learn(struct supervision* supervised, struct estimator* state, struct cost* cost) {
-  const uint32_t a_second = settings.rate_hz;
-  uint32_t next_look = a_second, next_line = settings.progress_seconds;
-  for (uint32_t sample = 0; sample < settings.demodulation_samples;) {
+  const uint32_t period = supervision_period(supervised), last = settings.demodulation_samples;
+  uint32_t next_look = period, next_line = settings.progress_seconds;
+  for (uint32_t sample = 0; sample < last;) {
     if (!sampling_wait(sample + 1)) return false;
     const uint32_t newest = sampling_count();
     cost->missed += newest - sample - 1;
     sample = newest;
     learn_one(state, cost);
-    if (sample < next_look) continue;
-    next_look += a_second;
+    judgement_look(&supervised->judgement);  // a turn's drift is from its end to the next one's
+    if (sample < next_look && sample < last) continue;
+    next_look += period;
     if (supervise(supervised, sample)) {
       read_weights(state);
       estimator_begin(state);
     }
-    if (sample / a_second < next_line) continue;
+    if (sample / settings.rate_hz < next_line) continue;
     next_line += settings.progress_seconds;
     const struct coprocessor_parameters parameters = coprocessor_read_parameters();
-    print_progress(sample / a_second, &parameters);
+    print_progress(sample / settings.rate_hz, &parameters);
   }
   return true;
 }
