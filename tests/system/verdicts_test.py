@@ -13,6 +13,7 @@ from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 CTEST = {"name": "verdicts", "timeout": 900}
 
 RATE = 250
+STATUS_LOCK = 2
 
 
 def turning(k):
@@ -320,6 +321,20 @@ class Followed(VerdictCase):
         self.assertEqual(code, 0, self.process.stdout)
         self.assertLess(verdict["bound_deg"], 0.1)
 
+    def test_lock_is_no_matter_of_the_error_in_volts(self):
+        # Noise of 0.5 % of a large signal, ten times the threshold of the reset, and good turns.
+        noise = Noise(0.003)
+        sensor = self.record(
+            (good_u(x) + noise(), good_v(x) + noise(), x / (2 * math.pi))
+            for x in (2 * math.pi * k / RATE for k in range(25 * RATE))
+        )
+        columns = ("--record", "status.csv", "--record-columns", "status")
+        code, verdict = self.run_program("follow", "--sensor", sensor, "-P", "rate_hz=250", *columns)
+        self.assertEqual(code, 0, self.process.stdout)
+        rows = (self.folder / "status.csv").read_text().splitlines()[2:]
+        status = [int(row) for row in rows[-6 * RATE : -RATE]]
+        self.assertTrue(all(word & STATUS_LOCK for word in status), verdict)
+
     def test_a_channel_that_is_held_for_a_part_of_a_turn(self):
         # The turn is not good, and nothing is learnt of it; its angles have been vouched for all the same.
         code, verdict = self.follow(lambda u, k: good_u(0) if 0 <= k - 20.2 * RATE < 14 else u)
@@ -376,6 +391,18 @@ class Bounds(VerdictCase):
 
     def test_the_other_way_round(self):
         self.check(0.1, "selfcal", "-C", "sensor.motion.frequency_hz=-0.05")
+
+    def test_a_fast_shaft_the_other_way_round(self):
+        # The whole demodulation is shorter than mirror_seconds and ends within a second of the lock.
+        turns = ("-P", "frequency_hz=8", "-P", "demodulation_samples=640", "-P", "calibration_samples=200")
+        for program, *settings in (("selfcal", "-P", "step=0"), ("recursive", "-P", "forgetting=0.016")):
+            for hertz in (8, -8):
+                with self.subTest(program=program, hertz=hertz):
+                    self.check(0.1, program, *turns, *settings, "-C", f"sensor.motion.frequency_hz={hertz}")
+
+    def test_a_fast_shaft_of_unknown_speed(self):
+        # Six turns of learning are over before a second is.
+        self.check(2.6, "quick", "-P", "calibration_samples=100", "-C", "sensor.motion.frequency_hz=6.45")
 
     def test_what_a_pass_covers_and_takes_for_granted(self):
         self.check(1e-5, "selfcal")
@@ -526,7 +553,16 @@ class Drawn(unittest.TestCase):
     def test_good_sensors_that_were_refused_once(self):
         # By: a speed that was measured in one half of a slow wave; a saturation in a lock that was lost again; a shaft
         # that turned back within a turn.
-        cases = (("good", "29", "harmonics"), ("good", "7", "paper"), ("good: turns back", "0", "follow"))
+        # Fast ones: turned the other way round in less than mirror_seconds; a lock that came in the last second of
+        # learning; turns that were not looked at one by one.
+        cases = (
+            ("good", "29", "harmonics"),
+            ("good", "7", "paper"),
+            ("good: turns back", "0", "follow"),
+            ("good: fast", "6", "selfcal"),
+            ("good: fast", "2", "quick"),
+            ("good: fast", "0", "recursive"),
+        )
         for kind, number, program in cases:
             with tempfile.TemporaryDirectory() as folder:
                 answers = Path(folder) / "answers.json"

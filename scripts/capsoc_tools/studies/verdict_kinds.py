@@ -47,7 +47,7 @@ GOOD = {
     "good: long": (steady, "long", None),
     "good: slow": (steady, "slow", ("selfcal", "calibrate", "quick", "quick_known", "recursive", "follow")),
     "good: fast": (steady, "fast", ("selfcal", "track", "calibrate", "quick", "recursive", "follow")),
-    "good: speed changes": (changing_speed, None, ("calibrate", "quick", "follow")),
+    "good: speed changes": (changing_speed, "changing", ("calibrate", "quick", "follow")),
     "good: rests": (with_rests, None, ("follow",)),
     "good: turns back": (reversing, "back and forth", ("follow",)),
 }

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from capsoc_tools.studies.verdict_sensors import TURN, log_uniform, sign
+from capsoc_tools.studies.verdict_sensors import SLOWEST, TURN, log_uniform, sign
 
 
 def steady(case):
@@ -126,8 +126,8 @@ def rest_in_stretch(case):
 
 
 def changing_speed(case):
-    """A shaft whose speed changes slowly: between a third of the speed and all of it, or by some percent."""
-    spread = case.draw.choice((0.05, 0.2, 0.6))
+    """A shaft whose speed changes slowly: between SLOWEST of the speed and all of it, or by some percent."""
+    spread = case.draw.choice((0.05, 0.2, 1 - SLOWEST))
     return speed_points(case, max(3, int(case.n / case.plan.turn / 4)), 1 - spread, 1)
 
 

@@ -149,7 +149,9 @@ def in_mode(elf, settings, demodulation, calibration, speed, margin):
 
 # How a program is used, and the speeds in turns a second of each but "usual", which is the program's own.
 STYLES = {"usual": None, "other": (0.04, 0.6), "long": (0.1, 1), "slow": (0.008, 0.03), "fast": (1, 9)}
-STYLES["back and forth"] = STYLES["other"]
+STYLES["back and forth"] = STYLES["changing"] = STYLES["other"]
+# A shaft of changing speed turns at least at this share of the plan's speed (verdict_motions.changing_speed).
+SLOWEST = 0.4
 
 
 def speed_for(draw, style, least=0.0, most=math.inf):
@@ -260,13 +262,15 @@ def plan_calibrate(draw, style):
         return Plan("calibrate", [], 5_100, (0, 5_000))
     speed = speed_for(draw, style)
     samples = calibration_of(draw, style, RATE / speed)
+    if style == "changing":  # a pass needs a whole turn, at the slowest speed too
+        samples = max(samples, int(1.05 / SLOWEST * RATE / speed))
     window = draw.choice((0, 0, odd_turns(draw, RATE / speed, 1.05, 3)))
     samples = max(samples, int(1.05 * window))  # a pass needs a whole one
     return Plan("calibrate", options(samples=samples, window_samples=window), samples + 100, (0, samples), speed)
 
 
 def plan_follow(draw, style):
-    rate = 250 if style == "usual" else draw.choice((250, 500, 1000))
+    rate = 250 if style in ("usual", "slow") else draw.choice((250, 500, 1000))
     any_speed = round(log_uniform(draw, 0.3, rate / 80), 4)
     speed = {"usual": 1.0, "other": any_speed, "back and forth": any_speed}.get(style) or speed_for(draw, style)
     turns = {
@@ -275,7 +279,8 @@ def plan_follow(draw, style):
         "slow": draw.randint(12, 20),
         "back and forth": draw.randint(30, 120),  # in a third of them it turns back, and it needs six good ones
     }.get(style) or draw.randint(15, 120)
-    seconds = min(math.ceil(turns / speed), 300_000 // rate)
+    # A lock needs about nine turns: the measured one, one that it begins in, and six good ones.
+    seconds = min(math.ceil(turns / speed), (400_000 if style == "slow" else 300_000) // rate)
     settings = options(rate_hz=rate, seconds=seconds)
     settings += options(measuring_seconds=400, longest_turn_seconds=100) if style == "slow" else []
     if style == "other" and draw.random() < 0.3:
