@@ -487,6 +487,16 @@ class Bounds(VerdictCase):
             self.assertTrue(verdict["pass"], program)
             self.assertIn("no second signal turns at almost its speed", verdict["conditions"], program)
 
+    def test_a_drift_while_the_harmonics_are_learnt_is_a_condition(self):
+        # Between two rounds of learning nothing is learnt: what each has added is the drift.
+        def drifting(k):
+            x = 2 * math.pi * turning(k)
+            return good_u(x) + 1e-7 * k, good_v(x), turning(k)
+
+        code, verdict = self.run_program("harmonics", "--sensor", self.record(drifting(k) for k in range(150_000)))
+        self.assertEqual(code, 0, self.process.stdout)
+        self.assertIn("no second signal turns at almost its speed", verdict["conditions"])
+
     def test_amplitudes_that_change_once_a_turn(self):
         # An eccentric magnet: to the samples' radius almost an offset, to a steady shaft an uneven turn.
         def eccentric(k):
