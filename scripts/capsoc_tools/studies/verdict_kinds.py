@@ -48,7 +48,7 @@ GOOD = {
     "good: slow": (steady, "slow", ("selfcal", "calibrate", "quick", "quick_known", "recursive", "follow")),
     "good: fast": (steady, "fast", ("selfcal", "track", "calibrate", "quick", "recursive", "follow")),
     "good: speed changes": (changing_speed, "changing", ("calibrate", "quick", "follow")),
-    "good: rests": (with_rests, None, ("follow",)),
+    "good: rests": (with_rests, "resting", ("follow",)),
     "good: turns back": (reversing, "back and forth", ("follow",)),
 }
 # What a pass may take for granted, by how its condition begins: a kind of these is then outside what the pass is about.

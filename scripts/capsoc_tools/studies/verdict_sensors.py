@@ -149,7 +149,7 @@ def in_mode(elf, settings, demodulation, calibration, speed, margin):
 
 # How a program is used, and the speeds in turns a second of each but "usual", which is the program's own.
 STYLES = {"usual": None, "other": (0.04, 0.6), "long": (0.1, 1), "slow": (0.008, 0.03), "fast": (1, 9)}
-STYLES["back and forth"] = STYLES["changing"] = STYLES["other"]
+STYLES["back and forth"] = STYLES["changing"] = STYLES["resting"] = STYLES["other"]
 # A shaft of changing speed turns at least at this share of the plan's speed (verdict_motions.changing_speed).
 SLOWEST = 0.4
 
@@ -272,7 +272,8 @@ def plan_calibrate(draw, style):
 def plan_follow(draw, style):
     rate = 250 if style in ("usual", "slow") else draw.choice((250, 500, 1000))
     any_speed = round(log_uniform(draw, 0.3, rate / 80), 4)
-    speed = {"usual": 1.0, "other": any_speed, "back and forth": any_speed}.get(style) or speed_for(draw, style)
+    any_of = ("other", "back and forth", "changing", "resting")
+    speed = 1.0 if style == "usual" else any_speed if style in any_of else speed_for(draw, style)
     turns = {
         "usual": 120,
         "long": draw.randint(200, 500),
@@ -285,6 +286,9 @@ def plan_follow(draw, style):
     settings += options(measuring_seconds=400, longest_turn_seconds=100) if style == "slow" else []
     if style == "other" and draw.random() < 0.3:
         settings += options(drift_per_s=draw.choice((0, 0.01)))
+    if style == "resting" and draw.random() < 0.3:
+        # The bound has six times the drift since the last good turn: of ten turns' time 10 deg.
+        settings += options(drift_per_s=draw.choice((0, round(0.003 * speed, 6))))
     begin = int(2.2 * rate / speed)
     return Plan(
         "follow",
