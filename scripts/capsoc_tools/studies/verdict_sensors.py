@@ -286,9 +286,11 @@ def plan_follow(draw, style):
     settings += options(measuring_seconds=400, longest_turn_seconds=100) if style == "slow" else []
     if style == "other" and draw.random() < 0.3:
         settings += options(drift_per_s=draw.choice((0, 0.01)))
+    # The bound has six times the drift since the last good turn: 10 degrees of ten turns' rest or of three slow turns.
     if style == "resting" and draw.random() < 0.3:
-        # The bound has six times the drift since the last good turn: of ten turns' time 10 deg.
         settings += options(drift_per_s=draw.choice((0, round(0.003 * speed, 6))))
+    if style == "slow":
+        settings += options(drift_per_s=draw.choice((0, round(0.01 * speed, 6))))
     begin = int(2.2 * rate / speed)
     return Plan(
         "follow",
