@@ -82,6 +82,7 @@ unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
       ahead ? clock_.time_of(core_.cycles()) - now : sc_core::SC_ZERO_TIME;
   sc_core::sc_time delay = begin;
   accessing_ = kind;
+  horizon_.give_way();  // a target may wait
   port(address, kind)->b_transport(payload_, delay);
   accessing_.reset();
   return static_cast<unsigned>(clock_.cycles_at(sc_core::sc_time_stamp() + delay) -

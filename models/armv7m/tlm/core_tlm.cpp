@@ -118,6 +118,7 @@ void CoreTlm::pause_if_due() {
   while (pause_ && horizon_.pause_at() <= now) {
     horizon_.plan_pause(sc_core::sc_max_time());
     polling_.forget_read();
+    horizon_.give_way();
     horizon_.plan_pause(std::max(pause_(now), now + sc_core::sc_time::from_value(1)));
   }
 }
@@ -206,6 +207,8 @@ bool CoreTlm::is_interrupted() {
 
 void CoreTlm::end(EndReason reason) {
   end_reason_ = reason;
+  horizon_.give_way();
+  if (ended_) return ended_(reason);
   sc_core::sc_stop();
 }
 

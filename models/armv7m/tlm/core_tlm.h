@@ -60,6 +60,10 @@ class CoreTlm : public sc_core::sc_module,
   /// A system reset from outside (a watchdog, a pin), before the next instruction.
   void request_reset();
 
+  /// Called when the processor has ended, in its process, instead of sc_stop(): with several
+  /// processors in one kernel the others continue. Unset: the simulation stops.
+  void on_end(std::function<void(EndReason)> callback) { ended_ = std::move(callback); }
+
   Core& core() { return core_; }
   const Core& core() const { return core_; }
   EndReason end_reason() const { return end_reason_; }
@@ -155,6 +159,7 @@ class CoreTlm : public sc_core::sc_module,
   uint64_t asked_at_ = 0;            // the cycle at which interrupted_ was asked last
   std::function<void()> reset_request_;
   std::function<bool()> interrupted_;
+  std::function<void(EndReason)> ended_;
   EndReason end_reason_ = EndReason::none;
   Debugger* debugger_ = nullptr;
   bool reset_requested_ = false;

@@ -45,6 +45,7 @@ EndReason Sleep::sleep() {
 /// Waits for what can come next. A reason: nothing can, and the sleep ends with it.
 std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) {
   const sc_core::sc_time longest_nap(1, sc_core::SC_MS);  // with a debugger
+  horizon_.give_way();
   sc_core::sc_time nap =
       end_on_idle_ ? end_on_idle_->deadline() - now : sc_core::sc_max_time() - now;
   if (horizon_.pause_at() > now && horizon_.pauses())

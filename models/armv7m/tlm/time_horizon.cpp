@@ -31,14 +31,17 @@ uint64_t TimeHorizon::begin_run(uint64_t longest) {
 
 void TimeHorizon::let_kernel_run(const sc_core::sc_time& time) {
   ++kernel_runs_;
+  turn_.give_way();
   sc_core::wait(time);
 }
 
 /// If the end of the simulation is at this instant there is no next instruction: sc_stop() lets the
 /// processes of its delta cycle run.
 void TimeHorizon::settle() {
-  while (sc_core::sc_pending_activity_at_current_time() || is_stopping())
-    let_kernel_run(sc_core::SC_ZERO_TIME);
+  if (!is_unsettled()) return;
+  ++kernel_runs_;
+  const SettlingTurn::Scope turn(turn_);
+  while (is_unsettled()) let_kernel_run(sc_core::SC_ZERO_TIME);
 }
 
 void TimeHorizon::synchronise() {

@@ -4,6 +4,7 @@
 #include <systemc>
 
 #include "armv7m/core.h"
+#include "armv7m/tlm/settling_turn.h"
 #include "kit/clock_domain.h"
 
 namespace capsoc::armv7m {
@@ -49,7 +50,12 @@ class TimeHorizon {
   /// what it waits for without an instant of its own. Behind a pause it synchronises.
   void follow();
   /// Everything else that happens at this instant happens before the processor's next instruction.
+  /// Of several processors in one kernel one executes after the other, each up to its next wait:
+  /// what they do to each other is exact to the quantum.
   void settle();
+  /// To be called before the processor's process waits other than by this object, or calls a
+  /// target that may wait in it.
+  void give_way() { turn_.give_way(); }
   /// Advances the core to the kernel. After a change to a faster clock inside an instruction the
   /// clock domain is ahead of the core: the core stalls.
   void catch_up();
@@ -59,6 +65,9 @@ class TimeHorizon {
  private:
   /// sc_stop() was called, by any process.
   static bool is_stopping() { return sc_core::sc_get_simulator_status() != sc_core::SC_SIM_OK; }
+  static bool is_unsettled() {
+    return sc_core::sc_pending_activity_at_current_time() || is_stopping();
+  }
   void set_bounds();
   void let_kernel_run(const sc_core::sc_time& time);
 
@@ -72,6 +81,7 @@ class TimeHorizon {
   uint64_t limit_ = 0;
   uint64_t end_of_run_ = 0;
   uint64_t kernel_runs_ = 0;
+  SettlingTurn turn_;
 };
 
 }  // namespace capsoc::armv7m
