@@ -10,6 +10,13 @@
 
 namespace capsoc::bus {
 
+namespace {
+
+/// Numbers of the processor's sockets, which begin at 0; those of further masters follow.
+constexpr int first_master = 3;
+
+}  // namespace
+
 AhbMatrix::AhbMatrix(const sc_core::sc_module_name& name, AddressMap map,
                      const kit::ClockDomain& clock)
     : sc_module(name),
@@ -22,6 +29,13 @@ AhbMatrix::AhbMatrix(const sc_core::sc_module_name& name, AddressMap map,
   serve(d_code, 1);
   serve(system, 2);
   make_ports();
+}
+
+AhbMatrix::TargetSocket& AhbMatrix::add_master(const std::string& name) {
+  masters_.push_back(std::make_unique<Master>(name.c_str()));
+  TargetSocket& socket = masters_.back()->socket;
+  serve(socket, first_master + static_cast<int>(masters_.size()) - 1);
+  return socket;
 }
 
 void AhbMatrix::serve(TargetSocket& socket, int id) {
@@ -63,7 +77,8 @@ Decoded AhbMatrix::decode(uint64_t address) const {
   return at;
 }
 
-void AhbMatrix::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+  if (id >= first_master) return transfer_of_master(payload, delay);
   if (!transfers.watched()) return transfer(payload, delay);
   auto* const write = payload.get_extension<kit::EarlyWrite>();
   if (write != nullptr && write->early) {
@@ -76,6 +91,35 @@ void AhbMatrix::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_
   // Each is to be seen, so none is to be left out.
   if (auto* const told = payload.get_extension<kit::SteadyRead>()) told->steady = false;
   if (write != nullptr) write->taken = false;
+}
+
+void AhbMatrix::transfer_of_master(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+  const sc_core::sc_time begin = delay;
+  transfer(payload, delay);
+  payload.set_dmi_allowed(false);
+  transfers(payload, begin, delay);
+  if (payload.is_write() && payload.is_response_ok())
+    tell_of_write(payload.get_address(),
+                  std::min(payload.get_data_length(), payload.get_streaming_width()));
+}
+
+/// All bytes lie in one window, or, of a debugger's write, in several.
+void AhbMatrix::tell_of_write(uint64_t address, uint64_t length) {
+  const bool told = replaced.watched();
+  while (length != 0) {
+    const Decoded at = decode(address);
+    if (at.entry == nullptr) return;
+    const uint64_t part = std::min(length, at.window_last - address + 1);
+    each_alias(port_of_entry_[at.index], at.local, at.local + part - 1,
+               [&](uint64_t first, uint64_t last) {
+                 if (told)
+                   replaced(first, last);
+                 else
+                   invalidate(first, last);
+               });
+    address += part;
+    length -= part;
+  }
 }
 
 void AhbMatrix::transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
@@ -94,7 +138,7 @@ void AhbMatrix::transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& de
     add_cycles(clock_, uint64_t{at.entry->wait_states} * word_count(payload), delay);
 }
 
-unsigned AhbMatrix::transport_dbg(int, tlm::tlm_generic_payload& payload) {
+unsigned AhbMatrix::transport_dbg(int id, tlm::tlm_generic_payload& payload) {
   // A debugger may ask for any range: it is served window by window up to the first hole.
   const PayloadRestorer restore(payload);
   const uint64_t address = payload.get_address();
@@ -113,15 +157,16 @@ unsigned AhbMatrix::transport_dbg(int, tlm::tlm_generic_payload& payload) {
     done += std::min(served, part);
     if (served < part) break;
   }
+  if (id >= first_master && payload.is_write()) tell_of_write(address, done);
   return done;
 }
 
-bool AhbMatrix::get_direct_mem_ptr(int, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
+bool AhbMatrix::get_direct_mem_ptr(int id, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
   const uint64_t address = payload.get_address();
   const Decoded at = decode(address);
   dmi.init();
   bool granted = false;
-  if (at.entry != nullptr) {
+  if (at.entry != nullptr && id < first_master) {
     payload.set_address(at.local);
     granted = (*ports_[port_of_entry_[at.index]].socket)->get_direct_mem_ptr(payload, dmi);
     payload.set_address(address);
@@ -148,23 +193,30 @@ bool AhbMatrix::get_direct_mem_ptr(int, tlm::tlm_generic_payload& payload, tlm::
 }
 
 void AhbMatrix::invalidate_direct_mem_ptr(int port, sc_dt::uint64 start, sc_dt::uint64 end) {
+  each_alias(static_cast<std::size_t>(port), start, end,
+             [this](uint64_t first, uint64_t last) { invalidate(first, last); });
+}
+
+/// Of the bytes of a port's target from `start` to `end`: call(first, last) with the bus addresses
+/// at which each window shows them.
+template <typename Call>
+void AhbMatrix::each_alias(std::size_t port, uint64_t start, uint64_t end, const Call& call) {
   for (std::size_t i = 0; i < map().size(); ++i) {
-    if (port_of_entry_[i] != static_cast<std::size_t>(port)) continue;
+    if (port_of_entry_[i] != port) continue;
     const MapEntry& entry = map()[i];
     if (entry.bus == BusKind::apb) continue;  // the bridge grants no direct memory
+    const uint64_t first = std::max(start, entry.offset);
+    const uint64_t last = std::min(end, entry.offset + entry.window() - 1);
+    if (first > last) continue;
     for (uint64_t base = entry.base; base <= entry.last(); base += entry.window())
-      invalidate_window(entry, base, start, end);
+      call(base + (first - entry.offset), base + (last - entry.offset));
   }
 }
 
-void AhbMatrix::invalidate_window(const MapEntry& entry, uint64_t base, uint64_t start,
-                                  uint64_t end) {
-  const uint64_t first = std::max(start, entry.offset);
-  const uint64_t last = std::min(end, entry.offset + entry.window() - 1);
-  if (first > last) return;
+/// Further masters have no direct memory.
+void AhbMatrix::invalidate(uint64_t first, uint64_t last) {
   for (TargetSocket* socket : {&i_code, &d_code, &system})
-    (*socket)->invalidate_direct_mem_ptr(base + (first - entry.offset),
-                                         base + (last - entry.offset));
+    (*socket)->invalidate_direct_mem_ptr(first, last);
 }
 
 }  // namespace capsoc::bus

@@ -21,7 +21,12 @@ namespace capsoc::bus {
 /// Decodes by the map, translates the address into the target's own, forwards, and adds the map's
 /// wait states to the delay after the target has answered. All three target sockets see the whole
 /// map: which bus carries which address is the processor's decision (Cortex-M3 manual, bus
-/// interfaces). One initiator at a time, so no arbitration is modelled.
+/// interfaces). Arbitration is not modelled: what masters do at one time costs none of them cycles.
+///
+/// Further masters (a DMA controller) get sockets of their own by add_master(). They are granted no
+/// direct memory, so the matrix sees all that they write, and code that they replace never runs
+/// stale: listeners of `replaced` are notified, or, if there are none, direct memory of the written
+/// range is invalidated at the other sockets, which is always right and slow.
 ///
 /// An address where nothing answers, or a transfer that leaves its window, gets
 /// TLM_ADDRESS_ERROR_RESPONSE. With an unsound map (see error()) nothing answers anywhere.
@@ -46,6 +51,14 @@ class AhbMatrix : public sc_core::sc_module {
   kit::Probe<const tlm::tlm_generic_payload&, const sc_core::sc_time&, const sc_core::sc_time&>
       transfers;
 
+  /// A target socket for a further master, to be bound like the three of the processor; in a module
+  /// of that name, which belongs to whatever is under construction. Before the elaboration ends.
+  /// Owned by the matrix.
+  TargetSocket& add_master(const std::string& name);
+
+  /// A further master has written memory: the first and last bus address, for each alias of it.
+  kit::Probe<uint64_t, uint64_t> replaced;
+
   /// The names that port() knows, in the order of the map.
   std::vector<std::string> targets() const;
 
@@ -59,20 +72,31 @@ class AhbMatrix : public sc_core::sc_module {
     std::unique_ptr<InitiatorSocket> socket;
   };
 
+  /// A socket cannot be added to a module that is complete, so each has one around it.
+  struct Master : sc_core::sc_module {
+    TargetSocket socket{"socket"};
+    explicit Master(const sc_core::sc_module_name& name) : sc_module(name) {}
+  };
+
   void make_ports();
   void serve(TargetSocket& socket, int id);
   Decoded decode(uint64_t address) const;
+  void transfer_of_master(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  void tell_of_write(uint64_t address, uint64_t length);
+  template <typename Call>
+  void each_alias(std::size_t port, uint64_t start, uint64_t end, const Call& call);
   void transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   void b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   unsigned transport_dbg(int id, tlm::tlm_generic_payload& payload);
   bool get_direct_mem_ptr(int id, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
   void invalidate_direct_mem_ptr(int port, sc_dt::uint64 start, sc_dt::uint64 end);
-  void invalidate_window(const MapEntry& entry, uint64_t base, uint64_t start, uint64_t end);
+  void invalidate(uint64_t first, uint64_t last);
 
   AddressDecoder decoder_;
   const kit::ClockDomain& clock_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;
+  std::vector<std::unique_ptr<Master>> masters_;
 };
 
 }  // namespace capsoc::bus

@@ -1,14 +1,16 @@
 // What every bus component checks of, and puts back into, a generic payload.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <tlm>
 
 namespace capsoc::bus {
 
-/// The transfer stays at or below `last`. A length of 0 fits: the target rejects it.
+/// The transfer stays at or below `last`: with its streaming width, over which its addresses
+/// repeat, or its length if that is less. A length or a width of 0 fits: the target rejects it.
 inline bool fits(const tlm::tlm_generic_payload& payload, uint64_t address, uint64_t last) {
-  const uint64_t length = payload.get_data_length();
+  const uint64_t length = std::min(payload.get_data_length(), payload.get_streaming_width());
   return length == 0 || length - 1 <= last - address;
 }
 

@@ -115,6 +115,8 @@ void Soc::bind() {
   cpu.dcode.bind(ahb.d_code);
   cpu.system.bind(ahb.system);
   ahb.port(bus::apb_bridge_target)->bind(apb.socket);
+  replaced_ = ahb.replaced.listen(
+      [this](uint64_t first, uint64_t last) { cpu.memory_replaced(first, last); });
   const bus::AddressMap map = board_map();
   for (kit::Component* part : components_) {
     const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());

@@ -28,6 +28,7 @@
 #include "coprocessor/tlm/coprocessor_tlm.h"
 #include "coprocessor/types.h"
 #include "kit/clock_domain.h"
+#include "kit/probe.h"
 #include "kit/register_target.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
@@ -120,6 +121,7 @@ class Soc : public sc_core::sc_module {
   /// Outputs that share a processor line are ORed (the UART overrun outputs of the AN385).
   std::array<int, armv7m::Core::interrupt_count> high_sources_{};
   std::vector<kit::Component*> components_;
+  kit::Listening replaced_;
 
   void list_components();
   void bind();

@@ -100,10 +100,12 @@ Bench::Bench()
       absent("absent", "absent", at::absent, [this] { return pc; }),
       fetch("fetch"),
       load("load"),
-      system("system") {
+      system("system"),
+      dma("dma") {
   fetch.socket.bind(matrix.i_code);
   load.socket.bind(matrix.d_code);
   system.socket.bind(matrix.system);
+  dma.socket.bind(matrix.add_master("dma_port"));
   matrix.port("ram")->bind(ram.socket);
   matrix.port("slow_ram")->bind(slow_ram.socket);
   matrix.port("small_ram")->bind(small_ram.socket);
@@ -119,7 +121,7 @@ void Bench::forget() {
   small_ram.clear();
   probe.forget();
   sluggish.forget();
-  for (Initiator* each : {&fetch, &load, &system}) each->invalidated.clear();
+  for (Initiator* each : {&fetch, &load, &system, &dma}) each->invalidated.clear();
 }
 
 Bench& bench() {

@@ -51,7 +51,7 @@ struct Bench {
   bus::Memory ram, slow_ram, small_ram;
   Probe probe, sluggish;
   bus::Unimplemented absent;
-  Initiator fetch, load, system;
+  Initiator fetch, load, system, dma;
   uint32_t pc = 0x1234;
 };
 

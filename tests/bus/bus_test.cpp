@@ -84,6 +84,52 @@ TEST_F(Matrix, RefusesATransferThatLeavesItsRange) {
   EXPECT_EQ(b.system.read(at::small_ram + 0x3fe).status, tlm::TLM_ADDRESS_ERROR_RESPONSE);
 }
 
+TEST_F(Matrix, JudgesAStreamAtTheEndOfARangeByItsWidth) {
+  unsigned char bytes[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+  tlm::tlm_generic_payload payload;
+  Initiator::describe(payload, tlm::TLM_WRITE_COMMAND, at::slow_ram + 0xffc, bytes, 8);
+  EXPECT_EQ(b.system.send(payload).status, tlm::TLM_ADDRESS_ERROR_RESPONSE);
+  payload.set_streaming_width(4);
+  payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  EXPECT_TRUE(b.system.send(payload).ok());
+  EXPECT_EQ(b.system.read(at::slow_ram + 0xffc).value, 0x08070605u);
+}
+
+TEST_F(Matrix, ServesAFurtherMasterWithoutDirectMemory) {
+  EXPECT_TRUE(b.dma.write(at::ram, 0x11223344).ok());
+  EXPECT_EQ(b.system.read(at::ram).value, 0x11223344u);
+  EXPECT_EQ(b.dma.read(at::slow_ram).delay, b.cycles(3));
+  tlm::tlm_dmi dmi;
+  EXPECT_FALSE(b.dma.direct_memory(at::ram, dmi));
+}
+
+TEST_F(Matrix, InvalidatesWhatAFurtherMasterWrites) {
+  b.dma.read(at::ram + 0x900);
+  b.system.write(at::ram + 0x900, 0);
+  EXPECT_TRUE(b.system.invalidated.empty());
+  b.dma.write(at::ram + 0x900, 1);
+  const std::vector<Initiator::Range> both = {{at::ram + 0x900, at::ram + 0x903},
+                                              {at::ram_alias + 0x100, at::ram_alias + 0x103}};
+  for (const Initiator* each : {&b.fetch, &b.load, &b.system}) EXPECT_EQ(each->invalidated, both);
+  EXPECT_TRUE(b.dma.invalidated.empty());
+}
+
+TEST_F(Matrix, NotifiesAListenerOfWhatAFurtherMasterWrites) {
+  std::vector<Initiator::Range> replaced;
+  const kit::Listening listening = b.matrix.replaced.listen([&](uint64_t first, uint64_t last) {
+    replaced.push_back({first, last});
+  });
+  b.dma.write(at::slow_ram + 4, 1, 2);
+  b.dma.write(at::probe, 1);
+  b.dma.write(at::nothing, 1);
+  unsigned char bytes[8] = {};
+  EXPECT_EQ(b.dma.debug(tlm::TLM_WRITE_COMMAND, at::slow_ram + 8, bytes, 8), 8u);
+  const std::vector<Initiator::Range> expected = {{at::slow_ram + 4, at::slow_ram + 5},
+                                                  {at::slow_ram + 8, at::slow_ram + 15}};
+  EXPECT_EQ(replaced, expected);
+  EXPECT_TRUE(b.system.invalidated.empty());
+}
+
 TEST_F(Matrix, GrantsDirectMemoryClippedToTheRange) {
   tlm::tlm_dmi dmi;
   ASSERT_TRUE(b.fetch.direct_memory(at::ram + 0x100, dmi));

@@ -1,15 +1,13 @@
-// Two systems in one SystemC kernel are to each other as if each were alone. Each simulation has a
-// process of its own: SystemC's kernel cannot be started twice.
+// Two systems in one SystemC kernel are to each other as if each were alone.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "../elsewhere.h"
 #include "loader/elf_image.h"
 #include "loader/program_file.h"
 #include "soc/soc.h"
@@ -78,14 +76,10 @@ class Board {
   kit::Listening printing_;
 };
 
-/// The figures of all parts, simulated together in a process of their own.
+/// The figures of all parts, simulated together.
 std::string simulate(const std::vector<Part>& parts) {
-  int ends[2];
-  if (pipe(ends) != 0) return "no pipe";
-  const pid_t child = fork();
-  if (child == 0) {
+  return test::elsewhere([&] {
     sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
-    alarm(60);  // two that wait for each other never end
     std::vector<std::unique_ptr<Board>> boards;
     std::size_t running = parts.size();
     for (const Part& part : parts)
@@ -95,17 +89,8 @@ std::string simulate(const std::vector<Part>& parts) {
     sc_core::sc_start();
     std::string said;
     for (const auto& board : boards) said += board->figures();
-    const bool written = write(ends[1], said.data(), said.size()) == ssize_t(said.size());
-    _exit(written ? 0 : 1);
-  }
-  close(ends[1]);
-  std::string said;
-  char bytes[4096];
-  for (ssize_t n = 0; (n = read(ends[0], bytes, sizeof bytes)) > 0;) said.append(bytes, size_t(n));
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return status == 0 ? said : fmt::format("{} (status {})", said, status);
+    return said;
+  });
 }
 
 void expect_as_alone(const std::vector<Part>& parts) {

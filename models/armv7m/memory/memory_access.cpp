@@ -29,6 +29,12 @@ bool never_executes(uint32_t address) {
   return region == 2 || region >= 5;
 }
 
+/// Normal memory in the default map (B3.1): the Code, SRAM and external RAM regions.
+bool is_normal(uint32_t address) {
+  const unsigned region = address >> 29;
+  return region <= 1 || region == 3 || region == 4;
+}
+
 /// Largest aligned piece of what is left of an unaligned access.
 unsigned piece(uint32_t address, unsigned left) {
   return (address & 1) != 0 || left == 1 ? 1 : 2;
@@ -64,6 +70,12 @@ BusResult MemoryAccess::observe(const DirectAccess& access, BusResult result) co
   return result;
 }
 
+/// Memory that the bus serves and does not grant. An access to it overlaps with its neighbours as
+/// one to direct memory does; the one that maps direct memory does not.
+bool MemoryAccess::is_memory_behind_bus(uint32_t address) const {
+  return is_normal(address) && memory_.find(address) == nullptr;
+}
+
 BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t& value) {
   value = 0;
   const Memory::Page& page = memory_.page(address);
@@ -84,6 +96,7 @@ BusResult MemoryAccess::read_physical(uint32_t address, unsigned size, uint32_t&
   unsigned wait = 0;
   context_.state.stalled = true;
   const bool good = bus_.read(address, size, value, wait, AccessKind::load);
+  if (good && is_memory_behind_bus(address)) context_.state.stalled = false;
   add_cycles(wait);
   value = low_bytes(value, size);
   return good ? BusResult::device : BusResult::bus_error;
@@ -118,6 +131,7 @@ BusResult MemoryAccess::write_physical(uint32_t address, unsigned size, uint32_t
   unsigned wait = 0;
   context_.state.stalled = true;
   const bool good = bus_.write(address, size, value, wait);
+  if (good && is_memory_behind_bus(address)) context_.state.stalled = false;
   add_cycles(wait);
   return good ? BusResult::device : BusResult::bus_error;
 }

@@ -87,6 +87,7 @@ class MemoryAccess {
   bool debug_write(uint32_t address, const void* data, uint32_t size);
 
  private:
+  bool is_memory_behind_bus(uint32_t address) const;
   BusResult write_physical(uint32_t address, unsigned size, uint32_t value);
   BusResult observe(const DirectAccess& access, BusResult result) const;
   /// observe(), if there is somebody.

@@ -1,12 +1,33 @@
 #include "armv7m/tlm/bus_access.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 
 namespace capsoc::armv7m {
 namespace {
 
 constexpr uint32_t code_region_end =
     0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
+
+/// The part of the address space around an address in which direct memory may lie: between the
+/// borders of the ports, the bit-band aliases and the private peripheral bus (ARMv7-M B3.1), all of
+/// which the core decodes itself. A port may grant more, up to all there is.
+struct Range {
+  uint64_t first, last;
+};
+Range part_around(uint32_t address) {
+  constexpr std::array<uint64_t, 9> borders{0,          code_region_end, 0x22000000,
+                                            0x24000000, 0x42000000,      0x44000000,
+                                            0xE0000000, 0xE0100000,      0x100000000};
+  const auto* const next = std::upper_bound(borders.begin(), borders.end(), uint64_t{address});
+  return {*(next - 1), *next - 1};
+}
+
+/// Refusals are remembered by pages of 4 KiB, however far a port says they reach.
+uint32_t refusal(uint32_t address, bool store) {
+  return (address >> 12) << 1 | (store ? 1 : 0);
+}
 
 }  // namespace
 
@@ -28,22 +49,61 @@ BusAccess::Port& BusAccess::port(uint32_t address, AccessKind kind) {
 }
 
 bool BusAccess::map_if_memory(uint32_t address, AccessKind kind) {
+  const bool store = kind == AccessKind::store;
+  if (refused_.count(refusal(address, store)) != 0) return false;
+  if (map_granted(address, kind, tlm::TLM_WRITE_COMMAND)) return true;
+  // A flash grants reads only.
+  if (!store && map_granted(address, kind, tlm::TLM_READ_COMMAND)) return true;
+  refused_.insert(refusal(address, store));
+  return false;
+}
+
+/// Maps the memory at an address if its port grants it for this command, and for reads in any case.
+bool BusAccess::map_granted(uint32_t address, AccessKind kind, tlm::tlm_command command) {
   tlm::tlm_generic_payload request;
   tlm::tlm_dmi memory;
   request.set_address(address);
-  request.set_command(tlm::TLM_WRITE_COMMAND);
+  request.set_command(command);
   if (!port(address, kind)->get_direct_mem_ptr(request, memory)) return false;
-  const uint64_t size = memory.get_end_address() - memory.get_start_address() + 1;
-  const sc_core::sc_time now = sc_core::sc_time_stamp();
-  const auto wait_states = static_cast<unsigned>(clock_.cycles_at(now + memory.get_read_latency()) -
-                                                 clock_.cycles_at(now));
-  core_.map_memory(static_cast<uint32_t>(memory.get_start_address()), static_cast<uint32_t>(size),
-                   memory.get_dmi_ptr(), memory.is_write_allowed(), wait_states);
+  if (!memory.is_read_allowed() || memory.get_dmi_ptr() == nullptr) return false;
+  if (command == tlm::TLM_WRITE_COMMAND && !memory.is_write_allowed()) return false;
+  if (address < memory.get_start_address() || address > memory.get_end_address()) return false;
+  map(address, memory);
   return true;
 }
 
+void BusAccess::map(uint32_t address, const tlm::tlm_dmi& memory) {
+  const Range part = part_around(address);
+  const uint64_t first = std::max<uint64_t>(part.first, memory.get_start_address());
+  const uint64_t last = std::min<uint64_t>(part.last, memory.get_end_address());
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const auto wait_states = static_cast<unsigned>(clock_.cycles_at(now + memory.get_read_latency()) -
+                                                 clock_.cycles_at(now));
+  core_.map_memory(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1),
+                   memory.get_dmi_ptr() + (first - memory.get_start_address()),
+                   memory.is_write_allowed(), wait_states);
+}
+
+void BusAccess::forget_refusals(uint64_t first, uint64_t last) {
+  for (auto refused = refused_.begin(); refused != refused_.end();) {
+    const uint64_t page = uint64_t{*refused >> 1} << 12;
+    refused = page <= last && page + 0xFFF >= first ? refused_.erase(refused) : std::next(refused);
+  }
+}
+
 void BusAccess::invalidate(uint64_t first, uint64_t last) {
-  core_.unmap_memory(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1));
+  constexpr uint64_t half = 0x80000000;
+  forget_refusals(first, last);
+  last = std::min<uint64_t>(last, 2 * half - 1);
+  if (first > last) return;
+  // All of the address space has no size of 32 bits.
+  if (first < half)
+    core_.unmap_memory(static_cast<uint32_t>(first),
+                       static_cast<uint32_t>(std::min(last, half - 1) - first + 1));
+  if (last >= half) {
+    const uint64_t from = std::max(first, half);
+    core_.unmap_memory(static_cast<uint32_t>(from), static_cast<uint32_t>(last - from + 1));
+  }
   granted_.erase(std::remove_if(granted_.begin(), granted_.end(),
                                 [&](const Granted& granted) {
                                   return granted.address >= first && granted.address <= last;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <systemc>
 #include <tlm>
+#include <unordered_set>
 #include <vector>
 
 #include "armv7m/core.h"
@@ -68,6 +69,9 @@ class BusAccess {
   unsigned transport(uint32_t address, AccessKind kind, bool may_write_early);
   unsigned send(uint32_t address, AccessKind kind, bool ahead);
   bool map_if_memory(uint32_t address, AccessKind kind);
+  bool map_granted(uint32_t address, AccessKind kind, tlm::tlm_command command);
+  void map(uint32_t address, const tlm::tlm_dmi& memory);
+  void forget_refusals(uint64_t first, uint64_t last);
 
   Ports ports_;
   kit::ClockDomain& clock_;
@@ -81,6 +85,9 @@ class BusAccess {
   unsigned early_size_ = 0;
   std::optional<AccessKind> accessing_;
   std::vector<Granted> granted_;
+  /// Pages for which a port has refused direct memory, so that it is not asked at every access:
+  /// twice the number of the page, plus one where it was a store that asked.
+  std::unordered_set<uint32_t> refused_;
 };
 
 }  // namespace capsoc::armv7m

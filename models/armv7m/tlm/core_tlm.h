@@ -57,6 +57,11 @@ class CoreTlm : public sc_core::sc_module,
   void set_interrupt(unsigned line, bool level);
   /// A rising edge of the NMI input.
   void pulse_nmi();
+  /// Another master has written memory from one address to another: what was decoded or translated
+  /// from there is dropped. For masters on a bus::AhbMatrix that is what its `replaced` is for.
+  void memory_replaced(uint64_t first, uint64_t last) {
+    core_.invalidate_code(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1));
+  }
   /// A system reset from outside (a watchdog, a pin), before the next instruction.
   void request_reset();
 
@@ -66,7 +71,9 @@ class CoreTlm : public sc_core::sc_module,
 
   Core& core() { return core_; }
   const Core& core() const { return core_; }
-  EndReason end_reason() const { return end_reason_; }
+  /// `asleep` is no end: what the host does may still wake it, if sc_start() is called again or the
+  /// kernel waits for the host (Sleep::until_woken).
+  EndReason end_reason() const { return sleep_.is_without_end() ? EndReason::asleep : end_reason_; }
 
   /// What the access that is on a socket now is for; nothing: it is not the core's (a debugger's).
   std::optional<AccessKind> accessing() const { return bus_.accessing(); }

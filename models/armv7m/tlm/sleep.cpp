@@ -29,7 +29,7 @@ EndReason Sleep::sleep() {
   while (!core_.wake_pending() && !client_.must_wake()) {
     const sc_core::sc_time now = sc_core::sc_time_stamp();
     if (end_on_idle_ && end_on_idle_->is_over(now)) return EndReason::end_on_idle;
-    if (const std::optional<EndReason> ends = wait_for_something(now)) return *ends;
+    if (!wait_for_something(now)) return EndReason::none;
     horizon_.settle();
     horizon_.catch_up();
     if (client_.is_interrupted()) return EndReason::interrupted;
@@ -42,8 +42,8 @@ EndReason Sleep::sleep() {
   return EndReason::none;
 }
 
-/// Waits for what can come next. A reason: nothing can, and the sleep ends with it.
-std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) {
+/// Waits for what can come next. False: nothing can, and the debugger takes over.
+bool Sleep::wait_for_something(const sc_core::sc_time& now) {
   const sc_core::sc_time longest_nap(1, sc_core::SC_MS);  // with a debugger
   horizon_.give_way();
   sc_core::sc_time nap =
@@ -55,21 +55,23 @@ std::optional<EndReason> Sleep::wait_for_something(const sc_core::sc_time& now) 
     const sc_core::sc_time until = clock_.time_of(internal);
     if (client_.has_debugger()) nap = std::min(nap, longest_nap);
     if (until > now) sc_core::wait(std::min(until - now, nap), wake_);
-    return std::nullopt;
+    return true;
   }
   if (client_.has_debugger() && sc_core::sc_pending_activity()) {
     sc_core::wait(std::min(nap, longest_nap), wake_);
-    return std::nullopt;
+    return true;
   }
-  // Nothing in the kernel and nothing in the core: this sleep has no end.
-  if (client_.has_debugger() && client_.debugger_takes_over()) return EndReason::none;
+  if (client_.has_debugger() && client_.debugger_takes_over()) return false;
+  // The host may still wake it through a channel that the kernel waits for, and only the kernel
+  // knows whether there is one: so this does not stop the simulation, sc_start() returns.
   const bool goes_on = end_on_idle_ || (expects_inputs_ && horizon_.pauses());
-  if (!goes_on && !sc_core::sc_pending_activity()) return EndReason::asleep;
-  if (end_on_idle_ || horizon_.pauses())
+  without_end_ = !goes_on && !sc_core::sc_pending_activity();
+  if (end_on_idle_ || (horizon_.pauses() && !without_end_))
     sc_core::wait(nap, wake_);
   else
     sc_core::wait(wake_);
-  return std::nullopt;
+  without_end_ = false;
+  return true;
 }
 
 }  // namespace capsoc::armv7m

@@ -38,8 +38,12 @@ class Sleep {
   Sleep(kit::ClockDomain& clock, Core& core, TimeHorizon& horizon, Client& client)
       : clock_(clock), core_(core), horizon_(horizon), client_(client) {}
 
-  /// Sleeps. Anything but `none` ends the simulation.
+  /// Sleeps. Anything but `none` ends the simulation. A sleep that nothing in the kernel or in the
+  /// core can end goes on: sc_start() returns, unless the kernel waits for a channel of the host's
+  /// (sc_prim_channel::async_attach_suspending).
   EndReason until_woken();
+  /// Nothing in the kernel or in the core can end the present sleep.
+  bool is_without_end() const { return without_end_; }
   /// Looks again whether there is a reason to wake up. From any process, at any time.
   void wake() { wake_.notify(sc_core::SC_ZERO_TIME); }
 
@@ -60,7 +64,7 @@ class Sleep {
 
  private:
   EndReason sleep();
-  std::optional<EndReason> wait_for_something(const sc_core::sc_time& now);
+  bool wait_for_something(const sc_core::sc_time& now);
 
   kit::ClockDomain& clock_;
   Core& core_;
@@ -69,6 +73,7 @@ class Sleep {
   sc_core::sc_event wake_;
   std::optional<EndOnIdle> end_on_idle_;
   bool expects_inputs_ = false;
+  bool without_end_ = false;
 };
 
 }  // namespace capsoc::armv7m
