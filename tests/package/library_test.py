@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""The models as libraries: what is installed, and four projects that are built against it alone (docs/library.md)."""
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from harness import BUILD, SOURCE
+
+CTEST = {"name": "package: library", "whole": True}
+
+CLEAN = {
+    k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")
+}
+PROJECTS = SOURCE / "tests/package/projects"
+# Headers that a component's user has asked for.
+ASKED_FOR = {"identification": "/eigen3/"}
+THIRD_PARTY = re.compile(r"/(fmt|spdlog|nlohmann|asmjit|eigen3|toml\+\+|CLI|yaml\.h|zlib\.h)")
+
+
+def do(*command, cwd=None, environment=None, code=0):
+    done = subprocess.run(
+        [*map(str, command)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=400,
+        check=False,
+        env=CLEAN | (environment or {}),
+        stdin=subprocess.DEVNULL,
+    )
+    if done.returncode != code:
+        raise AssertionError(f"{command}: {done.returncode}\n{done.stdout[-4000:]}{done.stderr[-4000:]}")
+    return done.stdout
+
+
+class Library(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        top = Path(folder.name).resolve()
+        for component in ("development", "rtl"):
+            do("cmake", "--install", BUILD, "--prefix", top / "first", "--component", component)
+        # It may be moved.
+        cls.tree = top / "a place with blanks"
+        (top / "first").rename(cls.tree)
+        cls.include = cls.tree / "include/capsoc"
+        cls.work = top / "work"
+        cls.work.mkdir()
+
+    def project(self, name):
+        source = self.work / name
+        shutil.copytree(PROJECTS / name, source)
+        build = source / "build"
+        do("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_CXX_FLAGS=-Wall -Wextra")
+        do("cmake", "--build", build)
+        for line in do("cmake", "--build", build, "--", "-v", "-n").splitlines():
+            self.assertNotIn(str(SOURCE), line)
+        output = do(build / name, environment={"SYSTEMC_DISABLE_COPYRIGHT_MESSAGE": "1"})
+        return output.strip()
+
+    def test_a_system_of_capsocs_parts(self):
+        self.assertEqual(self.project("own_soc"), "ok\nasleep: 1")
+
+    def test_the_processor_with_a_uart_of_somebody_else(self):
+        self.assertEqual(self.project("foreign_uart"), "0123456789\ninstructions: 45, microseconds: 11")
+
+    def test_the_coprocessor_under_an_initiator_of_somebody_else(self):
+        self.assertEqual(self.project("foreign_initiator"), "ID: 43415053\nangle: 30.0000 degrees")
+
+    def test_the_identification_without_a_simulation(self):
+        self.assertEqual(self.project("fit"), "a1 0.6000, a2 0.7000, b1 0.1000, b2 -0.0500, beta 0.2000")
+        linked = do("ldd", self.work / "fit/build/fit")
+        self.assertNotIn("systemc", linked)
+
+    def test_pkg_config_knows_the_parts(self):
+        environment = {"PKG_CONFIG_PATH": str(self.tree / "lib/pkgconfig")}
+        self.assertEqual(do("pkg-config", "--modversion", "capsoc-armv7m", environment=environment).count("."), 2)
+        flags = do("pkg-config", "--cflags", "--libs", "capsoc-identification", environment=environment)
+        program = self.work / "by_pkg_config"
+        flags = flags.replace("\\ ", "\0").split()
+        flags = [flag.replace("\0", " ") for flag in flags]
+        do("g++", "-std=c++17", PROJECTS / "fit/main.cpp", *flags, "-o", program)
+        self.assertIn("a1 0.6000", do(program))
+
+    def test_a_component_that_is_none_is_named(self):
+        (self.work / "wrong").mkdir()
+        (self.work / "wrong/CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.16)\nproject(wrong LANGUAGES CXX)\n"
+            "find_package(capsoc REQUIRED COMPONENTS armv7m armv8)\n"
+        )
+        with self.assertRaisesRegex(AssertionError, r"capsoc has no component\s+'armv8'"):
+            do("cmake", "-S", self.work / "wrong", "-B", self.work / "wrong/build", f"-DCMAKE_PREFIX_PATH={self.tree}")
+
+    def headers(self):
+        return sorted(self.include.rglob("*.h"))
+
+    def test_each_header_compiles_alone_and_asks_for_no_other_library(self):
+        systemc = do("pkg-config", "--cflags", "systemc", "eigen3").split()
+        unit = self.work / "alone.cpp"
+        wrong = []
+        for header in self.headers():
+            part = header.relative_to(self.include).parts[0]
+            unit.write_text(f'#include "{header.relative_to(self.include)}"\n')
+            command = ["g++", "-std=c++17", "-fsyntax-only", "-MD", "-MF", self.work / "alone.d", "-I", self.include]
+            try:
+                do(*command, "-DSC_INCLUDE_DYNAMIC_PROCESSES", *systemc, unit)
+            except AssertionError as error:
+                wrong.append(f"{header}: {error}")
+                continue
+            for used in (self.work / "alone.d").read_text().split():
+                if THIRD_PARTY.search(used) and ASKED_FOR.get(part, "-") not in used:
+                    wrong.append(f"{header}: {used}")
+                    break
+        self.assertEqual(wrong, [])
+
+    def test_macros_have_a_prefix(self):
+        for header in self.headers():
+            for name in re.findall(r"^\s*#\s*define\s+(\w+)", header.read_text(), re.M):
+                self.assertRegex(name, "^CAPSOC_", header)
+
+    def test_symbols_are_in_the_namespace(self):
+        allowed = re.compile(
+            r"^(vtable|typeinfo|typeinfo name|guard variable|non-virtual thunk|virtual thunk|VTT)?( for | to )?capsoc::"
+        )
+        for archive in sorted((self.tree / "lib").glob("libcapsoc_*.a")):
+            for line in do("nm", "-C", "--defined-only", "--extern-only", archive).splitlines():
+                found = re.match(r"[0-9a-f]+ ([TDBR]) (.*)", line)
+                if found:
+                    self.assertRegex(found[2], allowed, archive)
+
+
+if __name__ == "__main__":
+    unittest.main()
