@@ -68,7 +68,7 @@ class Library(unittest.TestCase):
         self.assertEqual(self.project("own_soc"), "ok\nasleep: 1")
 
     def test_the_processor_with_a_uart_of_somebody_else(self):
-        self.assertEqual(self.project("foreign_uart"), "0123456789\ninstructions: 45, microseconds: 11")
+        self.assertEqual(self.project("foreign_uart"), "0123456789\ninstructions: 46, microseconds: 11")
 
     def test_the_coprocessor_under_an_initiator_of_somebody_else(self):
         self.assertEqual(self.project("foreign_initiator"), "ID: 43415053\nangle: 30.0000 degrees")
@@ -120,9 +120,13 @@ class Library(unittest.TestCase):
         self.assertEqual(wrong, [])
 
     def test_macros_have_a_prefix(self):
+        # A header that fills a table from a .def file takes its macro back, or the file does.
+        tables = "".join(table.read_text() for table in self.include.rglob("*.def"))
         for header in self.headers():
-            for name in re.findall(r"^\s*#\s*define\s+(\w+)", header.read_text(), re.M):
-                self.assertRegex(name, "^CAPSOC_", header)
+            text = header.read_text()
+            for name in re.findall(r"^\s*#\s*define\s+(\w+)", text, re.M):
+                if not re.search(rf"^\s*#\s*undef\s+{name}\b", text + tables, re.M):
+                    self.assertRegex(name, "^CAPSOC_", header)
 
     def test_symbols_are_in_the_namespace(self):
         allowed = re.compile(

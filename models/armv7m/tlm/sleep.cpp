@@ -64,13 +64,13 @@ bool Sleep::wait_for_something(const sc_core::sc_time& now) {
   if (client_.has_debugger() && client_.debugger_takes_over()) return false;
   // The host may still wake it through a channel that the kernel waits for, and only the kernel
   // knows whether there is one: so this does not stop the simulation, sc_start() returns.
-  const bool goes_on = end_on_idle_ || (expects_inputs_ && horizon_.pauses());
-  without_end_ = !goes_on && !sc_core::sc_pending_activity();
-  if (end_on_idle_ || (horizon_.pauses() && !without_end_))
-    sc_core::wait(nap, wake_);
-  else
+  const bool goes_on = expects_inputs_ || sc_core::sc_pending_activity();
+  only_woken_ = !end_on_idle_ && !(horizon_.pauses() && goes_on);
+  if (only_woken_)
     sc_core::wait(wake_);
-  without_end_ = false;
+  else
+    sc_core::wait(nap, wake_);
+  only_woken_ = false;
   return true;
 }
 

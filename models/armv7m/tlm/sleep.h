@@ -43,7 +43,7 @@ class Sleep {
   /// (sc_prim_channel::async_attach_suspending).
   EndReason until_woken();
   /// Nothing in the kernel or in the core can end the present sleep.
-  bool is_without_end() const { return without_end_; }
+  bool is_without_end() const { return only_woken_ && !sc_core::sc_pending_activity(); }
   /// Looks again whether there is a reason to wake up. From any process, at any time.
   void wake() { wake_.notify(sc_core::SC_ZERO_TIME); }
 
@@ -73,7 +73,7 @@ class Sleep {
   sc_core::sc_event wake_;
   std::optional<EndOnIdle> end_on_idle_;
   bool expects_inputs_ = false;
-  bool without_end_ = false;
+  bool only_woken_ = false;  // waits for wake() and for no time
 };
 
 }  // namespace capsoc::armv7m

@@ -16,6 +16,8 @@ namespace registers = capsoc::registers::coprocessor;
 
 struct Initiator : sc_core::sc_module {
   tlm_utils::simple_initiator_socket<Initiator> socket{"socket"};
+  // The other two buses of a Cortex-M3, which the matrix has and this initiator does not use.
+  tlm_utils::simple_initiator_socket<Initiator> no_icode{"no_icode"}, no_dcode{"no_dcode"};
 
   explicit Initiator(const sc_core::sc_module_name& name) : sc_module(name) {
     SC_HAS_PROCESS(Initiator);
@@ -70,6 +72,8 @@ int sc_main(int, char**) {
   capsoc::coprocessor::CoprocessorTlm coprocessor("coprocessor", clock);
   Initiator initiator("initiator");
   initiator.socket.bind(ahb.system);
+  initiator.no_icode.bind(ahb.i_code);
+  initiator.no_dcode.bind(ahb.d_code);
   ahb.port(capsoc::bus::apb_bridge_target)->bind(apb.socket);
   apb.port("coprocessor")->bind(coprocessor.socket);
   sc_core::sc_start(sc_core::sc_time(1, sc_core::SC_MS));

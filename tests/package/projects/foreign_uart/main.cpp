@@ -96,6 +96,7 @@ int sc_main(int, char**) {
   std::memcpy(ram.bytes.data(), vectors, sizeof vectors);
   std::memcpy(ram.bytes.data() + 0x40, program, sizeof program);
   cpu.core().listeners().semihosting = [](capsoc::armv7m::Core&) { return false; };
+  sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   sc_core::sc_start();
   std::printf("instructions: %llu, microseconds: %d\n",
               static_cast<unsigned long long>(cpu.core().instructions()),
