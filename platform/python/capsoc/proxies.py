@@ -1,0 +1,290 @@
+"""Parts of a simulation as Python objects: registers and fields by attribute, memory, pins, sensor, ADC."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+from .arrays import Outgoing
+from .errors import SimulationError
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+Numbers = Union[float, Iterable[float]]
+
+
+class Register:
+    """A register, read at each use without side effects. Its fields are attributes; assigning one keeps the others."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, simulation: Simulation, name: str) -> None:
+        self.__dict__.update(_simulation=simulation, _name=name)
+
+    @property
+    def value(self) -> int:
+        """The word."""
+        return int(self._read()["value"])
+
+    @property
+    def fields(self) -> dict[str, int]:
+        """All fields by name."""
+        return dict(self._read().get("fields", {}))
+
+    def _read(self) -> dict[str, Any]:
+        return self._simulation.call("register.read", name=self._name)
+
+    def __getattr__(self, field: str) -> int:
+        if field.startswith("_"):
+            raise AttributeError(field)
+        return int(self._simulation.call("register.read", name=f"{self._name}.{field}")["value"])
+
+    def __setattr__(self, field: str, value: int) -> None:
+        name = self._name if field == "value" else f"{self._name}.{field}"
+        self._simulation.call("register.write", name=name, value=int(value))
+
+    def __int__(self) -> int:
+        return self.value
+
+    __index__ = __int__
+
+    def __bool__(self) -> bool:
+        return self.value != 0
+
+    def __eq__(self, other: object) -> bool:
+        return self.value == (other.value if isinstance(other, Register) else other)
+
+    def __repr__(self) -> str:
+        read = self._read()
+        fields = ", ".join(f"{name} {value}" for name, value in read.get("fields", {}).items())
+        return f"<{self._name} 0x{read['value']:08x}{': ' if fields else ''}{fields}>"
+
+
+class Peripheral:
+    """A peripheral by its name in the register description: its registers are attributes."""
+
+    def __init__(self, simulation: Simulation, name: str) -> None:
+        self.__dict__.update(_simulation=simulation, _name=name)
+
+    def __getattr__(self, register: str) -> Any:
+        if register.startswith("_"):
+            raise AttributeError(register)
+        return Register(self._simulation, f"{self._name}.{register}")
+
+    def __setattr__(self, register: str, value: int) -> None:
+        self._simulation.call("register.write", name=f"{self._name}.{register}", value=int(value))
+
+    def __dir__(self) -> list[str]:
+        found = self._simulation.call("register.list")["peripherals"]
+        return [r["name"] for peripheral in found if peripheral["name"] == self._name for r in peripheral["registers"]]
+
+    def __repr__(self) -> str:
+        return f"<{self._name}: {', '.join(self.__dir__())}>"
+
+
+class Coprocessor(Peripheral):
+    """The coprocessor: registers in capitals (STATUS.LOCK), signals of its newest result in small letters.
+
+    Signals: a1, a2, b1, b2, error_u, error_v, error_average (fractions of full scale), beta_deg, phi_deg, angle_deg
+    (degrees), angle_valid, status, flags.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.islower() or name.startswith("_"):
+            return super().__getattr__(name)
+        return _member(self._simulation.call("coprocessor.read")["signals"], name, "signal of the coprocessor")
+
+    def __dir__(self) -> list[str]:
+        return super().__dir__() + list(self._simulation.call("coprocessor.read")["signals"])
+
+
+class Registers:
+    """All peripherals as attributes, such as `simulation.registers.UART0.STATE.TXFULL`."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def __getattr__(self, name: str) -> Peripheral:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return Peripheral(self._simulation, name)
+
+    def __dir__(self) -> list[str]:
+        return [peripheral["name"] for peripheral in self._simulation.call("register.list")["peripherals"]]
+
+
+class Processor:
+    """The processor's registers as attributes: r0 to r12, sp, lr, pc, xpsr, msp, psp, primask and so on."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.__dict__.update(_simulation=simulation)
+
+    def __getattr__(self, name: str) -> int:
+        return int(_member(self._simulation.call("processor.read")["registers"], name, "register of the processor"))
+
+    def __setattr__(self, name: str, value: int) -> None:
+        self._simulation.call("processor.write", register=name, value=int(value))
+
+    def __dir__(self) -> list[str]:
+        return list(self._simulation.call("processor.read")["registers"])
+
+
+class SensorParameters:
+    """The sensor's parameters as attributes; an assignment holds from this simulated instant on."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.__dict__.update(_simulation=simulation)
+
+    def set(self, **parameters: float) -> None:
+        """Sets several parameters at the same instant."""
+        self._simulation.call("sensor.set", parameters={name: float(value) for name, value in parameters.items()})
+
+    def read(self) -> dict[str, float]:
+        """All parameters: a1, a2, b1, b2 in fractions of full scale, beta_deg and phi_deg in degrees."""
+        return self._simulation.call("sensor.read")["parameters"]
+
+    def __getattr__(self, name: str) -> float:
+        return _member(self.read() if not name.startswith("_") else {}, name, "parameter of the sensor")
+
+    def __setattr__(self, name: str, value: float) -> None:
+        self.set(**{name: value})
+
+    def __dir__(self) -> list[str]:
+        return ["read", "set", *self.read()]
+
+
+class Adc:
+    """The converter between sensor and coprocessor."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def inject(self, u: Numbers, v: Numbers, samples: Optional[int] = None) -> None:
+        """The next conversions give these values, fractions of full scale; after them the sensor continues.
+
+        u, v: sequences of the same length, or numbers that are repeated for `samples` conversions (1 unless said).
+        """
+        lists = [[float(x)] if isinstance(x, (int, float)) else [float(value) for value in x] for x in (u, v)]
+        length = samples if samples is not None else max(map(len, lists))
+        repeated = [part * length if len(part) == 1 else part for part in lists]
+        if {len(part) for part in repeated} != {length}:
+            raise ValueError(
+                f"adc.inject: u and v have {len(lists[0])} and {len(lists[1])} values for {length} samples."
+            )
+        outgoing = Outgoing()
+        self._simulation.call(
+            "adc.inject", outgoing, u=outgoing.add_doubles(repeated[0]), v=outgoing.add_doubles(repeated[1])
+        )
+
+
+class Gpio:
+    """The 16 pins of a port: `gpio[0][3]` is a level, an assignment drives the pin from outside, None releases it."""
+
+    def __init__(self, simulation: Simulation, number: int) -> None:
+        self._simulation, self._number = simulation, number
+
+    @property
+    def pins(self) -> list[bool]:
+        """The levels of all pins."""
+        return [bool(level) for level in self._simulation.call("pin.read", gpio=self._number)["pins"]]
+
+    def __getitem__(self, pin: int) -> bool:
+        return self.pins[pin]
+
+    def __setitem__(self, pin: int, level: Optional[bool]) -> None:
+        driven = None if level is None else bool(level)
+        self._simulation.call("pin.drive", gpio=self._number, pin=pin, level=driven)
+
+    def __len__(self) -> int:
+        return 16
+
+    def __iter__(self) -> Iterator[bool]:
+        return iter(self.pins)
+
+
+class Memory:
+    """Memory in units of 1, 2 or 4 bytes, little endian: `mem32["counter"]`, `mem32[0x20000000] = 7`, `mem8[a:b]`.
+
+    Keys are addresses, names of variables (their first unit), or slices of addresses, which give a list.
+    """
+
+    def __init__(self, simulation: Simulation, size: int) -> None:
+        self._simulation, self._size = simulation, size
+
+    def __getitem__(self, key: Union[int, str, slice]) -> Any:
+        if isinstance(key, slice):
+            data = self._read(self._address(key.start), self._address(key.stop) - self._address(key.start))
+            units = range(0, len(data) - self._size + 1, self._size)
+            return [int.from_bytes(data[at : at + self._size], "little") for at in units]
+        return int.from_bytes(self._read(self._address(key), self._size), "little")
+
+    def __setitem__(self, key: Union[int, str, slice], value: Union[int, Iterable[int]]) -> None:
+        mask = (1 << 8 * self._size) - 1
+        values = [value] if isinstance(value, int) else list(value)  # type: ignore[arg-type]
+        data = b"".join((int(unit) & mask).to_bytes(self._size, "little") for unit in values)
+        address = self._address(key.start if isinstance(key, slice) else key)
+        if isinstance(key, slice) and key.stop is not None and self._address(key.stop) - address != len(data):
+            raise ValueError(f"The slice has {self._address(key.stop) - address} bytes, the values {len(data)}.")
+        outgoing = Outgoing()
+        self._simulation.call("memory.write", outgoing, address=address, bytes=outgoing.add_bytes(data))
+
+    def _read(self, address: int, size: int) -> bytes:
+        return bytes(self._simulation.call("memory.read", address=address, size=size)["bytes"])
+
+    def _address(self, key: Union[int, str]) -> int:
+        return self._simulation.variables.address(key) if isinstance(key, str) else int(key)
+
+
+class Struct(dict):  # type: ignore[type-arg]
+    """A struct of the program: its members are keys and attributes."""
+
+    def __getattr__(self, name: str) -> Any:
+        return _member(self, name, "member of the struct")
+
+
+class Variables:
+    """The program's variables by C name and type: `variables["table[3].count"]`; iterates over the names."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._addresses: dict[str, int] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        return _structs(self._simulation.call("variable.read", name=name)["value"])
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self._simulation.call("variable.write", name=name, value=value)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(variable["name"] for variable in self.list())
+
+    def list(self) -> list[dict[str, Any]]:
+        """name, type, address and size (bytes) of each variable."""
+        return self._simulation.call("variable.list")["variables"]
+
+    def address(self, name: str) -> int:
+        """Where a variable is. Raises SimulationError for an unknown one."""
+        if not self._addresses:
+            self._addresses = {variable["name"]: int(variable["address"]) for variable in self.list()}
+        if name not in self._addresses:
+            raise SimulationError(f"The program has no variable {name!r}{_nearest(name, self._addresses)}.")
+        return self._addresses[name]
+
+
+def _structs(value: Any) -> Any:
+    if isinstance(value, dict):
+        return Struct({name: _structs(member) for name, member in value.items()})
+    return [_structs(item) for item in value] if isinstance(value, list) else value
+
+
+def _nearest(name: str, names: Iterable[str]) -> str:
+    near = difflib.get_close_matches(name, list(names), 1)
+    return f"; the nearest is {near[0]!r}" if near else ""
+
+
+def _member(values: dict[str, Any], name: str, what: str) -> Any:
+    if name not in values:
+        raise AttributeError(f"There is no {what} {name!r}{_nearest(name, values)}.")
+    return values[name]

@@ -1,0 +1,83 @@
+"""What a simulation answers: where it is, why an advance ended, events, snapshots, results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any, Optional
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a simulation is. place: the program counter as function, file and line. over: the program has ended."""
+
+    time_s: float = 0.0
+    time_ps: int = 0
+    cycles: int = 0
+    instructions: int = 0
+    pc: int = 0
+    place: str = ""
+    over: bool = False
+    asleep: bool = False
+
+    @classmethod
+    def of(cls, answer: dict[str, Any]) -> State:
+        """The state in an answer."""
+        known = {part.name for part in fields(cls)}
+        return cls(**{name: value for name, value in answer.items() if name in known})
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened: kind ("exception", "guest_error", "verdict", "uart"), simulated seconds, details."""
+
+    kind: str
+    time_s: float
+    details: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why an advance ended. True if what was asked for was reached; False at a limit, an end, an interruption.
+
+    reason: "time", "cycles", "instructions", "samples", "address", "exception", "uart", "expression", or "limit",
+    "interrupted", "over". match: of a UART's pattern, text and groups.
+    """
+
+    reason: str
+    state: State
+    asked: str
+    match: Optional[dict[str, Any]] = None
+    events: list[Event] = field(default_factory=list)
+
+    def __bool__(self) -> bool:
+        return self.reason not in ("limit", "interrupted", "over") or self.asked == self.reason == "over"
+
+
+@dataclass(frozen=True)
+class Result:
+    """The outcome of a run: the exit code of `capsoc run` (0: pass), its reason, and the result file as `data`."""
+
+    code: int
+    reason: str
+    data: dict[str, Any]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the exit code is 0."""
+        return self.code == 0
+
+    def __getitem__(self, path: str) -> Any:
+        """A value of the result file (docs/results.md) by its path, such as "verdict.bound_deg"."""
+        value: Any = self.data
+        for name in path.split("."):
+            value = value[name]
+        return value
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A state that the session keeps in memory. size: bytes."""
+
+    number: int
+    size: int
+    uarts: tuple[tuple[str, int], ...] = field(repr=False)
