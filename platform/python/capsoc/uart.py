@@ -63,15 +63,15 @@ class Uart:
         within: limit in simulated seconds. `^` and `$` are also the ends of lines. Use what Python and RE2 have in
         common. Raises ExpectationError, with the text that was seen, if the limit or the program's end comes first.
         """
-        expression = re.compile(pattern, re.MULTILINE)
+        expression, text = _compiled(pattern)
         if found := self._search(expression):
             return found
-        stop = self._simulation.until(uart=(self.number, expression.pattern), within=within)
+        stop = self._simulation.until(uart=(self.number, text), within=within)
         if found := self._search(expression):
             return found
         if stop.reason == "uart":
             return self._found_by_session(stop.match or {})
-        raise self._unmet(expression.pattern, within, stop)
+        raise self._unmet(text, within, stop)
 
     def _search(self, expression: re.Pattern[str]) -> Optional[Match]:
         text = self.text
@@ -113,3 +113,12 @@ class Uart:
 
     def __repr__(self) -> str:
         return f"<UART {self.number}: {len(self._text)} characters>"
+
+
+def _compiled(pattern: Union[str, re.Pattern[str]]) -> tuple[re.Pattern[str], str]:
+    """An expression for the text here, and its text for the session, with the flags that both sides know."""
+    if isinstance(pattern, str):
+        return re.compile(pattern, re.MULTILINE), pattern
+    flags = "".join(letter for letter, flag in (("i", re.IGNORECASE), ("s", re.DOTALL)) if pattern.flags & flag)
+    text = f"(?{flags}){pattern.pattern}" if flags else pattern.pattern
+    return re.compile(pattern.pattern, pattern.flags | re.MULTILINE), text
