@@ -1,4 +1,4 @@
-"""Parts of a simulation as Python objects: registers and fields by attribute, memory, pins, sensor, ADC."""
+"""Parts of a simulation as Python objects: registers and fields by attribute, pins, sensor, ADC."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from .arrays import Outgoing
-from .errors import SimulationError
 
 if TYPE_CHECKING:
     from .simulation import Simulation
@@ -18,6 +17,8 @@ Numbers = Union[float, Iterable[float]]
 class Register:
     """A register, read at each use without side effects. Its fields are attributes; assigning one keeps the others."""
 
+    _simulation: Simulation
+    _name: str
     __hash__ = None  # type: ignore[assignment]
 
     def __init__(self, simulation: Simulation, name: str) -> None:
@@ -34,7 +35,7 @@ class Register:
         return dict(self._read().get("fields", {}))
 
     def _read(self) -> dict[str, Any]:
-        return self._simulation.call("register.read", name=self._name)
+        return dict(self._simulation.call("register.read", name=self._name))
 
     def __getattr__(self, field: str) -> int:
         if field.startswith("_"):
@@ -65,6 +66,9 @@ class Register:
 class Peripheral:
     """A peripheral by its name in the register description: its registers are attributes."""
 
+    _simulation: Simulation
+    _name: str
+
     def __init__(self, simulation: Simulation, name: str) -> None:
         self.__dict__.update(_simulation=simulation, _name=name)
 
@@ -94,7 +98,7 @@ class Coprocessor(Peripheral):
     def __getattr__(self, name: str) -> Any:
         if not name.islower() or name.startswith("_"):
             return super().__getattr__(name)
-        return _member(self._simulation.call("coprocessor.read")["signals"], name, "signal of the coprocessor")
+        return member(self._simulation.call("coprocessor.read")["signals"], name, "signal of the coprocessor")
 
     def __dir__(self) -> list[str]:
         return super().__dir__() + list(self._simulation.call("coprocessor.read")["signals"])
@@ -118,11 +122,13 @@ class Registers:
 class Processor:
     """The processor's registers as attributes: r0 to r12, sp, lr, pc, xpsr, msp, psp, primask and so on."""
 
+    _simulation: Simulation
+
     def __init__(self, simulation: Simulation) -> None:
         self.__dict__.update(_simulation=simulation)
 
     def __getattr__(self, name: str) -> int:
-        return int(_member(self._simulation.call("processor.read")["registers"], name, "register of the processor"))
+        return int(member(self._simulation.call("processor.read")["registers"], name, "register of the processor"))
 
     def __setattr__(self, name: str, value: int) -> None:
         self._simulation.call("processor.write", register=name, value=int(value))
@@ -134,6 +140,8 @@ class Processor:
 class SensorParameters:
     """The sensor's parameters as attributes; an assignment holds from this simulated instant on."""
 
+    _simulation: Simulation
+
     def __init__(self, simulation: Simulation) -> None:
         self.__dict__.update(_simulation=simulation)
 
@@ -143,10 +151,10 @@ class SensorParameters:
 
     def read(self) -> dict[str, float]:
         """All parameters: a1, a2, b1, b2 in fractions of full scale, beta_deg and phi_deg in degrees."""
-        return self._simulation.call("sensor.read")["parameters"]
+        return dict(self._simulation.call("sensor.read")["parameters"])
 
     def __getattr__(self, name: str) -> float:
-        return _member(self.read() if not name.startswith("_") else {}, name, "parameter of the sensor")
+        return float(member(self.read() if not name.startswith("_") else {}, name, "parameter of the sensor"))
 
     def __setattr__(self, name: str, value: float) -> None:
         self.set(**{name: value})
@@ -204,87 +212,14 @@ class Gpio:
         return iter(self.pins)
 
 
-class Memory:
-    """Memory in units of 1, 2 or 4 bytes, little endian: `mem32["counter"]`, `mem32[0x20000000] = 7`, `mem8[a:b]`.
-
-    Keys are addresses, names of variables (their first unit), or slices of addresses, which give a list.
-    """
-
-    def __init__(self, simulation: Simulation, size: int) -> None:
-        self._simulation, self._size = simulation, size
-
-    def __getitem__(self, key: Union[int, str, slice]) -> Any:
-        if isinstance(key, slice):
-            data = self._read(self._address(key.start), self._address(key.stop) - self._address(key.start))
-            units = range(0, len(data) - self._size + 1, self._size)
-            return [int.from_bytes(data[at : at + self._size], "little") for at in units]
-        return int.from_bytes(self._read(self._address(key), self._size), "little")
-
-    def __setitem__(self, key: Union[int, str, slice], value: Union[int, Iterable[int]]) -> None:
-        mask = (1 << 8 * self._size) - 1
-        values = [value] if isinstance(value, int) else list(value)  # type: ignore[arg-type]
-        data = b"".join((int(unit) & mask).to_bytes(self._size, "little") for unit in values)
-        address = self._address(key.start if isinstance(key, slice) else key)
-        if isinstance(key, slice) and key.stop is not None and self._address(key.stop) - address != len(data):
-            raise ValueError(f"The slice has {self._address(key.stop) - address} bytes, the values {len(data)}.")
-        outgoing = Outgoing()
-        self._simulation.call("memory.write", outgoing, address=address, bytes=outgoing.add_bytes(data))
-
-    def _read(self, address: int, size: int) -> bytes:
-        return bytes(self._simulation.call("memory.read", address=address, size=size)["bytes"])
-
-    def _address(self, key: Union[int, str]) -> int:
-        return self._simulation.variables.address(key) if isinstance(key, str) else int(key)
-
-
-class Struct(dict):  # type: ignore[type-arg]
-    """A struct of the program: its members are keys and attributes."""
-
-    def __getattr__(self, name: str) -> Any:
-        return _member(self, name, "member of the struct")
-
-
-class Variables:
-    """The program's variables by C name and type: `variables["table[3].count"]`; iterates over the names."""
-
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._addresses: dict[str, int] = {}
-
-    def __getitem__(self, name: str) -> Any:
-        return _structs(self._simulation.call("variable.read", name=name)["value"])
-
-    def __setitem__(self, name: str, value: Any) -> None:
-        self._simulation.call("variable.write", name=name, value=value)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(variable["name"] for variable in self.list())
-
-    def list(self) -> list[dict[str, Any]]:
-        """name, type, address and size (bytes) of each variable."""
-        return self._simulation.call("variable.list")["variables"]
-
-    def address(self, name: str) -> int:
-        """Where a variable is. Raises SimulationError for an unknown one."""
-        if not self._addresses:
-            self._addresses = {variable["name"]: int(variable["address"]) for variable in self.list()}
-        if name not in self._addresses:
-            raise SimulationError(f"The program has no variable {name!r}{_nearest(name, self._addresses)}.")
-        return self._addresses[name]
-
-
-def _structs(value: Any) -> Any:
-    if isinstance(value, dict):
-        return Struct({name: _structs(member) for name, member in value.items()})
-    return [_structs(item) for item in value] if isinstance(value, list) else value
-
-
-def _nearest(name: str, names: Iterable[str]) -> str:
+def nearest(name: str, names: Iterable[str]) -> str:
+    """The end of a message about an unknown name: the nearest known one, or nothing."""
     near = difflib.get_close_matches(name, list(names), 1)
     return f"; the nearest is {near[0]!r}" if near else ""
 
 
-def _member(values: dict[str, Any], name: str, what: str) -> Any:
+def member(values: dict[str, Any], name: str, what: str) -> Any:
+    """A value by its name. Raises AttributeError, which says what it is no name of."""
     if name not in values:
-        raise AttributeError(f"There is no {what} {name!r}{_nearest(name, values)}.")
+        raise AttributeError(f"There is no {what} {name!r}{nearest(name, values)}.")
     return values[name]

@@ -77,7 +77,8 @@ class Samples:
 
     def __getattr__(self, name: str) -> Column:
         try:
-            return self.__dict__["_columns"][name]
+            columns: dict[str, Column] = self.__dict__["_columns"]
+            return columns[name]
         except KeyError:
             raise AttributeError(f"The samples have no column {name!r}, but {', '.join(self._columns)}.") from None
 

@@ -102,7 +102,7 @@ class Session:
 
     def schema(self) -> dict[str, Any]:
         """All methods with their parameters and results, as the session describes them."""
-        return self.call("session.schema")
+        return dict(self.call("session.schema"))
 
     def run(
         self,
@@ -158,7 +158,8 @@ class Session:
 
 
 def _connect(path: Optional[Place], port: Optional[int], timeout: Optional[float]) -> int:
-    family, address = (sockets.AF_UNIX, str(path)) if path is not None else (sockets.AF_INET, ("127.0.0.1", port))
+    address: Union[str, tuple[str, Optional[int]]] = ("127.0.0.1", port) if path is None else str(path)
+    family = sockets.AF_INET if path is None else sockets.AF_UNIX
     connecting = sockets.socket(family, sockets.SOCK_STREAM)
     try:
         connecting.settimeout(timeout)

@@ -8,7 +8,7 @@ from html import escape
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
-from . import proxies
+from . import memory, proxies
 from .errors import CapsocError, SessionError, SimulationEnded
 from .figure import line_plot
 from .samples import Table, table
@@ -45,8 +45,8 @@ class Simulation:
         self.processor = proxies.Processor(self)
         self.sensor = proxies.SensorParameters(self)
         self.adc = proxies.Adc(self)
-        self.variables = proxies.Variables(self)
-        self.mem8, self.mem16, self.mem32 = (proxies.Memory(self, size) for size in (1, 2, 4))
+        self.variables = memory.Variables(self)
+        self.mem8, self.mem16, self.mem32 = (memory.Memory(self, size) for size in (1, 2, 4))
         self._last = State.of(state)
 
     def call(self, method: str, outgoing: Optional[Outgoing] = None, /, **params: Any) -> Any:
@@ -70,7 +70,7 @@ class Simulation:
     @property
     def itm(self) -> str:
         """The text on the processor's ITM since the last read."""
-        return self.call("itm.read")["text"]
+        return str(self.call("itm.read")["text"])
 
     def advance(
         self,

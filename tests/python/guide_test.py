@@ -1,0 +1,56 @@
+#!/usr/bin/python3
+"""The guide docs/python.md: its blocks "python test" are run by pytest, its blocks "python run" by the interpreter."""
+
+import re
+import subprocess
+import sys
+import unittest
+
+from harness import BUILD, CLEAN, SOURCE, Case
+
+CTEST = {"name": "python guide", "interpreter": "/usr/bin/python3"}
+
+PAGE = SOURCE / "docs" / "python.md"
+
+
+class Guide(Case):
+    def blocks(self, kind):
+        return re.findall(rf"^```python {kind}\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)
+
+    def run_python(self, *arguments):
+        environment = {**CLEAN, "CAPSOC": str(BUILD), "PYTHONPATH": str(SOURCE / "platform" / "python")}
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            cwd=self.folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=250,
+            check=False,
+        )
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return done.stdout
+
+    def test_every_block_is_run(self):
+        kinds = set(re.findall(r"^```(python[^\n]*)$", PAGE.read_text(), re.MULTILINE))
+        self.assertEqual(kinds, {"python test", "python run"})
+
+    def test_the_tests(self):
+        blocks = self.blocks("test")
+        for number, text in enumerate(blocks):
+            (self.folder / f"test_block_{number}.py").write_text(text)
+        said = self.run_python("-m", "pytest", "-p", "capsoc.pytest_plugin", "--strict-markers", "-q")
+        functions = sum(len(re.findall(r"^def test_", text, re.MULTILINE)) for text in blocks)
+        self.assertIn(f"{functions} passed", said)
+
+    def test_the_programs(self):
+        blocks = self.blocks("run")
+        self.assertGreater(len(blocks), 0)
+        for text in blocks:
+            self.run_python("-c", text)
+
+
+if __name__ == "__main__":
+    unittest.main()
