@@ -2,7 +2,8 @@
 #   bin/capsoc
 #   lib/capsoc/        the Verilated coprocessor, if it was built
 #   share/capsoc/      firmware/ (what was built), traces/, template/, include/,
-#                      sources/ of the programs, svd/, gdb/, rtl/ for designs of one's own
+#                      sources/ of the programs, svd/, gdb/, rtl/ for designs of one's own,
+#                      python/ with the package capsoc
 #   share/doc/capsoc/  README.md, docs/, licence
 #   share/man, share/bash-completion, share/zsh, share/fish
 include(GNUInstallDirs)
@@ -34,6 +35,8 @@ install(FILES ${rtl}/rtl_library.cmake ${rtl}/include_all.cmake ${rtl}/hash_sour
 install(FILES cmake/capsocConfig.cmake DESTINATION ${data} COMPONENT rtl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${data}/firmware COMPONENT data
         FILES_MATCHING PATTERN "*.elf" PATTERN objects EXCLUDE PATTERN CMakeFiles EXCLUDE)
+install(DIRECTORY platform/python DESTINATION ${data} COMPONENT data FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "*.toml" PATTERN "*.md"
+        PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE PATTERN "*.egg-info" EXCLUDE)
 install(DIRECTORY traces/ DESTINATION ${data}/traces COMPONENT data)
 install(DIRECTORY firmware/template DESTINATION ${data} COMPONENT data)
 install(FILES ${generated}/capsoc_device.h ${generated}/program_settings.h ${generated}/program_verdict.h DESTINATION ${data}/include COMPONENT data)

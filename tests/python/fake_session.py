@@ -28,7 +28,7 @@ class Refusal(Exception):
 
 class Simulation:
     def __init__(self, settings):
-        self.settings, self.time, self.read = settings, 0.0, {}
+        self.settings, self.time, self.read = settings, 0.0, {}  # read: by UART, how much of its text
         self.end = settings.get("fake.end_s", 1e9)
         if settings.get("sensor.a1", 1) <= 0:
             raise Refusal(1, "sensor.a1: -1 is not between 1e-6 and 10.")
@@ -37,8 +37,7 @@ class Simulation:
 
     def state(self):
         cycles = int(self.time * 25e6)
-        place = "main (main.c:55)"
-        return {"time_s": self.time, "cycles": cycles, "pc": 0x100, "place": place, "over": self.time >= self.end}
+        return {"time_s": self.time, "cycles": cycles, "pc": 0x100, "over": self.time >= self.end}
 
     def text(self, uart):
         return "".join(text for at, text in self.settings.get(f"fake.uart{uart}", []) if at <= self.time)
@@ -49,11 +48,14 @@ class Simulation:
         begin, limit = self.time, self.end if within_s is None else self.time + within_s
         goal = limit if seconds is None else self.time + seconds
         reason = "time" if seconds is not None else "limit"
-        for at, text in sorted(self.settings.get(f"fake.uart{uart['uart']}", [])) if uart else ():
-            found = re.search(uart["pattern"], text)
-            if found and begin < at <= goal:
-                self.time = at
-                match = {"text": found[0], "groups": list(found.groups())}
+        times = [at for at, _ in self.settings.get(f"fake.uart{uart['uart']}", [])] if uart else []
+        for at in [begin, *(at for at in times if begin < at <= goal)] if uart else ():
+            self.time = at
+            read = self.read.get(uart["uart"], 0)
+            text = self.text(uart["uart"])[read:]
+            if found := re.search(uart["pattern"], text):
+                self.read[uart["uart"]] = read + found.end()
+                match = {"text": text[: found.end()], "groups": [found[0], *found.groups()]}
                 return {"state": self.state(), "reason": "uart", "match": match, "events": []}
         self.time = min(goal, self.end)
         return {"state": self.state(), "reason": "over" if self.time >= self.end else reason, "events": []}
@@ -83,7 +85,7 @@ class Fake:
         return {"simulation": number, "state": self.simulations[number].state()}
 
     def simulation_state(self, simulation):
-        return simulation.state()
+        return {"state": simulation.state(), "place": "main (main.c:55)"}
 
     def simulation_advance(self, simulation, **goal):
         return simulation.advance(**goal)
@@ -93,7 +95,7 @@ class Fake:
         return {}
 
     def simulation_finish(self, simulation):
-        return {"code": 5, "reason": "the firmware crashed", "result": {"fault_report": "HardFault at main.c:55"}}
+        return {"code": 5, "reason": "the firmware crashed", "result": {}, "reports": ["HardFault at main.c:55"]}
 
     def simulation_close(self, simulation):
         for number in [n for n, other in self.simulations.items() if other is simulation]:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The pytest plugin, by running pytest on test files in a folder; without a simulator (python_test.py has the real one)."""
+"""The pytest plugin, by running pytest on test files in a folder, with a session without a simulator."""
 
 import re
 import subprocess
@@ -91,7 +91,7 @@ def test_left_open(capsoc):
             "-- UART 2, the last 1 lines:\ntwo",
             "-- exit 5: the firmware crashed\nHardFault at main.c:55",
             "capsoc y.elf (1)",
-            "at main (main.c:55) (pc 0x00000100)",
+            "pc 0x00000100, at main (main.c:55)",
         ):
             self.assertIn(words, said)
         files = re.findall(r"^checkpoint: (.+)$", said, re.MULTILINE)

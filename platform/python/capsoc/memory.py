@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Union
 
 from .arrays import Outgoing
-from .errors import SimulationError
-from .proxies import member, nearest
+from .proxies import member
 
 if TYPE_CHECKING:
     from .simulation import Simulation
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 class Memory:
     """Memory in units of 1, 2 or 4 bytes, little endian: `mem32["counter"]`, `mem32[0x20000000] = 7`, `mem8[a:b]`.
 
-    Keys are addresses, names of variables (their first unit), or slices of addresses, which give a list.
+    Keys are addresses, symbols of the program (their first unit), or slices of addresses, which give a list.
     """
 
     def __init__(self, simulation: Simulation, size: int) -> None:
@@ -24,26 +23,23 @@ class Memory:
 
     def __getitem__(self, key: Union[int, str, slice]) -> Any:
         if isinstance(key, slice):
-            data = self._read(self._address(key.start), self._address(key.stop) - self._address(key.start))
+            data = self._read(int(key.start), int(key.stop) - int(key.start))
             units = range(0, len(data) - self._size + 1, self._size)
             return [int.from_bytes(data[at : at + self._size], "little") for at in units]
-        return int.from_bytes(self._read(self._address(key), self._size), "little")
+        return int.from_bytes(self._read(key, self._size), "little")
 
     def __setitem__(self, key: Union[int, str, slice], value: Union[int, Iterable[int]]) -> None:
         mask = (1 << 8 * self._size) - 1
         values = [value] if isinstance(value, int) else list(value)
         data = b"".join((int(unit) & mask).to_bytes(self._size, "little") for unit in values)
-        address = self._address(key.start if isinstance(key, slice) else key)
-        if isinstance(key, slice) and key.stop is not None and self._address(key.stop) - address != len(data):
-            raise ValueError(f"The slice has {self._address(key.stop) - address} bytes, the values {len(data)}.")
+        address = key.start if isinstance(key, slice) else key
+        if isinstance(key, slice) and key.stop is not None and key.stop - key.start != len(data):
+            raise ValueError(f"The slice has {key.stop - key.start} bytes, the values {len(data)}.")
         outgoing = Outgoing()
         self._simulation.call("memory.write", outgoing, address=address, bytes=outgoing.add_bytes(data))
 
-    def _read(self, address: int, size: int) -> bytes:
+    def _read(self, address: Union[int, str], size: int) -> bytes:
         return bytes(self._simulation.call("memory.read", address=address, size=size)["bytes"])
-
-    def _address(self, key: Union[int, str]) -> int:
-        return self._simulation.variables.address(key) if isinstance(key, str) else int(key)
 
 
 class Struct(dict):  # type: ignore[type-arg]
@@ -58,7 +54,6 @@ class Variables:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._addresses: dict[str, int] = {}
 
     def __getitem__(self, name: str) -> Any:
         return _structs(self._simulation.call("variable.read", name=name)["value"])
@@ -74,12 +69,8 @@ class Variables:
         return [dict(variable) for variable in self._simulation.call("variable.list")["variables"]]
 
     def address(self, name: str) -> int:
-        """Where a variable is. Raises SimulationError for an unknown one."""
-        if not self._addresses:
-            self._addresses = {variable["name"]: int(variable["address"]) for variable in self.list()}
-        if name not in self._addresses:
-            raise SimulationError(f"The program has no variable {name!r}{nearest(name, self._addresses)}.")
-        return self._addresses[name]
+        """Where a variable is."""
+        return int(self._simulation.call("variable.read", name=name)["address"])
 
 
 def _structs(value: Any) -> Any:

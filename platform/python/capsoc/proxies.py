@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -138,7 +139,11 @@ class Processor:
 
 
 class SensorParameters:
-    """The sensor's parameters as attributes; an assignment holds from this simulated instant on."""
+    """The sensor's parameters as attributes; an assignment holds from this simulated instant on.
+
+    a1, a2, b1, b2 are fractions of full scale; the angles are beta_deg and phi_deg, or beta_rad and phi_rad. set()
+    takes further keys of the sensor's description, such as set(**{"noise.sigma": 0.01}).
+    """
 
     _simulation: Simulation
 
@@ -147,17 +152,28 @@ class SensorParameters:
 
     def set(self, **parameters: float) -> None:
         """Sets several parameters at the same instant."""
-        self._simulation.call("sensor.set", parameters={name: float(value) for name, value in parameters.items()})
+        known = {}
+        for name, value in parameters.items():
+            is_angle = name.endswith("_deg")
+            known[name[:-3] + "rad" if is_angle else name] = math.radians(value) if is_angle else value
+        self._simulation.call("sensor.set", parameters=known)
 
-    def read(self) -> dict[str, float]:
-        """All parameters: a1, a2, b1, b2 in fractions of full scale, beta_deg and phi_deg in degrees."""
-        return dict(self._simulation.call("sensor.read")["parameters"])
+    def read(self) -> dict[str, Optional[float]]:
+        """All parameters that the session knows; None for what is not known, as of a recording."""
+        found: dict[str, Optional[float]] = dict(self._simulation.call("sensor.read")["parameters"])
+        for name in [name for name in found if name.endswith("_rad")]:
+            angle = found[name]
+            found[name[:-3] + "deg"] = None if angle is None else math.degrees(angle)
+        return found
 
     def __getattr__(self, name: str) -> float:
-        return float(member(self.read() if not name.startswith("_") else {}, name, "parameter of the sensor"))
+        value = member(self.read() if not name.startswith("_") else {}, name, "parameter of the sensor")
+        if value is None:
+            raise AttributeError(f"The sensor's {name} is not known.")
+        return float(value)
 
     def __setattr__(self, name: str, value: float) -> None:
-        self.set(**{name: value})
+        self.set(**{name: float(value)})
 
     def __dir__(self) -> list[str]:
         return ["read", "set", *self.read()]

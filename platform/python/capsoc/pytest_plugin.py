@@ -8,14 +8,16 @@ checkpoint of the last state, which `capsoc run --restore FILE --gdb` resumes.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import pytest
 
 if TYPE_CHECKING:
     from .session import Session
     from .simulation import Simulation
+    from .uart import Uart
 
 BACKENDS = ("tlm", "rtl", "lockstep")
 SHOWN_LINES = 40
@@ -75,7 +77,7 @@ def describe(simulation: Simulation, checkpoint: Path) -> str:
 
     lines: list[str] = []
 
-    def attempt(part: Any) -> None:
+    def attempt(part: Callable[[], list[str]]) -> None:
         try:
             lines.extend(part())
         except CapsocError as error:
@@ -83,7 +85,7 @@ def describe(simulation: Simulation, checkpoint: Path) -> str:
 
     attempt(lambda: _state_lines(simulation))
     for uart in simulation.uart:
-        attempt(lambda uart=uart: _text_lines(f"UART {uart.number}", uart.text))
+        attempt(partial(_uart_lines, uart))
     attempt(lambda: _checkpoint_lines(simulation, checkpoint))
     attempt(lambda: _crash_lines(simulation))
     attempt(lambda: _text_lines("standard error of the session", simulation.session.log()))
@@ -95,13 +97,17 @@ def _state_lines(simulation: Simulation) -> list[str]:
     over = ", the program has ended" if state.over else ""
     return [
         f"time {state.time_s:.9f} s, cycle {state.cycles}, instruction {state.instructions}{over}",
-        f"at {state.place} (pc 0x{state.pc:08x})",
+        f"pc 0x{state.pc:08x}, at {state.place}",
     ]
 
 
 def _text_lines(title: str, text: str) -> list[str]:
     shown = text.splitlines()[-SHOWN_LINES:]
     return [f"-- {title}, the last {len(shown)} lines:", *shown] if shown else []
+
+
+def _uart_lines(uart: Uart) -> list[str]:
+    return _text_lines(f"UART {uart.number}", uart.text)
 
 
 def _checkpoint_lines(simulation: Simulation, file: Path) -> list[str]:
@@ -113,8 +119,7 @@ def _checkpoint_lines(simulation: Simulation, file: Path) -> list[str]:
 
 def _crash_lines(simulation: Simulation) -> list[str]:
     result = simulation.finish()
-    report = result.data.get("fault_report") or result.data.get("place_report")
-    return [f"-- exit {result.code}: {result.reason}", *str(report or "").splitlines()]
+    return [f"-- exit {result.code}: {result.reason}", *"\n".join(result.reports).splitlines()]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

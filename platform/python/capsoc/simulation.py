@@ -203,8 +203,6 @@ class Simulation:
         return clones
 
     def _uart_copies(self) -> tuple[tuple[str, int], ...]:
-        for uart in self.uart:
-            uart.text  # reads what the session still has
         return tuple(uart._copy() for uart in self.uart)
 
     def finish(self) -> Result:
@@ -212,7 +210,7 @@ class Simulation:
         if self.result is None:
             self._last = self.state
             answer = self.call("simulation.finish")
-            self.result = Result(answer["code"], answer["reason"], answer["result"])
+            self.result = Result(answer["code"], answer["reason"], answer["result"], answer.get("reports", []))
         return self.result
 
     def close(self) -> None:
@@ -240,7 +238,7 @@ class Simulation:
     def __repr__(self) -> str:
         if self.closed:
             return f"<capsoc.Simulation {self.name}, closed>"
-        return f"<capsoc.Simulation {self.name} at {self._last.time_s:.6f} s, {self._last.place}>"
+        return f"<capsoc.Simulation {self.name} at {self._last.time_s:.6f} s>"
 
     def _repr_html_(self) -> str:
         try:

@@ -21,9 +21,10 @@ class State:
 
     @classmethod
     def of(cls, answer: dict[str, Any]) -> State:
-        """The state in an answer."""
+        """The state in an answer, which names its place only where that was asked for."""
         known = {part.name for part in fields(cls)}
-        return cls(**{name: value for name, value in answer.items() if name in known})
+        told = {**answer.get("state", {}), **answer}
+        return cls(**{name: value for name, value in told.items() if name in known})
 
 
 @dataclass(frozen=True)
@@ -55,11 +56,15 @@ class Stop:
 
 @dataclass(frozen=True)
 class Result:
-    """The outcome of a run: the exit code of `capsoc run` (0: pass), its reason, and the result file as `data`."""
+    """The outcome of a run: the exit code of `capsoc run` (0: pass), its reason, and the result file as `data`.
+
+    reports: of a crash or of a difference between model and RTL.
+    """
 
     code: int
     reason: str
     data: dict[str, Any]
+    reports: list[str] = field(default_factory=list)
 
     @property
     def passed(self) -> bool:

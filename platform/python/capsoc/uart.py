@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from .arrays import Outgoing
@@ -19,22 +20,22 @@ SHOWN_LINES = 20
 class Match:
     """What an expectation found: `match[0]` is the text, `match[1]` the first group, `before` the text before it."""
 
-    def __init__(self, text: str, groups: tuple[Optional[str], ...], before: str) -> None:
-        self.text, self.before = text, before
-        self._groups = groups
+    def __init__(self, groups: Sequence[Optional[str]], before: str) -> None:
+        self.text, self.before = groups[0] or "", before
+        self._groups = tuple(groups)
 
     def groups(self) -> tuple[Optional[str], ...]:
         """All groups, None for those that took no part."""
-        return self._groups
+        return self._groups[1:]
 
     def group(self, number: int = 0) -> Optional[str]:
         """The text (0) or a group, as re.Match.group()."""
-        return ((self.text,) + self._groups)[number]
+        return self._groups[number]
 
     __getitem__ = group
 
     def __repr__(self) -> str:
-        return f"<Match {self.text!r} {self._groups}>"
+        return f"<Match {self.text!r} {self.groups()}>"
 
 
 class Uart:
@@ -42,8 +43,8 @@ class Uart:
 
     def __init__(self, simulation: Simulation, number: int) -> None:
         self._simulation, self.number = simulation, number
-        self._text = ""
-        self._seen = 0  # characters up to the end of the last match
+        self._text = ""  # all that was read
+        self._seen = 0  # characters of it up to the end of the last match
 
     @property
     def text(self) -> str:
@@ -60,49 +61,51 @@ class Uart:
     def expect(self, pattern: Union[str, re.Pattern[str]], within: float = 60.0) -> Match:
         """Advances the simulation until the text after the last match has a match of a regular expression.
 
-        within: limit in simulated seconds. `^` and `$` are also the ends of lines. Use what Python and RE2 have in
-        common. Raises ExpectationError, with the text that was seen, if the limit or the program's end comes first.
+        The text is searched whenever a line ends or the transmitter becomes idle. within: limit in simulated seconds.
+        `^` and `$` are also the ends of lines. Use what Python's expressions and RE2 have in common. Raises
+        ExpectationError, with the text that was seen, if the limit or the program's end comes first.
         """
         expression, text = _compiled(pattern)
-        if found := self._search(expression):
+        if found := self._search(expression):  # in what was read but not matched
             return found
         stop = self._simulation.until(uart=(self.number, text), within=within)
+        if stop.match is not None:
+            return self._found(stop.match)
+        self.text  # reads the rest
         if found := self._search(expression):
             return found
-        if stop.reason == "uart":
-            return self._found_by_session(stop.match or {})
-        raise self._unmet(text, within, stop)
+        raise self._unmet(expression.pattern, within, stop)
 
     def _search(self, expression: re.Pattern[str]) -> Optional[Match]:
-        text = self.text
-        found = expression.search(text, self._seen)
+        found = expression.search(self._text, self._seen)
         if found is None:
             return None
-        before = text[self._seen : found.start()]
+        before = self._text[self._seen : found.start()]
         self._seen = found.end()
-        return Match(found.group(), found.groups(), before)
+        return Match((found.group(), *found.groups()), before)
 
-    def _found_by_session(self, match: dict[str, Any]) -> Match:
-        # RE2 found what Python's expressions do not: the session's word counts.
-        before, self._seen = self._text[self._seen :], len(self._text)
-        return Match(str(match.get("text", "")), tuple(match.get("groups", ())), before)
+    def _found(self, match: dict[str, Any]) -> Match:
+        """A match that the session found: it counts the text up to its end as read."""
+        self._text += match["text"]
+        groups = match["groups"]
+        before = self._text[self._seen : len(self._text) - len(groups[0])]
+        self._seen = len(self._text)
+        return Match(groups, before)
 
     def _unmet(self, pattern: str, within: float, stop: Stop) -> ExpectationError:
-        unseen = self._text[self._seen :]
         lines = self._text.splitlines()[-SHOWN_LINES:]
-        state = stop.state
+        state = self._simulation.state
         why = {
             "over": "before the program ended",
             "interrupted": "before it was interrupted",
         }.get(stop.reason, f"within {within:g} simulated s")
-        shown = "\n".join(["", *(f"  | {line}" for line in lines)]) if lines else " It sent nothing."
         message = (
             f"UART {self.number} did not send {pattern!r} {why}: it is {state.time_s:.6f} s and the program is at "
             f"{state.place or hex(state.pc)}. "
         )
-        if lines:
-            message += f"The last {len(lines)} lines:"
-        return ExpectationError(message.rstrip() + shown, unseen, state.time_s, state.place)
+        shown = "".join(f"\n  | {line}" for line in lines)
+        message += f"The last {len(lines)} lines:{shown}" if lines else "It sent nothing."
+        return ExpectationError(message, self._text[self._seen :], state.time_s, state.place)
 
     def _copy(self) -> tuple[str, int]:
         """What belongs to the simulation's state on this side: text and position."""
@@ -116,9 +119,8 @@ class Uart:
 
 
 def _compiled(pattern: Union[str, re.Pattern[str]]) -> tuple[re.Pattern[str], str]:
-    """An expression for the text here, and its text for the session, with the flags that both sides know."""
-    if isinstance(pattern, str):
-        return re.compile(pattern, re.MULTILINE), pattern
-    flags = "".join(letter for letter, flag in (("i", re.IGNORECASE), ("s", re.DOTALL)) if pattern.flags & flag)
-    text = f"(?{flags}){pattern.pattern}" if flags else pattern.pattern
-    return re.compile(pattern.pattern, pattern.flags | re.MULTILINE), text
+    """An expression for the text here, and the same for the session, whose flags are written in front."""
+    given = pattern if isinstance(pattern, str) else pattern.pattern
+    flags = re.MULTILINE | (0 if isinstance(pattern, str) else pattern.flags)
+    letters = "m" + "".join(letter for letter, flag in (("i", re.IGNORECASE), ("s", re.DOTALL)) if flags & flag)
+    return re.compile(given, flags), f"(?{letters}){given}"
