@@ -133,6 +133,22 @@ def test_not_marked(capsoc):
         status, said = self.pytest(text.replace('"lockstep")', '"verilog")', 1))
         self.assertIn("the marker is capsoc(backend=...) with one of tlm, rtl, lockstep", said)
 
+    def test_a_page(self):
+        text = """
+def test_one(capsoc):
+    with capsoc.run("one.elf") as sim:
+        sim.advance(1)
+
+def test_two(capsoc):
+    capsoc.run("two.elf").advance(1)
+    with capsoc.run("three.elf") as sim:
+        assert sim.advance(1).state.cycles == 0
+"""
+        status, said = self.pytest(text, "--capsoc-html", "page.html")
+        self.assertEqual(status, 1, said)
+        page = (self.folder / "page.html").read_text()
+        self.assertEqual(page, "001-one.json 002-three.json 003-two.json")
+
     def test_a_wrong_program(self):
         status, said = self.pytest("def test_it(capsoc): pass\n", "--capsoc-program", "/nowhere")
         self.assertEqual(status, 1, said)

@@ -7,12 +7,15 @@ checkpoint of the last state, which `capsoc run --restore FILE --gdb` resumes.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import pytest
+
+from .pages import Pages
 
 if TYPE_CHECKING:
     from .session import Session
@@ -26,9 +29,10 @@ SHOWN_LINES = 40
 class Capsoc:
     """What the fixture gives: the names of the package, with run() in the tests' session."""
 
-    def __init__(self, session: Session, backend: Optional[str], checkpoints: Path) -> None:
+    def __init__(self, session: Session, backend: Optional[str], checkpoints: Path, pages: Pages) -> None:
         self.session = session
         self.backend = backend
+        self._pages = pages
         self.reports: list[tuple[str, str]] = []
         self.failed = False
         self._checkpoints = checkpoints
@@ -43,10 +47,17 @@ class Capsoc:
         """As Session.run(), with the marker's backend unless another one is named."""
         if self.backend is not None:
             options.setdefault("backend", self.backend)
+        if self._pages.wanted:
+            options["settings"] = {"results.curves": True, **options.get("settings", {})}
         simulation = self.session.run(*arguments, **options)
-        simulation.on_failure = self.report
+        simulation.on_exit = self._leave
         self._simulations.append(simulation)
         return simulation
+
+    def _leave(self, simulation: Simulation, failed: bool) -> None:
+        if failed:
+            self.report(simulation)
+        self._pages.add(simulation)
 
     def report(self, simulation: Simulation) -> None:
         """Keeps what a failed test's report says about a simulation that is still open."""
@@ -57,13 +68,15 @@ class Capsoc:
         """As report(), for each simulation that the test did not close."""
         for simulation in self._simulations:
             if not simulation.closed:
-                self.report(simulation)
+                self._leave(simulation, True)
                 simulation.close()
 
     def close(self) -> None:
         """Closes what the test left open. Of a test that passed no checkpoint remains."""
         for simulation in self._simulations:
-            simulation.close()
+            if not simulation.closed:
+                self._pages.add(simulation)
+                simulation.close()
         for number in range(1, len(self.reports) + 1) if not self.failed else ():
             self._file(number).unlink(missing_ok=True)
 
@@ -125,6 +138,7 @@ def _crash_lines(simulation: Simulation) -> list[str]:
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("capsoc")
     group.addoption("--capsoc-program", metavar="PATH", help="the program capsoc, or the folder of its build")
+    group.addoption("--capsoc-html", metavar="FILE", help="writes one page with the results of all simulations")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -136,9 +150,10 @@ def pytest_configure(config: pytest.Config) -> None:
 class Sessions:
     """The session of this process's tests; another one is started when it is lost."""
 
-    def __init__(self, program: Optional[str]) -> None:
+    def __init__(self, program: Optional[str], pages: Pages) -> None:
         self._program = program
         self._session: Optional[Session] = None
+        self.pages = pages
 
     def get(self) -> Session:
         """The session, alive. Raises ProgramNotFound or SessionError."""
@@ -160,15 +175,18 @@ class Sessions:
 @pytest.fixture(scope="session")
 def capsoc_sessions(request: pytest.FixtureRequest) -> Iterator[Sessions]:
     """Starts the session that the tests of this process share."""
-    sessions = Sessions(request.config.getoption("--capsoc-program"))
+    program, file = request.config.getoption("--capsoc-program"), request.config.getoption("--capsoc-html")
+    # Each worker of pytest-xdist writes a page of its own.
+    sessions = Sessions(program, Pages(program, file, os.environ.get("PYTEST_XDIST_WORKER")))
     yield sessions
     sessions.close()
+    sessions.pages.write()
 
 
 @pytest.fixture
 def capsoc(request: pytest.FixtureRequest, capsoc_sessions: Sessions, tmp_path: Path) -> Iterator[Capsoc]:
     """The package `capsoc`, with run() in a session that is running. Simulations are closed after the test."""
-    fixture = Capsoc(capsoc_sessions.get(), _backend(request.node), tmp_path)
+    fixture = Capsoc(capsoc_sessions.get(), _backend(request.node), tmp_path, capsoc_sessions.pages)
     request.node.stash[_fixture] = fixture
     yield fixture
     fixture.close()

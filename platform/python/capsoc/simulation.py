@@ -33,8 +33,8 @@ class Simulation:
     def __init__(self, session: Session, number: int, state: dict[str, Any], name: str) -> None:
         self.session, self.number, self.name = session, number, name
         self.closed = False
-        #: Called with this simulation before it closes, when its `with` statement ends by an exception.
-        self.on_failure: Optional[Callable[[Simulation], None]] = None
+        #: Called with this simulation when its `with` statement ends, before it closes; and whether by an exception.
+        self.on_exit: Optional[Callable[[Simulation, bool], None]] = None
         self.result: Optional[Result] = None
         self.events: list[Event] = []
         self.uart = [Uart(self, number) for number in range(UARTS)]
@@ -197,7 +197,7 @@ class Simulation:
         numbers: Iterable[int] = self.call("simulation.clone", count=count)["simulations"]
         clones = [Simulation(self.session, number, self._last.__dict__, self.name) for number in numbers]
         for clone in clones:
-            clone.on_failure = self.on_failure
+            clone.on_exit = self.on_exit
             for uart, copy in zip(clone.uart, uarts):
                 uart._set(copy)
         return clones
@@ -230,8 +230,8 @@ class Simulation:
         self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None:
         try:
-            if error is not None and self.on_failure is not None and not self.closed:
-                self.on_failure(self)
+            if self.on_exit is not None and not self.closed:
+                self.on_exit(self, error is not None)
         finally:
             self.close()
 
