@@ -88,6 +88,7 @@ class Framing(Pipes):
         first, second = (self.connection.send("m", {"n": n}) for n in (1, 2))
         self.answer(b'{"id":2,"result":"b"}\n{"id":77,"result":"not asked"}\n{"id":1,"result":"a"}\n')
         self.assertEqual([self.connection.wait(first), self.connection.wait(second)], ["a", "b"])
+        self.assertEqual(self.connection._answers, {})  # what was not asked for is not kept
 
     def test_a_million_samples(self):
         values = array.array("d", range(1_000_000))
