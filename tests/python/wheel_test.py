@@ -20,7 +20,7 @@ def test_calibrates(capsoc):
         sim.advance(seconds=100)
         assert sim.coprocessor.STATUS.LOCK
         assert sim.samples(last=500).error_deg.abs().max() < 0.01
-        assert sim.variable("samples") > 25000
+        assert sim.variable("results") > 25000
 """
 
 

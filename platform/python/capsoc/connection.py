@@ -65,6 +65,7 @@ class Connection:
 
     def call(self, method: str, params: dict[str, Any], outgoing: Optional[arrays.Outgoing] = None) -> Any:
         """The result of a request. Raises the exception of errors.py that its error stands for."""
+        __tracebackhide__ = True
         return self.wait(self.send(method, params, outgoing))
 
     def send(self, method: str, params: dict[str, Any], outgoing: Optional[arrays.Outgoing] = None) -> int:
@@ -96,6 +97,7 @@ class Connection:
 
     def wait(self, number: int) -> Any:
         """The result of a request that was sent. Interrupted by KeyboardInterrupt, it may be called again."""
+        __tracebackhide__ = True
         deadline = None if self.timeout is None else time.monotonic() + self.timeout
         while True:
             with self._changed:

@@ -110,7 +110,7 @@ def _state_lines(simulation: Simulation) -> list[str]:
     over = ", the program has ended" if state.over else ""
     return [
         f"time {state.time_s:.9f} s, cycle {state.cycles}, instruction {state.instructions}{over}",
-        f"pc 0x{state.pc:08x}, at {state.place}",
+        f"at {state.place or hex(state.pc)}",
     ]
 
 
@@ -131,8 +131,11 @@ def _checkpoint_lines(simulation: Simulation, file: Path) -> list[str]:
 
 
 def _crash_lines(simulation: Simulation) -> list[str]:
+    over = simulation.state.over
     result = simulation.finish()
-    return [f"-- exit {result.code}: {result.reason}", *"\n".join(result.reports).splitlines()]
+    # The outcome of a run that only its test ended means nothing.
+    outcome = [f"-- exit {result.code}: {result.reason}"] if over else []
+    return [*outcome, *"\n".join(result.reports).splitlines()]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

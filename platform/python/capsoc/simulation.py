@@ -51,6 +51,7 @@ class Simulation:
 
     def call(self, method: str, outgoing: Optional[Outgoing] = None, /, **params: Any) -> Any:
         """A request of the protocol about this simulation, for what has no method here."""
+        __tracebackhide__ = True
         if self.closed:
             raise SimulationEnded(f"The simulation of {self.name} was closed.", 2)
         return self.session.call(method, outgoing, simulation=self.number, **params)
@@ -86,6 +87,7 @@ class Simulation:
 
         within: limit in simulated seconds for the others. Ctrl-C stops the simulation between two instructions.
         """
+        __tracebackhide__ = True
         return self._advance(
             {
                 "seconds": seconds,
@@ -114,6 +116,7 @@ class Simulation:
         every_s simulated seconds. within: limit in simulated seconds; `if not sim.until(..., within=1)` tells that it
         was not reached.
         """
+        __tracebackhide__ = True
         return self._advance(
             {
                 "address": symbol if address is None else address,
@@ -125,6 +128,7 @@ class Simulation:
         )
 
     def _advance(self, goals: dict[str, Any], within: Optional[float]) -> Stop:
+        __tracebackhide__ = True
         goal = {name: value for name, value in goals.items() if value is not None}
         if len(goal) > 1:
             raise ValueError(f"{' and '.join(goal)} exclude each other; name one of them.")

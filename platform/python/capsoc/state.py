@@ -8,7 +8,11 @@ from typing import Any, Optional
 
 @dataclass(frozen=True)
 class State:
-    """Where a simulation is. place: the program counter as function, file and line. over: the program has ended."""
+    """Where a simulation is.
+
+    place: function, file and line of the program counter, and who
+    called; only in Simulation.state. over: the program has ended.
+    """
 
     time_s: float = 0.0
     time_ps: int = 0

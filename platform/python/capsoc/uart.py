@@ -65,6 +65,7 @@ class Uart:
         `^` and `$` are also the ends of lines. Use what Python's expressions and RE2 have in common. Raises
         ExpectationError, with the text that was seen, if the limit or the program's end comes first.
         """
+        __tracebackhide__ = True  # pytest shows the test's line
         expression, text = _compiled(pattern)
         if found := self._search(expression):  # in what was read but not matched
             return found
