@@ -17,7 +17,7 @@ def test_calibrates(capsoc):
     with capsoc.run("selfcal.elf", sensor=capsoc.Sensor(a1=0.6, b1=0.1, noise=1e-4)) as sim:
         sim.uart0.expect(r"(\\d+) s: lock", within=120)
         sim.sensor.b1 += 0.05
-        sim.advance(seconds=100)
+        sim.advance(seconds=120)
         assert sim.coprocessor.STATUS.LOCK
         assert sim.samples(last=500).error_deg.abs().max() < 0.01
         assert sim.variable("results") > 25000
