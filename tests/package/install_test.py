@@ -5,6 +5,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -98,6 +99,11 @@ class Installed(unittest.TestCase):
             {*names, "calibrate.elf", "track.elf", "unordered.elf", "hello.elf"},
             {p.name for p in (self.share / "capsoc/firmware").iterdir()},
         )
+
+    def test_the_python_package_finds_the_program(self):
+        environment = {"PYTHONPATH": str(self.share / "capsoc/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+        found = self.do(sys.executable, "-c", "import capsoc; print(capsoc.find_program())", environment=environment)
+        self.assertEqual(found.strip(), str(self.tree / "bin/capsoc"))
 
     def test_nothing_needs_the_build_tree(self):
         for file in (self.tree / "bin/capsoc", *(self.tree / "lib/capsoc").iterdir()):
