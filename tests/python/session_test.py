@@ -188,6 +188,8 @@ class Parts(Real):
         simulation.advance(0.1)
         simulation.sensor.b1 += 0.25
         self.assertAlmostEqual(simulation.sensor.b1, 0.35)
+        simulation.sensor.beta_deg += 2
+        self.assertAlmostEqual(simulation.sensor.beta_deg, 7)
         before = simulation.samples(last=1).u[-1:]
         simulation.advance(samples=2)
         self.assertAlmostEqual(float(list(simulation.samples(last=1).u)[0]) - float(list(before)[0]), 0.25, delta=0.01)
@@ -290,6 +292,7 @@ class Ends(Real):
         self.run_elf().advance(0.1)
         pids = [s["process"] for s in self.session.call("session.simulations")["simulations"]]
         self.session.close()
+        self.assertEqual(self.session.process.returncode, 0)  # by itself, at the end of its input
         deadline = time.monotonic() + 10
         while any(Path(f"/proc/{pid}").exists() for pid in pids) and time.monotonic() < deadline:
             time.sleep(0.02)

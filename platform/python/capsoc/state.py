@@ -10,8 +10,8 @@ from typing import Any, Optional
 class State:
     """Where a simulation is.
 
-    place: function, file and line of the program counter, and who
-    called; only in Simulation.state. over: the program has ended.
+    place: function, file and line of the program counter, and who called; only in Simulation.state. over: the program
+    has ended.
     """
 
     time_s: float = 0.0
@@ -33,7 +33,7 @@ class State:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened: kind ("exception", "guest_error", "verdict", "uart"), simulated seconds, details."""
+    """Something that happened: kind ("exception", "uart" and so on), simulated seconds, details."""
 
     kind: str
     time_s: float
