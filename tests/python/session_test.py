@@ -168,6 +168,7 @@ class Parts(Real):
         self.assertTrue(simulation.gpio[0][3])
         self.assertEqual(len(simulation.gpio[0].pins), 16)
         simulation.gpio[0][3] = None
+        self.assertFalse(simulation.gpio[0][3])
 
     def test_injected_samples(self):
         simulation = self.run_elf()

@@ -204,7 +204,10 @@ class Adc:
 
 
 class Gpio:
-    """The 16 pins of a port: `gpio[0][3]` is a level, an assignment drives the pin from outside, None releases it."""
+    """The 16 pins of a port: `gpio[0][3]` is a level, an assignment drives the pin from outside.
+
+    None releases the pin, which the board's pull-down then holds low.
+    """
 
     def __init__(self, simulation: Simulation, number: int) -> None:
         self._simulation, self._number = simulation, number
@@ -218,8 +221,7 @@ class Gpio:
         return self.pins[pin]
 
     def __setitem__(self, pin: int, level: Optional[bool]) -> None:
-        driven = None if level is None else bool(level)
-        self._simulation.call("pin.drive", gpio=self._number, pin=pin, level=driven)
+        self._simulation.call("pin.drive", gpio=self._number, pin=pin, level=bool(level))
 
     def __len__(self) -> int:
         return 16
