@@ -101,6 +101,7 @@ class Parts(Real):
         self.assertEqual(coprocessor.CTRL.DEMOD, 1)
         self.assertEqual(int(coprocessor.CTRL), coprocessor.CTRL.value)
         coprocessor.LOCK_THRESHOLD = 77
+        simulation.advance(cycles=100)
         self.assertEqual(coprocessor.LOCK_THRESHOLD, 77)
         self.assertNotEqual(simulation.registers.UART0.CTRL.value, 0)
         self.assertIn("STATUS", dir(coprocessor))
