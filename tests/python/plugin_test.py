@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The pytest plugin, by running pytest on test files in a folder, with a session without a simulator."""
+"""The pytest plugin, by running pytest on test files in a folder, without a simulator and with the program."""
 
 import re
 import subprocess
@@ -7,7 +7,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from harness import CLEAN, SOURCE, Case
+from harness import CAPSOC, CLEAN, SOURCE, Case
 
 sys.path[:0] = [str(Path(__file__).parent)]
 
@@ -16,11 +16,9 @@ import fake_session  # noqa: E402
 CTEST = {"name": "python plugin", "interpreter": "/usr/bin/python3"}
 
 
-class Plugin(Case):
-    def pytest(self, text, *arguments, **faults):
+class Pytest(Case):
+    def pytest_with(self, program, text, *arguments):
         """(status, output) of pytest on a file; the folder of its temporary files is `tmp`."""
-        (self.folder / "bin").mkdir(exist_ok=True)
-        program = fake_session.program(self.folder / "bin", **faults)
         (self.folder / "test_it.py").write_text(text)
         command = [sys.executable, "-m", "pytest", "-p", "capsoc.pytest_plugin", "-p", "no:cacheprovider"]
         command += ["--capsoc-program", program, "--basetemp", self.folder / "tmp", *arguments, "test_it.py"]
@@ -37,6 +35,14 @@ class Plugin(Case):
             check=False,
         )
         return done.returncode, done.stdout + done.stderr
+
+
+class Plugin(Pytest):
+    """With a session without a simulator."""
+
+    def pytest(self, text, *arguments, **faults):
+        (self.folder / "bin").mkdir(exist_ok=True)
+        return self.pytest_with(fake_session.program(self.folder / "bin", **faults), text, *arguments)
 
     def test_pass(self):
         status, said = self.pytest(
@@ -155,6 +161,44 @@ def test_two(capsoc):
         status, said = self.pytest("def test_it(capsoc): pass\n", "--capsoc-program", "/nowhere")
         self.assertEqual(status, 1, said)
         self.assertIn("/nowhere: is no program (named by program)", said)
+
+
+class RealProgram(Pytest):
+    def test_backends(self):
+        status, said = self.pytest_with(
+            CAPSOC,
+            """
+import pytest
+
+@pytest.mark.parametrize("backend", [pytest.param(b, marks=pytest.mark.capsoc(backend=b)) for b in ("tlm", "rtl")])
+def test_backend(capsoc, backend):
+    with capsoc.run("selfcal.elf") as sim:
+        sim.advance(seconds=0.5)
+        assert sim.finish()["configuration"]["coprocessor.backend"] == backend
+""",
+        )
+        self.assertEqual(status, 0, said)
+
+    def test_a_failed_test_leaves_a_checkpoint_that_resumes_and_a_page(self):
+        status, said = self.pytest_with(
+            CAPSOC,
+            """
+def test_it(capsoc):
+    with capsoc.run("selfcal.elf") as sim:
+        sim.uart0.expect("absent", within=2)
+""",
+            "--capsoc-html",
+            "page.html",
+        )
+        self.assertEqual(status, 1, said)
+        self.assertIn("UART 0 did not send 'absent' within 2 simulated s: it is 2.0", said)
+        self.assertIn("| selfcal: self-calibration at a known speed", said)
+        self.assertIn("sampling_wait", said)
+        file = re.search(r"^checkpoint: (.+)$", said, re.MULTILINE)[1]
+        process = self.start("run", "--restore", file, "--simlimit", "3", "--json", "r.json")
+        process.communicate(timeout=60)
+        self.assertGreaterEqual(self.result()["samples"], 740)
+        self.assertIn("<html", (self.folder / "page.html").read_text()[:1000])
 
 
 if __name__ == "__main__":

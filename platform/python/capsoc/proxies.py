@@ -18,8 +18,8 @@ Numbers = Union[float, Iterable[float]]
 class Register:
     """A register, read at each use without side effects. Its fields are attributes; assigning one keeps the others.
 
-    The coprocessor takes a write a few cycles later, as on the bus: advance before the register is read or another of its
-    fields is written.
+    The coprocessor takes a write a few cycles later, as on the bus: advance before the register is read or another of
+    its fields is written.
     """
 
     _simulation: Simulation
