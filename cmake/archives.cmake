@@ -2,6 +2,9 @@
 # Links an imported library, and those that it needs, as archives where all of them are there. Each shared library, with its
 # relocations, costs every start of the program time, and a campaign starts it thousands of times.
 function(capsoc_link_archives target)
+  if(NOT PROJECT_IS_TOP_LEVEL)
+    return() # its imported libraries are the project's around
+  endif()
   set(archives "")
   foreach(library ${ARGN})
     find_library(CAPSOC_ARCHIVE_${library} lib${library}.a)

@@ -66,6 +66,9 @@ class Pages(unittest.TestCase):
                     )
         self.assertGreater(ran, 2, name)
 
+    def test_protocol(self):
+        self.run_page("protocol.md")
+
     def test_for_virtual_platforms(self):
         self.run_page("for-virtual-platforms.md")
 

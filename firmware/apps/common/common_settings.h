@@ -18,7 +18,7 @@
   NUMBER(uint32_t, progress_seconds, 50, 1, 1e9, 1, "s", "from one line of parameters to the next")
 #define MIRROR_SETTING(NUMBER)                        \
   NUMBER(uint32_t, mirror_seconds, 5, 0, 1e9, 1, "s", \
-         "that the rotation may seem reversed before it is believed, of a fast shaft a turn")
+         "that the rotation may seem reversed, or a turn of a fast shaft")
 #define ANGLE_STRIDE_SETTING(NUMBER) \
   NUMBER(uint32_t, angle_stride, 250, 1, 1e9, 1, "samples", "from one printed angle to the next")
 #define HARMONICS_SETTING(NUMBER)                                       \

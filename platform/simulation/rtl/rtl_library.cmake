@@ -84,7 +84,7 @@ function(capsoc_verilated_library name)
   # With coverage it is 36 MB of source, which optimisation would take many minutes for.
   target_compile_options(${name} PRIVATE $<IF:${coverage},-O0,-O3>)
   set_source_files_properties(${folder}/all.cpp PROPERTIES COMPILE_OPTIONS -w)
-  target_link_libraries(${name} PRIVATE ZLIB::ZLIB Threads::Threads)
+  target_link_libraries(${name} PRIVATE ${ZLIB_LIBRARIES} Threads::Threads)
 endfunction()
 
 # capsoc_rtl_hash(FOLDER FILE...): FOLDER/rtl_hash.h, which names the sources by what is in them.
