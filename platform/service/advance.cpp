@@ -203,7 +203,7 @@ std::optional<Answer> Advance::plan_expression() {
   return std::nullopt;
 }
 
-std::optional<Error> Advance::advance_to(sc_core::sc_time time) {
+std::optional<Error> Advance::advance_to(const sc_core::sc_time& time) {
   if (is_over_ || is_cut_) return std::nullopt;
   const sc_core::sc_time until = std::min(time, limit_);
   const auto more = board_.simulation().advance_to(until);

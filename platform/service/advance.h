@@ -49,7 +49,7 @@ class Advance final : private armv7m::Debugger {
   std::optional<Error> run_cycles();
   std::optional<Error> run_instructions();
   std::optional<Error> run_expression();
-  std::optional<Error> advance_to(sc_core::sc_time time);
+  std::optional<Error> advance_to(const sc_core::sc_time& time);
   bool holds(const Result<double>& value, std::optional<Error>& error);
   Result<double> value();
   Answer answer();

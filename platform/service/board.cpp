@@ -37,6 +37,7 @@ std::string program_named(const std::string& name) {
 std::vector<double> column(const std::deque<std::pair<double, double>>& pairs,
                            double std::pair<double, double>::*member) {
   std::vector<double> values;
+  values.reserve(pairs.size());
   for (const auto& pair : pairs) values.push_back(pair.*member);
   return values;
 }

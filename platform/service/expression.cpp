@@ -119,7 +119,7 @@ class Parser {
   NodePointer number() {
     const char *begin = text_.data() + at_, *end = text_.data() + text_.size();
     Node node{Node::Kind::number, 0, "", nullptr, nullptr};
-    const char* last = begin;
+    const char* last = nullptr;
     if (text_.compare(at_, 2, "0x") == 0) {
       uint64_t whole = 0;
       last = std::from_chars(begin + 2, end, whole, 16).ptr;

@@ -115,6 +115,7 @@ class Session {
             Take take);
   void take_snapshot(Simulation& simulation, Taken taken);
   void end_worker(Simulation& simulation);
+  void refuse_pending(Simulation& simulation, const std::string& sentence);
   void reap();
   void worker_is_gone(Simulation& simulation, int status);
   void client_is_gone(Client& client);

@@ -180,7 +180,10 @@ Session::Simulation* Session::simulation_of(const Request& request) {
   }
   const auto number = given->get<uint64_t>();
   const auto found = simulations_.find(number);
-  if (found != simulations_.end() && found->second->is_constructed) return found->second.get();
+  // Whoever asked for it need not wait until it is there.
+  if (found != simulations_.end() &&
+      (found->second->is_constructed || found->second->client == request.client))
+    return found->second.get();
   const auto ended = ended_.find(number);
   answer(request,
          refuse(ended == ended_.end()
@@ -213,11 +216,7 @@ void Session::close(Request& request) {
   const uint64_t number = simulation->number;
   end_worker(*simulation);
   ended_[number] = "it was closed";
-  while (!simulation->pending.empty()) {
-    const Take take = std::move(simulation->pending.front().take);
-    simulation->pending.pop_front();
-    take(refuse(fmt::format("simulation {} was closed", number), Code::no_simulation));
-  }
+  refuse_pending(*simulation, fmt::format("simulation {} was closed", number));
   ending_.push_back(std::move(simulations_.at(number)));
   simulations_.erase(number);
   answer(request, {});

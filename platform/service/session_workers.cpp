@@ -57,7 +57,9 @@ void Session::start(uint64_t client, Json settings, const Snapshot* from, Constr
          if (answer.ok() && found != simulations_.end()) {
            found->second->is_constructed = true;
          } else if (found != simulations_.end()) {
+           ended_[number] = "it was not constructed";
            end_worker(*found->second);
+           refuse_pending(*found->second, fmt::format("simulation {} was not constructed", number));
            ending_.push_back(std::move(found->second));
            simulations_.erase(found);
          }
@@ -120,13 +122,18 @@ void Session::worker_is_gone(Simulation& simulation, int status) {
   ended_[simulation.number] = ending_of(status);
   const std::string sentence =
       fmt::format("simulation {} {}; the others go on", simulation.number, ending_of(status));
+  refuse_pending(simulation, sentence);
+}
+
+/// Answers what a worker will not.
+void Session::refuse_pending(Simulation& simulation, const std::string& sentence) {
   while (!simulation.pending.empty()) {
     const Take take = std::move(simulation.pending.front().take);
     simulation.pending.pop_front();
     take(refuse(sentence, Code::no_simulation));
   }
-  for (const Request& request : simulation.waiting)
-    answer(request, refuse(sentence, Code::no_simulation));
+  for (const Request& request : std::exchange(simulation.waiting, {}))
+    settle(request, refuse(sentence, Code::no_simulation));
 }
 
 }  // namespace capsoc::service

@@ -495,6 +495,25 @@ class Hostile(Driven):
                 self.assertEqual(self.session.send(line)["error"]["code"], code)
         self.assertEqual(self.session("session.about")["protocol"], 1)
 
+    def test_requests_need_not_wait_for_answers(self):
+        """What follows a construction is done behind it, or refused with it."""
+        for program, ends in ((str(FIRMWARE / "selfcal.elf"), "result"), ("no such program", "error")):
+            with self.subTest(program=program):
+                number = len(self.session("session.simulations")["simulations"]) + 1
+                requests = [("simulation.construct", {"settings": {"firmware.elf": program}})]
+                requests += [("simulation.advance", {"simulation": number, "cycles": 1000})] * 3
+                lines = [
+                    json.dumps({"jsonrpc": "2.0", "id": i, "method": method, "params": params}) + "\n"
+                    for i, (method, params) in enumerate(requests)
+                ]
+                self.session.process.stdin.write("".join(lines).encode())
+                self.session.process.stdin.flush()
+                answers = {}
+                for _ in requests:
+                    answer = json.loads(self.session.process.stdout.readline())
+                    answers[answer["id"]] = answer
+                self.assertEqual([ends in answers[i] for i in range(len(requests))], [True] * len(requests), answers)
+
     def test_outputs_belong_to_one(self):
         simulation = self.construct(**{"trace.waves": "waves.fst"})
         with self.assertRaisesRegex(Refused, "names a file"):

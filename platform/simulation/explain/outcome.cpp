@@ -65,8 +65,9 @@ Verdict verdict_of(const End& end, const soc::Soc& soc) {
     return {exit_code::pass, fmt::format("{} printed what --until-uart names: {}",
                                          end.matched->name(), end.matched->match()->line)};
   if (reason == EndReason::end_on_idle) return idled(end);
-  const bool sleeps = reason == EndReason::none && soc.cpu.core().sleeping();
-  if (reason == EndReason::asleep || (sleeps && !called && !end.simlimit_reached))
+  const bool sleeps =
+      reason == EndReason::asleep || (reason == EndReason::none && soc.cpu.core().sleeping());
+  if (sleeps && !called && !end.simlimit_reached)
     return {exit_code::limit, "the firmware sleeps and nothing is left that could wake it"};
   if (reason == EndReason::debugger && !called) return {exit_code::pass, "ended by the debugger"};
   return stopped(end);

@@ -174,7 +174,7 @@ void TypeReader::read_array(Dwarf_Die* entry, Type& type) {
   if (element == nullptr || extents.empty()) return;
   std::string dimensions;
   for (std::size_t i = extents.size(); i-- > 0;) {
-    dimensions = fmt::format("[{}]", extents[i]) + dimensions;
+    dimensions.insert(0, fmt::format("[{}]", extents[i]));
     Type row;
     row.kind = Type::Kind::array;
     row.target = element;
