@@ -12,7 +12,7 @@ from pathlib import Path
 
 from harness import BUILD, SOURCE
 
-CTEST = {"name": "package: library", "whole": True}
+CTEST = {"name": "package: library", "whole": True, "timeout": 1200}
 
 CLEAN = {
     k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")

@@ -8,7 +8,7 @@ import unittest
 
 from harness import BUILD, CLEAN, SOURCE, Case
 
-CTEST = {"name": "python guide", "interpreter": "/usr/bin/python3"}
+CTEST = {"name": "python guide", "interpreter": "/usr/bin/python3", "timeout": 900}
 
 PAGE = SOURCE / "docs" / "python.md"
 

@@ -13,7 +13,7 @@ sys.path[:0] = [str(Path(__file__).parent)]
 
 import fake_session  # noqa: E402
 
-CTEST = {"name": "python plugin", "interpreter": "/usr/bin/python3"}
+CTEST = {"name": "python plugin", "interpreter": "/usr/bin/python3", "timeout": 900}
 
 
 class Pytest(Case):

@@ -19,7 +19,7 @@ for name in [name for name in os.environ if name.startswith("CAPSOC_")]:
 
 import capsoc  # noqa: E402
 
-CTEST = {"name": "python session", "interpreter": "/usr/bin/python3"}
+CTEST = {"name": "python session", "interpreter": "/usr/bin/python3", "timeout": 900}
 
 SHORT = {"demodulation_samples": 100, "calibration_samples": 20}
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from harness import BUILD, CLEAN, SOURCE, Case
 
-CTEST = {"name": "python wheel", "interpreter": "/usr/bin/python3", "whole": True}
+CTEST = {"name": "python wheel", "interpreter": "/usr/bin/python3", "timeout": 900, "whole": True}
 
 EXAMPLE = """
 def test_calibrates(capsoc):
