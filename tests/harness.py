@@ -16,8 +16,32 @@ BUILD = Path(os.environ.pop("CAPSOC_TEST_BUILD", SOURCE / "build")).resolve()
 CAPSOC = BUILD / "capsoc"
 FIRMWARE = BUILD / "firmware"
 TRACES = SOURCE / "traces"
-#: Without settings of capsoc, which would come before a test's own.
-CLEAN = {name: value for name, value in os.environ.items() if not name.startswith("CAPSOC_")}
+#: Without settings of capsoc and of builds, which would come before a test's own.
+CLEAN = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith("CAPSOC_") and name not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")
+}
+
+
+def output_of(*command, code=0, environment=None, timeout=400, **keywords):
+    """What a command prints on standard output. It ends with the exit code, or the test fails with all that it said.
+
+    `environment`: beside CLEAN. Further keywords as subprocess.run has them.
+    """
+    done = subprocess.run(
+        [*map(str, command)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+        env=CLEAN | (environment or {}),
+        stdin=subprocess.DEVNULL,
+        **keywords,
+    )
+    if done.returncode != code:
+        raise AssertionError(f"{command}: {done.returncode}\n{done.stdout[-20000:]}{done.stderr[-20000:]}")
+    return done.stdout
 
 
 def without_host_times(result):

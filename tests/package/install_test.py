@@ -4,19 +4,14 @@
 import json
 import os
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-from harness import BUILD
+from harness import BUILD, output_of
 
 CTEST = {"name": "package: install", "whole": True}
-
-CLEAN = {
-    k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")
-}
 
 
 class Installed(unittest.TestCase):
@@ -25,16 +20,7 @@ class Installed(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         top = Path(folder.name).resolve()
-        done = subprocess.run(
-            ["cmake", "--install", BUILD, "--prefix", top / "first"],
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-            env=CLEAN,
-        )
-        if done.returncode != 0:
-            raise AssertionError(done.stdout + done.stderr)
+        output_of("cmake", "--install", BUILD, "--prefix", top / "first")
         cls.tree = top / "moved" / "to a place with blanks"
         cls.tree.parent.mkdir()
         (top / "first").rename(cls.tree)
@@ -45,19 +31,8 @@ class Installed(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.work = Path(folder.name)
 
-    def do(self, *command, code=0, environment=None):
-        done = subprocess.run(
-            [*map(str, command)],
-            cwd=self.work,
-            capture_output=True,
-            text=True,
-            timeout=250,
-            check=False,
-            env=CLEAN | (environment or {}),
-            stdin=subprocess.DEVNULL,
-        )
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done.stdout
+    def do(self, *command, **keywords):
+        return output_of(*command, cwd=self.work, timeout=250, **keywords)
 
     def capsoc(self, *arguments, code=0):
         return self.do(self.tree / "bin" / "capsoc", *arguments, code=code)

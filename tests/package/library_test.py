@@ -4,39 +4,19 @@
 import os
 import re
 import shutil
-import subprocess
 import tempfile
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from harness import BUILD, SOURCE
+from harness import BUILD, SOURCE, output_of
 
 CTEST = {"name": "package: library", "whole": True, "timeout": 1200}
 
-CLEAN = {
-    k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS", "DESTDIR")
-}
 PROJECTS = SOURCE / "tests/package/projects"
 # Headers that a component's user has asked for.
 ASKED_FOR = {"identification": "/eigen3/"}
 THIRD_PARTY = re.compile(r"/(fmt|spdlog|nlohmann|asmjit|eigen3|toml\+\+|CLI|yaml\.h|zlib\.h)")
-
-
-def do(*command, cwd=None, environment=None, code=0):
-    done = subprocess.run(
-        [*map(str, command)],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=400,
-        check=False,
-        env=CLEAN | (environment or {}),
-        stdin=subprocess.DEVNULL,
-    )
-    if done.returncode != code:
-        raise AssertionError(f"{command}: {done.returncode}\n{done.stdout[-4000:]}{done.stderr[-4000:]}")
-    return done.stdout
 
 
 class Library(unittest.TestCase):
@@ -46,7 +26,7 @@ class Library(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         top = Path(folder.name).resolve()
         for component in ("development", "rtl"):
-            do("cmake", "--install", BUILD, "--prefix", top / "first", "--component", component)
+            output_of("cmake", "--install", BUILD, "--prefix", top / "first", "--component", component)
         # It may be moved.
         cls.tree = top / "a place with blanks"
         (top / "first").rename(cls.tree)
@@ -58,11 +38,13 @@ class Library(unittest.TestCase):
         source = self.work / name
         shutil.copytree(PROJECTS / name, source)
         build = source / "build"
-        do("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_CXX_FLAGS=-Wall -Wextra")
-        do("cmake", "--build", build)
-        for line in do("cmake", "--build", build, "--", "-v", "-n").splitlines():
+        output_of(
+            "cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={self.tree}", "-DCMAKE_CXX_FLAGS=-Wall -Wextra"
+        )
+        output_of("cmake", "--build", build)
+        for line in output_of("cmake", "--build", build, "--", "-v", "-n").splitlines():
             self.assertNotIn(str(SOURCE), line)
-        output = do(build / name, environment={"SYSTEMC_DISABLE_COPYRIGHT_MESSAGE": "1"})
+        output = output_of(build / name, environment={"SYSTEMC_DISABLE_COPYRIGHT_MESSAGE": "1"})
         return output.strip()
 
     def test_a_system_of_capsocs_parts(self):
@@ -76,18 +58,20 @@ class Library(unittest.TestCase):
 
     def test_the_identification_without_a_simulation(self):
         self.assertEqual(self.project("fit"), "a1 0.6000, a2 0.7000, b1 0.1000, b2 -0.0500, beta 0.2000")
-        linked = do("ldd", self.work / "fit/build/fit")
+        linked = output_of("ldd", self.work / "fit/build/fit")
         self.assertNotIn("systemc", linked)
 
     def test_pkg_config_knows_the_parts(self):
         environment = {"PKG_CONFIG_PATH": str(self.tree / "lib/pkgconfig")}
-        self.assertEqual(do("pkg-config", "--modversion", "capsoc-armv7m", environment=environment).count("."), 2)
-        flags = do("pkg-config", "--cflags", "--libs", "capsoc-identification", environment=environment)
+        self.assertEqual(
+            output_of("pkg-config", "--modversion", "capsoc-armv7m", environment=environment).count("."), 2
+        )
+        flags = output_of("pkg-config", "--cflags", "--libs", "capsoc-identification", environment=environment)
         program = self.work / "by_pkg_config"
         flags = flags.replace("\\ ", "\0").split()
         flags = [flag.replace("\0", " ") for flag in flags]
-        do("g++", "-std=c++17", PROJECTS / "fit/main.cpp", *flags, "-o", program)
-        self.assertIn("a1 0.6000", do(program))
+        output_of("g++", "-std=c++17", PROJECTS / "fit/main.cpp", *flags, "-o", program)
+        self.assertIn("a1 0.6000", output_of(program))
 
     def test_a_component_that_is_none_is_named(self):
         (self.work / "wrong").mkdir()
@@ -96,7 +80,9 @@ class Library(unittest.TestCase):
             "find_package(capsoc REQUIRED COMPONENTS armv7m armv8)\n"
         )
         with self.assertRaisesRegex(AssertionError, r"capsoc has no component\s+'armv8'"):
-            do("cmake", "-S", self.work / "wrong", "-B", self.work / "wrong/build", f"-DCMAKE_PREFIX_PATH={self.tree}")
+            output_of(
+                "cmake", "-S", self.work / "wrong", "-B", self.work / "wrong/build", f"-DCMAKE_PREFIX_PATH={self.tree}"
+            )
 
     def headers(self):
         return sorted(self.include.rglob("*.h"))
@@ -109,7 +95,9 @@ class Library(unittest.TestCase):
         made = unit.with_suffix(".d")
         own = ["-fsyntax-only", "-MD", "-MF", made, "-I", self.include, "-DSC_INCLUDE_DYNAMIC_PROCESSES"]
         try:
-            do("g++", "-std=c++17", *own, *do("pkg-config", "--cflags", "systemc", "eigen3").split(), unit)
+            output_of(
+                "g++", "-std=c++17", *own, *output_of("pkg-config", "--cflags", "systemc", "eigen3").split(), unit
+            )
         except AssertionError as error:
             return f"{name}: {error}"
         asked_for = ASKED_FOR.get(name.parts[0], "-")
@@ -134,7 +122,7 @@ class Library(unittest.TestCase):
             r"^(vtable|typeinfo|typeinfo name|guard variable|non-virtual thunk|virtual thunk|VTT)?( for | to )?capsoc::"
         )
         for archive in sorted((self.tree / "lib").glob("libcapsoc_*.a")):
-            for line in do("nm", "-C", "--defined-only", "--extern-only", archive).splitlines():
+            for line in output_of("nm", "-C", "--defined-only", "--extern-only", archive).splitlines():
                 found = re.match(r"[0-9a-f]+ ([TDBR]) (.*)", line)
                 if found:
                     self.assertRegex(found[2], allowed, archive)

@@ -2,11 +2,10 @@
 """The guide docs/python.md: its blocks "python test" are run by pytest, its blocks "python run" by the interpreter."""
 
 import re
-import subprocess
 import sys
 import unittest
 
-from harness import BUILD, CLEAN, SOURCE, Case
+from harness import BUILD, SOURCE, Case, output_of
 
 CTEST = {"name": "python guide", "interpreter": "/usr/bin/python3", "timeout": 900}
 
@@ -18,20 +17,8 @@ class Guide(Case):
         return re.findall(rf"^```python {kind}\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)
 
     def run_python(self, *arguments):
-        environment = {**CLEAN, "CAPSOC": str(BUILD), "PYTHONPATH": str(SOURCE / "platform" / "python")}
-        done = subprocess.run(
-            [sys.executable, *arguments],
-            cwd=self.folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=250,
-            check=False,
-        )
-        self.assertEqual(done.returncode, 0, done.stdout)
-        return done.stdout
+        environment = {"CAPSOC": str(BUILD), "PYTHONPATH": str(SOURCE / "platform" / "python")}
+        return output_of(sys.executable, *arguments, environment=environment, cwd=self.folder)
 
     def test_every_block_is_run(self):
         kinds = set(re.findall(r"^```(python[^\n]*)$", PAGE.read_text(), re.MULTILINE))

@@ -2,13 +2,12 @@
 """The wheel: built without a network, installed into a virtual environment, and used from there."""
 
 import shutil
-import subprocess
 import sys
 import unittest
 import zipfile
 from pathlib import Path
 
-from harness import BUILD, CLEAN, SOURCE, Case
+from harness import BUILD, SOURCE, Case, output_of
 
 CTEST = {"name": "python wheel", "interpreter": "/usr/bin/python3", "timeout": 900, "whole": True}
 
@@ -26,19 +25,8 @@ def test_calibrates(capsoc):
 
 class Wheel(Case):
     def do(self, *command, environment=None):
-        done = subprocess.run(
-            [*map(str, command)],
-            cwd=self.folder,
-            env={**CLEAN, "PIP_DISABLE_PIP_VERSION_CHECK": "1", **(environment or {})},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=200,
-            check=False,
-        )
-        self.assertEqual(done.returncode, 0, done.stdout)
-        return done.stdout
+        environment = {"PIP_DISABLE_PIP_VERSION_CHECK": "1", **(environment or {})}
+        return output_of(*command, environment=environment, cwd=self.folder)
 
     def wheel(self):
         shutil.copytree(SOURCE / "platform" / "python", self.folder / "source", ignore=shutil.ignore_patterns("build"))

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <functional>
 #include <string>
 
+#include "../elsewhere.h"
 #include "capsoc_registers.h"
 #include "session/run_settings.h"
 
@@ -19,30 +19,11 @@ namespace capsoc::run {
 namespace {
 
 using sc_core::sc_time;
+using test::elsewhere;
 
 const std::vector<std::string> short_selfcal = {
     std::string("firmware.elf=") + SELFCAL_ELF, "program.demodulation_samples=900",
     "program.calibration_samples=100", "uart0.backend=null", "log.level=off"};
-
-/// What `work` returns, computed in another process.
-std::string elsewhere(const std::function<std::string()>& work) {
-  int ends[2];
-  if (pipe(ends) != 0) return "no pipe";
-  const pid_t child = fork();
-  if (child == 0) {
-    const std::string said = work();
-    const bool written = write(ends[1], said.data(), said.size()) == ssize_t(said.size());
-    _exit(written ? 0 : 1);
-  }
-  close(ends[1]);
-  std::string said;
-  char bytes[4096];
-  for (ssize_t n = 0; (n = read(ends[0], bytes, sizeof bytes)) > 0;) said.append(bytes, size_t(n));
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return status == 0 ? said : fmt::format("{} (status {})", said, status);
-}
 
 std::string figures(const RunResult& r) {
   return fmt::format("{} {} {} {} {} {} {} {}", r.code, r.reason, r.cycles, r.instructions,
