@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <cstring>
 
 #include "base/printable.h"
+#include "host/child_process.h"
 #include "host/descriptor.h"
 
 namespace capsoc::workers {
@@ -26,8 +26,7 @@ constexpr int signalled = 128;
 /// In the new process: what a worker keeps from itself is a program's again.
 [[noreturn]] void become(const std::vector<const char*>& words, const Variables& variables,
                          pid_t parent, int output, int captured) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(no_shell);
+  host::end_with_parent(parent, no_shell);
   for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGPIPE})
     std::signal(number, SIG_DFL);
   dup2(output, captured);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +18,8 @@
 #include <new>
 #include <utility>
 
+#include "host/child_process.h"
+#include "host/descriptor.h"
 #include "host/end_signals.h"
 
 namespace capsoc::workers {
@@ -40,11 +41,7 @@ int answer_descriptor = -1;  // of this process, if it is a worker
 void answer(Answer kind, std::string_view text) {
   std::string all(1, static_cast<char>(kind));
   all += text;
-  for (std::size_t done = 0; done < all.size();) {
-    const ssize_t count = write(answer_descriptor, all.data() + done, all.size() - done);
-    if (count < 0 && errno != EINTR) _exit(1);
-    if (count > 0) done += static_cast<std::size_t>(count);
-  }
+  if (!host::write_all(answer_descriptor, all)) _exit(1);
 }
 
 [[noreturn]] void out_of_memory() {
@@ -61,18 +58,11 @@ void limit(__rlimit_resource_t resource, rlim_t value) {
 
 /// What this process shall not do to others, nor others to its result.
 void become_worker(pid_t parent, int log, const Limits& limits) {
-  // A parent that is killed takes its workers along; one that was before this call has left
-  // already.
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1);
-  // The keyboard's signals are the parent's, which ends the workers; half a run is no result.
-  setpgid(0, 0);
-  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1}) std::signal(number, SIG_IGN);
-  const int nothing = open("/dev/null", O_RDWR);
-  dup2(nothing, STDIN_FILENO);
-  dup2(nothing, STDOUT_FILENO);
+  host::end_with_parent(parent, 1);
+  // The parent ends the workers; half a run is no result.
+  host::leave_terminal();
+  for (const int number : {SIGTERM, SIGUSR1}) std::signal(number, SIG_IGN);
   dup2(log, STDERR_FILENO);
-  limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, largest_written);
 #ifndef __SANITIZE_ADDRESS__  // whose shadow is terabytes of address space
   limit(RLIMIT_AS, static_cast<rlim_t>(limits.memory_mib) << 20U);

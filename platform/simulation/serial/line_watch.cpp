@@ -14,15 +14,12 @@ using Pattern = std::shared_ptr<const re2::RE2>;
 
 Result<Pattern> compile(const std::string& text, const char* option) {
   if (text.empty()) return Pattern();
-  re2::RE2::Options options;
-  options.set_log_errors(false);
-  options.set_encoding(re2::RE2::Options::EncodingLatin1);  // bytes, not characters
-  auto pattern = std::make_shared<const re2::RE2>(text, options);
-  if (pattern->ok()) return Pattern(std::move(pattern));
+  auto pattern = compile_pattern(text);
+  if (pattern) return pattern;
   return Error{
       fmt::format("{} {}: is no regular expression ({}); mend it, or put a backslash "
                   "before what is meant literally",
-                  option, text, pattern->error())};
+                  option, text, pattern.error())};
 }
 
 bool found(const Pattern& pattern, const std::string& line) {
@@ -30,6 +27,15 @@ bool found(const Pattern& pattern, const std::string& line) {
 }
 
 }  // namespace
+
+Result<Pattern> compile_pattern(const std::string& text) {
+  re2::RE2::Options options;
+  options.set_log_errors(false);
+  options.set_encoding(re2::RE2::Options::EncodingLatin1);  // bytes, not characters
+  auto pattern = std::make_shared<const re2::RE2>(text, options);
+  if (pattern->ok()) return Pattern(std::move(pattern));
+  return Error{pattern->error()};
+}
 
 Result<Patterns> Patterns::make(const std::string& until, const std::string& fail) {
   auto pass = compile(until, "--until-uart");

@@ -15,6 +15,10 @@ class RE2;
 
 namespace capsoc::serial {
 
+/// A regular expression in RE2 syntax over bytes, which are taken as they are. An Error: why it is
+/// none.
+Result<std::shared_ptr<const re2::RE2>> compile_pattern(const std::string& text);
+
 /// The regular expressions of --until-uart and --fail-uart (RE2 syntax: linear in the text,
 /// whatever the guest prints). Bytes are taken as they are.
 struct Patterns {
