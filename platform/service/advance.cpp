@@ -1,13 +1,13 @@
 #include "service/advance.h"
 
 #include <fmt/format.h>
-#include <re2/re2.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "base/printable.h"
+#include "serial/line_watch.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::service {
@@ -172,13 +172,11 @@ std::optional<Answer> Advance::plan_uart() {
       !pattern->is_string())
     return wrong(
         R"(simulation.advance: write uart as {"uart": 0, "pattern": "regular expression"})");
-  re2::RE2::Options options;
-  options.set_log_errors(false);
-  options.set_encoding(re2::RE2::Options::EncodingLatin1);
-  pattern_ = std::make_shared<const re2::RE2>(pattern->get<std::string>(), options);
-  if (!pattern_->ok())
+  auto compiled = serial::compile_pattern(pattern->get<std::string>());
+  if (!compiled)
     return wrong(fmt::format("simulation.advance: {} is no regular expression: {}",
-                             printable(pattern->get<std::string>(), 80), pattern_->error()));
+                             printable(pattern->get<std::string>(), 80), compiled.error()));
+  pattern_ = std::move(compiled.value());
   uart_ = uart->get<std::size_t>();
   board_.uart(*uart_).expect(pattern_.get(), [this] { stop("uart"); });
   return std::nullopt;

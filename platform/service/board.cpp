@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/nearest.h"
 #include "base/printable.h"
 #include "host/places.h"
 #include "results/results.h"
@@ -42,20 +43,17 @@ std::vector<double> column(const std::deque<std::pair<double, double>>& pairs,
   return values;
 }
 
-/// Bytes as JSON can carry them.
-Json numbers(const std::string& bytes) {
-  Json list = Json::array();
-  for (const char c : bytes) list.push_back(static_cast<uint8_t>(c));
-  return list;
-}
-
-std::string from_numbers(const Json& list) {
-  std::string bytes;
-  for (const Json& each : list) bytes += static_cast<char>(each.get<uint8_t>());
-  return bytes;
-}
-
 }  // namespace
+
+Result<unsigned> processor_register(const std::string& name) {
+  std::vector<std::string> names;
+  for (unsigned i = 0; i < debug::registers.size(); ++i) {
+    names.emplace_back(debug::registers[i].name);
+    if (names.back() == name) return i;
+  }
+  return Error{fmt::format("the processor has no register '{}'; did you mean {}?",
+                           printable(name, 80), nearest_names(printable(name, 80), names))};
+}
 
 Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snapshot& from) {
   std::unique_ptr<Board> board(new Board);
@@ -67,14 +65,15 @@ Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snap
     board->sensor_ = port.get();
     inputs.source = std::move(port);
   };
-  auto simulation = run::Simulation::construct(board->settings_, {lay_over, from.state});
+  auto simulation = run::Simulation::construct(
+      board->settings_, {lay_over, from.frames.empty() ? "" : from.frames.front()});
   if (!simulation) return Error{simulation.error()};
   board->simulation_ = std::move(simulation.value());
   board->attach();
   // To its first instant: out of reset, or out of the state that it goes on from.
   const auto begun = board->simulation_->advance_to(sc_core::SC_ZERO_TIME);
   if (!begun) return Error{begun.error()};
-  if (auto error = board->take_over(from.held)) return *error;
+  if (auto error = board->take_over(from)) return *error;
   return board;
 }
 
@@ -92,6 +91,12 @@ std::optional<Error> Board::set(const Json& settings) {
     if (name == settings_.firmware.elf.about().path) text = program_named(*text);
     if (auto error = settings_.set(name, *text, SettingSource::command_line, origin)) return error;
   }
+  for (const TextField* file : {&settings_.results.json, &settings_.results.html})
+    if (!file->empty())
+      return Error{
+          fmt::format("{}: a session writes no result files; simulation.finish answers with "
+                      "the result",
+                      file->about().path)};
   for (const run::UartSettings::Line& line : settings_.uarts.lines)
     if (line.backend() == "stdout" || line.backend() == "stdio")
       return Error{
@@ -123,34 +128,31 @@ void Board::attach() {
       });
 }
 
-source::ReadPointer Board::pointer_reader() {
-  return [this](uint32_t address) -> std::optional<uint32_t> {
-    const std::string bytes = target_->read_memory(address, 4);
-    if (bytes.size() < 4) return std::nullopt;
-    uint32_t word = 0;
-    for (std::size_t i = 4; i-- > 0;) word = word << 8U | static_cast<uint8_t>(bytes[i]);
-    return word;
-  };
+std::optional<uint32_t> Board::read_word(uint32_t address) {
+  const std::string bytes = target_->read_memory(address, 4);
+  if (bytes.size() < 4) return std::nullopt;
+  uint32_t word = 0;
+  for (std::size_t i = 4; i-- > 0;) word = word << 8U | static_cast<uint8_t>(bytes[i]);
+  return word;
 }
 
 Result<double> Board::number_of(const std::string& name) {
   if (name.front() == '$') {
-    for (unsigned i = 0; i < debug::registers.size(); ++i)
-      if (name.substr(1) == debug::registers[i].name)
-        return static_cast<double>(target_->read_register(i));
-    return Error{fmt::format("the processor has no register '{}'", printable(name, 80))};
+    const auto index = processor_register(name.substr(1));
+    if (!index) return Error{index.error()};
+    return static_cast<double>(target_->read_register(index.value()));
   }
   if (!registers_->has_peripheral(name.substr(0, name.find('.')))) return number_of_variable(name);
   const auto place = registers_->find(name);
   if (!place) return Error{place.error()};
-  const auto word = pointer_reader()(place.value().reg->address);
+  const auto word = read_word(place.value().reg->address);
   if (!word) return Error{fmt::format("{} cannot be read", name)};
   const soc::RegisterField* const field = place.value().field;
   return static_cast<double>(field != nullptr ? value_in(*field, *word) : *word);
 }
 
 Result<double> Board::number_of_variable(const std::string& name) {
-  const auto variable = variables_->find(name, pointer_reader());
+  const auto variable = variables_->find(name, pointers());
   if (!variable) return Error{variable.error()};
   const source::Variable& found = variable.value();
   const std::string bytes = target_->read_memory(found.address, std::max(8U, found.type->size));
@@ -171,21 +173,23 @@ Result<Board::Snapshot> Board::snapshot() {
                       setting.path)};
   auto state = simulation_->packed_state();
   if (!state) return Error{state.error()};
-  return Snapshot{std::move(state.value()), held()};
-}
-
-Json Board::held() const {
-  Json uarts = Json::array();
-  for (const UartTap& uart : uarts_)
-    uarts.push_back({{"waiting", numbers(uart.waiting())}, {"unread", numbers(uart.unread())}});
-  Json sensor = Json::object();
+  Answer held;
+  held.frames.push_back(std::move(state.value()));
+  Json uarts = Json::array(), sensor = Json::object();
+  for (const UartTap& uart : uarts_) {
+    Json both = Json::object();
+    held.add_bytes(both, "waiting", uart.waiting());
+    held.add_bytes(both, "unread", uart.unread());
+    uarts.push_back(std::move(both));
+  }
   for (const sensor::KeyValue& key : sensor_->changed()) sensor[key.name] = key.value;
   using Pair = std::pair<double, double>;
-  return {{"uarts", std::move(uarts)},
-          {"sensor", std::move(sensor)},
-          {"u", column(sensor_->injected(), &Pair::first)},
-          {"v", column(sensor_->injected(), &Pair::second)},
-          {"samples", sample_count()}};
+  held.add_array("u", column(sensor_->injected(), &Pair::first));
+  held.add_array("v", column(sensor_->injected(), &Pair::second));
+  held.result["uarts"] = std::move(uarts);
+  held.result["sensor"] = std::move(sensor);
+  held.result["samples"] = sample_count();
+  return Snapshot{std::move(held.result), std::move(held.frames)};
 }
 
 std::string Board::beside_the_checkpoint() const {
@@ -198,16 +202,20 @@ std::string Board::beside_the_checkpoint() const {
   return "";
 }
 
-std::optional<Error> Board::take_over(const Json& held) {
-  if (held.is_null()) return std::nullopt;
+std::optional<Error> Board::take_over(const Snapshot& from) {
+  if (from.frames.empty()) return std::nullopt;
+  const Json& held = from.held;
+  const auto bytes = [&](std::size_t uart, const char* name) {
+    return bytes_in(held.at("uarts").at(uart).at(name), from.frames);
+  };
   for (std::size_t n = 0; n < uarts_.size(); ++n) {
-    uarts_[n].send(from_numbers(held.at("uarts").at(n).at("waiting")));
-    uarts_[n].set_unread(from_numbers(held.at("uarts").at(n).at("unread")));
+    uarts_[n].send(bytes(n, "waiting"));
+    uarts_[n].set_unread(bytes(n, "unread"));
   }
   std::vector<sensor::KeyValue> keys;
   for (const auto& [name, value] : held.at("sensor").items())
     keys.push_back({name, value.get<std::string>(), name});
-  sensor_->inject(held.at("u").get<std::vector<double>>(), held.at("v").get<std::vector<double>>());
+  sensor_->inject(numbers_in(held.at("u"), from.frames), numbers_in(held.at("v"), from.frames));
   first_sample_ = held.at("samples").get<uint64_t>();
   return keys.empty() ? std::nullopt : sensor_->change(keys);
 }

@@ -25,15 +25,18 @@
 
 namespace capsoc::service {
 
+/// The index in debug::registers of a register of the processor; an Error names the nearest ones.
+Result<unsigned> processor_register(const std::string& name);
+
 class Board {
  public:
   static constexpr std::size_t most_samples = 1'000'000;  ///< kept, the newest
 
   /// The whole state of a board, to go on from with the same settings.
   struct Snapshot {
-    std::string state;  ///< a checkpoint's bytes; "": none, out of reset
-    Json held;  ///< beside it: what came from outside and has not reached the chip, what it sent
-                ///< and nobody has read
+    Json held;  ///< what came from outside and has not reached the chip, what it sent and nobody
+                ///< has read
+    Frames frames;  ///< a checkpoint's bytes, then those that `held` refers to; empty: out of reset
   };
 
   /// `settings`: names and values as `capsoc run -C` takes them. An Error as
@@ -55,8 +58,12 @@ class Board {
   std::optional<Error> subscribe(const std::vector<std::string>& kinds) {
     return events_.subscribe(kinds, uarts_);
   }
+  /// Without side effects; nothing where nothing is.
+  std::optional<uint32_t> read_word(uint32_t address);
   /// Follows pointers of the program.
-  source::ReadPointer pointer_reader();
+  source::ReadPointer pointers() {
+    return [this](uint32_t address) { return read_word(address); };
+  }
   /// What a name in an expression stands for: $pc and the other registers of the processor, a
   /// register or a field of a device (COPROCESSOR.STATUS.LOCK), a variable that is a number.
   Result<double> number_of(const std::string& name);
@@ -86,9 +93,8 @@ class Board {
  private:
   Board() = default;
   std::optional<Error> set(const Json& settings);
-  std::optional<Error> take_over(const Json& held);
+  std::optional<Error> take_over(const Snapshot& from);
   void attach();
-  Json held() const;
   Result<double> number_of_variable(const std::string& name);
 
   run::RunSettings settings_;

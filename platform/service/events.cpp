@@ -44,7 +44,7 @@ std::optional<Error> Events::subscribe(const std::vector<std::string>& wanted,
     uarts[n].on_line = nullptr;
     if (has("uart"))
       uarts[n].on_line = [this, n](const std::string& line) {
-        add({{"kind", "uart"}, {"time_s", now_s()}, {"uart", n}, {"line", line}});
+        add({{"kind", "uart"}, {"time_s", now_s()}, {"uart", n}, {"line", line}}, line.size());
       };
   }
   if (!has("pins")) return std::nullopt;
@@ -87,17 +87,23 @@ void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry
   if (static_cast<int>(exception) == watched_) on_entry_();
 }
 
-void Events::add(Json event) {
-  if (events_.size() == most_kept)
+/// `line`: bytes of a text in it.
+void Events::add(Json event, std::size_t line) {
+  constexpr std::size_t of_an_event = 120, of_a_byte = 6;
+  const std::size_t bytes = of_an_event + of_a_byte * line;
+  if (bytes_ + bytes > most_bytes) {
     ++lost_;
-  else
-    events_.push_back(std::move(event));
+    return;
+  }
+  bytes_ += bytes;
+  events_.push_back(std::move(event));
 }
 
 Json Events::take() {
   Json all = Json::array();
   for (Json& event : events_) all.push_back(std::move(event));
   events_.clear();
+  bytes_ = 0;
   if (const uint64_t lost = std::exchange(lost_, 0); lost > 0)
     all.push_back({{"kind", "lost"}, {"time_s", now_s()}, {"count", lost}});
   return all;

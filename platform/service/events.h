@@ -22,7 +22,9 @@ class UartTap;
 /// taken. Looks only.
 class Events final : private armv7m::Observer {
  public:
-  static constexpr std::size_t most_kept = 100'000;
+  /// Of all that are kept, written as JSON, where a byte of a line may take six: they fit a
+  /// message.
+  static constexpr std::size_t most_bytes = std::size_t{12} << 20;
 
   Events() = default;
   ~Events() override;
@@ -43,7 +45,7 @@ class Events final : private armv7m::Observer {
   void watch_exception(int number, std::function<void()> on_entry);
 
  private:
-  void add(Json event);
+  void add(Json event, std::size_t line = 0);
   void look();
 
   void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}
@@ -56,6 +58,7 @@ class Events final : private armv7m::Observer {
 
   soc::Soc* soc_ = nullptr;
   std::deque<Json> events_;
+  std::size_t bytes_ = 0;  ///< of events_
   uint64_t lost_ = 0;
   bool exceptions_ = false, looking_ = false;
   int watched_ = -1;

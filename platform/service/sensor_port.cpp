@@ -32,11 +32,11 @@ void put(std::vector<sensor::KeyValue>& keys, const sensor::KeyValue& newest) {
 std::optional<sensor::SensorValue> SensorPort::sample(uint64_t k, double t_seconds) {
   auto value = current_->sample(k, t_seconds);
   if (injected_.empty()) return value;
-  sensor::SensorValue put;
-  put.u = injected_.front().first;
-  put.v = injected_.front().second;
+  sensor::SensorValue injected;
+  injected.u = injected_.front().first;
+  injected.v = injected_.front().second;
   injected_.pop_front();
-  return put;
+  return injected;
 }
 
 std::optional<Error> SensorPort::change(const std::vector<sensor::KeyValue>& keys) {

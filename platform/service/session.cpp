@@ -188,23 +188,26 @@ void Session::take(Client& client, Message message) {
 }
 
 void Session::perform(Request& request) {
-  std::vector<std::string> names;
   for (const SessionVerb& verb : verbs()) {
-    names.push_back(verb.about.method);
     if (verb.about.method != request.method) continue;
     const Call call(verb.about, request.parameters, request.frames);
     if (std::string complaint = call.complaint(); !complaint.empty())
       return answer(request, refuse(std::move(complaint), Code::wrong_parameter));
     return (this->*verb.perform)(request);
   }
-  for (const BoardVerb& verb : board_verbs()) {
-    names.push_back(verb.about.method);
+  for (const BoardVerb& verb : board_verbs())
     if (verb.about.method == request.method) return forward(request);
-  }
-  const std::string asked = printable(request.method, 80);
-  answer(request, refuse(fmt::format("there is no method '{}'; did you mean {}?", asked,
-                                     nearest_names(asked, names)),
-                         Code::unknown_method));
+  answer(request, no_such_method(request.method));
+}
+
+Answer Session::no_such_method(const std::string& method) {
+  std::vector<std::string> names;
+  for (const SessionVerb& verb : verbs()) names.push_back(verb.about.method);
+  for (const BoardVerb& verb : board_verbs()) names.push_back(verb.about.method);
+  const std::string asked = printable(method, 80);
+  return refuse(
+      fmt::format("there is no method '{}'; did you mean {}?", asked, nearest_names(asked, names)),
+      Code::unknown_method);
 }
 
 void Session::answer(const Request& request, Answer answer) {

@@ -63,6 +63,7 @@ class Session {
 
  private:
   static const std::vector<SessionVerb>& verbs();
+  static Answer no_such_method(const std::string& method);
 
   // Input and output.
   void wait();
@@ -103,7 +104,7 @@ class Session {
   // Simulations.
   struct Snapshot {
     Json settings, held;
-    std::string state;
+    Frames frames;
   };
   using Taken = std::function<void(std::optional<Snapshot> snapshot, Answer refusal)>;
   /// Null, and the request is answered, if there is none of that number.

@@ -240,7 +240,9 @@ void Session::snapshot(Request& request) {
     if (!taken) return settle(request, std::move(refusal));
     const uint64_t number = next_snapshot_++;
     Answer told;
-    told.result = {{"snapshot", number}, {"bytes", taken->state.size()}};
+    std::size_t bytes = 0;
+    for (const std::string& frame : taken->frames) bytes += frame.size();
+    told.result = {{"snapshot", number}, {"bytes", bytes}};
     snapshots_[number] = std::make_shared<const Snapshot>(std::move(*taken));
     settle(request, std::move(told));
   });

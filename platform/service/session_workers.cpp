@@ -49,7 +49,7 @@ void Session::start(uint64_t client, Json settings, const Snapshot* from, Constr
   Frames frames;
   if (from != nullptr) {
     parameters["held"] = from->held;
-    frames.push_back(from->state);
+    frames = from->frames;
   }
   call(added, construct_method, std::move(parameters), std::move(frames),
        [this, number, done = std::move(done)](Answer answer) {
@@ -83,8 +83,7 @@ void Session::take_snapshot(Simulation& simulation, Taken taken) {
   call(simulation, snapshot_method, Json::object(), {},
        [settings = simulation.settings, taken = std::move(taken)](Answer answer) {
          if (!answer.ok() || answer.frames.empty()) return taken(std::nullopt, std::move(answer));
-         taken(Snapshot{settings, std::move(answer.result.at("held")),
-                        std::move(answer.frames.front())},
+         taken(Snapshot{settings, std::move(answer.result.at("held")), std::move(answer.frames)},
                {});
        });
 }

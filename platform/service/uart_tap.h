@@ -21,7 +21,8 @@ namespace capsoc::service {
 
 class UartTap {
  public:
-  static constexpr std::size_t most_kept = std::size_t{16} << 20;  ///< bytes that nobody has read
+  /// Bytes that nobody has read. Written as JSON they fit a line, whatever they are.
+  static constexpr std::size_t most_kept = std::size_t{2} << 20;
 
   /// Listens beside whoever has the line already, and answers the receiver before `otherwise`.
   void attach(cmsdk::Uart& uart, std::function<std::optional<uint8_t>()> otherwise);

@@ -137,9 +137,32 @@ void Answer::add_array(Json& object, const std::string& name, const std::vector<
   frames.emplace_back(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
 }
 
-void Answer::add_bytes(const std::string& name, std::string bytes) {
-  result[name] = {{"frame", frames.size()}, {"type", "|u1"}, {"shape", {bytes.size()}}};
+void Answer::add_bytes(Json& object, const std::string& name, std::string bytes) {
+  object[name] = {{"frame", frames.size()}, {"type", "|u1"}, {"shape", {bytes.size()}}};
   frames.push_back(std::move(bytes));
+}
+
+std::vector<double> numbers_in(const Json& value, const Frames& frames) {
+  std::vector<double> values;
+  if (value.is_array()) {
+    for (const Json& each : value) values.push_back(each.get<double>());
+    return values;
+  }
+  const Element& type = *element_of(value);
+  const std::string& frame = *frame_of(value, frames);
+  values.reserve(frame.size() / type.size);
+  for (std::size_t at = 0; at < frame.size(); at += type.size)
+    values.push_back(type.value(frame.data() + at));
+  return values;
+}
+
+std::string bytes_in(const Json& value, const Frames& frames) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_object() && element_of(value)->size == 1) return *frame_of(value, frames);
+  std::string bytes;
+  for (const double each : numbers_in(value, frames))
+    bytes += static_cast<char>(static_cast<int>(each) & 0xFF);
+  return bytes;
 }
 
 Answer refuse(std::string sentence, Code code) {
@@ -183,30 +206,6 @@ std::vector<std::string> Call::texts(const char* name) const {
   std::vector<std::string> texts;
   for (const Json& each : parameters_.at(name)) texts.push_back(each.get<std::string>());
   return texts;
-}
-
-std::vector<double> Call::array(const char* name) const {
-  const Json& value = parameters_.at(name);
-  std::vector<double> values;
-  if (value.is_array()) {
-    for (const Json& each : value) values.push_back(each.get<double>());
-    return values;
-  }
-  const Element& type = *element_of(value);
-  const std::string& frame = *frame_of(value, frames_);
-  values.reserve(frame.size() / type.size);
-  for (std::size_t at = 0; at < frame.size(); at += type.size)
-    values.push_back(type.value(frame.data() + at));
-  return values;
-}
-
-std::string Call::bytes(const char* name) const {
-  const Json& value = parameters_.at(name);
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_object() && element_of(value)->size == 1) return *frame_of(value, frames_);
-  std::string bytes;
-  for (const double each : array(name)) bytes += static_cast<char>(static_cast<int>(each) & 0xFF);
-  return bytes;
 }
 
 Json schema_of(const Declaration& declaration, bool of_simulation) {

@@ -67,8 +67,15 @@ struct Answer {
     add_array(result, name, values);
   }
   void add_array(Json& object, const std::string& name, const std::vector<double>& values);
-  void add_bytes(const std::string& name, std::string bytes);
+  void add_bytes(const std::string& name, std::string bytes) {
+    add_bytes(result, name, std::move(bytes));
+  }
+  void add_bytes(Json& object, const std::string& name, std::string bytes);
 };
+
+/// An array that a message carries, as Type::array and Type::bytes have it.
+std::vector<double> numbers_in(const Json& value, const Frames& frames);
+std::string bytes_in(const Json& value, const Frames& frames);
 
 Answer refuse(std::string sentence, Code code = Code::refused);
 
@@ -89,8 +96,10 @@ class Call {
   bool boolean(const char* name) const { return parameters_.at(name).get<bool>(); }
   const Json& json(const char* name) const { return parameters_.at(name); }
   std::vector<std::string> texts(const char* name) const;
-  std::vector<double> array(const char* name) const;
-  std::string bytes(const char* name) const;
+  std::vector<double> array(const char* name) const {
+    return numbers_in(parameters_.at(name), frames_);
+  }
+  std::string bytes(const char* name) const { return bytes_in(parameters_.at(name), frames_); }
 
  private:
   std::string complaint_about(const Parameter& parameter) const;

@@ -51,7 +51,7 @@ std::string bytes_of_variable(Board& board, const source::Variable& variable) {
 }
 
 Result<source::Variable> find(Board& board, const Call& call) {
-  return board.variables().find(call.text("name"), board.pointer_reader());
+  return board.variables().find(call.text("name"), board.pointers());
 }
 
 Answer read_variable(Board& board, const Call& call) {

@@ -96,7 +96,7 @@ std::vector<BoardVerb> port_verbs() {
         "(simulation.advance).",
         {need("uart", Type::integer, "0 to 4")},
         {{"text", "text", "bytes that are no UTF-8 are replaced"},
-         {"lost", "integer", "bytes before it that were too many to be kept (16 MiB)"}}},
+         {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
        read_uart,
        true},
       {{"pin.drive",

@@ -27,17 +27,12 @@ Answer read_processor(Board& board, const Call&) {
 Answer write_processor(Board& board, const Call& call) {
   const std::string name = call.text("register");
   const uint64_t value = call.integer("value");
-  std::vector<std::string> names;
-  for (unsigned i = 0; i < debug::registers.size(); ++i) {
-    names.emplace_back(debug::registers[i].name);
-    if (names.back() != name) continue;
-    if (value >> debug::registers[i].bits != 0)
-      return refuse(fmt::format("{} has {} bits", name, debug::registers[i].bits));
-    board.target().write_register(i, static_cast<uint32_t>(value));
-    return {};
-  }
-  return refuse(fmt::format("the processor has no register '{}'; did you mean {}?",
-                            printable(name, 80), nearest_names(printable(name, 80), names)));
+  const auto index = processor_register(name);
+  if (!index) return refuse(index.error());
+  if (value >> debug::registers[index.value()].bits != 0)
+    return refuse(fmt::format("{} has {} bits", name, debug::registers[index.value()].bits));
+  board.target().write_register(index.value(), static_cast<uint32_t>(value));
+  return {};
 }
 
 Json fields_of(const soc::BoardRegister& reg, uint32_t word) {
@@ -50,7 +45,7 @@ Answer read_register(Board& board, const Call& call) {
   const auto place = board.registers().find(call.text("name"));
   if (!place) return refuse(place.error());
   const RegisterPlace& at = place.value();
-  const auto word = board.pointer_reader()(at.reg->address);
+  const auto word = board.read_word(at.reg->address);
   if (!word) return refuse(fmt::format("{} cannot be read", call.text("name")));
   Answer answer;
   if (at.field != nullptr)
@@ -69,7 +64,7 @@ Answer write_register(Board& board, const Call& call) {
   if (value >> bits != 0) return refuse(fmt::format("{} has {} bits", call.text("name"), bits));
   auto word = static_cast<uint32_t>(value);
   if (at.field != nullptr) {
-    const auto old = board.pointer_reader()(at.reg->address);
+    const auto old = board.read_word(at.reg->address);
     const uint64_t mask = ((uint64_t{1} << bits) - 1) << at.field->low;
     word = static_cast<uint32_t>((old.value_or(0) & ~mask) | value << at.field->low);
   }

@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -17,6 +15,7 @@
 #include <new>
 #include <string_view>
 
+#include "host/child_process.h"
 #include "host/end_signals.h"
 #include "service/board.h"
 #include "service/board_verbs.h"
@@ -45,9 +44,15 @@ void catch_interruptions() {
   sigaction(interrupt_signal, &action, nullptr);
 }
 
-Json frameless(const Answer& answer, uint64_t call) {
-  if (answer.ok()) return {{"call", call}, {"result", answer.result}};
-  return {{"call", call}, {"error", error_of(answer.code, answer.sentence)}};
+/// An answer as it goes to the session; one that no client may be sent is refused.
+std::string bytes_of(uint64_t call, const Answer& answer) {
+  std::string bytes =
+      answer.ok()
+          ? to_bytes({{{"call", call}, {"result", answer.result}}, answer.frames})
+          : to_bytes({{{"call", call}, {"error", error_of(answer.code, answer.sentence)}}, {}});
+  if (bytes.find('\n') <= MessageReader::longest_line) return bytes;
+  return bytes_of(call, refuse("the answer has more than 16 MiB of text; ask for a part of it, or "
+                               "read memory"));
 }
 
 class Worker {
@@ -70,18 +75,17 @@ class Worker {
     const ssize_t count = read(connection_, buffer, sizeof buffer);
     if (count > 0) return reader_.feed({buffer, static_cast<std::size_t>(count)});
     if (count < 0 && errno == EINTR && host::noted_signal() == 0) return;
-    // The session has gone, or has no use for it, or a signal ended it: outputs are written.
+    leave();
+  }
+
+  /// The session has gone, or has no use for it, or a signal ended it: outputs are written.
+  [[noreturn]] void leave() {
     if (board_ != nullptr) board_->finish();
     _exit(0);
   }
 
-  void send(const Message& message) {
-    const std::string bytes = to_bytes(message);
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t count = write(connection_, bytes.data() + done, bytes.size() - done);
-      if (count < 0 && errno != EINTR) _exit(0);
-      if (count > 0) done += static_cast<std::size_t>(count);
-    }
+  void send(const std::string& bytes) {
+    if (!host::write_all(connection_, bytes)) leave();
   }
 
   void take(Message& message) {
@@ -90,8 +94,7 @@ class Worker {
     if (board_ != nullptr && !board_->is_finished()) board_->simulation().take_interruption();
     Answer answer = perform(message);
     current_call = 0;
-    Message reply{frameless(answer, call), std::move(answer.frames)};
-    send(reply);
+    send(bytes_of(call, answer));
   }
 
   /// What nobody foresaw is an answer, too.
@@ -136,7 +139,7 @@ class Worker {
 
   Answer construct(const Json& parameters, Frames& frames) {
     Board::Snapshot from;
-    if (!frames.empty()) from = {std::move(frames.front()), parameters.at("held")};
+    if (!frames.empty()) from = {parameters.at("held"), std::move(frames)};
     auto board = Board::construct(parameters.at("settings"), from);
     if (!board) return refuse(board.error());
     board_ = std::move(board.value());
@@ -152,7 +155,7 @@ class Worker {
     if (!snapshot) return refuse("no snapshot: " + snapshot.error());
     Answer answer;
     answer.result["held"] = std::move(snapshot.value().held);
-    answer.frames.push_back(std::move(snapshot.value().state));
+    answer.frames = std::move(snapshot.value().frames);
     return answer;
   }
 
@@ -160,20 +163,6 @@ class Worker {
   MessageReader reader_;
   std::unique_ptr<Board> board_;
 };
-
-/// What this process shall not do to others, nor others to it.
-void become_worker(pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1);
-  // The keyboard's signals are the session's.
-  setpgid(0, 0);
-  for (const int number : {SIGHUP, SIGINT, SIGQUIT}) std::signal(number, SIG_IGN);
-  const int nothing = open("/dev/null", O_RDWR);
-  dup2(nothing, STDIN_FILENO);
-  dup2(nothing, STDOUT_FILENO);
-  rlimit none{};
-  setrlimit(RLIMIT_CORE, &none);
-}
 
 [[noreturn]] void work(int connection) {
   try {
@@ -208,7 +197,8 @@ Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_ot
   worker.process = fork();
   if (worker.process < 0) return no_process(errno);
   if (worker.process == 0) {
-    become_worker(parent);
+    host::end_with_parent(parent, 1);
+    host::leave_terminal();
     close_others();
     to_be_interrupted = worker.shared.get();
     close(pair[0]);

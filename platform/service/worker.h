@@ -25,9 +25,10 @@ inline constexpr int out_of_memory = 77;
 
 /// The methods that a session has for itself; others are those of board_verbs(). A request is
 /// {"call", "method", "params"}, its answer {"call"} with "result" or "error".
-inline constexpr const char* construct_method = "worker.construct";  ///< settings, held, samples; a
-                                                                     ///< frame: a snapshot's state
-inline constexpr const char* snapshot_method = "worker.snapshot";    ///< answers held and a frame
+/// Construction takes settings and, to go on from a snapshot, what snapshot_method answered: held,
+/// and frames.
+inline constexpr const char* construct_method = "worker.construct";
+inline constexpr const char* snapshot_method = "worker.snapshot";
 
 /// The session's end of a worker.
 struct WorkerProcess {

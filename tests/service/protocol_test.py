@@ -148,6 +148,19 @@ class Same(Driven):
         self.assertIn("two", texts[0])
         self.assertEqual(texts[0], texts[1])
 
+    def test_however_much_was_sent(self):
+        """More than a line of the protocol holds as text: to the snapshot and back."""
+        text = "".join(random.Random(SEED).choices("klmnopqrst", k=5_000_000)) + "\n"
+        simulation = self.construct("echo")
+        self.session("uart.send", simulation=simulation, uart=0, bytes=text)
+        self.advance(simulation, seconds=0.2)
+        clone = self.session("simulation.clone", simulation=simulation)["simulations"][0]
+        ends = [self.advance(each, seconds=0.1) for each in (simulation, clone)]
+        self.assertEqual(ends[0]["state"], ends[1]["state"])
+        heard = [self.session("uart.read", simulation=each, uart=0)["text"] for each in (simulation, clone)]
+        self.assertGreater(len(heard[0]), 1000)
+        self.assertEqual(heard[0], heard[1])
+
 
 class Stops(Driven):
     """An advance ends where others say that it is."""
@@ -518,6 +531,23 @@ class Hostile(Driven):
         simulation = self.construct(**{"trace.waves": "waves.fst"})
         with self.assertRaisesRegex(Refused, "names a file"):
             self.session("simulation.clone", simulation=simulation)
+
+    def test_no_result_files(self):
+        for name in ("results.json", "results.html"):
+            with self.assertRaisesRegex(Refused, f"{name}: a session writes no result files"):
+                self.construct(**{name: "r"})
+            self.assertFalse((self.folder / "r").exists())
+
+    def test_one_that_is_closed_while_it_advances_writes_its_outputs(self):
+        simulation = self.construct(**{"trace.waves": "waves.fst"})
+        requests = [
+            {"jsonrpc": "2.0", "id": i, "method": method, "params": {"simulation": simulation}}
+            for i, method in enumerate(("simulation.advance", "simulation.close"))
+        ]
+        self.session.process.stdin.write("".join(json.dumps(each) + "\n" for each in requests).encode())
+        self.session.process.stdin.flush()
+        self.assertEqual(self.session.close(), 0)
+        self.assertGreater((self.folder / "waves.fst").stat().st_size, 1000)
 
     def test_standard_output_is_the_sessions(self):
         with self.assertRaisesRegex(Refused, "standard output belongs to the session"):

@@ -68,11 +68,6 @@ class Simulation:
         """Simulated seconds since the start."""
         return self.state.time_s
 
-    @property
-    def itm(self) -> str:
-        """The text on the processor's ITM since the last read."""
-        return str(self.call("itm.read")["text"])
-
     def advance(
         self,
         seconds: Optional[float] = None,
