@@ -62,10 +62,10 @@ endfunction()
 function(capsoc_save_compile_time)
   capsoc_cold(capsoc capsoc_manual capsoc_fit capsoc_campaign capsoc_golden capsoc_reproduce capsoc_accuracy capsoc_tables capsoc_inputs capsoc_results capsoc_ports capsoc_backend
               capsoc_explain capsoc_observers capsoc_session capsoc_metrics capsoc_settings
-              capsoc_host capsoc_loader capsoc_source capsoc_serial capsoc_semihosting capsoc_rsp capsoc_gdb capsoc_bench)
+              capsoc_host capsoc_loader capsoc_source capsoc_serial capsoc_semihosting capsoc_rsp capsoc_gdb capsoc_bench capsoc_service)
   capsoc_use_precompiled(capsoc_pch_cli capsoc)
   capsoc_use_precompiled(capsoc_pch_run capsoc_inputs capsoc_results capsoc_ports capsoc_backend capsoc_explain capsoc_observers
-                         capsoc_session capsoc_gdb)
+                         capsoc_session capsoc_gdb capsoc_service)
   capsoc_use_precompiled(capsoc_pch_shells capsoc_kit capsoc_bus capsoc_cmsdk capsoc_an385 capsoc_peripherals capsoc_coprocessor_tlm
                          capsoc_armv7m_tlm capsoc_soc)
   # Not the processor and the coprocessor: what is hot is compiled alone.
@@ -73,5 +73,5 @@ function(capsoc_save_compile_time)
                   capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting
                   capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_an385
                   capsoc_coprocessor_tlm capsoc_armv7m_tlm capsoc_soc capsoc_identification capsoc_sensor capsoc_fit capsoc_campaign capsoc_golden capsoc_regress
-                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual)
+                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_service)
 endfunction()

@@ -18,6 +18,7 @@ struct Reports {
   std::mutex mutex;
   std::map<std::string, Source, std::less<>> sources;
   std::function<std::string()> context;
+  std::function<void(std::string_view, std::string_view)> listener;
 
   std::string where() const { return context ? " (" + context() + ")" : std::string(); }
 };
@@ -34,6 +35,7 @@ void report(std::string_view name, std::string_view text, uint64_t limit) {
   if (entry == all.sources.end())
     entry = all.sources.emplace(std::string(name), Reports::Source{}).first;
   Reports::Source& source = entry->second;
+  if (all.listener) all.listener(name, text);
   if (++source.count > limit) return;
   ++source.logged;
   spdlog::warn("{}: {}{}{}", name, text, all.where(),
@@ -90,6 +92,12 @@ void set_guest_error_context(std::function<std::string()> context) {
   Reports& all = reports();
   const std::lock_guard lock(all.mutex);
   all.context = std::move(context);
+}
+
+void set_guest_error_listener(std::function<void(std::string_view, std::string_view)> listener) {
+  Reports& all = reports();
+  const std::lock_guard lock(all.mutex);
+  all.listener = std::move(listener);
 }
 
 void visit_guest_errors(Archive& archive) {

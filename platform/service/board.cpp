@@ -66,7 +66,7 @@ Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snap
     inputs.source = std::move(port);
   };
   auto simulation = run::Simulation::construct(
-      board->settings_, {lay_over, from.frames.empty() ? "" : from.frames.front()});
+      board->settings_, {lay_over, from.frames.empty() ? "" : from.frames.front(), &board->kept_});
   if (!simulation) return Error{simulation.error()};
   board->simulation_ = std::move(simulation.value());
   board->attach();
@@ -124,6 +124,7 @@ void Board::attach() {
           samples_.pop_front();
           ++first_sample_;
         }
+        events_.sample(sample_count(), sample);
         samples_.push_back(sample);
       });
 }
@@ -182,6 +183,12 @@ Result<Board::Snapshot> Board::snapshot() {
     held.add_bytes(both, "unread", uart.unread());
     uarts.push_back(std::move(both));
   }
+  for (const auto& [name, stream] : kept_.all()) {
+    Json both = Json::object();
+    held.add_bytes(both, "said", stream->said());
+    held.add_bytes(both, "given", stream->given());
+    held.result[name] = std::move(both);
+  }
   for (const sensor::KeyValue& key : sensor_->changed()) sensor[key.name] = key.value;
   using Pair = std::pair<double, double>;
   held.add_array("u", column(sensor_->injected(), &Pair::first));
@@ -196,6 +203,8 @@ std::string Board::beside_the_checkpoint() const {
   for (std::size_t n = 0; n < uarts_.size(); ++n)
     if (const std::size_t bytes = uarts_[n].waiting().size(); bytes > 0)
       return fmt::format("uart{} has {} bytes that the program has not received", n, bytes);
+  if (const std::size_t bytes = kept_.console.given().size(); bytes > 0)
+    return fmt::format("{} bytes for the console are not read yet", bytes);
   if (!sensor_->changed().empty()) return "the sensor was changed on the way";
   if (!sensor_->injected().empty())
     return fmt::format("{} injected samples are not taken yet", sensor_->injected().size());
@@ -211,6 +220,10 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
   for (std::size_t n = 0; n < uarts_.size(); ++n) {
     uarts_[n].send(bytes(n, "waiting"));
     uarts_[n].set_unread(bytes(n, "unread"));
+  }
+  for (const auto& [name, stream] : kept_.all()) {
+    stream->say(bytes_in(held.at(name).at("said"), from.frames));
+    stream->give(bytes_in(held.at(name).at("given"), from.frames));
   }
   std::vector<sensor::KeyValue> keys;
   for (const auto& [name, value] : held.at("sensor").items())

@@ -51,6 +51,8 @@ class Board {
   debug::SocTarget& target() { return *target_; }
   SensorPort& sensor() { return *sensor_; }
   UartTap& uart(std::size_t number) { return uarts_[number]; }
+  serial::KeptStream& itm() { return kept_.itm; }
+  serial::KeptStream& console() { return kept_.console; }
   Events& events() { return events_; }
   const RegisterIndex& registers() const { return *registers_; }
   source::Variables& variables() { return *variables_; }
@@ -98,6 +100,7 @@ class Board {
   Result<double> number_of_variable(const std::string& name);
 
   run::RunSettings settings_;
+  serial::KeptStreams kept_;
   SensorPort* sensor_ = nullptr;  // the simulation's
   std::unique_ptr<run::Simulation> simulation_;
   std::unique_ptr<debug::SocTarget> target_;

@@ -7,11 +7,14 @@
 
 #include "base/nearest.h"
 #include "base/printable.h"
+#include "kit/guest_error.h"
 #include "service/uart_tap.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::service {
 namespace {
+
+constexpr unsigned first_fault = 3, last_fault = 6;  // HardFault to UsageFault
 
 double now_s() {
   return sc_core::sc_time_stamp().to_seconds();
@@ -21,10 +24,12 @@ double now_s() {
 
 Events::~Events() {
   if (looking_) soc_->cpu.core().remove_observer(*this);
+  listen_to_guest(false);
 }
 
 const std::vector<std::string>& Events::kinds() {
-  static const std::vector<std::string> all = {"exception", "uart", "pins"};
+  static const std::vector<std::string> all = {"exception", "fault", "guest_error",
+                                               "sample",    "uart",  "pins"};
   return all;
 }
 
@@ -38,7 +43,10 @@ std::optional<Error> Events::subscribe(const std::vector<std::string>& wanted,
       return Error{fmt::format("there is no kind of events '{}'; did you mean {}?",
                                printable(kind, 80), nearest_names(printable(kind, 80), kinds()))};
   exceptions_ = has("exception");
+  faults_ = has("fault");
+  samples_ = has("sample");
   look();
+  listen_to_guest(has("guest_error"));
   listening_.clear();
   for (std::size_t n = 0; n < uarts.size(); ++n) {
     uarts[n].on_line = nullptr;
@@ -62,6 +70,24 @@ std::optional<Error> Events::subscribe(const std::vector<std::string>& wanted,
   return std::nullopt;
 }
 
+void Events::listen_to_guest(bool wanted) {
+  if (wanted == listening_to_guest_) return;
+  listening_to_guest_ = wanted;
+  if (!wanted) return kit::set_guest_error_listener({});
+  kit::set_guest_error_listener([this](std::string_view source, std::string_view text) {
+    add({{"kind", "guest_error"}, {"time_s", now_s()}, {"source", source}, {"text", text}},
+        source.size() + text.size());
+  });
+}
+
+void Events::sample(uint64_t number, const metrics::RecordedSample& sample) {
+  if (!samples_) return;
+  Json event = {{"kind", "sample"}, {"time_s", now_s()}, {"sample", number}};
+  const bool has_angle = sample.result && sample.result->angle_valid;
+  event["angle_deg"] = has_angle ? Json(sample.result->angle * (360 / 4294967296.0)) : Json();
+  add(std::move(event));
+}
+
 void Events::watch_exception(int number, std::function<void()> on_entry) {
   watched_ = number;
   on_entry_ = std::move(on_entry);
@@ -69,7 +95,7 @@ void Events::watch_exception(int number, std::function<void()> on_entry) {
 }
 
 void Events::look() {
-  const bool wanted = exceptions_ || watched_ >= 0;
+  const bool wanted = exceptions_ || faults_ || watched_ >= 0;
   if (wanted == looking_) return;
   looking_ = wanted;
   if (wanted)
@@ -79,11 +105,14 @@ void Events::look() {
 }
 
 void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry, uint64_t) {
-  if (exceptions_)
-    add({{"kind", "exception"},
+  const auto told = [&](const char* kind) {
+    add({{"kind", kind},
          {"time_s", soc_->clock.time_of(core.cycles()).to_seconds()},
          {"exception", exception},
          {"name", trace::exception_name(exception)}});
+  };
+  if (exceptions_) told("exception");
+  if (faults_ && exception >= first_fault && exception <= last_fault) told("fault");
   if (static_cast<int>(exception) == watched_) on_entry_();
 }
 

@@ -5,12 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "armv7m/observer.h"
 #include "base/result.h"
 #include "kit/probe.h"
+#include "metrics/sample_record.h"
 #include "service/message.h"
 #include "soc/soc.h"
 
@@ -41,12 +44,16 @@ class Events final : private armv7m::Observer {
   /// how many were too many.
   Json take();
 
+  /// A result of the coprocessor is there.
+  void sample(uint64_t number, const metrics::RecordedSample& sample);
+
   /// Calls back when the processor enters this exception; below 0: never.
   void watch_exception(int number, std::function<void()> on_entry);
 
  private:
   void add(Json event, std::size_t line = 0);
   void look();
+  void listen_to_guest(bool wanted);
 
   void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}
   void retired(const armv7m::Core&, const armv7m::DecodedOp&) override {}
@@ -60,7 +67,8 @@ class Events final : private armv7m::Observer {
   std::deque<Json> events_;
   std::size_t bytes_ = 0;  ///< of events_
   uint64_t lost_ = 0;
-  bool exceptions_ = false, looking_ = false;
+  bool exceptions_ = false, faults_ = false, samples_ = false;  ///< kinds that are wanted
+  bool looking_ = false, listening_to_guest_ = false;
   int watched_ = -1;
   std::function<void()> on_entry_;
   std::vector<kit::Listening> listening_;

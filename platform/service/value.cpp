@@ -11,7 +11,6 @@
 namespace capsoc::service {
 namespace {
 
-using source::Type;
 using source::Variable;
 
 uint64_t word_at(const std::string& bytes, std::size_t at, std::size_t size) {
@@ -62,9 +61,9 @@ Json floating(const std::string& bytes, std::size_t at, uint32_t size) {
 
 Json read(const Variable& variable, const std::string& bytes, std::size_t at);
 
-Json elements(const Type& array, const std::string& bytes, std::size_t at) {
-  const Type& element = *array.target;
-  if (element.kind == Type::Kind::character) {
+Json elements_of(const source::Type& array, const std::string& bytes, std::size_t at) {
+  const source::Type& element = *array.target;
+  if (element.kind == source::Type::Kind::character) {
     const std::string text = bytes.substr(at, array.count);
     return text.substr(0, text.find('\0'));
   }
@@ -74,42 +73,42 @@ Json elements(const Type& array, const std::string& bytes, std::size_t at) {
   return list;
 }
 
-Json members(const Type& structure, const std::string& bytes, std::size_t at) {
+Json members(const source::Type& structure, const std::string& bytes, std::size_t at) {
   Json object = Json::object();
-  for (const Type::Member& member : structure.members)
+  for (const source::Type::Member& member : structure.members)
     object[member.name] =
         read({"", 0, member.type, member.bits, member.bit}, bytes, at + member.offset);
   return object;
 }
 
-Json enumerator(const Type& type, int64_t value) {
+Json enumerator(const source::Type& type, int64_t value) {
   for (const auto& [name, number] : type.enumerators)
     if (number == value) return name;
   return value;
 }
 
 Json read(const Variable& variable, const std::string& bytes, std::size_t at) {
-  const Type& type = *variable.type;
+  const source::Type& type = *variable.type;
   const unsigned bits = bits_of(variable);
   const uint64_t word = word_at(bytes, at, extent(variable)) >> variable.bit & mask_of(bits);
   switch (type.kind) {
-    case Type::Kind::structure:
+    case source::Type::Kind::structure:
       return members(type, bytes, at);
-    case Type::Kind::array:
-      return elements(type, bytes, at);
-    case Type::Kind::floating:
+    case source::Type::Kind::array:
+      return elements_of(type, bytes, at);
+    case source::Type::Kind::floating:
       return floating(bytes, at, type.size);
-    case Type::Kind::boolean:
+    case source::Type::Kind::boolean:
       return word != 0;
-    case Type::Kind::enumeration:
+    case source::Type::Kind::enumeration:
       return enumerator(type, type.is_signed ? extended(word, bits) : static_cast<int64_t>(word));
-    case Type::Kind::integer:
-    case Type::Kind::character:
+    case source::Type::Kind::integer:
+    case source::Type::Kind::character:
       if (type.is_signed) return extended(word, bits);
       return word;
-    case Type::Kind::pointer:
+    case source::Type::Kind::pointer:
       return word;
-    case Type::Kind::opaque:
+    case source::Type::Kind::opaque:
       break;
   }
   Json list = Json::array();
@@ -183,8 +182,8 @@ std::optional<Error> write_members(const Variable& variable, const Json& value, 
   if (!value.is_object()) return wrong(variable, "an object with the members to be changed");
   for (const auto& [name, part] : value.items()) {
     std::vector<std::string> names;
-    const Type::Member* found = nullptr;
-    for (const Type::Member& member : variable.type->members) {
+    const source::Type::Member* found = nullptr;
+    for (const source::Type::Member& member : variable.type->members) {
       names.push_back(member.name);
       if (member.name == name) found = &member;
     }
@@ -199,8 +198,8 @@ std::optional<Error> write_members(const Variable& variable, const Json& value, 
 
 std::optional<Error> write_elements(const Variable& variable, const Json& value, std::string& bytes,
                                     std::size_t at) {
-  const Type& type = *variable.type;
-  if (value.is_string() && type.target->kind == Type::Kind::character) {
+  const source::Type& type = *variable.type;
+  if (value.is_string() && type.target->kind == source::Type::Kind::character) {
     const auto& text = value.get_ref<const std::string&>();
     if (text.size() > type.count) return wrong(variable, "a text that fits");
     for (uint32_t i = 0; i < type.count && at + i < bytes.size(); ++i)
@@ -218,23 +217,23 @@ std::optional<Error> write_elements(const Variable& variable, const Json& value,
 std::optional<Error> write(const Variable& variable, const Json& value, std::string& bytes,
                            std::size_t at) {
   switch (variable.type->kind) {
-    case Type::Kind::structure:
+    case source::Type::Kind::structure:
       return write_members(variable, value, bytes, at);
-    case Type::Kind::array:
+    case source::Type::Kind::array:
       return write_elements(variable, value, bytes, at);
-    case Type::Kind::floating:
+    case source::Type::Kind::floating:
       return write_floating(variable, value, bytes, at);
-    case Type::Kind::enumeration:
+    case source::Type::Kind::enumeration:
       return write_enumerator(variable, value, bytes, at);
-    case Type::Kind::boolean:
+    case source::Type::Kind::boolean:
       if (value.is_boolean())
         return write_integer(variable, Json(value.get<bool>() ? 1U : 0U), bytes, at);
       return wrong(variable, "true or false");
-    case Type::Kind::integer:
-    case Type::Kind::character:
-    case Type::Kind::pointer:
+    case source::Type::Kind::integer:
+    case source::Type::Kind::character:
+    case source::Type::Kind::pointer:
       return write_integer(variable, value, bytes, at);
-    case Type::Kind::opaque:
+    case source::Type::Kind::opaque:
       break;
   }
   return wrong(variable, "bytes to its address with memory.write");

@@ -1,6 +1,9 @@
 // What the chip is connected to: UARTs, pins, the ITM's text; and events.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "service/board_verbs.h"
 
 namespace capsoc::service {
@@ -37,6 +40,46 @@ Answer read_uart(Board& board, const Call& call) {
   answer.result["text"] = board.uart(uart.value()).take(lost);
   answer.result["lost"] = lost;
   return answer;
+}
+
+Answer taken(serial::KeptStream& stream) {
+  Answer answer;
+  uint64_t lost = 0;
+  answer.result["text"] = stream.take(lost);
+  answer.result["lost"] = lost;
+  return answer;
+}
+
+Answer read_itm(Board& board, const Call&) {
+  const TextField& place = board.settings().itm.backend;
+  if (place() == "stdout") return taken(board.itm());
+  return refuse(fmt::format("itm.read: the text goes to {}; construct with {}=stdout", place(),
+                            place.about().path));
+}
+
+/// The console of semihosting, if it is this session's.
+std::optional<Answer> no_console(Board& board, const char* method) {
+  const TextField& place = board.settings().semihosting.console;
+  if (const std::string at = place(); at == "stdout" || at == "stderr" || at == "stdio")
+    return std::nullopt;
+  return refuse(
+      fmt::format("{}: the console is {}; leave {} out", method, place(), place.about().path));
+}
+
+Answer read_console(Board& board, const Call&) {
+  if (auto refusal = no_console(board, "semihosting.read")) return std::move(*refusal);
+  return taken(board.console());
+}
+
+Answer give_console(Board& board, const Call& call) {
+  if (auto refusal = no_console(board, "semihosting.send")) return std::move(*refusal);
+  const std::string bytes = call.bytes("bytes");
+  if (bytes.size() > most_waiting - std::min(most_waiting, board.console().given().size()))
+    return refuse(
+        "semihosting.send: more than 16 MiB wait for the program; advance until it has "
+        "read them");
+  board.console().give(bytes);
+  return {};
 }
 
 Answer drive_pin(Board& board, const Call& call) {
@@ -99,6 +142,29 @@ std::vector<BoardVerb> port_verbs() {
          {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
        read_uart,
        true},
+      {{"itm.read",
+        "What the program has written to the ITM's stimulus port since this was asked last. It "
+        "needs the setting itm.backend=stdout, which is a session's own stream; then the port is "
+        "enabled as by a debugger.",
+        {},
+        {{"text", "text", "bytes that are no UTF-8 are replaced"},
+         {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
+       read_itm,
+       true},
+      {{"semihosting.read",
+        "What the program has written to the console of semihosting (:tt) since this was asked "
+        "last.",
+        {},
+        {{"text", "text", "bytes that are no UTF-8 are replaced"},
+         {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
+       read_console,
+       true},
+      {{"semihosting.send",
+        "Bytes for the program's next reads of the console. A read with none left is at the "
+        "end of the input.",
+        {need("bytes", Type::bytes, "what it reads")},
+        {}},
+       give_console},
       {{"pin.drive",
         "Drives a pin of a GPIO from outside, from this instant on.",
         {need("gpio", Type::integer, "0 to 3"), need("pin", Type::integer, "0 to 15"),
@@ -118,7 +184,9 @@ std::vector<BoardVerb> port_verbs() {
        press_button},
       {{"events.subscribe",
         "Which events the next answers of simulation.advance carry; an empty list ends it.",
-        {need("kinds", Type::list, "exception, uart (a line was sent), pins (an output changed)")},
+        {need("kinds", Type::list,
+              "exception, fault, guest_error, sample (a result is there), uart (a line was sent), "
+              "pins (an output changed)")},
         {}},
        subscribe},
   };

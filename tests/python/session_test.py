@@ -4,6 +4,7 @@
 import os
 import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -67,6 +68,19 @@ class Time(Real):
         self.assertGreaterEqual(simulation.variable("results"), 5)
         # The interrupt of the coprocessor, by its number.
         self.assertTrue(simulation.advance(samples=3))
+
+    def test_text_beside_the_uarts(self):
+        simulation = self.run_elf("itm.elf", settings={"itm.backend": "stdout"})
+        simulation.advance()
+        self.assertEqual((simulation.itm, simulation.console), ("itm: 42\n", ""))
+        simulation = self.run_elf("endless.elf", program={"way": 22})  # reads the console for ever
+        simulation.advance(0.1)  # it prints first
+        simulation.type("Z")
+        read = []
+        for _ in range(60):
+            simulation.advance(instructions=1)
+            read.append(simulation.processor.r0)
+        self.assertIn(ord("Z"), read)
 
     def test_the_end(self):
         simulation = self.run_elf(program=SHORT)
@@ -317,6 +331,26 @@ class Ends(Real):
             except capsoc.SessionError:
                 time.sleep(0.02)
         return capsoc.Session(socket=path)
+
+    def test_another_user_is_refused(self):
+        """Though the socket's mode lets everybody in."""
+        if os.geteuid() != 0:
+            self.skipTest("only root can become another user")
+        path = self.folder / "socket"
+        self.start("serve", "--socket", path)
+        self.connected(path).close()
+        self.assertEqual(path.stat().st_mode & 0o777, 0o600)
+        self.folder.chmod(0o755)
+        path.chmod(0o666)
+        client = (
+            "import socket, sys\ns = socket.socket(socket.AF_UNIX)\ns.settimeout(30)\ns.connect(sys.argv[1])\n"
+            's.sendall(b\'{"jsonrpc": "2.0", "id": 1, "method": "session.about"}\\n\')\nprint(s.recv(999))'
+        )
+        for user, answered in ((0, True), (65534, False)):
+            done = subprocess.run(
+                ["/usr/bin/python3", "-c", client, path], capture_output=True, text=True, user=user, check=False
+            )
+            self.assertEqual("result" in done.stdout, answered, done.stdout + done.stderr)
 
     def test_a_port_needs_the_token(self):
         process = self.start("serve", "--port")

@@ -162,6 +162,60 @@ class Same(Driven):
         self.assertEqual(heard[0], heard[1])
 
 
+class Streams(Driven):
+    """Text beside the UARTs, and events."""
+
+    def test_the_itm(self):
+        simulation = self.construct("itm", **{"itm.backend": "stdout"})
+        self.advance(simulation)
+        self.assertEqual(self.session("itm.read", simulation=simulation), {"text": "itm: 42\n", "lost": 0})
+        hidden = self.construct("itm")
+        self.advance(hidden, seconds=0.001)
+        with self.assertRaisesRegex(Refused, "the text goes to null; construct with itm.backend=stdout"):
+            self.session("itm.read", simulation=hidden)
+
+    def test_the_console_of_semihosting(self):
+        simulation = self.construct("semihosting_calls", **{"semihosting.directory": str(self.folder)})
+        self.advance(simulation)
+        said = self.session("semihosting.read", simulation=simulation)["text"]
+        self.assertIn("[out]\n[err]\n", said)
+        reader = self.construct("endless", **{"program.way": "22"})  # semihosting_read
+        self.advance(reader, seconds=0.1)  # it prints first
+        self.session("semihosting.send", simulation=reader, bytes="ab\nc")
+        self.advance(reader, instructions=12)
+        clone = self.session("simulation.clone", simulation=reader)["simulations"][0]
+        for each in (reader, clone):
+            read = []
+            for _ in range(60):
+                self.advance(each, instructions=1)
+                read.append(self.session("processor.read", simulation=each)["registers"]["r0"])
+            read = [byte for i, byte in enumerate(read) if byte in (97, 98, 99, 10) and byte != read[i - 1]]
+            self.assertTrue("ab\nc".endswith(bytes(read).decode()), read)
+            self.assertIn(ord("c"), read)
+        named = self.construct("endless", **{"semihosting.console": "null"})
+        for method, params in (("read", {}), ("send", {"bytes": "x"})):
+            with self.assertRaisesRegex(Refused, "the console is null; leave semihosting.console out"):
+                self.session(f"semihosting.{method}", simulation=named, **params)
+
+    def test_events(self):
+        simulation = self.construct("faults")
+        kinds = ["exception", "fault", "guest_error", "sample", "uart"]
+        self.session("events.subscribe", simulation=simulation, kinds=kinds)
+        events = self.advance(simulation)["events"]
+        by_kind = {kind: [event for event in events if event["kind"] == kind] for kind in kinds}
+        names = {event["name"] for event in by_kind["fault"]}
+        self.assertIn("HardFault", names)
+        self.assertLessEqual(names, {"HardFault", "MemManage", "BusFault", "UsageFault"})
+        self.assertLess(len(by_kind["fault"]), len(by_kind["exception"]) + 1)
+        times = [event["time_s"] for event in events]
+        self.assertEqual(times, sorted(times))
+        simulation = self.construct()
+        self.session("events.subscribe", simulation=simulation, kinds=["sample"])
+        stop = self.advance(simulation, samples=5)
+        self.assertEqual([event["sample"] for event in stop["events"]], list(range(5)))
+        self.assertEqual(stop["events"][-1]["time_s"], stop["state"]["time_s"])
+
+
 class Stops(Driven):
     """An advance ends where others say that it is."""
 

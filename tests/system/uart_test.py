@@ -331,5 +331,79 @@ class Options(UartCase):
         self.assertEqual(file.read_text(), "")
 
 
+class Script(Case):
+    """A UART whose outside is a script."""
+
+    DIALOGUE = r"""
+# echo.elf: the number of bytes first, then as many
+at 0.001
+send "\x0c\0\0\0"
+send "hello\n"
+expect /hello$/ within 1
+wait 0.01
+send "world\n"
+expect /^world$/ within 1
+"""
+
+    def played(self, script, *options, name="played", elf=ECHO):
+        (self.folder / "script.txt").write_text(script)
+        log = self.folder / f"{name}.log"
+        words = [elf, "--uart0", "script:script.txt", "-C", f"uart0.log={log}", "--json", f"{name}.json", *options]
+        process = self.start("run", *words)
+        out, said = process.communicate(timeout=PATIENCE)
+        self.assertEqual(out, b"")
+        return process.returncode, said.decode(), log.read_bytes() if log.exists() else b""
+
+    def test_the_same_whatever_the_quantum_and_the_executor(self):
+        figures = []
+        for options in (
+            (),
+            ("-C", "cpu.quantum_ns=40"),
+            ("-C", "cpu.quantum_ns=10000000"),
+            ("-C", "cpu.executor=stepping"),
+        ):
+            code, said, log = self.played(self.DIALOGUE, *options)
+            self.assertEqual((code, log), (0, b"\x0c\0\0\0hello\nworld\n"), said)
+            result = self.result("played.json")
+            figures.append([result["cpu"]["cycles"], result["cpu"]["instructions"], result["time"]["simulated_s"]])
+        self.assertEqual(figures, figures[:1] * len(figures))
+        self.assertGreater(figures[0][2], 0.011)
+
+    def test_from_the_middle(self):
+        self.assertEqual(self.played(self.DIALOGUE, "--save", "state@0.005")[0], 0)
+        whole = self.result("played.json")
+        self.assertEqual(self.played(self.DIALOGUE, "--restore", "state", name="second")[0], 0)
+        second = self.result("second.json")
+        for figure in ("cycles", "instructions"):
+            self.assertEqual(whole["cpu"][figure], second["cpu"][figure])
+
+    def test_what_is_missed_fails_the_run(self):
+        script = "expect /something/ within 0.25\n"
+        code, said, _ = self.played(script, elf=FOREVER)
+        self.assertEqual(code, 1, said)
+        self.assertIn("uart0: script.txt:1: no line matched /something/ within 0.25 s", said)
+        self.assertAlmostEqual(self.result("played.json")["time"]["simulated_s"], 0.25, 6)
+        code, said, _ = self.played("\nexpect /never/\n", elf=HELLO)
+        self.assertEqual(code, 1, said)
+        self.assertIn("uart0: script.txt:2: the run ended before a line matched /never/", said)
+        self.assertEqual(self.played("expect /hello from/\n", elf=HELLO)[0], 0)
+
+    def test_two_at_a_time(self):
+        (self.folder / "other.txt").write_text('at 0.002\nsend "nobody reads this"\n')
+        code, said, log = self.played(self.DIALOGUE, "--uart1", "script:other.txt")
+        self.assertEqual((code, log[4:]), (1, b"hello\nworld\n"), said)
+        self.assertIn("uart1: other.txt: the program did not take the last 17 bytes", said)
+
+    def test_what_is_no_script_is_refused(self):
+        for script, words in (("greet", "script.txt:1: is no step"), ("expect /(/", "is no regular expression")):
+            code, said, _ = self.played(script)
+            self.check_refused(code, b"", said, words)
+        code, said, _ = self.played("", "-C", "uart0.input=script.txt")
+        self.check_refused(code, b"", said, "uart0.input", "the script sends already")
+        process = self.start("run", ECHO, "--uart0", "script:none.txt")
+        out, said = process.communicate(timeout=PATIENCE)
+        self.check_refused(process.returncode, out, said.decode(), "none.txt")
+
+
 if __name__ == "__main__":
     unittest.main()

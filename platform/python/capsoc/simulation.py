@@ -68,6 +68,20 @@ class Simulation:
         """Simulated seconds since the start."""
         return self.state.time_s
 
+    @property
+    def itm(self) -> str:
+        """What the program wrote to its ITM since the last look; the setting itm.backend has to be "stdout"."""
+        return str(self.call("itm.read")["text"])
+
+    @property
+    def console(self) -> str:
+        """What the program wrote to the console of semihosting since the last look."""
+        return str(self.call("semihosting.read")["text"])
+
+    def type(self, text: str) -> None:
+        """Text for the program's next reads of the console of semihosting."""
+        self.call("semihosting.send", bytes=text)
+
     def advance(
         self,
         seconds: Optional[float] = None,

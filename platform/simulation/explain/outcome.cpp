@@ -57,6 +57,7 @@ Verdict verdict_of(const End& end, const soc::Soc& soc) {
   if (end.matched != nullptr && end.matched->match()->failed)
     return {exit_code::failed, fmt::format("{} printed what --fail-uart names: {}",
                                            end.matched->name(), end.matched->match()->line)};
+  if (!end.missed.empty()) return {exit_code::failed, end.missed};
   if (reason == EndReason::exit) return exited(end);
   if (reason == EndReason::lockup) return {exit_code::crashed, "the firmware crashed: lockup"};
   if (reason == EndReason::stuck)
@@ -77,6 +78,8 @@ Verdict verdict_of(const End& end, const soc::Soc& soc) {
 
 void conclude(const End& end, const soc::Soc& soc, RunResult& result) {
   Verdict verdict = verdict_of(end, soc);
+  if (verdict.code == exit_code::pass && !end.unfinished.empty() && !end.could_go_on)
+    verdict = {exit_code::failed, fmt::format("{}; {}", verdict.reason, end.unfinished)};
   result.code = verdict.code;
   result.reason = std::move(verdict.reason);
 }

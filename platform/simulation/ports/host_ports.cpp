@@ -30,8 +30,9 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const PortSettings& settings,
   std::unique_ptr<HostPorts> ports(new HostPorts(soc, give_up));
   HostPorts* self = ports.get();
 
-  auto itm =
-      ItmOutput::open(settings.itm.backend(), static_cast<unsigned>(settings.itm.port()), give_up);
+  serial::KeptStreams* const kept = settings.kept;
+  auto itm = ItmOutput::open(settings.itm.backend(), static_cast<unsigned>(settings.itm.port()),
+                             kept != nullptr ? &kept->itm : nullptr, give_up);
   if (!itm) return Error{itm.error()};
   ports->itm_ = std::move(itm.value());
   // Who asks for the text is the debugger that enables it.
@@ -43,8 +44,8 @@ Result<std::unique_ptr<HostPorts>> HostPorts::open(const PortSettings& settings,
     self->itm_->put(port, value, size);
   };
 
-  auto semihosting =
-      SemihostingPort::open(settings.semihosting, soc, program, program_file, give_up);
+  auto semihosting = SemihostingPort::open(settings.semihosting, soc, program, program_file,
+                                           kept != nullptr ? &kept->console : nullptr, give_up);
   if (!semihosting) return Error{semihosting.error()};
   ports->semihosting_ = std::move(semihosting.value());
 

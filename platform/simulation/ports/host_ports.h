@@ -13,6 +13,7 @@
 #include "ports/port_settings.h"
 #include "ports/semihosting_port.h"
 #include "ports/uart_lines.h"
+#include "serial/kept_stream.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -24,6 +25,7 @@ struct PortSettings {
   const SemihostingSettings& semihosting;
   const ItmSettings& itm;
   const GdbSettings& gdb;
+  serial::KeptStreams* kept = nullptr;  ///< instead of standard streams, which must outlive them
 };
 
 class HostPorts {

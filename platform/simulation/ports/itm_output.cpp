@@ -8,13 +8,14 @@
 namespace capsoc::run {
 
 Result<std::unique_ptr<ItmOutput>> ItmOutput::open(const std::string& place, unsigned port,
+                                                   serial::KeptStream* kept,
                                                    const serial::GiveUp& give_up) {
   std::unique_ptr<serial::CharacterBackend> backend;
   if (place != "log") {
     const bool is_file = place.rfind("file:", 0) == 0 && place.size() > 5;
     if (place != "stdout" && place != "null" && !is_file)
       return Error{fmt::format("--itm {}: choose stdout, null, log or file:PATH", place)};
-    auto opened = serial::open_backend(place, "--itm", give_up);
+    auto opened = serial::open_or_keep(place, "--itm", kept, give_up);
     if (!opened) return Error{opened.error()};
     backend = std::move(opened.value());
   }

@@ -10,14 +10,17 @@
 #include "base/archive.h"
 #include "base/result.h"
 #include "serial/character_backend.h"
+#include "serial/kept_stream.h"
 
 namespace capsoc::run {
 
 /// The host's side of a stimulus port.
 class ItmOutput {
  public:
-  /// `place`: stdout, null, log (a line of the log each, level info) or file:PATH.
+  /// `place`: stdout, null, log (a line of the log each, level info) or file:PATH. `kept`: instead
+  /// of stdout; null: stdout.
   static Result<std::unique_ptr<ItmOutput>> open(const std::string& place, unsigned port,
+                                                 serial::KeptStream* kept,
                                                  const serial::GiveUp& give_up);
 
   /// False: `place` is null, and the text goes nowhere.

@@ -31,18 +31,16 @@ semihosting::HeapInfo heap_of(const loader::ElfImage& image, const bus::AddressM
 
 }  // namespace
 
-Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(const SemihostingSettings& settings,
-                                                               soc::Soc& soc,
-                                                               const loader::ElfImage& image,
-                                                               const std::string& program,
-                                                               const serial::GiveUp& give_up) {
+Result<std::unique_ptr<SemihostingPort>> SemihostingPort::open(
+    const SemihostingSettings& settings, soc::Soc& soc, const loader::ElfImage& image,
+    const std::string& program, serial::KeptStream* kept, const serial::GiveUp& give_up) {
   semihosting::GuestFiles files;
   if (const std::string& directory = settings.directory(); !directory.empty()) {
     auto opened = semihosting::GuestFiles::in(directory);
     if (!opened) return Error{opened.error()};
     files = std::move(opened.value());
   }
-  auto console = serial::open_backend(settings.console(), "--semihosting-console", give_up);
+  auto console = serial::open_or_keep(settings.console(), "--semihosting-console", kept, give_up);
   if (!console) return Error{console.error()};
   if (const std::string place = console.value()->place(); !place.empty())
     host::say("semihosting: {}\n", place);

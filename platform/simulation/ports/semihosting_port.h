@@ -7,6 +7,7 @@
 #include "base/setting_fields.h"
 #include "loader/elf_image.h"
 #include "semihosting/semihosting.h"
+#include "serial/kept_stream.h"
 #include "serial/open_backend.h"
 #include "soc/soc.h"
 
@@ -46,10 +47,11 @@ struct SemihostingSettings {
 /// quantum is.
 class SemihostingPort : private semihosting::GuestMemory {
  public:
-  /// An Error is a wrong setting.
+  /// An Error is a wrong setting. `kept`: the console's instead of a standard stream; null: that.
   static Result<std::unique_ptr<SemihostingPort>> open(const SemihostingSettings& settings,
                                                        soc::Soc& soc, const loader::ElfImage& image,
                                                        const std::string& program,
+                                                       serial::KeptStream* kept,
                                                        const serial::GiveUp& give_up);
 
   int exit_status() const { return semihosting_.exit_status(); }

@@ -7,6 +7,7 @@
 
 #include "host/console.h"
 #include "serial/open_backend.h"
+#include "trace/picoseconds.h"
 
 namespace capsoc::run {
 namespace {
@@ -20,10 +21,10 @@ constexpr std::chrono::milliseconds idle_nap{1};
 UartSettings::Line::Line(Settings& settings, unsigned number)
     : backend(settings,
               setting(fmt::format("uart{}.backend", number), SettingKind::backend,
-                      number == 0 ? "stdout" : "null", serial::backend_names)
+                      number == 0 ? "stdout" : "null", serial::uart_backend_names)
                   .is_place()
                   .by({fmt::format("--uart{}", number),
-                       "stdout|stdio|null|file:PATH|pty[:LINK]|tcp[:PORT]",
+                       "stdout|stdio|null|file:PATH|pty[:LINK]|tcp[:PORT]|script:FILE",
                        fmt::format("Where UART {} goes; stdio reads stdin, too", number)})),
       input(settings,
             setting(fmt::format("uart{}.input", number), SettingKind::input, "",
@@ -37,6 +38,8 @@ UartLines::UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial:
     : sc_module(name), soc_(soc), give_up_(std::move(give_up)) {
   SC_HAS_PROCESS(UartLines);
   SC_METHOD(look);
+  SC_METHOD(play);
+  sensitive << to_play_;
 }
 
 std::optional<Error> UartLines::open(const UartSettings& settings) {
@@ -47,27 +50,46 @@ std::optional<Error> UartLines::open(const UartSettings& settings) {
       if (const std::string& spec = settings.lines[n].backend();
           serial::are_the_same_place(spec, settings.lines[m].backend()))
         return Error{fmt::format("--uart{} {}: is taken by uart{}; name another one", n, spec, m)};
-  for (std::size_t n = 0; n < lines_.size(); ++n) {
-    const UartSettings::Line& asked = settings.lines[n];
-    auto line = serial::SerialLine::open({fmt::format("uart{}", n), asked.backend(), asked.input(),
-                                          asked.log(), settings.wait(), patterns.value()},
-                                         give_up_);
-    if (!line) return Error{line.error()};
-    lines_[n] = std::move(line.value());
-    connect(n);
-  }
+  for (std::size_t n = 0; n < lines_.size(); ++n)
+    if (auto error = open_line(n, settings, patterns.value())) return error;
   for (const auto& line : lines_)
     if (const std::string place = line->backend().place(); !place.empty())
       host::say("{}: {}\n", line->name(), place);
   return std::nullopt;
 }
 
+std::optional<Error> UartLines::open_line(std::size_t number, const UartSettings& settings,
+                                          const serial::Patterns& patterns) {
+  const UartSettings::Line& asked = settings.lines[number];
+  const std::string name = fmt::format("uart{}", number);
+  std::string backend = asked.backend();
+  if (const std::string prefix = "script:"; backend.rfind(prefix, 0) == 0) {
+    if (!asked.input.empty())
+      return Error{fmt::format("{}: the script sends already; leave one of the two out",
+                               asked.input.about().path)};
+    auto script = serial::UartScript::open(backend.substr(prefix.size()), "--" + name);
+    if (!script) return Error{script.error()};
+    scripts_[number] = std::move(script.value());
+    backend = "null";
+  }
+  auto line = serial::SerialLine::open(
+      {name, backend, asked.input(), asked.log(), settings.wait(), patterns}, give_up_);
+  if (!line) return Error{line.error()};
+  lines_[number] = std::move(line.value());
+  connect(number);
+  return std::nullopt;
+}
+
 void UartLines::connect(std::size_t number) {
   cmsdk::Uart& uart = *soc_.uarts()[number];
   serial::SerialLine& line = *lines_[number];
-  transmitted_[number] = uart.transmitted.listen(
-      [&](uint8_t byte) { line.transmitted(byte, uart.transmitter_idle()); });
-  uart.set_source([&] { return line.next_input(); });
+  serial::UartScript* const script = scripts_[number].get();
+  transmitted_[number] = uart.transmitted.listen([this, &uart, &line, script](uint8_t byte) {
+    const bool dry = uart.transmitter_idle();
+    line.transmitted(byte, dry);
+    if (script != nullptr && script->sent(byte, dry)) to_play_.notify(sc_core::SC_ZERO_TIME);
+  });
+  uart.set_source([this, number] { return next_input(number); });
   line.on_match([] {
     if (sc_core::sc_is_running()) sc_core::sc_stop();  // not for what is flushed at the end
   });
@@ -89,6 +111,43 @@ void UartLines::look() {
   }
   if (std::any_of(lines_.begin(), lines_.end(), [](const auto& line) { return line->live(); }))
     next_trigger(look_interval);
+}
+
+std::optional<uint8_t> UartLines::next_input(std::size_t number) {
+  if (scripts_[number] != nullptr) return scripts_[number]->next_input();
+  return lines_[number]->next_input();
+}
+
+/// What the scripts do at this instant; a board that waits for its state has them play from there.
+void UartLines::play() {
+  if (soc_.cpu.waits_for_resume()) return;
+  const uint64_t now = trace::picoseconds(sc_core::sc_time_stamp());
+  uint64_t next = UINT64_MAX;
+  for (std::size_t n = 0; n < scripts_.size(); ++n) {
+    serial::UartScript* const script = scripts_[n].get();
+    if (script == nullptr) continue;
+    script->play(now);
+    if (script->has_input()) soc_.uarts()[n]->look_for_input();
+    if (!script->failure().empty()) return sc_core::sc_stop();
+    next = std::min(next, script->next_time().value_or(UINT64_MAX));
+  }
+  to_play_.cancel();
+  if (next != UINT64_MAX)
+    to_play_.notify(sc_core::sc_time(static_cast<double>(next - now), sc_core::SC_PS));
+}
+
+std::string UartLines::missed() const {
+  for (std::size_t n = 0; n < scripts_.size(); ++n)
+    if (scripts_[n] != nullptr && !scripts_[n]->failure().empty())
+      return fmt::format("uart{}: {}", n, scripts_[n]->failure());
+  return "";
+}
+
+std::string UartLines::unfinished() const {
+  for (std::size_t n = 0; n < scripts_.size(); ++n)
+    if (scripts_[n] != nullptr && !scripts_[n]->unfinished().empty())
+      return fmt::format("uart{}: {}", n, scripts_[n]->unfinished());
+  return "";
 }
 
 void UartLines::flush() {
@@ -123,7 +182,12 @@ std::vector<std::string> UartLines::failures() const {
 }
 
 void UartLines::visit(Archive& archive) {
-  for (const auto& line : lines_) archive(line->name().c_str(), *line);
+  for (std::size_t n = 0; n < lines_.size(); ++n) {
+    serial::UartScript none("", {});
+    archive(lines_[n]->name().c_str(), *lines_[n]);
+    archive(fmt::format("script{}", n).c_str(), scripts_[n] != nullptr ? *scripts_[n] : none);
+  }
+  if (archive.loading()) to_play_.notify(sc_core::SC_ZERO_TIME);
 }
 
 }  // namespace capsoc::run

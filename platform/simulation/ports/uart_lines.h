@@ -4,11 +4,13 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/setting_fields.h"
 #include "serial/serial_line.h"
+#include "serial/uart_script.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -39,8 +41,9 @@ struct UartSettings {
 };
 
 /// All lines, and the one place where bytes of the host enter the simulation: a byte is asked for
-/// when the receiver is ready for it, by the UART itself as soon as it gets ready, and once a
-/// simulated millisecond while the host decides when bytes come. Looking costs no simulated time.
+/// when the receiver is ready for it, by the UART itself as soon as it gets ready, when a script
+/// has sent some, and once a simulated millisecond while the host decides when bytes come. Looking
+/// costs no simulated time.
 class UartLines : public sc_core::sc_module {
  public:
   UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial::GiveUp give_up);
@@ -63,7 +66,11 @@ class UartLines : public sc_core::sc_module {
   std::optional<std::size_t> failed() const;
   const serial::SerialLine& line(std::size_t number) const { return *lines_[number]; }
   /// The byte that the receiver gets from the line, if there is one now.
-  std::optional<uint8_t> next_input(std::size_t number) { return lines_[number]->next_input(); }
+  std::optional<uint8_t> next_input(std::size_t number);
+  /// What a script expected and did not hear, a sentence; "" without. It ended the run.
+  std::string missed() const;
+  /// The first step of a script that is not done, a sentence; "" when all are.
+  std::string unfinished() const;
   void visit(Archive& archive);
 
   /// A sentence for each place that lost bytes which it should have kept.
@@ -71,12 +78,17 @@ class UartLines : public sc_core::sc_module {
 
  private:
   void look();
+  void play();
+  std::optional<Error> open_line(std::size_t number, const UartSettings& settings,
+                                 const serial::Patterns& patterns);
   void connect(std::size_t number);
 
   soc::Soc& soc_;
   serial::GiveUp give_up_;
   std::function<void()> pace_;  ///< empty: nobody paces
   std::array<std::unique_ptr<serial::SerialLine>, soc::Soc::uart_count> lines_;
+  std::array<std::unique_ptr<serial::UartScript>, soc::Soc::uart_count> scripts_;  ///< null: none
+  sc_core::sc_event to_play_;
   std::array<kit::Listening, soc::Soc::uart_count> transmitted_;
   std::chrono::steady_clock::time_point looked_;
 };

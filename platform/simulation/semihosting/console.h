@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/archive.h"
 #include "serial/character_backend.h"
 
 namespace capsoc::semihosting {
@@ -23,6 +24,8 @@ class Console {
   std::string failure() const { return backend_->failure(); }
   /// 1 to `most` bytes; empty at the end of the input.
   std::string read(std::size_t most);
+  /// The rest of a line of which the guest has read a part.
+  void visit(Archive& archive) { archive("incoming", incoming_); }
 
  private:
   bool refill();

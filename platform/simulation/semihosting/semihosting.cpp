@@ -422,6 +422,7 @@ void Semihosting::restored() {
 void Semihosting::visit(Archive& archive) {
   console_.flush();
   archive("files", files_);
+  archive("console", console_);
   std::vector<uint32_t> handles, unknown(unknown_.begin(), unknown_.end());
   for (const auto& entry : open_) handles.push_back(entry.first);
   archive.sequence("handles", handles, most_files);

@@ -40,6 +40,14 @@ Result<std::unique_ptr<CharacterBackend>> open_backend(const std::string& spec,
   return Error{fmt::format("{} {}: choose {}", option, spec, names)};
 }
 
+Result<std::unique_ptr<CharacterBackend>> open_or_keep(const std::string& spec,
+                                                       const std::string& option, KeptStream* kept,
+                                                       const GiveUp& give_up) {
+  if (kept != nullptr && (spec == "stdout" || spec == "stderr" || spec == "stdio"))
+    return std::unique_ptr<CharacterBackend>(std::make_unique<KeptBackend>(*kept));
+  return open_backend(spec, option, give_up);
+}
+
 bool are_the_same_place(const std::string& one, const std::string& other) {
   const auto is_standard = [](const std::string& spec) {
     return spec == "stdout" || spec == "stdio";

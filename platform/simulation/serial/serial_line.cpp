@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds look_for_listener{10};
 }  // namespace
 
 Result<std::unique_ptr<SerialLine>> SerialLine::open(LineConfig config, const GiveUp& give_up) {
-  auto backend = open_backend(config.backend, "--" + config.name, give_up);
+  auto backend = open_backend(config.backend, "--" + config.name, give_up, uart_backend_names);
   if (!backend) return Error{backend.error()};
   std::unique_ptr<SerialLine> line(
       new SerialLine(std::move(config), std::move(backend.value()), give_up));

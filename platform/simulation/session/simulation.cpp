@@ -57,8 +57,9 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   auto backend = make_backend(settings.coprocessor);
   if (!backend) return Error{backend.error()};
-  std::unique_ptr<Simulation> simulation(new Simulation(
-      settings, std::move(inputs.value()), std::move(restore.value()), std::move(backend.value())));
+  std::unique_ptr<Simulation> simulation(
+      new Simulation(settings, std::move(inputs.value()), std::move(restore.value()),
+                     std::move(backend.value()), additions.kept));
   if (auto error = simulation->load()) return *error;
   if (auto error = simulation->open()) return *error;
   if (auto error = simulation->plan_restore()) return *error;
@@ -66,11 +67,13 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
 }
 
 Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
-                       std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend)
+                       std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend,
+                       serial::KeptStreams* kept)
     : settings_(settings),
       inputs_(std::move(inputs)),
       restore_(std::move(restore)),
       backend_(std::move(backend)),
+      kept_(kept),
       soc_("soc", soc_config(settings, backend_)),
       view_(soc_, inputs_.images()),
       limit_("limit", settings.limits.simulated_s()),
@@ -108,8 +111,8 @@ std::optional<Error> Simulation::open() {
   if (auto error = host_limit_.watch([this] { call_from_signal(); })) return error;
   if (auto error = watch_.observe_program()) return error;
   auto ports = HostPorts::open(
-      {settings_.uarts, settings_.pins, settings_.semihosting, settings_.itm, settings_.gdb}, soc_,
-      inputs_.program, inputs_.program_file, [this] { return interrupted(); });
+      {settings_.uarts, settings_.pins, settings_.semihosting, settings_.itm, settings_.gdb, kept_},
+      soc_, inputs_.program, inputs_.program_file, [this] { return interrupted(); });
   if (!ports) return Error{ports.error()};
   ports_ = std::move(ports.value());
   if (real_time_.on()) ports_->pace_by([this] { pace(); });
@@ -263,6 +266,8 @@ void Simulation::conclude_run(RunResult& result) const {
   end.diverged = !result.divergence.empty();
   end.crash = watch_.all().crash();
   end.matched = ports_->uarts().matched();
+  end.missed = ports_->uarts().missed();
+  end.unfinished = ports_->uarts().unfinished();
   end.waits_for_line = !settings_.uarts.until.empty();
   end.exit_status = ports_->exit_status();
   end.status_is_code = settings_.semihosting.status() == ExitStatus::process;

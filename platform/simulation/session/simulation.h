@@ -39,6 +39,8 @@ class Simulation {
     std::function<void(RunInputs& inputs)>
         inputs;         ///< lays something over them, once they are read
     std::string state;  ///< of packed_state(), to go on from instead of reset; "": none
+    serial::KeptStreams* kept = nullptr;  ///< for the ITM and the console of semihosting instead of
+                                          ///< standard streams; it must outlive the simulation
   };
   static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings,
                                                        const Additions& additions);
@@ -83,7 +85,8 @@ class Simulation {
 
  private:
   Simulation(const RunSettings& settings, RunInputs inputs,
-             std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend);
+             std::optional<checkpoint::Checkpoint> restore, CoprocessorBackend backend,
+             serial::KeptStreams* kept);
 
   std::optional<Error> load();
   std::optional<Error> open();
@@ -105,6 +108,7 @@ class Simulation {
   std::optional<checkpoint::Checkpoint> restore_;
   std::optional<Error> not_restored_;
   CoprocessorBackend backend_;  // its device is the SoC's
+  serial::KeptStreams* kept_;   // null: standard streams
   soc::Soc soc_;
   ProgramView view_;
   Limit limit_;

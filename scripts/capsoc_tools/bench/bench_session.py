@@ -1,0 +1,134 @@
+"""What a session costs: requests a second, samples to NumPy, the main job beside capsoc run, simulations side by side.
+
+Every ratio is of runs that alternate; medians are printed, with the least and the largest.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[3]
+PACKAGE = SOURCE / "platform" / "python"
+
+
+def spread(values, unit, digits=3):
+    return f"{statistics.median(values):.{digits}f} {unit} ({min(values):.{digits}f} to {max(values):.{digits}f})"
+
+
+def timed(work):
+    begun = time.perf_counter()
+    work()
+    return time.perf_counter() - begun
+
+
+def requests_a_second(session, simulation, count):
+    """Of requests that wait for their answers, and of those that are sent ahead."""
+    one = timed(lambda: [simulation.call("simulation.state") for _ in range(count)])
+    connection = session.connection
+
+    def ahead():
+        asked = [connection.send("simulation.state", {"simulation": simulation.number}) for _ in range(count)]
+        for request in asked:
+            connection.wait(request)
+
+    return count / one, count / timed(ahead)
+
+
+def main_job(program, capsoc):
+    def run():
+        subprocess.run([program, "run", "--json", os.devnull], check=True, capture_output=True)
+
+    def session():
+        with capsoc.Session(program) as owner, owner.run() as simulation:
+            simulation.advance()
+            assert simulation.finish().passed
+
+    return run, session
+
+
+def side_by_side(session, count):
+    """Simulated seconds a second of the host: one simulation, and `count` at once."""
+    rates = []
+    for many in (1, count):
+        simulations = [session.run() for _ in range(many)]
+        with ThreadPoolExecutor(many) as pool:
+            seconds = timed(lambda: list(pool.map(lambda each: each.advance(seconds=400), simulations)))
+        rates.append(many * 400 / seconds)
+        for each in simulations:
+            each.close()
+    return rates
+
+
+def pieces(session, count):
+    """Host seconds of one advance and of `count` of them, and whether both ended alike."""
+    one, many = session.run(), session.run()
+    begun = timed(lambda: one.advance(seconds=100))
+
+    def cut():
+        for step in range(1, count + 1):
+            many.advance(until_s=100 * step / count)
+
+    took = timed(cut)
+    alike = one.state == many.state and one.uart0.text == many.uart0.text
+    one.close()
+    many.close()
+    return begun, took, alike
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="bench_session", description=__doc__)
+    parser.add_argument("--program", default=SOURCE / "build" / "capsoc", type=Path)
+    parser.add_argument("--repeat", default=5, type=int)
+    parser.add_argument("--requests", default=20000, type=int)
+    parser.add_argument("--samples", default=1000000, type=int)
+    parser.add_argument("--pieces", default=100000, type=int)
+    arguments = parser.parse_args()
+    sys.path.insert(0, str(PACKAGE))
+    import capsoc  # pylint: disable=import-outside-toplevel
+
+    run, in_session = main_job(arguments.program, capsoc)
+    direct, driven = [], []
+    for _ in range(arguments.repeat):
+        direct.append(timed(run))
+        driven.append(timed(in_session))
+    ratios = [b / a for a, b in zip(direct, driven)]
+    print(f"main job, capsoc run: {spread(direct, 's')}")
+    print(f"main job, a session of its own from Python: {spread(driven, 's')}")
+    print(f"ratio: {spread(ratios, 'times')}")
+
+    with capsoc.Session(arguments.program) as session:
+        simulation = session.run()
+        simulation.advance(seconds=1)
+        rates = [requests_a_second(session, simulation, arguments.requests) for _ in range(arguments.repeat)]
+        print(f"requests that wait for answers: {spread([rate[0] for rate in rates], '/s', 0)}")
+        print(f"requests sent ahead: {spread([rate[1] for rate in rates], '/s', 0)}")
+        simulation.close()
+
+        settings = {"demodulation_samples": 1000000000}
+        simulation = session.run(program=settings)
+        seconds = timed(lambda: simulation.advance(samples=arguments.samples))
+        print(f"{arguments.samples} samples simulated: {seconds:.2f} s")
+        taken = []
+        for _ in range(arguments.repeat):
+            taken.append(timed(lambda: simulation.samples(last=arguments.samples)))
+        columns = simulation.samples(last=arguments.samples)
+        print(f"{len(columns.error_deg)} samples to arrays: {spread(taken, 's')}")
+        simulation.close()
+
+        one, many = side_by_side(session, 8)
+        print(f"simulated s a second: {one:.0f} alone, {many:.0f} in 8 side by side ({os.cpu_count()} processors)")
+
+        whole, cut, alike = pieces(session, arguments.pieces)
+        print(f"100 simulated s in one advance: {whole:.3f} s; in {arguments.pieces}: {cut:.2f} s; ")
+        print(f"the same state and text: {json.dumps(alike)}")
+        return 0 if alike else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
