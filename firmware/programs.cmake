@@ -64,6 +64,7 @@ capsoc_firmware(crc_unit SOURCES ../tests/examples/crc_unit/main.c OBJECTS runti
 
 # Kernels for `capsoc bench cpu`, and programs for the tests of the processor.
 foreach(kernel list_search matrix state_machine crc sort strings sha256 aes md5 soft_float long_division function_pointers
-               copy interpreter tasks polling interrupts)
+               copy interpreter tasks polling interrupts device unaligned
+               exclusives)
   capsoc_firmware(bench_${kernel} OPTIMISE -O2 SOURCES bench/${kernel}.c OBJECTS runtime-O2)
 endforeach()

@@ -89,7 +89,8 @@ void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::
   transfer(payload, delay);
   transfers(payload, begin, delay);
   // Each is to be seen, so none is to be left out.
-  if (auto* const told = payload.get_extension<kit::SteadyRead>()) told->steady = false;
+  if (auto* const told = payload.get_extension<kit::SteadyRead>())
+    told->steady = told->ahead = false;
   if (write != nullptr) write->taken = false;
 }
 

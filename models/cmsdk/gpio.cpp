@@ -51,7 +51,7 @@ Gpio::Gpio(const sc_core::sc_module_name& name, kit::ClockDomain& clock)
       INTPOLCLR(*this, pin_register("INTPOLCLR", 0x034)),
       INTSTATUS(*this, gpio_interrupts),
       id(*this, PartNumber::gpio) {
-  DATA.on_peek([this] { return uint32_t{sampled_}; });
+  DATA.on_peek([this] { return uint32_t{sampled_at(now())}; });
   DATA.on_write([this](uint32_t value) { write_output(static_cast<uint16_t>(value)); });
   DATAOUT.on_write([this](uint32_t value) { write_output(static_cast<uint16_t>(value)); });
   connect_pair(OUTENSET, OUTENCLR, output_enable_);
@@ -144,6 +144,19 @@ void Gpio::sample_pins() {
     synchroniser_.push_back({visible_at, levels});
 }
 
+uint16_t Gpio::sampled_at(uint64_t cycle) const {
+  uint16_t levels = sampled_;
+  for (const Sample& each : synchroniser_)
+    if (each.visible_at <= cycle) levels = each.levels;
+  return levels;
+}
+
+/// Where nobody looks at the pins and none of them interrupts, they are seen by reads alone.
+bool Gpio::takes_early(uint32_t offset, uint32_t value, uint32_t) const {
+  return (offset == DATA.description().offset || offset == DATAOUT.description().offset) &&
+         value <= pin_bits && !outputs.watched() && interrupt_enable_ == 0;
+}
+
 void Gpio::take(uint16_t levels) {
   const uint16_t rising = levels & inverted(sampled_);
   const uint16_t falling = sampled_ & inverted(levels);
@@ -166,8 +179,15 @@ void Gpio::latch(uint16_t events) {
 }
 
 void Gpio::update_interrupts() {
+  if (INTSTATUS.get() == shown_interrupts_) return;
+  shown_interrupts_ = INTSTATUS.get();
   for (unsigned pin = 0; pin < pin_count; ++pin) pin_interrupt[pin].set(INTSTATUS.any(1u << pin));
   combined_interrupt.set(INTSTATUS.any(pin_bits));
+}
+
+void Gpio::restored() {
+  shown_interrupts_ = INTSTATUS.get();
+  ClockedBank::restored();
 }
 
 void Gpio::advance(uint64_t cycle) {
@@ -179,10 +199,13 @@ void Gpio::advance(uint64_t cycle) {
 }
 
 uint64_t Gpio::next_change() const {
-  return synchroniser_.empty() ? never : synchroniser_.front().visible_at;
+  // Without interrupts nothing outside notices; reads advance first.
+  if (synchroniser_.empty() || interrupt_enable_ == 0) return never;
+  return synchroniser_.front().visible_at;
 }
 
 void Gpio::visit(Archive& archive) {
+  if (!archive.loading()) advance(now());
   ClockedBank::visit(archive);
   archive("output_enable", output_enable_);
   archive("alternate_function", alternate_function_);

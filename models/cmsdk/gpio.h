@@ -39,6 +39,7 @@ class Gpio : public kit::ClockedBank {
   /// System reset: all pins are inputs; the levels that the outside drives stay.
   void reset() override;
   void visit(Archive& archive) override;
+  void restored() override;
 
   std::array<kit::InterruptLine, pin_count> pin_interrupt;
   kit::InterruptLine combined_interrupt{*this, "combined"};
@@ -72,11 +73,14 @@ class Gpio : public kit::ClockedBank {
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
   void advance(uint64_t cycle) override;
   uint64_t next_change() const override;
+  bool takes_early(uint32_t offset, uint32_t value, uint32_t lanes) const override;
 
   void connect_pair(kit::Register& set, kit::Register& clear, uint16_t& bits);
   void write_output(uint16_t value);
   void refresh();
   void sample_pins();
+  /// What DATA shows at an edge, whether advance() was there or not.
+  uint16_t sampled_at(uint64_t cycle) const;
   void take(uint16_t levels);
   void latch(uint16_t events);
   uint16_t active_levels() const;
@@ -88,10 +92,11 @@ class Gpio : public kit::ClockedBank {
   uint16_t interrupt_type_ = 0;
   uint16_t interrupt_polarity_ = 0;
   uint16_t outside_ = 0;
-  uint16_t sampled_ = 0;      // what DATA shows
-  uint16_t last_pins_ = 0;    // newest sample taken
-  uint16_t last_driven_ = 0;  // told to the observer
-  uint16_t last_levels_ = 0;  // told to the observer
+  uint16_t sampled_ = 0;           // what DATA shows
+  uint16_t last_pins_ = 0;         // newest sample taken
+  uint16_t last_driven_ = 0;       // told to the observer
+  uint16_t last_levels_ = 0;       // told to the observer
+  uint32_t shown_interrupts_ = 0;  // INTSTATUS as the lines have it
   std::deque<Sample> synchroniser_;
 };
 

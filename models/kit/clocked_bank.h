@@ -14,8 +14,9 @@ namespace capsoc::kit {
 /// edge at which something becomes visible outside (an interrupt, a byte on the line), and exactly
 /// one event is kept for that edge. A change of frequency moves the event, not the edge number.
 ///
-/// Every access first advances, so the order of an event and an access in one instant is fixed:
-/// the event's effect comes first.
+/// Registers that are computed are functions of the edge, too (now()), so that reads may be made
+/// ahead of the kernel. Every access first advances, so the order of an event and an access in one
+/// instant is fixed: the event's effect comes first.
 class ClockedBank : public RegisterBank {
  public:
   void restored() override;
@@ -42,6 +43,7 @@ class ClockedBank : public RegisterBank {
 
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
+  bool is_read_ahead(uint32_t offset) const override { return has_plain_read(offset); }
 
  private:
   void on_event();

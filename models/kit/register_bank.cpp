@@ -123,6 +123,11 @@ bool RegisterBank::is_steady(uint32_t offset) const {
   return target != nullptr && target->steady_ && !target->read_;
 }
 
+bool RegisterBank::has_plain_read(uint32_t offset) const {
+  const Register* const target = by_word_[offset / 4];
+  return target != nullptr && !target->read_ && target->description().access != Access::write_only;
+}
+
 void RegisterBank::visit(Archive& archive) {
   for (Register* each : in_order_) archive(each->description_.name, each->value_);
 }

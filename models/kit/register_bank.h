@@ -105,6 +105,8 @@ class RegisterBank : public RegisterTarget {
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
   bool is_steady(uint32_t offset) const override;
+  /// There is a register that is not changed by reads.
+  bool has_plain_read(uint32_t offset) const;
 
  private:
   friend class Register;

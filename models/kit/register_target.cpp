@@ -115,7 +115,10 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
         data[i] = static_cast<unsigned char>(value >> (8 * (first + i)));
     }
   }
-  if (auto* const told = payload.get_extension<SteadyRead>()) told->steady = is_steady(offset);
+  if (auto* const told = payload.get_extension<SteadyRead>()) {
+    told->steady = is_steady(offset);
+    told->ahead = told->steady || is_read_ahead(offset);
+  }
   return tlm::TLM_OK_RESPONSE;
 }
 

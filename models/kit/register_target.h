@@ -50,6 +50,9 @@ class RegisterTarget : public sc_core::sc_module, public Component {
   /// True: kit::SteadyRead holds for the register at `offset`.
   virtual bool is_steady(uint32_t /*offset*/) const { return false; }
 
+  /// True: kit::SteadyRead::ahead holds for the register at `offset`, whatever the state.
+  virtual bool is_read_ahead(uint32_t offset) const { return is_steady(offset); }
+
   /// True: kit::EarlyWrite holds for a write as write_word() gets it, in the present state. Asked
   /// before the write.
   virtual bool takes_early(uint32_t /*offset*/, uint32_t /*value*/, uint32_t /*lanes*/) const {

@@ -12,10 +12,14 @@ namespace capsoc::kit {
 /// before the payload ends. Devices that do not know it are right, too.
 struct SteadyRead : tlm::tlm_extension<SteadyRead> {
   bool steady = false;
+  /// It does nothing, and its answer is that of its own time, also where the kernel is not there
+  /// yet and has nothing to do before: it may be made ahead, but not left out.
+  bool ahead = false;
 
   tlm::tlm_extension_base* clone() const override { return new SteadyRead(*this); }
   void copy_from(const tlm::tlm_extension_base& other) override {
     steady = static_cast<const SteadyRead&>(other).steady;
+    ahead = static_cast<const SteadyRead&>(other).ahead;
   }
 };
 

@@ -16,9 +16,10 @@ namespace {
 
 std::vector<std::string> kernels() {
   std::vector<std::string> files;
-  for (const char* kernel : {"list_search", "matrix", "state_machine", "crc", "sort", "strings",
-                             "sha256", "aes", "md5", "soft_float", "long_division",
-                             "function_pointers", "copy", "interpreter", "tasks", "polling"})
+  for (const char* kernel :
+       {"list_search", "matrix", "state_machine", "crc", "sort", "strings", "sha256", "aes", "md5",
+        "soft_float", "long_division", "function_pointers", "copy", "interpreter", "tasks",
+        "polling", "device", "unaligned", "exclusives"})
     files.push_back(host::data_path(std::string("firmware/bench_") + kernel + ".elf"));
   return files;
 }

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <random>
 #include <utility>
 #include <vector>
 
 #include "bench.h"
+#include "kit/early_write.h"
+#include "kit/steady_read.h"
 
 namespace capsoc::test {
 namespace {
@@ -260,6 +263,117 @@ TEST_F(GpioTest, AResetReleasesThePinsAndLowersTheInterrupts) {
   EXPECT_EQ(gpio.pins(), 0x8000);
   EXPECT_FALSE(gpio.combined_interrupt.level());
   for (const auto& line : gpio.pin_interrupt) EXPECT_FALSE(line.level());
+}
+
+/// Accesses so many cycles ahead of the kernel.
+class GpioAhead : public GpioTest {
+ protected:
+  struct Access {
+    uint64_t cycle;  ///< after the first
+    bool write;
+    uint64_t offset;
+    uint32_t value;  ///< written
+  };
+
+  sc_core::sc_time lead(uint64_t cycles) const {
+    return b.clock.time_of(b.cycle() + cycles) - b.clock.time_of(b.cycle());
+  }
+  /// Whether it was taken.
+  bool write_early(uint64_t offset, uint32_t value, uint64_t cycles) {
+    tlm::tlm_generic_payload payload;
+    Initiator::describe(payload, tlm::TLM_WRITE_COMMAND, offset,
+                        reinterpret_cast<unsigned char*>(&value), 4);
+    kit::EarlyWrite told;
+    told.early = true;
+    payload.set_extension(&told);
+    EXPECT_TRUE(b.to_gpio.send(payload, lead(cycles)).ok());
+    payload.clear_extension<kit::EarlyWrite>();
+    return told.taken;
+  }
+  uint32_t read_ahead(uint64_t offset, uint64_t cycles) {
+    uint32_t value = 0;
+    tlm::tlm_generic_payload payload;
+    Initiator::describe(payload, tlm::TLM_READ_COMMAND, offset,
+                        reinterpret_cast<unsigned char*>(&value), 4);
+    kit::SteadyRead told;
+    payload.set_extension(&told);
+    EXPECT_TRUE(b.to_gpio.send(payload, lead(cycles)).ok());
+    payload.clear_extension<kit::SteadyRead>();
+    EXPECT_TRUE(told.ahead);
+    EXPECT_FALSE(told.steady) << "DATA follows two cycles after a write, with no event";
+    return value;
+  }
+  /// Both ways begin with the same pins.
+  void begin(uint32_t enabled) {
+    gpio.reset();
+    gpio.drive(0xffff, 0x5a5a);
+    b.run(4);
+    set(outenset, enabled);
+    b.run(4);
+  }
+};
+
+TEST_F(GpioAhead, IsWhatItIsAtItsOwnTime) {
+  std::minstd_rand random(20261126);
+  for (int round = 0; round < 300; ++round) {
+    std::vector<Access> drawn;
+    uint64_t cycle = 0;
+    for (int i = 0; i < 20; ++i) {
+      cycle += random() % 5;
+      const bool write = random() % 2 != 0;
+      drawn.push_back({cycle, write, write && random() % 2 != 0 ? dataout : data,
+                       static_cast<uint32_t>(random() & 0xffff)});
+    }
+    const uint32_t enabled = random() & 0xffff;
+    std::vector<uint32_t> ahead, in_time;
+    begin(enabled);
+    for (const Access& each : drawn)
+      if (each.write)
+        EXPECT_TRUE(write_early(each.offset, each.value, each.cycle));
+      else
+        ahead.push_back(read_ahead(each.offset, each.cycle));
+    b.run(cycle + 1);
+    ahead.push_back(get(data));
+    begin(enabled);
+    const uint64_t start = b.cycle();
+    for (const Access& each : drawn) {
+      if (start + each.cycle > b.cycle()) b.run(start + each.cycle - b.cycle());
+      if (each.write)
+        set(each.offset, each.value);
+      else
+        in_time.push_back(get(each.offset));
+    }
+    b.run(start + cycle + 1 - b.cycle());
+    in_time.push_back(get(data));
+    ASSERT_EQ(ahead, in_time) << round;
+  }
+}
+
+TEST_F(GpioAhead, ADebuggerSeesThePinsOfItsTime) {
+  begin(0xffff);
+  set(dataout, 0x1234);
+  EXPECT_EQ(gpio.peek(data), 0u) << "two cycles later";
+  b.run(Gpio::synchroniser_cycles);
+  EXPECT_EQ(gpio.peek(data), 0x1234u) << "nothing else looked";
+}
+
+TEST_F(GpioAhead, IsNotTakenWhereItWouldBeNoticed) {
+  const uint64_t before = kit::guest_error_total();
+  begin(0xffff);
+  EXPECT_TRUE(write_early(dataout, 1, 7));
+  EXPECT_FALSE(write_early(dataout, 0x10001, 7)) << "a reserved bit is reported";
+  EXPECT_FALSE(write_early(outenclr, 1, 7));
+  set(intenset, 1);
+  EXPECT_FALSE(write_early(dataout, 2, 7)) << "a pin interrupts";
+  set(intenclr, 1);
+  EXPECT_TRUE(write_early(dataout, 3, 8));
+  {
+    const kit::Listening looks = gpio.outputs.listen([](uint16_t, uint16_t) {});
+    EXPECT_FALSE(write_early(dataout, 4, 9)) << "somebody looks";
+  }
+  b.run(12);
+  EXPECT_EQ(get(data), 3u);
+  EXPECT_EQ(kit::guest_error_total(), before);
 }
 
 }  // namespace

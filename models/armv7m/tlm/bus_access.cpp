@@ -117,9 +117,9 @@ void BusAccess::remap() {
 
 bool BusAccess::may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const {
   if (horizon_.is_late()) return false;
-  if (kind == AccessKind::load) return address == steady_address_;
-  return kind == AccessKind::store && may_write_early && address == early_address_ &&
-         payload_.get_data_length() == early_size_;
+  const unsigned size = payload_.get_data_length();
+  if (kind == AccessKind::load) return has(reads_ahead_, address, size);
+  return kind == AccessKind::store && may_write_early && has(early_writes_, address, size);
 }
 
 /// Makes the transaction that payload_ describes; returns the cycles it took.
@@ -133,7 +133,7 @@ unsigned BusAccess::transport(uint32_t address, AccessKind kind, bool may_write_
 }
 
 unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
-  steady_.steady = false;
+  steady_.steady = steady_.ahead = false;
   payload_.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
   early_.early = ahead;
   early_.taken = false;
@@ -171,11 +171,8 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
-  if (result.steady) steady_address_ = address;
-  if (kind == AccessKind::store) {
-    early_address_ = early_.taken ? std::optional(address) : std::nullopt;
-    early_size_ = size;
-  }
+  if (kind == AccessKind::load) note(reads_ahead_, address, size, steady_.ahead);
+  if (kind == AccessKind::store) note(early_writes_, address, size, early_.taken);
   return result;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <systemc>
@@ -80,9 +82,25 @@ class BusAccess {
   tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
   kit::SteadyRead steady_;            // on the payload: of the last read
   kit::EarlyWrite early_;             // on the payload: of the last write
-  std::optional<uint32_t> steady_address_;  // of the last steady read
-  std::optional<uint32_t> early_address_;   // of the last write that was taken early, or would be
-  unsigned early_size_ = 0;
+  /// Of reads that may be made ahead, and of writes that were taken early, or would be: an address
+  /// and a size in one number, 0 for none, at a place that the address chooses.
+  using Places = std::array<uint64_t, 16>;
+  static uint64_t access_of(uint32_t address, unsigned size) {
+    return uint64_t{address} << 8 | size;
+  }
+  static std::size_t place_of(uint32_t address) { return (address >> 2 ^ address >> 12) % 16; }
+  void note(Places& places, uint32_t address, unsigned size, bool may) {
+    uint64_t& place = places[place_of(address)];
+    const uint64_t access = access_of(address, size);
+    if (may)
+      place = access;
+    else if (place == access)
+      place = 0;
+  }
+  static bool has(const Places& places, uint32_t address, unsigned size) {
+    return places[place_of(address)] == access_of(address, size);
+  }
+  Places reads_ahead_{}, early_writes_{};
   std::optional<AccessKind> accessing_;
   std::vector<Granted> granted_;
   /// Pages for which a port has refused direct memory, so that it is not asked at every access:

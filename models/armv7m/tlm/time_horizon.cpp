@@ -10,13 +10,18 @@ void TimeHorizon::set_pause(const sc_core::sc_time& time) {
 }
 
 void TimeHorizon::look_ahead() {
-  looked_at_ = sc_core::sc_time_stamp();
-  next_activity_ = looked_at_ + sc_core::sc_time_to_pending_activity();
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const sc_core::sc_time next = now + sc_core::sc_time_to_pending_activity();
+  // After an access ahead of the kernel everything is as it was.
+  if (has_bounds_ && now == looked_at_ && next == next_activity_) return;
+  looked_at_ = now;
+  next_activity_ = next;
   set_bounds();
 }
 
 /// What follows from the times, in cycles, which is what is compared at every access.
 void TimeHorizon::set_bounds() {
+  has_bounds_ = true;
   const sc_core::sc_time& first = std::min(next_activity_, pause_at_);
   late_from_ = first <= looked_at_ ? 0 : clock_.next_edge(first);
   limit_ = clock_.cycles_at(std::min(looked_at_ + quantum_, next_activity_));

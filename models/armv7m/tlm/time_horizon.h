@@ -19,11 +19,17 @@ class TimeHorizon {
   TimeHorizon(kit::ClockDomain& clock, Core& core) : clock_(clock), core_(core) {}
 
   /// How far the core may run ahead, from the next look_ahead() on.
-  void set_quantum(const sc_core::sc_time& quantum) { quantum_ = quantum; }
+  void set_quantum(const sc_core::sc_time& quantum) {
+    quantum_ = quantum;
+    has_bounds_ = false;
+  }
   /// The core stops at the first instant at or after `time`; sc_max_time(): no pause.
   void set_pause(const sc_core::sc_time& time);
   /// The same, from the next look_ahead() on: between two runs of the core.
-  void plan_pause(const sc_core::sc_time& time) { pause_at_ = time; }
+  void plan_pause(const sc_core::sc_time& time) {
+    pause_at_ = time;
+    has_bounds_ = false;
+  }
   const sc_core::sc_time& pause_at() const { return pause_at_; }
   bool pauses() const { return pause_at_ != sc_core::sc_max_time(); }
 
@@ -77,6 +83,7 @@ class TimeHorizon {
   sc_core::sc_time pause_at_ = sc_core::sc_max_time();
   sc_core::sc_time looked_at_;      // the kernel was asked last, after an access or a wait:
   sc_core::sc_time next_activity_;  // its next one, which does not come nearer by itself
+  bool has_bounds_ = false;         // of these times
   uint64_t late_from_ = 0;          // the first cycle at or after which the kernel has to run
   uint64_t limit_ = 0;
   uint64_t end_of_run_ = 0;
