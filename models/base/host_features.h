@@ -2,11 +2,17 @@
 #pragma once
 
 // Clang's C++ does not know the header's _Bool.
-#if __has_include(<sys/platform/x86.h>) && !defined(__clang__)
+#if defined(__x86_64__) && __has_include(<sys/platform/x86.h>) && !defined(__clang__)
 #include <sys/platform/x86.h>
 #endif
 
 namespace capsoc {
+
+#if defined(__x86_64__)
+constexpr bool host_is_x86_64 = true;
+#else
+constexpr bool host_is_x86_64 = false;
+#endif
 
 // The C library knows since it loaded the program. The compiler's own test asks the processor
 // again at every start, which a hypervisor answers slowly.
@@ -20,7 +26,7 @@ inline bool host_has_avx2() {
 inline bool host_has_avx512() {
   return CPU_FEATURE_ACTIVE(AVX512F);
 }
-#else
+#elif defined(__x86_64__)
 inline bool host_has_bit_manipulation() {
   return __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0;
 }
@@ -29,6 +35,16 @@ inline bool host_has_avx2() {
 }
 inline bool host_has_avx512() {
   return __builtin_cpu_supports("avx512f") != 0;
+}
+#else
+inline bool host_has_bit_manipulation() {
+  return false;
+}
+inline bool host_has_avx2() {
+  return false;
+}
+inline bool host_has_avx512() {
+  return false;
 }
 #endif
 

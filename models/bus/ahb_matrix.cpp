@@ -85,9 +85,10 @@ void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::
     write->taken = false;
     return payload.set_response_status(tlm::TLM_OK_RESPONSE);
   }
+  const uint64_t address = payload.get_address();
   const sc_core::sc_time begin = delay;
   transfer(payload, delay);
-  transfers(payload, begin, delay);
+  show(payload, address, begin, delay);
   // Each is to be seen, so none is to be left out.
   if (auto* const told = payload.get_extension<kit::SteadyRead>())
     told->steady = told->ahead = false;
@@ -95,13 +96,23 @@ void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::
 }
 
 void AhbMatrix::transfer_of_master(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+  const uint64_t address = payload.get_address();
   const sc_core::sc_time begin = delay;
   transfer(payload, delay);
   payload.set_dmi_allowed(false);
-  transfers(payload, begin, delay);
+  show(payload, address, begin, delay);
   if (payload.is_write() && payload.is_response_ok())
-    tell_of_write(payload.get_address(),
-                  std::min(payload.get_data_length(), payload.get_streaming_width()));
+    tell_of_write(address, std::min(payload.get_data_length(), payload.get_streaming_width()));
+}
+
+/// Listeners get the address on the bus: the payload has the target's own.
+void AhbMatrix::show(const tlm::tlm_generic_payload& payload, uint64_t address,
+                     const sc_core::sc_time& begin, const sc_core::sc_time& end) const {
+  if (!transfers.watched()) return;
+  tlm::tlm_generic_payload seen;
+  copy_attributes(payload, seen);
+  seen.set_address(address);
+  transfers(seen, begin, end);
 }
 
 /// All bytes lie in one window, or, of a debugger's write, in several.
@@ -133,32 +144,47 @@ void AhbMatrix::transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& de
   }
   payload.set_address(at.local);
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(payload, delay);
-  payload.set_address(address);
   // APB wait states are PREADY's: the bridge adds them.
   if (at.entry->bus == BusKind::ahb)
     add_cycles(clock_, uint64_t{at.entry->wait_states} * word_count(payload), delay);
 }
 
 unsigned AhbMatrix::transport_dbg(int id, tlm::tlm_generic_payload& payload) {
-  // A debugger may ask for any range: it is served window by window up to the first hole.
-  const PayloadRestorer restore(payload);
   const uint64_t address = payload.get_address();
   const unsigned length = payload.get_data_length();
-  unsigned char* const data = payload.get_data_ptr();
+  const Decoded at = decode(address);
+  unsigned done = 0;
+  if (at.entry != nullptr && fits(payload, address, at.window_last)) {
+    payload.set_address(at.local);
+    done = std::min(length, (*ports_[port_of_entry_[at.index]].socket)->transport_dbg(payload));
+  } else {
+    done = debug_windows(payload);
+  }
+  if (id >= first_master && payload.is_write()) tell_of_write(address, done);
+  return done;
+}
+
+/// A debugger may ask for any range: it is served window by window up to the first hole, each part
+/// by a transaction of its own.
+unsigned AhbMatrix::debug_windows(const tlm::tlm_generic_payload& payload) {
+  const uint64_t address = payload.get_address();
+  const unsigned length = payload.get_data_length();
   unsigned done = 0;
   while (done < length) {
     const Decoded at = decode(address + done);
     if (at.entry == nullptr) break;
     const uint64_t room = at.window_last - (address + done) + 1;
     const auto part = static_cast<unsigned>(std::min<uint64_t>(room, length - done));
-    payload.set_address(at.local);
-    payload.set_data_ptr(data + done);
-    payload.set_data_length(part);
-    const unsigned served = (*ports_[port_of_entry_[at.index]].socket)->transport_dbg(payload);
+    tlm::tlm_generic_payload own;
+    own.set_command(payload.get_command());
+    own.set_address(at.local);
+    own.set_data_ptr(payload.get_data_ptr() + done);
+    own.set_data_length(part);
+    own.set_streaming_width(part);
+    const unsigned served = (*ports_[port_of_entry_[at.index]].socket)->transport_dbg(own);
     done += std::min(served, part);
     if (served < part) break;
   }
-  if (id >= first_master && payload.is_write()) tell_of_write(address, done);
   return done;
 }
 
@@ -170,7 +196,6 @@ bool AhbMatrix::get_direct_mem_ptr(int id, tlm::tlm_generic_payload& payload, tl
   if (at.entry != nullptr && id < first_master) {
     payload.set_address(at.local);
     granted = (*ports_[port_of_entry_[at.index]].socket)->get_direct_mem_ptr(payload, dmi);
-    payload.set_address(address);
   }
   if (!granted) {
     dmi.allow_none();

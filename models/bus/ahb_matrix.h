@@ -18,7 +18,8 @@
 
 namespace capsoc::bus {
 
-/// Decodes by the map, translates the address into the target's own, forwards, and adds the map's
+/// Decodes by the map, translates the address into the target's own, in which it stays (IEEE
+/// 1666-2011, 14.7: an interconnect must not put it back), forwards, and adds the map's
 /// wait states to the delay after the target has answered. All three target sockets see the whole
 /// map: which bus carries which address is the processor's decision (Cortex-M3 manual, bus
 /// interfaces). Arbitration is not modelled: what masters do at one time costs none of them cycles.
@@ -47,7 +48,7 @@ class AhbMatrix : public sc_core::sc_module {
   InitiatorSocket* port(const std::string& target);
 
   /// Transfers that were answered (debug access and direct memory excepted): the payload as it goes
-  /// back, and when from now it began and ended.
+  /// back, with the address on the bus and no extensions, and when from now it began and ended.
   kit::Probe<const tlm::tlm_generic_payload&, const sc_core::sc_time&, const sc_core::sc_time&>
       transfers;
 
@@ -87,7 +88,10 @@ class AhbMatrix : public sc_core::sc_module {
   void each_alias(std::size_t port, uint64_t start, uint64_t end, const Call& call);
   void transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   void b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  void show(const tlm::tlm_generic_payload& payload, uint64_t address,
+            const sc_core::sc_time& begin, const sc_core::sc_time& end) const;
   unsigned transport_dbg(int id, tlm::tlm_generic_payload& payload);
+  unsigned debug_windows(const tlm::tlm_generic_payload& payload);
   bool get_direct_mem_ptr(int id, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
   void invalidate_direct_mem_ptr(int port, sc_dt::uint64 start, sc_dt::uint64 end);
   void invalidate(uint64_t first, uint64_t last);

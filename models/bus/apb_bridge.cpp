@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "bus/payload.h"
 #include "bus/wait_states.h"
@@ -33,7 +34,6 @@ tlm::tlm_response_status as_on_ahb(tlm::tlm_response_status status) {
              : tlm::TLM_GENERIC_ERROR_RESPONSE;
 }
 
-// One APB transfer in a payload of our own, where it is not the initiator's whole transfer.
 void prepare(tlm::tlm_generic_payload& payload, tlm::tlm_command command, uint64_t address,
              Word& data) {
   payload.set_command(command);
@@ -41,6 +41,7 @@ void prepare(tlm::tlm_generic_payload& payload, tlm::tlm_command command, uint64
   payload.set_data_ptr(data.data());
   payload.set_data_length(word);
   payload.set_streaming_width(word);
+  payload.set_dmi_allowed(false);
   payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
 }
 
@@ -57,6 +58,39 @@ tlm::tlm_response_status check_transfer(const tlm::tlm_generic_payload& payload)
 }
 
 }  // namespace
+
+/// One APB transfer: a payload that is the bridge's while this lives.
+class ApbBridge::Transfer {
+ public:
+  Transfer(ApbBridge& bridge, const tlm::tlm_generic_payload& of, uint64_t address, Word& data)
+      : spare_(bridge.spare_) {
+    if (spare_.empty()) {
+      payload_ = std::make_unique<tlm::tlm_generic_payload>();
+    } else {
+      payload_ = std::move(spare_.back());
+      spare_.pop_back();
+    }
+    prepare(*payload_, of.get_command(), address, data);
+    payload_->set_extension(of.get_extension<kit::SteadyRead>());
+    if (of.get_data_length() <= word)  // of a burst, what came before would be done
+      payload_->set_extension(of.get_extension<kit::EarlyWrite>());
+  }
+  ~Transfer() {
+    payload_->clear_extension<kit::SteadyRead>();  // they are the initiator's
+    payload_->clear_extension<kit::EarlyWrite>();
+    payload_->set_byte_enable_ptr(nullptr);
+    spare_.push_back(std::move(payload_));
+  }
+  Transfer(const Transfer&) = delete;
+  Transfer& operator=(const Transfer&) = delete;
+
+  tlm::tlm_generic_payload& operator*() { return *payload_; }
+  tlm::tlm_generic_payload* operator->() { return payload_.get(); }
+
+ private:
+  std::vector<std::unique_ptr<tlm::tlm_generic_payload>>& spare_;
+  std::unique_ptr<tlm::tlm_generic_payload> payload_;
+};
 
 ApbBridge::ApbBridge(const sc_core::sc_module_name& name, const AddressMap& map,
                      const kit::ClockDomain& clock)
@@ -101,28 +135,24 @@ tlm::tlm_response_status ApbBridge::transfer(tlm::tlm_generic_payload& payload,
     if (where.entry == nullptr) return tlm::TLM_ADDRESS_ERROR_RESPONSE;
     if (payload.get_command() == tlm::TLM_IGNORE_COMMAND) continue;
     const tlm::tlm_response_status status = is_plain_word(payload)
-                                                ? pass_on(payload, where, delay)
+                                                ? transfer_plain(payload, where, delay)
                                                 : transfer_word(payload, where, at, delay);
     if (status != tlm::TLM_OK_RESPONSE) return status;
   }
   return tlm::TLM_OK_RESPONSE;
 }
 
-/// What nearly all transfers are: the initiator's payload goes on with the device's address.
-tlm::tlm_response_status ApbBridge::pass_on(tlm::tlm_generic_payload& payload, const Decoded& at,
-                                            sc_core::sc_time& delay) {
-  const uint64_t address = payload.get_address();
-  Word before;
-  std::copy_n(payload.get_data_ptr(), word, before.data());
-  payload.set_address(at.local);
-  payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
-  (*ports_[port_of_entry_[at.index]].socket)->b_transport(payload, delay);
-  payload.set_address(address);
-  payload.set_dmi_allowed(false);
-  // PRDATA of a failed transfer goes nowhere.
-  if (!payload.is_response_ok()) std::copy_n(before.data(), word, payload.get_data_ptr());
+/// What nearly all transfers are: a word with all its bytes.
+tlm::tlm_response_status ApbBridge::transfer_plain(tlm::tlm_generic_payload& payload,
+                                                   const Decoded& at, sc_core::sc_time& delay) {
+  Word data;
+  std::copy_n(payload.get_data_ptr(), word, data.data());
+  Transfer transfer(*this, payload, at.local, data);
+  (*ports_[port_of_entry_[at.index]].socket)->b_transport(*transfer, delay);
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
-  return as_on_ahb(payload.get_response_status());
+  if (!transfer->is_response_ok()) return as_on_ahb(transfer->get_response_status());
+  if (payload.is_read()) std::copy_n(data.data(), word, payload.get_data_ptr());
+  return tlm::TLM_OK_RESPONSE;
 }
 
 tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payload,
@@ -141,20 +171,14 @@ tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payl
     strobes[lane] = TLM_BYTE_ENABLED;
     ++strobed;
   }
-  tlm::tlm_generic_payload transfer;
-  prepare(transfer, payload.get_command(), at.local, data);
+  Transfer transfer(*this, payload, at.local, data);
   if (payload.is_write() && strobed < word) {
-    transfer.set_byte_enable_ptr(strobes.data());
-    transfer.set_byte_enable_length(word);
+    transfer->set_byte_enable_ptr(strobes.data());
+    transfer->set_byte_enable_length(word);
   }
-  transfer.set_extension(payload.get_extension<kit::SteadyRead>());
-  if (payload.get_data_length() <= word)  // of a burst, what came before would be done
-    transfer.set_extension(payload.get_extension<kit::EarlyWrite>());
-  (*ports_[port_of_entry_[at.index]].socket)->b_transport(transfer, delay);
-  transfer.clear_extension<kit::SteadyRead>();  // they are the initiator's
-  transfer.clear_extension<kit::EarlyWrite>();
+  (*ports_[port_of_entry_[at.index]].socket)->b_transport(*transfer, delay);
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
-  if (!transfer.is_response_ok()) return as_on_ahb(transfer.get_response_status());
+  if (!transfer->is_response_ok()) return as_on_ahb(transfer->get_response_status());
   if (payload.is_read())
     for (unsigned lane = 0; lane < word; ++lane)
       if (strobes[lane] == TLM_BYTE_ENABLED) payload.get_data_ptr()[source[lane]] = data[lane];

@@ -27,6 +27,10 @@ constexpr unsigned apb_transfer_cycles = 2;
 /// transfer costs apb_transfer_cycles, plus the map's wait states, plus what the device adds to the
 /// delay (PREADY).
 ///
+/// Each is a transaction of the bridge's own, with the initiator's extensions of ours: PSLVERR is
+/// not the device's response status, and an interconnect must not change that of a payload that it
+/// has passed on (IEEE 1666-2011, 14.7).
+///
 /// Answers: TLM_BURST_ERROR_RESPONSE for a length that no AHB transfer has or for streaming;
 /// TLM_ADDRESS_ERROR_RESPONSE if misaligned or nothing is selected; an error of the device is
 /// PSLVERR and becomes TLM_GENERIC_ERROR_RESPONSE, except that a device's address error stays one.
@@ -55,10 +59,12 @@ class ApbBridge : public sc_core::sc_module {
     std::unique_ptr<InitiatorSocket> socket;
   };
 
+  class Transfer;
+
   void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   tlm::tlm_response_status transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
-  tlm::tlm_response_status pass_on(tlm::tlm_generic_payload& payload, const Decoded& at,
-                                   sc_core::sc_time& delay);
+  tlm::tlm_response_status transfer_plain(tlm::tlm_generic_payload& payload, const Decoded& at,
+                                          sc_core::sc_time& delay);
   tlm::tlm_response_status transfer_word(tlm::tlm_generic_payload& payload, const Decoded& at,
                                          uint64_t bus_word, sc_core::sc_time& delay);
   unsigned transport_dbg(tlm::tlm_generic_payload& payload);
@@ -69,6 +75,8 @@ class ApbBridge : public sc_core::sc_module {
   const kit::ClockDomain& clock_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;
+  /// Payloads for further transfers: making one costs as much as a transfer.
+  std::vector<std::unique_ptr<tlm::tlm_generic_payload>> spare_;
 };
 
 }  // namespace capsoc::bus

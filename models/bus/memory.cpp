@@ -22,7 +22,7 @@ void Memory::clear() {
   std::fill_n(bytes_.get(), size_, uint8_t{0});
 }
 
-void Memory::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time&) {
+void Memory::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_time&) {
   const tlm::tlm_response_status status = access(payload);
   payload.set_response_status(status);
   payload.set_dmi_allowed(status == tlm::TLM_OK_RESPONSE);
@@ -58,7 +58,7 @@ void Memory::copy(tlm::tlm_generic_payload& payload) {
   }
 }
 
-unsigned Memory::transport_dbg(tlm::tlm_generic_payload& payload) {
+unsigned Memory::transport_dbg(int, tlm::tlm_generic_payload& payload) {
   const uint64_t address = payload.get_address();
   if (address >= size_ || payload.get_data_ptr() == nullptr) return 0;
   const auto length =
@@ -72,7 +72,7 @@ unsigned Memory::transport_dbg(tlm::tlm_generic_payload& payload) {
   return length;
 }
 
-bool Memory::get_direct_mem_ptr(tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
+bool Memory::get_direct_mem_ptr(int, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
   if (payload.get_address() >= size_) return false;
   dmi.allow_read_write();
   dmi.set_dmi_ptr(bytes_.get());

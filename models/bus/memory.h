@@ -1,7 +1,7 @@
 // On-chip or board RAM.
 #pragma once
 
-#include <tlm_utils/simple_target_socket.h>
+#include <tlm_utils/multi_passthrough_target_socket.h>
 
 #include <cstdint>
 #include <cstdlib>
@@ -18,7 +18,9 @@ namespace capsoc::bus {
 /// Zero when made, so that a run never depends on what the host left in its memory.
 class Memory : public sc_core::sc_module, public kit::Component {
  public:
-  tlm_utils::simple_target_socket<Memory> socket;
+  /// Of one initiator socket or several: several ports of one memory, whose accesses cost each
+  /// other no time.
+  tlm_utils::multi_passthrough_target_socket<Memory> socket;
 
   /// `size` in bytes.
   Memory(const sc_core::sc_module_name& name, uint64_t size);
@@ -41,9 +43,9 @@ class Memory : public sc_core::sc_module, public kit::Component {
 
   tlm::tlm_response_status access(tlm::tlm_generic_payload& payload);
   void copy(tlm::tlm_generic_payload& payload);
-  void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
-  unsigned transport_dbg(tlm::tlm_generic_payload& payload);
-  bool get_direct_mem_ptr(tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
+  void b_transport(int port, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  unsigned transport_dbg(int port, tlm::tlm_generic_payload& payload);
+  bool get_direct_mem_ptr(int port, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
 
   uint64_t size_;
   // calloc, not a vector: 28 MiB of pages that most firmware never touches stay unmapped.

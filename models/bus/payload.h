@@ -1,4 +1,4 @@
-// What every bus component checks of, and puts back into, a generic payload.
+// What every bus component checks of a generic payload.
 #pragma once
 
 #include <algorithm>
@@ -36,27 +36,17 @@ inline tlm::tlm_response_status check_attributes(const tlm::tlm_generic_payload&
   return tlm::TLM_OK_RESPONSE;
 }
 
-/// Puts address, data pointer and length back when the scope ends: a payload is the initiator's.
-class PayloadRestorer {
- public:
-  explicit PayloadRestorer(tlm::tlm_generic_payload& payload)
-      : payload_(payload),
-        address_(payload.get_address()),
-        data_(payload.get_data_ptr()),
-        length_(payload.get_data_length()) {}
-  ~PayloadRestorer() {
-    payload_.set_address(address_);
-    payload_.set_data_ptr(data_);
-    payload_.set_data_length(length_);
-  }
-  PayloadRestorer(const PayloadRestorer&) = delete;
-  PayloadRestorer& operator=(const PayloadRestorer&) = delete;
-
- private:
-  tlm::tlm_generic_payload& payload_;
-  uint64_t address_;
-  unsigned char* data_;
-  unsigned length_;
-};
+/// All attributes, and no extensions.
+inline void copy_attributes(const tlm::tlm_generic_payload& from, tlm::tlm_generic_payload& to) {
+  to.set_command(from.get_command());
+  to.set_address(from.get_address());
+  to.set_data_ptr(from.get_data_ptr());
+  to.set_data_length(from.get_data_length());
+  to.set_byte_enable_ptr(from.get_byte_enable_ptr());
+  to.set_byte_enable_length(from.get_byte_enable_length());
+  to.set_streaming_width(from.get_streaming_width());
+  to.set_dmi_allowed(from.is_dmi_allowed());
+  to.set_response_status(from.get_response_status());
+}
 
 }  // namespace capsoc::bus

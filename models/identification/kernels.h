@@ -1,4 +1,4 @@
-// Sums over samples, compiled once for every vector width of an x86-64 and chosen at run time.
+// Sums over samples: in portable code, and for every vector width of an x86-64, chosen at run time.
 //
 // This header is included by sources that are compiled for newer processors. Nothing in it may be
 // an inline function: the linker keeps one copy of such a function, and it could be the one that
@@ -9,7 +9,7 @@
 
 namespace capsoc::identification {
 
-enum class Width { sse2, avx2, avx512 };
+enum class Width { portable, sse2, avx2, avx512 };
 
 /// A batch through the fused form (fused_network.h): x = (U - b1) inverse_a1,
 /// y = (V - b2) inverse_a2, Y^2 = a (x^2 + y^2) + 2 b xy. a_by_t, b_by_t: derivatives of a, b.
@@ -53,11 +53,13 @@ struct Kernels {
 bool supported(Width width);
 /// The widest that is supported.
 Width widest();
-/// "SSE2", "AVX2", "AVX-512".
+/// "portable", "SSE2", "AVX2", "AVX-512".
 const char* to_string(Width width);
 /// Only call what a supported() width gives.
 const Kernels& kernels(Width width);
 
+extern const Kernels kernels_portable;
+// Of a build for x86-64 only.
 extern const Kernels kernels_sse2;
 extern const Kernels kernels_avx2;
 extern const Kernels kernels_avx512;

@@ -40,7 +40,8 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
       scc("scc"),
       coprocessor("coprocessor", clock, make_coprocessor(config)),
       adc("adc_front_end", clock),
-      clock_controller("clock_controller", clock) {
+      clock_controller("clock_controller", clock),
+      monitor_(config.monitor) {
   cpu.set_quantum(config.quantum);
   cpu.core().limit_translator(config.translator);
   cpu.core().set_executor(config.executor);
@@ -101,20 +102,30 @@ void Soc::make_others(const std::vector<OwnDevice>& own) {
   }
 }
 
+/// With a monitor between the two, if there are any.
+template <typename Initiator, typename Target>
+void Soc::connect(Initiator& initiator, Target& target, const std::string& name,
+                  kit::Downstream downstream) {
+  if (!monitor_) return initiator.bind(target);
+  monitors_.push_back(
+      std::make_unique<kit::ProtocolMonitor<>>((name + "_monitor").c_str(), protocol, downstream));
+  initiator.bind(monitors_.back()->from_initiator);
+  monitors_.back()->to_target.bind(target);
+}
+
 template <typename Socket>
 void Soc::bind_target(const bus::MapEntry& entry, Socket& socket) {
-  if (entry.bus == bus::BusKind::apb) {
-    apb.port(entry.target)->bind(socket);
-  } else {
-    ahb.port(entry.target)->bind(socket);
-  }
+  if (entry.bus == bus::BusKind::apb)
+    connect(*apb.port(entry.target), socket, entry.target, kit::Downstream::target);
+  else
+    connect(*ahb.port(entry.target), socket, entry.target, kit::Downstream::target);
 }
 
 void Soc::bind() {
-  cpu.icode.bind(ahb.i_code);
-  cpu.dcode.bind(ahb.d_code);
-  cpu.system.bind(ahb.system);
-  ahb.port(bus::apb_bridge_target)->bind(apb.socket);
+  connect(cpu.icode, ahb.i_code, "icode", kit::Downstream::unknown);
+  connect(cpu.dcode, ahb.d_code, "dcode", kit::Downstream::unknown);
+  connect(cpu.system, ahb.system, "system", kit::Downstream::unknown);
+  connect(*ahb.port(bus::apb_bridge_target), apb.socket, "apb", kit::Downstream::unknown);
   replaced_ = ahb.replaced.listen(
       [this](uint64_t first, uint64_t last) { cpu.memory_replaced(first, last); });
   const bus::AddressMap map = board_map();
@@ -218,6 +229,7 @@ bool Soc::write_memory(uint32_t address, const void* bytes, uint32_t size) {
 
 std::optional<Error> Soc::load(const std::string& path, uint32_t address,
                                const std::vector<uint8_t>& bytes) {
+  if (bytes.empty()) return std::nullopt;
   const auto size = static_cast<uint32_t>(bytes.size());
   const uint32_t last = address + size - 1;
   if (!is_memory(address, 1) || !is_memory(last, 1))

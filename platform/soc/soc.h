@@ -29,6 +29,7 @@
 #include "coprocessor/types.h"
 #include "kit/clock_domain.h"
 #include "kit/probe.h"
+#include "kit/protocol_monitor.h"
 #include "kit/register_target.h"
 #include "peripherals/adc_front_end.h"
 #include "peripherals/clock_controller.h"
@@ -56,6 +57,7 @@ struct Config {
   bool fast_forward = true;  ///< CoreTlm::set_fast_forward
   MemoryWaits memory_waits;
   std::vector<OwnDevice> devices;
+  bool monitor = false;  ///< a kit::ProtocolMonitor between every two sockets
 };
 
 /// Arm MPS2 AN385 with the self-calibration coprocessor. The address map is data
@@ -65,7 +67,7 @@ class Soc : public sc_core::sc_module {
   Soc(const sc_core::sc_module_name& name, const Config& config);
 
   /// Copies a segment of a program into memory. An Error names it, and the program's file `path`,
-  /// where it lies outside.
+  /// where it lies outside. One without bytes lies nowhere: nothing is done.
   std::optional<Error> load(const std::string& path, uint32_t address,
                             const std::vector<uint8_t>& bytes);
 
@@ -111,6 +113,7 @@ class Soc : public sc_core::sc_module {
   peripherals::ClockController clock_controller;
   std::vector<std::unique_ptr<bus::Unimplemented>> unimplemented;
   std::vector<std::unique_ptr<kit::RegisterTarget>> devices;  ///< Config::devices
+  kit::ProtocolWatch protocol;                                ///< Config::monitor
 
   static constexpr std::size_t uart_count = 5;
   /// Every UART and every GPIO, in the order of their numbers.
@@ -122,10 +125,15 @@ class Soc : public sc_core::sc_module {
   std::array<int, armv7m::Core::interrupt_count> high_sources_{};
   std::vector<kit::Component*> components_;
   kit::Listening replaced_;
+  bool monitor_;
+  std::vector<std::unique_ptr<kit::ProtocolMonitor<>>> monitors_;
 
   void list_components();
   void bind();
   void make_others(const std::vector<OwnDevice>& own);
+  template <typename Initiator, typename Target>
+  void connect(Initiator& initiator, Target& target, const std::string& name,
+               kit::Downstream downstream);
   template <typename Socket>
   void bind_target(const bus::MapEntry& entry, Socket& socket);
   /// Every interrupt output that the address map wires.

@@ -48,6 +48,12 @@ AddressMap bench_map() {
   return map;
 }
 
+/// Rules of what an initiator hands over: the first of the table, of a transport call.
+bool is_of_initiator(kit::ProtocolRule rule) {
+  return rule <= kit::ProtocolRule::option_set || rule == kit::ProtocolRule::dmi_descriptor_used ||
+         rule == kit::ProtocolRule::debug_pointer_null;
+}
+
 std::unique_ptr<Bench> the_bench;
 
 }  // namespace
@@ -101,27 +107,44 @@ Bench::Bench()
       fetch("fetch"),
       load("load"),
       system("system"),
-      dma("dma") {
-  fetch.socket.bind(matrix.i_code);
-  load.socket.bind(matrix.d_code);
-  system.socket.bind(matrix.system);
-  dma.socket.bind(matrix.add_master("dma_port"));
-  matrix.port("ram")->bind(ram.socket);
-  matrix.port("slow_ram")->bind(slow_ram.socket);
-  matrix.port("small_ram")->bind(small_ram.socket);
-  matrix.port("absent")->bind(absent.socket);
-  matrix.port(bus::apb_bridge_target)->bind(bridge.socket);
-  bridge.port("probe")->bind(probe.socket);
-  bridge.port("sluggish")->bind(sluggish.socket);
+      dma("dma"),
+      video("video") {
+  const auto unknown = kit::Downstream::unknown, target = kit::Downstream::target;
+  connect(fetch.socket, matrix.i_code, unknown);
+  connect(load.socket, matrix.d_code, unknown);
+  connect(system.socket, matrix.system, unknown);
+  connect(dma.socket, matrix.add_master("dma_port"), unknown);
+  connect(*matrix.port("ram"), ram.socket, target);
+  connect(video.socket, ram.socket, target);  // a second port
+  connect(*matrix.port("slow_ram"), slow_ram.socket, target);
+  connect(*matrix.port("small_ram"), small_ram.socket, target);
+  connect(*matrix.port("absent"), absent.socket, target);
+  connect(*matrix.port(bus::apb_bridge_target), bridge.socket, unknown);
+  connect(*bridge.port("probe"), probe.socket, target);
+  connect(*bridge.port("sluggish"), sluggish.socket, target);
+  listening_ = watch.violated.listen([this](const kit::ProtocolViolation& violation) {
+    (is_of_initiator(violation.rule) ? initiators_faults : faults) += violation.text + "\n";
+  });
+}
+
+template <typename From, typename To>
+void Bench::connect(From& initiator, To& target, kit::Downstream downstream) {
+  kit::ProtocolMonitor<>& monitor =
+      monitors_.emplace_back(sc_core::sc_gen_unique_name("monitor"), watch, downstream);
+  initiator.bind(monitor.from_initiator);
+  monitor.to_target.bind(target);
 }
 
 void Bench::forget() {
+  EXPECT_EQ(faults, "");
+  faults.clear();
+  initiators_faults.clear();
   ram.clear();
   slow_ram.clear();
   small_ram.clear();
   probe.forget();
   sluggish.forget();
-  for (Initiator* each : {&fetch, &load, &system, &dma}) each->invalidated.clear();
+  for (Initiator* each : {&fetch, &load, &system, &dma, &video}) each->invalidated.clear();
 }
 
 Bench& bench() {

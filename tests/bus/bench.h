@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "bus/ahb_matrix.h"
@@ -11,6 +12,7 @@
 #include "bus/unimplemented.h"
 #include "initiator.h"
 #include "kit/clock_domain.h"
+#include "kit/protocol_monitor.h"
 
 namespace capsoc::test {
 
@@ -42,6 +44,8 @@ class Probe : public sc_core::sc_module {
 
 struct Bench {
   Bench();
+  /// Before a test. The monitors have seen nothing wrong of matrix, bridge and memories in those
+  /// before it; what an initiator does wrong is the test's.
   void forget();
   sc_core::sc_time cycles(uint64_t n) const { return clock.time_of(n) - clock.time_of(0); }
 
@@ -51,8 +55,16 @@ struct Bench {
   bus::Memory ram, slow_ram, small_ram;
   Probe probe, sluggish;
   bus::Unimplemented absent;
-  Initiator fetch, load, system, dma;
+  Initiator fetch, load, system, dma, video;
   uint32_t pc = 0x1234;
+  kit::ProtocolWatch watch;
+  std::string faults, initiators_faults;  // a line each
+
+ private:
+  template <typename From, typename To>
+  void connect(From& initiator, To& target, kit::Downstream downstream);
+  std::deque<kit::ProtocolMonitor<>> monitors_;
+  kit::Listening listening_;
 };
 
 /// The one of this program.

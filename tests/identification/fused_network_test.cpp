@@ -28,7 +28,7 @@ void* malloc(std::size_t size) {
 namespace capsoc::identification {
 namespace {
 
-constexpr Width all_widths[] = {Width::sse2, Width::avx2, Width::avx512};
+constexpr Width all_widths[] = {Width::portable, Width::sse2, Width::avx2, Width::avx512};
 
 Nodes nodes_of(double a1, double a2, double b1, double b2, double t) {
   Nodes nodes;
@@ -82,7 +82,7 @@ TEST(FusedNetwork, GivesTheSameDigitsAtEveryWidth) {
     const Nodes nodes =
         nodes_of(0.1 + random.uniform(), 0.1 + random.uniform(), random.uniform() - 0.5,
                  random.uniform() - 0.5, 1.8 * random.uniform() - 0.9);
-    const FusedNetwork narrow(Width::sse2);
+    const FusedNetwork narrow(Width::portable);
     const auto gradient = narrow.gradient(nodes, signal.u, signal.v);
     const auto normal = narrow.normal(nodes, signal.u, signal.v);
     for (const Width width : all_widths) {
@@ -100,7 +100,7 @@ TEST(FusedNetwork, GivesTheSameDigitsAtEveryWidth) {
 TEST(FusedNetwork, SumsTheMomentsAndBoundsAlikeAtEveryWidth) {
   for (const Eigen::Index count : {5, 8, 17, 1000}) {
     const TestSignal signal = make_signal(table_1, count, 4);
-    const Kernels& narrow = kernels(Width::sse2);
+    const Kernels& narrow = kernels(Width::portable);
     const Extent extent = narrow.extent(signal.u.data(), signal.v.data(), count);
     const MomentSums sums = narrow.moments(signal.u.data(), signal.v.data(), count, 0.1, 0.2, 3, 4);
     EXPECT_EQ(extent.least_u, signal.u.minCoeff());

@@ -60,7 +60,6 @@ class Board {
   }
   void load(const std::string& program, const loader::ElfImage& image) {
     for (const loader::Segment& segment : image.segments) {
-      if (segment.bytes.empty()) continue;
       if (const auto error = soc_.load(program, segment.address, segment.bytes))
         text_ = error->text;
     }

@@ -134,6 +134,9 @@ unsigned BusAccess::transport(uint32_t address, AccessKind kind, bool may_write_
 
 unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
   steady_.steady = steady_.ahead = false;
+  // An interconnect leaves its target's address there, and a hint may be left from a refused write.
+  payload_.set_address(address);
+  payload_.set_dmi_allowed(false);
   payload_.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
   early_.early = ahead;
   early_.taken = false;
@@ -155,8 +158,6 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
   if (command == tlm::TLM_WRITE_COMMAND)
     for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
   payload_.set_command(command);
-  payload_.set_address(address);
-  payload_.set_dmi_allowed(false);
   payload_.set_data_ptr(bytes);
   payload_.set_data_length(size);
   payload_.set_streaming_width(size);

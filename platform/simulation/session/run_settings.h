@@ -140,6 +140,11 @@ class RunSettings : public Settings {
   GdbSettings gdb{*this};
   CheckpointSettings checkpoint{*this};
   ResultSettings results{*this};
+  FlagField monitor{
+      *this, setting("soc.monitor", SettingKind::flag, "false",
+                     "check the TLM-2.0 base protocol between all parts of the SoC; slower, same "
+                     "results")
+                 .is_host_side()};
   ChoiceField<spdlog::level::level_enum> log_level{
       *this,
       {{"trace", spdlog::level::trace},

@@ -10,6 +10,7 @@
 #include "observers/guest_errors.h"
 #include "observers/printed_lines.h"
 #include "observers/priority_report.h"
+#include "observers/protocol_violations.h"
 #include "observers/report_data.h"
 #include "observers/sample_recording.h"
 #include "observers/schedule.h"
@@ -30,6 +31,8 @@ std::optional<Error> RunWatch::observe_board() {
   auto observation = std::make_unique<Observation>(soc_, inputs_, isatty(STDERR_FILENO) != 0);
   observation_ = observation.get();
   if (auto error = observers_.add(std::move(observation))) return error;
+  if (settings_.monitor())
+    if (auto error = add<ProtocolViolations>(soc_)) return error;
   if (auto error = add<VerdictCheck>(inputs_.program, soc_, observation_->metrics())) return error;
   const auto priority_bits = static_cast<unsigned>(settings_.cpu.priority_bits());
   if (auto error = add<PriorityReport>(soc_, view_, priority_bits)) return error;

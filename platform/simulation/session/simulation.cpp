@@ -22,6 +22,7 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
   config.executor = settings.cpu.executor();
   config.fast_forward = settings.cpu.fast_forward();
+  config.monitor = settings.monitor();
   config.memory_waits = settings.memory.waits();
   config.translator.threshold = static_cast<uint8_t>(settings.cpu.translate_after());
   config.translator.buffer_bytes = static_cast<std::size_t>(settings.cpu.code_buffer_kib()) << 10;
