@@ -35,7 +35,7 @@ install(FILES ${rtl}/rtl_library.cmake ${rtl}/include_all.cmake ${rtl}/hash_sour
 install(FILES cmake/capsocConfig.cmake DESTINATION ${data} COMPONENT rtl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${data}/firmware COMPONENT data
         FILES_MATCHING PATTERN "*.elf" PATTERN objects EXCLUDE PATTERN CMakeFiles EXCLUDE)
-install(DIRECTORY platform/python DESTINATION ${data} COMPONENT data FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "*.toml" PATTERN "*.md"
+install(DIRECTORY platform/python DESTINATION ${data} COMPONENT python FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "*.toml" PATTERN "*.md"
         PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE PATTERN "*.egg-info" EXCLUDE)
 install(DIRECTORY traces/ DESTINATION ${data}/traces COMPONENT data)
 install(DIRECTORY firmware/template DESTINATION ${data} COMPONENT data)

@@ -13,19 +13,25 @@ Memory::Memory(const sc_core::sc_module_name& name, uint64_t size)
       size_(size),
       bytes_(static_cast<uint8_t*>(std::calloc(size, 1))) {
   if (bytes_ == nullptr) size_ = 0;  // then every access is an address error
-  socket.register_b_transport(this, &Memory::b_transport);
-  socket.register_transport_dbg(this, &Memory::transport_dbg);
-  socket.register_get_direct_mem_ptr(this, &Memory::get_direct_mem_ptr);
+  socket.bind(*this);
 }
 
 void Memory::clear() {
   std::fill_n(bytes_.get(), size_, uint8_t{0});
 }
 
-void Memory::b_transport(int, tlm::tlm_generic_payload& payload, sc_core::sc_time&) {
+void Memory::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time&) {
   const tlm::tlm_response_status status = access(payload);
   payload.set_response_status(status);
   payload.set_dmi_allowed(status == tlm::TLM_OK_RESPONSE);
+}
+
+/// At once: a memory has no phases of its own.
+tlm::tlm_sync_enum Memory::nb_transport_fw(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                                           sc_core::sc_time& delay) {
+  if (phase != tlm::BEGIN_REQ) return tlm::TLM_ACCEPTED;
+  b_transport(payload, delay);
+  return tlm::TLM_COMPLETED;
 }
 
 tlm::tlm_response_status Memory::access(tlm::tlm_generic_payload& payload) {
@@ -58,7 +64,7 @@ void Memory::copy(tlm::tlm_generic_payload& payload) {
   }
 }
 
-unsigned Memory::transport_dbg(int, tlm::tlm_generic_payload& payload) {
+unsigned Memory::transport_dbg(tlm::tlm_generic_payload& payload) {
   const uint64_t address = payload.get_address();
   if (address >= size_ || payload.get_data_ptr() == nullptr) return 0;
   const auto length =
@@ -72,7 +78,7 @@ unsigned Memory::transport_dbg(int, tlm::tlm_generic_payload& payload) {
   return length;
 }
 
-bool Memory::get_direct_mem_ptr(int, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
+bool Memory::get_direct_mem_ptr(tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) {
   if (payload.get_address() >= size_) return false;
   dmi.allow_read_write();
   dmi.set_dmi_ptr(bytes_.get());

@@ -1,8 +1,6 @@
 // On-chip or board RAM.
 #pragma once
 
-#include <tlm_utils/multi_passthrough_target_socket.h>
-
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -16,11 +14,13 @@ namespace capsoc::bus {
 /// Random-access memory of any transfer length and alignment, with byte enables, streaming width,
 /// direct memory pointers and debug access. Wait states and aliases belong to the address map.
 /// Zero when made, so that a run never depends on what the host left in its memory.
-class Memory : public sc_core::sc_module, public kit::Component {
+class Memory : public sc_core::sc_module,
+               public kit::Component,
+               private tlm::tlm_fw_transport_if<> {
  public:
-  /// Of one initiator socket or several: several ports of one memory, whose accesses cost each
-  /// other no time.
-  tlm_utils::multi_passthrough_target_socket<Memory> socket;
+  /// For one initiator socket or several: ports of one memory, whose accesses cost each other no
+  /// time.
+  tlm::tlm_target_socket<32, tlm::tlm_base_protocol_types, 0> socket;
 
   /// `size` in bytes.
   Memory(const sc_core::sc_module_name& name, uint64_t size);
@@ -43,9 +43,11 @@ class Memory : public sc_core::sc_module, public kit::Component {
 
   tlm::tlm_response_status access(tlm::tlm_generic_payload& payload);
   void copy(tlm::tlm_generic_payload& payload);
-  void b_transport(int port, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
-  unsigned transport_dbg(int port, tlm::tlm_generic_payload& payload);
-  bool get_direct_mem_ptr(int port, tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi);
+  void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) override;
+  tlm::tlm_sync_enum nb_transport_fw(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                                     sc_core::sc_time& delay) override;
+  unsigned transport_dbg(tlm::tlm_generic_payload& payload) override;
+  bool get_direct_mem_ptr(tlm::tlm_generic_payload& payload, tlm::tlm_dmi& dmi) override;
 
   uint64_t size_;
   // calloc, not a vector: 28 MiB of pages that most firmware never touches stay unmapped.

@@ -326,7 +326,8 @@ TEST(Operands, AtTheirBordersGiveTheSameResultsFlagsAndCycles) {
             << testing::PrintToString(operation) << " of " << x << " and " << y;
       }
     }
-    EXPECT_GT(translated.core.translation().value_or(TranslationCounts{}).instructions, 1000u);
+    if (has_translator())
+      EXPECT_GT(translated.core.translation().value_or(TranslationCounts{}).instructions, 1000u);
   }
 }
 

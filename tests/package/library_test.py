@@ -16,6 +16,7 @@ CTEST = {"name": "package: library", "whole": True, "timeout": 1200}
 PROJECTS = SOURCE / "tests/package/projects"
 # Headers that a component's user has asked for.
 ASKED_FOR = {"identification": "/eigen3/"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 THIRD_PARTY = re.compile(r"/(fmt|spdlog|nlohmann|asmjit|eigen3|toml\+\+|CLI|yaml\.h|zlib\.h)")
 
 
@@ -87,11 +88,38 @@ class Library(unittest.TestCase):
     def headers(self):
         return sorted(self.include.rglob("*.h"))
 
-    def what_is_wrong_with(self, header):
-        """Of a header alone in a source: a line, or nothing."""
-        name = header.relative_to(self.include)
-        unit = self.work / ("alone_" + str(name).replace("/", "_") + ".cpp")
-        unit.write_text(f'#include "{name}"\n')
+    def closures(self):
+        """Of each header by its name: the headers that it includes, directly or not, ours by name and others as `<name`."""
+        texts = {str(header.relative_to(self.include)): header.read_text() for header in self.headers()}
+        found = {}
+
+        def closure(name):
+            if name not in found:
+                found[name] = set()
+                for kind, used in INCLUDE.findall(texts[name]):
+                    found[name] |= {used} | closure(used) if used in texts else {"<" + used}
+            return found[name]
+
+        for name in texts:
+            closure(name)
+        return found
+
+    def chains(self):
+        """The headers in lists, each of which may be read as one source: a header comes when nothing has been read that it
+        does not include itself, so it stands as if it were alone. Half as many sources as headers."""
+        closures = self.closures()
+        left = sorted(closures, key=lambda name: (-len(closures[name]), name))
+        while left:
+            chain = [left.pop(0)]
+            while below := [name for name in left if closures[name] | {name} <= closures[chain[-1]]]:
+                chain.append(below[0])
+                left.remove(below[0])
+            yield chain[::-1]
+
+    def what_is_wrong_with(self, chain):
+        """Of headers in one source: a line, or nothing."""
+        unit = self.work / ("alone_" + chain[-1].replace("/", "_") + ".cpp")
+        unit.write_text("".join(f'#include "{name}"\n' for name in chain))
         made = unit.with_suffix(".d")
         own = ["-fsyntax-only", "-MD", "-MF", made, "-I", self.include, "-DSC_INCLUDE_DYNAMIC_PROCESSES"]
         try:
@@ -99,14 +127,21 @@ class Library(unittest.TestCase):
                 "g++", "-std=c++17", *own, *output_of("pkg-config", "--cflags", "systemc", "eigen3").split(), unit
             )
         except AssertionError as error:
-            return f"{name}: {error}"
-        asked_for = ASKED_FOR.get(name.parts[0], "-")
+            return f"{chain}: {error}"
+        asked_for = ASKED_FOR.get(chain[-1].split("/")[0], "-")
         others = [used for used in made.read_text().split() if THIRD_PARTY.search(used) and asked_for not in used]
-        return f"{name}: {others[0]}" if others else None
+        return f"{chain}: {others[0]}" if others else None
 
     def test_each_header_compiles_alone_and_asks_for_no_other_library(self):
+        chains = list(self.chains())
+        self.assertEqual(sum(map(len, chains)), len(self.headers()))
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            self.assertEqual([said for said in pool.map(self.what_is_wrong_with, self.headers()) if said], [])
+            self.assertEqual([said for said in pool.map(self.what_is_wrong_with, chains) if said], [])
+
+    def test_only_the_identification_includes_eigen(self):
+        for name, used in self.closures().items():
+            if not name.startswith("identification/"):
+                self.assertFalse([other for other in used if "Eigen" in other], name)
 
     def test_macros_have_a_prefix(self):
         # A header that fills a table from a .def file takes its macro back, or the file does.

@@ -28,7 +28,7 @@ class Monitor(Case):
             ("transmit.elf", 0),
             ("threads.elf", 0),
             ("mpu.elf", 0),
-            ("bench_interrupts.elf", 0),
+            ("bench_interrupts.elf", 124, "--simlimit", "0.2"),
             ("selfcal.elf", 124, "--simlimit", "2"),
             ("selfcal.elf", 124, "--simlimit", "1", "-C", "cpu.executor=stepping", "-C", "cpu.fast_forward=false"),
             ("track.elf", 124, "--simlimit", "1", "--trace-bus", self.folder / "bus.txt"),

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# test_package [FILE.deb]: makes the Debian package of build/ (cpack -G DEB), or takes FILE.deb, installs it in a bare
+# test_package [FILE.deb]: makes the Debian packages of build/ (cpack -G DEB) and takes capsoc's, or FILE.deb, installs it in a bare
 # Debian 12 made for the purpose with debootstrap, uses it there as a user without rights, and removes it again.
 # Needs root, debootstrap and Debian's packages; without a FILE.deb also dpkg-dev, file and a whole build (scripts/setup).
 set -euo pipefail
@@ -27,7 +27,7 @@ else
   done
   cpack --config build/CPackConfig.cmake -G DEB -B "$work/package" >"$work/cpack.log" 2>&1 ||
     { cat "$work/cpack.log" >&2; echo "test_package: cpack failed" >&2; exit 1; }
-  package=$(echo "$work"/package/*.deb)
+  package=$(echo "$work"/package/capsoc_*.deb)
 fi
 echo "package: $(basename "$package"), $(du -h "$package" | cut -f1)"
 dpkg-deb --field "$package" Version Depends | sed 's/^/  /'
