@@ -52,8 +52,7 @@ class TimeStamps {
   double step_ = 0;      ///< median of the rising steps
   bool coarse_ = false;  ///< stamps stay for several samples and then rise: part of them is equal
 
-  uint64_t rows_ = 0, regular_ = 0, rising_ = 0, equal_ = 0, falls_ = 0, small_falls_ = 0,
-           gaps_ = 0;
+  uint64_t rows_ = 0, regular_ = 0, equal_ = 0, falls_ = 0, small_falls_ = 0, gaps_ = 0;
   double begin_ = 0, last_ = 0, least_ = 0, most_ = 0;
   double regular_sum_ = 0, missing_s_ = 0;
   double shortest_ = 0, longest_regular_ = 0;

@@ -47,8 +47,8 @@ class Packages(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.top = Path(folder.name).resolve()
-        # Compressed as little as possible: it is only unpacked again.
-        settings = ["-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", "-D", "CPACK_STRIP_FILES=OFF"]
+        # Compressed quickly: it is only unpacked again.
+        settings = ["-D", "CPACK_DEBIAN_COMPRESSION_TYPE=zstd", "-D", "CPACK_STRIP_FILES=OFF"]
         output_of("cpack", "--config", BUILD / "CPackConfig.cmake", "-G", "DEB", "-B", cls.top / "made", *settings)
         cls.files = {path.name.split("_")[0]: path for path in (cls.top / "made").glob("*.deb")}
         cls.root = cls.top / "root"
@@ -95,7 +95,7 @@ class Packages(unittest.TestCase):
 
     def test_the_program_runs(self):
         said = output_of(self.root / "usr/bin/capsoc", "run", self.share / "capsoc/firmware/hello.elf")
-        self.assertRegex(said, r"(?s)hello.*exit 0")
+        self.assertEqual(said, "hello from capsoc\n")
         self.assertTrue((self.share / "man/man1/capsoc-run.1.gz").exists())
 
     def test_a_project_finds_the_models(self):
