@@ -89,7 +89,7 @@ class Library(unittest.TestCase):
         return sorted(self.include.rglob("*.h"))
 
     def closures(self):
-        """Of each header by its name: the headers that it includes, directly or not, ours by name and others as `<name`."""
+        """Of each header by name: what it includes, directly or not, our headers by name and others as `<name`."""
         texts = {str(header.relative_to(self.include)): header.read_text() for header in self.headers()}
         found = {}
 
@@ -105,8 +105,8 @@ class Library(unittest.TestCase):
         return found
 
     def chains(self):
-        """The headers in lists, each of which may be read as one source: a header comes when nothing has been read that it
-        does not include itself, so it stands as if it were alone. Half as many sources as headers."""
+        """The headers in lists, each of which may be read as one source: when a header comes, nothing has been read that
+        it does not include itself, so it stands as if it were alone. Half as many sources as headers."""
         closures = self.closures()
         left = sorted(closures, key=lambda name: (-len(closures[name]), name))
         while left:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The models, the library's projects and the headers they need, read by clang: no error and no warning with our options."""
+"""The models and the library's projects, read by clang: no error and no warning with our options."""
 
 import json
 import os
