@@ -1,10 +1,9 @@
 // Random traffic of several masters: matrix, bridge and memory keep the TLM-2.0 base protocol.
-
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
 #include <map>
-#include <string>
 
 #include "base/random.h"
 #include "bench.h"

@@ -4,7 +4,7 @@
 
 #include <functional>
 #include <map>
-#include <string>
+#include <set>
 
 #include "protocol_bench.h"
 

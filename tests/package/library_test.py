@@ -105,7 +105,7 @@ class Library(unittest.TestCase):
         return found
 
     def chains(self):
-        """The headers in lists, each of which may be read as one source: when a header comes, nothing has been read that
+        """The headers in lists, each of which may be read as one source: when a header comes, nothing was read that
         it does not include itself, so it stands as if it were alone. Half as many sources as headers."""
         closures = self.closures()
         left = sorted(closures, key=lambda name: (-len(closures[name]), name))
