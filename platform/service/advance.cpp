@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/printable.h"
 #include "serial/line_watch.h"
+#include "service/board_verbs.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::service {
@@ -20,6 +22,10 @@ constexpr unsigned exception_count = 16 + armv7m::Core::interrupt_count;
 
 sc_core::sc_time time_of(double seconds) {
   return {std::round(seconds * 1e12), sc_core::SC_PS};
+}
+
+sc_core::sc_time time_of(const Position& position) {
+  return sc_core::sc_time::from_value(position.time_ps);
 }
 
 bool is_time(double seconds) {
@@ -63,7 +69,12 @@ void Advance::attach_debugger() {
 
 bool Advance::after_run(armv7m::StopReason reason, bool) {
   const armv7m::Core& core = board_.soc().cpu.core();
-  if (reason == armv7m::StopReason::breakpoint) stop("address");
+  if (watcher_.on_run) watcher_.on_run(reason);
+  if (reason == armv7m::StopReason::breakpoint && breakpoint_) stop("address");
+  if (meets_ && core.instructions() >= *meets_) {
+    meets_.reset();
+    board_.simulation().stop_soon();
+  }
   if (instruction_ && core.instructions() >= *instruction_) {
     steps_ = false;
     stop("instructions");
@@ -75,7 +86,7 @@ std::optional<Answer> Advance::plan() {
   unsigned goals = 0;
   for (const char* goal : {"seconds", "until_s", "cycles", "instructions", "samples", "address",
                            "exception", "uart", "expression"})
-    goals += call_.has(goal) ? 1 : 0;
+    goals += call_->has(goal) ? 1 : 0;
   if (goals > 1) return wrong("simulation.advance: name one goal; limit the others by within_s");
   if (auto answer = plan_times()) return answer;
   if (auto answer = plan_counts()) return answer;
@@ -95,8 +106,8 @@ std::optional<Answer> Advance::refuse_beside_gdb() const {
 std::optional<Answer> Advance::plan_times() {
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   for (const char* name : {"seconds", "until_s", "within_s"}) {
-    if (!call_.has(name)) continue;
-    const double seconds = call_.number(name);
+    if (!call_->has(name)) continue;
+    const double seconds = call_->number(name);
     if (!is_time(seconds))
       return wrong(
           fmt::format("simulation.advance: {} has to lie between 0 and {} s", name, longest_s));
@@ -104,12 +115,12 @@ std::optional<Answer> Advance::plan_times() {
     if (std::string_view(name) != "until_s") limit_ += now;
     if (std::string_view(name) == "within_s") limit_is_goal_ = false;
   }
-  if (call_.has("within_s") && (call_.has("seconds") || call_.has("until_s")))
+  if (call_->has("within_s") && (call_->has("seconds") || call_->has("until_s")))
     return wrong("simulation.advance: within_s limits what is not a time itself");
   if (limit_ < now)
     return wrong(
         fmt::format("simulation.advance: it is {} s already; time goes forward only, go "
-                    "back to a snapshot",
+                    "back by simulation.goto",
                     now.to_seconds()));
   return std::nullopt;
 }
@@ -117,33 +128,40 @@ std::optional<Answer> Advance::plan_times() {
 std::optional<Answer> Advance::plan_counts() {
   soc::Soc& soc = board_.soc();
   const armv7m::Core& core = soc.cpu.core();
-  if (call_.has("cycles")) {
-    cycle_ = core.cycles() + call_.integer("cycles");
-    // What cycle is when is another matter from here on.
-    board_.on_clock_change = [this] { board_.simulation().stop_soon(); };
-  }
-  if (call_.has("instructions")) {
+  if (call_->has("cycles")) plan_cycles(core.cycles() + call_->integer("cycles"));
+  if (call_->has("instructions")) {
     if (auto answer = refuse_beside_gdb()) return answer;
-    instruction_ = core.instructions() + call_.integer("instructions");
+    instruction_ = core.instructions() + call_->integer("instructions");
   }
-  if (call_.has("samples")) {
-    samples_left_ = call_.integer("samples");
-    if (samples_left_ == 0)
-      hit_ = "samples";
-    else
-      listening_.push_back(
-          board_.simulation().observation().samples.listen([this](const metrics::RecordedSample&) {
-            if (samples_left_ > 0 && --samples_left_ == 0) stop("samples");
-          }));
-  }
+  if (call_->has("samples")) plan_samples(call_->integer("samples"));
   return std::nullopt;
+}
+
+void Advance::plan_cycles(uint64_t until) {
+  cycle_ = until;
+  // What cycle is when is another matter from here on.
+  board_.on_clock_change = [this] {
+    clock_changed_ = true;
+    board_.simulation().stop_soon();
+  };
+}
+
+void Advance::plan_samples(uint64_t count) {
+  samples_left_ = count;
+  if (samples_left_ == 0)
+    hit_ = "samples";
+  else
+    listening_.push_back(
+        board_.simulation().observation().samples.listen([this](const metrics::RecordedSample&) {
+          if (samples_left_ > 0 && --samples_left_ == 0) stop("samples");
+        }));
 }
 
 std::optional<Answer> Advance::plan_places() {
   armv7m::Debugging& debugging = board_.soc().cpu.core().debugging();
-  if (call_.has("address")) {
+  if (call_->has("address")) {
     if (auto answer = refuse_beside_gdb()) return answer;
-    const auto address = board_.address(call_.json("address"));
+    const auto address = board_.address(call_->json("address"));
     if (!address) return refuse(address.error());
     breakpoint_ = address.value() & ~1U;
     had_breakpoint_ = debugging.has_breakpoint(*breakpoint_);
@@ -152,20 +170,20 @@ std::optional<Answer> Advance::plan_places() {
     debugging.pass_breakpoint();
     attach_debugger();
   }
-  if (!call_.has("exception")) return std::nullopt;
-  const auto number = exception_named(call_.json("exception"));
+  if (!call_->has("exception")) return std::nullopt;
+  const auto number = exception_named(call_->json("exception"));
   if (!number)
     return wrong(
         fmt::format("simulation.advance: there is no exception {}; give its number (1 to "
                     "{}), or a name as HardFault, SysTick, coprocessor interrupt",
-                    printable(call_.json("exception").dump(), 80), exception_count - 1));
+                    printable(call_->json("exception").dump(), 80), exception_count - 1));
   board_.events().watch_exception(static_cast<int>(*number), [this] { stop("exception"); });
   return std::nullopt;
 }
 
 std::optional<Answer> Advance::plan_uart() {
-  if (!call_.has("uart")) return std::nullopt;
-  const Json& wanted = call_.json("uart");
+  if (!call_->has("uart")) return std::nullopt;
+  const Json& wanted = call_->json("uart");
   const auto uart = wanted.find("uart"), pattern = wanted.find("pattern");
   if (uart == wanted.end() || !uart->is_number_unsigned() ||
       uart->get<uint64_t>() >= soc::Soc::uart_count || pattern == wanted.end() ||
@@ -183,8 +201,8 @@ std::optional<Answer> Advance::plan_uart() {
 }
 
 std::optional<Answer> Advance::plan_expression() {
-  if (!call_.has("expression")) return std::nullopt;
-  const Json& wanted = call_.json("expression");
+  if (!call_->has("expression")) return std::nullopt;
+  const Json& wanted = call_->json("expression");
   const auto text = wanted.find("text"), every = wanted.find("every_s");
   const bool has_step = every != wanted.end();
   if (text == wanted.end() || !text->is_string() || (has_step && !every->is_number()))
@@ -201,15 +219,106 @@ std::optional<Answer> Advance::plan_expression() {
   return std::nullopt;
 }
 
+/// On the way inputs that are logged for later take place, and the history takes its snapshots.
 std::optional<Error> Advance::advance_to(const sc_core::sc_time& time) {
-  if (is_over_ || is_cut_) return std::nullopt;
   const sc_core::sc_time until = std::min(time, limit_);
-  const auto more = board_.simulation().advance_to(until);
-  if (!more) return Error{more.error()};
-  is_over_ = !more.value();
-  // Before its time, and nobody here had asked for it: somebody outside had.
-  is_cut_ = board_.simulation().take_interruption();
+  clock_changed_ = false;
+  while (!is_over_ && !is_cut_) {
+    const Input* const input = board_.history().next();
+    const bool waits = input != nullptr && time_of(input->at) <= until;
+    const auto more = board_.simulation().advance_to(waits ? time_of(input->at) : until);
+    if (!more) return Error{more.error()};
+    is_over_ = !more.value();
+    // Before its time, and nobody here had asked for it: a client had, or the history.
+    const bool called = board_.simulation().take_interruption();
+    is_cut_ = called && board_.is_interrupted();
+    if (is_over_ || is_cut_ || hit_ != nullptr || clock_changed_) break;
+    const sc_core::sc_time now = sc_core::sc_time_stamp();
+    if (waits && now >= time_of(input->at)) {
+      if (auto error = meet(input->at)) return error;
+      if (hit_ != nullptr) break;
+      if (auto error = apply_next()) return error;
+      continue;
+    }
+    if (!called || now >= until) break;
+    board_.remember();
+  }
   return std::nullopt;
+}
+
+/// The time of a position is reached; instructions that take no cycle may be missing.
+std::optional<Error> Advance::meet(const Position& position) {
+  const armv7m::Core& core = board_.soc().cpu.core();
+  const bool is_there = board_.position() == position;
+  if (!is_there && core.instructions() < position.instructions &&
+      sc_core::sc_time_stamp() == time_of(position)) {
+    meets_ = position.instructions;
+    if (!has_debugger_) attach_debugger();
+    const auto more = board_.simulation().advance_to(sc_core::sc_max_time());
+    if (!more) return Error{more.error()};
+    is_over_ = !more.value();
+    meets_.reset();
+  }
+  if (board_.position() == position || is_over_) return std::nullopt;
+  return Error{
+      fmt::format("the history does not repeat: at {} ps {} instructions were executed, now {}; "
+                  "this is a defect of capsoc, please report it",
+                  position.time_ps, position.instructions, core.instructions())};
+}
+
+std::optional<Error> Advance::apply_next() {
+  const Input input = *board_.history().next();
+  board_.history().pass_next();
+  if (watcher_.on_input) watcher_.on_input(input, false);
+  auto error = apply_input(board_, input);
+  if (watcher_.on_input) watcher_.on_input(input, true);
+  return error;
+}
+
+/// A position is that behind the inputs of its instant.
+std::optional<Error> Advance::apply_due() {
+  while (const Input* const input = board_.history().next()) {
+    if (!(input->at == board_.position())) break;
+    if (auto error = apply_next()) return error;
+  }
+  return std::nullopt;
+}
+
+void Advance::watch(Watcher watcher) {
+  watcher_ = std::move(watcher);
+  if (watcher_.on_run) attach_debugger();
+}
+
+std::optional<Error> Advance::go(const Target& target) {
+  if (auto error = apply_due()) return error;
+  limit_is_goal_ = true;
+  switch (target.unit) {
+    case Unit::time:
+      limit_ = sc_core::sc_time::from_value(target.value);
+      break;
+    case Unit::cycles:
+      plan_cycles(target.value);
+      break;
+    case Unit::instructions:
+      instruction_ = target.value;
+      break;
+    case Unit::samples:
+      plan_samples(target.value - std::min(target.value, board_.sample_count()));
+      break;
+  }
+  if (auto error = run()) return error;
+  board_.history().reach(board_.position());
+  return apply_due();
+}
+
+std::optional<Error> Advance::go(const Position& position) {
+  if (auto error = apply_due()) return error;
+  limit_ = time_of(position);
+  if (auto error = run()) return error;
+  if (!is_over_ && !is_cut_)
+    if (auto error = meet(position)) return error;
+  board_.history().reach(board_.position());
+  return apply_due();
 }
 
 std::optional<Error> Advance::run_cycles() {
@@ -295,6 +404,8 @@ Answer Advance::perform() {
         Code::over);
   if (auto refusal = plan()) return *refusal;
   if (auto error = run()) return refuse(error->text);
+  board_.history().reach(board_.position());
+  if (auto error = apply_due()) return refuse(error->text);
   return answer();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "kit/probe.h"
 #include "service/board.h"
 #include "service/expression.h"
+#include "service/history.h"
 #include "service/verb.h"
 
 namespace re2 {
@@ -25,12 +27,29 @@ namespace capsoc::service {
 /// the way there is cut into pieces.
 class Advance final : private armv7m::Debugger {
  public:
-  Advance(Board& board, const Call& call) : board_(board), call_(call) {}
+  Advance(Board& board, const Call& call) : board_(board), call_(&call) {}
+  /// For go().
+  explicit Advance(Board& board) : board_(board) {}
   ~Advance() override;
   Advance(const Advance&) = delete;
   Advance& operator=(const Advance&) = delete;
 
   Answer perform();
+
+  /// To the first instant at which a target is reached, or to an instant where the simulation was
+  /// before. Stops earlier if the run is over or interrupted. An Error: what was logged does not
+  /// repeat.
+  std::optional<Error> go(const Target& target);
+  std::optional<Error> go(const Position& position);
+  bool is_interrupted() const { return is_cut_; }
+
+  /// Who observes a go(): each end of a run of the processor, with the reason, and each logged
+  /// input, before and after it is applied.
+  struct Watcher {
+    std::function<void(armv7m::StopReason reason)> on_run;
+    std::function<void(const Input& input, bool is_applied)> on_input;
+  };
+  void watch(Watcher watcher);
 
  private:
   /// Why it stopped, as the answer has it; null: it did not.
@@ -40,6 +59,8 @@ class Advance final : private armv7m::Debugger {
   std::optional<Answer> refuse_beside_gdb() const;
   std::optional<Answer> plan_times();
   std::optional<Answer> plan_counts();
+  void plan_cycles(uint64_t until);
+  void plan_samples(uint64_t count);
   std::optional<Answer> plan_places();
   std::optional<Answer> plan_uart();
   std::optional<Answer> plan_expression();
@@ -50,23 +71,28 @@ class Advance final : private armv7m::Debugger {
   std::optional<Error> run_instructions();
   std::optional<Error> run_expression();
   std::optional<Error> advance_to(const sc_core::sc_time& time);
+  std::optional<Error> meet(const Position& position);
+  std::optional<Error> apply_next();
+  std::optional<Error> apply_due();
   bool holds(const Result<double>& value, std::optional<Error>& error);
   Result<double> value();
   Answer answer();
 
   // armv7m::Debugger
-  bool before_run() override { return steps_; }
+  bool before_run() override { return steps_ || meets_; }
   bool after_run(armv7m::StopReason reason, bool advanced) override;
   bool asleep_for_good() override { return false; }
   bool wants_attention() const override { return false; }
   bool ended() const override { return false; }
 
   Board& board_;
-  const Call& call_;
+  const Call* call_ = nullptr;
   sc_core::sc_time limit_ = sc_core::sc_max_time();
   bool limit_is_goal_ = true;  // reaching it is what was asked for
   bool is_over_ = false, is_cut_ = false;
+  bool clock_changed_ = false;
   std::optional<uint64_t> cycle_, instruction_;  // to be reached
+  std::optional<uint64_t> meets_;                // instructions of a position at the time of now
   uint64_t samples_left_ = 0;
   std::optional<uint32_t> breakpoint_;
   bool had_breakpoint_ = false, has_debugger_ = false, steps_ = false;
@@ -75,6 +101,7 @@ class Advance final : private armv7m::Debugger {
   std::optional<Expression> expression_;
   sc_core::sc_time every_;
   std::vector<kit::Listening> listening_;
+  Watcher watcher_;
 };
 
 }  // namespace capsoc::service

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
+#include <type_traits>
 #include <utility>
 
 #include "base/nearest.h"
 #include "base/printable.h"
 #include "host/places.h"
 #include "results/results.h"
+#include "service/ticker.h"
 #include "service/value.h"
 
 namespace capsoc::service {
@@ -77,6 +80,8 @@ Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snap
   return board;
 }
 
+Board::Board() : history_budget_(std::size_t{history_mb} << 20U) {}
+
 Board::~Board() = default;
 
 std::optional<Error> Board::set(const Json& settings) {
@@ -84,6 +89,13 @@ std::optional<Error> Board::set(const Json& settings) {
   const std::string console = settings_.uarts.lines[0].backend.about().path;
   if (auto error = settings_.set(console, "null", SettingSource::file, "built-in")) return error;
   for (const auto& [name, value] : settings.items()) {
+    if (name == "history_mb") {
+      if (!value.is_number_unsigned() || value.get<uint64_t>() > most_history_mb)
+        return Error{fmt::format("settings: 'history_mb' has to be a whole number from 0 to {}",
+                                 most_history_mb)};
+      history_budget_ = value.get<std::size_t>() << 20U;
+      continue;
+    }
     std::optional<std::string> text = text_of(value);
     if (!text)
       return Error{fmt::format("settings: '{}' has to be a text, a number, true or false",
@@ -165,7 +177,7 @@ Result<double> Board::number_of_variable(const std::string& name) {
   return Error{fmt::format("{} is {}, which is no number", printable(name, 80), found.type->name)};
 }
 
-Result<Board::Snapshot> Board::snapshot() {
+Result<Board::Snapshot> Board::snapshot(bool unread) {
   for (const Setting& setting : settings_.all())
     if (setting.kind == SettingKind::output && !setting.value.empty())
       return Error{
@@ -180,7 +192,8 @@ Result<Board::Snapshot> Board::snapshot() {
   for (const UartTap& uart : uarts_) {
     Json both = Json::object();
     held.add_bytes(both, "waiting", uart.waiting());
-    held.add_bytes(both, "unread", uart.unread());
+    held.add_bytes(both, "unread", unread ? uart.unread() : "");
+    both["sent"] = uart.sent();
     uarts.push_back(std::move(both));
   }
   for (const auto& [name, stream] : kept_.all()) {
@@ -196,6 +209,10 @@ Result<Board::Snapshot> Board::snapshot() {
   held.result["uarts"] = std::move(uarts);
   held.result["sensor"] = std::move(sensor);
   held.result["samples"] = sample_count();
+  static_assert(std::is_trivially_copyable_v<metrics::RecordedSample>);
+  if (!unread && !samples_.empty())
+    held.add_bytes("newest", {reinterpret_cast<const char*>(&samples_.back()),
+                              sizeof(metrics::RecordedSample)});
   return Snapshot{std::move(held.result), std::move(held.frames)};
 }
 
@@ -220,6 +237,8 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
   for (std::size_t n = 0; n < uarts_.size(); ++n) {
     uarts_[n].send(bytes(n, "waiting"));
     uarts_[n].set_unread(bytes(n, "unread"));
+    uarts_[n].set_sent(held.at("uarts").at(n).at("sent").get<uint64_t>());
+    uarts_[n].forget_told();
   }
   for (const auto& [name, stream] : kept_.all()) {
     stream->say(bytes_in(held.at(name).at("said"), from.frames));
@@ -230,6 +249,12 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
     keys.push_back({name, value.get<std::string>(), name});
   sensor_->inject(numbers_in(held.at("u"), from.frames), numbers_in(held.at("v"), from.frames));
   first_sample_ = held.at("samples").get<uint64_t>();
+  if (const auto newest = held.find("newest"); newest != held.end()) {
+    metrics::RecordedSample sample;
+    std::memcpy(&sample, bytes_in(*newest, from.frames).data(), sizeof sample);
+    samples_.push_front(sample);
+    --first_sample_;
+  }
   return keys.empty() ? std::nullopt : sensor_->change(keys);
 }
 

@@ -15,6 +15,7 @@
 #include "kit/probe.h"
 #include "metrics/sample_record.h"
 #include "service/events.h"
+#include "service/history.h"
 #include "service/register_index.h"
 #include "service/sensor_port.h"
 #include "service/uart_tap.h"
@@ -25,15 +26,23 @@
 
 namespace capsoc::service {
 
+class Ticker;
+
 /// The index in debug::registers of a register of the processor; an Error names the nearest ones.
 Result<unsigned> processor_register(const std::string& name);
 
 class Board {
  public:
   static constexpr std::size_t most_samples = 1'000'000;  ///< kept, the newest
+  /// Of a history, unless the settings say otherwise.
+  static constexpr uint64_t history_mb = 64, most_history_mb = 65536;
 
   /// The whole state of a board, to go on from with the same settings.
   struct Snapshot {
+    /// As one text, for a history; "": out of reset. The text has to be of to_bytes().
+    std::string to_bytes() const;
+    static Snapshot of(const std::string& bytes);
+
     Json held;  ///< what came from outside and has not reached the chip, what it sent and nobody
                 ///< has read
     Frames frames;  ///< a checkpoint's bytes, then those that `held` refers to; empty: out of reset
@@ -69,6 +78,32 @@ class Board {
   /// What a name in an expression stands for: $pc and the other registers of the processor, a
   /// register or a field of a device (COPROCESSOR.STATUS.LOCK), a variable that is a number.
   Result<double> number_of(const std::string& name);
+  Position position() const;
+  History& history() { return history_; }
+  /// Why there is no history; "": there is one.
+  const std::string& no_history() const { return no_history_; }
+  /// Begins a history with the state that the board was constructed in, unless its settings allow
+  /// none.
+  void begin_history(const Snapshot& from);
+  /// Goes on in one, from a snapshot of it, in whose state the board was constructed.
+  void continue_history(History history, std::size_t snapshot);
+  /// Adds a snapshot to the history if one is due. Between two instructions.
+  void remember();
+  /// Adds one now. An Error as snapshot() has it.
+  std::optional<Error> keep();
+  /// Asks for one now and then from here on, until an advance has ended.
+  void tick(bool on);
+  /// Whether a client wants the advance under way to end.
+  bool is_interrupted() const { return is_interrupted_ && is_interrupted_(); }
+  void ask_for_interruption(std::function<bool()> asked) { is_interrupted_ = std::move(asked); }
+  /// What a client knows of the outputs, for a board that takes the place of this one.
+  Json told(Frames& frames) const;
+  std::optional<Error> set_told(const Json& told, const Frames& frames);
+  /// Nothing is told until set_told().
+  void mute();
+  /// An input has made another future: what comes now was never told.
+  void forget_told();
+
   /// The clock of the processor changes; empty: nobody asks.
   std::function<void()> on_clock_change;
   run::RunSettings& settings() { return settings_; }
@@ -79,8 +114,9 @@ class Board {
   Json finish();
   bool is_finished() const { return result_.has_value(); }
 
-  /// An Error as run::Simulation::packed_state() has it.
-  Result<Snapshot> snapshot();
+  /// An Error as run::Simulation::packed_state() has it. `unread`: with the text of UARTs that
+  /// nobody has read.
+  Result<Snapshot> snapshot(bool unread = true);
   /// Why a checkpoint alone would not be the whole state; "" if it is.
   std::string beside_the_checkpoint() const;
 
@@ -93,9 +129,11 @@ class Board {
   Result<uint32_t> address(const Json& place) const;
 
  private:
-  Board() = default;
+  Board();
   std::optional<Error> set(const Json& settings);
   std::optional<Error> take_over(const Snapshot& from);
+  std::string why_no_history() const;
+  uint64_t effort_ns() const;
   void attach();
   Result<double> number_of_variable(const std::string& name);
 
@@ -112,6 +150,12 @@ class Board {
   uint64_t first_sample_ = 0;
   kit::Listening listening_;
   std::optional<Json> result_;
+  std::size_t history_budget_;  // bytes
+  History history_;
+  std::string no_history_;
+  std::unique_ptr<Ticker> ticker_;
+  uint64_t effort_begin_ns_ = 0;  // of the history, minus this process's own
+  std::function<bool()> is_interrupted_;
 };
 
 }  // namespace capsoc::service

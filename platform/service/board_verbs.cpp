@@ -1,19 +1,43 @@
 #include "service/board_verbs.h"
 
+#include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace capsoc::service {
 
 const std::vector<BoardVerb>& board_verbs() {
   static const std::vector<BoardVerb> all = [] {
     std::vector<BoardVerb> verbs;
-    for (auto of_subject :
-         {advance_verbs(), memory_verbs(), register_verbs(), port_verbs(), sensor_verbs()})
+    for (auto of_subject : {advance_verbs(), history_verbs(), memory_verbs(), register_verbs(),
+                            port_verbs(), sensor_verbs()})
       verbs.insert(verbs.end(), std::make_move_iterator(of_subject.begin()),
                    std::make_move_iterator(of_subject.end()));
+    for (BoardVerb& verb : verbs)
+      if (verb.is_input)
+        verb.about.result.push_back(
+            {"ended_history", "object",
+             "after going back: where the future ended that this request replaces"});
     return verbs;
   }();
   return all;
+}
+
+const BoardVerb* board_verb(const std::string& method) {
+  const auto& all = board_verbs();
+  const auto found = std::find_if(
+      all.begin(), all.end(), [&](const BoardVerb& verb) { return verb.about.method == method; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::optional<Error> apply_input(Board& board, const Input& input) {
+  const BoardVerb* const verb = board_verb(input.method);
+  if (verb == nullptr || !verb->is_input) return Error{input.method + " is no input"};
+  const Call call(verb->about, input.parameters, input.frames);
+  if (std::string complaint = call.complaint(); !complaint.empty())
+    return Error{std::move(complaint)};
+  verb->perform(board, call);
+  return std::nullopt;
 }
 
 }  // namespace capsoc::service

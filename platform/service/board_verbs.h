@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "service/board.h"
@@ -13,6 +15,7 @@ struct BoardVerb {
   Declaration about;
   std::function<Answer(Board& board, const Call& call)> perform;
   bool after_the_end = false;  ///< may be asked of a finished simulation
+  bool is_input = false;       ///< changes the simulation: it is logged in the history
 };
 
 std::vector<BoardVerb> advance_verbs();
@@ -20,8 +23,15 @@ std::vector<BoardVerb> memory_verbs();
 std::vector<BoardVerb> register_verbs();
 std::vector<BoardVerb> port_verbs();
 std::vector<BoardVerb> sensor_verbs();
+std::vector<BoardVerb> history_verbs();
 
 /// All of them, in the order of the reference.
 const std::vector<BoardVerb>& board_verbs();
+/// Null: there is none of that name.
+const BoardVerb* board_verb(const std::string& method);
+
+/// Performs a logged request again. An Error: there is no such method, or its parameters are
+/// wrong; a request that was refused when it was logged is refused again, which is none.
+std::optional<Error> apply_input(Board& board, const Input& input);
 
 }  // namespace capsoc::service

@@ -42,6 +42,7 @@ std::optional<Error> Events::subscribe(const std::vector<std::string>& wanted,
     if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end())
       return Error{fmt::format("there is no kind of events '{}'; did you mean {}?",
                                printable(kind, 80), nearest_names(printable(kind, 80), kinds()))};
+  subscribed_ = wanted;
   exceptions_ = has("exception");
   faults_ = has("fault");
   samples_ = has("sample");
@@ -118,6 +119,8 @@ void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry
 
 /// `line`: bytes of a text in it.
 void Events::add(Json event, std::size_t line) {
+  // By the event's own time: the kernel may be behind the processor.
+  if (event.at("time_s").get<double>() < told_.to_seconds()) return;
   constexpr std::size_t of_an_event = 120, of_a_byte = 6;
   const std::size_t bytes = of_an_event + of_a_byte * line;
   if (bytes_ + bytes > most_bytes) {
@@ -126,6 +129,10 @@ void Events::add(Json event, std::size_t line) {
   }
   bytes_ += bytes;
   events_.push_back(std::move(event));
+}
+
+sc_core::sc_time Events::told() const {
+  return std::max(told_, sc_core::sc_time_stamp());
 }
 
 Json Events::take() {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <systemc>
 #include <vector>
 
 #include "armv7m/observer.h"
@@ -43,6 +44,11 @@ class Events final : private armv7m::Observer {
   /// Those since the last call, in the order in which they came; the last one of kind "lost" says
   /// how many were too many.
   Json take();
+  /// The kinds that are asked for.
+  const std::vector<std::string>& subscribed() const { return subscribed_; }
+  /// Until when events are told already: after going back they are not told again.
+  sc_core::sc_time told() const;
+  void set_told(const sc_core::sc_time& told) { told_ = told; }
 
   /// A result of the coprocessor is there.
   void sample(uint64_t number, const metrics::RecordedSample& sample);
@@ -67,6 +73,8 @@ class Events final : private armv7m::Observer {
   std::deque<Json> events_;
   std::size_t bytes_ = 0;  ///< of events_
   uint64_t lost_ = 0;
+  std::vector<std::string> subscribed_;
+  sc_core::sc_time told_;
   bool exceptions_ = false, faults_ = false, samples_ = false;  ///< kinds that are wanted
   bool looking_ = false, listening_to_guest_ = false;
   int watched_ = -1;

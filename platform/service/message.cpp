@@ -37,11 +37,15 @@ bool MessageReader::take_line(std::string& line) {
   if (end == std::string::npos) return false;
   line.assign(buffer_, begin_, end - begin_);
   begin_ = searched_ = end + 1;
-  if (begin_ == buffer_.size() || begin_ > worth_moving) {
-    buffer_.erase(0, begin_);
-    begin_ = searched_ = 0;
-  }
+  tidy();
   return true;
+}
+
+/// Moves what is left to the front, seldom enough that a long buffer takes time in proportion.
+void MessageReader::tidy() {
+  if (begin_ < buffer_.size() && (begin_ < worth_moving || begin_ < buffer_.size() / 2)) return;
+  buffer_.erase(0, begin_);
+  begin_ = searched_ = 0;
 }
 
 MessageReader::Incoming MessageReader::damaged(Code code, std::string sentence, bool last) {
@@ -75,8 +79,8 @@ std::optional<MessageReader::Incoming> MessageReader::next() {
     incoming.message->frames.emplace_back(buffer_, begin_, size);
     begin_ += size;
   }
-  buffer_.erase(0, begin_);
-  begin_ = searched_ = 0;
+  searched_ = begin_;
+  tidy();
   return incoming;
 }
 

@@ -52,8 +52,11 @@ class MessageReader {
   void feed(std::string_view bytes) { buffer_.append(bytes); }
   /// The next message that is there as a whole.
   std::optional<Incoming> next();
+  /// Nothing is left of what was fed, not even a part of a message.
+  bool is_empty() const { return begin_ == buffer_.size() && !waiting_; }
 
  private:
+  void tidy();
   bool take_line(std::string& line);
   Incoming parse(const std::string& line);
   Incoming damaged(Code code, std::string sentence, bool last = false);

@@ -193,11 +193,24 @@ void Session::perform(Request& request) {
     const Call call(verb.about, request.parameters, request.frames);
     if (std::string complaint = call.complaint(); !complaint.empty())
       return answer(request, refuse(std::move(complaint), Code::wrong_parameter));
+    if (verb.of_simulation && verb.perform != &Session::close &&
+        verb.perform != &Session::interrupt && waits(request))
+      return;
     return (this->*verb.perform)(request);
   }
-  for (const BoardVerb& verb : board_verbs())
-    if (verb.about.method == request.method) return forward(request);
+  if (board_verb(request.method) != nullptr) return waits(request) ? void() : forward(request);
   answer(request, no_such_method(request.method));
+}
+
+/// A request to a simulation that is being replaced waits for what takes its place.
+bool Session::waits(Request& request) {
+  const auto number = request.parameters.find("simulation");
+  if (number == request.parameters.end() || !number->is_number_unsigned()) return false;
+  const auto found = simulations_.find(number->get<uint64_t>());
+  if (found == simulations_.end() || !found->second->is_replaced) return false;
+  ++clients_.at(request.client)->calls;
+  found->second->waiting.push_back(std::move(request));
+  return true;
 }
 
 Answer Session::no_such_method(const std::string& method) {

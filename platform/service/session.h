@@ -63,6 +63,9 @@ class Session {
 
  private:
   static const std::vector<SessionVerb>& verbs();
+  static std::vector<SessionVerb> own_verbs();
+  static std::vector<SessionVerb> history_verbs();
+  bool waits(Request& request);
   static Answer no_such_method(const std::string& method);
 
   // Input and output.
@@ -91,6 +94,7 @@ class Session {
   void drop(Request& request);
   void forward(Request& request);
   void hand_on(Simulation& simulation, Request& request);
+  void resume(std::deque<Request> waiting);
   void settle(const Request& request, Answer final_answer);
   void finish_restore(const Request& request, uint64_t number, uint64_t fresh, Answer constructed);
   /// Clones under way.
@@ -100,6 +104,23 @@ class Session {
     Answer refusal;
   };
   void finish_clone(const Request& request, Family& family);
+
+  // Going back.
+  struct Seek;
+  void go_to(Request& request);
+  void go_back(Request& request);
+  void find_write(Request& request);
+  void find_change(Request& request);
+  void compare(Request& request);
+  void seek(Request& request, Json leave, std::function<void(Json, std::shared_ptr<Seek>)> then);
+  void end_seek(const Seek& seek, Answer answer);
+  void find(Request& request, Json what,
+            std::function<void(const std::shared_ptr<Seek>&, Json)> found);
+  void search(const std::shared_ptr<Seek>& seek, std::size_t part);
+  void refine(const std::shared_ptr<Seek>& seek, Json found);
+  void replace(const std::shared_ptr<Seek>& seek, Json goal, Json more);
+  void ask_past(const std::shared_ptr<Seek>& seek, Json how, std::string method, Json parameters,
+                Frames frames, Take take);
 
   // Simulations.
   struct Snapshot {
@@ -112,6 +133,9 @@ class Session {
   /// Adds a worker and constructs in it; `done` gets its number, or the refusal.
   using Constructed = std::function<void(uint64_t number, Answer answer)>;
   void start(uint64_t client, Json settings, const Snapshot* from, Constructed done);
+  void start_with(uint64_t client, Json settings, Json parameters, Frames frames, Constructed done);
+  void start_past(const Seek& seek, uint64_t client, Json how, Constructed done);
+  void drop_worker(uint64_t number);
   void call(Simulation& simulation, const std::string& method, Json parameters, Frames frames,
             Take take);
   void take_snapshot(Simulation& simulation, Taken taken);

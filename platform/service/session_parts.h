@@ -37,8 +37,10 @@ struct Session::Simulation {
   Outbox outbox;
   std::deque<Pending> pending;
   bool is_constructed = false;
-  bool is_replaced = false;  ///< a snapshot takes its place: later requests wait for that
+  bool is_replaced = false;  ///< another worker may take its place: later requests wait
   std::deque<Request> waiting;
+  uint64_t seeker = 0;          ///< number of a worker that looks into the past for it; 0: none
+  bool is_interrupted = false;  ///< the search in the past is to end
   std::chrono::steady_clock::time_point deadline;  ///< of one that was closed
 };
 

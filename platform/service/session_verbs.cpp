@@ -32,7 +32,16 @@ Parameter number_of(const char* what) {
 }  // namespace
 
 const std::vector<Session::SessionVerb>& Session::verbs() {
-  static const std::vector<SessionVerb> all = {
+  static const std::vector<SessionVerb> all = [] {
+    std::vector<SessionVerb> verbs = own_verbs();
+    for (SessionVerb& verb : history_verbs()) verbs.push_back(std::move(verb));
+    return verbs;
+  }();
+  return all;
+}
+
+std::vector<Session::SessionVerb> Session::own_verbs() {
+  return {
       {{"session.about",
         "Who answers.",
         {},
@@ -67,7 +76,8 @@ const std::vector<Session::SessionVerb>& Session::verbs() {
         "is closed when the client that asked for it leaves.",
         {may("settings", Type::object,
              "names and values as `capsoc run -C` takes them; firmware.elf may be the name of a "
-             "program that comes with capsoc")},
+             "program that comes with capsoc; history_mb (64): memory for going back, 0: none is "
+             "kept")},
         {{"simulation", "integer", "its number"}, {"state", "object", "as simulation.state"}}},
        false,
        &Session::construct},
@@ -102,7 +112,6 @@ const std::vector<Session::SessionVerb>& Session::verbs() {
        false,
        &Session::drop},
   };
-  return all;
 }
 
 Json Session::schema() {
@@ -197,8 +206,17 @@ void Session::forward(Request& request) {
   Simulation* const simulation = simulation_of(request);
   if (simulation == nullptr) return;
   ++clients_.at(request.client)->calls;
-  if (simulation->is_replaced) return simulation->waiting.push_back(std::move(request));
   hand_on(*simulation, request);
+}
+
+/// Requests that waited for a simulation to be replaced, in their order.
+void Session::resume(std::deque<Request> waiting) {
+  for (Request& each : waiting) {
+    const auto client = clients_.find(each.client);
+    if (client == clients_.end()) continue;
+    --client->second->calls;
+    perform(each);
+  }
 }
 
 void Session::hand_on(Simulation& simulation, Request& request) {
@@ -226,6 +244,10 @@ void Session::interrupt(Request& request) {
   Simulation* const simulation = simulation_of(request);
   if (simulation == nullptr) return;
   if (!simulation->pending.empty()) simulation->worker.interrupt(simulation->pending.front().call);
+  simulation->is_interrupted = true;
+  const auto seeker = simulations_.find(simulation->seeker);
+  if (seeker != simulations_.end() && !seeker->second->pending.empty())
+    seeker->second->worker.interrupt(seeker->second->pending.front().call);
   answer(request, {});
 }
 
@@ -256,8 +278,6 @@ void Session::restore(Request& request) {
   const auto found = snapshots_.find(number);
   if (found == snapshots_.end())
     return answer(request, refuse(fmt::format("there is no snapshot {}", number)));
-  if (simulation->is_replaced)
-    return answer(request, refuse("the simulation is being restored already"));
   ++clients_.at(request.client)->calls;
   simulation->is_replaced = true;
   start(simulation->client, found->second->settings, found->second.get(),
@@ -269,11 +289,14 @@ void Session::restore(Request& request) {
 void Session::finish_restore(const Request& request, uint64_t number, uint64_t fresh,
                              Answer constructed) {
   const auto found = simulations_.find(number);
-  if (found == simulations_.end())
+  if (found == simulations_.end()) {
+    drop_worker(fresh);
     return settle(request, refuse(fmt::format("simulation {} has ended meanwhile", number),
                                   Code::no_simulation));
+  }
   std::deque<Request> waiting = std::exchange(found->second->waiting, {});
   found->second->is_replaced = false;
+  found->second->seeker = 0;
   if (constructed.ok()) {
     std::unique_ptr<Simulation> replacement = std::move(simulations_.at(fresh));
     simulations_.erase(fresh);
@@ -282,9 +305,8 @@ void Session::finish_restore(const Request& request, uint64_t number, uint64_t f
     end_worker(*found->second);
     ending_.push_back(std::exchange(found->second, std::move(replacement)));
   }
-  Simulation& now = *found->second;
   settle(request, std::move(constructed));
-  for (Request& each : waiting) hand_on(now, each);
+  resume(std::move(waiting));
 }
 
 void Session::clone(Request& request) {

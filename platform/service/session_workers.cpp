@@ -26,6 +26,13 @@ std::string ending_of(int status) {
 }  // namespace
 
 void Session::start(uint64_t client, Json settings, const Snapshot* from, Constructed done) {
+  if (from == nullptr)
+    return start_with(client, std::move(settings), Json::object(), {}, std::move(done));
+  start_with(client, std::move(settings), {{"held", from->held}}, from->frames, std::move(done));
+}
+
+void Session::start_with(uint64_t client, Json settings, Json parameters, Frames frames,
+                         Constructed done) {
   if (simulations_.size() + ending_.size() >= most_simulations)
     return done(
         0, refuse(fmt::format("there are {} simulations already; close one", most_simulations)));
@@ -45,12 +52,7 @@ void Session::start(uint64_t client, Json settings, const Snapshot* from, Constr
   simulation->settings = settings;
   simulation->worker = std::move(worker.value());
   Simulation& added = *(simulations_[number] = std::move(simulation));
-  Json parameters = {{"settings", std::move(settings)}};
-  Frames frames;
-  if (from != nullptr) {
-    parameters["held"] = from->held;
-    frames = from->frames;
-  }
+  parameters["settings"] = std::move(settings);
   call(added, construct_method, std::move(parameters), std::move(frames),
        [this, number, done = std::move(done)](Answer answer) {
          const auto found = simulations_.find(number);
@@ -133,6 +135,7 @@ void Session::refuse_pending(Simulation& simulation, const std::string& sentence
   }
   for (const Request& request : std::exchange(simulation.waiting, {}))
     settle(request, refuse(sentence, Code::no_simulation));
+  drop_worker(simulation.seeker);
 }
 
 }  // namespace capsoc::service

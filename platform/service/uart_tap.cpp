@@ -35,17 +35,36 @@ void UartTap::send(std::string_view bytes) {
 
 std::string UartTap::take(uint64_t& lost) {
   lost = std::exchange(lost_, 0);
+  again_.clear();
+  if (sent_ >= told_) repeats_ = false;
   return std::exchange(output_, {});
 }
 
-void UartTap::transmitted(uint8_t byte) {
+void UartTap::set_told(Told told) {
+  told_ = told.told;
+  output_ = std::move(told.unread);
+  lost_ = told.lost;
+  again_.clear();
+  repeats_ = sent_ < told_;
+}
+
+void UartTap::keep(uint8_t byte) {
   if (output_.size() == most_kept) {
     output_.erase(0, most_kept / 2);
     lost_ += most_kept / 2;
   }
   output_ += static_cast<char>(byte);
+}
+
+void UartTap::transmitted(uint8_t byte) {
+  const bool is_new = sent_++ >= told_;
+  if (is_new) keep(byte);
+  if (repeats_) {
+    if (again_.size() == searched_back) again_.erase(0, searched_back / 2);
+    again_ += static_cast<char>(byte);
+  }
   const bool ended = byte == '\n';
-  if (on_line) {
+  if (on_line && is_new) {
     if (!ended && byte != '\r') line_ += static_cast<char>(byte);
     if (ended || line_.size() == longest_line) on_line(std::exchange(line_, {}));
   }
@@ -60,20 +79,32 @@ void UartTap::expect(const re2::RE2* pattern, std::function<void()> on_match) {
 }
 
 void UartTap::search() {
-  const std::size_t from = output_.size() > searched_back ? output_.size() - searched_back : 0;
-  const re2::StringPiece text(output_.data() + from, output_.size() - from);
+  match(repeats_ ? again_ : output_);
+}
+
+void UartTap::match(std::string& text_to_search) {
+  const std::size_t size = text_to_search.size();
+  const std::size_t from = size > searched_back ? size - searched_back : 0;
+  const re2::StringPiece text(text_to_search.data() + from, size - from);
   std::vector<re2::StringPiece> groups(
       static_cast<std::size_t>(pattern_->NumberOfCapturingGroups()) + 1);
   if (!pattern_->Match(text, 0, text.size(), re2::RE2::UNANCHORED, groups.data(),
                        static_cast<int>(groups.size())))
     return;
   Match match;
-  const std::size_t end = static_cast<std::size_t>(groups[0].end() - output_.data());
+  const std::size_t end = static_cast<std::size_t>(groups[0].end() - text_to_search.data());
   for (const re2::StringPiece& group : groups)
     match.groups.push_back(group.data() == nullptr ? std::nullopt
                                                    : std::optional(std::string(group)));
-  match.text = output_.substr(0, end);
-  output_.erase(0, end);
+  match.text = text_to_search.substr(0, end);
+  text_to_search.erase(0, end);
+  if (repeats_) {
+    // What is unread of it counts as read: all but what both ends have in common.
+    const uint64_t known = sent_ > told_ ? sent_ : told_, matched = sent_ - again_.size();
+    const uint64_t left = known > matched ? known - matched : 0;
+    if (output_.size() > left) output_.erase(0, output_.size() - static_cast<std::size_t>(left));
+    repeats_ = sent_ < told_;
+  }
   match_ = std::move(match);
   pattern_ = nullptr;
   on_match_();

@@ -36,6 +36,23 @@ class UartTap {
   const std::string& unread() const { return output_; }
   void set_unread(std::string text) { output_ = std::move(text); }
 
+  /// Bytes that it sent since the start.
+  uint64_t sent() const { return sent_; }
+  void set_sent(uint64_t sent) { sent_ = sent; }
+  /// What a client knows, or waits unread for it: after going back, bytes before `told` that are
+  /// sent again are not told again. A pattern finds them nevertheless.
+  struct Told {
+    uint64_t told = 0;   ///< bytes since the start
+    std::string unread;  ///< of these the last ones
+    uint64_t lost = 0;
+  };
+  Told told() const { return {sent_ > told_ ? sent_ : told_, output_, lost_}; }
+  void set_told(Told told);
+  /// What follows was never sent before.
+  void forget_told() { told_ = sent_; }
+  /// Nothing is told until set_told().
+  void mute() { told_ = UINT64_MAX; }
+
   /// Looks for a pattern in what is unread, now and at the end of each line and of each burst;
   /// `on_match` is called once, and everything up to the end of the match counts as read.
   void expect(const re2::RE2* pattern, std::function<void()> on_match);
@@ -51,6 +68,8 @@ class UartTap {
 
  private:
   void transmitted(uint8_t byte);
+  void keep(uint8_t byte);
+  void match(std::string& text);
   void search();
 
   cmsdk::Uart* uart_ = nullptr;
@@ -58,6 +77,9 @@ class UartTap {
   std::string input_, output_, line_;
   std::size_t taken_ = 0;  ///< of input_
   uint64_t lost_ = 0;
+  uint64_t sent_ = 0, told_ = 0;
+  bool repeats_ = false;  ///< the past is searched: again_ and not output_
+  std::string again_;     ///< sent since then, and not matched
   const re2::RE2* pattern_ = nullptr;
   std::function<void()> on_match_;
   std::optional<Match> match_;

@@ -5,16 +5,14 @@
 #include <map>
 #include <string_view>
 
-#include "base/constants.h"
 #include "base/nearest.h"
 #include "base/printable.h"
 #include "service/board_verbs.h"
+#include "service/signals.h"
 #include "soc/board_registers.h"
 
 namespace capsoc::service {
 namespace {
-
-constexpr double degrees_of_turn = 360;
 
 Answer read_processor(Board& board, const Call&) {
   Answer answer;
@@ -100,23 +98,8 @@ Answer read_coprocessor(Board& board, const Call&) {
                                    [](const auto& sample) { return sample.result.has_value(); });
   if (newest == samples.rend())
     return refuse("the coprocessor has no result yet; advance until it has taken a sample");
-  const metrics::RecordedResult& result = *newest->result;
-  const metrics::Parameters found = metrics::to_values(result.words);
-  constexpr double degrees = 180 / pi;
   Answer answer;
-  answer.result["signals"] = {{"a1", found.a1},
-                              {"a2", found.a2},
-                              {"b1", found.b1},
-                              {"b2", found.b2},
-                              {"beta_deg", found.beta * degrees},
-                              {"phi_deg", found.phi * degrees},
-                              {"angle_deg", result.angle / q32 * degrees_of_turn},
-                              {"angle_valid", result.angle_valid},
-                              {"error_u", result.error_u / q31},
-                              {"error_v", result.error_v / q31},
-                              {"error_average", result.error_average / q31},
-                              {"status", result.status},
-                              {"flags", result.flags}};
+  answer.result["signals"] = coprocessor_signals(*newest->result);
   return answer;
 }
 
@@ -133,7 +116,9 @@ std::vector<BoardVerb> register_verbs() {
         "Writes a register of the processor.",
         {need("register", Type::text, "its name"), need("value", Type::integer, "the new value")},
         {}},
-       write_processor},
+       write_processor,
+       false,
+       true},
       {{"register.read",
         "A register of a device, or one of its fields, by the names of the SVD file "
         "(COPROCESSOR.STATUS, COPROCESSOR.STATUS.LOCK). Nothing happens by being read so.",
@@ -147,7 +132,9 @@ std::vector<BoardVerb> register_verbs() {
         {need("name", Type::text, "as in register.read"),
          need("value", Type::integer, "the new value")},
         {}},
-       write_register},
+       write_register,
+       false,
+       true},
       {{"register.list",
         "All registers of the board.",
         {},

@@ -6,8 +6,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <functional>
@@ -19,6 +21,8 @@
 #include "host/end_signals.h"
 #include "service/board.h"
 #include "service/board_verbs.h"
+#include "service/picture.h"
+#include "service/search.h"
 
 namespace capsoc::service {
 namespace {
@@ -53,6 +57,36 @@ std::string bytes_of(uint64_t call, const Answer& answer) {
   if (bytes.find('\n') <= MessageReader::longest_line) return bytes;
   return bytes_of(call, refuse("the answer has more than 16 MiB of text; ask for a part of it, or "
                                "read memory"));
+}
+
+/// Standard error goes nowhere: for as long as this lives, or for good.
+class Muted {
+ public:
+  explicit Muted(bool for_good) {
+    std::fflush(stderr);
+    if (!for_good) kept_.reset(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0));
+    const host::Descriptor nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
+    if (nowhere.valid()) dup2(nowhere.get(), STDERR_FILENO);
+  }
+  ~Muted() {
+    std::fflush(stderr);
+    if (kept_.valid()) dup2(kept_.get(), STDERR_FILENO);
+  }
+  Muted(const Muted&) = delete;
+  Muted& operator=(const Muted&) = delete;
+
+ private:
+  host::Descriptor kept_;
+};
+
+/// {"unit": a Unit's number, "value": 5}.
+Target target_in(const Json& goal) {
+  return {static_cast<Unit>(goal.at("unit").get<int>()), goal.at("value").get<uint64_t>()};
+}
+
+bool is_of_history(const std::string& method) {
+  return method == leave_method || method == search_method || method == describe_method ||
+         method == picture_method;
 }
 
 class Worker {
@@ -116,8 +150,14 @@ class Worker {
     if (to_be_interrupted->interrupted_call == current_call && method == "simulation.advance")
       return interrupted_before();
     if (method == snapshot_method) return snapshot();
-    for (const BoardVerb& verb : board_verbs())
-      if (verb.about.method == method) return perform(verb, parameters, message.frames);
+    if (board_->is_finished() && is_of_history(method))
+      return refuse("the simulation is finished", Code::over);
+    if (method == leave_method) return leave_for(parameters);
+    if (method == search_method) return search(parameters);
+    if (method == describe_method) return describe_write(*board_, parameters.at("what"));
+    if (method == picture_method) return picture(parameters, message.frames);
+    if (const BoardVerb* const verb = board_verb(method))
+      return perform(*verb, parameters, message.frames);
     return refuse("there is no method " + method, Code::unknown_method);
   }
 
@@ -127,7 +167,22 @@ class Worker {
       return refuse(std::move(complaint), Code::wrong_parameter);
     if (board_->is_finished() && !verb.after_the_end)
       return refuse(verb.about.method + ": the simulation is finished", Code::over);
-    return verb.perform(*board_, call);
+    if (!verb.is_input || !board_->history().is_on()) {
+      board_->tick(true);
+      Answer answer = verb.perform(*board_, call);
+      board_->tick(false);
+      return answer;
+    }
+    Input input{board_->position(), verb.about.method, parameters, frames};
+    input.parameters.erase("simulation");
+    Answer answer = verb.perform(*board_, call);
+    // A refused write may have written a part.
+    const bool wrote = verb.about.method == "memory.write" || verb.about.method == "variable.write";
+    if (!answer.ok() && !wrote) return answer;
+    const auto ended = board_->history().add(std::move(input));
+    board_->forget_told();
+    if (ended && answer.ok()) answer.result["ended_history"] = to_json(*ended);
+    return answer;
   }
 
   Answer interrupted_before() {
@@ -138,14 +193,140 @@ class Worker {
   }
 
   Answer construct(const Json& parameters, Frames& frames) {
+    if (parameters.contains("history")) return construct_in_the_past(parameters, frames);
     Board::Snapshot from;
     if (!frames.empty()) from = {parameters.at("held"), std::move(frames)};
     auto board = Board::construct(parameters.at("settings"), from);
     if (!board) return refuse(board.error());
-    board_ = std::move(board.value());
-    current_simulation = &board_->simulation();
+    take_board(std::move(board.value()));
+    board_->begin_history(from);
     Answer answer;
     answer.result["state"] = board_->state();
+    return answer;
+  }
+
+  void take_board(std::unique_ptr<Board> board) {
+    board_ = std::move(board);
+    current_simulation = &board_->simulation();
+    board_->ask_for_interruption(
+        [] { return current_call != 0 && to_be_interrupted->interrupted_call == current_call; });
+  }
+
+  /// From a snapshot of a history to a target. What was said on the way before is not said again.
+  Answer construct_in_the_past(const Json& parameters, const Frames& frames) {
+    auto history = History::unpack(parameters.at("history"), frames);
+    if (!history) return refuse(history.error());
+    const Muted muted(parameters.value("for_good", false));
+    const std::size_t begin = parameters.contains("snapshot")
+                                  ? parameters.at("snapshot").get<std::size_t>()
+                                  : snapshot_for(history.value(), parameters.at("goal"));
+    auto board = Board::construct(parameters.at("settings"),
+                                  Board::Snapshot::of(history.value().snapshots().at(begin).bytes));
+    if (!board) return refuse(board.error());
+    take_board(std::move(board.value()));
+    board_->continue_history(std::move(history.value()), begin);
+    board_->mute();
+    Advance advance(*board_);
+    if (parameters.contains("goal"))
+      if (auto error = go(advance, parameters.at("goal"))) return refuse(error->text);
+    if (parameters.contains("told"))
+      if (auto error = board_->set_told(parameters.at("told"), frames)) return refuse(error->text);
+    Answer answer;
+    answer.result = {{"state", board_->state()}, {"interrupted", advance.is_interrupted()}};
+    return answer;
+  }
+
+  static std::size_t snapshot_for(const History& history, const Json& goal) {
+    const auto position = position_in(goal);
+    return position ? history.before(*position) : history.before(target_in(goal));
+  }
+
+  static std::optional<Error> go(Advance& advance, const Json& goal) {
+    const auto position = position_in(goal);
+    return position ? advance.go(*position) : advance.go(target_in(goal));
+  }
+
+  /// The history and what the client knows, for a worker that takes the place of this one. With a
+  /// goal that is still ahead this one goes there itself.
+  Answer leave_for(const Json& parameters) {
+    if (!board_->history().is_on())
+      return refuse(fmt::format("there is no history: {}", board_->no_history()));
+    Answer answer;
+    answer.result["now"] = to_json(board_->position());
+    if (const auto goal = parameters.find("goal"); goal != parameters.end()) {
+      const Target target = target_in(*goal);
+      if (coordinate(board_->position(), target.unit) < target.value) return go_ahead(target);
+      if (auto refusal = refuse_before_beginning(target)) return *refusal;
+    }
+    for (const Json& goal : parameters.value("goals", Json::array()))
+      if (auto refusal = refuse_before_beginning(target_in(goal))) return *refusal;
+    if (const auto back = parameters.find("back"); back != parameters.end())
+      plan_way_back(target_in(*back), answer.result);
+    if (const auto what = parameters.find("what"); what != parameters.end()) {
+      auto resolved = resolve(*board_, *what);
+      if (!resolved) return refuse(resolved.error());
+      answer.result["what"] = std::move(resolved.value());
+    }
+    board_->history().reach(board_->position());
+    answer.result["told"] = board_->told(answer.frames);
+    answer.result["history"] = board_->history().pack(answer.frames);
+    return answer;
+  }
+
+  std::optional<Answer> refuse_before_beginning(const Target& target) {
+    const Position& beginning = board_->history().beginning();
+    if (target.value >= coordinate(beginning, target.unit)) return std::nullopt;
+    return refuse(fmt::format(
+        "the history begins at {:.12g} s, {} cycles, {} instructions, {} samples; a greater "
+        "history_mb keeps more",
+        static_cast<double>(beginning.time_ps) * 1e-12, beginning.cycles, beginning.instructions,
+        beginning.samples));
+  }
+
+  /// Where so much before now is, at the earliest the beginning.
+  void plan_way_back(const Target& distance, Json& result) {
+    static constexpr const char* reasons[] = {"time", "cycles", "instructions", "samples"};
+    const uint64_t now = coordinate(board_->position(), distance.unit);
+    const Position& beginning = board_->history().beginning();
+    if (now - std::min(now, distance.value) < coordinate(beginning, distance.unit) ||
+        distance.value > now) {
+      result["goal"] = to_json(beginning);
+      result["reason"] = "beginning";
+      return;
+    }
+    result["goal"] = {{"unit", static_cast<int>(distance.unit)}, {"value", now - distance.value}};
+    result["reason"] = reasons[static_cast<std::size_t>(distance.unit)];
+  }
+
+  Answer go_ahead(const Target& target) {
+    if (board_->simulation().is_over())
+      return refuse("the simulation is over and cannot go on", Code::over);
+    Advance advance(*board_);
+    board_->tick(true);
+    auto error = advance.go(target);
+    board_->tick(false);
+    if (error) return refuse(error->text);
+    Answer answer;
+    answer.result = {{"state", board_->state()}, {"interrupted", advance.is_interrupted()}};
+    return answer;
+  }
+
+  Answer search(const Json& parameters) {
+    const Part part{position_in(parameters.at("end")).value_or(Position()),
+                    position_in(parameters.at("now")).value_or(Position()),
+                    parameters.at("is_first").get<bool>()};
+    return Search(*board_, part).perform(parameters.at("what"));
+  }
+
+  /// With another one: how they differ.
+  Answer picture(const Json& parameters, const Frames& frames) {
+    const Picture taken = Picture::of(*board_);
+    Answer answer;
+    if (parameters.contains("one"))
+      answer.result = difference(*board_, Picture::unpack(parameters.at("one"), frames), taken);
+    else
+      answer.result["picture"] = taken.pack(answer.frames);
+    answer.result["position"] = to_json(taken.position);
     return answer;
   }
 

@@ -30,6 +30,17 @@ inline constexpr int out_of_memory = 77;
 inline constexpr const char* construct_method = "worker.construct";
 inline constexpr const char* snapshot_method = "worker.snapshot";
 
+/// For going back (session_history.cpp). leave_method takes a goal, {"unit", "value"}, and answers
+/// with `history`, `told` and frames, or, when the goal is ahead, goes there and answers with
+/// `state`. Construction takes settings, `history` and these frames, and `snapshot`, a number, or
+/// `goal`, which may be a position, too; and `told`, unless the worker is there to look at the past
+/// and say nothing (`for_good`). In one of these search_method takes `what`, `end`, `now`,
+/// `is_first` (search.h), describe_method `what`, picture_method `one`, another picture.
+inline constexpr const char* leave_method = "worker.leave";
+inline constexpr const char* search_method = "worker.search";
+inline constexpr const char* describe_method = "worker.describe";
+inline constexpr const char* picture_method = "worker.picture";
+
 /// The session's end of a worker.
 struct WorkerProcess {
   pid_t process = -1;

@@ -34,6 +34,7 @@ class Session:
             [CAPSOC, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=CLEAN, cwd=folder
         )
         self.requests = 0
+        self.data = []  # frames of the last answer
 
     def close(self):
         self.process.stdin.close()
@@ -54,6 +55,7 @@ class Session:
         assert answer["id"] == self.requests
         if "error" in answer:
             raise Refused(answer["error"])
+        self.data = answer["data"]
         return answer["result"]
 
 

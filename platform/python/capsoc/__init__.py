@@ -26,7 +26,7 @@ from .program import find_program
 from .sensor import Harmonic, Sensor
 from .session import Session, run
 from .simulation import Simulation
-from .state import Event, Result, Snapshot, State, Stop
+from .state import Event, Position, Result, Snapshot, State, Stop, Write
 
 __version__ = "0.1.0"
 
@@ -37,6 +37,7 @@ __all__ = [
     "Event",
     "ExpectationError",
     "Harmonic",
+    "Position",
     "ProgramNotFound",
     "RequestError",
     "Result",
@@ -50,6 +51,7 @@ __all__ = [
     "Snapshot",
     "State",
     "Stop",
+    "Write",
     "find_program",
     "run",
 ]

@@ -32,6 +32,38 @@ class State:
 
 
 @dataclass(frozen=True)
+class Position:
+    """An instant of a simulation's history, between two instructions. samples: results of the coprocessor so far."""
+
+    time_s: float
+    time_ps: int
+    cycles: int
+    instructions: int
+    samples: int
+
+    @classmethod
+    def of(cls, answer: dict[str, Any]) -> Position:
+        """The position in an answer, which may have more members."""
+        return cls(**{part.name: answer[part.name] for part in fields(cls)})
+
+
+@dataclass(frozen=True)
+class Write:
+    """The last write to something. by: "instruction", or the method of the request that wrote.
+
+    position: in front of the instruction; after a request. old, new: a register's value, or bytes of memory. pc,
+    place (function, file and line): of the instruction.
+    """
+
+    by: str
+    position: Position
+    old: Any
+    new: Any
+    pc: Optional[int] = None
+    place: str = ""
+
+
+@dataclass(frozen=True)
 class Event:
     """Something that happened: kind ("exception", "uart" and so on), simulated seconds, details."""
 

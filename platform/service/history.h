@@ -1,0 +1,131 @@
+// The past of one simulation: what came from outside, with its instant, and snapshots from which a
+// position in the past is reached again.
+//
+// A worker records its history while it advances. To go back, the session takes the history from
+// the worker, starts another worker from the last snapshot before the position and hands the
+// history to it; that worker advances to the position and applies the logged inputs on the way.
+// Nothing here knows of sockets, processes or SystemC.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "service/message.h"
+
+namespace capsoc::service {
+
+/// An instant between two instructions. Time alone does not tell two instructions apart of which
+/// one takes no cycle, nor do instructions tell two instants of a sleep apart.
+struct Position {
+  uint64_t time_ps = 0, cycles = 0, instructions = 0, samples = 0;
+
+  bool operator==(const Position& other) const {
+    return time_ps == other.time_ps && instructions == other.instructions;
+  }
+  bool operator<(const Position& other) const {
+    return time_ps != other.time_ps ? time_ps < other.time_ps : instructions < other.instructions;
+  }
+  bool operator<=(const Position& other) const { return !(other < *this); }
+};
+
+/// time_s, time_ps, cycles, instructions, samples.
+Json to_json(const Position& position);
+/// Nothing: the value is no position.
+std::optional<Position> position_in(const Json& value);
+
+/// What a position is named by.
+enum class Unit : uint8_t { time, cycles, instructions, samples };
+uint64_t coordinate(const Position& position, Unit unit);
+
+/// The first instant at which a coordinate has reached a value.
+struct Target {
+  Unit unit = Unit::time;
+  uint64_t value = 0;
+};
+
+/// A request that changed the simulation, and when.
+struct Input {
+  Position at;
+  std::string method;
+  Json parameters;
+  Frames frames;
+};
+
+/// Inputs as the bytes of messages, and back. An Error: damaged bytes.
+std::string to_bytes(const Input& input);
+Result<std::vector<Input>> inputs_in(const std::string& bytes);
+
+class History {
+ public:
+  /// Keeps the hand-over to another process short.
+  static constexpr std::size_t most_snapshots = 256;
+
+  struct Snapshot {
+    Position at;
+    uint64_t inputs = 0;     ///< applied before it, since the first of all
+    uint64_t effort_ns = 0;  ///< processor time of the host up to here
+    std::string bytes;       ///< of the caller; "": the board out of reset
+  };
+
+  /// `budget`: bytes for snapshots and inputs together. 0: nothing is kept.
+  explicit History(std::size_t budget = 0) : budget_(budget) {}
+
+  std::size_t budget() const { return budget_; }
+  bool is_on() const { return !snapshots_.empty(); }
+  /// Begins the history. Without it nothing is kept.
+  void begin(const Position& at, std::string bytes);
+
+  void add_snapshot(const Position& at, uint64_t effort_ns, std::string bytes);
+  /// Logs an input that was applied now. What lay after `at` will not happen any more; its end is
+  /// returned if there was any.
+  std::optional<Position> add(Input input);
+  /// The simulation is here, perhaps further than ever in this history.
+  void reach(const Position& at);
+
+  /// The next input that is logged and not applied; null: there is none. Valid until the next call
+  /// that changes the history.
+  const Input* next() const;
+  void pass_next() { ++applied_; }
+
+  const std::vector<Snapshot>& snapshots() const { return snapshots_; }
+  /// The last snapshot from which the first instant of a target, or a position, can be reached.
+  std::size_t before(const Target& target) const;
+  std::size_t before(const Position& position) const;
+  /// The simulation stands at a snapshot: the inputs before it are applied.
+  void stand_at(std::size_t snapshot) { applied_ = snapshots_[snapshot].inputs; }
+
+  /// Only if is_on().
+  const Position& beginning() const { return snapshots_.front().at; }
+  const Position& end() const { return end_; }
+  /// Logged since the beginning; `is_complete`: none was dropped to fit the budget.
+  const std::deque<Input>& inputs() const { return inputs_; }
+  bool is_complete() const { return dropped_ == 0 && snapshots_.front().bytes.empty(); }
+  std::size_t bytes() const { return snapshot_bytes_ + input_bytes_; }
+
+  /// For another process.
+  Json pack(Frames& frames) const;
+  /// An Error: these are not what pack() made.
+  static Result<History> unpack(const Json& about, Frames frames);
+
+ private:
+  static std::size_t size_of(const Input& input);
+  void fit();
+  void remove(std::size_t snapshot);
+  void move_beginning();
+  std::size_t least_missed() const;
+
+  std::size_t budget_;
+  std::vector<Snapshot> snapshots_;  // in the order of their positions
+  std::deque<Input> inputs_;         // likewise
+  uint64_t dropped_ = 0;             // inputs before inputs_
+  uint64_t applied_ = 0;             // inputs, with those dropped
+  std::size_t snapshot_bytes_ = 0, input_bytes_ = 0;
+  Position end_;
+};
+
+}  // namespace capsoc::service

@@ -1,0 +1,297 @@
+#include "service/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/printable.h"
+#include "service/signals.h"
+
+namespace capsoc::service {
+namespace {
+
+Json bytes_at(Board& board, uint32_t address, uint32_t size) {
+  Json list = Json::array();
+  for (const char byte : board.target().read_memory(address, size))
+    list.push_back(static_cast<uint8_t>(byte));
+  return list;
+}
+
+/// The address of the last instruction that began.
+class LastIssued final : public armv7m::Observer {
+ public:
+  LastIssued(armv7m::Core& core, std::function<void()> before)
+      : core_(core), before_(std::move(before)) {
+    core_.add_observer(*this, true, false);
+  }
+  ~LastIssued() override { core_.remove_observer(*this); }
+  LastIssued(const LastIssued&) = delete;
+  LastIssued& operator=(const LastIssued&) = delete;
+  uint32_t address() const { return address_; }
+
+ private:
+  void issued(const armv7m::Core&, const armv7m::DecodedOp& op) override {
+    address_ = op.address;
+    before_();
+  }
+  void retired(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void entered(const armv7m::Core&, unsigned, armv7m::Entry, uint64_t) override {}
+  void returned(const armv7m::Core&, unsigned) override {}
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core&) override {}
+
+  armv7m::Core& core_;
+  std::function<void()> before_;
+  uint32_t address_ = 0;
+};
+
+}  // namespace
+
+Search::~Search() {
+  if (observes_) board_.soc().cpu.core().remove_observer(*this);
+}
+
+void Search::hit(Json more) {
+  found_ = {{"hit", to_json(board_.position())}};
+  found_.update(more);
+}
+
+std::optional<Error> Search::run() {
+  Advance advance(board_);
+  advance.watch(watcher_);
+  auto error = advance.go(part_.end);
+  is_cut_ = advance.is_interrupted();
+  return error;
+}
+
+std::optional<Error> Search::find_address(uint32_t address) {
+  armv7m::Core& core = board_.soc().cpu.core();
+  if (core.reg(15) == address && board_.position() < part_.end) hit();
+  core.debugging().set_breakpoint(address);
+  core.debugging().pass_breakpoint();
+  watcher_.on_run = [this](armv7m::StopReason reason) {
+    if (reason == armv7m::StopReason::breakpoint && board_.position() < part_.end) hit();
+  };
+  return run();
+}
+
+/// An input can write, too.
+void Search::watch_input(const std::function<Json()>& value) {
+  watcher_.on_input = [this, value](const Input& input, bool is_applied) {
+    if (!is_applied) {
+      before_input_ = value();
+      return;
+    }
+    Json after = value();
+    if (after == before_input_) return;
+    hit({{"by", input.method}, {"old", before_input_}, {"new", std::move(after)}});
+    changed_by_.reset();
+  };
+}
+
+std::optional<Error> Search::find_write(uint32_t address, uint32_t size) {
+  if (!board_.target().set(debug::StopPoint::write_watchpoint, address, size))
+    return Error{fmt::format("{:#010x}: nothing can be watched there", address)};
+  watch_input([this, address, size] { return bytes_at(board_, address, size); });
+  watcher_.on_run = [this](armv7m::StopReason reason) {
+    if (reason == armv7m::StopReason::watchpoint) hit({{"by", "instruction"}});
+  };
+  return run();
+}
+
+void Search::issued(const armv7m::Core&, const armv7m::DecodedOp&) {
+  register_before_ = board_.target().read_register(register_);
+}
+
+void Search::retired(const armv7m::Core& core, const armv7m::DecodedOp&) {
+  if (board_.target().read_register(register_) != register_before_)
+    changed_by_ = core.instructions();
+}
+
+std::optional<Error> Search::find_register(unsigned index) {
+  register_ = index;
+  watch_input([this] { return Json(board_.target().read_register(register_)); });
+  board_.soc().cpu.core().add_observer(*this, true, false);
+  observes_ = true;
+  if (auto error = run()) return error;
+  if (changed_by_) found_ = {{"hit", {{"instructions", *changed_by_}}}, {"by", "instruction"}};
+  return std::nullopt;
+}
+
+/// At the instants of a grid of absolute times in the part.
+std::optional<Error> Search::walk_grid(uint64_t every_ps,
+                                       const std::function<std::optional<Error>()>& look) {
+  const auto first_at = [every_ps](uint64_t time_ps) {
+    return (time_ps + every_ps - 1) / every_ps * every_ps;
+  };
+  const uint64_t last = std::min(first_at(part_.end.time_ps), part_.now.time_ps);
+  for (uint64_t next = first_at(board_.position().time_ps); next <= last && !is_cut_;) {
+    Advance advance(board_);
+    if (auto error = advance.go(Target{Unit::time, next})) return error;
+    is_cut_ = advance.is_interrupted();
+    const uint64_t now = board_.position().time_ps;
+    if (now < next) break;  // the run is over
+    if (part_.now < board_.position()) break;
+    if (auto error = look()) return error;
+    next = (now / every_ps + 1) * every_ps;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Search::find_expression(const Json& what) {
+  auto expression = Expression::parse(what.at("expression").get<std::string>());
+  if (!expression) return Error{expression.error()};
+  return walk_grid(what.at("every_ps").get<uint64_t>(), [&]() -> std::optional<Error> {
+    const auto value = expression.value().value(
+        [this](const std::string& name) { return board_.number_of(name); });
+    if (!value) return Error{value.error()};
+    if (value.value() != 0 && board_.position() < part_.now) hit();
+    return std::nullopt;
+  });
+}
+
+std::optional<Error> Search::find_change(const Json& what) {
+  const auto name = what.at("name").get<std::string>();
+  std::optional<double> before;
+  Position at;
+  const auto look = [&]() -> std::optional<Error> {
+    const auto value = board_.number_of(name);
+    if (!value) return Error{value.error()};
+    if (before && *before != value.value())
+      hit({{"since", to_json(at)}, {"old", *before}, {"new", value.value()}});
+    before = value.value();
+    at = board_.position();
+    return std::nullopt;
+  };
+  if (part_.is_first)
+    if (auto error = look()) return error;
+  if (auto error = walk_grid(what.at("every_ps").get<uint64_t>(), look)) return error;
+  if (is_cut_ || part_.end < part_.now || part_.now <= board_.position()) return std::nullopt;
+  if (auto error = run()) return error;
+  return look();
+}
+
+std::optional<Error> Search::find_signal(const std::string& name) {
+  std::optional<Json> before;
+  const auto look = [&](const metrics::RecordedSample& sample) {
+    if (!sample.result) return;
+    Json value = coprocessor_signals(*sample.result).at(name);
+    if (before && *before != value) hit({{"old", *before}, {"new", value}});
+    before = std::move(value);
+  };
+  if (!board_.samples().empty()) look(board_.samples().back());
+  found_["hit"] = nullptr;
+  const kit::Listening listening = board_.simulation().observation().samples.listen(look);
+  return run();
+}
+
+Answer Search::perform(const Json& what) {
+  std::optional<Error> error;
+  if (what.contains("address"))
+    error = find_address(what.at("address").get<uint32_t>());
+  else if (what.contains("write"))
+    error = find_write(what.at("write").at(0).get<uint32_t>(), what.at("write").at(1));
+  else if (what.contains("register"))
+    error = find_register(what.at("register").get<unsigned>());
+  else if (what.contains("expression"))
+    error = find_expression(what);
+  else if (what.contains("signal"))
+    error = find_signal(what.at("signal").get<std::string>());
+  else
+    error = find_change(what);
+  if (error) return refuse(error->text);
+  Answer answer;
+  answer.result = std::move(found_);
+  answer.result["interrupted"] = is_cut_;
+  return answer;
+}
+
+namespace {
+
+Result<Json> resolve_write(Board& board, const Json& asked) {
+  constexpr uint64_t largest = uint64_t{1} << 20;
+  if (const auto name = asked.find("register"); name != asked.end()) {
+    const auto index = processor_register(name->get<std::string>());
+    if (!index) return Error{index.error()};
+    if (*name == Json("pc"))
+      return Error{"pc is changed by every instruction; ask for another one"};
+    return Json{{"register", index.value()}};
+  }
+  uint64_t begin = 0, size = 0;
+  if (const auto name = asked.find("variable"); name != asked.end()) {
+    const auto variable = board.variables().find(name->get<std::string>(), board.pointers());
+    if (!variable) return Error{variable.error()};
+    const source::Variable& found = variable.value();
+    begin = found.address;
+    size = found.bits > 0 ? (found.bit + found.bits + 7) / 8 : found.type->size;
+  } else {
+    const auto address = board.address(asked.at("address"));
+    if (!address) return Error{address.error()};
+    begin = address.value();
+    size = asked.at("size").get<uint64_t>();
+  }
+  if (size == 0 || size > largest || begin + size > uint64_t{1} << 32U)
+    return Error{"history.last_write: a range has 1 byte to 1 MiB"};
+  if (board.target().read_memory(static_cast<uint32_t>(begin), static_cast<uint32_t>(size)).size() <
+      size)
+    return Error{fmt::format("nothing can be read or written at {:#010x}", begin)};
+  return Json{{"write", {begin, size}}};
+}
+
+}  // namespace
+
+Result<Json> resolve(Board& board, const Json& asked) {
+  Json what = asked;
+  if (const auto write = asked.find("last_write"); write != asked.end())
+    return resolve_write(board, *write);
+  if (asked.contains("address")) {
+    const auto address = board.address(asked.at("address"));
+    if (!address) return Error{address.error()};
+    what["address"] = address.value() & ~1U;
+  } else if (asked.contains("expression")) {
+    const auto expression = Expression::parse(asked.at("expression").get<std::string>());
+    if (!expression) return Error{expression.error()};
+    const auto value =
+        expression.value().value([&](const std::string& name) { return board.number_of(name); });
+    if (!value) return Error{value.error()};
+  } else if (asked.contains("name")) {
+    const auto place = board.registers().find(asked.at("name").get<std::string>());
+    if (!place) return Error{place.error()};
+  } else if (asked.contains("signal")) {
+    const auto name = asked.at("signal").get<std::string>();
+    if (!coprocessor_signals({}).contains(name))
+      return Error{fmt::format("there is no signal '{}'; coprocessor.read has them all",
+                               printable(name, 80))};
+  }
+  return what;
+}
+
+Answer describe_write(Board& board, const Json& what) {
+  armv7m::Core& core = board.soc().cpu.core();
+  const auto value = [&]() -> Json {
+    if (what.contains("register"))
+      return board.target().read_register(what.at("register").get<unsigned>());
+    return bytes_at(board, what.at("write").at(0).get<uint32_t>(), what.at("write").at(1));
+  };
+  const Position position = board.position();
+  Json before = value();
+  uint32_t pc = 0;
+  {
+    const LastIssued last(core, [&] { before = value(); });
+    Advance advance(board);
+    if (auto error = advance.go(Target{Unit::instructions, position.instructions + 1}))
+      return refuse(error->text);
+    pc = last.address();
+  }
+  Answer answer;
+  answer.result = {{"by", "instruction"},
+                   {"pc", pc},
+                   {"place", board.simulation().view().place(pc)},
+                   {"position", to_json(position)},
+                   {"old", std::move(before)},
+                   {"new", value()}};
+  return answer;
+}
+
+}  // namespace capsoc::service

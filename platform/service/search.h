@@ -1,0 +1,79 @@
+// What happened last in a part of a history: the simulation advances over it and is observed.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "armv7m/observer.h"
+#include "base/result.h"
+#include "service/advance.h"
+#include "service/board.h"
+
+namespace capsoc::service {
+
+/// The part of a history that a search looks at: from where the simulation is to `end`. A search on
+/// a grid of times goes on to the first one at or after `end`, so that what it finds does not
+/// depend on where the parts of a history meet.
+struct Part {
+  Position end;
+  Position now;           ///< the end of the last part
+  bool is_first = false;  ///< it begins at the beginning of the history
+};
+
+/// In a board that is used for nothing else.
+class Search final : private armv7m::Observer {
+ public:
+  Search(Board& board, const Part& part) : board_(board), part_(part) {}
+  ~Search() override;
+  Search(const Search&) = delete;
+  Search& operator=(const Search&) = delete;
+
+  /// {"address"}: the last instant in front of the instruction there. {"write": [address, size]}:
+  /// the last write to one of these bytes. {"register": index}: the last instruction that changed
+  /// it. {"expression", "every_ps"}: the last instant of the grid at which it was not 0. {"name" or
+  /// "signal", "every_ps"}: the last change of a register or field of a device, or of a signal of
+  /// the coprocessor. The result: {"hit": null}, or {"hit": position} and what else is known.
+  Answer perform(const Json& what);
+
+ private:
+  using Value = std::function<Result<Json>()>;
+  std::optional<Error> run();
+  std::optional<Error> find_address(uint32_t address);
+  std::optional<Error> find_write(uint32_t address, uint32_t size);
+  std::optional<Error> find_register(unsigned index);
+  std::optional<Error> find_expression(const Json& what);
+  std::optional<Error> find_change(const Json& what);
+  std::optional<Error> find_signal(const std::string& name);
+  std::optional<Error> walk_grid(uint64_t every_ps,
+                                 const std::function<std::optional<Error>()>& look);
+  void watch_input(const std::function<Json()>& value);
+  void hit(Json more = Json::object());
+
+  void issued(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
+  void retired(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
+  void entered(const armv7m::Core&, unsigned, armv7m::Entry, uint64_t) override {}
+  void returned(const armv7m::Core&, unsigned) override {}
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core&) override {}
+
+  Board& board_;
+  Part part_;
+  Json found_ = {{"hit", nullptr}};
+  Advance::Watcher watcher_;
+  bool is_cut_ = false, observes_ = false;
+  Json before_input_;
+  unsigned register_ = 0;
+  uint32_t register_before_ = 0;
+  std::optional<uint64_t> changed_by_;  // instructions, with the one that changed it
+};
+
+/// What a request asks for, as perform() takes it: symbols and variables are addresses, as they are
+/// now. An Error: there is none of that name, or nothing can be found for it.
+Result<Json> resolve(Board& board, const Json& asked);
+
+/// What the instruction did that is executed next, to memory or to a register of the processor:
+/// {"pc", "place", "old", "new", "position"}, of memory as lists of bytes. Executes it.
+Answer describe_write(Board& board, const Json& what);
+
+}  // namespace capsoc::service

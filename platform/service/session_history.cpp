@@ -1,0 +1,472 @@
+// Going back: a worker for a position in the past takes the place of the present one, or searches
+// the past for it and ends. The simulation stands still meanwhile, and later requests wait.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "service/history.h"
+#include "service/session_parts.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr double ps_per_s = 1e12, longest_s = 1e6;
+/// A change is looked for on finer and finer grids, down to this.
+constexpr uint64_t finer = 1000, finest_ps = 1000;
+
+struct Named {
+  const char* name;
+  Unit unit;
+};
+constexpr Named positions[] = {{"time_s", Unit::time},
+                               {"time_ps", Unit::time},
+                               {"cycles", Unit::cycles},
+                               {"instructions", Unit::instructions},
+                               {"sample", Unit::samples}};
+constexpr Named distances[] = {{"seconds", Unit::time},
+                               {"cycles", Unit::cycles},
+                               {"instructions", Unit::instructions},
+                               {"samples", Unit::samples}};
+
+/// One of the names as {"unit", "value"}; null: there is none, or more than one, or no such value.
+template <std::size_t n>
+Json goal_in(const Json& parameters, const Named (&names)[n]) {
+  Json goal;
+  for (const Named& each : names) {
+    const auto found = parameters.find(each.name);
+    if (found == parameters.end()) continue;
+    if (!goal.is_null()) return nullptr;
+    uint64_t value = 0;
+    if (each.unit == Unit::time && std::string_view(each.name) != "time_ps") {
+      if (!found->is_number()) return nullptr;
+      const double seconds = found->get<double>();
+      if (!(seconds >= 0 && seconds <= longest_s)) return nullptr;
+      value = static_cast<uint64_t>(std::llround(seconds * ps_per_s));
+    } else {
+      if (!found->is_number_unsigned()) return nullptr;
+      value = found->get<uint64_t>();
+    }
+    goal = {{"unit", static_cast<int>(each.unit)}, {"value", value}};
+  }
+  return goal;
+}
+
+constexpr const char* position_words =
+    "a time_s (0 to 1e6) or time_ps, cycles, instructions or a sample";
+
+/// How often to look, in ps; 0: wrong.
+uint64_t step_in(const Json& parameters) {
+  const auto every = parameters.find("every_s");
+  if (every == parameters.end()) return static_cast<uint64_t>(1e-3 * ps_per_s);
+  if (!every->is_number()) return 0;
+  const double seconds = every->get<double>();
+  if (!(seconds >= 1e-9 && seconds <= longest_s)) return 0;
+  return static_cast<uint64_t>(std::llround(seconds * ps_per_s));
+}
+
+}  // namespace
+
+/// A request that looks into the past, with what the worker left for it.
+struct Session::Seek {
+  Request request;
+  uint64_t simulation = 0, client = 0;
+  Json settings, history, told, what;
+  Frames frames;
+  Position now;
+  std::vector<Position> snapshots;
+  std::function<void(const Seek& seek, Json hit)> found;
+
+  /// The last snapshot before now.
+  std::size_t last() const {
+    std::size_t last = 0;
+    for (std::size_t i = 1; i < snapshots.size(); ++i)
+      if (snapshots[i] < now) last = i;
+    return last;
+  }
+};
+
+std::vector<Session::SessionVerb> Session::history_verbs() {
+  const Member state{"state", "object", "as simulation.state"};
+  const Parameter every = may("every_s", Type::number,
+                              "how often to look at first: 1 ms of simulated time; a value that "
+                              "comes and goes between two looks is not seen");
+  return {
+      {{"simulation.goto",
+        "To the first instant at which a time or a count is reached, back or forward. Going back, "
+        "the inputs of then take place again; what the UARTs sent and which events there were is "
+        "not told again. Of the samples before it the newest is kept.",
+        {may("time_s", Type::number, "simulated seconds since the start"),
+         may("time_ps", Type::integer, "the same in picoseconds, exactly"),
+         may("cycles", Type::integer, "of the processor's clock"),
+         may("instructions", Type::integer, "executed since the start"),
+         may("sample", Type::integer, "so many results of the coprocessor are there")},
+        {state}},
+       true,
+       &Session::go_to},
+      {{"history.back",
+        "Back by a time or a count, or to the last instant before now at which something held.",
+        {may("seconds", Type::number, "so long"),
+         may("cycles", Type::integer, "so many cycles of the processor's clock"),
+         may("instructions", Type::integer, "so many"),
+         may("samples", Type::integer, "so many results of the coprocessor"),
+         may("address", Type::address, "in front of the instruction there"),
+         may("expression", Type::object,
+             "text is not 0, looked at every every_s as in simulation.advance")},
+        {state,
+         {"reason", "text",
+          "time, cycles, instructions, samples, address, expression; beginning: the history begins "
+          "here; never: it did not hold, the simulation stays where it was"}}},
+       true,
+       &Session::go_back},
+      {{"history.last_write",
+        "The last instruction before now, or the last request, that wrote to memory, to a variable "
+        "or to a register of the processor (that changed it). The simulation stays where it is.",
+        {may("address", Type::address, "of the first byte"),
+         may("size", Type::integer, "of the range in bytes: 4"),
+         may("variable", Type::text, "instead of an address, as in variable.read"),
+         may("register", Type::text, "of the processor, but not pc")},
+        {{"found", "boolean", "there is one since the history began"},
+         {"by", "text", "instruction, or the method of a request"},
+         {"pc", "integer", "of the instruction"},
+         {"place", "text", "its function, file and line"},
+         {"position", "object",
+          "in front of the instruction, of a request after it: a position as history.when has it"},
+         {"old", "any", "value before it: of memory a list of bytes"},
+         {"new", "any", "value after it"}}},
+       true,
+       &Session::find_write},
+      {{"history.last_change",
+        "The last change before now of a register or field of a device, or of a signal of the "
+        "coprocessor. The simulation stays where it is.",
+        {may("name", Type::text, "PERIPHERAL.REGISTER or PERIPHERAL.REGISTER.FIELD"),
+         may("signal", Type::text, "of coprocessor.read, exactly at a sample"), every},
+        {{"found", "boolean", "there is one since the history began"},
+         {"position", "object", "the first instant at which the new value was seen"},
+         {"since", "object", "of a register: the last instant with the old one"},
+         {"old", "any", "value before it"},
+         {"new", "any", "value after it"}}},
+       true,
+       &Session::find_change},
+      {{"history.diff",
+        "How two positions differ: registers of processor and devices, and memory by the program's "
+        "variables. The simulation stays where it is.",
+        {need("one", Type::object,
+              "time_s, time_ps, cycles, instructions or sample, as in simulation.goto"),
+         may("other", Type::object, "as one; now")},
+        {{"one", "object", "its position"},
+         {"other", "object", "its position"},
+         {"processor", "object", "names and both values"},
+         {"devices", "object", "PERIPHERAL.REGISTER and both values"},
+         {"memory", "list",
+          "of objects: name (null: no variable), address, one, other; of memory without a name "
+          "texts of hexadecimal digits"},
+         {"left_out", "integer", "entries of memory beyond 1000"}}},
+       true,
+       &Session::compare},
+  };
+}
+
+/// Asks the worker for its history. `then`, unless the worker refused or went ahead itself.
+void Session::seek(Request& request, Json leave,
+                   std::function<void(Json, std::shared_ptr<Seek>)> then) {
+  Simulation* const simulation = simulation_of(request);
+  if (simulation == nullptr) return;
+  ++clients_.at(request.client)->calls;
+  simulation->is_replaced = true;
+  simulation->is_interrupted = false;
+  auto seek = std::make_shared<Seek>();
+  seek->request = request;
+  seek->simulation = simulation->number;
+  seek->client = simulation->client;
+  seek->settings = simulation->settings;
+  call(*simulation, leave_method, std::move(leave), {},
+       [this, seek, then = std::move(then)](Answer answer) {
+         if (!answer.ok() || !answer.result.contains("history")) {
+           answer.result.erase("now");
+           if (answer.ok() && answer.result.at("interrupted") == Json(true))
+             answer =
+                 refuse("the way there was interrupted; the simulation stands where it was then");
+           answer.result.erase("interrupted");
+           return end_seek(*seek, std::move(answer));
+         }
+         seek->history = std::move(answer.result.at("history"));
+         seek->told = std::move(answer.result.at("told"));
+         seek->frames = std::move(answer.frames);
+         seek->now = position_in(answer.result.at("now")).value_or(Position());
+         for (const Json& each : seek->history.at("snapshots"))
+           seek->snapshots.push_back(position_in(each.at("at")).value_or(Position()));
+         then(std::move(answer.result), seek);
+       });
+}
+
+/// The requests that waited go on.
+void Session::end_seek(const Seek& seek, Answer answer) {
+  const auto found = simulations_.find(seek.simulation);
+  std::deque<Request> waiting;
+  if (found != simulations_.end()) {
+    found->second->is_replaced = false;
+    found->second->seeker = 0;
+    waiting = std::exchange(found->second->waiting, {});
+  }
+  settle(seek.request, std::move(answer));
+  resume(std::move(waiting));
+}
+
+/// A worker in the past; `done` gets its number.
+void Session::start_past(const Seek& seek, uint64_t client, Json how, Constructed done) {
+  const auto found = simulations_.find(seek.simulation);
+  if (found == simulations_.end())
+    return done(0, refuse(fmt::format("simulation {} has ended meanwhile", seek.simulation),
+                          Code::no_simulation));
+  if (found->second->is_interrupted)
+    return done(0, refuse("the search was interrupted; the simulation stays where it was"));
+  how["history"] = seek.history;
+  start_with(
+      client, seek.settings, std::move(how), seek.frames,
+      [this, number = seek.simulation, done = std::move(done)](uint64_t fresh, Answer answer) {
+        if (answer.ok() && answer.result.value("interrupted", false)) {
+          drop_worker(fresh);
+          answer = refuse("the way there was interrupted; the simulation stays where it was");
+        }
+        done(fresh, std::move(answer));
+      });
+  // Found again: starting one may have ended others.
+  if (const auto still = simulations_.find(seek.simulation); still != simulations_.end())
+    still->second->seeker = next_simulation_ - 1;
+}
+
+void Session::drop_worker(uint64_t number) {
+  const auto found = simulations_.find(number);
+  if (found == simulations_.end()) return;
+  end_worker(*found->second);
+  ending_.push_back(std::move(found->second));
+  simulations_.erase(found);
+}
+
+/// Asks one question of a worker in the past, which ends then.
+void Session::ask_past(const std::shared_ptr<Seek>& seek, Json how, std::string method,
+                       Json parameters, Frames frames, Take take) {
+  how["for_good"] = true;
+  start_past(
+      *seek, 0, std::move(how),
+      [this, method = std::move(method), parameters = std::move(parameters),
+       frames = std::move(frames), take = std::move(take)](uint64_t fresh, Answer answer) mutable {
+        if (!answer.ok()) return take(std::move(answer));
+        Simulation& past = *simulations_.at(fresh);
+        past.is_constructed = false;  // no client knows of it
+        call(past, method, std::move(parameters), std::move(frames),
+             [this, fresh, take = std::move(take)](Answer came) {
+               drop_worker(fresh);
+               take(std::move(came));
+             });
+      });
+}
+
+/// The simulation itself goes to a position of the past.
+void Session::replace(const std::shared_ptr<Seek>& seek, Json goal, Json more) {
+  start_past(*seek, seek->client, {{"goal", std::move(goal)}, {"told", seek->told}},
+             [this, seek, more = std::move(more)](uint64_t fresh, Answer constructed) {
+               if (constructed.ok()) {
+                 constructed.result.erase("interrupted");
+                 constructed.result.update(more);
+               }
+               finish_restore(seek->request, seek->simulation, fresh, std::move(constructed));
+             });
+}
+
+/// Part after part of the history, the last one first.
+void Session::search(const std::shared_ptr<Seek>& seek, std::size_t part) {
+  const Position end = part + 1 < seek->snapshots.size() && seek->snapshots[part + 1] < seek->now
+                           ? seek->snapshots[part + 1]
+                           : seek->now;
+  ask_past(seek, {{"snapshot", part}}, search_method,
+           {{"what", seek->what},
+            {"end", to_json(end)},
+            {"now", to_json(seek->now)},
+            {"is_first", part == 0}},
+           {}, [this, seek, part](Answer answer) {
+             if (answer.ok() && answer.result.at("interrupted") == Json(true))
+               answer = refuse("the search was interrupted; the simulation stays where it was");
+             if (!answer.ok()) return end_seek(*seek, std::move(answer));
+             if (answer.result.at("hit").is_null() && part > 0) return search(seek, part - 1);
+             answer.result.erase("interrupted");
+             seek->found(*seek, std::move(answer.result));
+           });
+}
+
+void Session::go_to(Request& request) {
+  Json goal = goal_in(request.parameters, positions);
+  if (goal.is_null())
+    return answer(request,
+                  refuse(fmt::format("simulation.goto: give {}, one of them", position_words),
+                         Code::wrong_parameter));
+  seek(request, {{"goal", goal}}, [this, goal](Json, const std::shared_ptr<Seek>& seek) {
+    replace(seek, goal, Json::object());
+  });
+}
+
+void Session::go_back(Request& request) {
+  const Json& given = request.parameters;
+  std::size_t goals = 0;
+  for (const auto& [name, value] : given.items()) goals += name == "simulation" ? 0 : 1;
+  const Json distance = goal_in(given, distances);
+  const auto wrong = [&](const char* sentence) {
+    answer(request, refuse(sentence, Code::wrong_parameter));
+  };
+  if (goals == 1 && !distance.is_null())
+    return seek(request, {{"back", distance}},
+                [this](Json left, const std::shared_ptr<Seek>& seek) {
+                  replace(seek, left.at("goal"), {{"reason", left.at("reason")}});
+                });
+  Json what;
+  if (const auto address = given.find("address"); address != given.end()) {
+    what = {{"address", *address}};
+  } else if (const auto asked = given.find("expression"); asked != given.end()) {
+    const auto text = asked->find("text");
+    const uint64_t every = step_in(*asked);
+    if (text == asked->end() || !text->is_string() || every == 0)
+      return wrong(R"(history.back: write expression as {"text": "turns > 3", "every_s": 0.001})");
+    what = {{"expression", *text}, {"every_ps", every}};
+  }
+  if (goals != 1 || what.is_null())
+    return wrong(
+        "history.back: give seconds (0 to 1e6), cycles, instructions, samples, address or "
+        "expression, one of them");
+  find(request, what, [this](const std::shared_ptr<Seek>& seek, Json found) {
+    const char* const reason = seek->what.contains("address") ? "address" : "expression";
+    if (!found.at("hit").is_null()) return replace(seek, found.at("hit"), {{"reason", reason}});
+    replace(seek, to_json(seek->now), {{"reason", "never"}});
+  });
+}
+
+/// Resolves `what` in the present and searches for it.
+void Session::find(Request& request, Json what,
+                   std::function<void(const std::shared_ptr<Seek>&, Json)> found) {
+  seek(request, {{"what", std::move(what)}},
+       [this, found = std::move(found)](Json left, const std::shared_ptr<Seek>& seek) {
+         seek->what = std::move(left.at("what"));
+         const std::weak_ptr<Seek> weak = seek;
+         seek->found = [weak, found](const Seek&, Json hit) { found(weak.lock(), std::move(hit)); };
+         search(seek, seek->last());
+       });
+}
+
+namespace {
+
+Answer not_found() {
+  Answer answer;
+  answer.result["found"] = false;
+  return answer;
+}
+
+}  // namespace
+
+void Session::find_write(Request& request) {
+  const Json& given = request.parameters;
+  Json what = Json::object();
+  for (const char* name : {"address", "variable", "register"})
+    if (given.contains(name)) what[name] = given.at(name);
+  const bool has_size = given.contains("size");
+  if (what.size() != 1 || (has_size && !what.contains("address")))
+    return answer(
+        request,
+        refuse("history.last_write: give an address (and a size), a variable or a register",
+               Code::wrong_parameter));
+  if (what.contains("address")) what["size"] = has_size ? given.at("size") : Json(4);
+  find(request, {{"last_write", what}}, [this](const std::shared_ptr<Seek>& seek, Json found) {
+    if (found.at("hit").is_null()) return end_seek(*seek, not_found());
+    if (found.at("by") != Json("instruction")) {
+      Answer told;
+      told.result = {{"found", true},
+                     {"by", found.at("by")},
+                     {"position", found.at("hit")},
+                     {"old", found.at("old")},
+                     {"new", found.at("new")}};
+      return end_seek(*seek, std::move(told));
+    }
+    const auto count = found.at("hit").at("instructions").get<uint64_t>() - 1;
+    ask_past(seek, {{"goal", {{"unit", static_cast<int>(Unit::instructions)}, {"value", count}}}},
+             describe_method, {{"what", seek->what}}, {}, [this, seek](Answer answer) {
+               if (answer.ok()) {
+                 Json all = {{"found", true}};
+                 all.update(answer.result);
+                 answer.result = std::move(all);
+               }
+               end_seek(*seek, std::move(answer));
+             });
+  });
+}
+
+void Session::find_change(Request& request) {
+  const Json& given = request.parameters;
+  const uint64_t every = step_in(given);
+  if (given.contains("name") == given.contains("signal") || every == 0)
+    return answer(request,
+                  refuse("history.last_change: give a name or a signal; every_s has to lie "
+                         "between 1e-9 and 1e6",
+                         Code::wrong_parameter));
+  const char* const kind = given.contains("name") ? "name" : "signal";
+  find(request, {{kind, given.at(kind)}, {"every_ps", every}},
+       [this](const std::shared_ptr<Seek>& seek, Json found) {
+         if (found.at("hit").is_null()) return end_seek(*seek, not_found());
+         refine(seek, std::move(found));
+       });
+}
+
+/// On a finer grid between the last instant with the old value and the first one with the new.
+void Session::refine(const std::shared_ptr<Seek>& seek, Json found) {
+  const uint64_t every = seek->what.at("every_ps").get<uint64_t>();
+  if (seek->what.contains("signal") || every <= finest_ps) {
+    Answer told;
+    told.result = {{"found", true}, {"position", found.at("hit")}};
+    if (found.contains("since")) told.result["since"] = found.at("since");
+    told.result["old"] = found.at("old");
+    told.result["new"] = found.at("new");
+    return end_seek(*seek, std::move(told));
+  }
+  seek->what["every_ps"] = std::max(every / finer, finest_ps);
+  ask_past(seek, {{"goal", found.at("since")}}, search_method,
+           {{"what", seek->what},
+            {"end", found.at("hit")},
+            {"now", found.at("hit")},
+            {"is_first", true}},
+           {}, [this, seek, found](Answer answer) {
+             if (!answer.ok()) return end_seek(*seek, std::move(answer));
+             refine(seek, answer.result.at("hit").is_null() ? found : answer.result);
+           });
+}
+
+void Session::compare(Request& request) {
+  const Json one = goal_in(request.parameters.at("one"), positions);
+  const bool has_other = request.parameters.contains("other");
+  const Json other = has_other ? goal_in(request.parameters.at("other"), positions) : Json();
+  if (one.is_null() || (has_other && other.is_null()))
+    return answer(request,
+                  refuse(fmt::format("history.diff: a position is {}, one of them", position_words),
+                         Code::wrong_parameter));
+  seek(request, {{"goals", has_other ? Json{one, other} : Json{one}}},
+       [this, one, other](Json, const std::shared_ptr<Seek>& seek) {
+         ask_past(seek, {{"goal", one}}, picture_method, Json::object(), {},
+                  [this, seek, other](Answer first) {
+                    if (!first.ok()) return end_seek(*seek, std::move(first));
+                    Json from = std::move(first.result.at("position"));
+                    Json goal = other.is_null() ? to_json(seek->now) : other;
+                    ask_past(seek, {{"goal", std::move(goal)}}, picture_method,
+                             {{"one", std::move(first.result.at("picture"))}},
+                             std::move(first.frames), [this, seek, from](Answer both) {
+                               if (both.ok()) {
+                                 Json all = {{"one", from}, {"other", both.result.at("position")}};
+                                 both.result.erase("position");
+                                 all.update(both.result);
+                                 both.result = std::move(all);
+                               }
+                               end_seek(*seek, std::move(both));
+                             });
+                  });
+       });
+}
+
+}  // namespace capsoc::service

@@ -1,0 +1,302 @@
+#!/usr/bin/python3
+"""Going back in time: a position in the past has the state that a run in one piece has there, bit for bit.
+
+The oracle of every test is another simulation that only goes forward. CAPSOC_HISTORY_WALKS asks for longer walks.
+"""
+
+import os
+import random
+import unittest
+
+from protocol_test import Driven, Refused
+
+CTEST = {"name": "service: history", "timeout": 900, "interpreter": "/usr/bin/python3"}
+
+SEED = int(os.environ.get("CAPSOC_HISTORY_SEED", "20261126"))
+MOVES = int(os.environ.get("CAPSOC_HISTORY_WALKS", "24"))
+SHORT = {"program.demodulation_samples": "500", "program.calibration_samples": "50"}
+
+
+class Past(Driven):
+    """Simulations, and what is asked of them."""
+
+    def call(self, method, **params):
+        return self.session(method, simulation=self.simulation, **params)
+
+    def where(self, simulation, **params):
+        return self.session("history.when", simulation=simulation, **params)
+
+    def look(self, simulation):
+        """What has to be equal at equal positions."""
+        told = self.where(simulation, hash=True)
+        state = self.session("simulation.state", simulation=simulation)["state"]
+        return told["now"], told["sha256"], state
+
+    def text(self, simulation):
+        return self.session("uart.read", simulation=simulation, uart=0)["text"]
+
+
+class Walks(Past):
+    """Random moves, compared at each stop."""
+
+    def forward(self, program, settings, inputs, stops):
+        """The states at the counts of instructions, and the text, of a simulation that keeps no history."""
+        simulation = self.construct(program, history_mb=0, **settings)
+        seen, text = {}, ""
+        for count in sorted(set(stops) | {each[0] for each in inputs}):
+            now = self.where(simulation)["now"]["instructions"]
+            self.advance(simulation, instructions=count - now)
+            for _, method, params in (each for each in inputs if each[0] == count):
+                self.session(method, simulation=simulation, **params)
+            seen[count] = self.look(simulation)
+            text += self.text(simulation)
+        self.session("simulation.close", simulation=simulation)
+        return seen, text
+
+    def walk(self, program, stops, inputs=(), moves=MOVES, **settings):
+        draw = random.Random(f"{SEED} {program} {settings}")
+        last = max(stops)
+        seen, wanted = self.forward(program, settings, inputs, stops)
+        simulation = self.construct(program, **settings)
+        for count, method, params in inputs:
+            now = self.where(simulation)["now"]["instructions"]
+            self.advance(simulation, instructions=count - now)
+            self.session(method, simulation=simulation, **params)
+        self.session("simulation.goto", simulation=simulation, instructions=last)
+        text = ""
+        for _ in range(moves):
+            count = draw.choice(stops)
+            now = self.where(simulation)["now"]
+            kind = draw.choice(["goto", "time", "relative", "relative"])
+            if kind == "time":
+                self.session("simulation.goto", simulation=simulation, time_ps=seen[count][0]["time_ps"])
+            elif kind == "goto":
+                self.session("simulation.goto", simulation=simulation, instructions=count)
+            elif count > now["instructions"]:
+                self.advance(simulation, instructions=count - now["instructions"])
+            elif count < now["instructions"]:
+                self.session("history.back", simulation=simulation, instructions=now["instructions"] - count)
+            else:
+                continue
+            with self.subTest(program=program, seed=SEED, move=kind, count=count, **settings):
+                self.assertEqual(self.look(simulation), seen[count])
+            if draw.random() < 0.3:
+                text += self.text(simulation)
+            if draw.random() < 0.3:
+                self.session("history.keep", simulation=simulation)
+        self.session("simulation.goto", simulation=simulation, instructions=last)
+        self.assertEqual(self.look(simulation), seen[last])
+        self.assertEqual(text + self.text(simulation), wanted, f"seed {SEED}")
+        self.assertEqual(self.where(simulation)["inputs"], len(inputs))
+        self.session("simulation.close", simulation=simulation)
+
+    def stops(self, name, most, count=12):
+        draw = random.Random(f"{SEED} {name}")
+        return sorted(draw.randrange(1, most) for _ in range(count))
+
+    def test_the_main_job(self):
+        self.walk("selfcal", self.stops("selfcal", 20_000_000))
+
+    def test_tasks(self):
+        self.walk("threads", self.stops("threads", 20_000), **{"run.simlimit_s": "100"})
+
+    def test_what_came_from_outside(self):
+        sent = [
+            (500, "uart.send", {"uart": 0, "bytes": [9, 0, 0, 0]}),
+            (900, "uart.send", {"uart": 0, "bytes": "one two"}),
+            (901, "pin.drive", {"gpio": 0, "pin": 3, "level": True}),
+            (1000, "processor.write", {"register": "r11", "value": 77}),
+            (1100, "memory.write", {"address": 0x20300000, "bytes": [1, 2, 3]}),
+            (1200, "uart.send", {"uart": 0, "bytes": "three"}),
+        ]
+        self.walk("echo", [400, 500, 700, 900, 901, 950, 1000, 1150, 1200, 1300], sent)
+
+    def test_the_sensor(self):
+        changes = [
+            (40_000, "sensor.set", {"parameters": {"b1": 0.125}}),
+            (90_000, "adc.inject", {"u": [0.5, 0.25, 0.125], "v": [0.1, 0.2, 0.3]}),
+        ]
+        self.walk("selfcal", self.stops("sensor", 200_000, 8) + [40_000, 90_000], changes, moves=MOVES // 2)
+
+    def test_the_rtl(self):
+        stops = self.stops("rtl", 60_000, 6)
+        self.walk("selfcal", stops, moves=MOVES // 3, **{"coprocessor.backend": "rtl"}, **SHORT)
+
+
+class Branches(Past):
+    """An input after going back makes another future."""
+
+    def test_another_future(self):
+        simulation = self.construct("echo")
+        self.advance(simulation, seconds=0.001)
+        self.session("uart.send", simulation=simulation, uart=0, bytes=[3, 0, 0, 0, 65, 66, 67])
+        self.advance(simulation, seconds=0.004)
+        end = self.where(simulation)["now"]
+        self.session("simulation.goto", simulation=simulation, time_s=0.0005)
+        self.assertEqual(self.text(simulation), "\x03\x00\x00\x00ABC")
+        answer = self.session("uart.send", simulation=simulation, uart=0, bytes=[9, 0, 0, 0, 88, 89])
+        self.assertEqual(answer["ended_history"], end)
+        told = self.where(simulation)
+        self.assertEqual((told["inputs"], told["end"]), (1, told["now"]))
+        self.advance(simulation, seconds=0.004)
+        self.assertEqual(self.text(simulation), "\t\x00\x00\x00XY")
+        other = self.construct("echo")
+        self.advance(other, seconds=0.0005)
+        self.session("uart.send", simulation=other, uart=0, bytes=[9, 0, 0, 0, 88, 89])
+        self.advance(other, seconds=0.004)
+        self.assertEqual(self.look(simulation), self.look(other))
+
+    def test_a_pattern_is_found_again(self):
+        simulation = self.construct("selfcal")
+        wanted = {"uart": 0, "pattern": "s: (lock.*)"}
+        first = self.advance(simulation, uart=wanted)
+        self.advance(simulation, seconds=1)
+        self.session("simulation.goto", simulation=simulation, cycles=1000)
+        again = self.advance(simulation, uart=wanted)
+        self.assertEqual((again["match"]["groups"], again["state"]), (first["match"]["groups"], first["state"]))
+
+    def test_what_is_refused(self):
+        simulation = self.construct("echo", history_mb=0)
+        with self.assertRaisesRegex(Refused, "history_mb is 0"):
+            self.session("simulation.goto", simulation=simulation, time_s=0)
+        simulation = self.construct("echo")
+        for method, params in (
+            ("simulation.goto", {}),
+            ("simulation.goto", {"time_s": -1}),
+            ("simulation.goto", {"time_s": 1, "cycles": 1}),
+            ("history.back", {"cycles": 1, "address": "main"}),
+            ("history.back", {"address": "no_such_symbol"}),
+            ("history.back", {"expression": {"text": "nothing_there > 1"}}),
+            ("history.last_write", {}),
+            ("history.last_write", {"register": "pc"}),
+            ("history.last_write", {"variable": "no_such_variable"}),
+            ("history.last_write", {"address": 0x90000000}),
+            ("history.last_change", {"name": "UART0.NOTHING"}),
+            ("history.last_change", {"signal": "nothing"}),
+            ("history.last_change", {"name": "UART0.STATE", "every_s": 0}),
+            ("history.diff", {"one": {"nothing": 1}}),
+        ):
+            with self.subTest(method=method, params=params), self.assertRaises(Refused):
+                self.session(method, simulation=simulation, **params)
+        self.assertEqual(self.session("history.back", simulation=simulation, seconds=1)["reason"], "beginning")
+        never = self.session("history.back", simulation=simulation, expression={"text": "1 == 2"})
+        self.assertEqual(never["reason"], "never")
+
+
+class Questions(Past):
+    """What happened last, beside what a simulation going forward shows."""
+
+    def setUp(self):
+        super().setUp()
+        self.simulation = self.construct("selfcal", **SHORT)
+
+    def test_the_last_time_at_an_address(self):
+        pcs = []
+        for _ in range(3):
+            self.advance(self.simulation, address="uart_write")
+            pcs.append(self.where(self.simulation)["now"])
+        self.advance(self.simulation, instructions=1)
+        for wanted in reversed(pcs):
+            answer = self.call("history.back", address="uart_write")
+            self.assertEqual((answer["reason"], self.where(self.simulation)["now"]), ("address", wanted))
+        self.assertEqual(self.call("history.back", address="uart_write")["reason"], "never")
+        self.assertEqual(self.where(self.simulation)["now"], pcs[0])
+
+    def test_the_last_time_that_something_held(self):
+        held = []
+        for _ in range(300):
+            self.advance(self.simulation, until_s=0.001 * (len(held) + 1))
+            held.append(self.call("expression.read", text="$r3 % 3 == 1")["value"])
+            if len(held) % 50 == 0:
+                self.call("history.keep")
+        for _ in range(3):
+            now = round(self.where(self.simulation)["now"]["time_s"] * 1000)
+            wanted = [i + 1 for i, value in enumerate(held) if value and i + 1 < now][-1:]
+            answer = self.call("history.back", expression={"text": "$r3 % 3 == 1"})
+            self.assertEqual(answer["reason"], "expression" if wanted else "never")
+            if wanted:
+                self.assertEqual(round(answer["state"]["time_s"] * 1000), wanted[0])
+
+    def test_the_last_instruction_that_wrote(self):
+        draw = random.Random(SEED)
+        for _ in range(4):
+            self.call("simulation.goto", instructions=draw.randrange(20_000, 100_000))
+            begin = self.where(self.simulation)["now"]["instructions"]
+            stack = self.call("processor.read")["registers"]["sp"] - 64
+            seen = []
+            for _ in range(120):
+                registers = self.call("processor.read")["registers"]
+                self.call("memory.read", address=stack, size=128)
+                seen.append((registers, self.session.data[0]))
+                self.advance(self.simulation, instructions=1)
+            registers = self.call("processor.read")["registers"]
+            self.call("memory.read", address=stack, size=128)
+            seen.append((registers, self.session.data[0]))
+            here = self.look(self.simulation)
+            for name in ("r0", "r3", "sp", "lr"):
+                changes = [i for i in range(120) if seen[i][0][name] != seen[i + 1][0][name]]
+                with self.subTest(seed=SEED, register=name, begin=begin):
+                    answer = self.call("history.last_write", register=name)
+                    if not changes:
+                        self.assertTrue(not answer["found"] or answer["position"]["instructions"] < begin)
+                        continue
+                    self.assertEqual(answer["position"]["instructions"], begin + changes[-1])
+                    self.assertEqual(answer["old"], seen[changes[-1]][0][name])
+                    self.assertEqual(answer["new"], seen[changes[-1] + 1][0][name])
+                    self.assertEqual(answer["pc"], seen[changes[-1]][0]["pc"])
+            changes = [i for i in range(120) if seen[i][1] != seen[i + 1][1]]
+            with self.subTest(seed=SEED, begin=begin):
+                answer = self.call("history.last_write", address=stack, size=128)
+                self.assertTrue(answer["found"])
+                wrote = answer["position"]["instructions"] - begin
+                if changes:
+                    self.assertGreaterEqual(wrote, changes[-1])
+                if answer["old"] != answer["new"] and wrote >= 0:
+                    self.assertEqual(wrote, changes[-1])
+                    self.assertEqual(bytes(answer["new"]), seen[wrote + 1][1])
+            self.assertEqual(self.look(self.simulation), here)
+
+    def test_a_request_that_wrote(self):
+        self.advance(self.simulation, seconds=0.01)
+        self.call("memory.write", address=0x20300000, bytes=[7])
+        wrote = self.where(self.simulation)["now"]
+        self.advance(self.simulation, seconds=0.01)
+        answer = self.call("history.last_write", address=0x20300000)
+        self.assertEqual((answer["by"], answer["position"]), ("memory.write", wrote))
+        self.assertEqual((answer["old"], answer["new"]), ([0, 0, 0, 0], [7, 0, 0, 0]))
+
+    def test_the_last_change(self):
+        self.advance(self.simulation, seconds=0.0123)
+        self.call("pin.drive", gpio=1, pin=2, level=True)
+        driven = self.where(self.simulation)["now"]
+        self.advance(self.simulation, seconds=0.1)
+        answer = self.call("history.last_change", name="GPIO1.DATA")
+        self.assertEqual((answer["found"], answer["old"], answer["new"]), (True, 0, 4))
+        self.assertLessEqual(abs(answer["position"]["time_ps"] - driven["time_ps"]), 1_000_000)
+        self.advance(self.simulation, seconds=1)
+        self.call("samples.read", columns=["a1"])
+        answer = self.call("history.last_change", signal="a1")
+        self.assertTrue(answer["found"])
+        self.assertNotEqual(answer["old"], answer["new"])
+        self.call("simulation.goto", sample=answer["position"]["samples"])
+        self.assertEqual(self.call("coprocessor.read")["signals"]["a1"], answer["new"])
+
+    def test_the_difference(self):
+        self.advance(self.simulation, seconds=0.5)
+        one = self.look(self.simulation)[0]
+        registers = self.call("processor.read")["registers"]
+        self.advance(self.simulation, seconds=1)
+        self.call("variable.write", name="results", value=5)
+        now = self.call("processor.read")["registers"]
+        answer = self.call("history.diff", one={"time_ps": one["time_ps"]})
+        wanted = {name: [registers[name], now[name]] for name in now if registers[name] != now[name]}
+        self.assertEqual(answer["processor"], wanted)
+        self.assertEqual(answer["one"], one)
+        names = [each["name"] or "" for each in answer["memory"]]
+        self.assertTrue(any(name.startswith("results") for name in names), names)
+        same = self.call("history.diff", one={"time_ps": one["time_ps"]}, other={"time_ps": one["time_ps"]})
+        self.assertEqual((same["processor"], same["devices"], same["memory"]), ({}, {}, []))
+
+
+if __name__ == "__main__":
+    unittest.main()
