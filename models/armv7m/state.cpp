@@ -37,6 +37,11 @@ void FaultReport::visit(Archive& archive) {
 }
 
 void State::visit(Archive& archive) {
+  // Executors leave different words with the same flags; equal states are equal bytes.
+  if (!archive.loading()) {
+    n &= 0x80000000u;
+    z = z == 0 ? 0 : 1;
+  }
   archive("r", r);
   archive("n", n);
   archive("z", z);

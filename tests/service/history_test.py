@@ -95,7 +95,7 @@ class Walks(Past):
         return sorted(draw.randrange(1, most) for _ in range(count))
 
     def test_the_main_job(self):
-        self.walk("selfcal", self.stops("selfcal", 20_000_000))
+        self.walk("selfcal", self.stops("selfcal", 5_000_000))
 
     def test_tasks(self):
         self.walk("threads", self.stops("threads", 20_000), **{"run.simlimit_s": "100"})
