@@ -1,5 +1,7 @@
 #include "base/archive.h"
 
+#include "base/touched_pages.h"
+
 namespace capsoc {
 namespace {
 
@@ -69,16 +71,19 @@ void Archive::memory(const char* name, uint8_t* bytes, std::size_t size) {
   const auto length = [&](uint32_t page) {
     return std::min(page_size, size - std::size_t{page} * page_size);
   };
+  const TouchedPages touched(bytes, size);
+  const auto is_empty = [&](uint32_t page) {
+    const std::size_t at = std::size_t{page} * page_size;
+    return !touched.any(at, length(page)) || is_zero(bytes + at, length(page));
+  };
   const auto clear = [&](uint32_t from, uint32_t to) {
-    for (uint32_t page = from; page < to; ++page) {
-      uint8_t* const at = bytes + std::size_t{page} * page_size;
-      if (!is_zero(at, length(page))) std::memset(at, 0, length(page));
-    }
+    for (uint32_t page = from; page < to; ++page)
+      if (!is_empty(page)) std::memset(bytes + std::size_t{page} * page_size, 0, length(page));
   };
   for (uint32_t page = 0;;) {
     uint32_t next = page;
     if (!loading())
-      while (next < pages && is_zero(bytes + std::size_t{next} * page_size, length(next))) ++next;
+      while (next < pages && is_empty(next)) ++next;
     raw(&next, sizeof next);
     if (!ok()) return;
     if (next < page || next > pages) return refuse("has a page outside");

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -28,6 +29,7 @@ namespace capsoc::service {
 namespace {
 
 constexpr int interrupt_signal = SIGUSR2;
+constexpr int kept_memory = 16 << 20;  // bytes
 
 /// Of this process, if it is a worker; for the signal's handler.
 Shared* to_be_interrupted = nullptr;
@@ -348,6 +350,10 @@ class Worker {
 [[noreturn]] void work(int connection) {
   try {
     catch_interruptions();
+    // Snapshots take and release some hundred KiB many times: pages that are given back are
+    // expensive to get again.
+    mallopt(M_TRIM_THRESHOLD, kept_memory);
+    mallopt(M_MMAP_THRESHOLD, kept_memory / 16);
     Worker(connection).serve();
   } catch (const std::bad_alloc&) {
     _exit(out_of_memory);
