@@ -20,6 +20,7 @@ void add_regress(CLI::App& app, int& code);
 void add_campaign(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);
 void add_serve(CLI::App& app, int& code);
+void add_replay(CLI::App& app, int& code);
 void add_new(CLI::App& app, int& code);
 void add_generate(CLI::App& app, int& code);
 

@@ -82,12 +82,19 @@ struct Command {
 };
 
 constexpr Command commands[] = {
-    {"run", cli::add_run},           {"fit", cli::add_fit},
-    {"info", cli::add_info},         {"reproduce", cli::add_reproduce},
-    {"accuracy", cli::add_accuracy}, {"bench", cli::add_bench},
-    {"regress", cli::add_regress},   {"campaign", cli::add_campaign},
-    {"report", cli::add_report},     {"serve", cli::add_serve},
-    {"new", cli::add_new},           {"generate", cli::add_generate, true},
+    {"run", cli::add_run},
+    {"fit", cli::add_fit},
+    {"info", cli::add_info},
+    {"reproduce", cli::add_reproduce},
+    {"accuracy", cli::add_accuracy},
+    {"bench", cli::add_bench},
+    {"regress", cli::add_regress},
+    {"campaign", cli::add_campaign},
+    {"report", cli::add_report},
+    {"serve", cli::add_serve},
+    {"replay", cli::add_replay},
+    {"new", cli::add_new},
+    {"generate", cli::add_generate, true},
 };
 
 void add_all(CLI::App& app, int& code) {

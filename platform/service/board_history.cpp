@@ -48,6 +48,7 @@ void Board::begin_history(const Snapshot& from) {
   history_.begin(position(), from.to_bytes());
   ticker_ = std::make_unique<Ticker>(*simulation_);
   effort_begin_ns_ = 0 - processor_time_ns();
+  tick(true);
 }
 
 void Board::continue_history(History history, std::size_t snapshot) {
@@ -55,6 +56,7 @@ void Board::continue_history(History history, std::size_t snapshot) {
   history_.stand_at(snapshot);
   ticker_ = std::make_unique<Ticker>(*simulation_);
   effort_begin_ns_ = history_.snapshots()[snapshot].effort_ns - processor_time_ns();
+  tick(true);
 }
 
 uint64_t Board::effort_ns() const {
@@ -67,7 +69,8 @@ void Board::tick(bool on) {
 
 /// Not on a way that was gone before: its snapshots are there.
 void Board::remember() {
-  if (ticker_ == nullptr || !ticker_->take() || position() < history_.end()) return;
+  if (ticker_ == nullptr || !ticker_->take() || is_finished() || position() < history_.end())
+    return;
   const uint64_t begin = processor_time_ns();
   keep();
   ticker_->took(processor_time_ns() - begin);

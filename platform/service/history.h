@@ -91,6 +91,9 @@ class History {
   /// that changes the history.
   const Input* next() const;
   void pass_next() { ++applied_; }
+  uint64_t passed() const { return applied_; }
+  /// Of a history that has just begun: these come. They do not count against the budget.
+  void expect(const std::vector<Input>& inputs) { inputs_.assign(inputs.begin(), inputs.end()); }
 
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
   /// The last snapshot from which the first instant of a target, or a position, can be reached.

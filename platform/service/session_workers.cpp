@@ -135,7 +135,12 @@ void Session::refuse_pending(Simulation& simulation, const std::string& sentence
   }
   for (const Request& request : std::exchange(simulation.waiting, {}))
     settle(request, refuse(sentence, Code::no_simulation));
-  drop_worker(simulation.seeker);
+  // The worker that looks into the past for it has nobody left to tell.
+  const uint64_t seeker = std::exchange(simulation.seeker, 0);
+  if (const auto found = simulations_.find(seeker); found != simulations_.end()) {
+    refuse_pending(*found->second, sentence);
+    drop_worker(seeker);
+  }
 }
 
 }  // namespace capsoc::service

@@ -1,7 +1,14 @@
 // Where a simulation is in its history. What goes back is the session's affair
 // (session_history.cpp).
+#include <utility>
+#include <vector>
+
+#include "host/file_uses.h"
+#include "host/files.h"
 #include "host/sha256.h"
 #include "service/board_verbs.h"
+#include "service/recording.h"
+#include "session/run_files.h"
 
 namespace capsoc::service {
 namespace {
@@ -33,6 +40,24 @@ Answer keep(Board& board, const Call&) {
   return {};
 }
 
+Answer write_session(Board& board, const Call& call) {
+  const std::string file = call.text("file");
+  const auto session = record(board);
+  if (!session) return refuse("simulation.record: " + session.error());
+  std::vector<host::FileUse> uses = run::files_of(board.settings());
+  uses.push_back({host::FileUse::Kind::output, "simulation.record", file});
+  if (auto error = host::check_uses(uses)) return refuse(error->text);
+  const std::string bytes = pack(session.value());
+  if (bytes.size() > SessionFile::largest)
+    return refuse("simulation.record: the session has more than 1 GiB; record a shorter one");
+  if (auto error = host::write_whole(file, bytes)) return refuse(error->text);
+  Answer answer;
+  answer.result = {{"bytes", bytes.size()},
+                   {"inputs", session.value().inputs.size()},
+                   {"marks", session.value().marks.size()}};
+  return answer;
+}
+
 }  // namespace
 
 std::vector<BoardVerb> history_verbs() {
@@ -57,6 +82,15 @@ std::vector<BoardVerb> history_verbs() {
         {},
         {}},
        keep},
+      {{"simulation.record",
+        "Writes the session of this simulation until now to a file that `capsoc replay` simulates "
+        "again: settings, the program and the sensor by content, every request that changed the "
+        "simulation with its instant, and hashes of the state on the way and at the end.",
+        {need("file", Type::text, "its path")},
+        {{"bytes", "integer", "of the file"},
+         {"inputs", "integer", "requests in it"},
+         {"marks", "integer", "positions whose state a replay compares"}}},
+       write_session},
   };
 }
 

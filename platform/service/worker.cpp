@@ -170,9 +170,8 @@ class Worker {
     if (board_->is_finished() && !verb.after_the_end)
       return refuse(verb.about.method + ": the simulation is finished", Code::over);
     if (!verb.is_input || !board_->history().is_on()) {
-      board_->tick(true);
       Answer answer = verb.perform(*board_, call);
-      board_->tick(false);
+      board_->remember();
       return answer;
     }
     Input input{board_->position(), verb.about.method, parameters, frames};
@@ -304,10 +303,7 @@ class Worker {
     if (board_->simulation().is_over())
       return refuse("the simulation is over and cannot go on", Code::over);
     Advance advance(*board_);
-    board_->tick(true);
-    auto error = advance.go(target);
-    board_->tick(false);
-    if (error) return refuse(error->text);
+    if (auto error = advance.go(target)) return refuse(error->text);
     Answer answer;
     answer.result = {{"state", board_->state()}, {"interrupted", advance.is_interrupted()}};
     return answer;

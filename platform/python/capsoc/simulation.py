@@ -187,6 +187,10 @@ class Simulation:
         """Writes a checkpoint, which `capsoc run --restore FILE` resumes."""
         self.call("simulation.save", file=os.path.abspath(os.fspath(file)))
 
+    def record(self, file: Union[str, os.PathLike[str]]) -> None:
+        """Writes the session of this simulation until now, which `capsoc replay FILE` simulates again and compares."""
+        self.call("simulation.record", file=os.path.abspath(os.fspath(file)))
+
     def snapshot(self) -> Snapshot:
         """Keeps the state in memory, for restore()."""
         uarts = self._uart_copies()

@@ -1,0 +1,298 @@
+#include "service/recording.h"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "base/input_file.h"
+#include "base/printable.h"
+#include "checkpoint/checkpoint_file.h"
+#include "host/files.h"
+#include "host/sha256.h"
+#include "service/advance.h"
+#include "service/board_verbs.h"
+#include "version/version.h"
+
+namespace capsoc::service {
+namespace {
+
+constexpr double ps_per_s = 1e12;
+
+std::string seconds_of(const Position& at) {
+  return fmt::format("{:.12g} s", static_cast<double>(at.time_ps) / ps_per_s);
+}
+
+/// The hash of each part of a packed state.
+Result<std::map<std::string, std::string>> parts_of(const std::string& state) {
+  const auto checkpoint = checkpoint::unpack(state, "the state");
+  if (!checkpoint) return Error{checkpoint.error()};
+  std::map<std::string, std::string> parts;
+  for (const checkpoint::Section& section : checkpoint.value().sections)
+    parts[section.name] = host::sha256_of(section.bytes);
+  return parts;
+}
+
+Result<std::map<std::string, std::string>> parts_now(Board& board) {
+  const auto state = board.simulation().packed_state();
+  if (!state) return Error{state.error()};
+  return parts_of(state.value());
+}
+
+SessionFile::Text text_of(Board& board, std::size_t uart) {
+  const serial::SerialLine& line = board.simulation().ports().uarts().line(uart);
+  return {line.bytes(), line.sha256()};
+}
+
+/// Whether a setting decides what is simulated, and is no place that a replay would write to.
+bool is_recorded(const run::RunSettings& settings, const Setting& setting) {
+  if (setting.is_path() || setting.kind == SettingKind::backend) return false;
+  if (setting.path == settings.firmware.load.about().path) return false;
+  const std::string ends[] = {settings.coprocessor.backend.about().path,
+                              settings.limits.simulated_s.about().path,
+                              settings.uarts.until.about().path, settings.uarts.fail.about().path};
+  return setting.bearing == Bearing::result ||
+         std::find(std::begin(ends), std::end(ends), setting.path) != std::end(ends);
+}
+
+/// Whether a setting names a file that is recorded by content. A library would be code of whoever
+/// wrote the session.
+bool is_recorded_file(const run::RunSettings& settings, const Setting& setting) {
+  return setting.kind == SettingKind::input &&
+         setting.path != settings.coprocessor.rtl_library.about().path &&
+         setting.path != settings.checkpoint.restore.about().path &&
+         setting.path != settings.firmware.load.about().path;
+}
+
+std::optional<Error> record_settings(Board& board, SessionFile& session) {
+  const run::RunSettings& settings = board.settings();
+  for (const TextField* each : {&settings.firmware.load, &settings.checkpoint.restore})
+    if (!each->empty())
+      return Error{each->about().path + " is not recorded; construct the simulation without it"};
+  for (const Setting& setting : settings.all()) {
+    if (setting.value.empty()) continue;
+    if (is_recorded_file(settings, setting)) {
+      const InputLimits limits{"it is recorded with the session", SessionFile::largest, true};
+      auto bytes = read_input(setting.value, limits);
+      if (!bytes) return Error{bytes.error()};
+      const std::string name = std::filesystem::path(setting.value).filename().string();
+      session.files.push_back({setting.path, name, std::move(bytes.value())});
+    } else if (setting.source != SettingSource::built_in && is_recorded(settings, setting)) {
+      session.settings[setting.path] = setting.value;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Settings and files of a session that no recording has: it would write, or load code.
+std::optional<Error> complain(const SessionFile& session) {
+  const run::RunSettings known;
+  for (const Setting& setting : known.all()) {
+    const bool is_value = session.settings.count(setting.path) != 0;
+    const bool is_file =
+        std::any_of(session.files.begin(), session.files.end(),
+                    [&](const auto& content) { return content.setting == setting.path; });
+    if ((is_value && !is_recorded(known, setting)) ||
+        (is_file && !is_recorded_file(known, setting)))
+      return Error{fmt::format("the session sets {}, which no recorded one does", setting.path)};
+  }
+  return std::nullopt;
+}
+
+/// Files of a session in a folder of their own, for as long as this lives.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path(failure_) / "capsoc-XXXXXX").string();
+    if (!failure_ && mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  /// The path of a file with this content.
+  Result<std::string> add(std::size_t number, const SessionFile::Content& content) {
+    if (path_.empty())
+      return Error{
+          fmt::format("no folder for temporary files: {}; set TMPDIR", std::strerror(errno))};
+    const std::filesystem::path folder = std::filesystem::path(path_) / std::to_string(number);
+    if (!std::filesystem::create_directory(folder, failure_))
+      return Error{fmt::format("{}: {}", folder.string(), failure_.message())};
+    std::string file = (folder / content.name).string();
+    if (auto error = host::write_whole(file, content.bytes)) return *error;
+    return file;
+  }
+
+ private:
+  std::error_code failure_;
+  std::string path_;
+};
+
+/// Why the inputs of a file are none.
+std::optional<Error> complain(const std::vector<Input>& inputs) {
+  for (const Input& input : inputs) {
+    const BoardVerb* const verb = board_verb(input.method);
+    if (verb == nullptr || !verb->is_input)
+      return Error{
+          fmt::format("the session has an input '{}', which this program does not know; "
+                      "replay it with the program that recorded it",
+                      printable(input.method, 80))};
+    const Call call(verb->about, input.parameters, input.frames);
+    if (std::string why = call.complaint(); !why.empty()) return Error{"the session: " + why};
+  }
+  return std::nullopt;
+}
+
+class Replay {
+ public:
+  Replay(const SessionFile& session, Board& board,
+         const std::function<void(const std::string& text)>& on_text)
+      : session_(session), board_(board), on_text_(on_text) {}
+
+  std::optional<Error> run(std::optional<double> until_s) {
+    Position last;
+    for (const SessionFile::Mark& mark : session_.marks) {
+      const bool is_beyond =
+          until_s && static_cast<double>(mark.at.time_ps) > std::round(*until_s * ps_per_s);
+      if (is_beyond) {
+        const Target target{Unit::time, static_cast<uint64_t>(std::llround(*until_s * ps_per_s))};
+        return go([&](Advance& advance) { return advance.go(target); });
+      }
+      if (auto error = go([&](Advance& advance) { return advance.go(mark.at); })) return error;
+      if (!replayed_.difference.empty()) return std::nullopt;
+      if (auto error = compare(mark, last)) return error;
+      if (!replayed_.difference.empty()) return std::nullopt;
+      last = mark.at;
+    }
+    compare_texts();
+    return std::nullopt;
+  }
+
+  Replayed take() {
+    replayed_.inputs = board_.history().passed();
+    replayed_.end_s = static_cast<double>(board_.position().time_ps) / ps_per_s;
+    return std::move(replayed_);
+  }
+
+ private:
+  template <typename Go>
+  std::optional<Error> go(Go go_there) {
+    Advance advance(board_);
+    if (const auto error = go_there(advance))
+      replayed_.difference =
+          fmt::format("differs before {}: {}", seconds_of(board_.position()), error->text);
+    uint64_t lost = 0;
+    on_text_(board_.uart(0).take(lost));
+    return std::nullopt;
+  }
+
+  std::optional<Error> compare(const SessionFile::Mark& mark, const Position& last) {
+    if (!(board_.position() == mark.at)) {
+      replayed_.difference = fmt::format("ends at {}, the recorded session at {} or later",
+                                         seconds_of(board_.position()), seconds_of(mark.at));
+      return std::nullopt;
+    }
+    if (mark.parts.empty()) return std::nullopt;
+    const auto now = parts_now(board_);
+    if (!now) return Error{now.error()};
+    ++replayed_.marks;
+    std::string differ;
+    for (const auto& [name, hash] : mark.parts) {
+      const auto found = now.value().find(name);
+      if (found == now.value().end() || found->second != hash)
+        differ += (differ.empty() ? "" : ", ") + printable(name, 80);
+    }
+    if (!differ.empty())
+      replayed_.difference = fmt::format("differs between {} and {}: in {}", seconds_of(last),
+                                         seconds_of(mark.at), differ);
+    return std::nullopt;
+  }
+
+  void compare_texts() {
+    for (std::size_t n = 0; n < std::min(session_.uarts.size(), soc::Soc::uart_count); ++n) {
+      const SessionFile::Text now = text_of(board_, n), &then = session_.uarts[n];
+      if (now.bytes == then.bytes && now.sha256 == then.sha256) continue;
+      replayed_.difference = fmt::format(
+          "differs at its end: uart{} sent {} bytes (SHA-256 {}), in "
+          "the recorded session {} ({})",
+          n, now.bytes, now.sha256, then.bytes, then.sha256);
+      return;
+    }
+  }
+
+  const SessionFile& session_;
+  Board& board_;
+  const std::function<void(const std::string& text)>& on_text_;
+  Replayed replayed_;
+};
+
+}  // namespace
+
+Result<SessionFile> record(Board& board) {
+  const History& history = board.history();
+  if (!history.is_on()) return Error{"there is no history: " + board.no_history()};
+  if (!history.is_complete())
+    return Error{
+        "the beginning of the history is not kept; construct the simulation, rather than to "
+        "restore it, with a greater history_mb"};
+  SessionFile session;
+  session.written_by = fmt::format("{} ({})", version(), commit());
+  if (auto error = record_settings(board, session)) return *error;
+  const Position now = board.position();
+  for (const Input& input : history.inputs())
+    if (input.at <= now) session.inputs.push_back(input);
+  for (const History::Snapshot& snapshot : history.snapshots()) {
+    if (snapshot.bytes.empty() || now <= snapshot.at) continue;
+    const Board::Snapshot state = Board::Snapshot::of(snapshot.bytes);
+    // A snapshot may be from before the inputs of its instant; a replay stops after them.
+    if (std::any_of(session.inputs.begin(), session.inputs.end(),
+                    [&](const Input& input) { return input.at == snapshot.at; }))
+      continue;
+    auto parts = parts_of(state.frames.at(0));
+    if (!parts) return Error{parts.error()};
+    session.marks.push_back({snapshot.at, std::move(parts.value())});
+  }
+  // A run that is over has no state any more; its position and its texts are compared.
+  SessionFile::Mark end{now, {}};
+  if (!board.simulation().is_over()) {
+    auto parts = parts_now(board);
+    if (!parts) return Error{parts.error()};
+    end.parts = std::move(parts.value());
+  }
+  session.marks.push_back(std::move(end));
+  for (std::size_t n = 0; n < soc::Soc::uart_count; ++n) session.uarts.push_back(text_of(board, n));
+  return session;
+}
+
+Result<Replayed> replay(const SessionFile& session, std::optional<double> until_s,
+                        const std::function<void(const std::string& text)>& on_text) {
+  if (auto error = complain(session)) return *error;
+  if (auto error = complain(session.inputs)) return *error;
+  Folder folder;  // sensor.set reads the sensor's file again
+  Json settings = Json::object();
+  for (const auto& [name, value] : session.settings) settings[name] = value;
+  for (std::size_t n = 0; n < session.files.size(); ++n) {
+    auto file = folder.add(n, session.files[n]);
+    if (!file) return Error{file.error()};
+    settings[session.files[n].setting] = std::move(file.value());
+  }
+  auto constructed = Board::construct(settings, {});
+  if (!constructed) return Error{constructed.error()};
+  Board& board = *constructed.value();
+  board.history().expect(session.inputs);
+  Replay again(session, board, on_text);
+  if (auto error = again.run(until_s)) return *error;
+  return again.take();
+}
+
+}  // namespace capsoc::service

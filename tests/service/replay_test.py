@@ -1,0 +1,134 @@
+#!/usr/bin/python3
+"""Recorded sessions: capsoc replay gives the same bytes, names the first difference, and refuses what is no session."""
+
+import hashlib
+import json
+import random
+import subprocess
+import unittest
+
+from history_test import SHORT, Past
+from harness import CAPSOC, CLEAN, FIRMWARE, TRACES
+from protocol_test import Refused
+
+CTEST = {"name": "service: replay", "timeout": 600, "interpreter": "/usr/bin/python3"}
+
+SEED = 20261126
+
+
+class Replays(Past):
+    """A session of the main job and of a program that answers, recorded and simulated again."""
+
+    def replay(self, *words, code=0, name="a.session"):
+        done = subprocess.run(
+            [CAPSOC, "replay", name, *words], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=300
+        )
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout.decode(), done.stderr.decode()
+
+    def record(self, simulation, name="a.session"):
+        return self.session("simulation.record", simulation=simulation, file=str(self.folder / name))
+
+    def test_what_came_from_outside(self):
+        simulation = self.construct("echo")
+        self.advance(simulation, seconds=0.001)
+        self.session("uart.send", simulation=simulation, uart=0, bytes=[99, 0, 0, 0, 65, 66, 67])
+        self.advance(simulation, seconds=0.0003)
+        self.session("memory.write", simulation=simulation, address=0x20300000, bytes="abc")
+        self.session("history.keep", simulation=simulation)
+        self.advance(simulation, seconds=0.005)
+        self.session("pin.drive", simulation=simulation, gpio=2, pin=1, level=True)
+        text = self.text(simulation)
+        told = self.record(simulation)
+        self.assertEqual(told["inputs"], 3)
+        said, about = self.replay()
+        self.assertEqual(said, text)
+        self.assertRegex(about, "the same until 0.006.* s: 3 inputs, [12] states compared")
+        self.assertRegex(self.replay("--until", "0.002")[1], "the same until 0.002.* s: 2 inputs")
+
+    def test_the_main_job_from_another_folder(self):
+        (self.folder / "own.elf").write_bytes((FIRMWARE / "selfcal.elf").read_bytes())
+        (self.folder / "own.toml").write_bytes((TRACES / "soc_eq21.toml").read_bytes())
+        simulation = self.construct(
+            "x", **{"firmware.elf": str(self.folder / "own.elf"), "sensor.file": str(self.folder / "own.toml")}, **SHORT
+        )
+        for _ in range(4):
+            self.advance(simulation, seconds=0.3)
+            self.session("history.keep", simulation=simulation)
+            self.session("sensor.set", simulation=simulation, parameters={"b1": 0.1})
+            self.advance(simulation, instructions=1000)
+            self.session("history.keep", simulation=simulation)
+        self.record(simulation)
+        # The files by content: where they were does not matter any more.
+        (self.folder / "own.elf").unlink()
+        (self.folder / "own.toml").write_text("nothing")
+        self.assertRegex(self.replay()[1], "4 inputs, [4-9] states compared")
+
+    def forge(self, change, name="b.session"):
+        """A session with another header, and the hash that belongs to it."""
+        data = (self.folder / "a.session").read_bytes()
+        line, rest = data.split(b"\n", 1)
+        size = int(line.split()[3])
+        header = json.loads(rest[:size])
+        change(header)
+        text = json.dumps(header).encode()
+        first = f"capsoc session 1 {len(text)} {hashlib.sha256(text).hexdigest()}\n".encode()
+        (self.folder / name).write_bytes(first + text + rest[size:])
+        return name
+
+    def test_the_first_difference_is_named(self):
+        simulation = self.construct("selfcal", **SHORT)
+        for _ in range(3):
+            self.advance(simulation, seconds=0.25)
+            self.session("history.keep", simulation=simulation)
+        self.advance(simulation, seconds=0.25)
+        self.record(simulation)
+
+        def other_state(header):
+            mark = next(each for each in header["marks"] if each["at"]["time_s"] >= 0.5)
+            mark["parts"]["timer1"] = "0" * 64
+
+        about = self.replay(name=self.forge(other_state), code=1)[1]
+        self.assertRegex(about, r"differs between 0\.25\S* s and 0\.5\S* s: in timer1")
+        wanted = self.forge(lambda header: header["uarts"][0].update(sha256="0" * 64))
+        self.assertRegex(self.replay(name=wanted, code=1)[1], "differs at its end: uart0")
+
+        def other_program(header):
+            header["settings"]["program.demodulation_samples"] = "501"
+
+        self.assertRegex(self.replay(name=self.forge(other_program), code=1)[1], "differs between 0 s and")
+
+    def test_what_is_refused(self):
+        simulation = self.construct("echo")
+        self.advance(simulation, seconds=0.001)
+        self.session("uart.send", simulation=simulation, uart=0, bytes=[1, 0, 0, 0, 65])
+        self.record(simulation)
+        data = (self.folder / "a.session").read_bytes()
+        draw = random.Random(SEED)
+        kinds = [
+            lambda: data[: draw.randrange(len(data))],
+            lambda: data + b"x",
+            lambda: data[:15] + b"7" + data[16:],
+            lambda: b"capsoc checkpoint 1" + data,
+        ]
+        for number, kind in enumerate(kinds):
+            (self.folder / "b.session").write_bytes(kind())
+            about = self.replay(name="b.session", code=2)[1]
+            self.assertEqual(about.count("\n"), 1, (number, about))
+        self.assertRegex(self.replay(name="none", code=2)[1], "none: .*")
+        for name in ("trace.instructions", "uart0.backend", "checkpoint.save", "coprocessor.rtl_library"):
+            writes = self.forge(lambda header, name=name: header["settings"].update({name: "x@1"}))
+            self.assertRegex(self.replay(name=writes, code=2)[1], f"the session sets {name}")
+        self.assertFalse((self.folder / "x").exists())
+        library = self.forge(lambda header: header["files"][0].update(setting="coprocessor.rtl_library"))
+        self.assertRegex(self.replay(name=library, code=2)[1], "the session sets coprocessor.rtl_library")
+        unknown = self.forge(lambda header: header["settings"].update({"no.such": "1"}))
+        self.assertRegex(self.replay(name=unknown, code=2)[1], "no.such")
+        with self.assertRaisesRegex(Refused, "there is no history"):
+            self.record(self.construct("echo", history_mb=0))
+        with self.assertRaisesRegex(Refused, "cannot be written|No such"):
+            self.session("simulation.record", simulation=simulation, file=str(self.folder / "no" / "x"))
+
+
+if __name__ == "__main__":
+    unittest.main()
