@@ -198,7 +198,8 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
   }
   for (const auto& [name, stream] : kept_.all()) {
     Json both = Json::object();
-    held.add_bytes(both, "said", stream->said());
+    held.add_bytes(both, "said", unread ? stream->said() : "");
+    both["sent"] = stream->sent();
     held.add_bytes(both, "given", stream->given());
     held.result[name] = std::move(both);
   }
@@ -242,6 +243,7 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
   }
   for (const auto& [name, stream] : kept_.all()) {
     stream->say(bytes_in(held.at(name).at("said"), from.frames));
+    stream->set_sent(held.at(name).at("sent").get<uint64_t>());
     stream->give(bytes_in(held.at(name).at("given"), from.frames));
   }
   std::vector<sensor::KeyValue> keys;

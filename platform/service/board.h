@@ -97,7 +97,7 @@ class Board {
   bool is_interrupted() const { return is_interrupted_ && is_interrupted_(); }
   void ask_for_interruption(std::function<bool()> asked) { is_interrupted_ = std::move(asked); }
   /// What a client knows of the outputs, for a board that takes the place of this one.
-  Json told(Frames& frames) const;
+  Json told(Frames& frames);
   std::optional<Error> set_told(const Json& told, const Frames& frames);
   /// Nothing is told until set_told().
   void mute();

@@ -1,6 +1,8 @@
 // What a board has to do with its history.
 #include <fmt/format.h>
 
+#include <set>
+#include <string>
 #include <utility>
 
 #include "service/board.h"
@@ -34,8 +36,10 @@ std::string Board::why_no_history() const {
     if (setting.value.empty()) continue;
     if (setting.kind == SettingKind::output || setting.kind == SettingKind::directory)
       return fmt::format("{} names a place that going back would write to again", setting.path);
-    if (setting.kind == SettingKind::backend && setting.value != "null" &&
-        setting.value != "stderr" && setting.value.rfind("script:", 0) != 0)
+    // Standard streams are the session's own.
+    static const std::set<std::string> own = {"null", "stdout", "stdio", "stderr"};
+    if (setting.kind == SettingKind::backend && own.count(setting.value) == 0 &&
+        setting.value.rfind("script:", 0) != 0)
       return fmt::format("{} connects the simulation to {}", setting.path, setting.value);
   }
   return "";
@@ -83,10 +87,15 @@ std::optional<Error> Board::keep() {
   return std::nullopt;
 }
 
-Json Board::told(Frames& frames) const {
+Json Board::told(Frames& frames) {
   Answer answer;
   answer.frames = std::move(frames);
-  Json uarts = Json::array();
+  Json uarts = Json::array(), streams = Json::object();
+  for (const auto& [name, stream] : kept_.all()) {
+    Json each = {{"told", stream->told()}, {"lost", stream->lost()}};
+    answer.add_bytes(each, "said", stream->said());
+    streams[name] = std::move(each);
+  }
   for (const UartTap& uart : uarts_) {
     UartTap::Told of_uart = uart.told();
     Json each = {{"told", of_uart.told}, {"lost", of_uart.lost}};
@@ -95,6 +104,7 @@ Json Board::told(Frames& frames) const {
   }
   frames = std::move(answer.frames);
   return {{"uarts", std::move(uarts)},
+          {"streams", std::move(streams)},
           {"events", events_.subscribed()},
           {"events_ps", events_.told().value()}};
 }
@@ -104,6 +114,11 @@ std::optional<Error> Board::set_told(const Json& told, const Frames& frames) {
     const Json& each = told.at("uarts").at(n);
     uarts_[n].set_told({each.at("told").get<uint64_t>(), bytes_in(each.at("unread"), frames),
                         each.at("lost").get<uint64_t>()});
+  }
+  for (const auto& [name, stream] : kept_.all()) {
+    const Json& each = told.at("streams").at(name);
+    stream->set_told(each.at("told").get<uint64_t>(), bytes_in(each.at("said"), frames),
+                     each.at("lost").get<uint64_t>());
   }
   events_.set_told(sc_core::sc_time::from_value(told.at("events_ps").get<uint64_t>()));
   // Which samples of the way here are there depends on where a snapshot was: only the newest is.
@@ -116,10 +131,12 @@ std::optional<Error> Board::set_told(const Json& told, const Frames& frames) {
 
 void Board::mute() {
   for (UartTap& uart : uarts_) uart.mute();
+  for (const auto& [name, stream] : kept_.all()) stream->mute();
 }
 
 void Board::forget_told() {
   for (UartTap& uart : uarts_) uart.forget_told();
+  for (const auto& [name, stream] : kept_.all()) stream->forget_told();
   events_.set_told(sc_core::SC_ZERO_TIME);
 }
 

@@ -24,10 +24,10 @@
 namespace capsoc::service {
 namespace {
 
-constexpr double ps_per_s = 1e12;
+constexpr double picoseconds = 1e12;
 
 std::string seconds_of(const Position& at) {
-  return fmt::format("{:.12g} s", static_cast<double>(at.time_ps) / ps_per_s);
+  return fmt::format("{:.12g} s", static_cast<double>(at.time_ps) / picoseconds);
 }
 
 /// The hash of each part of a packed state.
@@ -46,13 +46,15 @@ Result<std::map<std::string, std::string>> parts_now(Board& board) {
   return parts_of(state.value());
 }
 
-SessionFile::Text text_of(Board& board, std::size_t uart) {
+SessionFile::Text uart_text(Board& board, std::size_t uart) {
   const serial::SerialLine& line = board.simulation().ports().uarts().line(uart);
   return {line.bytes(), line.sha256()};
 }
 
 /// Whether a setting decides what is simulated, and is no place that a replay would write to.
 bool is_recorded(const run::RunSettings& settings, const Setting& setting) {
+  // The session's own stream; that of the ITM enables its port.
+  if (setting.path == settings.itm.backend.about().path) return setting.value == "stdout";
   if (setting.is_path() || setting.kind == SettingKind::backend) return false;
   if (setting.path == settings.firmware.load.about().path) return false;
   const std::string ends[] = {settings.coprocessor.backend.about().path,
@@ -78,6 +80,8 @@ std::optional<Error> record_settings(Board& board, SessionFile& session) {
       return Error{each->about().path + " is not recorded; construct the simulation without it"};
   for (const Setting& setting : settings.all()) {
     if (setting.value.empty()) continue;
+    if (setting.kind == SettingKind::backend && setting.value.rfind("script:", 0) == 0)
+      return Error{setting.path + ": a script is not recorded; send what it does as requests"};
     if (is_recorded_file(settings, setting)) {
       const InputLimits limits{"it is recorded with the session", SessionFile::largest, true};
       auto bytes = read_input(setting.value, limits);
@@ -93,7 +97,11 @@ std::optional<Error> record_settings(Board& board, SessionFile& session) {
 
 /// Settings and files of a session that no recording has: it would write, or load code.
 std::optional<Error> complain(const SessionFile& session) {
-  const run::RunSettings known;
+  run::RunSettings known;
+  const std::string itm = known.itm.backend.about().path;
+  if (const auto found = session.settings.find(itm); found != session.settings.end())
+    if (auto error = known.set(itm, found->second, SettingSource::command_line, "settings"))
+      return error;
   for (const Setting& setting : known.all()) {
     const bool is_value = session.settings.count(setting.path) != 0;
     const bool is_file =
@@ -163,9 +171,10 @@ class Replay {
     Position last;
     for (const SessionFile::Mark& mark : session_.marks) {
       const bool is_beyond =
-          until_s && static_cast<double>(mark.at.time_ps) > std::round(*until_s * ps_per_s);
+          until_s && static_cast<double>(mark.at.time_ps) > std::round(*until_s * picoseconds);
       if (is_beyond) {
-        const Target target{Unit::time, static_cast<uint64_t>(std::llround(*until_s * ps_per_s))};
+        const Target target{Unit::time,
+                            static_cast<uint64_t>(std::llround(*until_s * picoseconds))};
         return go([&](Advance& advance) { return advance.go(target); });
       }
       if (auto error = go([&](Advance& advance) { return advance.go(mark.at); })) return error;
@@ -180,7 +189,7 @@ class Replay {
 
   Replayed take() {
     replayed_.inputs = board_.history().passed();
-    replayed_.end_s = static_cast<double>(board_.position().time_ps) / ps_per_s;
+    replayed_.end_s = static_cast<double>(board_.position().time_ps) / picoseconds;
     return std::move(replayed_);
   }
 
@@ -220,7 +229,7 @@ class Replay {
 
   void compare_texts() {
     for (std::size_t n = 0; n < std::min(session_.uarts.size(), soc::Soc::uart_count); ++n) {
-      const SessionFile::Text now = text_of(board_, n), &then = session_.uarts[n];
+      const SessionFile::Text now = uart_text(board_, n), &then = session_.uarts[n];
       if (now.bytes == then.bytes && now.sha256 == then.sha256) continue;
       replayed_.difference = fmt::format(
           "differs at its end: uart{} sent {} bytes (SHA-256 {}), in "
@@ -270,7 +279,8 @@ Result<SessionFile> record(Board& board) {
     end.parts = std::move(parts.value());
   }
   session.marks.push_back(std::move(end));
-  for (std::size_t n = 0; n < soc::Soc::uart_count; ++n) session.uarts.push_back(text_of(board, n));
+  for (std::size_t n = 0; n < soc::Soc::uart_count; ++n)
+    session.uarts.push_back(uart_text(board, n));
   return session;
 }
 

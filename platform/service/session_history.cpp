@@ -13,7 +13,7 @@
 namespace capsoc::service {
 namespace {
 
-constexpr double ps_per_s = 1e12, longest_s = 1e6;
+constexpr double ps_in_second = 1e12, latest_s = 1e6;
 /// A change is looked for on finer and finer grids, down to this.
 constexpr uint64_t finer = 1000, finest_ps = 1000;
 
@@ -43,8 +43,8 @@ Json goal_in(const Json& parameters, const Named (&names)[n]) {
     if (each.unit == Unit::time && std::string_view(each.name) != "time_ps") {
       if (!found->is_number()) return nullptr;
       const double seconds = found->get<double>();
-      if (!(seconds >= 0 && seconds <= longest_s)) return nullptr;
-      value = static_cast<uint64_t>(std::llround(seconds * ps_per_s));
+      if (!(seconds >= 0 && seconds <= latest_s)) return nullptr;
+      value = static_cast<uint64_t>(std::llround(seconds * ps_in_second));
     } else {
       if (!found->is_number_unsigned()) return nullptr;
       value = found->get<uint64_t>();
@@ -60,11 +60,11 @@ constexpr const char* position_words =
 /// How often to look, in ps; 0: wrong.
 uint64_t step_in(const Json& parameters) {
   const auto every = parameters.find("every_s");
-  if (every == parameters.end()) return static_cast<uint64_t>(1e-3 * ps_per_s);
+  if (every == parameters.end()) return static_cast<uint64_t>(1e-3 * ps_in_second);
   if (!every->is_number()) return 0;
   const double seconds = every->get<double>();
-  if (!(seconds >= 1e-9 && seconds <= longest_s)) return 0;
-  return static_cast<uint64_t>(std::llround(seconds * ps_per_s));
+  if (!(seconds >= 1e-9 && seconds <= latest_s)) return 0;
+  return static_cast<uint64_t>(std::llround(seconds * ps_in_second));
 }
 
 }  // namespace

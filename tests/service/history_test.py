@@ -4,6 +4,7 @@
 The oracle of every test is another simulation that only goes forward. CAPSOC_HISTORY_WALKS asks for longer walks.
 """
 
+import json
 import os
 import random
 import unittest
@@ -63,6 +64,8 @@ class Walks(Past):
             self.advance(simulation, instructions=count - now)
             self.session(method, simulation=simulation, **params)
         self.session("simulation.goto", simulation=simulation, instructions=last)
+        if program == "selfcal" and last > 1_000_000:
+            self.assertGreater(self.where(simulation)["snapshots"], 1)  # by itself
         text = ""
         for _ in range(moves):
             count = draw.choice(stops)
@@ -154,6 +157,37 @@ class Branches(Past):
         self.session("simulation.goto", simulation=simulation, cycles=1000)
         again = self.advance(simulation, uart=wanted)
         self.assertEqual((again["match"]["groups"], again["state"]), (first["match"]["groups"], first["state"]))
+
+    def test_streams_are_told_once(self):
+        simulation = self.construct("itm", **{"itm.backend": "stdout"})
+        text = ""
+        for until_s in (0.0001, 0.00005, 0.0002, 0.00001, 0.01):
+            self.session("simulation.goto", simulation=simulation, time_s=until_s)
+            text += self.session("itm.read", simulation=simulation)["text"]
+        other = self.construct("itm", **{"itm.backend": "stdout"})
+        self.advance(other, until_s=0.01)
+        wanted = self.session("itm.read", simulation=other)["text"]
+        self.assertEqual((text, len(wanted) > 0), (wanted, True))
+
+    def test_a_search_is_answered_though_its_simulation_is_closed(self):
+        for ending in ("simulation.close", "simulation.interrupt"):
+            simulation = self.construct("selfcal")
+            self.advance(simulation, until_s=300)
+            params = {"simulation": simulation}
+            requests = (
+                (1, "history.last_write", {**params, "register": "r9"}),
+                (2, "simulation.state", params),
+                (3, ending, params),
+            )
+            process = self.session.process
+            for number, method, given in requests:
+                request = {"jsonrpc": "2.0", "id": number, "method": method, "params": given}
+                process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+            answers = [json.loads(process.stdout.readline()) for _ in requests]
+            self.assertEqual(sorted(answer["id"] for answer in answers), [1, 2, 3])
+            if ending == "simulation.interrupt":
+                self.assertEqual(self.advance(simulation, seconds=1)["state"]["time_s"], 301)
 
     def test_what_is_refused(self):
         simulation = self.construct("echo", history_mb=0)

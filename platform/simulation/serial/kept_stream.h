@@ -1,6 +1,7 @@
 // A stream whose other end is in this process.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +21,10 @@ class KeptStream {
   static constexpr std::size_t most_kept = std::size_t{2} << 20;
 
   void say(std::string_view bytes) {
-    said_ += bytes;
+    sent_ += bytes.size();
+    if (sent_ <= told_) return;
+    const uint64_t fresh = sent_ - told_;
+    said_ += bytes.size() > fresh ? bytes.substr(bytes.size() - fresh) : bytes;
     if (said_.size() <= most_kept) return;
     const std::size_t many = said_.size() - most_kept / 2;
     said_.erase(0, many);
@@ -32,6 +36,23 @@ class KeptStream {
     return std::exchange(said_, {});
   }
   const std::string& said() const { return said_; }
+  uint64_t lost() const { return lost_; }
+
+  /// Bytes of the guest since the start. Of a guest that went back in time those before `told` are
+  /// not kept again.
+  uint64_t sent() const { return sent_; }
+  void set_sent(uint64_t sent) { sent_ = sent; }
+  uint64_t told() const { return std::max(sent_, told_); }
+  /// `said` and `lost`: what nobody has taken of what is told.
+  void set_told(uint64_t told, std::string said, uint64_t lost) {
+    told_ = told;
+    said_ = std::move(said);
+    lost_ = lost;
+  }
+  /// Nothing is kept until set_told().
+  void mute() { told_ = UINT64_MAX; }
+  /// What follows was never sent before.
+  void forget_told() { told_ = sent_; }
 
   void give(std::string_view bytes) { given_ += bytes; }
   /// A line, or what there is.
@@ -45,7 +66,7 @@ class KeptStream {
 
  private:
   std::string said_, given_;
-  uint64_t lost_ = 0;
+  uint64_t lost_ = 0, sent_ = 0, told_ = 0;
 };
 
 /// The guest's end. The stream must outlive it.

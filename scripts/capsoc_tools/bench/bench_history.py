@@ -54,14 +54,10 @@ def main():
     for _ in range(chosen.repeat):
         for megabytes, all_times in times.items():
             all_times.append(processor_time(chosen.capsoc, megabytes))
-    without, with_history = (min(each) for each in times.values())
-    medians = [statistics.median(each) for each in times.values()]
-    print(
-        f"main job, processor time  least {without:.3f} s, with a history {with_history:.3f} s: {with_history / without - 1:+.1%}"
-    )
-    print(
-        f"                          median {medians[0]:.3f} s, with a history {medians[1]:.3f} s: {medians[1] / medians[0] - 1:+.1%}"
-    )
+    for name, of in (("least", min), ("median", statistics.median)):
+        without, with_history = (of(each) for each in times.values())
+        share = with_history / without - 1
+        print(f"main job, {name:6}          {without:.3f} s, with a history {with_history:.3f} s: {share:+.1%}")
 
     session = Session(chosen.capsoc, {"firmware.elf": "selfcal"})
     session.call("simulation.advance", until_s=420)
