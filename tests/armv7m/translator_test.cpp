@@ -326,8 +326,9 @@ TEST(Operands, AtTheirBordersGiveTheSameResultsFlagsAndCycles) {
             << testing::PrintToString(operation) << " of " << x << " and " << y;
       }
     }
-    if (has_translator())
+    if (has_translator()) {
       EXPECT_GT(translated.core.translation().value_or(TranslationCounts{}).instructions, 1000u);
+    }
   }
 }
 
