@@ -34,7 +34,13 @@ class Past(Driven):
         return told["now"], told["sha256"], state
 
     def text(self, simulation):
-        return self.session("uart.read", simulation=simulation, uart=0)["text"]
+        """Of whichever output the program uses."""
+        text = self.session("uart.read", simulation=simulation, uart=0)["text"]
+        text += self.session("semihosting.read", simulation=simulation)["text"]
+        try:
+            return text + self.session("itm.read", simulation=simulation)["text"]
+        except Refused:
+            return text
 
 
 class Walks(Past):
@@ -113,6 +119,15 @@ class Walks(Past):
             (1200, "uart.send", {"uart": 0, "bytes": "three"}),
         ]
         self.walk("echo", [400, 500, 700, 900, 901, 950, 1000, 1150, 1200, 1300], sent)
+
+    def test_text_beside_the_uarts(self):
+        self.walk("itm", [100, 250, 300, 350, 400, 450, 500], **{"itm.backend": "stdout"})
+        self.walk("long_text", self.stops("long_text", 200_000, 6), moves=MOVES // 2)
+
+    def test_what_is_read_from_the_console(self):
+        sent = [(300_000, "semihosting.send", {"bytes": "abc\ndef"}), (300_020, "semihosting.send", {"bytes": "g\n"})]
+        stops = [250_000, 300_000, 300_010, 300_020, 300_030, 300_050, 300_100]
+        self.walk("endless", stops, sent, **{"program.way": "22"})
 
     def test_the_sensor(self):
         changes = [

@@ -548,7 +548,9 @@ class Hostile(Driven):
                 self.fail(f"seed {SEED}: {method['name']} {params}: {answer['error']}")
         self.assertGreater(answers["result"], 400)
         self.assertGreater(answers["error"], 400)
-        self.assertEqual(self.advance(simulation, seconds=0.01)["reason"], "time")
+        # Its registers and memory hold what was drawn, so it may have crashed; the session is well.
+        self.assertIn(self.advance(simulation, seconds=0.01)["reason"], ("time", "over"))
+        self.assertEqual(self.advance(self.construct(), seconds=0.01)["reason"], "time")
 
     def test_damaged_lines(self):
         for line, code in (
