@@ -1,5 +1,5 @@
-// Registers of devices, as a driver of a bus in software uses them: pins written, a timer's register
-// read back. QEMU has no GPIO; its pins are not read.
+// Registers of devices, as a driver of a bus in software uses them: pins written, a timer's
+// register read back. QEMU has no GPIO; its pins are not read.
 #include "an385.h"
 #include "bench.h"
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 from . import memory, proxies
 from .errors import CapsocError, SessionError, SimulationEnded
 from .figure import line_plot
+from .past import Past
 from .samples import Table, table
-from .state import Event, Position, Result, Snapshot, State, Stop, Write
+from .state import Event, Result, Snapshot, State, Stop
 from .uart import Uart
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 UARTS, GPIOS = 5, 4
 
 
-class Simulation:
+class Simulation(Past):
     """A simulation in a process of its own. Made by Session.run(), capsoc.run() or the fixture `capsoc`.
 
     Close it or use it in a `with` statement, which closes it on every way out. Simulated time stands between calls, so
@@ -208,116 +209,6 @@ class Simulation:
     def drop(self, snapshot: Snapshot) -> None:
         """Releases the memory of a snapshot."""
         self.session.call("snapshot.drop", snapshot=snapshot.number)
-
-    def when(self) -> Position:
-        """Where the simulation is in its history."""
-        return Position.of(self.call("history.when")["now"])
-
-    def goto(
-        self,
-        time_s: Optional[float] = None,
-        *,
-        cycles: Optional[int] = None,
-        instructions: Optional[int] = None,
-        sample: Optional[int] = None,
-        position: Optional[Position] = None,
-    ) -> State:
-        """To the first instant at which a time or a count since the start is reached, back or forward.
-
-        What was sent to the simulation takes place again; what it sent is not told again. position: its time.
-        """
-        __tracebackhide__ = True
-        time_ps = None if position is None else position.time_ps
-        goal = {
-            "time_s": time_s,
-            "time_ps": time_ps,
-            "cycles": cycles,
-            "instructions": instructions,
-            "sample": sample,
-        }
-        answer = self.call("simulation.goto", **{name: value for name, value in goal.items() if value is not None})
-        self._last = State.of(answer["state"])
-        return self._last
-
-    def at(self, time_s: float) -> Simulation:
-        """This simulation at a time, as goto(): `sim.at(1.5).variables["turns"]`."""
-        __tracebackhide__ = True
-        self.goto(time_s)
-        return self
-
-    def back(
-        self,
-        seconds: Optional[float] = None,
-        *,
-        cycles: Optional[int] = None,
-        instructions: Optional[int] = None,
-        samples: Optional[int] = None,
-        symbol: Optional[str] = None,
-        address: Optional[int] = None,
-        expression: Optional[str] = None,
-        every_s: float = 0.001,
-    ) -> bool:
-        """Back by one of these, or to the last instant before now at which the processor was in front of an instruction
-        or an expression was not 0. False: it never was, and the simulation stays; or the history begins later."""
-        __tracebackhide__ = True
-        goals = {
-            "seconds": seconds,
-            "cycles": cycles,
-            "instructions": instructions,
-            "samples": samples,
-            "address": symbol if address is None else address,
-            "expression": None if expression is None else {"text": expression, "every_s": every_s},
-        }
-        answer = self.call("history.back", **{name: value for name, value in goals.items() if value is not None})
-        self._last = State.of(answer["state"])
-        return answer["reason"] not in ("never", "beginning")
-
-    def back_to(self, condition: Union[str, Callable[[Simulation], Any]], every_s: float = 0.001) -> bool:
-        """Back to the last instant before now at which a condition held, seen every every_s simulated seconds.
-
-        condition: an expression as in until(), or a function of this simulation, which is slower: each look goes back.
-        False: it never held, and the simulation is where it was.
-        """
-        __tracebackhide__ = True
-        if isinstance(condition, str):
-            return self.back(expression=condition, every_s=every_s)
-        about = self.call("history.when")
-        began, beginning = about["now"], about["beginning"]["time_ps"]
-        step = round(every_s * 1e12)
-        if step <= 0:
-            raise ValueError("every_s: give more than 0.")
-        for time_ps in range((began["time_ps"] - 1) // step * step, beginning - 1, -step):
-            self._last = State.of(self.call("simulation.goto", time_ps=time_ps)["state"])
-            if condition(self):
-                return True
-        self.goto(position=Position.of(began))
-        return False
-
-    def last_write(
-        self,
-        variable: Optional[str] = None,
-        *,
-        address: Union[None, int, str] = None,
-        size: int = 4,
-        register: Optional[str] = None,
-    ) -> Optional[Write]:
-        """The last instruction or request before now that wrote to a variable, to memory (an address or a symbol, and
-        bytes), or to a register of the processor; None: there is none. The simulation stays where it is."""
-        __tracebackhide__ = True
-        asked: dict[str, Any] = {"variable": variable, "address": address, "register": register}
-        asked["size"] = None if address is None else size
-        answer = self.call("history.last_write", **{name: value for name, value in asked.items() if value is not None})
-        if not answer["found"]:
-            return None
-        known = {name: answer[name] for name in ("by", "old", "new", "pc", "place") if name in answer}
-        return Write(position=Position.of(answer["position"]), **known)
-
-    def history_diff(self, one: float, other: Optional[float] = None) -> dict[str, Any]:
-        """How two times differ (other: now): "processor", "devices" and "memory", with both values by name."""
-        __tracebackhide__ = True
-        times = {"one": {"time_s": one}} if other is None else {"one": {"time_s": one}, "other": {"time_s": other}}
-        answer: dict[str, Any] = self.call("history.diff", **times)
-        return answer
 
     def clone(self, count: int = 1) -> list[Simulation]:
         """Further simulations that continue from the state of now, each on its own."""

@@ -4,6 +4,7 @@ Every ratio is of runs that alternate; medians are printed, with the least and t
 """
 
 import argparse
+import importlib
 import json
 import os
 import statistics
@@ -14,7 +15,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[3]
-PACKAGE = SOURCE / "platform" / "python"
 
 
 def spread(values, unit, digits=3):
@@ -89,9 +89,10 @@ def main():
     parser.add_argument("--samples", default=1000000, type=int)
     parser.add_argument("--pieces", default=100000, type=int)
     arguments = parser.parse_args()
-    sys.path.insert(0, str(PACKAGE))
-    import capsoc  # pylint: disable=import-outside-toplevel
-
+    try:
+        capsoc = importlib.import_module("capsoc")
+    except ModuleNotFoundError:
+        parser.error("there is no module capsoc; begin the line with PYTHONPATH=platform/python")
     run, in_session = main_job(arguments.program, capsoc)
     direct, driven = [], []
     for _ in range(arguments.repeat):
