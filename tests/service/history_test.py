@@ -141,6 +141,66 @@ class Walks(Past):
         self.walk("selfcal", stops, moves=MOVES // 3, **{"coprocessor.backend": "rtl"}, **SHORT)
 
 
+class Logged(Past):
+    """What changes the simulation is logged, and nothing else. Every method about a simulation is in one of the lists."""
+
+    INPUTS = {
+        "memory.write": {"address": 0x20300000, "bytes": [1]},
+        "variable.write": {"name": "results", "value": 7},
+        "processor.write": {"register": "r11", "value": 77},
+        "register.write": {"name": "COPROCESSOR.LOCK_THRESHOLD", "value": 77},
+        "uart.send": {"uart": 0, "bytes": "x"},
+        "semihosting.send": {"bytes": "x"},
+        "pin.drive": {"gpio": 0, "pin": 3, "level": True},
+        "button.press": {"button": 0, "pressed": True},
+        "adc.inject": {"u": [0.5], "v": [0.25]},
+        "sensor.set": {"parameters": {"b1": 0.125}},
+    }
+    LOOKS = {
+        "simulation.state": {},
+        "simulation.save": {"file": "saved"},
+        "simulation.record": {"file": "recorded"},
+        "history.when": {},
+        "history.keep": {},
+        "memory.read": {"address": 0x20000000, "size": 64},
+        "variable.read": {"name": "results"},
+        "variable.list": {},
+        "expression.read": {"text": "results + 1"},
+        "processor.read": {},
+        "register.read": {"name": "UART0.STATE"},
+        "register.list": {},
+        "coprocessor.read": {},
+        "uart.read": {"uart": 0},
+        "itm.read": {},
+        "semihosting.read": {},
+        "pin.read": {"gpio": 0},
+        "events.subscribe": {"kinds": ["exception", "sample"]},
+        "sensor.read": {},
+        "samples.read": {},
+    }
+    MOVES = {
+        *("simulation.advance", "simulation.goto", "simulation.restore", "simulation.finish", "simulation.close"),
+        *("simulation.interrupt", "simulation.snapshot", "simulation.clone"),
+        *("history.back", "history.last_write", "history.last_change", "history.diff"),
+    }
+
+    def test_every_method(self):
+        methods = {each["name"] for each in self.session("session.schema")["methods"] if each["simulation"]}
+        self.assertEqual(methods, {*self.INPUTS, *self.LOOKS, *self.MOVES})
+        simulation = self.construct(**{"itm.backend": "stdout"})
+        self.advance(simulation, instructions=300_000)
+        before = self.look(simulation)
+        for method, params in self.LOOKS.items():
+            with self.subTest(method=method):
+                self.session(method, simulation=simulation, **params)
+                self.assertEqual(self.where(simulation)["inputs"], 0)
+                self.assertEqual(self.look(simulation), before)
+        for number, (method, params) in enumerate(self.INPUTS.items(), 1):
+            with self.subTest(method=method):
+                self.session(method, simulation=simulation, **params)
+                self.assertEqual(self.where(simulation)["inputs"], number)
+
+
 class Branches(Past):
     """An input after going back makes another future."""
 
