@@ -58,7 +58,7 @@ class KeptStream {
   /// A line, or what there is.
   std::string read() {
     const std::size_t end = given_.find('\n');
-    const std::string line = given_.substr(0, end == std::string::npos ? end : end + 1);
+    std::string line = given_.substr(0, end == std::string::npos ? end : end + 1);
     given_.erase(0, line.size());
     return line;
   }
