@@ -52,7 +52,7 @@ Search::~Search() {
   if (observes_) board_.soc().cpu.core().remove_observer(*this);
 }
 
-void Search::hit(Json more) {
+void Search::hit(const Json& more) {
   found_ = {{"hit", to_json(board_.position())}};
   found_.update(more);
 }

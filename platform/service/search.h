@@ -48,7 +48,7 @@ class Search final : private armv7m::Observer {
   std::optional<Error> walk_grid(uint64_t every_ps,
                                  const std::function<std::optional<Error>()>& look);
   void watch_input(const std::function<Json()>& value);
-  void hit(Json more = Json::object());
+  void hit(const Json& more = Json::object());
 
   void issued(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
   void retired(const armv7m::Core& core, const armv7m::DecodedOp& op) override;

@@ -303,7 +303,7 @@ void Session::go_to(Request& request) {
     return answer(request,
                   refuse(fmt::format("simulation.goto: give {}, one of them", position_words),
                          Code::wrong_parameter));
-  seek(request, {{"goal", goal}}, [this, goal](Json, const std::shared_ptr<Seek>& seek) {
+  seek(request, {{"goal", goal}}, [this, goal](const Json&, const std::shared_ptr<Seek>& seek) {
     replace(seek, goal, Json::object());
   });
 }
@@ -448,7 +448,7 @@ void Session::compare(Request& request) {
                   refuse(fmt::format("history.diff: a position is {}, one of them", position_words),
                          Code::wrong_parameter));
   seek(request, {{"goals", has_other ? Json{one, other} : Json{one}}},
-       [this, one, other](Json, const std::shared_ptr<Seek>& seek) {
+       [this, one, other](const Json&, const std::shared_ptr<Seek>& seek) {
          ask_past(seek, {{"goal", one}}, picture_method, Json::object(), {},
                   [this, seek, other](Answer first) {
                     if (!first.ok()) return end_seek(*seek, std::move(first));

@@ -236,7 +236,7 @@ std::string UartScript::unfinished() const {
     return has_input() ? fmt::format("{}: the program did not take the last {} bytes", file_,
                                      input_.size() - taken_)
                        : "";
-  const std::string place = fmt::format("{}:{}: the run ended before ", file_, step().line);
+  std::string place = fmt::format("{}:{}: the run ended before ", file_, step().line);
   switch (step().kind) {
     case UartStep::Kind::expect:
       return place + fmt::format("a line matched /{}/", printable(step().text, 80));
