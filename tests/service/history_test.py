@@ -142,7 +142,7 @@ class Walks(Past):
 
 
 class Logged(Past):
-    """What changes the simulation is logged, and nothing else. Every method about a simulation is in one of the lists."""
+    """What changes the simulation is logged, and nothing else. Every method of a simulation is in one of the lists."""
 
     INPUTS = {
         "memory.write": {"address": 0x20300000, "bytes": [1]},
