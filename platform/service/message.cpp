@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace capsoc::service {
 namespace {
 
 constexpr std::size_t worth_moving = std::size_t{1} << 16;  // bytes taken from the buffer's front
+constexpr std::size_t most_reserved = std::size_t{64} << 20;
 
 }  // namespace
 
@@ -22,6 +24,9 @@ std::string to_bytes(const Message& message) {
     bytes = body.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   bytes += '\n';
+  std::size_t size = bytes.size();
+  for (const std::string& frame : message.frames) size += frame.size();
+  bytes.reserve(size);
   for (const std::string& frame : message.frames) bytes += frame;
   return bytes;
 }
@@ -122,6 +127,8 @@ std::optional<MessageReader::Incoming> MessageReader::plan_frames(Json& body) {
     sizes_.push_back(static_cast<std::size_t>(bytes));
     total_ += static_cast<std::size_t>(bytes);
   }
+  // As much as is promised may never come: no more than a growing buffer would have taken.
+  buffer_.reserve(std::min(begin_ + total_, most_reserved));
   return std::nullopt;
 }
 

@@ -195,7 +195,7 @@ class Connection:
                 if not poll.poll(max(0.0, deadline - time.monotonic()) * 1000):
                     raise self._fail(f"The session did not answer within {self.timeout:g} s.", errors.AnswerTimeout)
             try:
-                data = os.read(self._reading, max(CHUNK, min(size - len(self._buffer), 1 << 24)))
+                data = os.read(self._reading, max(CHUNK, min(size - len(self._buffer), 2 * CHUNK)))
             except OSError as error:
                 raise self._fail(f"The session cannot be read ({error.strerror}).") from None
             if not data:
