@@ -83,11 +83,11 @@ std::optional<Error> UartLines::open_line(std::size_t number, const UartSettings
 void UartLines::connect(std::size_t number) {
   cmsdk::Uart& uart = *soc_.uarts()[number];
   serial::SerialLine& line = *lines_[number];
-  serial::UartScript* const script = scripts_[number].get();
-  transmitted_[number] = uart.transmitted.listen([this, &uart, &line, script](uint8_t byte) {
+  serial::UartScript& script = scripts_[number];
+  transmitted_[number] = uart.transmitted.listen([this, &uart, &line, &script](uint8_t byte) {
     const bool dry = uart.transmitter_idle();
     line.transmitted(byte, dry);
-    if (script != nullptr && script->sent(byte, dry)) to_play_.notify(sc_core::SC_ZERO_TIME);
+    if (script.sent(byte, dry)) to_play_.notify(sc_core::SC_ZERO_TIME);
   });
   uart.set_source([this, number] { return next_input(number); });
   line.on_match([] {
@@ -114,7 +114,7 @@ void UartLines::look() {
 }
 
 std::optional<uint8_t> UartLines::next_input(std::size_t number) {
-  if (scripts_[number] != nullptr) return scripts_[number]->next_input();
+  if (const auto byte = scripts_[number].next_input()) return byte;
   return lines_[number]->next_input();
 }
 
@@ -124,12 +124,11 @@ void UartLines::play() {
   const uint64_t now = trace::picoseconds(sc_core::sc_time_stamp());
   uint64_t next = UINT64_MAX;
   for (std::size_t n = 0; n < scripts_.size(); ++n) {
-    serial::UartScript* const script = scripts_[n].get();
-    if (script == nullptr) continue;
-    script->play(now);
-    if (script->has_input()) soc_.uarts()[n]->look_for_input();
-    if (!script->failure().empty()) return sc_core::sc_stop();
-    next = std::min(next, script->next_time().value_or(UINT64_MAX));
+    serial::UartScript& script = scripts_[n];
+    script.play(now);
+    if (script.has_input()) soc_.uarts()[n]->look_for_input();
+    if (!script.failure().empty()) return sc_core::sc_stop();
+    next = std::min(next, script.next_time().value_or(UINT64_MAX));
   }
   to_play_.cancel();
   if (next != UINT64_MAX)
@@ -138,15 +137,15 @@ void UartLines::play() {
 
 std::string UartLines::missed() const {
   for (std::size_t n = 0; n < scripts_.size(); ++n)
-    if (scripts_[n] != nullptr && !scripts_[n]->failure().empty())
-      return fmt::format("uart{}: {}", n, scripts_[n]->failure());
+    if (const std::string& why = scripts_[n].failure(); !why.empty())
+      return fmt::format("uart{}: {}", n, why);
   return "";
 }
 
 std::string UartLines::unfinished() const {
   for (std::size_t n = 0; n < scripts_.size(); ++n)
-    if (scripts_[n] != nullptr && !scripts_[n]->unfinished().empty())
-      return fmt::format("uart{}: {}", n, scripts_[n]->unfinished());
+    if (const std::string step = scripts_[n].unfinished(); !step.empty())
+      return fmt::format("uart{}: {}", n, step);
   return "";
 }
 
@@ -183,9 +182,8 @@ std::vector<std::string> UartLines::failures() const {
 
 void UartLines::visit(Archive& archive) {
   for (std::size_t n = 0; n < lines_.size(); ++n) {
-    serial::UartScript none("", {});
     archive(lines_[n]->name().c_str(), *lines_[n]);
-    archive(fmt::format("script{}", n).c_str(), scripts_[n] != nullptr ? *scripts_[n] : none);
+    archive(fmt::format("script{}", n).c_str(), scripts_[n]);
   }
   if (archive.loading()) to_play_.notify(sc_core::SC_ZERO_TIME);
 }

@@ -87,7 +87,7 @@ class UartLines : public sc_core::sc_module {
   serial::GiveUp give_up_;
   std::function<void()> pace_;  ///< empty: nobody paces
   std::array<std::unique_ptr<serial::SerialLine>, soc::Soc::uart_count> lines_;
-  std::array<std::unique_ptr<serial::UartScript>, soc::Soc::uart_count> scripts_;  ///< null: none
+  std::array<serial::UartScript, soc::Soc::uart_count> scripts_;
   sc_core::sc_event to_play_;
   std::array<kit::Listening, soc::Soc::uart_count> transmitted_;
   std::chrono::steady_clock::time_point looked_;

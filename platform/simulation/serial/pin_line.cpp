@@ -2,21 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <sstream>
 
 #include "base/input_file.h"
-#include "base/number.h"
 #include "base/printable.h"
 #include "serial/file_backend.h"
 #include "serial/open_backend.h"
+#include "serial/script_time.h"
 
 namespace capsoc::serial {
 namespace {
 
 constexpr uint64_t largest_script = 64U << 20U;
 constexpr std::size_t longest_line = 200;
-constexpr double longest_time = 1e6;  // s, as run.simlimit_s
 
 /// The words of a line without what is behind #.
 std::vector<std::string> words_of(const std::string& line) {
@@ -55,15 +53,15 @@ Result<std::vector<PinEvent>> parse_pin_script(const std::string& file, const st
     ++number;
     const std::vector<std::string> words = words_of(line);
     if (words.empty()) continue;
-    const auto time = finite_number(words[0]);
+    const auto time = script_time(words[0]);
     const auto event = words.size() == 3 ? event_of(words[1], words[2], pins) : std::nullopt;
-    if (!time || *time < 0 || *time > longest_time || !event)
+    if (!time || !event)
       return wrong(
           fmt::format("is no event; write TIME PIN LEVEL (0.5 3 1), the pin below {}, the "
                       "level 0 or 1",
                       pins));
     PinEvent timed = *event;
-    timed.picoseconds = static_cast<uint64_t>(std::llround(*time * 1e12));
+    timed.picoseconds = *time;
     if (!events.empty() && timed.picoseconds < events.back().picoseconds)
       return wrong("is earlier than the line before; write events in the order of time");
     events.push_back(timed);

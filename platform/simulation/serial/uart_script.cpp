@@ -3,19 +3,17 @@
 #include <fmt/format.h>
 #include <re2/re2.h>
 
-#include <cmath>
 #include <sstream>
 #include <utility>
 
 #include "base/input_file.h"
-#include "base/number.h"
 #include "base/printable.h"
+#include "serial/script_time.h"
 
 namespace capsoc::serial {
 namespace {
 
 constexpr uint64_t largest_script = 16U << 20U;
-constexpr double longest_time = 1e6;  // s, as run.simlimit_s
 constexpr const char* forms =
     "write at SECONDS, wait SECONDS, send \"TEXT\" or expect /REGEX/ [within SECONDS]";
 
@@ -23,12 +21,6 @@ std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
   if (first == std::string::npos) return "";
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::optional<uint64_t> picoseconds(const std::string& text) {
-  const auto seconds = finite_number(text);
-  if (!seconds || *seconds < 0 || *seconds > longest_time) return std::nullopt;
-  return static_cast<uint64_t>(std::llround(*seconds * 1e12));
 }
 
 /// The text up to the next unescaped `mark`; `rest` is what follows it. Escapes stay as they are.
@@ -94,7 +86,7 @@ Result<UartStep> expecting(const std::string& rest) {
   UartStep step;
   step.kind = UartStep::Kind::expect;
   if (text && behind.rfind("within ", 0) == 0) {
-    const auto limit = picoseconds(trimmed(behind.substr(7)));
+    const auto limit = script_time(trimmed(behind.substr(7)));
     if (limit && *limit > 0) {
       step.picoseconds = *limit;
       behind.clear();
@@ -118,7 +110,7 @@ Result<UartStep> step_of(const std::string& line) {
   if (word == "send") return sending(rest);
   if (word == "expect") return expecting(rest);
   if (word != "at" && word != "wait") return Error{fmt::format("is no step; {}", forms)};
-  const auto time = picoseconds(rest);
+  const auto time = script_time(rest);
   if (!time) return Error{fmt::format("needs a time in seconds, 0 to 1e6: {} 0.5", word)};
   UartStep step;
   step.kind = word == "at" ? UartStep::Kind::at : UartStep::Kind::wait;
@@ -144,13 +136,12 @@ Result<std::vector<UartStep>> parse_uart_script(const std::string& file, const s
   return steps;
 }
 
-Result<std::unique_ptr<UartScript>> UartScript::open(const std::string& file,
-                                                     const std::string& option) {
+Result<UartScript> UartScript::open(const std::string& file, const std::string& option) {
   const auto text = read_input(file, {"name a script for " + option, largest_script, true});
   if (!text) return Error{text.error()};
   auto steps = parse_uart_script(file, text.value());
   if (!steps) return Error{steps.error()};
-  return std::make_unique<UartScript>(file, std::move(steps.value()));
+  return UartScript(file, std::move(steps.value()));
 }
 
 UartScript::UartScript(std::string file, std::vector<UartStep> steps)

@@ -39,8 +39,9 @@ class UartScript {
   static constexpr std::size_t most_unheard = 65536;  ///< bytes kept for an expectation to come
 
   /// `option` ("--uart0") is named where the file cannot be read.
-  static Result<std::unique_ptr<UartScript>> open(const std::string& file,
-                                                  const std::string& option);
+  static Result<UartScript> open(const std::string& file, const std::string& option);
+  /// Without a step: nobody is there.
+  UartScript() = default;
   UartScript(std::string file, std::vector<UartStep> steps);
 
   /// A byte left the chip's UART; `dry`: nothing follows at once. True: play() has something to do.
