@@ -117,7 +117,7 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
   }
   if (auto* const told = payload.get_extension<SteadyRead>()) {
     told->steady = is_steady(offset);
-    told->ahead = told->steady || is_read_ahead(offset);
+    told->ahead = is_read_ahead(offset);
   }
   return tlm::TLM_OK_RESPONSE;
 }

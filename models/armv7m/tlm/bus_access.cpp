@@ -118,8 +118,8 @@ void BusAccess::remap() {
 bool BusAccess::may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const {
   if (horizon_.is_late()) return false;
   const unsigned size = payload_.get_data_length();
-  if (kind == AccessKind::load) return has(reads_ahead_, address, size);
-  return kind == AccessKind::store && may_write_early && has(early_writes_, address, size);
+  if (kind == AccessKind::load) return reads_ahead_.has(address, size);
+  return kind == AccessKind::store && may_write_early && early_writes_.has(address, size);
 }
 
 /// Makes the transaction that payload_ describes; returns the cycles it took.
@@ -172,8 +172,8 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
-  if (kind == AccessKind::load) note(reads_ahead_, address, size, steady_.ahead);
-  if (kind == AccessKind::store) note(early_writes_, address, size, early_.taken);
+  if (kind == AccessKind::load) reads_ahead_.set(address, size, steady_.ahead);
+  if (kind == AccessKind::store) early_writes_.set(address, size, early_.taken);
   return result;
 }
 

@@ -66,6 +66,28 @@ class BusAccess {
     }
   };
 
+  /// The last accesses of a kind, each at a place that its address chooses.
+  class Places {
+   public:
+    bool has(uint32_t address, unsigned size) const {
+      return accesses_[place_of(address)] == access_of(address, size);
+    }
+    /// From now on has() says so of this access.
+    void set(uint32_t address, unsigned size, bool has_it) {
+      if (has_it || has(address, size))
+        accesses_[place_of(address)] = has_it ? access_of(address, size) : 0;
+    }
+
+   private:
+    static constexpr std::size_t count = 16;
+    static std::size_t place_of(uint32_t address) { return (address >> 2 ^ address >> 12) % count; }
+    /// Never 0.
+    static uint64_t access_of(uint32_t address, unsigned size) {
+      return uint64_t{address} << 8 | size;
+    }
+    std::array<uint64_t, count> accesses_{};
+  };
+
   Port& port(uint32_t address, AccessKind kind);
   bool may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const;
   unsigned transport(uint32_t address, AccessKind kind, bool may_write_early);
@@ -82,25 +104,8 @@ class BusAccess {
   tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
   kit::SteadyRead steady_;            // on the payload: of the last read
   kit::EarlyWrite early_;             // on the payload: of the last write
-  /// Of reads that may be made ahead, and of writes that were taken early, or would be: an address
-  /// and a size in one number, 0 for none, at a place that the address chooses.
-  using Places = std::array<uint64_t, 16>;
-  static uint64_t access_of(uint32_t address, unsigned size) {
-    return uint64_t{address} << 8 | size;
-  }
-  static std::size_t place_of(uint32_t address) { return (address >> 2 ^ address >> 12) % 16; }
-  void note(Places& places, uint32_t address, unsigned size, bool may) {
-    uint64_t& place = places[place_of(address)];
-    const uint64_t access = access_of(address, size);
-    if (may)
-      place = access;
-    else if (place == access)
-      place = 0;
-  }
-  static bool has(const Places& places, uint32_t address, unsigned size) {
-    return places[place_of(address)] == access_of(address, size);
-  }
-  Places reads_ahead_{}, early_writes_{};
+  Places reads_ahead_;                // that may be made ahead
+  Places early_writes_;               // that were taken early, or would be
   std::optional<AccessKind> accessing_;
   std::vector<Granted> granted_;
   /// Pages for which a port has refused direct memory, so that it is not asked at every access:
