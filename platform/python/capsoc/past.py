@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable, Optional, Union, cast
 
-from .state import Position, State, Write
+from .state import Position, State, Write, given
 
 if TYPE_CHECKING:
     from .arrays import Outgoing
@@ -46,7 +46,7 @@ class Past:
             "instructions": instructions,
             "sample": sample,
         }
-        answer = self.call("simulation.goto", **{name: value for name, value in goal.items() if value is not None})
+        answer = self.call("simulation.goto", **given(goal))
         self._last = State.of(answer["state"])
         return self._last
 
@@ -79,7 +79,7 @@ class Past:
             "address": symbol if address is None else address,
             "expression": None if expression is None else {"text": expression, "every_s": every_s},
         }
-        answer = self.call("history.back", **{name: value for name, value in goals.items() if value is not None})
+        answer = self.call("history.back", **given(goals))
         self._last = State.of(answer["state"])
         return answer["reason"] not in ("never", "beginning")
 
@@ -117,7 +117,7 @@ class Past:
         __tracebackhide__ = True
         asked: dict[str, Any] = {"variable": variable, "address": address, "register": register}
         asked["size"] = None if address is None else size
-        answer = self.call("history.last_write", **{name: value for name, value in asked.items() if value is not None})
+        answer = self.call("history.last_write", **given(asked))
         if not answer["found"]:
             return None
         known = {name: answer[name] for name in ("by", "old", "new", "pc", "place") if name in answer}

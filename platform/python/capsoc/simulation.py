@@ -13,7 +13,7 @@ from .errors import CapsocError, SessionError, SimulationEnded
 from .figure import line_plot
 from .past import Past
 from .samples import Table, table
-from .state import Event, Result, Snapshot, State, Stop
+from .state import Event, Result, Snapshot, State, Stop, given
 from .uart import Uart
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ class Simulation(Past):
 
     def _advance(self, goals: dict[str, Any], within: Optional[float]) -> Stop:
         __tracebackhide__ = True
-        goal = {name: value for name, value in goals.items() if value is not None}
+        goal = given(goals)
         if len(goal) > 1:
             raise ValueError(f"{' and '.join(goal)} exclude each other; name one of them.")
         if within is not None:
@@ -181,7 +181,7 @@ class Simulation(Past):
         _deg, `t` is seconds, signals are fractions of full scale. NaN stands for what is not known.
         """
         chosen = {"first": first, "last": last, "columns": None if columns is None else list(columns)}
-        answer = self.call("samples.read", **{name: value for name, value in chosen.items() if value is not None})
+        answer = self.call("samples.read", **given(chosen))
         return table(answer["first"], answer["columns"])
 
     def save(self, file: Union[str, os.PathLike[str]]) -> None:

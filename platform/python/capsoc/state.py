@@ -6,6 +6,11 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Optional
 
 
+def given(values: dict[str, Any]) -> dict[str, Any]:
+    """Those that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
+
+
 @dataclass(frozen=True)
 class State:
     """Where a simulation is.
