@@ -177,6 +177,14 @@ Result<double> Board::number_of_variable(const std::string& name) {
   return Error{fmt::format("{} is {}, which is no number", printable(name, 80), found.type->name)};
 }
 
+std::vector<std::pair<std::string, serial::KeptStream*>> Board::outputs() {
+  std::vector<std::pair<std::string, serial::KeptStream*>> all = {{"itm", &kept_.itm},
+                                                                  {"console", &kept_.console}};
+  for (std::size_t n = 0; n < uarts_.size(); ++n)
+    all.emplace_back(fmt::format("uart{}", n), &uarts_[n].output());
+  return all;
+}
+
 Result<Board::Snapshot> Board::snapshot(bool unread) {
   for (const Setting& setting : settings_.all())
     if (setting.kind == SettingKind::output && !setting.value.empty())
@@ -188,26 +196,24 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
   if (!state) return Error{state.error()};
   Answer held;
   held.frames.push_back(std::move(state.value()));
-  Json uarts = Json::array(), sensor = Json::object();
+  Json sensor = Json::object();
+  Json& sent = held.result["outputs"] = Json::object();
+  for (const auto& [name, output] : outputs()) {
+    Json each = {{"sent", output->sent()}};
+    held.add_bytes(each, "said", unread ? output->said() : "");
+    sent[name] = std::move(each);
+  }
+  Json& waiting = held.result["waiting"] = Json::array();
   for (const UartTap& uart : uarts_) {
-    Json both = Json::object();
-    held.add_bytes(both, "waiting", uart.waiting());
-    held.add_bytes(both, "unread", unread ? uart.unread() : "");
-    both["sent"] = uart.sent();
-    uarts.push_back(std::move(both));
+    Json each;
+    held.add_bytes(each, "bytes", uart.waiting());
+    waiting.push_back(std::move(each));
   }
-  for (const auto& [name, stream] : kept_.all()) {
-    Json both = Json::object();
-    held.add_bytes(both, "said", unread ? stream->said() : "");
-    both["sent"] = stream->sent();
-    held.add_bytes(both, "given", stream->given());
-    held.result[name] = std::move(both);
-  }
+  held.add_bytes("console", kept_.console.given());
   for (const sensor::KeyValue& key : sensor_->changed()) sensor[key.name] = key.value;
   using Pair = std::pair<double, double>;
   held.add_array("u", column(sensor_->injected(), &Pair::first));
   held.add_array("v", column(sensor_->injected(), &Pair::second));
-  held.result["uarts"] = std::move(uarts);
   held.result["sensor"] = std::move(sensor);
   held.result["samples"] = sample_count();
   static_assert(std::is_trivially_copyable_v<metrics::RecordedSample>);
@@ -232,19 +238,12 @@ std::string Board::beside_the_checkpoint() const {
 std::optional<Error> Board::take_over(const Snapshot& from) {
   if (from.frames.empty()) return std::nullopt;
   const Json& held = from.held;
-  const auto bytes = [&](std::size_t uart, const char* name) {
-    return bytes_in(held.at("uarts").at(uart).at(name), from.frames);
-  };
-  for (std::size_t n = 0; n < uarts_.size(); ++n) {
-    uarts_[n].send(bytes(n, "waiting"));
-    uarts_[n].set_unread(bytes(n, "unread"));
-    uarts_[n].set_sent(held.at("uarts").at(n).at("sent").get<uint64_t>());
-    uarts_[n].forget_told();
-  }
-  for (const auto& [name, stream] : kept_.all()) {
-    stream->say(bytes_in(held.at(name).at("said"), from.frames));
-    stream->set_sent(held.at(name).at("sent").get<uint64_t>());
-    stream->give(bytes_in(held.at(name).at("given"), from.frames));
+  for (std::size_t n = 0; n < uarts_.size(); ++n)
+    uarts_[n].send(bytes_in(held.at("waiting").at(n).at("bytes"), from.frames));
+  kept_.console.give(bytes_in(held.at("console"), from.frames));
+  for (const auto& [name, output] : outputs()) {
+    const Json& each = held.at("outputs").at(name);
+    output->go_on_from(each.at("sent").get<uint64_t>(), bytes_in(each.at("said"), from.frames));
   }
   std::vector<sensor::KeyValue> keys;
   for (const auto& [name, value] : held.at("sensor").items())

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -132,6 +133,8 @@ class Board {
   Board();
   std::optional<Error> set(const Json& settings);
   std::optional<Error> take_over(const Snapshot& from);
+  /// What the program says, by where: the UARTs, the ITM, the console.
+  std::vector<std::pair<std::string, serial::KeptStream*>> outputs();
   std::string why_no_history() const;
   uint64_t effort_ns() const;
   void attach();

@@ -90,36 +90,26 @@ std::optional<Error> Board::keep() {
 Json Board::told(Frames& frames) {
   Answer answer;
   answer.frames = std::move(frames);
-  Json uarts = Json::array(), streams = Json::object();
-  for (const auto& [name, stream] : kept_.all()) {
-    Json each = {{"told", stream->told()}, {"lost", stream->lost()}};
-    answer.add_bytes(each, "said", stream->said());
-    streams[name] = std::move(each);
-  }
-  for (const UartTap& uart : uarts_) {
-    UartTap::Told of_uart = uart.told();
-    Json each = {{"told", of_uart.told}, {"lost", of_uart.lost}};
-    answer.add_bytes(each, "unread", std::move(of_uart.unread));
-    uarts.push_back(std::move(each));
+  Json known = Json::object();
+  for (const auto& [name, output] : outputs()) {
+    serial::KeptStream::Told told = output->told();
+    Json each = {{"told", told.told}, {"lost", told.lost}};
+    answer.add_bytes(each, "said", std::move(told.said));
+    known[name] = std::move(each);
   }
   frames = std::move(answer.frames);
-  return {{"uarts", std::move(uarts)},
-          {"streams", std::move(streams)},
+  return {{"outputs", std::move(known)},
           {"events", events_.subscribed()},
           {"events_ps", events_.told().value()}};
 }
 
 std::optional<Error> Board::set_told(const Json& told, const Frames& frames) {
-  for (std::size_t n = 0; n < uarts_.size(); ++n) {
-    const Json& each = told.at("uarts").at(n);
-    uarts_[n].set_told({each.at("told").get<uint64_t>(), bytes_in(each.at("unread"), frames),
-                        each.at("lost").get<uint64_t>()});
+  for (const auto& [name, output] : outputs()) {
+    const Json& each = told.at("outputs").at(name);
+    output->set_told({each.at("told").get<uint64_t>(), bytes_in(each.at("said"), frames),
+                      each.at("lost").get<uint64_t>()});
   }
-  for (const auto& [name, stream] : kept_.all()) {
-    const Json& each = told.at("streams").at(name);
-    stream->set_told(each.at("told").get<uint64_t>(), bytes_in(each.at("said"), frames),
-                     each.at("lost").get<uint64_t>());
-  }
+  for (UartTap& uart : uarts_) uart.search_what_is_sent_again();
   events_.set_told(sc_core::sc_time::from_value(told.at("events_ps").get<uint64_t>()));
   // Which samples of the way here are there depends on where a snapshot was: only the newest is.
   if (samples_.size() > 1) {
@@ -130,13 +120,11 @@ std::optional<Error> Board::set_told(const Json& told, const Frames& frames) {
 }
 
 void Board::mute() {
-  for (UartTap& uart : uarts_) uart.mute();
-  for (const auto& [name, stream] : kept_.all()) stream->mute();
+  for (const auto& each : outputs()) each.second->mute();
 }
 
 void Board::forget_told() {
-  for (UartTap& uart : uarts_) uart.forget_told();
-  for (const auto& [name, stream] : kept_.all()) stream->forget_told();
+  for (const auto& each : outputs()) each.second->forget_told();
   events_.set_told(sc_core::SC_ZERO_TIME);
 }
 

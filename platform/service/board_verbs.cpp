@@ -14,7 +14,7 @@ const std::vector<BoardVerb>& board_verbs() {
       verbs.insert(verbs.end(), std::make_move_iterator(of_subject.begin()),
                    std::make_move_iterator(of_subject.end()));
     for (BoardVerb& verb : verbs)
-      if (verb.is_input)
+      if (verb.effect == Effect::input)
         verb.about.result.push_back(
             {"ended_history", "object",
              "after going back: where the future ended that this request replaces"});
@@ -32,7 +32,7 @@ const BoardVerb* board_verb(const std::string& method) {
 
 std::optional<Error> apply_input(Board& board, const Input& input) {
   const BoardVerb* const verb = board_verb(input.method);
-  if (verb == nullptr || !verb->is_input) return Error{input.method + " is no input"};
+  if (verb == nullptr || verb->effect != Effect::input) return Error{input.method + " is no input"};
   const Call call(verb->about, input.parameters, input.frames);
   if (std::string complaint = call.complaint(); !complaint.empty())
     return Error{std::move(complaint)};

@@ -11,11 +11,18 @@
 
 namespace capsoc::service {
 
+/// What a method has to do with the simulation. Each one says it: an input that is not logged would
+/// be missing when the past is simulated again.
+enum class Effect {
+  looks,                ///< changes nothing in it, or is no input (simulation.advance)
+  looks_after_the_end,  ///< likewise, and may be asked of a finished simulation
+  input,                ///< changes it: it is logged in the history
+};
+
 struct BoardVerb {
   Declaration about;
   std::function<Answer(Board& board, const Call& call)> perform;
-  bool after_the_end = false;  ///< may be asked of a finished simulation
-  bool is_input = false;       ///< changes the simulation: it is logged in the history
+  Effect effect;
 };
 
 std::vector<BoardVerb> advance_verbs();

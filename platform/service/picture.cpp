@@ -99,8 +99,7 @@ class Comparison {
   }
 
   void add_leaf(const source::Variable& variable) {
-    const uint32_t size =
-        variable.bits > 0 ? (variable.bit + variable.bits + 7) / 8 : variable.type->size;
+    const uint32_t size = variable.size();
     Json one = value_of(variable, read(one_, variable.address, size));
     Json other = value_of(variable, read(other_, variable.address, size));
     if (one == other) return;  // another bit-field of the same word

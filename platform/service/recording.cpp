@@ -150,7 +150,7 @@ class Folder {
 std::optional<Error> complain(const std::vector<Input>& inputs) {
   for (const Input& input : inputs) {
     const BoardVerb* const verb = board_verb(input.method);
-    if (verb == nullptr || !verb->is_input)
+    if (verb == nullptr || verb->effect != Effect::input)
       return Error{
           fmt::format("the session has an input '{}', which this program does not know; "
                       "replay it with the program that recorded it",

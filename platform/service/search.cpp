@@ -224,7 +224,7 @@ Result<Json> resolve_write(Board& board, const Json& asked) {
     if (!variable) return Error{variable.error()};
     const source::Variable& found = variable.value();
     begin = found.address;
-    size = found.bits > 0 ? (found.bit + found.bits + 7) / 8 : found.type->size;
+    size = found.size();
   } else {
     const auto address = board.address(asked.at("address"));
     if (!address) return Error{address.error()};

@@ -34,38 +34,27 @@ void UartTap::send(std::string_view bytes) {
 }
 
 std::string UartTap::take(uint64_t& lost) {
-  lost = std::exchange(lost_, 0);
   again_.clear();
-  if (sent_ >= told_) repeats_ = false;
-  return std::exchange(output_, {});
+  if (!output_.repeats()) repeats_ = false;
+  return output_.take(lost);
 }
 
-void UartTap::set_told(Told told) {
-  told_ = told.told;
-  output_ = std::move(told.unread);
-  lost_ = told.lost;
+void UartTap::search_what_is_sent_again() {
   again_.clear();
-  repeats_ = sent_ < told_;
-}
-
-void UartTap::keep(uint8_t byte) {
-  if (output_.size() == most_kept) {
-    output_.erase(0, most_kept / 2);
-    lost_ += most_kept / 2;
-  }
-  output_ += static_cast<char>(byte);
+  repeats_ = output_.repeats();
 }
 
 void UartTap::transmitted(uint8_t byte) {
-  const bool is_new = sent_++ >= told_;
-  if (is_new) keep(byte);
+  const bool is_new = !output_.repeats();
+  const char sent = static_cast<char>(byte);
+  output_.say({&sent, 1});
   if (repeats_) {
     if (again_.size() == searched_back) again_.erase(0, searched_back / 2);
-    again_ += static_cast<char>(byte);
+    again_ += sent;
   }
   const bool ended = byte == '\n';
   if (on_line && is_new) {
-    if (!ended && byte != '\r') line_ += static_cast<char>(byte);
+    if (!ended && byte != '\r') line_ += sent;
     if (ended || line_.size() == longest_line) on_line(std::exchange(line_, {}));
   }
   if (pattern_ != nullptr && (ended || uart_->transmitter_idle())) search();
@@ -79,10 +68,7 @@ void UartTap::expect(const re2::RE2* pattern, std::function<void()> on_match) {
 }
 
 void UartTap::search() {
-  match(repeats_ ? again_ : output_);
-}
-
-void UartTap::match(std::string& text_to_search) {
+  const std::string& text_to_search = repeats_ ? again_ : output_.said();
   const std::size_t size = text_to_search.size();
   const std::size_t from = size > searched_back ? size - searched_back : 0;
   const re2::StringPiece text(text_to_search.data() + from, size - from);
@@ -97,13 +83,16 @@ void UartTap::match(std::string& text_to_search) {
     match.groups.push_back(group.data() == nullptr ? std::nullopt
                                                    : std::optional(std::string(group)));
   match.text = text_to_search.substr(0, end);
-  text_to_search.erase(0, end);
   if (repeats_) {
+    again_.erase(0, end);
     // What is unread of it counts as read: all but what both ends have in common.
-    const uint64_t known = sent_ > told_ ? sent_ : told_, matched = sent_ - again_.size();
+    const uint64_t known = output_.known(), matched = output_.sent() - again_.size();
     const uint64_t left = known > matched ? known - matched : 0;
-    if (output_.size() > left) output_.erase(0, output_.size() - static_cast<std::size_t>(left));
-    repeats_ = sent_ < told_;
+    const std::size_t unread = output_.said().size();
+    if (unread > left) output_.pass(unread - static_cast<std::size_t>(left));
+    repeats_ = output_.repeats();
+  } else {
+    output_.pass(end);
   }
   match_ = std::move(match);
   pattern_ = nullptr;

@@ -29,11 +29,6 @@ unsigned bits_of(const Variable& variable) {
   return variable.bits > 0 ? variable.bits : std::min(64U, variable.type->size * 8);
 }
 
-/// Bytes that hold a bit-field from its first one on.
-std::size_t extent(const Variable& variable) {
-  return variable.bits > 0 ? (variable.bit + variable.bits + 7) / 8 : variable.type->size;
-}
-
 int64_t extended(uint64_t word, unsigned bits) {
   if (bits == 0 || bits >= 64) return static_cast<int64_t>(word);
   const uint64_t sign = uint64_t{1} << (bits - 1);
@@ -90,7 +85,7 @@ Json enumerator(const source::Type& type, int64_t value) {
 Json read(const Variable& variable, const std::string& bytes, std::size_t at) {
   const source::Type& type = *variable.type;
   const unsigned bits = bits_of(variable);
-  const uint64_t word = word_at(bytes, at, extent(variable)) >> variable.bit & mask_of(bits);
+  const uint64_t word = word_at(bytes, at, variable.size()) >> variable.bit & mask_of(bits);
   switch (type.kind) {
     case source::Type::Kind::structure:
       return members(type, bytes, at);
@@ -138,7 +133,7 @@ std::optional<Error> write_integer(const Variable& variable, const Json& value, 
   const unsigned bits = bits_of(variable);
   const bool fits = fits_in(value, bits, variable.type->is_signed);
   if (!fits) return wrong(variable, fmt::format("a whole number of {} bits", bits).c_str());
-  const std::size_t size = extent(variable);
+  const std::size_t size = variable.size();
   const uint64_t mask = mask_of(bits) << variable.bit;
   const uint64_t number = value.is_number_unsigned() ? value.get<uint64_t>()
                                                      : static_cast<uint64_t>(value.get<int64_t>());

@@ -61,13 +61,14 @@ std::vector<BoardVerb> advance_verbs() {
           "(within_s), interrupted, over"},
          {"match", "object", "of uart: text up to the match's end, groups"},
          {"events", "list", "those that events.subscribe asked for: kind, time_s, ..."}}},
-       advance},
+       advance,
+       Effect::looks},
       {{"simulation.state",
         "Where it is.",
         {},
         {state_member, {"place", "text", "the instruction under way, its line and who called"}}},
        state,
-       true},
+       Effect::looks_after_the_end},
       {{"simulation.finish",
         "Ends the run: outputs are written whole, and it has a result. Afterwards only state, "
         "samples and close may be asked.",
@@ -78,12 +79,13 @@ std::vector<BoardVerb> advance_verbs() {
          {"lost", "list", "a sentence for each output that is not whole"},
          {"result", "object", "as `capsoc run --json` writes it (docs/results.md)"}}},
        finish,
-       true},
+       Effect::looks_after_the_end},
       {{"simulation.save",
         "Writes a checkpoint that `capsoc run --restore` takes, too.",
         {need("file", Type::text, "its path")},
         {}},
-       save},
+       save,
+       Effect::looks},
   };
 }
 

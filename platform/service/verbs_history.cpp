@@ -75,13 +75,15 @@ std::vector<BoardVerb> history_verbs() {
          {"snapshots", "integer", "kept to go back to"},
          {"bytes", "integer", "that inputs and snapshots take; history_mb limits them"},
          {"sha256", "text", "of the state, equal for equal states of one program and settings"}}},
-       when},
+       when,
+       Effect::looks},
       {{"history.keep",
         "Keeps a snapshot of now in the history, from where later positions are reached quickly. "
         "Some are kept without it.",
         {},
         {}},
-       keep},
+       keep,
+       Effect::looks},
       {{"simulation.record",
         "Writes the session of this simulation until now to a file that `capsoc replay` simulates "
         "again: settings, the program and the sensor by content, every request that changed the "
@@ -90,7 +92,8 @@ std::vector<BoardVerb> history_verbs() {
         {{"bytes", "integer", "of the file"},
          {"inputs", "integer", "requests in it"},
          {"marks", "integer", "positions whose state a replay compares"}}},
-       write_session},
+       write_session,
+       Effect::looks},
   };
 }
 

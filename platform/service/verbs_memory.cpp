@@ -44,8 +44,7 @@ Answer write_memory(Board& board, const Call& call) {
 
 /// The bytes that hold a variable, a bit-field with those around it.
 std::string bytes_of_variable(Board& board, const source::Variable& variable) {
-  const uint32_t size =
-      variable.bits > 0 ? (variable.bit + variable.bits + 7) / 8 : variable.type->size;
+  const uint32_t size = variable.size();
   std::string bytes = board.target().read_memory(variable.address, size);
   return bytes.size() == size ? bytes : "";
 }
@@ -110,15 +109,15 @@ std::vector<BoardVerb> memory_verbs() {
         {need("address", Type::address, "of the first byte"),
          need("size", Type::integer, "bytes, at most 64 MiB")},
         {{"bytes", "array", "all of them"}}},
-       read_memory},
+       read_memory,
+       Effect::looks},
       {{"memory.write",
         "Writes bytes. A device takes them as writes of the bus, in the largest aligned pieces.",
         {need("address", Type::address, "of the first byte"),
          need("bytes", Type::bytes, "what is written")},
         {}},
        write_memory,
-       false,
-       true},
+       Effect::input},
       {{"variable.read",
         "A variable of the program by its name in the source: `turns`, `state.angle`, `table[3]`, "
         "`list->next`, `*pointer`, `main.c::count`.",
@@ -128,25 +127,27 @@ std::vector<BoardVerb> memory_verbs() {
           "an enumerator"},
          {"type", "text", "as C writes it"},
          {"address", "integer", "where it lies"}}},
-       read_variable},
+       read_variable,
+       Effect::looks},
       {{"variable.write",
         "Writes a variable, or parts of it: an object names the members that change.",
         {need("name", Type::text, "as in variable.read"),
          need("value", Type::any, "as variable.read gives it")},
         {}},
        write_variable,
-       false,
-       true},
+       Effect::input},
       {{"expression.read",
         "What an expression of simulation.advance is worth now.",
         {need("text", Type::text, "turns > 3 and COPROCESSOR.STATUS.LOCK == 1")},
         {{"value", "number", "true is 1"}}},
-       evaluate},
+       evaluate,
+       Effect::looks},
       {{"variable.list",
         "The variables that lie in memory for the whole run, by name.",
         {},
         {{"variables", "list", "of objects: name, type, address, size in bytes"}}},
-       list_variables},
+       list_variables,
+       Effect::looks},
   };
 }
 

@@ -18,6 +18,16 @@ Result<std::size_t> number(const Call& call, const char* name, std::size_t count
   return Error{fmt::format("there is no {} {}; they are 0 to {}", name, given, count - 1)};
 }
 
+/// The text of a stream since this was asked last: a UART's, or one of the session's own.
+template <typename Stream>
+Answer taken(Stream& stream) {
+  Answer answer;
+  uint64_t lost = 0;
+  answer.result["text"] = stream.take(lost);
+  answer.result["lost"] = lost;
+  return answer;
+}
+
 Answer send_uart(Board& board, const Call& call) {
   const auto uart = number(call, "uart", soc::Soc::uart_count);
   if (!uart) return refuse(uart.error());
@@ -35,19 +45,7 @@ Answer send_uart(Board& board, const Call& call) {
 Answer read_uart(Board& board, const Call& call) {
   const auto uart = number(call, "uart", soc::Soc::uart_count);
   if (!uart) return refuse(uart.error());
-  Answer answer;
-  uint64_t lost = 0;
-  answer.result["text"] = board.uart(uart.value()).take(lost);
-  answer.result["lost"] = lost;
-  return answer;
-}
-
-Answer taken(serial::KeptStream& stream) {
-  Answer answer;
-  uint64_t lost = 0;
-  answer.result["text"] = stream.take(lost);
-  answer.result["lost"] = lost;
-  return answer;
+  return taken(board.uart(uart.value()));
 }
 
 Answer read_itm(Board& board, const Call&) {
@@ -127,6 +125,9 @@ Answer subscribe(Board& board, const Call& call) {
 }  // namespace
 
 std::vector<BoardVerb> port_verbs() {
+  const std::vector<Member> text_taken = {
+      {"text", "text", "bytes that are no UTF-8 are replaced"},
+      {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}};
   return {
       {{"uart.send",
         "Sends bytes to a UART of the board, which takes them as fast as the program receives "
@@ -134,69 +135,64 @@ std::vector<BoardVerb> port_verbs() {
         {need("uart", Type::integer, "0 to 4"), need("bytes", Type::bytes, "what is sent")},
         {}},
        send_uart,
-       false,
-       true},
+       Effect::input},
       {{"uart.read",
         "What a UART has sent since this was asked last, or since a pattern was found "
         "(simulation.advance).",
         {need("uart", Type::integer, "0 to 4")},
-        {{"text", "text", "bytes that are no UTF-8 are replaced"},
-         {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
+        text_taken},
        read_uart,
-       true},
+       Effect::looks_after_the_end},
       {{"itm.read",
         "What the program has written to the ITM's stimulus port since this was asked last. It "
         "needs the setting itm.backend=stdout, which is a session's own stream; then the port is "
         "enabled as by a debugger.",
         {},
-        {{"text", "text", "bytes that are no UTF-8 are replaced"},
-         {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
+        text_taken},
        read_itm,
-       true},
+       Effect::looks_after_the_end},
       {{"semihosting.read",
         "What the program has written to the console of semihosting (:tt) since this was asked "
         "last.",
         {},
-        {{"text", "text", "bytes that are no UTF-8 are replaced"},
-         {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}}},
+        text_taken},
        read_console,
-       true},
+       Effect::looks_after_the_end},
       {{"semihosting.send",
         "Bytes for the program's next reads of the console. A read with none left is at the "
         "end of the input.",
         {need("bytes", Type::bytes, "what it reads")},
         {}},
        give_console,
-       false,
-       true},
+       Effect::input},
       {{"pin.drive",
         "Drives a pin of a GPIO from outside, from this instant on.",
         {need("gpio", Type::integer, "0 to 3"), need("pin", Type::integer, "0 to 15"),
          need("level", Type::any, "true: high, false: low, null: nobody drives it, and it is low")},
         {}},
        drive_pin,
-       false,
-       true},
+       Effect::input},
       {{"pin.read",
         "The levels at the pins of a GPIO.",
         {need("gpio", Type::integer, "0 to 3")},
         {{"pins", "list", "16 levels, true is high"},
          {"driven", "list", "whether the chip drives each"}}},
-       read_pins},
+       read_pins,
+       Effect::looks},
       {{"button.press",
         "Presses or releases one of the two buttons.",
         {need("button", Type::integer, "0 or 1"), need("pressed", Type::boolean, "or released")},
         {}},
        press_button,
-       false,
-       true},
+       Effect::input},
       {{"events.subscribe",
         "Which events the next answers of simulation.advance carry; an empty list ends it.",
         {need("kinds", Type::list,
               "exception, fault, guest_error, sample (a result is there), uart (a line was sent), "
               "pins (an output changed)")},
         {}},
-       subscribe},
+       subscribe,
+       Effect::looks},
   };
 }
 

@@ -118,8 +118,7 @@ std::vector<BoardVerb> sensor_verbs() {
         {need("u", Type::array, "full scale is 1"), need("v", Type::array, "as many")},
         {}},
        inject,
-       false,
-       true},
+       Effect::input},
       {{"sensor.read",
         "What is known of the sensor.",
         {},
@@ -128,15 +127,15 @@ std::vector<BoardVerb> sensor_verbs() {
           "known, or not one value"},
          {"name", "text", "of its description"},
          {"motion", "text", "how the shaft turns"}}},
-       read_sensor},
+       read_sensor,
+       Effect::looks},
       {{"sensor.set",
         "Changes keys of the sensor's description from the next sample on, by the names of "
         "`capsoc run -C sensor.NAME` without their prefix. The motion is none of them.",
         {need("parameters", Type::object, "names and values")},
         {}},
        change_sensor,
-       false,
-       true},
+       Effect::input},
       {{"samples.read",
         "What the coprocessor saw and found. The newest 1,000,000 samples are kept.",
         {may("first", Type::integer, "number of the first one wanted, from 0 at the start"),
@@ -148,7 +147,7 @@ std::vector<BoardVerb> sensor_verbs() {
          {"count", "integer", "of samples"},
          {"columns", "object", "an array of 64-bit floating-point numbers each; NaN: not known"}}},
        read_samples,
-       true},
+       Effect::looks_after_the_end},
   };
 }
 

@@ -167,9 +167,9 @@ class Worker {
     const Call call(verb.about, parameters, frames);
     if (std::string complaint = call.complaint(); !complaint.empty())
       return refuse(std::move(complaint), Code::wrong_parameter);
-    if (board_->is_finished() && !verb.after_the_end)
+    if (board_->is_finished() && verb.effect != Effect::looks_after_the_end)
       return refuse(verb.about.method + ": the simulation is finished", Code::over);
-    if (!verb.is_input || !board_->history().is_on()) {
+    if (verb.effect != Effect::input || !board_->history().is_on()) {
       Answer answer = verb.perform(*board_, call);
       board_->remember();
       return answer;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,30 +23,45 @@ class KeptStream {
     sent_ += bytes.size();
     if (sent_ <= told_) return;
     const uint64_t fresh = sent_ - told_;
-    said_ += bytes.size() > fresh ? bytes.substr(bytes.size() - fresh) : bytes;
-    if (said_.size() <= most_kept) return;
-    const std::size_t many = said_.size() - most_kept / 2;
-    said_.erase(0, many);
-    lost_ += many;
+    if (bytes.size() > fresh) bytes.remove_prefix(bytes.size() - fresh);
+    if (said_.size() + bytes.size() > most_kept) {
+      const std::size_t many = std::min(said_.size(), most_kept / 2);
+      said_.erase(0, many);
+      lost_ += many;
+    }
+    said_ += bytes;
   }
   /// `lost`: bytes before it that were too many to be kept.
   std::string take(uint64_t& lost) {
     lost = std::exchange(lost_, 0);
     return std::exchange(said_, {});
   }
+  /// What nobody has taken.
   const std::string& said() const { return said_; }
-  uint64_t lost() const { return lost_; }
+  /// Its first bytes count as taken.
+  void pass(std::size_t bytes) { said_.erase(0, bytes); }
 
   /// Bytes of the guest since the start. Of a guest that went back in time those before `told` are
   /// not kept again.
   uint64_t sent() const { return sent_; }
-  void set_sent(uint64_t sent) { sent_ = sent; }
-  uint64_t told() const { return std::max(sent_, told_); }
-  /// `said` and `lost`: what nobody has taken of what is told.
-  void set_told(uint64_t told, std::string said, uint64_t lost) {
-    told_ = told;
-    said_ = std::move(said);
-    lost_ = lost;
+  struct Told {
+    uint64_t told = 0;  ///< bytes since the start
+    std::string said;   ///< of these the last ones, which nobody has taken
+    uint64_t lost = 0;
+  };
+  Told told() const { return {known(), said_, lost_}; }
+  uint64_t known() const { return std::max(sent_, told_); }
+  /// What it says next was told before.
+  bool repeats() const { return sent_ < told_; }
+  void set_told(Told told) {
+    told_ = told.told;
+    said_ = std::move(told.said);
+    lost_ = told.lost;
+  }
+  /// The guest goes on from a state in which it had sent so many, the last of which are `said`.
+  void go_on_from(uint64_t sent, std::string said) {
+    sent_ = sent;
+    set_told({sent, std::move(said), 0});
   }
   /// Nothing is kept until set_told().
   void mute() { told_ = UINT64_MAX; }
@@ -83,10 +97,6 @@ class KeptBackend final : public CharacterBackend {
 /// For a run that belongs to somebody who has other uses for the standard streams.
 struct KeptStreams {
   KeptStream itm, console;
-
-  std::array<std::pair<const char*, KeptStream*>, 2> all() {
-    return {{{"itm", &itm}, {"console", &console}}};
-  }
 };
 
 }  // namespace capsoc::serial

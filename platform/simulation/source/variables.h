@@ -54,6 +54,9 @@ struct Variable {
   uint32_t address = 0;
   const Type* type = nullptr;  ///< lives as long as the Variables
   unsigned bits = 0, bit = 0;  ///< as Type::Member has them
+
+  /// Bytes from its address on; of a bit-field those up to its end.
+  uint32_t size() const { return bits > 0 ? (bit + bits + 7) / 8 : type->size; }
 };
 
 /// Reads a word of the program's memory; nothing where there is none.
