@@ -387,6 +387,9 @@ expect /^world$/ within 1
         self.assertEqual(code, 1, said)
         self.assertIn("uart0: script.txt:2: the run ended before a line matched /never/", said)
         self.assertEqual(self.played("expect /hello from/\n", elf=HELLO)[0], 0)
+        code, said, _ = self.played("expect /never/\n", "--simlimit", "0.1", elf=FOREVER)
+        self.assertEqual(code, 124, said)
+        self.assertIn("simulated s was hit; uart0: script.txt:1: the run ended before a line matched /never/", said)
 
     def test_two_at_a_time(self):
         (self.folder / "other.txt").write_text('at 0.002\nsend "nobody reads this"\n')
@@ -400,9 +403,10 @@ expect /^world$/ within 1
             self.check_refused(code, b"", said, words)
         code, said, _ = self.played("", "-C", "uart0.input=script.txt")
         self.check_refused(code, b"", said, "uart0.input", "the script sends already")
-        process = self.start("run", ECHO, "--uart0", "script:none.txt")
-        out, said = process.communicate(timeout=PATIENCE)
-        self.check_refused(process.returncode, out, said.decode(), "none.txt")
+        for backend, words in (("script:none.txt", "none.txt"), ("script:", "--uart0 script:: choose stdout")):
+            process = self.start("run", ECHO, "--uart0", backend)
+            out, said = process.communicate(timeout=PATIENCE)
+            self.check_refused(process.returncode, out, said.decode(), words)
 
 
 if __name__ == "__main__":

@@ -78,8 +78,12 @@ Verdict verdict_of(const End& end, const soc::Soc& soc) {
 
 void conclude(const End& end, const soc::Soc& soc, RunResult& result) {
   Verdict verdict = verdict_of(end, soc);
-  if (verdict.code == exit_code::pass && !end.unfinished.empty() && !end.could_go_on)
-    verdict = {exit_code::failed, fmt::format("{}; {}", verdict.reason, end.unfinished)};
+  // Whoever stopped it on the way did not want the rest of the script.
+  if (!end.unfinished.empty() && !end.could_go_on &&
+      (verdict.code == exit_code::pass || verdict.code == exit_code::limit)) {
+    if (verdict.code == exit_code::pass) verdict.code = exit_code::failed;
+    verdict.reason += "; " + end.unfinished;
+  }
   result.code = verdict.code;
   result.reason = std::move(verdict.reason);
 }

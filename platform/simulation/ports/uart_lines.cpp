@@ -63,7 +63,8 @@ std::optional<Error> UartLines::open_line(std::size_t number, const UartSettings
   const UartSettings::Line& asked = settings.lines[number];
   const std::string name = fmt::format("uart{}", number);
   std::string backend = asked.backend();
-  if (const std::string prefix = "script:"; backend.rfind(prefix, 0) == 0) {
+  if (const std::string prefix = "script:";
+      backend.rfind(prefix, 0) == 0 && backend.size() > prefix.size()) {
     if (!asked.input.empty())
       return Error{fmt::format("{}: the script sends already; leave one of the two out",
                                asked.input.about().path)};
