@@ -39,8 +39,10 @@ int replay(const ReplayArguments& arguments) {
   if (!outcome.difference.empty())
     return refuse(fmt::format("{}: {}", arguments.file, outcome.difference),
                   run::exit_code::failed);
-  host::say("capsoc: {}: the same until {:.12g} s: {} inputs, {} states compared\n", arguments.file,
-            outcome.end_s, outcome.inputs, outcome.marks);
+  host::say(
+      "capsoc: {}: the same until {:.12g} s: {} inputs, {} states compared, and what "
+      "each UART sent\n",
+      arguments.file, outcome.end_s, outcome.inputs, outcome.marks);
   return run::exit_code::pass;
 }
 

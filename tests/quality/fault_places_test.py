@@ -8,7 +8,7 @@ import tomllib
 import unittest
 from pathlib import Path
 
-from capsoc_tools.faults import planting
+from capsoc_tools.faults import planted_common_faults, planting
 from capsoc_tools.faults.mutation import regression_faults
 from capsoc_tools.rtl import formal, sources as rtl_sources
 from harness import SOURCE
@@ -34,6 +34,9 @@ class FaultPlaces(unittest.TestCase):
                     with self.subTest(list=name, fault=fault["name"]):
                         planting.check_place(fault, Path(folder))
         self.assertGreater(count, 400)
+
+    def test_what_a_runner_changes_itself(self):
+        planting.check_place(planted_common_faults.NO_ERRORS, SOURCE)
 
     def test_every_list_has_a_runner_that_reads_it(self):
         for name in planting.list_names():
