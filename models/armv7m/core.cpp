@@ -184,7 +184,8 @@ StopReason Core::execute(uint64_t until_cycle) {
       stepping_.run(until_cycle);
     else
       executing_->run(std::min(until_cycle, state.systick.event()));
-    if (__builtin_expect(one_instruction_, 0)) return StopReason::budget;
+    if (__builtin_expect(one_instruction_, 0))
+      return requests.take(Requests::watchpoint) ? StopReason::watchpoint : StopReason::budget;
   }
 }
 

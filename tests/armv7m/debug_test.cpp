@@ -56,6 +56,20 @@ TEST(Debug, WatchpointsStopBehindTheAccessTheyNameOnly) {
   EXPECT_EQ(b.core.run(far), StopReason::budget) << "the word beside it";
 }
 
+TEST(Debug, AStepThatMakesTheAccessEndsWithTheWatchpointOnce) {
+  for (const Executor executor : all_executors) {
+    Bench b;
+    choose(b.core, executor);
+    b.start({0x6010, 0x6811, 0xE7FE});  // str r0,[r2]; ldr r1,[r2]; b .
+    b.core.set_reg(2, Bench::ram_base + 0x100);
+    b.core.debugging().set_watchpoint({Bench::ram_base + 0x100, 4, false, true});
+    EXPECT_EQ(b.core.step_instruction(), StopReason::watchpoint);
+    EXPECT_EQ(b.core.reg(15), Bench::program + 2);
+    EXPECT_EQ(b.core.step_instruction(), StopReason::budget);
+    EXPECT_EQ(b.core.run(far), StopReason::budget);
+  }
+}
+
 // C1.6.1
 TEST(Debug, BkptStopsBeforeItselfUnderHaltingDebugAndFaultsWithout) {
   Bench b;
