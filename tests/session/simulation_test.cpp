@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -65,6 +67,47 @@ TEST(Simulation, PiecesMakeTheWhole) {
                        return next > sc_time(3, sc_core::SC_SEC) ? "" : "short ";
                      }),
             expected);
+}
+
+Simulation* interrupted = nullptr;
+
+/// Interrupts a simulation by the host's clock, a thousand times and more.
+class HostClock {
+ public:
+  explicit HostClock(Simulation& simulation) {
+    interrupted = &simulation;
+    std::signal(SIGALRM, [](int) { interrupted->interrupt(); });
+    set(50);
+  }
+  ~HostClock() { set(0); }
+  HostClock(const HostClock&) = delete;
+  HostClock& operator=(const HostClock&) = delete;
+
+ private:
+  static void set(int microseconds) {
+    const itimerval every{{0, microseconds}, {0, microseconds}};
+    setitimer(ITIMER_REAL, &every, nullptr);
+  }
+};
+
+/// Whatever the two are at.
+TEST(Simulation, AnInterruptionFindsTheCoreAndTheKernelAtOneInstant) {
+  std::vector<std::string> settings = short_selfcal;
+  settings[1] = "program.demodulation_samples=40000";
+  const auto drive = [](Simulation& simulation) -> std::string {
+    const HostClock clock(simulation);
+    unsigned stops = 0;
+    while (simulation.advance_to(sc_core::sc_max_time()).value()) {
+      soc::Soc& soc = simulation.soc();
+      const sc_time core = soc.clock.time_of(soc.cpu.core().cycles());
+      if (core > sc_core::sc_time_stamp())
+        return fmt::format("core at {} s, kernel at {} s\n", core.to_seconds(),
+                           sc_core::sc_time_stamp().to_seconds());
+      ++stops;
+    }
+    return stops > 100 ? "" : fmt::format("{} stops\n", stops);
+  };
+  EXPECT_EQ(simulate(settings, drive), whole(settings));
 }
 
 TEST(Simulation, WhatIsSavedBetweenPiecesGoesOn) {

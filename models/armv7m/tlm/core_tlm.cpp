@@ -114,6 +114,10 @@ bool CoreTlm::begin() {
 }
 
 void CoreTlm::pause_if_due() {
+  if (!pause_ || horizon_.pause_at() > sc_core::sc_time_stamp()) return;
+  // Of one that was asked for just now the core knew nothing: it may be ahead of the kernel.
+  horizon_.synchronise();
+  horizon_.catch_up();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   while (pause_ && horizon_.pause_at() <= now) {
     horizon_.plan_pause(sc_core::sc_max_time());
