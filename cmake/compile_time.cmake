@@ -73,5 +73,5 @@ function(capsoc_save_compile_time)
                   capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting
                   capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_an385
                   capsoc_coprocessor_tlm capsoc_armv7m_tlm capsoc_soc capsoc_identification capsoc_sensor capsoc_fit capsoc_campaign capsoc_golden capsoc_regress
-                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_service)
+                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_service capsoc_report capsoc_source)
 endfunction()

@@ -7,7 +7,7 @@
 namespace capsoc::report {
 namespace {
 
-constexpr std::array<const char*, 5> parameters = {"a1", "a2", "b1", "b2", "beta"};
+constexpr std::array<const char*, 5> fit_parameters = {"a1", "a2", "b1", "b2", "beta"};
 
 /// A line of a figure and the curve that it shows.
 struct Line {
@@ -56,17 +56,17 @@ Data angle_error(const Figure&, const Json& result) {
 Data intervals(const Figure&, const Json& result) {
   Data data;
   Series interval{"half width of the interval", {}}, error{"distance to the true value", {}};
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto width = number_at(result, {"parameters", parameters.at(i), "interval"});
-    const auto value = number_at(result, {"parameters", parameters.at(i), "value"});
-    const auto truth = number_at(result, {"parameters", parameters.at(i), "true"});
+  for (std::size_t i = 0; i < fit_parameters.size(); ++i) {
+    const auto width = number_at(result, {"parameters", fit_parameters.at(i), "interval"});
+    const auto value = number_at(result, {"parameters", fit_parameters.at(i), "value"});
+    const auto truth = number_at(result, {"parameters", fit_parameters.at(i), "true"});
     if (width) interval.curve.add(static_cast<double>(i), *width);
     if (value && truth) error.curve.add(static_cast<double>(i), std::abs(*value - *truth));
   }
   if (interval.curve.x.empty()) return data;
   data.series.push_back(std::move(interval));
   if (!error.curve.x.empty()) data.series.push_back(std::move(error));
-  for (const char* name : parameters) data.labels.emplace_back(name);
+  for (const char* name : fit_parameters) data.labels.emplace_back(name);
   return data;
 }
 

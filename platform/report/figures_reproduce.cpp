@@ -13,15 +13,15 @@ constexpr const char* seconds = "time, s";
 constexpr const char* angle_axis = "true angle, deg";
 constexpr const char* error_axis = "angle error, deg";
 
-struct Parameter {
+struct PaperParameter {
   const char *name, *axis, *letter;
 };
-constexpr std::array<Parameter, 6> parameters = {{{"a1", "a1, full scale", "(a)"},
-                                                  {"a2", "a2, full scale", "(b)"},
-                                                  {"b1", "b1, full scale", "(c)"},
-                                                  {"b2", "b2, full scale", "(d)"},
-                                                  {"beta", "beta, rad", "(f)"},
-                                                  {"phi", "phi, rad", "(e)"}}};
+constexpr std::array<PaperParameter, 6> paper_parameters = {{{"a1", "a1, full scale", "(a)"},
+                                                             {"a2", "a2, full scale", "(b)"},
+                                                             {"b1", "b1, full scale", "(c)"},
+                                                             {"b2", "b2, full scale", "(d)"},
+                                                             {"beta", "beta, rad", "(f)"},
+                                                             {"phi", "phi, rad", "(e)"}}};
 
 /// The curves named after the figure, and the numbers that the rows of the tables have of the
 /// papers.
@@ -72,7 +72,7 @@ void add_soc_simulations(std::vector<Figure>& list) {
       "SoC paper, Figure 8", seconds, error_axis, Kind::lines, true,
       {{"1", "largest error uncalibrated", " at most"},
        {"1", "largest error calibrated", " at most"}}));
-  for (const Parameter& p : parameters)
+  for (const PaperParameter& p : paper_parameters)
     list.push_back(figure(fmt::format("soc-7-{}", p.name), "figure-7",
                           fmt::format("Figure 7{}: {}", p.letter, p.name),
                           "The LMSED in double precision with the paper's steps learns it.",
@@ -84,7 +84,7 @@ void add_soc_simulations(std::vector<Figure>& list) {
   list.push_back(figure("soc-7-signals", "figure-7", "Figure 7(h): calibrated signals",
                         "Sine and cosine by the parameters of 400 s, two turns.",
                         "SoC paper, Figure 7(h)", seconds, "signal"));
-  for (const Parameter& p : parameters)
+  for (const PaperParameter& p : paper_parameters)
     list.push_back(figure(fmt::format("soc-9-{}", p.name), "figure-9",
                           fmt::format("Figure 9{}: {}", p.letter, p.name),
                           "The same at 100 Hz with the larger steps.",
@@ -103,7 +103,7 @@ void add_soc_simulations(std::vector<Figure>& list) {
 }
 
 void add_soc_rtl(std::vector<Figure>& list) {
-  for (const Parameter& p : parameters)
+  for (const PaperParameter& p : paper_parameters)
     list.push_back(figure(fmt::format("soc-12-{}", p.name), "figure-12",
                           fmt::format("Figure 12: {}", p.name),
                           "The coprocessor's model in the paper's arithmetic learns it.",

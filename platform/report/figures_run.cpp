@@ -10,12 +10,12 @@
 namespace capsoc::report {
 namespace {
 
-constexpr const char* seconds = "time, s";
+constexpr const char* time_axis = "time, s";
 
-struct Parameter {
+struct RunParameter {
   const char *name, *words, *unit, *part;
 };
-constexpr std::array<Parameter, 6> parameters = {
+constexpr std::array<RunParameter, 6> run_parameters = {
     {{"a1", "amplitude of U", "full scale", "(a)"},
      {"a2", "amplitude of V", "full scale", "(b)"},
      {"b1", "offset of U", "full scale", "(c)"},
@@ -115,23 +115,23 @@ Data profile(const Figure&, const Json& result) {
 }  // namespace
 
 void add_run_figures(std::vector<Figure>& list) {
-  for (const Parameter& p : parameters)
+  for (const RunParameter& p : run_parameters)
     list.push_back({p.name, "run", "Learning curves", fmt::format("{}: {}", p.name, p.words),
                     "The coprocessor's register at each sample, and the sensor's own value.",
-                    fmt::format("SoC paper, Figures 7{0}, 9 and 12", p.part), seconds,
+                    fmt::format("SoC paper, Figures 7{0}, 9 and 12", p.part), time_axis,
                     fmt::format("{}, {}", p.name, p.unit), Kind::lines, false, learning_curve});
-  for (const Parameter& p : parameters)
+  for (const RunParameter& p : run_parameters)
     list.push_back({fmt::format("{}-error", p.name), "run", "Errors of the parameters",
                     fmt::format("{}: relative error", p.name),
                     "Magnitude of the difference to the sensor's own value, relative to it.",
-                    "SoC paper, Tables 1 and 8 (the end of the curve)", seconds, "relative error",
+                    "SoC paper, Tables 1 and 8 (the end of the curve)", time_axis, "relative error",
                     Kind::lines, true, parameter_error});
   list.push_back({"lms-error", "run", "Errors of the demodulator", "Instantaneous error",
                   "Input minus the demodulator's estimate, for both channels.",
-                  "SoC paper, Figure 7(g)", seconds, "error, full scale", Kind::lines, false,
+                  "SoC paper, Figure 7(g)", time_axis, "error, full scale", Kind::lines, false,
                   as_it_is});
   list.push_back({"error-average", "run", "Errors of the demodulator", "Average of the error",
-                  "The register ERROR_AVERAGE, by which the coprocessor finds lock.", "", seconds,
+                  "The register ERROR_AVERAGE, by which the coprocessor finds lock.", "", time_axis,
                   "average magnitude, full scale", Kind::lines, true, as_it_is});
   list.push_back({"lissajous", "run", "The signals", "Lissajous figure before and after",
                   "V over U of the last turn as sampled, and the same turn calibrated by the "
@@ -141,7 +141,7 @@ void add_run_figures(std::vector<Figure>& list) {
   list.push_back({"angle-error", "run", "Errors of the angle", "Angle error over time",
                   "Magnitude of the coprocessor's angle minus the true one, and of atan2(U, V) "
                   "minus the true one.",
-                  "SoC paper, Figures 8, 13, 17 and 18", seconds, "angle error, deg", Kind::lines,
+                  "SoC paper, Figures 8, 13, 17 and 18", time_axis, "angle error, deg", Kind::lines,
                   true, as_it_is});
   list.push_back({"angle-error-by-angle", "run", "Errors of the angle", "Angle error over angle",
                   "The same over the true angle, for the last turn.",
@@ -155,7 +155,7 @@ void add_run_figures(std::vector<Figure>& list) {
   list.push_back({"flags", "run", "Status and flags", "Lock and flags over time",
                   "Bits of the registers STATUS and FLAGS that were set once: high is 1. Flags "
                   "stay set until the program clears them.",
-                  "", seconds, "bit", Kind::lanes, false, flags});
+                  "", time_axis, "bit", Kind::lanes, false, flags});
   list.push_back({"profile", "run", "Profile", "Functions that took the most cycles",
                   "Cycles of the function itself, without what it called and without sleep.", "",
                   "function", "cycles", Kind::bars, false, profile});

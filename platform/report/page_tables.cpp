@@ -34,7 +34,7 @@ std::string bound_of(const Json& row) {
 }
 
 /// "agrees within 0.005": no agreement without its tolerance.
-std::string verdict_of(const Json& row) {
+std::string verdict_of_table(const Json& row) {
   std::string verdict = text_at(row, {"verdict"});
   if (verdict != "agrees") return verdict;
   const auto tolerance = number_at(row, {"tolerance"});
@@ -51,7 +51,7 @@ std::string papers_rows(const Json& table) {
                         text_at(*row, {"paper"}),
                         text_at(*row, {"here"}),
                         bound_of(*row),
-                        {verdict_of(*row), style_of(text_at(*row, {"verdict"}))},
+                        {verdict_of_table(*row), style_of(text_at(*row, {"verdict"}))},
                         text_at(*row, {"note"})});
   return html_of(out);
 }

@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "source/register_numbers.h"
+
 namespace capsoc::source {
 namespace {
 
@@ -140,7 +142,6 @@ Rule caller_register(Dwarf_Frame* frame, unsigned number, const Registers& regis
 
 Unwound unwind_by_description(Dwarf_CFI* frames, uint32_t address, Registers& registers,
                               const ReadWord& read) {
-  constexpr unsigned stack_pointer = 13, link = 14, program_counter = 15;
   Dwarf_Frame* found = nullptr;
   if (frames == nullptr || dwarf_cfi_addrframe(frames, address, &found) != 0)
     return Unwound::not_described;

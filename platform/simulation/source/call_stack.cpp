@@ -4,11 +4,11 @@
 
 #include "base/printable.h"
 #include "source/prologue.h"
+#include "source/register_numbers.h"
 
 namespace capsoc::source {
 namespace {
 
-constexpr unsigned stack_pointer = 13, link = 14, program_counter = 15;
 constexpr uint32_t first_exc_return = 0xFFFFFFE0;
 constexpr uint32_t frame_size = 0x20, stacked_alignment = 1u << 9, exception_number = 0x1FF;
 

@@ -1,6 +1,7 @@
 #include "source/prologue.h"
 
 #include "armv7m/isa/decoder.h"
+#include "source/register_numbers.h"
 
 namespace capsoc::source {
 namespace {
@@ -8,7 +9,6 @@ namespace {
 using armv7m::DecodedOp;
 using armv7m::Operation;
 
-constexpr unsigned stack_pointer = 13, link = 14, program_counter = 15;
 constexpr unsigned longest_prologue = 48;  // instructions; compilers mix others in
 
 std::optional<uint16_t> read_halfword(uint32_t address, const ReadWord& read) {

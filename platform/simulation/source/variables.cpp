@@ -15,7 +15,7 @@
 namespace capsoc::source {
 namespace {
 
-constexpr std::size_t most_units = 1U << 16, most_entries = 1U << 22;
+constexpr std::size_t most_searched_units = 1U << 16, most_entries = 1U << 22;
 constexpr int deepest_scope = 32;
 
 /// The fixed address of a variable (DW_OP_addr); nothing for one on a stack or in a register.
@@ -57,7 +57,7 @@ class Variables::Reader {
   void read(std::multimap<std::string, Known>& variables) {
     if (copy_.dwarf() == nullptr) return;
     Dwarf_CU* unit = nullptr;
-    for (std::size_t units = 0; units < most_units; ++units) {
+    for (std::size_t units = 0; units < most_searched_units; ++units) {
       Dwarf_Die entry;
       if (dwarf_get_units(copy_.dwarf(), unit, &unit, nullptr, nullptr, &entry, nullptr) != 0)
         return;
