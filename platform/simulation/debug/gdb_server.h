@@ -2,24 +2,18 @@
 #pragma once
 
 #include <functional>
-#include <list>
 #include <memory>
 
 #include "armv7m/tlm/debugger.h"
-#include "debug/client.h"
-#include "debug/connections.h"
+#include "debug/clients.h"
 #include "debug/soc_target.h"
 #include "soc/soc.h"
 
 namespace capsoc::debug {
 
-/// Lets any number of GDBs look at one processor. Its first packet makes a client a debugger;
-/// before it, and if none ever comes (a probe of the port), a client changes nothing. The first
-/// debugger halts the processor; one that comes later looks on without stopping it. Whoever resumes
-/// or interrupts has it; when the last of these is gone, the run goes on by itself. Everything
-/// happens in the processor's process between two instructions, and halting keeps simulated time,
-/// so that looking changes no result.
-class GdbServer : public armv7m::Debugger {
+/// The debuggers of a run in its own process. Everything happens in the processor's process between
+/// two instructions, and halting keeps simulated time, so that looking changes no result.
+class GdbServer : public armv7m::Debugger, private Clients::Processor {
  public:
   /// `halted`: nothing is executed before a client says so. `give_up` ends the waiting for clients
   /// (a signal, a limit of the host's time).
@@ -36,43 +30,25 @@ class GdbServer : public armv7m::Debugger {
   void show_stimulus_of(unsigned port) { target_.show_stimulus_of(port); }
 
   /// Tells the clients that the run is over.
-  void finish(int exit_code);
+  void finish(int exit_code) { clients_.finish(exit_code); }
 
   bool before_run() override;
   bool after_run(armv7m::StopReason reason, bool advanced) override;
   bool asleep_for_good() override;
-  bool wants_attention() const override { return halted_ || connections_->any(); }
-  bool ended() const override { return ended_; }
+  bool wants_attention() const override { return clients_.is_halted() || clients_.any(); }
+  bool ended() const override { return gave_up_ || clients_.is_killed(); }
 
  private:
-  struct Session {
-    Session(std::shared_ptr<Socket> s, Target& target) : socket(std::move(s)), client(target) {}
-    std::shared_ptr<Socket> socket;
-    Client client;
-    PacketReader reader;
-    bool debugs = false;  ///< a packet came
-    bool controls = false;
-  };
-
-  void serve();
-  bool debugged() const;
-  void begin(Session& session);
-  void receive(Session& session, const std::string& bytes);
-  void act(Session& session, const Request& request);
-  void leave(const Socket* socket);
-  void halt(const StopCause& cause);
-  void resume(const Resume& how);
+  void debugged(bool on) override { soc_.cpu.core().debugging().set_halting(on); }
+  void halted() override { soc_.cpu.core().debugging().set_halted(true); }
+  void resumed() override;
   bool step_is_over() const;
-  static void flush(Session& session);
 
   soc::Soc& soc_;
   SocTarget target_;
-  std::unique_ptr<Connections> connections_;
+  Clients clients_;
   std::function<bool()> give_up_;
-  std::list<Session> sessions_;
-  Resume how_;
-  StopCause cause_;
-  bool halted_, ended_ = false;
+  bool gave_up_ = false;
 };
 
 }  // namespace capsoc::debug

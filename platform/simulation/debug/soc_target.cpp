@@ -174,6 +174,26 @@ void SocTarget::clear(StopPoint kind, uint32_t address, uint32_t size) {
   soc_.cpu.core().debugging().clear_breakpoint(address);
 }
 
+std::optional<StopCause> SocTarget::stop_cause(armv7m::StopReason reason) const {
+  using armv7m::StopReason;
+  using Kind = StopCause::Kind;
+  const armv7m::Debugging& debugging = soc_.cpu.core().debugging();
+  if (reason == StopReason::breakpoint) {
+    const uint32_t pc = soc_.cpu.core().reg(15);
+    return StopCause{debugging.has_breakpoint(pc) ? Kind::breakpoint : Kind::bkpt_instruction,
+                     breakpoint_kind(pc)};
+  }
+  if (reason == StopReason::watchpoint) {
+    const armv7m::WatchHit& hit = debugging.watch_hit();
+    const StopPoint point = !hit.watchpoint.on_read    ? StopPoint::write_watchpoint
+                            : !hit.watchpoint.on_write ? StopPoint::read_watchpoint
+                                                       : StopPoint::access_watchpoint;
+    return StopCause{Kind::watchpoint, point, hit.address};
+  }
+  if (reason == StopReason::lockup || reason == StopReason::stuck) return StopCause{Kind::lockup};
+  return std::nullopt;
+}
+
 StopPoint SocTarget::breakpoint_kind(uint32_t address) const {
   const auto found = breakpoints_.find(address & ~1U);
   const bool hardware = found != breakpoints_.end() && found->second[1] != 0;
