@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "base/printable.h"
 #include "cli/commands.h"
@@ -14,6 +15,7 @@
 #include "host/files.h"
 #include "inputs/program_values.h"
 #include "report/page.h"
+#include "service/gdb_run.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
 #include "session/simulation.h"
@@ -98,12 +100,13 @@ std::optional<Error> check_files(const RunArguments& arguments, const run::RunSe
 }
 
 /// The result file and the report that is drawn from it: both or neither.
-std::optional<Error> write_results(const run::RunResult& result, const run::RunSettings& settings) {
+std::optional<Error> write_results(nlohmann::ordered_json result,
+                                   const run::RunSettings& settings) {
   const std::string &json_file = settings.results.json(), &html_file = settings.results.html();
   if (json_file.empty() && html_file.empty()) return std::nullopt;
   std::vector<host::TextFile> files;
   std::vector<report::ResultFile> results(1);
-  results.front().json = run::to_json(result, settings);
+  results.front().json = std::move(result);
   if (!json_file.empty()) files.push_back({json_file, run::to_text(results.front().json)});
   if (!html_file.empty()) files.push_back({html_file, report::page_of(results)});
   return host::write_together(files);
@@ -114,6 +117,30 @@ int code_of_refusal() {
   if (const int signal = host::noted_signal(); signal != 0)
     return run::exit_code::signal_base + signal;
   return host::is_ending() ? run::exit_code::limit : run::exit_code::usage;
+}
+
+/// Under a debugger that can go back.
+int run_with_history(const run::RunSettings& settings) {
+  if (settings.gdb.port() < 0)
+    return refuse(
+        fmt::format("{} is for a debugger: add --gdb", settings.gdb.history_mb.about().name()));
+  const auto finished = service::run_under_gdb(settings);
+  if (!finished) return refuse(finished.error(), code_of_refusal());
+  service::Json answer = finished.value();
+  if (const int signal = host::noted_signal(); signal != 0) {
+    answer["code"] = run::exit_code::signal_base + signal;
+    answer["result"]["exit"] = {{"code", answer["code"]},
+                                {"reason", fmt::format("ended by signal {}", signal)}};
+  }
+  for (const service::Json& report : answer.value("reports", service::Json::array()))
+    host::say("\n{}", report.get<std::string>());
+  for (const service::Json& sentence : answer.value("lost", service::Json::array()))
+    host::say("capsoc: {}\n", sentence.get<std::string>());
+  const int code = answer.at("code").get<int>();
+  if (!answer.contains("result")) return code;
+  if (auto error = write_results(answer.at("result"), settings))
+    return refuse(error->text, code == run::exit_code::pass ? run::exit_code::lost : code);
+  return code;
 }
 
 int run_command(const RunArguments& arguments, run::RunSettings& settings) {
@@ -131,6 +158,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   spdlog::set_level(settings.log_level());
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
+  if (settings.gdb.history_mb() > 0) return run_with_history(settings);
   auto result = run::run(settings);
   if (!result) return refuse(result.error(), code_of_refusal());
   const run::RunResult& r = result.value();
@@ -139,7 +167,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (!r.place_report.empty()) host::say("\n{}", r.place_report);
   for (const std::string& sentence : r.lost) host::say("capsoc: {}\n", sentence);
   host::say("{}", run::to_table(r));
-  if (auto error = write_results(r, settings))
+  if (auto error = write_results(run::to_json(r, settings), settings))
     return refuse(error->text, r.code == run::exit_code::pass ? run::exit_code::lost : r.code);
   return r.code;
 }

@@ -16,8 +16,6 @@ namespace capsoc::service {
 namespace {
 
 constexpr double longest_s = 1e6;
-/// The last ones of many instructions are executed one by one.
-constexpr uint64_t stepped = 64;
 constexpr unsigned exception_count = 16 + armv7m::Core::interrupt_count;
 
 sc_core::sc_time time_of(double seconds) {
@@ -67,19 +65,34 @@ void Advance::attach_debugger() {
   board_.soc().cpu.set_debugger(this);
 }
 
-bool Advance::after_run(armv7m::StopReason reason, bool) {
+bool Advance::after_run(armv7m::StopReason reason, bool advanced) {
   const armv7m::Core& core = board_.soc().cpu.core();
-  if (watcher_.on_run) watcher_.on_run(reason);
+  const bool stays = watcher_.on_run && watcher_.on_run(reason, advanced);
+  if (stays) stop("debugger");
+  // In front of a BKPT it would stand for good.
+  if (reason == armv7m::StopReason::breakpoint && is_at_bkpt()) {
+    board_.stood_at_bkpt();
+    // Somebody had helped it over.
+    const Input* const input = board_.history().next();
+    if (input != nullptr && input->at == board_.position())
+      board_.simulation().stop_soon();
+    else
+      stop("bkpt");
+  }
   if (reason == armv7m::StopReason::breakpoint && breakpoint_) stop("address");
   if (meets_ && core.instructions() >= *meets_) {
     meets_.reset();
     board_.simulation().stop_soon();
   }
   if (instruction_ && core.instructions() >= *instruction_) {
-    steps_ = false;
     stop("instructions");
   }
-  return false;
+  return stays;
+}
+
+bool Advance::is_at_bkpt() const {
+  armv7m::Core& core = board_.soc().cpu.core();
+  return core.debugging().halting() && !core.debugging().has_breakpoint(core.reg(15));
 }
 
 std::optional<Answer> Advance::plan() {
@@ -261,9 +274,10 @@ std::optional<Error> Advance::meet(const Position& position) {
   }
   if (board_.position() == position || is_over_) return std::nullopt;
   return Error{
-      fmt::format("the history does not repeat: at {} ps {} instructions were executed, now {}; "
-                  "this is a defect of capsoc, please report it",
-                  position.time_ps, position.instructions, core.instructions())};
+      fmt::format("the history does not repeat: at {} ps {} instructions were executed, now, at {} "
+                  "ps, {}; this is a defect of capsoc, please report it",
+                  position.time_ps, position.instructions, sc_core::sc_time_stamp().value(),
+                  core.instructions())};
 }
 
 std::optional<Error> Advance::apply_next() {
@@ -321,6 +335,35 @@ std::optional<Error> Advance::go(const Position& position) {
   return apply_due();
 }
 
+std::optional<Error> Advance::resume(bool steps, const std::optional<Position>& end) {
+  steps_ = steps;
+  waits_asleep_ = true;
+  if (board_.soc().cpu.core().debugging().halting() && board_.stands_at_bkpt()) {
+    hit_ = "bkpt";
+    return std::nullopt;
+  }
+  if (end) limit_ = time_of(*end);
+  if (auto error = advance_to(limit_)) return error;
+  if (end && hit_ == nullptr && !is_over_ && !is_cut_)
+    if (auto error = meet(*end)) return error;
+  board_.history().reach(board_.position());
+  return apply_due();
+}
+
+std::optional<Error> Advance::kill() {
+  kills_ = true;
+  attach_debugger();
+  return advance_to(limit_);
+}
+
+/// Time stands still until somebody outside does something.
+bool Advance::asleep_for_good() {
+  if (!waits_asleep_) return false;
+  is_asleep_ = true;
+  stop("asleep");
+  return true;
+}
+
 std::optional<Error> Advance::run_cycles() {
   const armv7m::Core& core = board_.soc().cpu.core();
   while (!is_over_ && !is_cut_ && core.cycles() < *cycle_ && (sc_core::sc_time_stamp() < limit_))
@@ -329,16 +372,28 @@ std::optional<Error> Advance::run_cycles() {
   return std::nullopt;
 }
 
+/// Instructions that are left.
+uint64_t Advance::left() const {
+  return *instruction_ - std::min(*instruction_, board_.soc().cpu.core().instructions());
+}
+
 /// An instruction takes half a cycle at least (an IT that is folded takes none), so half as many
 /// cycles as instructions are left pass none of them.
+uint64_t Advance::longest_run() const {
+  return instruction_ ? std::max<uint64_t>(left() / 2, 1) : ~uint64_t{0};
+}
+
+/// In pieces, without a debugger, as long as the processor is busy; then it is asked before each
+/// run, and a sleep is no end of a piece.
 std::optional<Error> Advance::run_instructions() {
+  constexpr uint64_t idle = 16;  // cycles an instruction
   const armv7m::Core& core = board_.soc().cpu.core();
-  const auto left = [&] { return *instruction_ - std::min(*instruction_, core.instructions()); };
-  while (!is_over_ && !is_cut_ && left() > stepped && sc_core::sc_time_stamp() < limit_)
-    if (auto error = advance_to(board_.soc().clock.time_of(core.cycles() + left() / 2)))
-      return error;
+  while (!is_over_ && !is_cut_ && left() > stepped && sc_core::sc_time_stamp() < limit_) {
+    const uint64_t before = left(), piece = before / 2;
+    if (auto error = advance_to(board_.soc().clock.time_of(core.cycles() + piece))) return error;
+    if (before - left() < piece / idle) break;
+  }
   if (left() > 0 && !is_over_ && !is_cut_ && sc_core::sc_time_stamp() < limit_) {
-    steps_ = true;
     attach_debugger();
     return advance_to(limit_);
   }
@@ -372,6 +427,13 @@ std::optional<Error> Advance::run_expression() {
 
 std::optional<Error> Advance::run() {
   if (hit_ != nullptr) return std::nullopt;
+  if (board_.soc().cpu.core().debugging().halting()) {
+    attach_debugger();
+    if (board_.stands_at_bkpt()) {
+      hit_ = "bkpt";
+      return std::nullopt;
+    }
+  }
   if (cycle_) return run_cycles();
   if (instruction_) return run_instructions();
   if (expression_) return run_expression();

@@ -43,15 +43,28 @@ class Advance final : private armv7m::Debugger {
   std::optional<Error> go(const Position& position);
   bool is_interrupted() const { return is_cut_; }
 
-  /// Who observes a go(): each end of a run of the processor, with the reason, and each logged
-  /// input, before and after it is applied.
+  /// As a debugger has the processor go on, one instruction after the other or at once, until its
+  /// watcher says so; at the latest to a position where the simulation was before.
+  std::optional<Error> resume(bool steps, const std::optional<Position>& end);
+  /// The watcher said so; or it is asleep, and nothing inside can wake it.
+  bool was_stopped() const { return hit_ != nullptr; }
+  bool is_asleep_for_good() const { return is_asleep_; }
+  /// The run is over, ended by a debugger.
+  std::optional<Error> kill();
+  bool is_over() const { return is_over_; }
+
+  /// Who observes: each end of a run of the processor, with the reason and whether anything was
+  /// executed (true: the simulation stops there), and each logged input, before and after it is
+  /// applied.
   struct Watcher {
-    std::function<void(armv7m::StopReason reason)> on_run;
+    std::function<bool(armv7m::StopReason reason, bool advanced)> on_run;
     std::function<void(const Input& input, bool is_applied)> on_input;
   };
   void watch(Watcher watcher);
 
  private:
+  /// The last ones of many instructions are executed one by one.
+  static constexpr uint64_t stepped = 64;
   /// Why it stopped, as the answer has it; null: it did not.
   const char* hit_ = nullptr;
 
@@ -66,6 +79,8 @@ class Advance final : private armv7m::Debugger {
   std::optional<Answer> plan_expression();
   void stop(const char* reason);
   void attach_debugger();
+  uint64_t left() const;
+  bool is_at_bkpt() const;
   std::optional<Error> run();
   std::optional<Error> run_cycles();
   std::optional<Error> run_instructions();
@@ -79,11 +94,13 @@ class Advance final : private armv7m::Debugger {
   Answer answer();
 
   // armv7m::Debugger
-  bool before_run() override { return steps_ || meets_; }
+  bool before_run() override { return steps_ || meets_ || (instruction_ && left() <= stepped); }
   bool after_run(armv7m::StopReason reason, bool advanced) override;
-  bool asleep_for_good() override { return false; }
+  bool asleep_for_good() override;
   bool wants_attention() const override { return false; }
-  bool ended() const override { return false; }
+  bool looks_at_sleep() const override { return false; }
+  uint64_t longest_run() const override;
+  bool ended() const override { return kills_; }
 
   Board& board_;
   const Call* call_ = nullptr;
@@ -91,8 +108,9 @@ class Advance final : private armv7m::Debugger {
   bool limit_is_goal_ = true;  // reaching it is what was asked for
   bool is_over_ = false, is_cut_ = false;
   bool clock_changed_ = false;
-  std::optional<uint64_t> cycle_, instruction_;  // to be reached
-  std::optional<uint64_t> meets_;                // instructions of a position at the time of now
+  bool waits_asleep_ = false, is_asleep_ = false, kills_ = false;  // of a debugger
+  std::optional<uint64_t> cycle_, instruction_;                    // to be reached
+  std::optional<uint64_t> meets_;  // instructions of a position at the time of now
   uint64_t samples_left_ = 0;
   std::optional<uint32_t> breakpoint_;
   bool had_breakpoint_ = false, has_debugger_ = false, steps_ = false;

@@ -216,6 +216,8 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
   held.add_array("v", column(sensor_->injected(), &Pair::second));
   held.result["sensor"] = std::move(sensor);
   held.result["samples"] = sample_count();
+  held.result["bkpt"] = stands_at_bkpt();
+  held.result["debugged"] = soc().cpu.core().debugging().halting();
   static_assert(std::is_trivially_copyable_v<metrics::RecordedSample>);
   if (!unread && !samples_.empty())
     held.add_bytes("newest", {reinterpret_cast<const char*>(&samples_.back()),
@@ -250,6 +252,9 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
     keys.push_back({name, value.get<std::string>(), name});
   sensor_->inject(numbers_in(held.at("u"), from.frames), numbers_in(held.at("v"), from.frames));
   first_sample_ = held.at("samples").get<uint64_t>();
+  if (held.at("bkpt").get<bool>()) stood_at_bkpt();
+  soc().cpu.core().debugging().set_halting(held.at("debugged").get<bool>());
+  soc().cpu.core().debugging().set_halted(held.at("debugged").get<bool>());
   if (const auto newest = held.find("newest"); newest != held.end()) {
     metrics::RecordedSample sample;
     std::memcpy(&sample, bytes_in(*newest, from.frames).data(), sizeof sample);

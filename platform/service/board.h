@@ -94,6 +94,13 @@ class Board {
   std::optional<Error> keep();
   /// Asks for one now and then from here on, until an advance has ended.
   void tick(bool on);
+  /// It has stopped at a BKPT, which takes cycles each time that it is tried.
+  void stood_at_bkpt() { bkpt_ = {soc().cpu.core().cycles(), soc().cpu.core().reg(15)}; }
+  void left_bkpt() { bkpt_ = {~uint64_t{0}, 0}; }
+  /// And nothing has happened since.
+  bool stands_at_bkpt() {
+    return bkpt_ == std::pair(soc().cpu.core().cycles(), soc().cpu.core().reg(15));
+  }
   /// Whether a client wants the advance under way to end.
   bool is_interrupted() const { return is_interrupted_ && is_interrupted_(); }
   void ask_for_interruption(std::function<bool()> asked) { is_interrupted_ = std::move(asked); }
@@ -151,6 +158,7 @@ class Board {
   Events events_;
   std::deque<metrics::RecordedSample> samples_;
   uint64_t first_sample_ = 0;
+  std::pair<uint64_t, uint32_t> bkpt_ = {~uint64_t{0}, 0};  // cycles and pc
   kit::Listening listening_;
   std::optional<Json> result_;
   std::size_t history_budget_;  // bytes

@@ -10,7 +10,7 @@ const std::vector<BoardVerb>& board_verbs() {
   static const std::vector<BoardVerb> all = [] {
     std::vector<BoardVerb> verbs;
     for (auto of_subject : {advance_verbs(), history_verbs(), memory_verbs(), register_verbs(),
-                            port_verbs(), sensor_verbs()})
+                            port_verbs(), sensor_verbs(), debugger_verbs()})
       verbs.insert(verbs.end(), std::make_move_iterator(of_subject.begin()),
                    std::make_move_iterator(of_subject.end()));
     for (BoardVerb& verb : verbs)
@@ -30,13 +30,18 @@ const BoardVerb* board_verb(const std::string& method) {
   return found == all.end() ? nullptr : &*found;
 }
 
+Answer perform_input(Board& board, const BoardVerb& verb, const Call& call) {
+  board.left_bkpt();
+  return verb.perform(board, call);
+}
+
 std::optional<Error> apply_input(Board& board, const Input& input) {
   const BoardVerb* const verb = board_verb(input.method);
   if (verb == nullptr || verb->effect != Effect::input) return Error{input.method + " is no input"};
   const Call call(verb->about, input.parameters, input.frames);
   if (std::string complaint = call.complaint(); !complaint.empty())
     return Error{std::move(complaint)};
-  verb->perform(board, call);
+  perform_input(board, *verb, call);
   return std::nullopt;
 }
 

@@ -31,12 +31,15 @@ std::vector<BoardVerb> register_verbs();
 std::vector<BoardVerb> port_verbs();
 std::vector<BoardVerb> sensor_verbs();
 std::vector<BoardVerb> history_verbs();
+std::vector<BoardVerb> debugger_verbs();
 
 /// All of them, in the order of the reference.
 const std::vector<BoardVerb>& board_verbs();
 /// Null: there is none of that name.
 const BoardVerb* board_verb(const std::string& method);
 
+/// Performs one that changes the simulation.
+Answer perform_input(Board& board, const BoardVerb& verb, const Call& call);
 /// Performs a logged request again. An Error: there is no such method, or its parameters are
 /// wrong; a request that was refused when it was logged is refused again, which is none.
 std::optional<Error> apply_input(Board& board, const Input& input);

@@ -7,6 +7,7 @@
 
 #include "base/printable.h"
 #include "service/signals.h"
+#include "service/stop_points.h"
 
 namespace capsoc::service {
 namespace {
@@ -70,8 +71,9 @@ std::optional<Error> Search::find_address(uint32_t address) {
   if (core.reg(15) == address && board_.position() < part_.end) hit();
   core.debugging().set_breakpoint(address);
   core.debugging().pass_breakpoint();
-  watcher_.on_run = [this](armv7m::StopReason reason) {
+  watcher_.on_run = [this](armv7m::StopReason reason, bool) {
     if (reason == armv7m::StopReason::breakpoint && board_.position() < part_.end) hit();
+    return false;
   };
   return run();
 }
@@ -94,9 +96,26 @@ std::optional<Error> Search::find_write(uint32_t address, uint32_t size) {
   if (!board_.target().set(debug::StopPoint::write_watchpoint, address, size))
     return Error{fmt::format("{:#010x}: nothing can be watched there", address)};
   watch_input([this, address, size] { return bytes_at(board_, address, size); });
-  watcher_.on_run = [this](armv7m::StopReason reason) {
+  watcher_.on_run = [this](armv7m::StopReason reason, bool) {
     if (reason == armv7m::StopReason::watchpoint) hit({{"by", "instruction"}});
+    return false;
   };
+  return run();
+}
+
+/// Where debugger.resume would have stopped.
+std::optional<Error> Search::find_points(const Json& points) {
+  if (auto error = set_points(board_, points)) return error;
+  armv7m::Core& core = board_.soc().cpu.core();
+  const auto look = [this](armv7m::StopReason reason, bool) {
+    const auto cause = board_.target().stop_cause(reason);
+    if (cause && cause->kind != debug::StopCause::Kind::lockup && board_.position() < part_.now)
+      hit({{"cause", to_json(*cause)}});
+    return false;
+  };
+  if (core.debugging().has_breakpoint(core.reg(15))) look(armv7m::StopReason::breakpoint, false);
+  core.debugging().pass_breakpoint();
+  watcher_.on_run = look;
   return run();
 }
 
@@ -190,6 +209,8 @@ Answer Search::perform(const Json& what) {
   std::optional<Error> error;
   if (what.contains("address"))
     error = find_address(what.at("address").get<uint32_t>());
+  else if (what.contains("points"))
+    error = find_points(what.at("points"));
   else if (what.contains("write"))
     error = find_write(what.at("write").at(0).get<uint32_t>(), what.at("write").at(1));
   else if (what.contains("register"))

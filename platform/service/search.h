@@ -40,6 +40,7 @@ class Search final : private armv7m::Observer {
   using Value = std::function<Result<Json>()>;
   std::optional<Error> run();
   std::optional<Error> find_address(uint32_t address);
+  std::optional<Error> find_points(const Json& points);
   std::optional<Error> find_write(uint32_t address, uint32_t size);
   std::optional<Error> find_register(unsigned index);
   std::optional<Error> find_expression(const Json& what);

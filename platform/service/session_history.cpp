@@ -166,6 +166,17 @@ std::vector<Session::SessionVerb> Session::history_verbs() {
          {"left_out", "integer", "entries of memory beyond 1000"}}},
        true,
        &Session::compare},
+      {{"debugger.reverse",
+        "The processor goes back: by one instruction, or to the last instant before now at which "
+        "debugger.resume would have stopped at a point.",
+        {need("kind", Type::text, "step or run"),
+         may("points", Type::any, "as in debugger.resume")},
+        {state,
+         {"reason", "text", "step, breakpoint, bkpt, watchpoint; beginning (of the history)"},
+         {"point", "text", "the kind of the point"},
+         {"address", "integer", "of a watchpoint: what was accessed"}}},
+       true,
+       &Session::reverse},
   };
 }
 
@@ -437,6 +448,25 @@ void Session::refine(const std::shared_ptr<Seek>& seek, Json found) {
              if (!answer.ok()) return end_seek(*seek, std::move(answer));
              refine(seek, answer.result.at("hit").is_null() ? found : answer.result);
            });
+}
+
+void Session::reverse(Request& request) {
+  const Json& kind = request.parameters.at("kind");
+  if (kind == Json("step")) {
+    const Json one = {{"unit", static_cast<int>(Unit::instructions)}, {"value", 1}};
+    return seek(request, {{"back", one}}, [this](Json left, const std::shared_ptr<Seek>& seek) {
+      const bool is_begin = left.at("reason") == Json("beginning");
+      replace(seek, left.at("goal"), {{"reason", is_begin ? "beginning" : "step"}});
+    });
+  }
+  if (kind != Json("run"))
+    return answer(request, refuse("debugger.reverse: kind is step or run", Code::wrong_parameter));
+  const Json what = {{"points", request.parameters.value("points", Json::array())}};
+  find(request, what, [this](const std::shared_ptr<Seek>& seek, Json found) {
+    if (found.at("hit").is_null())
+      return replace(seek, to_json(seek->snapshots.front()), {{"reason", "beginning"}});
+    replace(seek, found.at("hit"), found.at("cause"));
+  });
 }
 
 void Session::compare(Request& request) {

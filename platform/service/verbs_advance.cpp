@@ -58,7 +58,7 @@ std::vector<BoardVerb> advance_verbs() {
         {state_member,
          {"reason", "text",
           "time, cycles, instructions, samples, address, exception, uart, expression; limit "
-          "(within_s), interrupted, over"},
+          "(within_s), interrupted, over; bkpt (debugger.attach)"},
          {"match", "object", "of uart: text up to the match's end, groups"},
          {"events", "list", "those that events.subscribe asked for: kind, time_s, ..."}}},
        advance,

@@ -28,7 +28,8 @@ Answer read_memory(Board& board, const Call& call) {
     return refuse(fmt::format("memory.read: {} bytes are more than 64 MiB; read in pieces", size),
                   Code::wrong_parameter);
   std::string bytes = board.target().read_memory(address.value(), static_cast<uint32_t>(size));
-  if (bytes.size() < size) return nothing_there(address.value() + bytes.size());
+  const bool may_be_short = call.has("short") && call.boolean("short");
+  if (bytes.size() < size && !may_be_short) return nothing_there(address.value() + bytes.size());
   Answer answer;
   answer.add_bytes("bytes", std::move(bytes));
   return answer;
@@ -107,7 +108,8 @@ std::vector<BoardVerb> memory_verbs() {
       {{"memory.read",
         "Bytes as the debug port of the bus sees them: without side effects and without time.",
         {need("address", Type::address, "of the first byte"),
-         need("size", Type::integer, "bytes, at most 64 MiB")},
+         need("size", Type::integer, "bytes, at most 64 MiB"),
+         may("short", Type::boolean, "it may be fewer: those before the first that is nowhere")},
         {{"bytes", "array", "all of them"}}},
        read_memory,
        Effect::looks},

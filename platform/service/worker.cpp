@@ -149,7 +149,8 @@ class Worker {
     const Json& parameters = message.body.at("params");
     if (method == construct_method) return construct(parameters, message.frames);
     if (board_ == nullptr) return refuse("the simulation was not constructed");
-    if (to_be_interrupted->interrupted_call == current_call && method == "simulation.advance")
+    const bool advances = method == "simulation.advance" || method == "debugger.resume";
+    if (advances && to_be_interrupted->interrupted_call == current_call)
       return interrupted_before();
     if (method == snapshot_method) return snapshot();
     if (board_->is_finished() && is_of_history(method))
@@ -176,7 +177,7 @@ class Worker {
     }
     Input input{board_->position(), verb.about.method, parameters, frames};
     input.parameters.erase("simulation");
-    Answer answer = verb.perform(*board_, call);
+    Answer answer = perform_input(*board_, verb, call);
     // A refused write may have written a part.
     const bool wrote = verb.about.method == "memory.write" || verb.about.method == "variable.write";
     if (!answer.ok() && !wrote) return answer;
@@ -228,13 +229,33 @@ class Worker {
     board_->continue_history(std::move(history.value()), begin);
     board_->mute();
     Advance advance(*board_);
-    if (parameters.contains("goal"))
-      if (auto error = go(advance, parameters.at("goal"))) return refuse(error->text);
+    if (const auto goal = parameters.find("goal"); goal != parameters.end()) {
+      if (parameters.contains("told"))
+        if (auto error = approach(*goal)) return refuse(error->text);
+      if (auto error = go(advance, *goal)) return refuse(error->text);
+    }
     if (parameters.contains("told"))
       if (auto error = board_->set_told(parameters.at("told"), frames)) return refuse(error->text);
     Answer answer;
     answer.result = {{"state", board_->state()}, {"interrupted", advance.is_interrupted()}};
     return answer;
+  }
+
+  /// Takes snapshots on the way, nearer and nearer to the goal: who steps back steps on, and begins
+  /// there.
+  std::optional<Error> approach(const Json& goal) {
+    const auto position = position_in(goal);
+    if (!position && target_in(goal).unit != Unit::instructions) return std::nullopt;
+    const uint64_t count = position ? position->instructions : target_in(goal).value;
+    for (const uint64_t distance : {1'000'000, 100'000, 10'000, 1'000}) {
+      const uint64_t now = board_->position().instructions;
+      if (count < now + 2 * distance) continue;
+      Advance advance(*board_);
+      if (auto error = advance.go(Target{Unit::instructions, count - distance})) return error;
+      if (advance.is_interrupted()) return std::nullopt;
+      if (auto error = board_->keep()) return error;
+    }
+    return std::nullopt;
   }
 
   static std::size_t snapshot_for(const History& history, const Json& goal) {

@@ -155,6 +155,8 @@ class Logged(Past):
         "button.press": {"button": 0, "pressed": True},
         "adc.inject": {"u": [0.5], "v": [0.25]},
         "sensor.set": {"parameters": {"b1": 0.125}},
+        "debugger.attach": {"attached": True},
+        "processor.reset": {},
     }
     LOOKS = {
         "simulation.state": {},
@@ -177,10 +179,12 @@ class Logged(Past):
         "events.subscribe": {"kinds": ["exception", "sample"]},
         "sensor.read": {},
         "samples.read": {},
+        "debugger.about": {},
     }
     MOVES = {
         *("simulation.advance", "simulation.goto", "simulation.restore", "simulation.finish", "simulation.close"),
         *("simulation.interrupt", "simulation.snapshot", "simulation.clone"),
+        *("debugger.resume", "debugger.reverse", "debugger.kill"),
         *("history.back", "history.last_write", "history.last_change", "history.diff"),
     }
 

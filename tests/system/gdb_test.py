@@ -24,11 +24,13 @@ FOREVER = FIRMWARE / "forever.elf"
 class Run:
     """A `capsoc run --gdb` and, at the end, what it left."""
 
+    options = ()  # of all of them
+
     def __init__(self, elf, *options):
         self.folder = tempfile.TemporaryDirectory()
         self.json = Path(self.folder.name) / "r.json"
         self.process = subprocess.Popen(
-            [CAPSOC, "run", elf, "--gdb", "0", "--json", self.json, *map(str, options)],
+            [CAPSOC, "run", elf, "--gdb", "0", "--json", self.json, *self.options, *map(str, options)],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             env=CLEAN,

@@ -151,7 +151,9 @@ void CoreTlm::thread() {
     }
     const uint64_t cycles = core_.cycles(), instructions = core_.instructions();
     if (!std::exchange(stays, false)) horizon_.look_ahead();
-    const uint64_t until = horizon_.begin_run(longest_run);
+    const uint64_t longest =
+        debugger_ != nullptr ? std::min(longest_run, debugger_->longest_run()) : longest_run;
+    const uint64_t until = horizon_.begin_run(longest);
     if (core_.cycles() >= until) {
       horizon_.synchronise();
       horizon_.catch_up();

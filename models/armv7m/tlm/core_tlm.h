@@ -151,6 +151,9 @@ class CoreTlm : public sc_core::sc_module,
   bool is_interrupted() override;
   void pause_if_due() override;
   bool has_debugger() const override { return debugger_ != nullptr; }
+  bool debugger_looks() const override {
+    return debugger_ != nullptr && debugger_->looks_at_sleep();
+  }
   bool debugger_wants_attention() const override {
     return debugger_ != nullptr && debugger_->wants_attention();
   }

@@ -20,8 +20,12 @@ class Debugger {
   virtual bool after_run(StopReason reason, bool advanced) = 0;
   /// Nothing is left that could wake the processor. False: let the simulation end.
   virtual bool asleep_for_good() = 0;
-  /// True: before_run() is wanted soon. Asked during a sleep.
+  /// True: before_run() is wanted soon. Asked during a sleep, each millisecond of it if
+  /// looks_at_sleep().
   virtual bool wants_attention() const = 0;
+  virtual bool looks_at_sleep() const { return true; }
+  /// The most cycles that may pass in one run of the core.
+  virtual uint64_t longest_run() const { return ~uint64_t{0}; }
   /// The debugger asked for the end of the simulation.
   virtual bool ended() const = 0;
 };

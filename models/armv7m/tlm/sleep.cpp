@@ -53,15 +53,16 @@ bool Sleep::wait_for_something(const sc_core::sc_time& now) {
   const uint64_t internal = core_.next_internal_event();
   if (internal != Core::never) {
     const sc_core::sc_time until = clock_.time_of(internal);
-    if (client_.has_debugger()) nap = std::min(nap, longest_nap);
+    if (client_.debugger_looks()) nap = std::min(nap, longest_nap);
     if (until > now) sc_core::wait(std::min(until - now, nap), wake_);
     return true;
   }
-  if (client_.has_debugger() && sc_core::sc_pending_activity()) {
+  const bool is_pending = client_.has_debugger() && sc_core::sc_pending_activity();
+  if (is_pending && client_.debugger_looks()) {
     sc_core::wait(std::min(nap, longest_nap), wake_);
     return true;
   }
-  if (client_.has_debugger() && client_.debugger_takes_over()) return false;
+  if (client_.has_debugger() && !is_pending && client_.debugger_takes_over()) return false;
   // The host may still wake it through a channel that the kernel waits for, and only the kernel
   // knows whether there is one: so this does not stop the simulation, sc_start() returns.
   const bool goes_on = expects_inputs_ || sc_core::sc_pending_activity();

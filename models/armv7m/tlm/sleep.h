@@ -25,8 +25,9 @@ class Sleep {
     /// True ends the simulation. Asked at each awakening.
     virtual bool is_interrupted() = 0;
     virtual void pause_if_due() = 0;
-    /// A debugger is asked now and then, so that it can interrupt the sleep.
     virtual bool has_debugger() const = 0;
+    /// It is asked now and then, so that it can interrupt the sleep.
+    virtual bool debugger_looks() const = 0;
     virtual bool debugger_wants_attention() const = 0;
     /// Nothing is left that could wake the processor. True: the sleep ends, and not the simulation.
     virtual bool debugger_takes_over() = 0;

@@ -110,6 +110,12 @@ std::string Client::stop_reply() const {
                                                                        : "watch",
                         cause_.address);
       break;
+    case StopCause::Kind::history_begin:
+      why = "replaylog:begin;";
+      break;
+    case StopCause::Kind::history_end:
+      why = "replaylog:end;";
+      break;
     case StopCause::Kind::attached:
     case StopCause::Kind::step:
     case StopCause::Kind::bkpt_instruction:
@@ -182,6 +188,8 @@ Request Client::packet(std::string_view text) {
     case 's':
     case 'S':
       return resume({&command, 1});
+    case 'b':
+      return resume_back(text);
     case 'v':
       return v_packet(text);
     case 'D':
@@ -243,6 +251,15 @@ Request Client::resume(std::string_view text) {
   return wait_for(how);
 }
 
+/// `bs` and `bc`.
+Request Client::resume_back(std::string_view text) {
+  if (!target_.has_history() || (text != "s" && text != "c")) {
+    reply("");
+    return {};
+  }
+  return wait_for({text == "s" ? Resume::Kind::step_back : Resume::Kind::run_back});
+}
+
 Request Client::v_packet(std::string_view text) {
   if (text == "Cont?") {
     reply("vCont;c;C;s;S;r;t");
@@ -271,7 +288,13 @@ Request Client::monitor(std::string_view hex) {
     reply(malformed);
     return {};
   }
-  const MonitorAnswer answer = answer_monitor(*line);
+  if (const auto said = target_.command(*line)) {
+    if (!said->empty()) print(*said);
+    reply(ok);
+    return {};
+  }
+  MonitorAnswer answer = answer_monitor(*line);
+  if (answer.help) answer.text += target_.command_help();
   if (answer.reset) target_.reset();
   if (!answer.save.empty()) print(target_.save(answer.save));
   if (answer.stimulus_ports != 0)
@@ -308,8 +331,8 @@ void Client::features(std::string_view theirs) {
   knows_hwbreak_ = theirs.find("hwbreak+") != std::string_view::npos;
   reply(
       fmt::format("PacketSize={:x};QStartNoAckMode+;qXfer:features:read+;qXfer:memory-map:read+;"
-                  "qXfer:threads:read+;vContSupported+;swbreak+;hwbreak+",
-                  largest_packet));
+                  "qXfer:threads:read+;vContSupported+;swbreak+;hwbreak+{}",
+                  largest_packet, target_.has_history() ? ";ReverseStep+;ReverseContinue+" : ""));
 }
 
 /// object:read:annex:offset,length

@@ -53,6 +53,7 @@ class Client {
  private:
   Request packet(std::string_view text);
   Request resume(std::string_view text);
+  Request resume_back(std::string_view text);
   Request v_packet(std::string_view text);
   Request monitor(std::string_view hex);
   void query(std::string_view text);

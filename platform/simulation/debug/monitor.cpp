@@ -73,6 +73,7 @@ MonitorAnswer answer_monitor(const std::string& line) {
     answer_itm(words, answer);
   } else if (first == "help" || first == "?") {
     answer.text = help;
+    answer.help = true;
   } else {
     for (const char* word : needless)
       if (first == word) return answer;

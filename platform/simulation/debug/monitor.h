@@ -14,6 +14,7 @@ struct MonitorAnswer {
   bool stimulus_on = false;
   std::string save;  ///< the file that the state goes to
   std::string text;
+  bool help = false;  ///< the text is the list of commands
 };
 
 /// Every line has an answer; what is unknown is said so and does nothing, because an error would

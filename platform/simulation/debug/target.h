@@ -27,7 +27,9 @@ struct StopCause {
     breakpoint,
     watchpoint,
     bkpt_instruction,
-    lockup
+    lockup,
+    history_begin,  ///< nothing before this is known
+    history_end     ///< it is where it was before it went back
   };
   Kind kind = Kind::attached;
   StopPoint point = StopPoint::software_breakpoint;  ///< with breakpoint and watchpoint
@@ -84,11 +86,17 @@ class Target {
   virtual std::string show_stimulus(uint32_t /*ports*/, bool /*on*/) {
     return "there is no ITM here\n";
   }
+  /// Whether it can be resumed backwards.
+  virtual bool has_history() const { return false; }
+  /// The console's answer to a `monitor` command of this target alone; nothing: it is none.
+  virtual std::optional<std::string> command(const std::string& /*line*/) { return std::nullopt; }
+  /// Lines on these commands for `monitor help`.
+  virtual std::string command_help() const { return ""; }
 };
 
 /// How a client wants the processor to go on.
 struct Resume {
-  enum class Kind : uint8_t { run, step, range };
+  enum class Kind : uint8_t { run, step, range, step_back, run_back };
   Kind kind = Kind::run;
   uint32_t range_start = 0, range_end = 0;  ///< range: step while start <= pc < end
 };

@@ -36,6 +36,14 @@ struct GdbSettings {
                           .is_place()
                           .by({"--halt", "", "Wait for a debugger before the first instruction",
                                SettingOption::Form::flag, "true"})};
+  IntegerField history_mb{
+      all, setting("gdb.history_mb", SettingKind::integer, "0",
+                   "memory for the past that the debugger can go back to, MB; 0: none")
+               .in(0, 65536)
+               .is_place()
+               .by({"--gdb-history", "[MB]",
+                    "Let the debugger go back, with so much memory for the past (64 MB)",
+                    SettingOption::Form::optional_value, "64"})};
 };
 
 }  // namespace capsoc::run

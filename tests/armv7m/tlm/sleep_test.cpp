@@ -13,12 +13,14 @@ const sc_core::sc_time millisecond(1, sc_core::SC_MS);
 
 struct Client : Sleep::Client {
   bool wakes = false, interrupted = false, debugger = false, attention = false, takes_over = false;
+  bool looks = true;
   unsigned asked = 0, paused = 0;
 
   bool must_wake() const override { return wakes; }
   bool is_interrupted() override { return ++asked, interrupted; }
   void pause_if_due() override { ++paused; }
   bool has_debugger() const override { return debugger; }
+  bool debugger_looks() const override { return debugger && looks; }
   bool debugger_wants_attention() const override { return attention; }
   bool debugger_takes_over() override { return takes_over; }
 };
@@ -111,6 +113,20 @@ TEST(Sleep, ADebuggerIsAskedEveryMillisecond) {
     at(a.after(25'000 * 3 + 7), [&] { a.client.attention = true; });
     EXPECT_EQ(a.sleep.until_woken(), EndReason::none);
     EXPECT_EQ(a.client.asked, 4u);
+  });
+}
+
+TEST(Sleep, OneThatDoesNotLookSleepsOn) {
+  in_process([] {
+    Asleep a;
+    a.client.debugger = true;
+    a.client.looks = false;
+    at(a.after(25'000 * 10), [&] {
+      a.client.wakes = true;
+      a.sleep.wake();
+    });
+    EXPECT_EQ(a.sleep.until_woken(), EndReason::none);
+    EXPECT_EQ(a.client.asked, 1u);
   });
 }
 

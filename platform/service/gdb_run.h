@@ -1,0 +1,16 @@
+// capsoc run --gdb with a history: a debugger that can go back.
+#pragma once
+
+#include "base/result.h"
+#include "service/message.h"
+#include "session/run_settings.h"
+
+namespace capsoc::service {
+
+/// Runs what the settings say in a session of its own, under the debuggers that connect to
+/// gdb.port. What the program says on standard streams goes there, once, however often the past is
+/// simulated again. The answer of simulation.finish. An Error: a wrong input, or settings that
+/// allow no history; nothing was simulated. Before this process has a thread.
+Result<Json> run_under_gdb(const run::RunSettings& settings);
+
+}  // namespace capsoc::service

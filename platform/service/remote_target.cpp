@@ -1,0 +1,291 @@
+#include "service/remote_target.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+#include <utility>
+
+#include "base/printable.h"
+#include "service/stop_points.h"
+
+namespace capsoc::service {
+namespace {
+
+/// All of a text as a number, decimal or with 0x; nothing: it is none.
+std::optional<uint64_t> whole_number(std::string_view text) {
+  const bool is_hex = text.substr(0, 2) == "0x";
+  if (is_hex) text.remove_prefix(2);
+  uint64_t value = 0;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), value, is_hex ? 16 : 10);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::optional<double> seconds(std::string text) {
+  if (!text.empty() && text.back() == 's') text.pop_back();
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+constexpr const char* position_form = "a time as 0.25s, #INSTRUCTION, cycle N or sample N";
+
+/// A position from word `at` on, which moves behind it, as simulation.goto takes it; null: none.
+Json position_from(const std::vector<std::string>& words, std::size_t& at) {
+  if (at >= words.size()) return nullptr;
+  const std::string& first = words[at++];
+  if (first.front() == '#') {
+    const auto count = whole_number(std::string_view(first).substr(1));
+    return count ? Json{{"instructions", *count}} : Json();
+  }
+  if (first == "cycle" || first == "sample") {
+    const auto count = at < words.size() ? whole_number(words[at++]) : std::nullopt;
+    return count ? Json{{first == "cycle" ? "cycles" : "sample", *count}} : Json();
+  }
+  const auto time = seconds(first);
+  return time ? Json{{"time_s", *time}} : Json();
+}
+
+std::string text_of(const Json& position) {
+  return fmt::format("{:.12g} s, instruction {}, cycle {}, sample {}",
+                     position.at("time_s").get<double>(),
+                     position.at("instructions").get<uint64_t>(),
+                     position.at("cycles").get<uint64_t>(), position.at("samples").get<uint64_t>());
+}
+
+/// Bytes as hexadecimal digits in the order of addresses, numbers as they are.
+std::string text_of_value(const Json& value) {
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (const Json& byte : value) text += fmt::format("{:02x}", byte.get<unsigned>());
+  return text;
+}
+
+void add_differences(std::string& text, const Json& list) {
+  for (const auto& [name, both] : list.items())
+    text += fmt::format("{}: {} -> {}\n", name, both.at(0).dump(), both.at(1).dump());
+}
+
+}  // namespace
+
+Answer RemoteTarget::ask(const std::string& method, Json parameters, Frames frames) {
+  parameters["simulation"] = simulation_;
+  return session_.call(method, std::move(parameters), std::move(frames));
+}
+
+/// Something that is written in the past begins another future.
+void RemoteTarget::change(const std::string& method, Json parameters, Frames frames) {
+  forget();
+  const Answer answer = ask(method, std::move(parameters), std::move(frames));
+  if (!answer.ok()) return say_(answer.sentence + "\n");
+  if (const auto ended = answer.result.find("ended_history"); ended != answer.result.end())
+    say_(fmt::format("a new history begins here; the one until {} is given up\n", text_of(*ended)));
+}
+
+uint32_t RemoteTarget::read_register(unsigned index) {
+  if (!registers_) {
+    const Answer answer = ask("processor.read", Json::object());
+    if (!answer.ok()) return 0;
+    registers_.emplace();
+    for (std::size_t i = 0; i < debug::registers.size(); ++i)
+      (*registers_)[i] = answer.result.at("registers").at(debug::registers[i].name).get<uint32_t>();
+  }
+  return (*registers_)[index];
+}
+
+void RemoteTarget::write_register(unsigned index, uint32_t value) {
+  change("processor.write", {{"register", debug::registers[index].name}, {"value", value}});
+}
+
+std::string RemoteTarget::read_memory(uint32_t address, uint32_t size) {
+  const Answer answer = ask("memory.read", {{"address", address}, {"size", size}, {"short", true}});
+  return answer.ok() ? bytes_in(answer.result.at("bytes"), answer.frames) : "";
+}
+
+bool RemoteTarget::write_memory(uint32_t address, const std::string& bytes) {
+  forget();
+  Json list = Json::array();
+  for (const char byte : bytes) list.push_back(static_cast<uint8_t>(byte));
+  const Answer answer = ask("memory.write", {{"address", address}, {"bytes", std::move(list)}});
+  if (const auto ended = answer.result.find("ended_history"); ended != answer.result.end())
+    say_(fmt::format("a new history begins here; the one until {} is given up\n", text_of(*ended)));
+  return answer.ok();
+}
+
+bool RemoteTarget::set(debug::StopPoint kind, uint32_t address, uint32_t size) {
+  const bool watches = kind != debug::StopPoint::software_breakpoint &&
+                       kind != debug::StopPoint::hardware_breakpoint;
+  if (watches && size == 0) return false;
+  ++points_[{kind, address, size}];
+  return true;
+}
+
+void RemoteTarget::clear(debug::StopPoint kind, uint32_t address, uint32_t size) {
+  const auto found = points_.find({kind, address, size});
+  if (found != points_.end() && --found->second == 0) points_.erase(found);
+}
+
+Json RemoteTarget::points() const {
+  Json list = Json::array();
+  for (const auto& [point, count] : points_) {
+    const auto& [kind, address, size] = point;
+    list.push_back({{"kind", name_of(kind)}, {"address", address}, {"size", size}});
+  }
+  return list;
+}
+
+void RemoteTarget::reset() {
+  change("processor.reset", Json::object());
+}
+
+std::string RemoteTarget::save(const std::string& file) {
+  const Answer answer = ask("simulation.save", {{"file", file}});
+  return answer.ok() ? file + ": saved\n" : answer.sentence + "\n";
+}
+
+std::string RemoteTarget::state() {
+  const Answer answer = ask("debugger.about", Json::object());
+  return answer.ok() ? answer.result.at("state").get<std::string>() : answer.sentence;
+}
+
+std::vector<debug::MemoryRange> RemoteTarget::memory_ranges() {
+  if (!ranges_.empty()) return ranges_;
+  const Answer answer = ask("debugger.about", Json::object());
+  if (answer.ok())
+    for (const Json& range : answer.result.at("memory"))
+      ranges_.push_back({range.at(0).get<uint64_t>(), range.at(1).get<uint64_t>()});
+  return ranges_;
+}
+
+std::string RemoteTarget::show_stimulus(uint32_t, bool) {
+  return "itm: with a history the port is enabled from the start: capsoc run --itm stdout\n";
+}
+
+std::string RemoteTarget::command_help() const {
+  return "when             where the simulation is in its history\n"
+         "goto POSITION    back or forward: a time as 0.25s, #INSTRUCTION, cycle N, sample N\n"
+         "last-write ADDRESS|VARIABLE|$REGISTER [SIZE]  which instruction wrote it last\n"
+         "last-change NAME the last change of PERIPHERAL.REGISTER[.FIELD] or of a signal\n"
+         "diff POSITION [POSITION]  what differs between then and then, or now\n"
+         "record FILE      the session until now, for capsoc replay\n";
+}
+
+std::optional<std::string> RemoteTarget::command(const std::string& line) {
+  std::istringstream stream(line);
+  Words words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  if (words.empty()) return std::nullopt;
+  static const std::map<std::string, std::string (RemoteTarget::*)(const Words&)> commands = {
+      {"goto", &RemoteTarget::go_to},
+      {"last-write", &RemoteTarget::last_write},
+      {"last-change", &RemoteTarget::last_change},
+      {"diff", &RemoteTarget::differences},
+      {"record", &RemoteTarget::record}};
+  if (words[0] == "when") return when();
+  const auto found = commands.find(words[0]);
+  if (found == commands.end()) return std::nullopt;
+  return (this->*found->second)(words);
+}
+
+std::string RemoteTarget::when() {
+  const Answer answer = ask("history.when", Json::object());
+  if (!answer.ok()) return answer.sentence + "\n";
+  const Json& about = answer.result;
+  return fmt::format(
+      "now:       {}\nbeginning: {}\nend:       {}\n{} inputs, {} snapshots, {:.1f} MB\n",
+      text_of(about.at("now")), text_of(about.at("beginning")), text_of(about.at("end")),
+      about.at("inputs").get<uint64_t>(), about.at("snapshots").get<uint64_t>(),
+      static_cast<double>(about.at("bytes").get<uint64_t>()) * 1e-6);
+}
+
+std::string RemoteTarget::go_to(const Words& words) {
+  std::size_t at = 1;
+  Json position = position_from(words, at);
+  if (position.is_null() || at != words.size())
+    return fmt::format("goto: write {}\n", position_form);
+  forget();
+  const Answer answer = ask("simulation.goto", std::move(position));
+  if (!answer.ok()) return answer.sentence + "\n";
+  const Answer where = ask("simulation.state", Json::object());
+  std::string place = where.ok() ? where.result.at("place").get<std::string>() : "";
+  if (!place.empty() && place.back() != '\n') place += '\n';
+  return fmt::format(
+      "{}\n{}the debugger still shows the old registers: maintenance flush "
+      "register-cache\n",
+      text_of(answer.result.at("state")), place);
+}
+
+std::string RemoteTarget::last_write(const Words& words) {
+  constexpr const char* form =
+      "last-write: write an address with a size, a variable or $register\n";
+  if (words.size() < 2 || words.size() > 3) return form;
+  Json what;
+  const auto address = whole_number(words[1]);
+  const auto size = words.size() == 3 ? whole_number(words[2]) : std::nullopt;
+  if (words.size() == 3 && (!size || !address)) return form;
+  if (address)
+    what = {{"address", *address}, {"size", size.value_or(4)}};
+  else if (words[1].front() == '$')
+    what = {{"register", words[1].substr(1)}};
+  else
+    what = {{"variable", words[1]}};
+  const Answer answer = ask("history.last_write", std::move(what));
+  if (!answer.ok()) return answer.sentence + "\n";
+  const Json& found = answer.result;
+  if (!found.at("found").get<bool>()) return "nothing wrote it since the history began\n";
+  const std::string by = found.at("by") == Json("instruction")
+                             ? found.at("place").get<std::string>()
+                             : found.at("by").get<std::string>() + ", from outside";
+  return fmt::format("{} -> {}: {}\nat {}\n", text_of_value(found.at("old")),
+                     text_of_value(found.at("new")), by, text_of(found.at("position")));
+}
+
+std::string RemoteTarget::last_change(const Words& words) {
+  if (words.size() != 2)
+    return "last-change: write PERIPHERAL.REGISTER[.FIELD] or a signal of the coprocessor\n";
+  const bool is_register = words[1].find('.') != std::string::npos;
+  const Answer answer = ask("history.last_change", {{is_register ? "name" : "signal", words[1]}});
+  if (!answer.ok()) return answer.sentence + "\n";
+  const Json& found = answer.result;
+  if (!found.at("found").get<bool>()) return "it did not change since the history began\n";
+  return fmt::format("{} -> {}\nat {}\n", text_of_value(found.at("old")),
+                     text_of_value(found.at("new")), text_of(found.at("position")));
+}
+
+std::string RemoteTarget::differences(const Words& words) {
+  std::size_t at = 1;
+  Json positions = {{"one", position_from(words, at)}};
+  if (at < words.size()) positions["other"] = position_from(words, at);
+  if (positions.at("one").is_null() || positions.value("other", Json(0)).is_null() ||
+      at != words.size())
+    return fmt::format("diff: write one or two positions: {}\n", position_form);
+  const Answer answer = ask("history.diff", std::move(positions));
+  if (!answer.ok()) return answer.sentence + "\n";
+  std::string text =
+      fmt::format("{}\n{}\n", text_of(answer.result.at("one")), text_of(answer.result.at("other")));
+  add_differences(text, answer.result.at("processor"));
+  add_differences(text, answer.result.at("devices"));
+  for (const Json& each : answer.result.at("memory"))
+    text += fmt::format("{}: {} -> {}\n",
+                        each.at("name").is_null()
+                            ? fmt::format("{:#010x}", each.at("address").get<uint32_t>())
+                            : each.at("name").get<std::string>(),
+                        each.at("one").dump(), each.at("other").dump());
+  if (const auto more = answer.result.at("left_out").get<uint64_t>(); more > 0)
+    text += fmt::format("and {} more\n", more);
+  return text;
+}
+
+std::string RemoteTarget::record(const Words& words) {
+  if (words.size() != 2) return "record: give one file, without blanks in its name\n";
+  const Answer answer = ask("simulation.record", {{"file", words[1]}});
+  return answer.ok() ? fmt::format("{}: {} inputs; simulate it again by capsoc replay {}\n",
+                                   words[1], answer.result.at("inputs").get<uint64_t>(), words[1])
+                     : answer.sentence + "\n";
+}
+
+}  // namespace capsoc::service
