@@ -15,7 +15,7 @@
 #include "host/files.h"
 #include "inputs/program_values.h"
 #include "report/page.h"
-#include "service/gdb_run.h"
+#include "service/session_run.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
 #include "session/simulation.h"
@@ -92,8 +92,8 @@ std::optional<Error> check_files(const RunArguments& arguments, const run::RunSe
   std::vector<host::FileUse> uses = run::files_of(settings);
   uses.push_back({host::FileUse::Kind::input, "--config", config_of(arguments)});
   if (auto error = host::check_uses(uses)) return error;
-  for (const TextField* place :
-       {&settings.results.json, &settings.results.html, &settings.results.record})
+  for (const TextField* place : {&settings.results.json, &settings.results.html,
+                                 &settings.results.record, &settings.results.session})
     if (!place->empty())
       if (auto error = host::check_writable(place->text())) return error;
   return std::nullopt;
@@ -119,12 +119,12 @@ int code_of_refusal() {
   return host::is_ending() ? run::exit_code::limit : run::exit_code::usage;
 }
 
-/// Under a debugger that can go back.
-int run_with_history(const run::RunSettings& settings) {
-  if (settings.gdb.port() < 0)
+/// With a debugger that can go back, or a session that can be simulated again.
+int run_in_session(const run::RunSettings& settings) {
+  if (settings.gdb.history_mb() > 0 && settings.gdb.port() < 0)
     return refuse(
         fmt::format("{} is for a debugger: add --gdb", settings.gdb.history_mb.about().name()));
-  const auto finished = service::run_under_gdb(settings);
+  const auto finished = service::run_in_session(settings);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   service::Json answer = finished.value();
   if (const int signal = host::noted_signal(); signal != 0) {
@@ -158,7 +158,8 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   spdlog::set_level(settings.log_level());
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
-  if (settings.gdb.history_mb() > 0) return run_with_history(settings);
+  if (settings.gdb.history_mb() > 0 || !settings.results.session.empty())
+    return run_in_session(settings);
   auto result = run::run(settings);
   if (!result) return refuse(result.error(), code_of_refusal());
   const run::RunResult& r = result.value();

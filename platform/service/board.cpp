@@ -103,7 +103,8 @@ std::optional<Error> Board::set(const Json& settings) {
     if (name == settings_.firmware.elf.about().path) text = program_named(*text);
     if (auto error = settings_.set(name, *text, SettingSource::command_line, origin)) return error;
   }
-  for (const TextField* file : {&settings_.results.json, &settings_.results.html})
+  for (const TextField* file :
+       {&settings_.results.json, &settings_.results.html, &settings_.results.session})
     if (!file->empty())
       return Error{
           fmt::format("{}: a session writes no result files; simulation.finish answers with "

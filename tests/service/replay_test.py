@@ -46,6 +46,63 @@ class Replays(Past):
         self.assertRegex(about, "the same until 0.006.* s: 3 inputs, [12] states compared")
         self.assertRegex(self.replay("--until", "0.002")[1], "the same until 0.002.* s: 2 inputs")
 
+    def run_recorded(self, program, *options, code=0, given=b"", name="a.session"):
+        """What `capsoc run --record-session` says, and the same run without it."""
+        both = []
+        for more in (("--record-session", name), ()):
+            done = subprocess.run(
+                [CAPSOC, "run", FIRMWARE / f"{program}.elf", *options, *more],
+                cwd=self.folder,
+                env=CLEAN,
+                input=given,
+                capture_output=True,
+                check=False,
+                timeout=300,
+            )
+            self.assertEqual(done.returncode, code, done.stderr)
+            both.append(done)
+        return both
+
+    def test_a_run_of_the_command_line(self):
+        recorded, plain = self.run_recorded("hello")
+        self.assertEqual(recorded.stdout, plain.stdout)
+        self.assertEqual(self.replay()[0].encode(), plain.stdout)
+        recorded, plain = self.run_recorded("divzero", code=5)
+        self.assertEqual(recorded.stdout, plain.stdout)
+        self.assertIn(b"fault report: HardFault", recorded.stderr)
+        self.replay()
+
+    def test_what_was_typed(self):
+        recorded, plain = self.run_recorded("echo", "--uart0", "stdio", given=b"\x03\0\0\0abc")
+        self.assertEqual((recorded.stdout, plain.stdout), (b"\x03\0\0\0abc",) * 2)
+        said, about = self.replay()
+        self.assertEqual(said, "\x03\0\0\0abc")
+        self.assertIn("1 inputs", about)
+
+    def test_its_results_and_what_is_refused(self):
+        recorded = self.run_recorded("hello", "--json", "r.json", "--html", "r.html")[0]
+        results = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual((recorded.returncode, results["exit"]["code"]), (0, 0))
+        self.assertIn("hello from capsoc", (self.folder / "r.html").read_text())
+        for options, sentence in (
+            (["--trace-bus", "t"], "no history: trace.bus names a place"),
+            (["--uart1", "pty:p"], "no history: uart1.backend connects the simulation to pty:p"),
+            (["--halt"], "--halt waits for a debugger"),
+            (["--gdb-history"], "--gdb-history is for a debugger: add --gdb"),
+        ):
+            with self.subTest(options=options):
+                done = subprocess.run(
+                    [CAPSOC, "run", FIRMWARE / "hello.elf", "--record-session", "x.session", *options],
+                    cwd=self.folder,
+                    env=CLEAN,
+                    capture_output=True,
+                    check=False,
+                    timeout=60,
+                )
+                self.assertEqual((done.returncode, done.stdout), (2, b""))
+                self.assertIn(sentence, done.stderr.decode())
+                self.assertFalse((self.folder / "x.session").exists())
+
     def test_the_main_job_from_another_folder(self):
         (self.folder / "own.elf").write_bytes((FIRMWARE / "selfcal.elf").read_bytes())
         (self.folder / "own.toml").write_bytes((TRACES / "soc_eq21.toml").read_bytes())

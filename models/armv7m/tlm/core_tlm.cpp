@@ -114,12 +114,13 @@ bool CoreTlm::begin() {
 }
 
 void CoreTlm::pause_if_due() {
-  if (!pause_ || horizon_.pause_at() > sc_core::sc_time_stamp()) return;
+  if (horizon_.pause_at() > sc_core::sc_time_stamp()) return;
+  if (!pause_) return horizon_.plan_pause(sc_core::sc_max_time());
   // Of one that was asked for just now the core knew nothing: it may be ahead of the kernel.
   horizon_.synchronise();
   horizon_.catch_up();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
-  while (pause_ && horizon_.pause_at() <= now) {
+  while (horizon_.pause_at() <= now) {
     horizon_.plan_pause(sc_core::sc_max_time());
     polling_.forget_read();
     horizon_.give_way();

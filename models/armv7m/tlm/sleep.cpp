@@ -29,6 +29,10 @@ EndReason Sleep::sleep() {
   while (!core_.wake_pending() && !client_.must_wake()) {
     const sc_core::sc_time now = sc_core::sc_time_stamp();
     if (end_on_idle_ && end_on_idle_->is_over(now)) return EndReason::end_on_idle;
+    if (horizon_.pause_at() <= now) {  // it fell asleep at the instant of the pause
+      client_.pause_if_due();
+      continue;
+    }
     if (!wait_for_something(now)) return EndReason::none;
     horizon_.settle();
     horizon_.catch_up();

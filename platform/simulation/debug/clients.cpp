@@ -1,6 +1,7 @@
 #include "debug/clients.h"
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 namespace capsoc::debug {
@@ -14,7 +15,7 @@ Clients::Clients(Target& target, Processor& processor, std::unique_ptr<Connectio
 
 void Clients::serve() {
   LineEvent event;
-  while (connections_->next(event)) {
+  while (connections_ != nullptr && connections_->next(event)) {
     if (event.kind == LineEvent::Kind::connected) {
       sessions_.emplace_back(event.socket, target_);
       continue;
@@ -29,6 +30,13 @@ void Clients::serve() {
         break;  // the list may have changed
       }
   }
+}
+
+void Clients::wait(std::chrono::milliseconds longest) {
+  if (connections_ != nullptr)
+    connections_->wait(longest);
+  else
+    std::this_thread::sleep_for(longest);
 }
 
 bool Clients::is_debugged() const {

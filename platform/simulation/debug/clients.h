@@ -29,7 +29,7 @@ class Clients {
     virtual void resumed() = 0;
   };
 
-  /// `halted`: it stands before anybody has connected.
+  /// `connections`: null, nobody can connect. `halted`: it stands before anybody has.
   Clients(Target& target, Processor& processor, std::unique_ptr<Connections> connections,
           bool halted);
   Clients(const Clients&) = delete;
@@ -38,8 +38,8 @@ class Clients {
   /// Answers the packets that came.
   void serve();
   /// Until there is something to serve, or the time is over.
-  void wait(std::chrono::milliseconds longest) { connections_->wait(longest); }
-  bool any() const { return connections_->any(); }
+  void wait(std::chrono::milliseconds longest);
+  bool any() const { return connections_ != nullptr && connections_->any(); }
 
   /// Tells those who wait that the processor stands, and why.
   void halt(const StopCause& cause);

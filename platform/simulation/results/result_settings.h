@@ -23,6 +23,13 @@ struct ResultSettings {
           .is_place()
           .by({"--curves", "", "Curves and UART 0's text in the results too, for capsoc report",
                SettingOption::Form::flag, "true"})};
+  TextField session{
+      all, setting("results.session", SettingKind::output, "",
+                   "where the session goes, to be simulated again by capsoc replay; empty: nowhere")
+               .is_place()
+               .by({"--record-session", "FILE",
+                    "Write what came from outside, when, and hashes of the state, for capsoc "
+                    "replay"})};
   /// The run gathers what a report draws.
   bool wants_curves() const { return curves() || !html.empty(); }
   TextField record{all,

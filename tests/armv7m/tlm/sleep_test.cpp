@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 
 #include "in_process.h"
@@ -15,10 +16,14 @@ struct Client : Sleep::Client {
   bool wakes = false, interrupted = false, debugger = false, attention = false, takes_over = false;
   bool looks = true;
   unsigned asked = 0, paused = 0;
+  std::function<void()> on_pause;
 
   bool must_wake() const override { return wakes; }
   bool is_interrupted() override { return ++asked, interrupted; }
-  void pause_if_due() override { ++paused; }
+  void pause_if_due() override {
+    ++paused;
+    if (on_pause) on_pause();
+  }
   bool has_debugger() const override { return debugger; }
   bool debugger_looks() const override { return debugger && looks; }
   bool debugger_wants_attention() const override { return attention; }
@@ -48,6 +53,25 @@ TEST(Sleep, AnExceptionWakesTheCoreAtItsTime) {
     EXPECT_EQ(a.sleep.until_woken(), EndReason::none);
     EXPECT_EQ(sc_core::sc_time_stamp(), a.after(5000));
     EXPECT_EQ(a.core.cycles(), a.first + 5000) << "the core slept until then";
+  });
+}
+
+TEST(Sleep, APauseAtTheInstantOfFallingAsleepIsThen) {
+  in_process([] {
+    Asleep a;
+    const sc_core::sc_time asleep = sc_core::sc_time_stamp();
+    sc_core::sc_time paused_at;
+    a.horizon.set_pause(asleep);
+    a.client.on_pause = [&] {
+      if (a.client.paused == 1) paused_at = sc_core::sc_time_stamp();
+      a.horizon.plan_pause(sc_core::sc_max_time());
+    };
+    at(a.after(5000), [&] {
+      a.core.pulse_nmi();
+      a.sleep.wake();
+    });
+    EXPECT_EQ(a.sleep.until_woken(), EndReason::none);
+    EXPECT_EQ(paused_at, asleep);
   });
 }
 

@@ -1,4 +1,4 @@
-#include "service/gdb_run.h"
+#include "service/session_run.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -13,6 +13,7 @@
 #include "debug/clients.h"
 #include "host/console.h"
 #include "host/end_signals.h"
+#include "results/results.h"
 #include "service/remote_target.h"
 #include "service/session_client.h"
 #include "service/stop_points.h"
@@ -23,7 +24,7 @@ namespace {
 using debug::Resume;
 using debug::StopCause;
 
-constexpr std::chrono::milliseconds patience{50};  ///< with what the program says, while it stands
+constexpr std::chrono::milliseconds nap{50};  ///< with what the program says, while it stands
 constexpr std::chrono::milliseconds look{10};      ///< how soon a debugger is heard while it runs
 constexpr int looks_a_slice = 5;                   ///< then what the program said is shown
 
@@ -38,18 +39,23 @@ struct Shown {
 struct Divided {
   Json settings = Json::object();
   std::vector<Shown> shown;
-  int keyboard = -1;  ///< the UART that reads standard input; -1: none
+  std::string session_file;  ///< "": none
+  int keyboard = -1;         ///< the UART that reads standard input; -1: none
 };
 
 Divided divide(const run::RunSettings& settings) {
   Divided divided;
+  divided.session_file = settings.results.session();
   for (const Setting& setting : settings.all())
     if (setting.source != SettingSource::built_in) divided.settings[setting.path] = setting.value;
-  for (const Setting& own :
-       {settings.gdb.port.about(), settings.gdb.halt.about(), settings.gdb.history_mb.about(),
-        settings.results.json.about(), settings.results.html.about()})
+  for (const Setting& own : {settings.gdb.port.about(), settings.gdb.halt.about(),
+                             settings.gdb.history_mb.about(), settings.results.json.about(),
+                             settings.results.html.about(), settings.results.session.about()})
     divided.settings.erase(own.path);
-  divided.settings["history_mb"] = static_cast<uint64_t>(settings.gdb.history_mb());
+  if (settings.gdb.history_mb() > 0)
+    divided.settings["history_mb"] = static_cast<uint64_t>(settings.gdb.history_mb());
+  if (settings.results.wants_curves())
+    divided.settings[settings.results.curves.about().path] = "true";
   for (std::size_t n = 0; n < settings.uarts.lines.size(); ++n) {
     const TextField& place = settings.uarts.lines[n].backend;
     const std::string at = place();
@@ -66,18 +72,19 @@ Divided divide(const run::RunSettings& settings) {
   return divided;
 }
 
-class GdbRun final : private debug::Clients::Processor {
+class SessionRun final : private debug::Clients::Processor {
  public:
-  GdbRun(SessionClient& session, uint64_t simulation, Divided divided,
-         std::unique_ptr<debug::Connections> connections, bool halted)
+  SessionRun(SessionClient& session, uint64_t simulation, Divided divided,
+             std::unique_ptr<debug::Connections> connections, bool halted)
       : session_(session),
         simulation_(simulation),
         shown_(std::move(divided.shown)),
+        session_file_(std::move(divided.session_file)),
         keyboard_(divided.keyboard),
         target_(session, simulation, [this](const std::string& text) { said_ += text; }),
         clients_(target_, *this, std::move(connections), halted) {}
-  GdbRun(const GdbRun&) = delete;
-  GdbRun& operator=(const GdbRun&) = delete;
+  SessionRun(const SessionRun&) = delete;
+  SessionRun& operator=(const SessionRun&) = delete;
 
   Json perform() {
     while (host::noted_signal() == 0 && !clients_.is_killed()) {
@@ -85,19 +92,31 @@ class GdbRun final : private debug::Clients::Processor {
       if (clients_.is_killed()) break;
       read_keys();
       if (clients_.is_halted())
-        clients_.wait(patience);
+        clients_.wait(nap);
       else if (!go_on())
         break;
     }
+    const std::string lost = record();
     if (clients_.is_killed()) target_.ask("debugger.kill", Json::object());
     Json finished = target_.ask("simulation.finish", Json::object()).result;
     show();
     if (!finished.contains("code")) finished["code"] = 0;
+    if (!lost.empty()) {
+      finished["lost"].push_back(lost);
+      if (finished["code"] == Json(run::exit_code::pass)) finished["code"] = run::exit_code::lost;
+    }
     clients_.finish(finished.at("code").get<int>());
     return finished;
   }
 
  private:
+  /// Why the session is not written; "": it is, or nobody wants it.
+  std::string record() {
+    if (session_file_.empty()) return "";
+    const Answer answer = target_.ask("simulation.record", {{"file", session_file_}});
+    return answer.ok() ? "" : answer.sentence;
+  }
+
   void debugged(bool on) override {
     // The program can see it: it is an input, once.
     if (std::exchange(is_attached_, on) != on) target_.ask("debugger.attach", {{"attached", on}});
@@ -165,7 +184,7 @@ class GdbRun final : private debug::Clients::Processor {
     if (reason == Json("over")) return false;
     if (reason == Json("asleep")) {
       if (!clients_.is_debugged() && keyboard_ < 0) return false;
-      clients_.wait(patience);
+      clients_.wait(nap);
       return true;
     }
     if (reason != Json("interrupted")) clients_.halt(cause_in(answer.result));
@@ -203,6 +222,7 @@ class GdbRun final : private debug::Clients::Processor {
   SessionClient& session_;
   uint64_t simulation_;
   std::vector<Shown> shown_;
+  std::string session_file_;
   int keyboard_;
   RemoteTarget target_;
   debug::Clients clients_;
@@ -211,9 +231,15 @@ class GdbRun final : private debug::Clients::Processor {
   mutable bool stood_ = true;
 };
 
+/// Who reads why there is none has asked for one of these.
+std::string asked_for_history(const run::RunSettings& settings) {
+  return settings.gdb.history_mb() > 0 ? settings.gdb.history_mb.about().name()
+                                       : settings.results.session.about().name();
+}
+
 }  // namespace
 
-Result<Json> run_under_gdb(const run::RunSettings& settings) {
+Result<Json> run_in_session(const run::RunSettings& settings) {
   host::note_end_signals();
   auto session = ChildSession::start();
   if (!session) return Error{session.error()};
@@ -224,13 +250,20 @@ Result<Json> run_under_gdb(const run::RunSettings& settings) {
   const uint64_t simulation = constructed.result.at("simulation").get<uint64_t>();
   const Answer history = client.call("history.when", {{"simulation", simulation}});
   if (history.ok() && !history.result.at("kept").get<bool>())
-    return Error{fmt::format("{}: there is no history: {}", settings.gdb.history_mb.about().name(),
+    return Error{fmt::format("{}: there is no history: {}", asked_for_history(settings),
                              history.result.at("why").get<std::string>())};
-  auto connections = debug::Connections::listen(static_cast<uint16_t>(settings.gdb.port()));
-  if (!connections) return Error{connections.error()};
-  host::say("gdb: listening on 127.0.0.1:{}\n", connections.value()->port());
-  return GdbRun(client, simulation, std::move(divided), std::move(connections.value()),
-                settings.gdb.halt())
+  std::unique_ptr<debug::Connections> connections;
+  const long long port = settings.gdb.port();
+  const bool is_halted = settings.gdb.halt();
+  if (port < 0 && is_halted) return Error{"--halt waits for a debugger; give --gdb PORT, too"};
+  if (port >= 0) {
+    auto listening = debug::Connections::listen(static_cast<uint16_t>(port));
+    if (!listening) return Error{listening.error()};
+    connections = std::move(listening.value());
+    host::say("gdb: listening on 127.0.0.1:{}{}\n", connections->port(),
+              is_halted ? ", waiting for a debugger" : "");
+  }
+  return SessionRun(client, simulation, std::move(divided), std::move(connections), is_halted)
       .perform();
 }
 

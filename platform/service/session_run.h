@@ -1,0 +1,17 @@
+// A run of the command line in a session: with a debugger that can go back, or recorded.
+#pragma once
+
+#include "base/result.h"
+#include "service/message.h"
+#include "session/run_settings.h"
+
+namespace capsoc::service {
+
+/// Runs what the settings say in a session of its own, under the debuggers that connect to
+/// gdb.port, if there is one; the session is written to results.session, if that is given. What the
+/// program says on standard streams goes there, once, however often the past is simulated again.
+/// The answer of simulation.finish. An Error: a wrong input, or settings that allow no history;
+/// nothing was simulated. Before this process has a thread.
+Result<Json> run_in_session(const run::RunSettings& settings);
+
+}  // namespace capsoc::service
