@@ -123,7 +123,7 @@ void Board::attach() {
   simulation_->expect_inputs();
   target_ = std::make_unique<debug::SocTarget>(soc());
   variables_ = std::make_unique<source::Variables>(simulation_->view().program().images());
-  registers_ = std::make_unique<RegisterIndex>(soc());
+  registers_ = std::make_unique<soc::RegisterIndex>(soc());
   events_.attach(soc());
   soc().clock.on_change([this] {
     if (on_clock_change) on_clock_change();
@@ -162,7 +162,7 @@ Result<double> Board::number_of(const std::string& name) {
   const auto word = read_word(place.value().reg->address);
   if (!word) return Error{fmt::format("{} cannot be read", name)};
   const soc::RegisterField* const field = place.value().field;
-  return static_cast<double>(field != nullptr ? value_in(*field, *word) : *word);
+  return static_cast<double>(field != nullptr ? soc::value_in(*field, *word) : *word);
 }
 
 Result<double> Board::number_of_variable(const std::string& name) {

@@ -17,12 +17,12 @@
 #include "metrics/sample_record.h"
 #include "service/events.h"
 #include "service/history.h"
-#include "service/register_index.h"
 #include "service/sensor_port.h"
 #include "service/uart_tap.h"
 #include "service/verb.h"
 #include "session/run_settings.h"
 #include "session/simulation.h"
+#include "soc/register_index.h"
 #include "source/variables.h"
 
 namespace capsoc::service {
@@ -64,7 +64,7 @@ class Board {
   serial::KeptStream& itm() { return kept_.itm; }
   serial::KeptStream& console() { return kept_.console; }
   Events& events() { return events_; }
-  const RegisterIndex& registers() const { return *registers_; }
+  const soc::RegisterIndex& registers() const { return *registers_; }
   source::Variables& variables() { return *variables_; }
   /// An Error as Events::subscribe() has it.
   std::optional<Error> subscribe(const std::vector<std::string>& kinds) {
@@ -153,7 +153,7 @@ class Board {
   std::unique_ptr<run::Simulation> simulation_;
   std::unique_ptr<debug::SocTarget> target_;
   std::unique_ptr<source::Variables> variables_;
-  std::unique_ptr<RegisterIndex> registers_;
+  std::unique_ptr<soc::RegisterIndex> registers_;
   std::array<UartTap, soc::Soc::uart_count> uarts_;
   Events events_;
   std::deque<metrics::RecordedSample> samples_;

@@ -10,6 +10,7 @@
 #include "service/board_verbs.h"
 #include "service/signals.h"
 #include "soc/board_registers.h"
+#include "soc/register_index.h"
 
 namespace capsoc::service {
 namespace {
@@ -35,19 +36,20 @@ Answer write_processor(Board& board, const Call& call) {
 
 Json fields_of(const soc::BoardRegister& reg, uint32_t word) {
   Json fields = Json::object();
-  for (const soc::RegisterField& field : reg.fields) fields[field.name] = value_in(field, word);
+  for (const soc::RegisterField& field : reg.fields)
+    fields[field.name] = soc::value_in(field, word);
   return fields;
 }
 
 Answer read_register(Board& board, const Call& call) {
   const auto place = board.registers().find(call.text("name"));
   if (!place) return refuse(place.error());
-  const RegisterPlace& at = place.value();
+  const soc::RegisterPlace& at = place.value();
   const auto word = board.read_word(at.reg->address);
   if (!word) return refuse(fmt::format("{} cannot be read", call.text("name")));
   Answer answer;
   if (at.field != nullptr)
-    answer.result["value"] = value_in(*at.field, *word);
+    answer.result["value"] = soc::value_in(*at.field, *word);
   else
     answer.result = {{"value", *word}, {"fields", fields_of(*at.reg, *word)}};
   return answer;
@@ -56,7 +58,7 @@ Answer read_register(Board& board, const Call& call) {
 Answer write_register(Board& board, const Call& call) {
   const auto place = board.registers().find(call.text("name"));
   if (!place) return refuse(place.error());
-  const RegisterPlace& at = place.value();
+  const soc::RegisterPlace& at = place.value();
   const uint64_t value = call.integer("value");
   const unsigned bits = at.field != nullptr ? at.field->bits : 32;
   if (value >> bits != 0) return refuse(fmt::format("{} has {} bits", call.text("name"), bits));

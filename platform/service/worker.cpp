@@ -414,7 +414,7 @@ Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_ot
 
 void WorkerProcess::interrupt(uint64_t call) const {
   shared->interrupted_call = call;
-  kill(process, interrupt_signal);
+  ::kill(process, interrupt_signal);
 }
 
 }  // namespace capsoc::service

@@ -1,4 +1,4 @@
-#include "service/register_index.h"
+#include "soc/register_index.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "base/nearest.h"
 #include "base/printable.h"
 
-namespace capsoc::service {
+namespace capsoc::soc {
 namespace {
 
 /// The element of that name; an Error names the nearest ones.
@@ -29,7 +29,7 @@ Result<const T*> named(const std::vector<T>& all, const std::string& name,
 
 bool RegisterIndex::has_peripheral(const std::string& name) const {
   return std::any_of(peripherals_.begin(), peripherals_.end(),
-                     [&](const soc::BoardPeripheral& each) { return each.name == name; });
+                     [&](const BoardPeripheral& each) { return each.name == name; });
 }
 
 Result<RegisterPlace> RegisterIndex::find(const std::string& name) const {
@@ -51,4 +51,4 @@ Result<RegisterPlace> RegisterIndex::find(const std::string& name) const {
   return RegisterPlace{found.value(), field.value()};
 }
 
-}  // namespace capsoc::service
+}  // namespace capsoc::soc

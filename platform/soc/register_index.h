@@ -8,30 +8,30 @@
 #include "base/result.h"
 #include "soc/board_registers.h"
 
-namespace capsoc::service {
+namespace capsoc::soc {
 
 /// A register, or one of its fields.
 struct RegisterPlace {
-  const soc::BoardRegister* reg = nullptr;
-  const soc::RegisterField* field = nullptr;  ///< null: the register as a whole
+  const BoardRegister* reg = nullptr;
+  const RegisterField* field = nullptr;  ///< null: the register as a whole
 };
 
-inline uint32_t value_in(const soc::RegisterField& field, uint32_t word) {
+inline uint32_t value_in(const RegisterField& field, uint32_t word) {
   return static_cast<uint32_t>(word >> field.low & ((uint64_t{1} << field.bits) - 1));
 }
 
 class RegisterIndex {
  public:
-  explicit RegisterIndex(const soc::Soc& soc) : peripherals_(soc::board_peripherals(soc)) {}
+  explicit RegisterIndex(const Soc& soc) : peripherals_(board_peripherals(soc)) {}
 
-  const std::vector<soc::BoardPeripheral>& all() const { return peripherals_; }
+  const std::vector<BoardPeripheral>& all() const { return peripherals_; }
   bool has_peripheral(const std::string& name) const;
   /// "COPROCESSOR.STATUS" or "COPROCESSOR.STATUS.LOCK". An Error names what there is instead. A
   /// place lives as long as the index.
   Result<RegisterPlace> find(const std::string& name) const;
 
  private:
-  std::vector<soc::BoardPeripheral> peripherals_;
+  std::vector<BoardPeripheral> peripherals_;
 };
 
-}  // namespace capsoc::service
+}  // namespace capsoc::soc
