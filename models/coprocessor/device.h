@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -75,6 +76,11 @@ class Device {
   // Both are false for a device that cannot do it.
   virtual bool save_idle(IdleState& /*state*/) const { return false; }
   virtual bool load_idle(const IdleState& /*state*/) { return false; }
+
+  // Lets `change` change the state while the device is idle; it returns whether it did. False: the
+  // device computes, or cannot do it, and nothing was changed.
+  using IdleChange = std::function<bool(IdleState& state)>;
+  virtual bool change_idle(const IdleChange& change);
 
   // The same device in the same state; null if it cannot be copied.
   virtual std::unique_ptr<Device> clone() const { return nullptr; }

@@ -5,6 +5,12 @@
 
 namespace capsoc::coprocessor {
 
+bool Device::change_idle(const IdleChange& change) {
+  IdleState state;
+  if (!save_idle(state)) return false;
+  return !change(state) || load_idle(state);
+}
+
 void Weights::visit(Archive& archive) {
   archive("sine", sine);
   archive("cosine", cosine);

@@ -32,6 +32,9 @@ class Register {
   /// True if a read does something.
   bool is_changed_by_reads() const { return static_cast<bool>(read_); }
 
+  /// True if reads do not show the stored value.
+  bool is_computed() const { return peek_ || read_; }
+
   /// The hardware's side: no callback runs and access does not matter.
   uint32_t get() const { return value_; }
   void set(uint32_t value) { value_ = value; }

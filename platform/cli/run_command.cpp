@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/printable.h"
@@ -13,6 +14,7 @@
 #include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "inject/places.h"
 #include "inputs/program_values.h"
 #include "report/page.h"
 #include "service/session_run.h"
@@ -37,7 +39,7 @@ struct RunArguments {
   std::vector<std::string> assignments;
   std::string config;
   std::vector<std::string> program_assignments;
-  bool list = false, list_program = false;
+  bool list = false, list_program = false, list_places = false;
 };
 
 void list_settings(const Settings& settings) {
@@ -143,6 +145,20 @@ int run_in_session(const run::RunSettings& settings) {
   return code;
 }
 
+/// What a campaign of faults draws from.
+int list_fault_places(const run::RunSettings& settings) {
+  const auto simulation = run::Simulation::construct(settings);
+  if (!simulation) return refuse(simulation.error());
+  nlohmann::ordered_json places = nlohmann::ordered_json::array();
+  uint64_t bits = 0;
+  for (const inject::ListedPlace& place : simulation.value()->fault_places()) {
+    places.push_back({{"place", place.name}, {"bits", place.bits}, {"unit", place.unit}});
+    bits += place.bits;
+  }
+  host::print("{}", run::to_text({{"bits", bits}, {"places", std::move(places)}}));
+  return run::exit_code::pass;
+}
+
 int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (auto error = collect(arguments, settings)) return refuse(error->text);
   if (arguments.list) {
@@ -156,6 +172,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
     return run::exit_code::pass;
   }
   spdlog::set_level(settings.log_level());
+  if (arguments.list_places) return list_fault_places(settings);
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
   if (settings.gdb.history_mb() > 0 || !settings.results.session.empty())
@@ -234,6 +251,8 @@ void declare_run(CLI::App& app, int& code,
       ->allow_extra_args(false);
   run->add_flag("--list-program-settings", arguments->list_program,
                 "List the settings that the program has, with units and ranges");
+  run->add_flag("--list-fault-places", arguments->list_places,
+                "List what --inject can change, as JSON: places, bits, units");
   run->add_flag("--list-params", arguments->list,
                 "List all settings with their values and where these come from");
   run->callback([arguments, settings, &code] { code = run_command(*arguments, *settings); });

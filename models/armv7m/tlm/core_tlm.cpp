@@ -57,6 +57,7 @@ CoreTlm::CoreTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
 }
 
 void CoreTlm::set_interrupt(unsigned line, bool level) {
+  if (interrupt_gate_ && !interrupt_gate_(line, level)) return;
   core_.set_interrupt(line, level);
   sleep_.wake();
 }

@@ -53,8 +53,11 @@ class CoreTlm : public sc_core::sc_module,
   void set_fast_forward(bool on) { polling_.set_enabled(on); }
   /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
-  /// A level on an interrupt line.
+  /// A level on an interrupt line. A line whose change the gate stops keeps the level that it had.
   void set_interrupt(unsigned line, bool level);
+  /// Asked before each change of an interrupt line: false stops it. Unset: none is stopped.
+  using InterruptGate = std::function<bool(unsigned line, bool level)>;
+  void set_interrupt_gate(InterruptGate gate) { interrupt_gate_ = std::move(gate); }
   /// A rising edge of the NMI input.
   void pulse_nmi();
   /// Another master has written memory from one address to another: what was decoded or translated
@@ -168,6 +171,7 @@ class CoreTlm : public sc_core::sc_module,
   std::atomic<bool> called_{false};  // by interrupt()
   uint64_t asked_at_ = 0;            // the cycle at which interrupted_ was asked last
   std::function<void()> reset_request_;
+  InterruptGate interrupt_gate_;
   std::function<bool()> interrupted_;
   std::function<void(EndReason)> ended_;
   EndReason end_reason_ = EndReason::none;

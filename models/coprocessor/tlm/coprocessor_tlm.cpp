@@ -146,6 +146,13 @@ std::optional<sc_core::sc_time> CoprocessorTlm::quiet_at() const {
   return clock_.time_of(device_->next_event().value_or(interval_ + 1));
 }
 
+bool CoprocessorTlm::change_idle(const Device::IdleChange& change) {
+  catch_up();
+  if (waiting() || !device_->change_idle(change)) return false;
+  follow();
+  return true;
+}
+
 void CoprocessorTlm::visit(Archive& archive) {
   // Idle, it is the same whatever device is here; in between every device has its own.
   IdleState state;

@@ -53,6 +53,13 @@ class CoprocessorTlm : public kit::RegisterTarget {
 
   Device& device() { return *device_; }
 
+  /// As Device::change_idle(), at the present instant. Also false while a sample or a write waits
+  /// at the pins.
+  bool change_idle(const Device::IdleChange& change);
+  /// Call after the device was changed past this object, at the present instant: plans its next
+  /// event and drives the interrupt line.
+  void device_changed() { follow(); }
+
   /// When the pipeline may be empty and nothing waits at the pins: to be asked again then. Nothing:
   /// it is so now.
   std::optional<sc_core::sc_time> quiet_at() const;

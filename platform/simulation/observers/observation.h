@@ -28,6 +28,8 @@ class Observation final : public RunObserver {
   metrics::SampleProbe samples;
 
   const metrics::Metrics& metrics() const { return metrics_; }
+  /// Of the newest sample that the sensor gave, from 1; 0: none yet.
+  uint64_t sample_number() const { return number_; }
 
   std::optional<Error> open() override;
   /// What listeners of `samples` keep is on the host and no part of it.

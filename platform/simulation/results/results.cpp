@@ -208,6 +208,28 @@ ordered_json interrupt_json(const InterruptWait& wait) {
   return j;
 }
 
+ordered_json fault_json(const FaultOutcome& fault) {
+  ordered_json j = {{"fault", fault.fault}, {"applied", fault.applied}};
+  if (fault.applied) {
+    j["time_s"] = fault.time_s;
+    j["cycle"] = fault.cycle;
+    j["instruction"] = fault.instruction;
+    j["before"] = fault.before;
+    j["after"] = fault.after;
+    j["changes"] = fault.changes;
+  }
+  if (!fault.note.empty()) j["note"] = fault.note;
+  return j;
+}
+
+std::string fault_line(const FaultOutcome& fault) {
+  std::string text = fmt::format("fault: {}: ", fault.fault);
+  if (!fault.applied) return text + "not applied: " + fault.note;
+  text += fmt::format("at {:.12g} s, {:#x} became {:#x}", fault.time_s, fault.before, fault.after);
+  if (fault.changes > 1) text += fmt::format(", {} times changed", fault.changes);
+  return fault.note.empty() ? text : text + ": " + fault.note;
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
@@ -261,6 +283,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   for (const TaskTime& task : result.tasks) j["tasks"].push_back(task_json(task, result.cycles));
   for (const InterruptWait& wait : result.interrupt_waits)
     j["interrupts"].push_back(interrupt_json(wait));
+  for (const FaultOutcome& fault : result.faults) j["faults"].push_back(fault_json(fault));
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
   if (!result.place_report.empty()) j["place_report"] = result.place_report;
   return j;
@@ -277,6 +300,7 @@ std::string to_table(const RunResult& result) {
   line("");
   if (result.samples > 0) text += sensor_table(result);
   if (result.golden) text += golden::to_table(*result.golden) + "\n";
+  for (const FaultOutcome& fault : result.faults) line(fault_line(fault));
   line(fmt::format("{}{} simulated s in {} s ({} times real time), {} instructions, {} cycles",
                    result.samples > 0 ? fmt::format("{} samples, ", result.samples) : "",
                    seconds(result.simulated_s), seconds(result.wall_s),

@@ -57,6 +57,17 @@ struct InterruptWait {
   std::vector<Bin> histogram;
 };
 
+/// A fault that the run injected, or was to (inject/injector.h).
+struct FaultOutcome {
+  std::string fault;  ///< the line that repeats it
+  bool applied = false;
+  double time_s = 0;                    ///< where it was applied
+  uint64_t cycle = 0, instruction = 0;  ///< ditto
+  uint64_t before = 0, after = 0;       ///< what the place held before and after
+  uint64_t changes = 0;                 ///< how often it changed something
+  std::string note;                     ///< why it was not applied, or changed nothing; ""
+};
+
 /// Everything that a run has to say when it is over.
 struct RunResult {
   int code = exit_code::pass;
@@ -81,6 +92,7 @@ struct RunResult {
   std::vector<StackUse> stacks;                ///< empty unless they were followed
   std::vector<TaskTime> tasks;                 ///< empty unless they were followed
   std::vector<InterruptWait> interrupt_waits;  ///< ditto
+  std::vector<FaultOutcome> faults;            ///< those that were injected
   std::string command;                         ///< a command that reproduces the run
   std::vector<std::string> lost;               ///< a sentence for each output that is not whole
   std::string divergence;                ///< "" unless model and RTL of the coprocessor differ

@@ -103,6 +103,14 @@ class CoprocessorRtl::Pins {
     return true;
   }
 
+  void change_registers(const std::function<void(capsoc_rtl_state&)>& change) {
+    settle();
+    capsoc_rtl_state registers{};
+    inside_.get_state(instance_.get(), &registers);
+    change(registers);
+    inside_.set_state(instance_.get(), &registers);
+  }
+
   void load_idle(const IdleState& state) {
     reset();
     const capsoc_rtl_state registers = to_rtl(state);
@@ -457,6 +465,11 @@ std::unique_ptr<coprocessor::Device> CoprocessorRtl::clone() const {
   auto pins = pins_->copy();
   if (pins == nullptr) return nullptr;
   return std::unique_ptr<CoprocessorRtl>(new CoprocessorRtl(std::move(pins)));
+}
+
+void CoprocessorRtl::change_registers(
+    const std::function<void(capsoc_rtl_state& registers)>& change) {
+  pins_->change_registers(change);
 }
 
 uint64_t CoprocessorRtl::clocks() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "base/result.h"
 #include "coprocessor/device.h"
+#include "rtl/rtl_abi.h"
 #include "rtl/rtl_library.h"
 
 namespace capsoc::rtl {
@@ -38,6 +40,10 @@ class CoprocessorRtl final : public coprocessor::Device {
   bool save_idle(coprocessor::IdleState& state) const override;
   bool load_idle(const coprocessor::IdleState& state) override;
   std::unique_ptr<Device> clone() const override;
+
+  /// Lets `change` change the registers of rtl_state.def in the interval after the latest edge,
+  /// whatever the pipeline does. Combinational logic follows.
+  void change_registers(const std::function<void(capsoc_rtl_state& registers)>& change);
 
   /// Rising edges that were really made, of all that have passed.
   uint64_t clocks() const;

@@ -316,6 +316,12 @@ class Lockstep::Pair {
     return true;
   }
 
+  /// Somebody is going to change a side: what was recorded cannot be replayed over that.
+  void open_sides() {
+    close();
+    forget();
+  }
+
   std::unique_ptr<Device> model_, rtl_;
   std::optional<Difference> difference_;
   std::function<void()> on_difference_;
@@ -504,6 +510,22 @@ bool Lockstep::save_idle(IdleState& state) const {
 
 bool Lockstep::load_idle(const IdleState& state) {
   return pair_->load_idle(state);
+}
+
+bool Lockstep::change_idle(const IdleChange& change) {
+  const IdleChange nothing = [](IdleState&) { return false; };
+  if (!model().change_idle(nothing) || !rtl().change_idle(nothing)) return false;
+  return model().change_idle(change) && rtl().change_idle(change);
+}
+
+Device& Lockstep::model() {
+  pair_->open_sides();
+  return *pair_->model_;
+}
+
+Device& Lockstep::rtl() {
+  pair_->open_sides();
+  return *pair_->rtl_;
 }
 
 void Lockstep::reset() {

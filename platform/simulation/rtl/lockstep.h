@@ -69,6 +69,13 @@ class Lockstep final : public coprocessor::Device {
   void visit(Archive& archive) override;
   bool save_idle(coprocessor::IdleState& state) const override;
   bool load_idle(const coprocessor::IdleState& state) override;
+  /// Each side by itself: what differs still does.
+  bool change_idle(const IdleChange& change) override;
+
+  /// One side. The present edge is closed first; a change of its state is for the comparison to
+  /// find.
+  Device& model();
+  Device& rtl();
 
   const std::optional<Difference>& difference() const;
   /// Runs once, at the first difference.

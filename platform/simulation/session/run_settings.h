@@ -8,6 +8,7 @@
 #include "armv7m/core.h"
 #include "backend/coprocessor_settings.h"
 #include "base/setting_fields.h"
+#include "inject/inject_settings.h"
 #include "inputs/input_settings.h"
 #include "observers/schedule_settings.h"
 #include "observers/stack_settings.h"
@@ -138,6 +139,7 @@ class RunSettings : public Settings {
                       "answers",
                       SettingOption::Form::flag, "true"})};
   GdbSettings gdb{*this};
+  InjectSettings inject{*this};
   CheckpointSettings checkpoint{*this};
   ResultSettings results{*this};
   FlagField monitor{

@@ -120,18 +120,38 @@ std::optional<Error> Simulation::open() {
   if (auto error = watch_.observe_outputs(ports_->uarts())) return error;
   checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
   if (auto error = checkpoints_->plan()) return error;
-  soc_.cpu.set_pause(checkpoints_->next(),
-                     [this](const sc_core::sc_time& now) { return pause(now); });
+  if (auto error = plan_faults()) return error;
+  soc_.cpu.set_pause(next_pause(), [this](const sc_core::sc_time& now) { return pause(now); });
   ports_->on_save(
       [this](const std::string& file) { return checkpoints_->save_beside(file, "monitor save"); });
   return std::nullopt;
+}
+
+std::optional<Error> Simulation::plan_faults() {
+  auto injector =
+      inject::Injector::make(settings_.inject, soc_, backend_, view_.program().images());
+  if (!injector) return Error{injector.error()};
+  injector_ = std::move(injector.value());
+  return std::nullopt;
+}
+
+std::vector<inject::ListedPlace> Simulation::fault_places() {
+  return inject::Places(soc_, backend_, view_.program().images()).all();
+}
+
+sc_core::sc_time Simulation::next_pause() const {
+  const sc_core::sc_time next = checkpoints_->next();
+  return injector_ == nullptr ? next : std::min(next, injector_->next());
 }
 
 /// Everything that has a state.
 std::vector<checkpoint::Part> Simulation::parts() {
   std::vector<checkpoint::Part> parts = parts_of(soc_);
   parts.push_back({"observation", [this](Archive& archive) { watch_.all().visit(archive); }});
-  parts.push_back({"host", [this](Archive& archive) { ports_->visit(archive); }});
+  parts.push_back({"host", [this](Archive& archive) {
+                     ports_->visit(archive);
+                     if (injector_ != nullptr) injector_->visit(archive);
+                   }});
   return parts;
 }
 
@@ -139,7 +159,12 @@ std::vector<checkpoint::Part> Simulation::parts() {
 std::optional<Error> Simulation::plan_restore() {
   if (!restore_) return std::nullopt;
   if (auto error = checkpoints_->load(*restore_)) return error;
-  soc_.cpu.resume_at(sc_core::sc_time::from_value(restore_->time), [this] { return restore(); });
+  const auto time = sc_core::sc_time::from_value(restore_->time);
+  const bool is_snapshot = settings_.checkpoint.restore.empty();
+  if (injector_ != nullptr)
+    if (auto error = injector_->begin_from(time, watch_.observation().sample_number(), is_snapshot))
+      return error;
+  soc_.cpu.resume_at(time, [this] { return restore(); });
   return std::nullopt;
 }
 
@@ -148,6 +173,7 @@ bool Simulation::restore() {
   if (not_restored_) return false;
   checkpoints_->restored();
   ports_->restored();
+  if (injector_ != nullptr) injector_->restored();
   return true;
 }
 
@@ -189,7 +215,8 @@ bool Simulation::interrupted() {
 
 /// The processor stands between two instructions: out of its process, as long as nobody advances.
 sc_core::sc_time Simulation::pause(const sc_core::sc_time& now) {
-  const sc_core::sc_time next = checkpoints_->pause(now);
+  sc_core::sc_time next = checkpoints_->pause(now);
+  if (injector_ != nullptr) next = std::min(next, injector_->pause(now));
   while (stop_at_ <= now) {
     stopped_ = true;
     sc_core::sc_pause();
@@ -317,6 +344,7 @@ RunResult Simulation::finish() {
   conclude_run(result);
   result.wall_s = host_limit_.elapsed_s();
   watch_.all().finish(result);
+  if (injector_ != nullptr) injector_->finish(result);
   take_losses(result);
   ports_->tell_debugger(result.code);
   take_figures(result);

@@ -11,6 +11,8 @@
 #include "backend/coprocessor_backend.h"
 #include "base/result.h"
 #include "explain/program_view.h"
+#include "inject/injector.h"
+#include "inject/places.h"
 #include "inputs/run_inputs.h"
 #include "ports/host_ports.h"
 #include "results/results.h"
@@ -82,6 +84,8 @@ class Simulation {
   const ProgramView& view() const { return view_; }
   Observation& observation() { return watch_.observation(); }
   HostPorts& ports() { return *ports_; }
+  /// What a fault can change in this system.
+  std::vector<inject::ListedPlace> fault_places();
 
  private:
   Simulation(const RunSettings& settings, RunInputs inputs,
@@ -91,6 +95,8 @@ class Simulation {
   std::optional<Error> load();
   std::optional<Error> open();
   std::vector<checkpoint::Part> parts();
+  std::optional<Error> plan_faults();
+  sc_core::sc_time next_pause() const;
   std::optional<Error> plan_restore();
   bool restore();
   bool interrupted();
@@ -115,6 +121,7 @@ class Simulation {
   HostLimit host_limit_;
   RealTime real_time_;
   std::unique_ptr<HostPorts> ports_;
+  std::unique_ptr<inject::Injector> injector_;  // null without faults
   RunWatch watch_;
   std::unique_ptr<Checkpoints> checkpoints_;
   sc_core::sc_time stop_at_ = sc_core::sc_max_time();

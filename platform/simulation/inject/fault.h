@@ -1,0 +1,59 @@
+// A fault as a line says it: WHAT PLACE at WHEN [for SECONDS]. Knows no simulation.
+//
+//   flip cpu.r3[5] at 0.25s                 one bit, once
+//   stuck1 COPROCESSOR.A1[3] at sample 1000 for 0.1s
+//   lose sample at sample 500               sample, irq NAME
+//   double sample at sample 500
+//   freeze sin at sample 500 for 0.1s       sin, cos
+//   raise irq 12 at cycle 99
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace capsoc::inject {
+
+/// When a fault begins: the first instant at or after this one.
+struct When {
+  enum class Unit { time, cycle, instruction, sample };
+  Unit unit = Unit::time;
+  uint64_t value = 0;  ///< time: ps; sample: from 1, over all starts of the sensor
+};
+
+struct Fault {
+  enum class Kind {
+    flip,
+    stuck0,
+    stuck1,
+    lose_sample,
+    double_sample,
+    freeze,
+    lose_interrupt,
+    raise_interrupt
+  };
+  Kind kind = Kind::flip;
+  std::string place;  ///< of a bit; of freeze: "sin" or "cos"; of an interrupt: its name
+  unsigned bit = 0;   ///< of flip, stuck0 and stuck1
+  When when;
+  std::optional<uint64_t> duration;  ///< ps; without: of stuck bits, freeze: for ever; others: once
+  std::string origin = {};           ///< begins error sentences: the option, or file and line
+
+  /// A bit of a place: flip, stuck0, stuck1.
+  bool is_of_bit() const { return kind <= Kind::stuck1; }
+  bool is_stuck() const { return kind == Kind::stuck0 || kind == Kind::stuck1; }
+};
+
+/// An Error says what is wrong with the line, as the end of a sentence.
+Result<Fault> parse_fault(const std::string& line);
+/// The line in its one form; parse_fault() gives the same fault.
+std::string to_text(const Fault& fault);
+
+/// Faults of a file's text, a line each; empty lines and what follows # do not count. An Error
+/// names file and line.
+Result<std::vector<Fault>> parse_faults(const std::string& file, const std::string& text);
+
+}  // namespace capsoc::inject

@@ -1,0 +1,334 @@
+#include "inject/injector.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include "armv7m/observer.h"
+#include "base/input_file.h"
+#include "base/printable.h"
+
+namespace capsoc::inject {
+namespace {
+
+constexpr uint64_t largest_file = 64U << 20U;
+/// The last ones before a fault at an instruction are executed one by one.
+constexpr uint64_t stepped = 4096;
+
+uint64_t with_bit(const Fault& fault, uint64_t value) {
+  const uint64_t bit = uint64_t{1} << fault.bit;
+  switch (fault.kind) {
+    case Fault::Kind::stuck0:
+      return value & ~bit;
+    case Fault::Kind::stuck1:
+      return value | bit;
+    default:
+      return value ^ bit;
+  }
+}
+
+Result<std::vector<Fault>> faults_of(const run::InjectSettings& settings) {
+  std::vector<Fault> faults;
+  std::istringstream list(settings.faults());
+  for (std::string line; std::getline(list, line, ',');) {
+    const std::string origin = fmt::format("{} '{}'", settings.faults.name(), printable(line, 120));
+    auto fault = parse_fault(line);
+    if (!fault) return Error{fmt::format("{}: {}", origin, fault.error())};
+    fault.value().origin = origin;
+    faults.push_back(std::move(fault.value()));
+  }
+  const std::string& file = settings.file();
+  if (file.empty()) return faults;
+  const auto text = read_input(file, {"name a file of faults, one a line", largest_file, true});
+  if (!text) return Error{text.error()};
+  auto more = parse_faults(file, text.value());
+  if (!more) return more;
+  for (Fault& fault : more.value()) faults.push_back(std::move(fault));
+  return faults;
+}
+
+}  // namespace
+
+/// Looks after each instruction whether one is reached, or a stuck bit was written.
+class Injector::Watch final : public armv7m::Observer {
+ public:
+  explicit Watch(Injector& injector) : injector_(injector) {}
+  void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}
+  void retired(const armv7m::Core&, const armv7m::DecodedOp&) override { injector_.retired(); }
+  void entered(const armv7m::Core&, unsigned, armv7m::Entry, uint64_t) override {
+    injector_.retired();
+  }
+  void returned(const armv7m::Core&, unsigned) override { injector_.retired(); }
+  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
+  void started(const armv7m::Core&) override {}
+
+ private:
+  Injector& injector_;
+};
+
+Result<std::unique_ptr<Injector>> Injector::make(
+    const run::InjectSettings& settings, soc::Soc& soc, const run::CoprocessorBackend& backend,
+    const std::vector<const loader::ElfImage*>& images) {
+  auto faults = faults_of(settings);
+  if (!faults) return Error{faults.error()};
+  if (faults.value().empty()) return std::unique_ptr<Injector>();
+  std::unique_ptr<Injector> injector(new Injector(soc, std::move(faults.value())));
+  if (auto error = injector->place(Places(soc, backend, images))) return *error;
+  injector->listen();
+  injector->watch_instructions();
+  return injector;
+}
+
+Injector::Injector(soc::Soc& soc, std::vector<Fault> faults)
+    : soc_(soc), position_{soc}, watch_(std::make_unique<Watch>(*this)) {
+  for (Fault& fault : faults) {
+    faults_.push_back(std::make_unique<Injected>());
+    faults_.back()->outcome.fault = to_text(fault);
+    faults_.back()->fault = std::move(fault);
+  }
+}
+
+Injector::~Injector() {
+  if (is_watching_) soc_.cpu.core().remove_observer(*watch_);
+}
+
+std::optional<Error> Injector::place(const Places& places) {
+  for (const auto& injected : faults_)
+    if (const auto error = place(places, *injected))
+      return Error{fmt::format("{}: {}", injected->fault.origin, error->text)};
+  return std::nullopt;
+}
+
+std::optional<Error> Injector::place(const Places& places, Injected& injected) {
+  Fault& fault = injected.fault;
+  if (SampleFaults::takes(fault)) return samples_.add(injected);
+  if (fault.kind == Fault::Kind::lose_interrupt) return interrupts_.add(injected);
+  if (fault.kind == Fault::Kind::raise_interrupt) {
+    const auto line = interrupt_line(fault.place);
+    if (!line) return Error{line.error()};
+    raised_.push_back(&injected);
+    return std::nullopt;
+  }
+  auto found = places.find(fault.place, fault.bit);
+  if (!found) return Error{found.error()};
+  fault.bit = found.value().bit;
+  bits_.push_back({&injected, std::move(found.value())});
+  return std::nullopt;
+}
+
+void Injector::listen() {
+  // Before the sink takes it.
+  listening_.push_back(
+      soc_.adc.conversions.listen([this](uint64_t, const peripherals::SensorSample& sample) {
+        position_.sample = sample.number;
+        const bool waits = std::any_of(faults_.begin(), faults_.end(), [](const auto& injected) {
+          return !injected->is_over && injected->fault.when.unit == When::Unit::sample;
+        });
+        if (waits) wake();
+      }));
+  listening_.push_back(
+      soc_.coprocessor.results.listen([this](uint64_t, const coprocessor::Nodes&, uint64_t) {
+        for (Bit& bit : bits_) {
+          if (!bit.holds || bit.placed.place->writer() != Place::Writer::result) continue;
+          bit.is_due = true;
+          wake();
+        }
+      }));
+  // A cycle is another time then.
+  soc_.clock.on_change([this] { wake(); });
+  samples_.connect(soc_);
+  interrupts_.connect(soc_);
+}
+
+/// Ends the run of the core under way, wherever this is called.
+void Injector::wake() {
+  soc_.cpu.pause_soon();
+  soc_.cpu.core().attention();
+}
+
+std::optional<Error> Injector::begin_from(const sc_core::sc_time& time, uint64_t sample,
+                                          bool is_snapshot) {
+  position_.sample = sample;
+  const uint64_t cycle = soc_.cpu.core().cycles(), instruction = soc_.cpu.core().instructions();
+  for (const auto& injected : faults_) {
+    const When& when = injected->fault.when;
+    const bool is_past =
+        (when.unit == When::Unit::time && sc_core::sc_time::from_value(when.value) < time) ||
+        (when.unit == When::Unit::cycle && when.value < cycle) ||
+        (when.unit == When::Unit::instruction && when.value < instruction) ||
+        (when.unit == When::Unit::sample && when.value <= sample);
+    if (!is_past) continue;
+    if (!is_snapshot)
+      return Error{fmt::format(
+          "{}: its time is past: the run goes on from {:.12g} s, cycle {}, instruction {}, sample "
+          "{}; name a later time, or leave the fault out: what it did is in the checkpoint",
+          injected->fault.origin, time.to_seconds(), cycle, instruction, sample)};
+    injected->is_over = true;
+    injected->outcome.note = "before the snapshot that the run goes on from";
+  }
+  return std::nullopt;
+}
+
+void Injector::restored() {
+  samples_.restored(soc_);
+  wake();
+}
+
+/// When a fault that has not begun is to be looked at.
+sc_core::sc_time Injector::time_of(const Injected& injected) const {
+  const When& when = injected.fault.when;
+  const uint64_t done = soc_.cpu.core().instructions();
+  switch (when.unit) {
+    case When::Unit::time:
+      return sc_core::sc_time::from_value(when.value);
+    case When::Unit::cycle:
+      return soc_.clock.time_of(when.value);
+    case When::Unit::instruction:
+      // An instruction takes half a cycle at least, but for an IT that is folded.
+      if (when.value > done + stepped)
+        return soc_.clock.time_of(soc_.cpu.core().cycles() + (when.value - done) / 2);
+      return when.value > done ? sc_core::sc_max_time() : sc_core::SC_ZERO_TIME;
+    case When::Unit::sample:
+      return sc_core::sc_max_time();
+  }
+  return sc_core::sc_max_time();
+}
+
+sc_core::sc_time Injector::next_of(const Bit& bit) const {
+  const Injected& injected = *bit.injected;
+  if (injected.is_over) return sc_core::sc_max_time();
+  if (!bit.holds && position_.reached(injected.fault.when)) return bit.placed.place->ready_at();
+  if (!bit.holds) return time_of(injected);
+  const sc_core::sc_time end = injected.end.value_or(sc_core::sc_max_time());
+  return bit.is_due ? std::min(end, bit.placed.place->ready_at()) : end;
+}
+
+sc_core::sc_time Injector::next() const {
+  sc_core::sc_time soonest = sc_core::sc_max_time();
+  for (const Bit& bit : bits_) soonest = std::min(soonest, next_of(bit));
+  for (const Injected* injected : raised_)
+    if (!injected->is_over) soonest = std::min(soonest, time_of(*injected));
+  return soonest;
+}
+
+void Injector::apply(Bit& bit) {
+  Injected& injected = *bit.injected;
+  const auto change =
+      bit.placed.place->change([&](uint64_t value) { return with_bit(injected.fault, value); });
+  if (!change) return;
+  position_.note(injected, change->before, change->after);
+  bit.is_due = false;
+  bit.holds = injected.fault.is_stuck();
+  injected.is_over = !bit.holds;
+  if (change->before == change->after && !bit.holds)
+    injected.outcome.note = "nothing changed: the bit does not exist there, or cannot be changed";
+}
+
+/// A pulse: the interrupt stays pending.
+void Injector::raise(Injected& injected) {
+  const unsigned line = interrupt_line(injected.fault.place).value();
+  const armv7m::Nvic& nvic = soc_.cpu.core().state().nvic;
+  const unsigned exception = armv7m::exception::first_interrupt + line;
+  const bool before = nvic.is_pending(exception);
+  if (nvic.line_is_high(exception)) {
+    injected.outcome.note = "nothing changed: the line was high";
+  } else {
+    soc_.cpu.set_interrupt(line, true);
+    soc_.cpu.set_interrupt(line, false);
+  }
+  position_.note(injected, before ? 1 : 0, nvic.is_pending(exception) ? 1 : 0);
+  injected.is_over = true;
+}
+
+/// The end of a stuck bit's time: it keeps its value.
+void Injector::release(Bit& bit, const sc_core::sc_time& now) {
+  if (!bit.holds || !bit.injected->end || now < *bit.injected->end) return;
+  bit.holds = false;
+  bit.injected->is_over = true;
+}
+
+sc_core::sc_time Injector::pause(const sc_core::sc_time& now) {
+  for (Bit& bit : bits_) {
+    release(bit, now);
+    if (bit.injected->is_over) continue;
+    const bool begins = !bit.holds && position_.reached(bit.injected->fault.when);
+    if (begins || bit.is_due) apply(bit);
+  }
+  for (Injected* injected : raised_)
+    if (!injected->is_over && position_.reached(injected->fault.when)) raise(*injected);
+  watch_instructions();
+  return next();
+}
+
+/// Whether the processor is to be looked at after each instruction from here on.
+bool Injector::wants_instructions() const {
+  const uint64_t done = soc_.cpu.core().instructions();
+  const auto is_near = [done](const Injected& injected) {
+    const When& when = injected.fault.when;
+    return !injected.is_over && !injected.outcome.applied && when.unit == When::Unit::instruction &&
+           when.value <= done + stepped;
+  };
+  return std::any_of(
+             bits_.begin(), bits_.end(),
+             [&](const Bit& bit) {
+               return is_near(*bit.injected) ||
+                      (bit.holds && bit.placed.place->writer() == Place::Writer::instruction);
+             }) ||
+         std::any_of(raised_.begin(), raised_.end(),
+                     [&](const Injected* injected) { return is_near(*injected); });
+}
+
+void Injector::watch_instructions() {
+  const bool wants = wants_instructions();
+  if (wants == is_watching_) return;
+  is_watching_ = wants;
+  if (wants)
+    soc_.cpu.core().add_observer(*watch_, true, false);
+  else
+    soc_.cpu.core().remove_observer(*watch_);
+}
+
+void Injector::retired() {
+  bool is_wanted = false;
+  for (const auto& injected : faults_)
+    is_wanted = is_wanted || (!injected->is_over && !injected->outcome.applied &&
+                              injected->fault.when.unit == When::Unit::instruction &&
+                              position_.reached(injected->fault.when));
+  for (Bit& bit : bits_) {
+    if (!bit.holds || bit.placed.place->writer() != Place::Writer::instruction) continue;
+    bool differs = false;
+    bit.placed.place->change([&](uint64_t value) {
+      differs = with_bit(bit.injected->fault, value) != value;
+      return value;
+    });
+    bit.is_due = bit.is_due || differs;
+    is_wanted = is_wanted || differs;
+  }
+  if (is_wanted) wake();
+}
+
+void Injector::visit(Archive& archive) {
+  if (archive.loading()) return;
+  for (const auto& injected : faults_) {
+    const bool lasts = injected->outcome.applied && !injected->is_over &&
+                       (!injected->end || sc_core::sc_time_stamp() < *injected->end);
+    if (lasts)
+      archive.refuse(fmt::format(
+          "cannot be saved while a fault lasts ({}); save before it begins or after its end",
+          injected->outcome.fault));
+  }
+}
+
+void Injector::finish(run::RunResult& result) {
+  for (const auto& injected : faults_) {
+    run::FaultOutcome& outcome = injected->outcome;
+    if (!outcome.applied && outcome.note.empty())
+      outcome.note = position_.reached(injected->fault.when) ? "the run ended before it could act"
+                                                             : "the run ended before its time";
+    result.faults.push_back(outcome);
+  }
+}
+
+}  // namespace capsoc::inject

@@ -1,0 +1,93 @@
+// Injects the faults of a run.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backend/coprocessor_backend.h"
+#include "base/archive.h"
+#include "base/result.h"
+#include "inject/fault.h"
+#include "inject/inject_settings.h"
+#include "inject/places.h"
+#include "inject/stream_faults.h"
+#include "kit/probe.h"
+#include "loader/elf_image.h"
+#include "results/results.h"
+#include "soc/soc.h"
+
+namespace capsoc::inject {
+
+/// Changes bits of the chip, samples and interrupts at the instants that the faults name.
+///
+/// A bit changes at the first instant at or after its time at which the processor is between two
+/// instructions: the same one whatever the quantum, the executor and the observers are. State that
+/// the coprocessor's model and RTL share changes when the pipeline is empty as well. A stuck bit is
+/// set again after each instruction; of the coprocessor after each result, once its pipeline is
+/// empty. Samples and interrupts are changed on their way, at their own instant.
+class Injector {
+ public:
+  /// Faults of the settings; nothing: there are none, and nothing is to be done. `images`: the
+  /// programs, loaded. Nothing passed in is owned. An Error names the option, or file and line.
+  static Result<std::unique_ptr<Injector>> make(const run::InjectSettings& settings, soc::Soc& soc,
+                                                const run::CoprocessorBackend& backend,
+                                                const std::vector<const loader::ElfImage*>& images);
+  ~Injector();
+  Injector(const Injector&) = delete;
+  Injector& operator=(const Injector&) = delete;
+
+  /// A loaded state begins at `time`, after `sample` samples. `is_snapshot`: faults before it are
+  /// part of it and passed over; else they are an Error.
+  std::optional<Error> begin_from(const sc_core::sc_time& time, uint64_t sample, bool is_snapshot);
+  /// The state was loaded: its time has come.
+  void restored();
+
+  /// When pause() is wanted; sc_max_time(): not by time.
+  sc_core::sc_time next() const;
+  /// With the processor between two instructions. Returns when it is wanted again.
+  sc_core::sc_time pause(const sc_core::sc_time& now);
+
+  /// Refuses to be saved while a fault holds something. Has no state else: a restored run has the
+  /// faults that it is given.
+  void visit(Archive& archive);
+
+  void finish(run::RunResult& result);
+
+ private:
+  class Watch;
+  struct Bit {
+    Injected* injected;
+    PlacedBit placed;
+    bool holds = false;   ///< a stuck bit that has begun
+    bool is_due = false;  ///< it is to be set again
+  };
+
+  Injector(soc::Soc& soc, std::vector<Fault> faults);
+  std::optional<Error> place(const Places& places);
+  std::optional<Error> place(const Places& places, Injected& injected);
+  void listen();
+  void apply(Bit& bit);
+  void raise(Injected& injected);
+  void release(Bit& bit, const sc_core::sc_time& now);
+  sc_core::sc_time time_of(const Injected& injected) const;
+  sc_core::sc_time next_of(const Bit& bit) const;
+  bool wants_instructions() const;
+  void watch_instructions();
+  void retired();
+  void wake();
+
+  soc::Soc& soc_;
+  Position position_;
+  std::vector<std::unique_ptr<Injected>> faults_;
+  std::vector<Bit> bits_;
+  std::vector<Injected*> raised_;
+  SampleFaults samples_{position_};
+  InterruptFaults interrupts_{position_};
+  std::unique_ptr<Watch> watch_;
+  bool is_watching_ = false;
+  std::vector<kit::Listening> listening_;
+};
+
+}  // namespace capsoc::inject
