@@ -81,6 +81,9 @@ class Pages(unittest.TestCase):
     def test_for_sensors(self):
         self.run_page("for-sensors.md")
 
+    def test_safety(self):
+        self.run_page("safety.md")
+
     def test_papers(self):
         self.run_page("papers.md")
 
