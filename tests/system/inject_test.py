@@ -6,13 +6,15 @@ import re
 import subprocess
 import unittest
 
-from harness import CAPSOC, CLEAN, Case, FIRMWARE, without_host_times
+from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE, without_host_times
 
 CTEST = {"name": "system: Inject", "timeout": 300}
 
 #: 0.6 s of demodulation and 0.08 s of calibration mode.
 SHORT = ["-P", "demodulation_samples=150", "-P", "calibration_samples=20", "-C", "log.level=off"]
 PATIENCE = 120
+#: The registers that model and RTL share.
+STATE = SOURCE / "platform" / "simulation" / "rtl" / "rtl_state.def"
 
 
 def state_of(checkpoint):
@@ -187,6 +189,23 @@ class Sides(InjectCase):
                 done = self.start_run("--coprocessor", "lockstep", "--inject", fault, code=4)
                 self.assertIn("model and RTL differ", done.stderr.decode())
 
+    def test_lockstep_finds_what_the_pipeline_holds(self):
+        """Sample 60 comes at 0.24912512 s and takes 161 cycles; before it these hold nothing."""
+        for place in ("u_datapath.u_q[30]", "u_sequencer.cycle_q[1]", "u_datapath.u_sample_tags.slot0_q[1]"):
+            with self.subTest(place=place):
+                fault = f"flip rtl.{place} at 0.2491257s"
+                self.start_run("--coprocessor", "lockstep", "--inject", fault, code=4)
+        self.start_run("--coprocessor", "lockstep", "--inject", "flip rtl.u_datapath.u_q[30] at 0.2491s", code=1)
+
+    def test_a_stuck_flip_flop_follows_its_input_no_more(self):
+        """The phase of the reference passes through the bit; held, it is another reference until the end of the hold."""
+        place = "rtl.u_register_bank.u_state.u_phase.value_q"
+        held, free = f"stuck1 {place}[44] at 0.2s for 0.2s", f"flip {place}[44] at 0.2s"
+        (stuck,) = self.results("rtl", ["--inject", held])[1]["faults"]
+        self.assertEqual(stuck["after"] & 1 << 44, 1 << 44)
+        self.start_run("--coprocessor", "lockstep", "--inject", held, code=4)
+        self.assertNotEqual(self.results("rtl", ["--inject", held]), self.results("rtl", ["--inject", free]))
+
     def test_a_flip_flop_is_the_shared_bit(self):
         faults = ["--inject", "flip coprocessor.beta[30] at 0.2s"]
         flip_flop = ["--inject", "flip rtl.u_register_bank.u_state.u_beta.value_q[30] at 0.2s"]
@@ -257,7 +276,12 @@ class Places(InjectCase):
         self.assertEqual(listed["bits"], sum(place["bits"] for place in places))
         self.assertEqual(len({place["place"] for place in places}), len(places))
         units = {place["unit"] for place in places}
-        self.assertLessEqual({"processor", "code_sram", "ADC", "coprocessor", "rtl u_turn_judge"}, units)
+        self.assertLessEqual({"processor", "code_sram", "ADC", "coprocessor", "rtl.u_turn_judge"}, units)
+        bits = {place["place"]: place["bits"] for place in places}
+        known = re.findall(r"^(?:WORD|SETTING)\(\w+, (\d+), (\w+), (\w+)\)", STATE.read_text(), re.MULTILINE)
+        self.assertGreater(len(known), 70)
+        for width, instance, variable in known:
+            self.assertEqual(bits[f"rtl.{instance.replace('__DOT__', '.')}.{variable}"], int(width))
         (self.folder / "all.txt").write_text(
             "".join(f"flip {place['place']}[{place['bits'] - 1}] at 100s\n" for place in places)
         )

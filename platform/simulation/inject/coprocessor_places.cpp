@@ -83,24 +83,42 @@ class SharedState final : public CoprocessorPlace {
   Side side_;
 };
 
-/// Flip-flops of the RTL, whatever it does.
-class FlipFlops final : public CoprocessorPlace {
+/// Up to 64 flip-flops of the RTL, whatever it does.
+class FlipFlops final : public Place {
  public:
-  FlipFlops(CoprocessorTlm& shell, Part part, const run::CoprocessorBackend& backend)
-      : CoprocessorPlace(shell, part), backend_(backend) {}
+  FlipFlops(CoprocessorTlm& shell, const run::CoprocessorBackend& backend, uint32_t index,
+            uint32_t part)
+      : shell_(shell), backend_(backend), index_(index), part_(part) {}
 
   std::optional<Change> change(const To& to) override {
-    shell_.change_idle(no_change);  // which takes the device to this instant
-    if (backend_.lockstep != nullptr) backend_.lockstep->rtl();
-    Change made;
-    backend_.rtl->change_registers(
-        [&](capsoc_rtl_state& registers) { made = part_.change(registers, to); });
+    meet();
+    const uint64_t before = backend_.rtl->get_flip_flops(index_, part_), after = to(before);
+    if (after != before) backend_.rtl->set_flip_flops(index_, part_, after);
     shell_.device_changed();
-    return made;
+    return Change{before, after};
   }
+  bool hold(unsigned bit, bool value) override {
+    meet();
+    const uint64_t mask = uint64_t{1} << bit;
+    backend_.rtl->hold_flip_flops(index_, part_, mask, value ? mask : 0);
+    return true;
+  }
+  void release(unsigned bit) override {
+    meet();
+    backend_.rtl->release_flip_flops(index_, part_, uint64_t{1} << bit);
+  }
+  Writer writer() const override { return Writer::result; }
 
  private:
+  /// Takes the device to this instant.
+  void meet() {
+    shell_.change_idle(no_change);
+    if (backend_.lockstep != nullptr) backend_.lockstep->rtl();
+  }
+
+  CoprocessorTlm& shell_;
   const run::CoprocessorBackend& backend_;
+  uint32_t index_, part_;
 };
 
 constexpr const char* unit_name = "coprocessor.";
@@ -168,6 +186,13 @@ std::unique_ptr<Place> shared(CoprocessorTlm& shell, Part part) {
   return std::make_unique<SharedState>(shell, part, nullptr, nullptr);
 }
 
+/// "u_turn_judge" of "u_datapath.u_turn_judge.words.3".
+std::string unit_of(std::string flip_flop) {
+  const std::size_t last = flip_flop.rfind(".u_");
+  if (last != std::string::npos) flip_flop.erase(0, last + 1);
+  return flip_flop.substr(0, flip_flop.find('.'));
+}
+
 }  // namespace
 
 Result<PlacedBit> Places::coprocessor_register(const std::string& name,
@@ -190,20 +215,24 @@ Result<PlacedBit> Places::coprocessor_bit(const std::string& name, unsigned bit)
   const std::string own = name.substr(name.find('.') + 1);
   std::vector<std::string> names;
   for (const CoprocessorWord& word : coprocessor_words()) {
-    const bool is_flip_flop = of_rtl && word.flip_flop == own;
-    const bool is_shared = word.is_shared && word.name == own;
-    names.push_back(of_rtl ? word.flip_flop : word.name);
-    if (!word.is_shared && !of_rtl) names.pop_back();
-    if (!is_flip_flop && !is_shared) continue;
+    if (!word.is_shared) continue;
+    names.push_back(word.name);
+    if (word.name != own) continue;
     if (bit >= word.bits) return no_such_bit(name, bit, word.bits);
     const Part part{&word, 0, word.bits};
-    if (is_flip_flop)
-      return PlacedBit{std::make_unique<FlipFlops>(soc_.coprocessor, part, backend_), bit};
     const bool one_side = (of_rtl || of_model) && backend_.lockstep != nullptr;
     if (!one_side) return PlacedBit{shared(soc_.coprocessor, part), bit};
     const SharedState::Side side = of_rtl ? &rtl::Lockstep::rtl : &rtl::Lockstep::model;
     return PlacedBit{std::make_unique<SharedState>(soc_.coprocessor, part, backend_.lockstep, side),
                      bit};
+  }
+  for (uint32_t index = 0; of_rtl && index < backend_.rtl->flip_flop_count(); ++index) {
+    const capsoc_rtl_flip_flops& word = backend_.rtl->flip_flops()[index];
+    names.emplace_back(word.name);
+    if (own != word.name) continue;
+    if (bit >= word.bits) return no_such_bit(name, bit, word.bits);
+    return PlacedBit{std::make_unique<FlipFlops>(soc_.coprocessor, backend_, index, bit / 64),
+                     bit % 64};
   }
   return Error{fmt::format("the coprocessor has no '{}'; did you mean {}?", printable(own, 80),
                            nearest_names(own, std::move(names)))};
@@ -214,8 +243,11 @@ void Places::list_coprocessor(std::vector<ListedPlace>& list) const {
   for (const CoprocessorWord& word : coprocessor_words())
     if (word.is_shared) list.push_back({unit_name + word.name, word.bits, "coprocessor"});
   if (backend_.rtl == nullptr) return;
-  for (const CoprocessorWord& word : coprocessor_words())
-    list.push_back({rtl_name + word.flip_flop, word.bits, "rtl " + word.unit});
+  for (std::size_t i = 0; i < backend_.rtl->flip_flop_count(); ++i) {
+    const capsoc_rtl_flip_flops& word = backend_.rtl->flip_flops()[i];
+    list.push_back(
+        {std::string(rtl_name) + word.name, word.bits, std::string(rtl_name) + unit_of(word.name)});
+  }
 }
 
 }  // namespace capsoc::inject

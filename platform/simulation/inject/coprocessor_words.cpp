@@ -66,8 +66,8 @@ std::string with_dots(std::string instance) {
 void add(std::vector<CoprocessorWord>& words, const Declared& one, const std::string& index,
          bool shared) {
   const std::string instance = with_dots(one.instance);
-  words.push_back({one.name + index, instance + "." + one.variable + index,
-                   instance.substr(instance.rfind('.') + 1), one.bits, words.size(), shared});
+  words.push_back(
+      {one.name + index, instance + "." + one.variable + index, one.bits, words.size(), shared});
 }
 
 std::vector<CoprocessorWord> all_words() {

@@ -14,7 +14,6 @@ namespace capsoc::inject {
 struct CoprocessorWord {
   std::string name;       ///< "a1", "block_sums.3"
   std::string flip_flop;  ///< below the coprocessor: "u_register_bank.u_state.u_a1.value_q"
-  std::string unit;       ///< the innermost instance that has it: "u_a1"
   unsigned bits = 0;
   std::size_t index = 0;  ///< of its value in a capsoc_rtl_state
   /// The model has it, too, and both do the same with it while the pipeline is empty. Others say

@@ -131,7 +131,8 @@ void Injector::listen() {
   listening_.push_back(
       soc_.coprocessor.results.listen([this](uint64_t, const coprocessor::Nodes&, uint64_t) {
         for (Bit& bit : bits_) {
-          if (!bit.holds || bit.placed.place->writer() != Place::Writer::result) continue;
+          if (!bit.holds || bit.holds_itself || bit.placed.place->writer() != Place::Writer::result)
+            continue;
           bit.is_due = true;
           wake();
         }
@@ -221,6 +222,8 @@ void Injector::apply(Bit& bit) {
   position_.note(injected, change->before, change->after);
   bit.is_due = false;
   bit.holds = injected.fault.is_stuck();
+  bit.holds_itself = bit.holds && bit.placed.place->hold(
+                                      bit.placed.bit, injected.fault.kind == Fault::Kind::stuck1);
   injected.is_over = !bit.holds;
   if (change->before == change->after && !bit.holds)
     injected.outcome.note = "nothing changed: the bit does not exist there, or cannot be changed";
@@ -245,6 +248,7 @@ void Injector::raise(Injected& injected) {
 /// The end of a stuck bit's time: it keeps its value.
 void Injector::release(Bit& bit, const sc_core::sc_time& now) {
   if (!bit.holds || !bit.injected->end || now < *bit.injected->end) return;
+  if (bit.holds_itself) bit.placed.place->release(bit.placed.bit);
   bit.holds = false;
   bit.injected->is_over = true;
 }

@@ -60,8 +60,9 @@ class Injector {
   struct Bit {
     Injected* injected;
     PlacedBit placed;
-    bool holds = false;   ///< a stuck bit that has begun
-    bool is_due = false;  ///< it is to be set again
+    bool holds = false;         ///< a stuck bit that has begun
+    bool holds_itself = false;  ///< the place does it
+    bool is_due = false;        ///< it is to be set again
   };
 
   Injector(soc::Soc& soc, std::vector<Fault> faults);

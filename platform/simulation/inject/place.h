@@ -35,6 +35,10 @@ class Place {
   virtual std::optional<Change> change(const To& to) = 0;
   /// When to try again.
   virtual sc_core::sc_time ready_at() const { return sc_core::sc_time_stamp(); }
+  /// Holds the bit from now on by itself, until release(). False: it cannot, and is to be changed
+  /// again and again.
+  virtual bool hold(unsigned /*bit*/, bool /*value*/) { return false; }
+  virtual void release(unsigned /*bit*/) {}
   virtual Writer writer() const { return Writer::instruction; }
 };
 

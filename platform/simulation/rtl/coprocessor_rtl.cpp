@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <list>
+#include <string>
 #include <vector>
 
 #include "coprocessor/register_map.h"
@@ -53,7 +55,7 @@ class CoprocessorRtl::Pins {
 
   std::unique_ptr<Pins> copy() {
     settle();
-    std::vector<uint8_t> bytes(inside_.save(instance_.get(), nullptr, 0));
+    std::string bytes(inside_.save(instance_.get(), nullptr, 0), 0);
     if (bytes.empty()) return nullptr;
     auto other = std::make_unique<Pins>(library_, clocking_);
     inside_.save(instance_.get(), bytes.data(), bytes.size());
@@ -103,12 +105,29 @@ class CoprocessorRtl::Pins {
     return true;
   }
 
-  void change_registers(const std::function<void(capsoc_rtl_state&)>& change) {
+  const capsoc_rtl_inside& inside() const { return inside_; }
+
+  uint64_t get_flip_flops(uint32_t index, uint32_t part) {
     settle();
-    capsoc_rtl_state registers{};
-    inside_.get_state(instance_.get(), &registers);
-    change(registers);
-    inside_.set_state(instance_.get(), &registers);
+    return inside_.get_flip_flops(instance_.get(), index, part);
+  }
+
+  void set_flip_flops(uint32_t index, uint32_t part, uint64_t value) {
+    settle();
+    inside_.set_flip_flops(instance_.get(), index, part, value);
+  }
+
+  void hold(uint32_t index, uint32_t part, uint64_t mask, uint64_t value) {
+    settle();
+    held_.push_back({index, part, mask, value & mask});
+    keep_held();
+  }
+
+  void release(uint32_t index, uint32_t part, uint64_t mask) {
+    settle();
+    held_.remove_if([&](const Held& held) {
+      return held.index == index && held.part == part && held.mask == mask;
+    });
   }
 
   void load_idle(const IdleState& state) {
@@ -131,6 +150,7 @@ class CoprocessorRtl::Pins {
     flight_ = {};
     taken_ = {};
     nodes_ = {};
+    keep_held();
   }
 
   /// The edge may still get inputs, so only those before it are made.
@@ -267,6 +287,21 @@ class CoprocessorRtl::Pins {
     std::size_t index;
   };
 
+  /// Flip-flops that do not follow their input.
+  struct Held {
+    uint32_t index, part;
+    uint64_t mask, value;
+  };
+
+  void keep_held() {
+    for (const Held& held : held_) {
+      const uint64_t present = inside_.get_flip_flops(instance_.get(), held.index, held.part);
+      if ((present & held.mask) != held.value)
+        inside_.set_flip_flops(instance_.get(), held.index, held.part,
+                               (present & ~held.mask) | held.value);
+    }
+  }
+
   void visit_verilated(Archive& archive) {
     const std::size_t size = inside_.save(instance_.get(), nullptr, 0);
     if (size == 0) return archive.refuse("cannot be saved with coverage");
@@ -303,7 +338,7 @@ class CoprocessorRtl::Pins {
     while (edge_ < target) {
       if (!acts_ && pins_.idle && clocking_ == Clocking::skip) {
         edge_ = target;
-      } else if (acts_ || pins_.boundary || pins_.idle || period_ns_ != 0) {
+      } else if (acts_ || pins_.boundary || pins_.idle || period_ns_ != 0 || !held_.empty()) {
         make_edge();
       } else {
         if (changed_) api_.eval(instance_.get());
@@ -328,6 +363,7 @@ class CoprocessorRtl::Pins {
     if (period_ns_ != 0)
       api_.wave_time(instance_.get(), edge_ * period_ns_, edge_ * period_ns_ + period_ns_ / 2);
     api_.clock(instance_.get());
+    keep_held();
     if (soft_reset) {
       taken_ = {};
       nodes_ = {};
@@ -391,6 +427,7 @@ class CoprocessorRtl::Pins {
   bool changed_ = false;  // inputs were taken back and not evaluated since
   uint64_t clocks_ = 0;
   unsigned period_ns_ = 0;  // 0: no waves
+  std::list<Held> held_;
 
   std::array<std::vector<Wire>, commit_stage + 1> wires_;
   std::vector<int64_t> values_;
@@ -467,9 +504,28 @@ std::unique_ptr<coprocessor::Device> CoprocessorRtl::clone() const {
   return std::unique_ptr<CoprocessorRtl>(new CoprocessorRtl(std::move(pins)));
 }
 
-void CoprocessorRtl::change_registers(
-    const std::function<void(capsoc_rtl_state& registers)>& change) {
-  pins_->change_registers(change);
+const capsoc_rtl_flip_flops* CoprocessorRtl::flip_flops() const {
+  return pins_->inside().flip_flops;
+}
+
+std::size_t CoprocessorRtl::flip_flop_count() const {
+  return pins_->inside().flip_flop_count;
+}
+
+uint64_t CoprocessorRtl::get_flip_flops(uint32_t index, uint32_t part) const {
+  return pins_->get_flip_flops(index, part);
+}
+
+void CoprocessorRtl::set_flip_flops(uint32_t index, uint32_t part, uint64_t value) {
+  pins_->set_flip_flops(index, part, value);
+}
+
+void CoprocessorRtl::hold_flip_flops(uint32_t index, uint32_t part, uint64_t mask, uint64_t value) {
+  pins_->hold(index, part, mask, value);
+}
+
+void CoprocessorRtl::release_flip_flops(uint32_t index, uint32_t part, uint64_t mask) {
+  pins_->release(index, part, mask);
 }
 
 uint64_t CoprocessorRtl::clocks() const {

@@ -1,8 +1,8 @@
 // The Verilated coprocessor behind the interface of the model.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,9 +41,17 @@ class CoprocessorRtl final : public coprocessor::Device {
   bool load_idle(const coprocessor::IdleState& state) override;
   std::unique_ptr<Device> clone() const override;
 
-  /// Lets `change` change the registers of rtl_state.def in the interval after the latest edge,
+  /// Every flip-flop of the design, as the library lists them.
+  const capsoc_rtl_flip_flops* flip_flops() const;
+  std::size_t flip_flop_count() const;
+  /// Up to 64 bits of one, from bit 64 * `part` on, in the interval after the latest edge and
   /// whatever the pipeline does. Combinational logic follows.
-  void change_registers(const std::function<void(capsoc_rtl_state& registers)>& change);
+  uint64_t get_flip_flops(uint32_t index, uint32_t part) const;
+  void set_flip_flops(uint32_t index, uint32_t part, uint64_t value);
+  /// From now on the bits of `mask` have these values after each edge. Slower: edge by edge. A copy
+  /// holds nothing.
+  void hold_flip_flops(uint32_t index, uint32_t part, uint64_t mask, uint64_t value);
+  void release_flip_flops(uint32_t index, uint32_t part, uint64_t mask);
 
   /// Rising edges that were really made, of all that have passed.
   uint64_t clocks() const;

@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 5
+#define CAPSOC_RTL_ABI_VERSION 6
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
 
 /* Pins that a design need not have: bits of capsoc_rtl_api::absent_pins. As inputs they go nowhere,
@@ -72,6 +72,12 @@ static const char capsoc_rtl_state_layout[] =
 #undef WORD
 #undef WORDS
 
+/* A register, or a word of a memory: "u_sequencer.held_u_q", "u_register_bank.u_words.words.5". */
+typedef struct capsoc_rtl_flip_flops {
+  const char* name;
+  uint32_t bits; /* may be more than 64 */
+} capsoc_rtl_flip_flops;
+
 /* What a design shows beside its pins. */
 typedef struct capsoc_rtl_inside {
   const char* state_layout; /* capsoc_rtl_state_layout of the library */
@@ -100,6 +106,13 @@ typedef struct capsoc_rtl_inside {
    * reset; drops what a register has no bits for. */
   void (*get_state)(capsoc_rtl*, capsoc_rtl_state*);
   void (*set_state)(capsoc_rtl*, const capsoc_rtl_state*);
+
+  /* Every flip-flop, to be changed at any time; combinational logic follows. get, set: up to 64 bits
+   * of flip_flops[index], from bit 64 * part on. */
+  uint32_t flip_flop_count;
+  const capsoc_rtl_flip_flops* flip_flops;
+  uint64_t (*get_flip_flops)(capsoc_rtl*, uint32_t index, uint32_t part);
+  void (*set_flip_flops)(capsoc_rtl*, uint32_t index, uint32_t part, uint64_t value);
 } capsoc_rtl_inside;
 
 typedef struct capsoc_rtl_api {

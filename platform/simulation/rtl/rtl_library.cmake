@@ -31,10 +31,10 @@ find_package(Threads REQUIRED)
 set(capsoc_verilator_definitions VL_TIME_CONTEXT VM_COVERAGE=1 VM_TRACE=1 VM_TRACE_FST=1 VM_SC=0)
 
 # capsoc_verilated_library(NAME TOP MODULE WRAPPER FILE HASH FOLDER SOURCES FILE... FLAGS FLAG... DEFINITIONS DEFINITION...
-#                          [DEPENDS FILE...] [COVERAGE] [SPECIALISE SCRIPT]): what all of them have in common. FOLDER has rtl_hash.h;
-# SCRIPT makes the edges of specialised/edges.h.
+#                          [DEPENDS FILE...] [COVERAGE] [SPECIALISE SCRIPT] [FLIP_FLOPS SCRIPT]): what all of them have in common. FOLDER has rtl_hash.h;
+# the scripts make the edges of specialised/edges.h and flip_flops.inc.
 function(capsoc_verilated_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;HASH;SPECIALISE" "WRAPPER;SOURCES;FLAGS;DEFINITIONS;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;HASH;SPECIALISE;FLIP_FLOPS" "WRAPPER;SOURCES;FLAGS;DEFINITIONS;DEPENDS")
   # Verilator's own sources. They stay inside each library: two in one program share nothing.
   if(NOT TARGET capsoc_verilator_runtime)
     add_library(capsoc_verilator_runtime OBJECT EXCLUDE_FROM_ALL
@@ -75,7 +75,16 @@ function(capsoc_verilated_library name)
       COMMENT "Specialising ${name}" VERBATIM)
     set_source_files_properties(${specialised} PROPERTIES COMPILE_OPTIONS -w)
   endif()
-  add_library(${name} SHARED ${arg_WRAPPER} ${folder}/all.cpp ${specialised} $<TARGET_OBJECTS:capsoc_verilator_runtime>)
+  set(flip_flops "")
+  if(arg_FLIP_FLOPS)
+    set(flip_flops ${folder}/flip_flops.inc)
+    add_custom_command(
+      OUTPUT ${flip_flops}
+      COMMAND ${Python3_EXECUTABLE} ${arg_FLIP_FLOPS} ${folder} ${flip_flops}
+      DEPENDS ${folder}/all.cpp ${arg_FLIP_FLOPS}
+      COMMENT "Listing the flip-flops of ${name}" VERBATIM)
+  endif()
+  add_library(${name} SHARED ${arg_WRAPPER} ${folder}/all.cpp ${specialised} ${flip_flops} $<TARGET_OBJECTS:capsoc_verilator_runtime>)
   target_include_directories(${name} PRIVATE ${CAPSOC_RTL_INCLUDE} ${arg_HASH})
   target_include_directories(${name} SYSTEM PRIVATE ${folder} ${VERILATOR_INCLUDE} ${VERILATOR_INCLUDE}/vltstd)
   target_compile_definitions(${name} PRIVATE ${arg_DEFINITIONS} CAPSOC_RTL_COVERAGE=${coverage} ${capsoc_verilator_definitions})

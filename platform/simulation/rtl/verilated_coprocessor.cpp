@@ -1,5 +1,6 @@
 // The inside of a Verilated library: rtl_abi.h over Verilator's class for the probe. Compiled once
 // for each library, with CAPSOC_RTL_* for its parameters.
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -309,25 +310,92 @@ void set_state(capsoc_rtl* r, const capsoc_rtl_state* state) {
   r->sample();
 }
 
+/// Where Verilator keeps flip-flops: whole words, little-endian.
+struct FlipFlopWord {
+  uint8_t* (*place)(Root& top, size_t word);
+  size_t word;
+};
+
+struct FlipFlopList {
+  std::vector<std::string> names;
+  std::vector<capsoc_rtl_flip_flops> flip_flops;
+  std::vector<FlipFlopWord> places;
+
+  void add(const std::string& name, uint32_t bits, FlipFlopWord place) {
+    names.push_back(name);
+    flip_flops.push_back({nullptr, bits});
+    places.push_back(place);
+  }
+
+  FlipFlopList() {
+#define FLIP_FLOP(name, bits, variable) \
+  add(name, bits, {[](Root& top, size_t) { return reinterpret_cast<uint8_t*>(&top.variable); }, 0});
+#define FLIP_FLOPS(name, words, bits, variable)                                                  \
+  for (size_t i = 0; i < (words); ++i)                                                           \
+    add(name "." + std::to_string(i), bits,                                                      \
+        {[](Root& top, size_t word) { return reinterpret_cast<uint8_t*>(&top.variable[word]); }, \
+         i});
+#include "flip_flops.inc"
+#undef FLIP_FLOP
+#undef FLIP_FLOPS
+    for (size_t i = 0; i < names.size(); ++i) flip_flops[i].name = names[i].c_str();
+  }
+
+  /// Bytes of a part, and where.
+  size_t size(uint32_t index, uint32_t part) const {
+    const uint32_t left = flip_flops[index].bits - 64 * part;
+    return (std::min<uint32_t>(left, 64) + 7) / 8;
+  }
+  uint8_t* at(Root& top, uint32_t index, uint32_t part) const {
+    return places[index].place(top, places[index].word) + size_t{8} * part;
+  }
+};
+
+const FlipFlopList& flip_flop_list() {
+  static const FlipFlopList list;
+  return list;
+}
+
+uint64_t get_flip_flops(capsoc_rtl* r, uint32_t index, uint32_t part) {
+  const FlipFlopList& list = flip_flop_list();
+  uint64_t value = 0;
+  std::memcpy(&value, list.at(*r->top->rootp, index, part), list.size(index, part));
+  return value;
+}
+
+void set_flip_flops(capsoc_rtl* r, uint32_t index, uint32_t part, uint64_t value) {
+  r->settle();
+  const FlipFlopList& list = flip_flop_list();
+  const uint32_t left = list.flip_flops[index].bits - 64 * part;
+  if (left < 64) value &= ~(~uint64_t{0} << left);
+  std::memcpy(list.at(*r->top->rootp, index, part), &value, list.size(index, part));
+  Vcoprocessor_probe___024root___eval_settle(r->top->rootp);
+  r->sample();
+}
+
 void model_nodes(capsoc_rtl* r, const int64_t* values) {
 #define NODE(name, stage, format, model, when, rtl) \
   r->top->model_##name##_i = static_cast<uint64_t>(*values++);
 #include "coprocessor/nodes.def"
 }
 
-constexpr capsoc_rtl_inside inside = {capsoc_rtl_state_layout,
-                                      sizeof names / sizeof names[0],
-                                      names,
-                                      clock_on,
-                                      nodes,
-                                      model_nodes,
-                                      pairs,
-                                      save,
-                                      restore,
-                                      get_state,
-                                      set_state};
+const capsoc_rtl_inside inside = {capsoc_rtl_state_layout,
+                                  sizeof names / sizeof names[0],
+                                  names,
+                                  clock_on,
+                                  nodes,
+                                  model_nodes,
+                                  pairs,
+                                  save,
+                                  restore,
+                                  get_state,
+                                  set_state,
+                                  static_cast<uint32_t>(flip_flop_list().flip_flops.size()),
+                                  flip_flop_list().flip_flops.data(),
+                                  get_flip_flops,
+                                  set_flip_flops};
 
-constexpr capsoc_rtl_api api = capsoc::rtl::api_of<capsoc_rtl>(0, &inside);
+const capsoc_rtl_api api = capsoc::rtl::api_of<capsoc_rtl>(0, &inside);
 
 }  // namespace
 
