@@ -26,7 +26,7 @@ TEST(Fault, EveryFormIsReadAndPrintedTheSame) {
         "stuck0 mem:table[2]+8[0] at instruction 123456", "flip mem:0x20000100[7] at cycle 99",
         "lose sample at sample 500", "lose sample at 1s for 0.5s", "double sample at cycle 1",
         "freeze sin at sample 7 for 1e-06s", "freeze cos at 0s", "lose irq coprocessor at 0.5s",
-        "raise irq 12 at cycle 99"})
+        "raise irq 12 at cycle 99", "flip rtl.u_q[7] at sample 500 cycle 40"})
     EXPECT_EQ(to_text(parsed(line)), line);
 }
 
@@ -48,6 +48,8 @@ TEST(Fault, WhatIsWrongIsSaid) {
   EXPECT_NE(refused("flip cpu.r3[5] at noon").find("'noon' is no time"), std::string::npos);
   EXPECT_NE(refused("flip cpu.r3[5] at -1s").find("is no time"), std::string::npos);
   EXPECT_NE(refused("flip cpu.r3[5] at sample 0").find("'sample 0' is no time"), std::string::npos);
+  EXPECT_NE(refused("flip cpu.r3[5] at sample 7 cycle x").find("'cycle x' is no time"),
+            std::string::npos);
   EXPECT_NE(refused("flip cpu.r3[5] at 1s for 2s").find("happens once"), std::string::npos);
   EXPECT_NE(refused("stuck0 cpu.r3[5] at 1s for 0s").find("is no duration"), std::string::npos);
   EXPECT_NE(refused("stuck0 cpu.r3[5] at 1s or so").find("goes on with 'or'"), std::string::npos);

@@ -83,6 +83,13 @@ class Campaign(Case):
         self.assertEqual(len(one.splitlines()), 9)
         self.assertIn("8 faults, seed 3", table)
 
+    def test_the_pipeline_of_the_rtl(self):
+        rows, _ = self.rows(2, "--coprocessor", "rtl", "--units", "rtl.", "--pipeline")
+        for row in rows.splitlines()[1:]:
+            self.assertRegex(
+                row, r"^\d,rtl\.u_\w+,flip rtl\.[\w.]+\[\d+\] at sample \d+ cycle \d+,(masked|latent|detected),"
+            )
+
     def test_program_and_memory_are_drawn_too(self):
         rows, _ = self.rows(2, "--units", "processor,code_sram")
         self.assertEqual({row.split(",")[1] for row in rows.splitlines()[1:]}, {"code_sram"})

@@ -62,6 +62,7 @@ class Instant(InjectCase):
         "flip cpu.r7[1] at instruction 30000",
         "flip mem:0x003ffff0[3] at cycle 2500003",
         "flip coprocessor.cu[20] at sample 33",
+        "flip coprocessor.bu[20] at sample 34 cycle 50000",
         "flip COPROCESSOR.BETA[28] at 0.2000000123s",
         "flip ADC.PERIOD[1] at 0.3s",
         "lose sample at sample 60",
@@ -81,7 +82,7 @@ class Instant(InjectCase):
         self.assertEqual(faults[0]["instruction"], 30000)
         self.assertEqual(faults[1]["cycle"] // 20, 2500003 // 20)
         self.assertEqual(faults[0]["before"] ^ faults[0]["after"], 1 << 1)
-        self.assertAlmostEqual(faults[3]["time_s"], 0.2000000123, delta=1e-6)
+        self.assertAlmostEqual(faults[4]["time_s"], 0.2000000123, delta=1e-6)
         for options in (
             ["--quantum", 1000],
             ["--quantum", 70000],
@@ -190,21 +191,25 @@ class Sides(InjectCase):
                 self.assertIn("model and RTL differ", done.stderr.decode())
 
     def test_lockstep_finds_what_the_pipeline_holds(self):
-        """Sample 60 comes at 0.24912512 s and takes 161 cycles; before it these hold nothing."""
+        """A sample takes 161 cycles; before it these hold nothing."""
         for place in ("u_datapath.u_q[30]", "u_sequencer.cycle_q[1]", "u_datapath.u_sample_tags.slot0_q[1]"):
             with self.subTest(place=place):
-                fault = f"flip rtl.{place} at 0.2491257s"
+                fault = f"flip rtl.{place} at sample 60 cycle 14"
                 self.start_run("--coprocessor", "lockstep", "--inject", fault, code=4)
-        self.start_run("--coprocessor", "lockstep", "--inject", "flip rtl.u_datapath.u_q[30] at 0.2491s", code=1)
+        self.start_run(
+            "--coprocessor", "lockstep", "--inject", "flip rtl.u_datapath.u_q[30] at sample 60 cycle 300", code=1
+        )
 
     def test_a_stuck_flip_flop_follows_its_input_no_more(self):
-        """The phase of the reference passes through the bit; held, it is another reference until the end of the hold."""
-        place = "rtl.u_register_bank.u_state.u_phase.value_q"
-        held, free = f"stuck1 {place}[44] at 0.2s for 0.2s", f"flip {place}[44] at 0.2s"
-        (stuck,) = self.results("rtl", ["--inject", held])[1]["faults"]
-        self.assertEqual(stuck["after"] & 1 << 44, 1 << 44)
+        """A counter whose bit 0 is held at 0 counts no further, and then goes on; another fault shows what it holds."""
+        held = "stuck0 rtl.u_register_bank.u_counters.samples_q[0] at 0.2s for 0.2s"
+        faults = [held, *(f"flip coprocessor.samples[31] at {when}s" for when in (0.21, 0.39, 0.5))]
+        given = [word for fault in faults for word in ("--inject", fault)]
+        _, first, second, third = self.results("rtl", given)[1]["faults"]
+        self.assertEqual(first["before"] & 1, 0)
+        self.assertEqual(second["before"], first["before"] ^ 1 << 31)
+        self.assertEqual(third["before"], first["before"] + 25)
         self.start_run("--coprocessor", "lockstep", "--inject", held, code=4)
-        self.assertNotEqual(self.results("rtl", ["--inject", held]), self.results("rtl", ["--inject", free]))
 
     def test_a_flip_flop_is_the_shared_bit(self):
         faults = ["--inject", "flip coprocessor.beta[30] at 0.2s"]

@@ -22,7 +22,7 @@ constexpr const char* kinds =
     "flip, stuck0 or stuck1 PLACE[BIT]; lose or double sample; freeze sin or cos; lose or raise "
     "irq "
     "NAME";
-constexpr const char* times = "write 0.25s, cycle N, instruction N or sample N";
+constexpr const char* times = "write 0.25s, cycle N, instruction N, sample N or sample N cycle M";
 
 struct NamedKind {
   const char* word;
@@ -116,6 +116,17 @@ std::optional<Error> take_kind(Reader& words, Fault& fault) {
   return Error{fmt::format("'{}' is no fault; there are {}", printable(first, 80), kinds)};
 }
 
+/// "sample 500 cycle 40".
+std::optional<Error> take_cycles(Reader& words, Fault& fault) {
+  if (!words.take("cycle")) return std::nullopt;
+  const std::string word = words.take();
+  const auto cycles = whole_number(word);
+  if (!cycles)
+    return Error{fmt::format("'cycle {}' is no time; write sample N cycle M", printable(word, 40))};
+  fault.when.cycles = *cycles;
+  return std::nullopt;
+}
+
 std::optional<Error> take_time(Reader& words, Fault& fault) {
   if (!words.take("at")) return Error{fmt::format("has no time; {}", form)};
   std::string word = words.take();
@@ -125,12 +136,12 @@ std::optional<Error> take_time(Reader& words, Fault& fault) {
     const auto number = whole_number(word);
     if (!number || (unit.unit == Unit::sample && *number == 0))
       return Error{fmt::format("'{} {}' is no time; {}", unit.word, printable(word, 40), times)};
-    fault.when = {unit.unit, *number};
-    return std::nullopt;
+    fault.when = {unit.unit, *number, 0};
+    return unit.unit == Unit::sample ? take_cycles(words, fault) : std::nullopt;
   }
   const auto time = time_in(word);
   if (!time) return Error{fmt::format("'{}' is no time; {}", printable(word, 40), times)};
-  fault.when = {Unit::time, *time};
+  fault.when = {Unit::time, *time, 0};
   return std::nullopt;
 }
 
@@ -194,6 +205,7 @@ std::string to_text(const Fault& fault) {
   if (fault.when.unit == Unit::time) text += time_text(fault.when.value);
   for (const NamedUnit& unit : named_units)
     if (fault.when.unit == unit.unit) text += fmt::format("{} {}", unit.word, fault.when.value);
+  if (fault.when.cycles != 0) text += fmt::format(" cycle {}", fault.when.cycles);
   if (fault.duration) text += " for " + time_text(*fault.duration);
   return text;
 }

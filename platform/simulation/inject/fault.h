@@ -2,6 +2,7 @@
 //
 //   flip cpu.r3[5] at 0.25s                 one bit, once
 //   stuck1 COPROCESSOR.A1[3] at sample 1000 for 0.1s
+//   flip rtl.u_datapath.u_q[7] at sample 500 cycle 40
 //   lose sample at sample 500               sample, irq NAME
 //   double sample at sample 500
 //   freeze sin at sample 500 for 0.1s       sin, cos
@@ -21,7 +22,8 @@ namespace capsoc::inject {
 struct When {
   enum class Unit { time, cycle, instruction, sample };
   Unit unit = Unit::time;
-  uint64_t value = 0;  ///< time: ps; sample: from 1, over all starts of the sensor
+  uint64_t value = 0;   ///< time: ps; sample: from 1, over all starts of the sensor
+  uint64_t cycles = 0;  ///< of the clock since the sample
 };
 
 struct Fault {

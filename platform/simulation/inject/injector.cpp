@@ -123,6 +123,7 @@ void Injector::listen() {
   listening_.push_back(
       soc_.adc.conversions.listen([this](uint64_t, const peripherals::SensorSample& sample) {
         position_.sample = sample.number;
+        position_.converted = soc_.clock.cycles_at(sc_core::sc_time_stamp());
         const bool waits = std::any_of(faults_.begin(), faults_.end(), [](const auto& injected) {
           return !injected->is_over && injected->fault.when.unit == When::Unit::sample;
         });
@@ -192,7 +193,8 @@ sc_core::sc_time Injector::time_of(const Injected& injected) const {
         return soc_.clock.time_of(soc_.cpu.core().cycles() + (when.value - done) / 2);
       return when.value > done ? sc_core::sc_max_time() : sc_core::SC_ZERO_TIME;
     case When::Unit::sample:
-      return sc_core::sc_max_time();
+      if (when.value != position_.sample) return sc_core::sc_max_time();
+      return soc_.clock.time_of(position_.converted + when.cycles);
   }
   return sc_core::sc_max_time();
 }

@@ -21,7 +21,9 @@ bool Position::reached(const When& when) const {
     case When::Unit::instruction:
       return soc.cpu.core().instructions() >= when.value;
     case When::Unit::sample:
-      return sample >= when.value;
+      return sample > when.value ||
+             (sample == when.value &&
+              soc.clock.cycles_at(sc_core::sc_time_stamp()) >= converted + when.cycles);
   }
   return false;
 }

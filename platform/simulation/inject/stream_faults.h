@@ -27,7 +27,8 @@ struct Injected {
 /// Where the run is, as faults count it.
 struct Position {
   soc::Soc& soc;
-  uint64_t sample = 0;  ///< number of the newest one that was converted
+  uint64_t sample = 0;     ///< number of the newest one that was converted
+  uint64_t converted = 0;  ///< the clock edge of that
 
   bool reached(const When& when) const;
   /// Notes in `outcome` that the fault acts here, the first time.

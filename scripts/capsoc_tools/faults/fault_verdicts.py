@@ -1,8 +1,11 @@
 """Draws faults in proportion to bits, injects each into a run of its own, and says what became of the run.
 
 usage: fault_verdicts [--count N] [--seed S] [--jobs N] [--units TEXT,...] [--kind flip|stuck0|stuck1]
-[--coprocessor tlm|rtl] [--program NAME] [--from S] [--to S] [--until S] [--limit DEG] [--silent N]
+[--coprocessor tlm|rtl] [--pipeline] [--program NAME] [--from S] [--to S] [--until S] [--limit DEG] [--silent N]
 [--rows FILE.csv] [--build FOLDER] [-- OPTION...]
+
+With --pipeline the time is a sample and one of the cycles that the pipeline takes for it, so that flip-flops of the RTL
+are hit while they hold something.
 
 A golden run saves checkpoints between --from and --to. A fault is a bit of `capsoc run --list-fault-places` at a time
 between these; each run goes on from the nearest checkpoint before it and is compared with the same run without the
@@ -45,6 +48,8 @@ STATUS_COMES = {"DIVERGED": DIVERGED, "MIRROR": MIRROR, "ALARM": ALARM}
 FLAG_COMES = {"CLIP": 1, "SAT": 2, "ZERO": 3, "EARLY": 4, "LOCKCHG": 5, "CONFIG": 8, "UNSETTLED": 11}
 #: Seconds between two checkpoints, and of the host that a run may take: a hang is found by the simulated limit.
 EVERY, PATIENCE = 1.0, 60
+#: Clock cycles from a sample to its result (docs/coprocessor.md, "Time").
+PIPELINE = 162
 COLUMNS = "found_deg,status,flags"
 #: Parts of a checkpoint that are on the host.
 HOST = ("observation", "host")
@@ -160,17 +165,25 @@ def judged(run, golden, limit, silent):
     return verdict, by, after, largest, trusted
 
 
-def drawn(places, options):
-    """Faults, each bit as likely as another one, and each time."""
+def drawn(places, options, first_samples):
+    """(unit, fault, checkpoint) with each bit as likely as another one, and each time.
+
+    `first_samples`: checkpoint -> number of the first sample after it.
+    """
     draw = random.Random(options.seed)
     weights = [place["bits"] for place in places]
-    faults = []
+    times = sorted(first_samples)
     for place in draw.choices(places, weights, k=options.count):
-        when = round(draw.uniform(options.begin, options.end), 6)
-        faults.append(
-            (place["unit"], f"{options.kind} {place['place']}[{draw.randrange(place['bits'])}] at {when}s", when)
-        )
-    return faults
+        bit = f"{options.kind} {place['place']}[{draw.randrange(place['bits'])}]"
+        if options.pipeline:
+            sample = draw.randrange(first_samples[times[0]], first_samples[times[-1]])
+            at = max(time for time in times if first_samples[time] <= sample)
+            yield place["unit"], f"{bit} at sample {sample} cycle {draw.randrange(PIPELINE)}", at
+        else:
+            when = round(draw.uniform(options.begin, options.end), 6)
+            # A checkpoint is saved a little behind its time.
+            at = max((time for time in times if time < when - 1e-3), default=times[0])
+            yield place["unit"], f"{bit} at {when}s", at
 
 
 class Campaign:
@@ -184,10 +197,12 @@ class Campaign:
         steps = int((options.end - options.begin) / EVERY) + 1
         self.times = [options.begin + EVERY * step for step in range(steps)]
         saves = [word for at in self.times for word in ("--save", f"{self.checkpoint(at)}@{at}")]
-        whole = Run(self.command, folder / "golden", *saves)
+        self.whole = Run(self.command, folder / "golden", *saves)
         if any(not self.checkpoint(at).exists() for at in self.times):
-            raise SystemExit(f"fault_verdicts: the golden run saved too little, exit {whole.code}:\n{whole.said}")
-        self.ended = whole.result["time"]["simulated_s"]
+            raise SystemExit(
+                f"fault_verdicts: the golden run saved too little, exit {self.whole.code}:\n{self.whole.said}"
+            )
+        self.ended = self.whole.result["time"]["simulated_s"]
         self.golden = {at: self.run_from(at, folder / f"golden-{at}") for at in self.times}
         if any(run.state is None for run in self.golden.values()):
             raise SystemExit(f"fault_verdicts: the program ended at {self.ended} s; give an earlier --until")
@@ -200,6 +215,11 @@ class Campaign:
         end = f"end.capsoc@{self.options.until}"
         return Run(self.command, folder, "--restore", self.checkpoint(at), "--save", end, "--simlimit", limit, *more)
 
+    def first_samples(self):
+        """Checkpoint -> number of one of the first samples after it: results are counted, of which software has a few."""
+        taken = self.whole.result["samples"]
+        return {at: taken - len(run.samples) + 5 for at, run in self.golden.items()}
+
     def places(self):
         listed = subprocess.run(
             [*self.command, "--list-fault-places"], env=CLEAN, capture_output=True, text=True, check=True
@@ -209,9 +229,7 @@ class Campaign:
         return [place for place in places if any(place["unit"].startswith(unit) for unit in wanted)]
 
     def row(self, case):
-        number, (unit, fault, when) = case
-        # A checkpoint is saved a little behind its time.
-        at = max((time for time in self.times if time < when - 1e-3), default=self.times[0])
+        number, (unit, fault, at) = case
         with tempfile.TemporaryDirectory(dir=self.folder) as folder:
             run = self.run_from(at, Path(folder), "--inject", fault)
         verdict, by, after, largest, trusted = judged(run, self.golden[at], self.options.limit, self.options.silent)
@@ -251,6 +269,7 @@ def options_of(words):
     parser.add_argument("--units", default="coprocessor", help="beginnings of units to draw from (coprocessor)")
     parser.add_argument("--kind", choices=("flip", "stuck0", "stuck1"), default="flip")
     parser.add_argument("--coprocessor", choices=("tlm", "rtl"), default="tlm")
+    parser.add_argument("--pipeline", action="store_true", help="at a cycle of the pipeline instead of any time")
     parser.add_argument("--program", default="selfcal", help="of the firmware (selfcal)")
     parser.add_argument("--from", type=float, default=402.0, dest="begin", metavar="S", help="faults come from here")
     parser.add_argument("--to", type=float, default=410.0, dest="end", metavar="S", help="to here")
@@ -276,7 +295,7 @@ def main():
             raise SystemExit(f"fault_verdicts: no unit begins with {options.units}; capsoc run --list-fault-places")
         begin = time.monotonic()
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-            rows = list(pool.map(campaign.row, enumerate(drawn(places, options))))
+            rows = list(pool.map(campaign.row, enumerate(drawn(places, options, campaign.first_samples()))))
         seconds = time.monotonic() - begin
     print_table(rows, options, seconds)
     if options.rows:
