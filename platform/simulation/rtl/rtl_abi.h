@@ -107,8 +107,8 @@ typedef struct capsoc_rtl_inside {
   void (*get_state)(capsoc_rtl*, capsoc_rtl_state*);
   void (*set_state)(capsoc_rtl*, const capsoc_rtl_state*);
 
-  /* Every flip-flop, to be changed at any time; combinational logic follows. get, set: up to 64 bits
-   * of flip_flops[index], from bit 64 * part on. */
+  /* Every flip-flop, to be changed at any time; combinational logic follows. get, set: up to 64
+   * bits of flip_flops[index], from bit 64 * part on. */
   uint32_t flip_flop_count;
   const capsoc_rtl_flip_flops* flip_flops;
   uint64_t (*get_flip_flops)(capsoc_rtl*, uint32_t index, uint32_t part);

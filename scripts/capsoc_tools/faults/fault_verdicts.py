@@ -133,7 +133,7 @@ def is_trusted(sample):
 
 
 def judged(run, golden, limit, silent):
-    """Verdict, what detected it, samples from the first wrong angle to that, largest error, wrong and trusted samples."""
+    """Verdict, what detected it, samples from the first wrong angle to that, largest error, trusted wrong samples."""
     first, found, largest, trusted = None, None, 0.0, 0
     for number, (sample, was) in enumerate(zip(run.samples, golden.samples)):
         if sample is None or was is None:
@@ -216,7 +216,7 @@ class Campaign:
         return Run(self.command, folder, "--restore", self.checkpoint(at), "--save", end, "--simlimit", limit, *more)
 
     def first_samples(self):
-        """Checkpoint -> number of one of the first samples after it: results are counted, of which software has a few."""
+        """Checkpoint -> number of a sample soon after it. Results are counted, of which software has a few."""
         taken = self.whole.result["samples"]
         return {at: taken - len(run.samples) + 5 for at, run in self.golden.items()}
 
