@@ -164,11 +164,11 @@ std::optional<Error> Injector::begin_from(const sc_core::sc_time& time, uint64_t
     if (!is_past) continue;
     if (!is_snapshot)
       return Error{fmt::format(
-          "{}: its time is past: the run goes on from {:.12g} s, cycle {}, instruction {}, sample "
+          "{}: its time is past: the run resumes from {:.12g} s, cycle {}, instruction {}, sample "
           "{}; name a later time, or leave the fault out: what it did is in the checkpoint",
           injected->fault.origin, time.to_seconds(), cycle, instruction, sample)};
     injected->is_over = true;
-    injected->outcome.note = "before the snapshot that the run goes on from";
+    injected->outcome.note = "before the snapshot from which the run resumes";
   }
   return std::nullopt;
 }
