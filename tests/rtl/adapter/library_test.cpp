@@ -35,7 +35,7 @@ TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
   expect_refusal(LIBRARIES "/rtl_library_wrong_version.so",
-                 "its interface has version 6 and this program wants 5");
+                 "its interface has version 7 and this program wants 6");
 }
 
 // What RTL is in a library is its own matter; nodes and registers that are not the program's are
