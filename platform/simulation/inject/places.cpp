@@ -236,6 +236,7 @@ void Places::list_memories(std::vector<ListedPlace>& list) const {
 
 std::vector<ListedPlace> Places::all() const {
   std::vector<ListedPlace> list;
+  list.reserve(debug::registers.size());
   for (const debug::Register& reg : debug::registers)
     list.push_back({std::string(processor) + reg.name, bits_of(reg), "processor"});
   list_memories(list);
