@@ -24,9 +24,9 @@ namespace {
 using debug::Resume;
 using debug::StopCause;
 
-constexpr std::chrono::milliseconds nap{50};  ///< with what the program says, while it stands
-constexpr std::chrono::milliseconds look{10};      ///< how soon a debugger is heard while it runs
-constexpr int looks_a_slice = 5;                   ///< then what the program said is shown
+constexpr std::chrono::milliseconds nap{50};   ///< with what the program says, while it stands
+constexpr std::chrono::milliseconds look{10};  ///< how soon a debugger is heard while it runs
+constexpr int looks_a_slice = 5;               ///< then what the program said is shown
 
 /// A stream of the program that the terminal shows.
 struct Shown {

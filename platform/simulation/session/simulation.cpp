@@ -56,6 +56,9 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
   if (!restore) return Error{restore.error()};
   // SystemC prints notes of its own on stdout, which belongs to the firmware.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  // A signal pauses the kernel wherever it is, and where nothing is left to happen is seen to here.
+  sc_core::sc_report_handler::set_actions("no activity or clock movement for sc_start() invocation",
+                                          sc_core::SC_DO_NOTHING);
   auto backend = make_backend(settings.coprocessor);
   if (!backend) return Error{backend.error()};
   std::unique_ptr<Simulation> simulation(
