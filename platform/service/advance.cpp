@@ -84,15 +84,20 @@ bool Advance::after_run(armv7m::StopReason reason, bool advanced) {
     meets_.reset();
     board_.simulation().stop_soon();
   }
-  if (instruction_ && core.instructions() >= *instruction_) {
-    stop("instructions");
-  }
+  if (instruction_ && core.instructions() >= *instruction_) stop("instructions");
   return stays;
 }
 
 bool Advance::is_at_bkpt() const {
   armv7m::Core& core = board_.soc().cpu.core();
   return core.debugging().halting() && !core.debugging().has_breakpoint(core.reg(15));
+}
+
+/// Another try would take cycles and get nowhere.
+bool Advance::stands_at_bkpt() {
+  if (!board_.soc().cpu.core().debugging().halting() || !board_.stands_at_bkpt()) return false;
+  hit_ = "bkpt";
+  return true;
 }
 
 std::optional<Answer> Advance::plan() {
@@ -338,10 +343,7 @@ std::optional<Error> Advance::go(const Position& position) {
 std::optional<Error> Advance::resume(bool steps, const std::optional<Position>& end) {
   steps_ = steps;
   waits_asleep_ = true;
-  if (board_.soc().cpu.core().debugging().halting() && board_.stands_at_bkpt()) {
-    hit_ = "bkpt";
-    return std::nullopt;
-  }
+  if (stands_at_bkpt()) return std::nullopt;
   if (end) limit_ = time_of(*end);
   if (auto error = advance_to(limit_)) return error;
   if (end && hit_ == nullptr && !is_over_ && !is_cut_)
@@ -359,7 +361,6 @@ std::optional<Error> Advance::kill() {
 /// Time stands still until somebody outside does something.
 bool Advance::asleep_for_good() {
   if (!waits_asleep_) return false;
-  is_asleep_ = true;
   stop("asleep");
   return true;
 }
@@ -427,13 +428,8 @@ std::optional<Error> Advance::run_expression() {
 
 std::optional<Error> Advance::run() {
   if (hit_ != nullptr) return std::nullopt;
-  if (board_.soc().cpu.core().debugging().halting()) {
-    attach_debugger();
-    if (board_.stands_at_bkpt()) {
-      hit_ = "bkpt";
-      return std::nullopt;
-    }
-  }
+  if (stands_at_bkpt()) return std::nullopt;
+  if (board_.soc().cpu.core().debugging().halting()) attach_debugger();
   if (cycle_) return run_cycles();
   if (instruction_) return run_instructions();
   if (expression_) return run_expression();

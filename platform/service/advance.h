@@ -46,9 +46,9 @@ class Advance final : private armv7m::Debugger {
   /// As a debugger has the processor go on, one instruction after the other or at once, until its
   /// watcher says so; at the latest to a position where the simulation was before.
   std::optional<Error> resume(bool steps, const std::optional<Position>& end);
-  /// The watcher said so; or it is asleep, and nothing inside can wake it.
-  bool was_stopped() const { return hit_ != nullptr; }
-  bool is_asleep_for_good() const { return is_asleep_; }
+  /// What it stopped at: "debugger" (the watcher said so), "bkpt", "asleep" (nothing inside can
+  /// wake it); null: nothing.
+  const char* hit() const { return hit_; }
   /// The run is over, ended by a debugger.
   std::optional<Error> kill();
   bool is_over() const { return is_over_; }
@@ -81,6 +81,7 @@ class Advance final : private armv7m::Debugger {
   void attach_debugger();
   uint64_t left() const;
   bool is_at_bkpt() const;
+  bool stands_at_bkpt();
   std::optional<Error> run();
   std::optional<Error> run_cycles();
   std::optional<Error> run_instructions();
@@ -108,9 +109,9 @@ class Advance final : private armv7m::Debugger {
   bool limit_is_goal_ = true;  // reaching it is what was asked for
   bool is_over_ = false, is_cut_ = false;
   bool clock_changed_ = false;
-  bool waits_asleep_ = false, is_asleep_ = false, kills_ = false;  // of a debugger
-  std::optional<uint64_t> cycle_, instruction_;                    // to be reached
-  std::optional<uint64_t> meets_;  // instructions of a position at the time of now
+  bool waits_asleep_ = false, kills_ = false;    // of a debugger
+  std::optional<uint64_t> cycle_, instruction_;  // to be reached
+  std::optional<uint64_t> meets_;                // instructions of a position at the time of now
   uint64_t samples_left_ = 0;
   std::optional<uint32_t> breakpoint_;
   bool had_breakpoint_ = false, has_debugger_ = false, steps_ = false;

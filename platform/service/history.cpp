@@ -35,6 +35,14 @@ std::optional<Position> position_in(const Json& value) {
   return position;
 }
 
+Json to_json(const Target& target) {
+  return {{"unit", static_cast<int>(target.unit)}, {"value", target.value}};
+}
+
+Target target_in(const Json& goal) {
+  return {static_cast<Unit>(goal.at("unit").get<int>()), goal.at("value").get<uint64_t>()};
+}
+
 uint64_t coordinate(const Position& position, Unit unit) {
   switch (unit) {
     case Unit::time:

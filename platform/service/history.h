@@ -48,6 +48,10 @@ struct Target {
   uint64_t value = 0;
 };
 
+/// {"unit": a Unit's number, "value": 5}, between session and worker.
+Json to_json(const Target& target);
+Target target_in(const Json& goal);
+
 /// A request that changed the simulation, and when.
 struct Input {
   Position at;

@@ -2,34 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/number.h"
 #include "service/stop_points.h"
 
 namespace capsoc::service {
 namespace {
 
-/// All of a text as a number, decimal or with 0x; nothing: it is none.
-std::optional<uint64_t> whole_number(std::string_view text) {
-  const bool is_hex = text.substr(0, 2) == "0x";
-  if (is_hex) text.remove_prefix(2);
-  uint64_t value = 0;
-  const auto [end, error] =
-      std::from_chars(text.data(), text.data() + text.size(), value, is_hex ? 16 : 10);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-std::optional<double> seconds(std::string text) {
-  if (!text.empty() && text.back() == 's') text.pop_back();
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+std::optional<double> seconds(std::string_view text) {
+  if (!text.empty() && text.back() == 's') text.remove_suffix(1);
+  return finite_number(text);
 }
 
 constexpr const char* position_form = "a time as 0.25s, #INSTRUCTION, cycle N or sample N";
@@ -72,18 +57,23 @@ void add_differences(std::string& text, const Json& list) {
 
 }  // namespace
 
-Answer RemoteTarget::ask(const std::string& method, Json parameters, Frames frames) {
+Answer RemoteTarget::ask(const std::string& method, Json parameters) {
   parameters["simulation"] = simulation_;
-  return session_.call(method, std::move(parameters), std::move(frames));
+  return session_.call(method, std::move(parameters));
 }
 
 /// Something that is written in the past begins another future.
-void RemoteTarget::change(const std::string& method, Json parameters, Frames frames) {
+Answer RemoteTarget::change(const std::string& method, Json parameters) {
   forget();
-  const Answer answer = ask(method, std::move(parameters), std::move(frames));
-  if (!answer.ok()) return say_(answer.sentence + "\n");
+  Answer answer = ask(method, std::move(parameters));
   if (const auto ended = answer.result.find("ended_history"); ended != answer.result.end())
     say_(fmt::format("a new history begins here; the one until {} is given up\n", text_of(*ended)));
+  return answer;
+}
+
+void RemoteTarget::change_or_say(const std::string& method, Json parameters) {
+  if (const Answer answer = change(method, std::move(parameters)); !answer.ok())
+    say_(answer.sentence + "\n");
 }
 
 uint32_t RemoteTarget::read_register(unsigned index) {
@@ -98,7 +88,7 @@ uint32_t RemoteTarget::read_register(unsigned index) {
 }
 
 void RemoteTarget::write_register(unsigned index, uint32_t value) {
-  change("processor.write", {{"register", debug::registers[index].name}, {"value", value}});
+  change_or_say("processor.write", {{"register", debug::registers[index].name}, {"value", value}});
 }
 
 std::string RemoteTarget::read_memory(uint32_t address, uint32_t size) {
@@ -107,19 +97,13 @@ std::string RemoteTarget::read_memory(uint32_t address, uint32_t size) {
 }
 
 bool RemoteTarget::write_memory(uint32_t address, const std::string& bytes) {
-  forget();
   Json list = Json::array();
   for (const char byte : bytes) list.push_back(static_cast<uint8_t>(byte));
-  const Answer answer = ask("memory.write", {{"address", address}, {"bytes", std::move(list)}});
-  if (const auto ended = answer.result.find("ended_history"); ended != answer.result.end())
-    say_(fmt::format("a new history begins here; the one until {} is given up\n", text_of(*ended)));
-  return answer.ok();
+  return change("memory.write", {{"address", address}, {"bytes", std::move(list)}}).ok();
 }
 
 bool RemoteTarget::set(debug::StopPoint kind, uint32_t address, uint32_t size) {
-  const bool watches = kind != debug::StopPoint::software_breakpoint &&
-                       kind != debug::StopPoint::hardware_breakpoint;
-  if (watches && size == 0) return false;
+  if (!is_breakpoint(kind) && size == 0) return false;
   ++points_[{kind, address, size}];
   return true;
 }
@@ -139,7 +123,7 @@ Json RemoteTarget::points() const {
 }
 
 void RemoteTarget::reset() {
-  change("processor.reset", Json::object());
+  change_or_say("processor.reset", Json::object());
 }
 
 std::string RemoteTarget::save(const std::string& file) {

@@ -41,11 +41,12 @@ class RemoteTarget final : public debug::Target {
   Json points() const;
   /// The simulation is about to be somewhere else.
   void forget() { registers_.reset(); }
-  Answer ask(const std::string& method, Json parameters, Frames frames = {});
+  Answer ask(const std::string& method, Json parameters);
 
  private:
   using Words = std::vector<std::string>;
-  void change(const std::string& method, Json parameters, Frames frames = {});
+  Answer change(const std::string& method, Json parameters);
+  void change_or_say(const std::string& method, Json parameters);
   std::string when();
   std::string go_to(const Words& words);
   std::string last_write(const Words& words);

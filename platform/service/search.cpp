@@ -66,18 +66,6 @@ std::optional<Error> Search::run() {
   return error;
 }
 
-std::optional<Error> Search::find_address(uint32_t address) {
-  armv7m::Core& core = board_.soc().cpu.core();
-  if (core.reg(15) == address && board_.position() < part_.end) hit();
-  core.debugging().set_breakpoint(address);
-  core.debugging().pass_breakpoint();
-  watcher_.on_run = [this](armv7m::StopReason reason, bool) {
-    if (reason == armv7m::StopReason::breakpoint && board_.position() < part_.end) hit();
-    return false;
-  };
-  return run();
-}
-
 /// An input can write, too.
 void Search::watch_input(const std::function<Json()>& value) {
   watcher_.on_input = [this, value](const Input& input, bool is_applied) {
@@ -207,9 +195,7 @@ std::optional<Error> Search::find_signal(const std::string& name) {
 
 Answer Search::perform(const Json& what) {
   std::optional<Error> error;
-  if (what.contains("address"))
-    error = find_address(what.at("address").get<uint32_t>());
-  else if (what.contains("points"))
+  if (what.contains("points"))
     error = find_points(what.at("points"));
   else if (what.contains("write"))
     error = find_write(what.at("write").at(0).get<uint32_t>(), what.at("write").at(1));
@@ -269,7 +255,8 @@ Result<Json> resolve(Board& board, const Json& asked) {
   if (asked.contains("address")) {
     const auto address = board.address(asked.at("address"));
     if (!address) return Error{address.error()};
-    what["address"] = address.value() & ~1U;
+    what["points"] = {
+        {{"kind", name_of(debug::StopPoint::software_breakpoint)}, {"address", address.value()}}};
   } else if (asked.contains("expression")) {
     const auto expression = Expression::parse(asked.at("expression").get<std::string>());
     if (!expression) return Error{expression.error()};

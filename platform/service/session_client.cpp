@@ -6,12 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
 #include "host/child_process.h"
-#include "host/end_signals.h"
 #include "service/session.h"
 
 namespace capsoc::service {

@@ -49,7 +49,7 @@ Json goal_in(const Json& parameters, const Named (&names)[n]) {
       if (!found->is_number_unsigned()) return nullptr;
       value = found->get<uint64_t>();
     }
-    goal = {{"unit", static_cast<int>(each.unit)}, {"value", value}};
+    goal = to_json(Target{each.unit, value});
   }
   return goal;
 }
@@ -399,8 +399,8 @@ void Session::find_write(Request& request) {
       return end_seek(*seek, std::move(told));
     }
     const auto count = found.at("hit").at("instructions").get<uint64_t>() - 1;
-    ask_past(seek, {{"goal", {{"unit", static_cast<int>(Unit::instructions)}, {"value", count}}}},
-             describe_method, {{"what", seek->what}}, {}, [this, seek](Answer answer) {
+    ask_past(seek, {{"goal", to_json(Target{Unit::instructions, count})}}, describe_method,
+             {{"what", seek->what}}, {}, [this, seek](Answer answer) {
                if (answer.ok()) {
                  Json all = {{"found", true}};
                  all.update(answer.result);
@@ -453,7 +453,7 @@ void Session::refine(const std::shared_ptr<Seek>& seek, Json found) {
 void Session::reverse(Request& request) {
   const Json& kind = request.parameters.at("kind");
   if (kind == Json("step")) {
-    const Json one = {{"unit", static_cast<int>(Unit::instructions)}, {"value", 1}};
+    const Json one = to_json(Target{Unit::instructions, 1});
     return seek(request, {{"back", one}}, [this](Json left, const std::shared_ptr<Seek>& seek) {
       const bool is_begin = left.at("reason") == Json("beginning");
       replace(seek, left.at("goal"), {{"reason", is_begin ? "beginning" : "step"}});

@@ -41,10 +41,8 @@ std::optional<Point> point_in(const Json& given) {
   const auto number = number_of(*kind, point_names);
   if (!number) return std::nullopt;
   const auto point = static_cast<StopPoint>(*number);
-  const bool watches =
-      point != StopPoint::software_breakpoint && point != StopPoint::hardware_breakpoint;
   const uint32_t bytes = size != given.end() ? size->get<uint32_t>() : 4;
-  return Point{point, address->get<uint32_t>(), watches ? bytes : 0};
+  return Point{point, address->get<uint32_t>(), debug::is_breakpoint(point) ? 0 : bytes};
 }
 
 }  // namespace

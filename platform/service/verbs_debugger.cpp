@@ -86,13 +86,11 @@ Answer resume(Board& board, const Call& call) {
   const auto error = advance.resume(how->kind != Resume::Kind::run, end);
   core.debugging().set_halted(is_debugged);
   if (error) return refuse(error->text);
-  if (!cause && advance.was_stopped() && !advance.is_asleep_for_good())
-    cause = StopCause{StopCause::Kind::bkpt_instruction};
   Answer answer;
   if (cause)
     answer.result = to_json(*cause);
-  else if (advance.is_asleep_for_good())
-    answer.result["reason"] = "asleep";
+  else if (advance.hit() != nullptr)
+    answer.result["reason"] = advance.hit();
   else if (advance.is_over())
     answer.result["reason"] = "over";
   else

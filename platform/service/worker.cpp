@@ -81,11 +81,6 @@ class Muted {
   host::Descriptor kept_;
 };
 
-/// {"unit": a Unit's number, "value": 5}.
-Target target_in(const Json& goal) {
-  return {static_cast<Unit>(goal.at("unit").get<int>()), goal.at("value").get<uint64_t>()};
-}
-
 bool is_of_history(const std::string& method) {
   return method == leave_method || method == search_method || method == describe_method ||
          method == picture_method;
@@ -316,7 +311,7 @@ class Worker {
       result["reason"] = "beginning";
       return;
     }
-    result["goal"] = {{"unit", static_cast<int>(distance.unit)}, {"value", now - distance.value}};
+    result["goal"] = to_json(Target{distance.unit, now - distance.value});
     result["reason"] = reasons[static_cast<std::size_t>(distance.unit)];
   }
 

@@ -26,10 +26,6 @@ armv7m::Watchpoint watchpoint(StopPoint kind, uint32_t address, uint32_t size) {
   return {address, size, kind != StopPoint::write_watchpoint, kind != StopPoint::read_watchpoint};
 }
 
-bool is_breakpoint(StopPoint kind) {
-  return kind == StopPoint::software_breakpoint || kind == StopPoint::hardware_breakpoint;
-}
-
 }  // namespace
 
 uint32_t SocTarget::read_register(unsigned index) {

@@ -18,6 +18,11 @@ enum class StopPoint : uint8_t {
   access_watchpoint = 4
 };
 
+/// It stops in front of an instruction; the others watch data.
+constexpr bool is_breakpoint(StopPoint point) {
+  return point == StopPoint::software_breakpoint || point == StopPoint::hardware_breakpoint;
+}
+
 /// Why the processor stands.
 struct StopCause {
   enum class Kind : uint8_t {

@@ -125,10 +125,6 @@ constexpr const char* unit_name = "coprocessor.";
 constexpr const char* model_name = "model.";
 constexpr const char* rtl_name = "rtl.";
 
-bool begins_with(const std::string& text, std::string_view begin) {
-  return text.compare(0, begin.size(), begin) == 0;
-}
-
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -207,7 +203,7 @@ Result<PlacedBit> Places::coprocessor_register(const std::string& name,
 }
 
 Result<PlacedBit> Places::coprocessor_bit(const std::string& name, unsigned bit) const {
-  const bool of_rtl = begins_with(name, rtl_name), of_model = begins_with(name, model_name);
+  const bool of_rtl = name.rfind(rtl_name, 0) == 0, of_model = name.rfind(model_name, 0) == 0;
   if (of_rtl && backend_.rtl == nullptr)
     return Error{fmt::format("{}: there is no RTL; take --coprocessor rtl or lockstep", name)};
   if (of_model && backend_.lockstep == nullptr && backend_.rtl != nullptr)

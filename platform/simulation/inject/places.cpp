@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "base/nearest.h"
+#include "base/number.h"
 #include "base/printable.h"
 #include "debug/soc_target.h"
 #include "soc/board_map.h"
@@ -19,10 +19,6 @@ constexpr const char* memory = "mem:";
 constexpr const char* forms =
     "write cpu.REGISTER, mem:ADDRESS, mem:VARIABLE[+BYTES], DEVICE.REGISTER[.FIELD], "
     "coprocessor.STATE, model.STATE, rtl.FLIP_FLOP, sin or cos";
-
-bool begins_with(const std::string& text, const std::string& begin) {
-  return text.compare(0, begin.size(), begin) == 0;
-}
 
 /// What exists of a register that a debugger shows in a byte.
 unsigned bits_of(const debug::Register& reg) {
@@ -89,16 +85,14 @@ class DeviceRegister final : public Place {
 
 /// "0x20000100" or "4096".
 std::optional<uint32_t> number_in(const std::string& text) {
-  if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
-  char* end = nullptr;
-  const unsigned long long value = std::strtoull(text.c_str(), &end, 0);
-  if (*end != 0 || value > UINT32_MAX) return std::nullopt;
-  return static_cast<uint32_t>(value);
+  const auto value = whole_number(text);
+  if (!value || *value > UINT32_MAX) return std::nullopt;
+  return static_cast<uint32_t>(*value);
 }
 
 bool is_own_device(const std::string& name) {
-  return begins_with(name, "coprocessor.") || begins_with(name, "model.") ||
-         begins_with(name, "rtl.");
+  return name.rfind("coprocessor.", 0) == 0 || name.rfind("model.", 0) == 0 ||
+         name.rfind("rtl.", 0) == 0;
 }
 
 }  // namespace
@@ -112,8 +106,8 @@ Places::Places(soc::Soc& soc, const run::CoprocessorBackend& backend,
     : soc_(soc), backend_(backend), images_(images), registers_(soc), variables_(images) {}
 
 Result<PlacedBit> Places::find(const std::string& name, unsigned bit) const {
-  if (begins_with(name, processor)) return core_bit(name, bit);
-  if (begins_with(name, memory)) return memory_bit(name, bit);
+  if (name.rfind(processor, 0) == 0) return core_bit(name, bit);
+  if (name.rfind(memory, 0) == 0) return memory_bit(name, bit);
   if (is_own_device(name)) return coprocessor_bit(name, bit);
   if (registers_.has_peripheral(name.substr(0, name.find('.')))) return device_bit(name, bit);
   std::vector<std::string> names;
@@ -192,7 +186,7 @@ Result<PlacedBit> Places::device_bit(const std::string& name, unsigned bit) cons
   const auto found = registers_.find(name);
   if (!found) return Error{found.error()};
   const soc::RegisterPlace& at = found.value();
-  if (begins_with(name, "COPROCESSOR.")) return coprocessor_register(name, at, bit);
+  if (name.rfind("COPROCESSOR.", 0) == 0) return coprocessor_register(name, at, bit);
   uint32_t offset = 0;
   kit::RegisterBank* const bank = bank_at(at.reg->address, offset);
   kit::Register* const reg = register_at(at.reg->address);
