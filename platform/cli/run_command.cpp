@@ -138,6 +138,7 @@ int run_in_session(const run::RunSettings& settings) {
     host::say("\n{}", report.get<std::string>());
   for (const service::Json& sentence : answer.value("lost", service::Json::array()))
     host::say("capsoc: {}\n", sentence.get<std::string>());
+  host::say("{}", answer.value("table", ""));
   const int code = answer.at("code").get<int>();
   if (!answer.contains("result")) return code;
   if (auto error = write_results(answer.at("result"), settings))

@@ -284,6 +284,7 @@ Json Board::finish() {
              {"reason", result.reason},
              {"reports", std::move(reports)},
              {"lost", result.lost},
+             {"table", run::to_table(result)},
              {"result", run::to_json(result, settings_)}};
   return *result_;
 }

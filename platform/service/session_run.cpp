@@ -61,15 +61,20 @@ Divided divide(const run::RunSettings& settings) {
     const std::string at = place();
     if (at != "stdout" && at != "stdio" && at != "stderr") continue;
     divided.settings[place.about().path] = "null";
-    divided.shown.push_back({"uart.read", {{"uart", n}}, at == "stderr"});
+    divided.shown.push_back({"uart.read", {{"uart", n}, {"raw", true}}, at == "stderr"});
     if (at == "stdio") divided.keyboard = static_cast<int>(n);
   }
   if (settings.itm.backend() == "stdout")
-    divided.shown.push_back({"itm.read", Json::object(), false});
+    divided.shown.push_back({"itm.read", {{"raw", true}}, false});
   const std::string console = settings.semihosting.console();
   if (console == "stdout" || console == "stdio" || console == "stderr")
-    divided.shown.push_back({"semihosting.read", Json::object(), console == "stderr"});
+    divided.shown.push_back({"semihosting.read", {{"raw", true}}, console == "stderr"});
   return divided;
+}
+
+/// Whoever ended the simulation's process: it did not end well.
+Json ended_badly(const Answer& refusal) {
+  return {{"code", run::exit_code::internal}, {"lost", {refusal.sentence}}};
 }
 
 class SessionRun final : private debug::Clients::Processor {
@@ -96,25 +101,27 @@ class SessionRun final : private debug::Clients::Processor {
       else if (!go_on())
         break;
     }
-    const std::string lost = record();
+    record();
     if (clients_.is_killed()) target_.ask("debugger.kill", Json::object());
-    Json finished = target_.ask("simulation.finish", Json::object()).result;
+    const Answer answer = target_.ask("simulation.finish", Json::object());
     show();
-    if (!finished.contains("code")) finished["code"] = 0;
-    if (!lost.empty()) {
-      finished["lost"].push_back(lost);
-      if (finished["code"] == Json(run::exit_code::pass)) finished["code"] = run::exit_code::lost;
-    }
+    Json finished = answer.result;
+    if (!answer.ok()) finished = ended_badly(answer);
+    if (bytes_lost_ > 0)
+      lost_.push_back(
+          fmt::format("{} bytes that the program said were too many to be shown", bytes_lost_));
+    for (const std::string& sentence : lost_) finished["lost"].push_back(sentence);
+    if (!lost_.empty() && finished["code"] == Json(run::exit_code::pass))
+      finished["code"] = run::exit_code::lost;
     clients_.finish(finished.at("code").get<int>());
     return finished;
   }
 
  private:
-  /// Why the session is not written; "": it is, or nobody wants it.
-  std::string record() {
-    if (session_file_.empty()) return "";
+  void record() {
+    if (session_file_.empty()) return;
     const Answer answer = target_.ask("simulation.record", {{"file", session_file_}});
-    return answer.ok() ? "" : answer.sentence;
+    if (!answer.ok()) lost_.push_back(answer.sentence);
   }
 
   void debugged(bool on) override {
@@ -195,7 +202,8 @@ class SessionRun final : private debug::Clients::Processor {
     for (const Shown& each : shown_) {
       const Answer answer = target_.ask(each.method, each.parameters);
       if (!answer.ok()) continue;
-      const auto text = answer.result.at("text").get<std::string>();
+      bytes_lost_ += answer.result.at("lost").get<uint64_t>();
+      const std::string text = bytes_in(answer.result.at("text"), answer.frames);
       if (text.empty()) continue;
       if (each.on_stderr)
         host::say(std::string_view(text));
@@ -226,7 +234,9 @@ class SessionRun final : private debug::Clients::Processor {
   int keyboard_;
   RemoteTarget target_;
   debug::Clients clients_;
-  std::string said_;  ///< for the debugger's console
+  std::string said_;               ///< for the debugger's console
+  std::vector<std::string> lost_;  ///< a sentence for each output that is not whole
+  uint64_t bytes_lost_ = 0;
   bool is_attached_ = false;
   mutable bool stood_ = true;
 };
@@ -240,12 +250,18 @@ std::string asked_for_history(const run::RunSettings& settings) {
 }  // namespace
 
 Result<Json> run_in_session(const run::RunSettings& settings) {
+  if (settings.semihosting.console() == "stdio")
+    return Error{fmt::format(
+        "{}: stdio reads standard input when the program asks, which {} cannot repeat; take stderr "
+        "or stdout",
+        settings.semihosting.console.about().name(), asked_for_history(settings))};
   host::note_end_signals();
   auto session = ChildSession::start();
   if (!session) return Error{session.error()};
   SessionClient& client = session.value().client();
   Divided divided = divide(settings);
   const Answer constructed = client.call("simulation.construct", {{"settings", divided.settings}});
+  if (constructed.code == Code::no_simulation) return ended_badly(constructed);
   if (!constructed.ok()) return Error{constructed.sentence};
   const uint64_t simulation = constructed.result.at("simulation").get<uint64_t>();
   const Answer history = client.call("history.when", {{"simulation", simulation}});

@@ -48,6 +48,7 @@ std::optional<Point> point_in(const Json& given) {
 }  // namespace
 
 std::optional<Error> set_points(Board& board, const Json& points) {
+  if (!points.is_array()) return Error{"points: give a list of objects"};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto point = point_in(points[i]);
     if (point && board.target().set(point->kind, point->address, point->size)) continue;

@@ -77,6 +77,7 @@ std::vector<BoardVerb> advance_verbs() {
          {"reason", "text", "why it ended"},
          {"reports", "list", "of a crash, or a difference between model and RTL"},
          {"lost", "list", "a sentence for each output that is not whole"},
+         {"table", "text", "what `capsoc run` prints at its end"},
          {"result", "object", "as `capsoc run --json` writes it (docs/results.md)"}}},
        finish,
        Effect::looks_after_the_end},

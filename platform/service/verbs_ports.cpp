@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "service/board_verbs.h"
 
@@ -20,10 +21,14 @@ Result<std::size_t> number(const Call& call, const char* name, std::size_t count
 
 /// The text of a stream since this was asked last: a UART's, or one of the session's own.
 template <typename Stream>
-Answer taken(Stream& stream) {
+Answer taken(Stream& stream, const Call& call) {
   Answer answer;
   uint64_t lost = 0;
-  answer.result["text"] = stream.take(lost);
+  std::string text = stream.take(lost);
+  if (call.has("raw") && call.boolean("raw"))
+    answer.add_bytes("text", std::move(text));
+  else
+    answer.result["text"] = std::move(text);
   answer.result["lost"] = lost;
   return answer;
 }
@@ -45,12 +50,12 @@ Answer send_uart(Board& board, const Call& call) {
 Answer read_uart(Board& board, const Call& call) {
   const auto uart = number(call, "uart", soc::Soc::uart_count);
   if (!uart) return refuse(uart.error());
-  return taken(board.uart(uart.value()));
+  return taken(board.uart(uart.value()), call);
 }
 
-Answer read_itm(Board& board, const Call&) {
+Answer read_itm(Board& board, const Call& call) {
   const TextField& place = board.settings().itm.backend;
-  if (place() == "stdout") return taken(board.itm());
+  if (place() == "stdout") return taken(board.itm(), call);
   return refuse(fmt::format("itm.read: the text goes to {}; construct with {}=stdout", place(),
                             place.about().path));
 }
@@ -64,9 +69,9 @@ std::optional<Answer> no_console(Board& board, const char* method) {
       fmt::format("{}: the console is {}; leave {} out", method, place(), place.about().path));
 }
 
-Answer read_console(Board& board, const Call&) {
+Answer read_console(Board& board, const Call& call) {
   if (auto refusal = no_console(board, "semihosting.read")) return std::move(*refusal);
-  return taken(board.console());
+  return taken(board.console(), call);
 }
 
 Answer give_console(Board& board, const Call& call) {
@@ -125,6 +130,7 @@ Answer subscribe(Board& board, const Call& call) {
 }  // namespace
 
 std::vector<BoardVerb> port_verbs() {
+  const Parameter raw = may("raw", Type::boolean, "the text as an array of bytes, none replaced");
   const std::vector<Member> text_taken = {
       {"text", "text", "bytes that are no UTF-8 are replaced"},
       {"lost", "integer", "bytes before it that were too many to be kept (2 MiB)"}};
@@ -139,7 +145,7 @@ std::vector<BoardVerb> port_verbs() {
       {{"uart.read",
         "What a UART has sent since this was asked last, or since a pattern was found "
         "(simulation.advance).",
-        {need("uart", Type::integer, "0 to 4")},
+        {need("uart", Type::integer, "0 to 4"), raw},
         text_taken},
        read_uart,
        Effect::looks_after_the_end},
@@ -147,14 +153,14 @@ std::vector<BoardVerb> port_verbs() {
         "What the program has written to the ITM's stimulus port since this was asked last. It "
         "needs the setting itm.backend=stdout, which is a session's own stream; then the port is "
         "enabled as by a debugger.",
-        {},
+        {raw},
         text_taken},
        read_itm,
        Effect::looks_after_the_end},
       {{"semihosting.read",
         "What the program has written to the console of semihosting (:tt) since this was asked "
         "last.",
-        {},
+        {raw},
         text_taken},
        read_console,
        Effect::looks_after_the_end},

@@ -161,11 +161,14 @@ class Ends(Debugged):
             ("debugger.resume", {"kind": "run", "points": [{"kind": "write", "address": 0, "size": 0}]}),
             ("debugger.resume", {"kind": "run", "points": [5]}),
             ("debugger.resume", {"kind": "run", "points": {"kind": "write"}}),
+            ("debugger.resume", {"kind": "run", "points": 5}),
+            ("debugger.reverse", {"kind": "run", "points": 5}),
             ("debugger.reverse", {"kind": "range"}),
             ("debugger.reverse", {"kind": "run", "points": [{"kind": "jump", "address": 0}]}),
         ):
-            with self.subTest(method=method, params=params), self.assertRaises(Refused):
+            with self.subTest(method=method, params=params), self.assertRaises(Refused) as refused:
                 self.call(method, **params)
+            self.assertNotIn("internal", str(refused.exception))
         self.assertEqual(self.count(), 0)
 
 

@@ -3,9 +3,12 @@
 
 import hashlib
 import json
+import os
 import random
+import signal
 import subprocess
 import unittest
+from pathlib import Path
 
 from history_test import SHORT, Past
 from harness import CAPSOC, CLEAN, FIRMWARE, TRACES
@@ -66,6 +69,8 @@ class Replays(Past):
     def test_a_run_of_the_command_line(self):
         recorded, plain = self.run_recorded("hello")
         self.assertEqual(recorded.stdout, plain.stdout)
+        for done in (recorded, plain):
+            self.assertIn(b"exit 0: the firmware ended with status 0", done.stderr)
         self.assertEqual(self.replay()[0].encode(), plain.stdout)
         recorded, plain = self.run_recorded("divzero", code=5)
         self.assertEqual(recorded.stdout, plain.stdout)
@@ -73,6 +78,8 @@ class Replays(Past):
         self.replay()
 
     def test_what_was_typed(self):
+        recorded, plain = self.run_recorded("echo", "--uart0", "stdio", given=b"\x03\0\0\0\xff\x80\n")
+        self.assertEqual((recorded.stdout, plain.stdout), (b"\x03\0\0\0\xff\x80\n",) * 2)
         recorded, plain = self.run_recorded("echo", "--uart0", "stdio", given=b"\x03\0\0\0abc")
         self.assertEqual((recorded.stdout, plain.stdout), (b"\x03\0\0\0abc",) * 2)
         said, about = self.replay()
@@ -88,6 +95,7 @@ class Replays(Past):
             (["--trace-bus", "t"], "no history: trace.bus names a place"),
             (["--uart1", "pty:p"], "no history: uart1.backend connects the simulation to pty:p"),
             (["--halt"], "--halt waits for a debugger"),
+            (["--semihosting-console", "stdio"], "--semihosting-console: stdio reads standard input"),
             (["--gdb-history"], "--gdb-history is for a debugger: add --gdb"),
         ):
             with self.subTest(options=options):
@@ -102,6 +110,25 @@ class Replays(Past):
                 self.assertEqual((done.returncode, done.stdout), (2, b""))
                 self.assertIn(sentence, done.stderr.decode())
                 self.assertFalse((self.folder / "x.session").exists())
+
+    def test_a_simulation_that_is_killed_did_not_end_well(self):
+        run = subprocess.Popen(
+            [CAPSOC, "run", FIRMWARE / "forever.elf", "--uart0", "null", "--record-session", "a.session"],
+            cwd=self.folder,
+            env=CLEAN,
+            stderr=subprocess.PIPE,
+        )
+        worker = run.pid
+        for _ in range(2):  # the session, and the simulation in it
+            children = []
+            while not children and run.poll() is None:
+                children = Path(f"/proc/{worker}/task/{worker}/children").read_text().split()
+            worker = int(children[0])
+        os.kill(worker, signal.SIGKILL)
+        said = run.communicate(timeout=60)[1].decode()
+        self.assertEqual(run.returncode, 70, said)
+        self.assertIn("simulation 1 was ended by signal 9", said)
+        self.assertFalse((self.folder / "a.session").exists())
 
     def test_the_main_job_from_another_folder(self):
         (self.folder / "own.elf").write_bytes((FIRMWARE / "selfcal.elf").read_bytes())
