@@ -13,8 +13,8 @@ CTEST = {"name": "system: FaultVerdicts", "timeout": 300}
 GOOD = tool.VALID | tool.LOCK
 
 
-def run(samples, code=0, state="s"):
-    return types.SimpleNamespace(samples=samples, code=code, state=state)
+def run(samples, code=0, state="s", is_applied=True):
+    return types.SimpleNamespace(samples=samples, code=code, state=state, is_applied=is_applied)
 
 
 def samples(*angles, status=GOOD, flags=1):
@@ -41,6 +41,22 @@ class Judged(unittest.TestCase):
         self.assertEqual(self.verdict(off, code=5)[0], "crashed")
         self.assertEqual(self.verdict(off, code=124)[0], "hung")
         self.assertEqual(self.verdict([], code=2)[0], "refused")
+
+    def test_angles_that_do_not_come(self):
+        def judged(rows, **more):
+            return tool.judged(run(rows, **more), self.GOLDEN, 0.1, 3)[0]
+
+        good = samples(*[10.0] * 20)
+        self.assertEqual(judged(good[:5] + [None] * 4 + good[9:]), "silent")
+        self.assertEqual(judged(good[:5] + [None] * 3 + good[8:]), "wrong")
+        self.assertEqual(judged(good[:16]), "silent")
+        self.assertEqual(judged(good[:17]), "wrong")
+        self.assertEqual(judged(good[:5] + samples(10.0, status=0) + [None] * 14), "detected")
+        self.assertEqual(judged(good[:5], code=1), "detected")
+
+    def test_a_fault_that_did_not_happen_is_not_masked(self):
+        good = samples(*[10.0] * 20)
+        self.assertEqual(tool.judged(run(good, is_applied=False), self.GOLDEN, 0.1, 3)[0], "unapplied")
 
     def test_detection_counts_from_the_first_wrong_angle(self):
         off = [10.0] * 5 + [10.2] * 15

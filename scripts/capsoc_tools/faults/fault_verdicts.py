@@ -14,9 +14,11 @@ fault, sample by sample. Both end with the program. The verdicts, in the order i
 refused   capsoc does not take the fault (exit 2)
 crashed   the program crashed, with a report (exit 5)
 hung      the program does not end (exit 124)
-silent    an angle was more than --limit off for more than --silent samples, with VALID, LOCK and no alarm
+unapplied nothing changed: the run ended before the fault's time, or the bit cannot be changed
+silent    an angle was more than --limit off, or did not come, for more than --silent samples, with VALID, LOCK and no
+          alarm
 detected  an angle was off or the program failed, and a flag, an alarm or the exit code said so
-wrong     an angle was more than --limit off, for so few samples that it counts as no failure
+wrong     an angle was more than --limit off, or did not come, for so few samples that it counts as no failure
 masked    all results were as without the fault, and so is the whole state at --until
 latent    all angles were within --limit, but the state at --until is another
 
@@ -40,7 +42,7 @@ from pathlib import Path
 from capsoc_tools import ROOT as TOP
 
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
-VERDICTS = ("refused", "crashed", "hung", "silent", "detected", "wrong", "masked", "latent")
+VERDICTS = ("refused", "crashed", "hung", "unapplied", "silent", "detected", "wrong", "masked", "latent")
 #: What detects: bits of STATUS (models/registers/capsoc.svd) that go or come, and bits of FLAGS that come.
 LOCK, DIVERGED, MIRROR, VALID, ALARM = 1 << 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5
 STATUS_GOES = {"LOCK": LOCK, "VALID": VALID}
@@ -104,6 +106,7 @@ class Run:
         self.samples = samples_of(names[0]) if names[0].exists() else []
         self.state = state_of(names[1])
         self.result = json.loads(names[2].read_text()) if names[2].exists() else {}
+        self.is_applied = all(fault["applied"] and "note" not in fault for fault in self.result.get("faults", []))
 
 
 def detection(sample, golden):
@@ -134,10 +137,19 @@ def is_trusted(sample):
 
 def judged(run, golden, limit, silent):
     """Verdict, what detected it, samples from the first wrong angle to that, largest error, trusted wrong samples."""
-    first, found, largest, trusted = None, None, 0.0, 0
-    for number, (sample, was) in enumerate(zip(run.samples, golden.samples)):
-        if sample is None or was is None:
+    first, found, largest, trusted, last = None, None, 0.0, 0, None
+    # A program that gives up earlier takes no more samples.
+    ends = len(golden.samples) if run.code == golden.code else len(run.samples)
+    for number, was in enumerate(golden.samples[:ends]):
+        sample = run.samples[number] if number < len(run.samples) else None
+        if was is None:
             continue
+        if sample is None:
+            # Who reads the angle gets the one before.
+            first = number if first is None else first
+            trusted += found is None and is_trusted(last or was)
+            continue
+        last = sample
         error = off_by(sample, was)
         largest = max(largest, error)
         if error > limit:
@@ -152,6 +164,8 @@ def judged(run, golden, limit, silent):
         verdict, by = "crashed", "fault report"
     elif run.code == 124:
         verdict = "hung"
+    elif not run.is_applied:
+        verdict = "unapplied"
     elif trusted > silent:
         verdict = "silent"
     elif found or run.code != golden.code:
