@@ -250,6 +250,8 @@ class Checkpoints(InjectCase):
 class Refusals(InjectCase):
     def test_sentences(self):
         (self.folder / "f.txt").write_text("flip cpu.r1[0] at 1s\n\nflip cpu.r99[0] at 1s\n")
+        (self.folder / "empty.txt").write_text("")
+        (self.folder / "comment.txt").write_text("# nothing\n\n")
         for options, sentence in (
             (["--inject", "flip cpu.r99[0] at 1s"], "--inject 'flip cpu.r99[0] at 1s': the processor has no register"),
             (["--inject", "flip cpu.r99[0] at 1s"], "did you mean r9"),
@@ -268,6 +270,9 @@ class Refusals(InjectCase):
             (["--inject", "flip cpu.r1[0]"], "has no time"),
             (["--inject-file", "f.txt"], "f.txt:3: the processor has no register 'r99'"),
             (["--inject-file", "none.txt"], "none.txt"),
+            (["--inject-file", "empty.txt"], "empty.txt: is empty"),
+            (["--inject-file", "comment.txt"], "comment.txt: has no fault"),
+            (["--inject", ""], "--inject is empty"),
             (["-C", "inject.faults=nonsense"], "'nonsense' is no fault"),
         ):
             with self.subTest(options=options):

@@ -224,6 +224,7 @@ Result<std::vector<Fault>> parse_faults(const std::string& file, const std::stri
     fault.value().origin = origin;
     faults.push_back(std::move(fault.value()));
   }
+  if (faults.empty()) return Error{fmt::format("{}: has no fault; {}", file, form)};
   return faults;
 }
 

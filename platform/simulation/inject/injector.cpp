@@ -31,6 +31,9 @@ uint64_t with_bit(const Fault& fault, uint64_t value) {
 
 Result<std::vector<Fault>> faults_of(const run::InjectSettings& settings) {
   std::vector<Fault> faults;
+  // An empty variable of a script, where a fault was to be.
+  if (settings.faults.empty() && !settings.faults.about().option.empty())
+    return Error{fmt::format("{} is empty; leave it out, or name a fault", settings.faults.name())};
   std::istringstream list(settings.faults());
   for (std::string line; std::getline(list, line, ',');) {
     const std::string origin = fmt::format("{} '{}'", settings.faults.name(), printable(line, 120));
@@ -41,7 +44,7 @@ Result<std::vector<Fault>> faults_of(const run::InjectSettings& settings) {
   }
   const std::string& file = settings.file();
   if (file.empty()) return faults;
-  const auto text = read_input(file, {"name a file of faults, one a line", largest_file, true});
+  const auto text = read_input(file, {"name a file of faults, one a line", largest_file});
   if (!text) return Error{text.error()};
   auto more = parse_faults(file, text.value());
   if (!more) return more;
