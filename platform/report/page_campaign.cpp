@@ -40,6 +40,26 @@ std::string yield_of(const Json& result) {
   return out + html_of(criteria) + html_of(exits);
 }
 
+/// A table for each thing that the campaign tells apart: how the runs of each value ended.
+std::string groups_of(const Json& result) {
+  std::string out;
+  for (const Json* by : elements_at(result, {"by"})) {
+    Table table{"By " + text_at(*by, {"name"}) + ": " + text_at(*by, {"expression"}),
+                {"value", "runs", "passed", "how they ended"},
+                {}};
+    for (const Json* row : elements_at(*by, {"values"})) {
+      std::string exits;
+      for (const Json* exit : elements_at(*row, {"exits"}))
+        exits += fmt::format("{}{} {}", exits.empty() ? "" : ", ", shown_at(*exit, {"runs"}),
+                             text_at(*exit, {"exit"}));
+      table.rows.push_back(
+          {text_at(*row, {"value"}), shown_at(*row, {"runs"}), shown_at(*row, {"passed"}), exits});
+    }
+    out += html_of(table);
+  }
+  return out;
+}
+
 std::string quantiles_of(const Json& result) {
   constexpr const char* quantiles[] = {"0",    "0.01", "0.05", "0.25", "0.5",
                                        "0.75", "0.95", "0.99", "1"};
@@ -105,6 +125,8 @@ constexpr const char* heat_map =
 
 void add_campaign_sections(Page& page) {
   page.add("Yield", page.of_each("campaign", yield_of));
+  if (const std::string groups = page.of_each("campaign", groups_of); !groups.empty())
+    page.add("By what", groups);
   page.add("Distributions",
            page.figures_of("campaign", "Distributions") + page.of_each("campaign", quantiles_of));
   page.add("What depends on what", page.figures_of("campaign", "What depends on what") +

@@ -238,6 +238,7 @@ class Descriptions(CampaignCase):
             'name = "n"\n[settings]\nsensor.a1 = 1\n[derived]\nsensor.a2 = "sensor.a1 / 0"\n',
             5,
         )
+        self.wrong("good 'exit.kode' is no metric", 'name = "n"\n[by]\ngood = "exit.kode"\n', 3)
         self.wrong("[metrics] has no 'x'", 'name = "n"\nworst = "x"\n', 2)
 
     def test_a_good_one_says_what_it_would_do(self):
@@ -651,6 +652,30 @@ class Reports(CampaignCase):
             ("--html d.sqlite", "--html", "d.sqlite"),
         ):
             self.assertIn(said, self.campaign("report", "d.sqlite", *options, code=2)[1])
+
+    def test_what_it_tells_apart(self):
+        self.describe(
+            SHORT
+            + "sensor.noise.sigma = 1e-4\n[[axes]]\nsensor.adc_bits = [12, 16, 24]\n"
+            + "[repetitions]\ncount = 4\nseeds = ['sensor.noise.seed']\n"
+            + '[criteria]\nfine = "sensor.adc_bits > 12 or seed_is_odd"\n'
+            + '[metrics]\nseed_is_odd = "samples < 0"\nsamples = "samples"\n'
+            + '[by]\nconverter = "sensor.adc_bits"\nwide = "sensor.adc_bits > 12"\n'
+        )
+        out, _ = self.campaign("run", "d.toml", "--json", "r.json", "--html", "r.html")
+        by = json.loads(self.path("r.json").read_text())["by"]
+        self.assertEqual([each["name"] for each in by], ["converter", "wide"])
+        converter = by[0]["values"]
+        # Those with most failures first.
+        self.assertEqual(
+            [(v["value"], v["runs"], v["passed"]) for v in converter], [("12", 4, 0), ("16", 4, 4), ("24", 4, 4)]
+        )
+        self.assertEqual(sum(exit["runs"] for value in converter for exit in value["exits"]), 12)
+        self.assertEqual([(v["value"], v["runs"]) for v in by[1]["values"]], [("false", 4), ("true", 8)])
+        self.assertRegex(out, r"(?m)^by converter +runs +passed")
+        self.assertRegex(out, r"(?m)^  12 +4 +0.00 %")
+        page = self.path("r.html").read_text()
+        self.assertIn("By converter: sensor.adc_bits", page)
 
     def test_columns(self):
         self.describe(DRAWN.format(runs=4))

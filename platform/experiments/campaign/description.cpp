@@ -72,7 +72,7 @@ class DescriptionReader {
   void read_top(const toml::table& root) {
     TomlTable top(file_, root, "the description",
                   {"name", "kind", "seed", "least_yield", "worst", "settings", "axes",
-                   "repetitions", "derived", "limits", "keep", "metrics", "criteria"});
+                   "repetitions", "derived", "limits", "keep", "metrics", "criteria", "by"});
     top.text("name", result_.name);
     if (result_.name.empty()) file_.fail(root, "the campaign has no name; write name = \"...\"");
     if (result_.name.find_first_not_of(name_letters) != std::string::npos)
@@ -92,6 +92,7 @@ class DescriptionReader {
       read_named(*metrics, "[metrics]", result_.metrics);
     if (const auto* criteria = top.table("criteria"))
       read_named(*criteria, "[criteria]", result_.criteria);
+    if (const auto* by = top.table("by")) read_named(*by, "[by]", result_.by);
     if (file_.error) return;
     check_count(root);
     check_paths();

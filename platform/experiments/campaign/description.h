@@ -54,6 +54,7 @@ struct Description {
   std::string failures_folder;  ///< where the recordings of failed runs go; "": nowhere
   bool failures_waves = false;
   std::vector<Named> metrics, criteria;
+  std::vector<Named> by;  ///< what the report tells apart
   double least_yield = 1;
   std::string worst;  ///< the metric whose largest values are the worst; "": the first one
 

@@ -34,7 +34,10 @@ std::vector<Named> all_metrics(const Work& work) {
 }  // namespace
 
 Judge::Judge(const Description& description, const Work& work, std::vector<std::string> axes)
-    : axes_(std::move(axes)), metrics_(description.metrics), criteria_(description.criteria) {
+    : axes_(std::move(axes)),
+      metrics_(description.metrics),
+      criteria_(description.criteria),
+      by_(description.by) {
   if (metrics_.empty()) metrics_ = all_metrics(work);
   if (criteria_.empty()) criteria_.push_back({"pass", Expression::parse(passes).value(), ""});
   if (!metrics_.empty()) worst_ = 0;
@@ -78,6 +81,7 @@ Result<Judged> Judge::judge(const std::vector<std::string>& values, const Row& r
     judged.criteria[i] = criteria_[i].expression.evaluate(of_metrics) == Value(true);
     judged.pass = judged.pass && judged.criteria[i];
   }
+  for (const Named& each : by_) judged.by.push_back(to_text(each.expression.evaluate(of_metrics)));
   judged.exit = to_text(of_result(exit_code)) + ": " + to_text(of_result(exit_reason));
   if (const Value reason = of_result(verdict_reason); !is_null(reason))
     judged.exit += ", " + to_text(reason);

@@ -16,8 +16,9 @@ struct Judged {
   bool finished = false;                       ///< there is a result
   std::vector<std::optional<double>> metrics;  ///< in the order of Judge::metrics()
   std::vector<bool> criteria;
-  bool pass = false;  ///< all criteria are met; one without a value is not
-  std::string exit;   ///< "0: the firmware ended with status 0", or the worker's ending
+  bool pass = false;            ///< all criteria are met; one without a value is not
+  std::vector<std::string> by;  ///< values, in the order of Judge::by()
+  std::string exit;             ///< "0: the firmware ended with status 0", or the worker's ending
 };
 
 class Judge {
@@ -29,6 +30,8 @@ class Judge {
   const std::vector<std::string>& axes() const { return axes_; }
   const std::vector<Named>& metrics() const { return metrics_; }
   const std::vector<Named>& criteria() const { return criteria_; }
+  /// What the report tells apart.
+  const std::vector<Named>& by() const { return by_; }
   /// The metric whose largest values are the worst; nothing without metrics.
   std::optional<std::size_t> worst() const { return worst_; }
 
@@ -37,7 +40,7 @@ class Judge {
 
  private:
   std::vector<std::string> axes_;
-  std::vector<Named> metrics_, criteria_;
+  std::vector<Named> metrics_, criteria_, by_;
   std::optional<std::size_t> worst_;
 };
 

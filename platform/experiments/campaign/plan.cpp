@@ -87,6 +87,9 @@ std::optional<Error> Plan::check_names() const {
   for (const Named& criterion : d.criteria)
     if (auto error = check_expression(criterion, known, "metric, no key of a result and no axis"))
       return error;
+  for (const Named& each : d.by)
+    if (auto error = check_expression(each, known, "metric, no key of a result and no axis"))
+      return error;
   return std::nullopt;
 }
 

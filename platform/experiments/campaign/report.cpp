@@ -31,6 +31,8 @@ class Collector {
       report_.criteria.push_back({each.name, each.expression.text(), 0});
     for (const Named& each : judge_.metrics())
       report_.metrics.push_back({each.name, each.expression.text(), 0, {}, {}});
+    for (const Named& each : judge_.by())
+      report_.by.push_back({each.name, each.expression.text(), {}});
     if (judge_.worst()) report_.worst_metric = judge_.metrics()[*judge_.worst()].name;
     columns_.metrics.resize(report_.metrics.size());
     columns_.axes.resize(report_.axes.size());
@@ -54,6 +56,7 @@ class Collector {
     for (std::size_t i = 0; i < columns_.axes.size(); ++i)
       columns_.axes[i].push_back(i < run.values.size() ? run.values[i] : "");
     add_worst(run, judged);
+    add_to_groups(judged);
   }
 
   Report finish() {
@@ -65,8 +68,24 @@ class Collector {
   }
 
  private:
+  void add_to_groups(const Judged& judged) {
+    for (std::size_t i = 0; i < judged.by.size(); ++i) {
+      GroupReport& group = report_.by[i].groups[judged.by[i]];
+      ++group.runs;
+      if (judged.pass) ++group.passed;
+      ++group.exits[judged.exit];
+    }
+  }
+
+  /// The result's own, where it has one: of a run that was drawn it says what.
+  static std::string command_of(const StoredRun& run) {
+    const auto result = nlohmann::ordered_json::parse(run.row->result, nullptr, false);
+    const auto own = result.is_object() ? result.find("command") : result.end();
+    return own != result.end() && own->is_string() ? own->get<std::string>() : run.row->command;
+  }
+
   Example example(const StoredRun& run, const Judged& judged) const {
-    Example example{run.number, run.values, judged.exit, {}, {}, run.row->command};
+    Example example{run.number, run.values, judged.exit, {}, {}, command_of(run)};
     for (std::size_t i = 0; i < judged.criteria.size(); ++i)
       if (!judged.criteria[i]) example.unmet.push_back(report_.criteria[i].name);
     if (judge_.worst()) example.worst = judged.metrics[*judge_.worst()];
@@ -120,6 +139,19 @@ class Collector {
 };
 
 }  // namespace
+
+std::vector<std::string> ByReport::order() const {
+  std::vector<std::string> values;
+  for (const auto& [value, group] : groups) values.push_back(value);
+  const auto failures = [this](const std::string& value) {
+    const GroupReport& group = groups.at(value);
+    return group.runs - group.passed;
+  };
+  std::stable_sort(values.begin(), values.end(), [&](const auto& one, const auto& other) {
+    return failures(one) > failures(other);
+  });
+  return values;
+}
 
 Result<Report> make_report(const Store& store) {
   const auto campaign = StoredCampaign::of(store);

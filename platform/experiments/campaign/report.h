@@ -26,6 +26,19 @@ struct MetricReport {
   std::vector<std::optional<Sensitivity>> to_axes;  ///< in the order of Report::axes
 };
 
+/// Runs of one value of what the report tells apart.
+struct GroupReport {
+  uint64_t runs = 0, passed = 0;
+  std::map<std::string, uint64_t> exits;  ///< how many of them ended how
+};
+struct ByReport {
+  std::string name, expression;
+  std::map<std::string, GroupReport> groups;  ///< by value; finished runs
+
+  /// The values, those with most failures first.
+  std::vector<std::string> order() const;
+};
+
 /// A run to look at.
 struct Example {
   uint64_t number = 0;
@@ -55,6 +68,7 @@ struct Report {
   std::optional<Interval> interval;  ///< of the yield, 95 %; nothing without runs
   std::vector<CriterionReport> criteria;
   std::vector<MetricReport> metrics;
+  std::vector<ByReport> by;
   std::map<std::string, uint64_t> exits;  ///< how many runs ended how
   std::string worst_metric;               ///< "" without
   std::vector<Example> worst;             ///< its largest values first

@@ -16,7 +16,8 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr int schema_version = 1;
-constexpr std::size_t longest_exit = 100;
+constexpr std::size_t longest_exit = 100, longest_column = 24;
+constexpr std::size_t most_values = 40;  // of what is told apart, as text
 
 std::string percent(double share) {
   return fmt::format("{:.2f} %", 100 * share);
@@ -87,6 +88,35 @@ std::string sensitivity_text(const Report& r) {
     }
     std::sort(lines.begin(), lines.end());
     for (const auto& line : lines) text += line.second;
+  }
+  return text;
+}
+
+/// A row for each value, a column for each way to end.
+std::string by_text(const ByReport& by) {
+  std::map<std::string, std::size_t> exits;  // width of a column
+  for (const auto& [value, group] : by.groups)
+    for (const auto& [exit, count] : group.exits)
+      exits[exit] = std::max<std::size_t>(8, printable(exit, longest_column).size()) + 2;
+  std::string text = fmt::format("\n{:<32}{:>8}{:>10}", "by " + by.name, "runs", "passed");
+  for (const auto& [exit, width] : exits)
+    text += fmt::format("{:>{}}", printable(exit, longest_column), width);
+  text += "\n";
+  std::size_t rows = 0;
+  for (const std::string& value : by.order()) {
+    if (rows++ == most_values) {
+      text += fmt::format("  and {} more, in the JSON report\n", by.groups.size() - most_values);
+      break;
+    }
+    const GroupReport& group = by.groups.at(value);
+    text +=
+        fmt::format("  {:<30}{:>8}{:>10}", printable(value, 60), group.runs,
+                    percent(static_cast<double>(group.passed) / static_cast<double>(group.runs)));
+    for (const auto& [exit, width] : exits) {
+      const auto found = group.exits.find(exit);
+      text += fmt::format("{:>{}}", found == group.exits.end() ? 0 : found->second, width);
+    }
+    text += "\n";
   }
   return text;
 }
@@ -162,12 +192,28 @@ std::string test_case(const StoredCampaign& campaign, const StoredRun& run, cons
 std::string to_text(const Report& r) {
   std::string text = fmt::format("campaign {} ({}), capsoc {}\n", r.name, r.kind, r.version);
   text += count_line(r) + yield_text(r);
+  for (const ByReport& by : r.by) text += by_text(by);
   if (r.finished > 0) text += metrics_text(r) + sensitivity_text(r);
   text += examples_text("worst: the largest " + r.worst_metric, r.worst);
   return text + examples_text("failures: the first of them", r.failures);
 }
 
 namespace {
+
+ordered_json by_json(const Report& r) {
+  ordered_json all = ordered_json::array();
+  for (const ByReport& by : r.by) {
+    ordered_json rows = ordered_json::array();
+    for (const std::string& value : by.order()) {
+      const GroupReport& group = by.groups.at(value);
+      rows.push_back({{"value", value}, {"runs", group.runs}, {"passed", group.passed}});
+      for (const auto& [exit, count] : group.exits)
+        rows.back()["exits"].push_back({{"exit", exit}, {"runs", count}});
+    }
+    all.push_back({{"name", by.name}, {"expression", by.expression}, {"values", std::move(rows)}});
+  }
+  return all;
+}
 
 /// Numbers as a plot needs them.
 ordered_json sample_json(const Report& r) {
@@ -209,6 +255,7 @@ ordered_json to_json(const Report& r) {
     j["criteria"].push_back({{"name", c.name}, {"expression", c.expression}, {"met", c.met}});
   for (const auto& [exit, count] : r.exits) j["exits"].push_back({{"exit", exit}, {"runs", count}});
   for (const MetricReport& m : r.metrics) j["metrics"].push_back(metric_json(r, m));
+  if (!r.by.empty()) j["by"] = by_json(r);
   j["worst_metric"] = r.worst_metric;
   j["worst"] = j["failures"] = ordered_json::array();
   for (const Example& e : r.worst) j["worst"].push_back(example_json(r, e));

@@ -330,6 +330,11 @@ void Injector::visit(Archive& archive) {
   }
 }
 
+bool Injector::is_over() const {
+  return std::all_of(faults_.begin(), faults_.end(),
+                     [](const auto& injected) { return injected->is_over; });
+}
+
 void Injector::finish(run::RunResult& result) {
   for (const auto& injected : faults_) {
     run::FaultOutcome& outcome = injected->outcome;

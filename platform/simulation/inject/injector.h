@@ -53,6 +53,9 @@ class Injector {
   /// faults that it is given.
   void visit(Archive& archive);
 
+  /// Every fault has acted, and none acts any more.
+  bool is_over() const;
+
   void finish(run::RunResult& result);
 
  private:

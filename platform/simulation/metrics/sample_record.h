@@ -30,6 +30,7 @@ struct RecordedSample {
   double angle_turns = 0;  ///< true angle; only when has_truth
   bool has_truth = false;
   std::optional<RecordedResult> result = {};  ///< none of a sample that got lost on its way
+  uint64_t number = 0;                        ///< from 1, over all starts of the sensor
 };
 
 /// Both angles are known, the sensor's and the coprocessor's.

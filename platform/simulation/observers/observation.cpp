@@ -52,8 +52,13 @@ std::optional<Error> Observation::open() {
 
 void Observation::converted(const peripherals::SensorSample& sample) {
   newest_ = {sample.number,
-             {sc_core::sc_time_stamp().to_seconds(), sample.u, sample.v, truth_.angle_turns,
-              truth_.has_truth}};
+             {sc_core::sc_time_stamp().to_seconds(),
+              sample.u,
+              sample.v,
+              truth_.angle_turns,
+              truth_.has_truth,
+              {},
+              sample.number}};
 }
 
 /// The coprocessor takes a sample a cycle after its conversion, before there is a newer one.

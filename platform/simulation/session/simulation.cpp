@@ -292,6 +292,12 @@ Result<std::string> Simulation::packed_state() {
   return checkpoints_->packed();
 }
 
+uint64_t Simulation::state_hash() {
+  StateHash hash;
+  for (const checkpoint::Part& part : parts_of(soc_)) part.visit(hash);
+  return hash.value();
+}
+
 void Simulation::conclude_run(RunResult& result) const {
   End end;
   end.diverged = !result.divergence.empty();

@@ -75,6 +75,8 @@ class Simulation {
 
   /// The same in memory, for additions to the same settings.
   Result<std::string> packed_state();
+  /// Of the chip's state, between two advances, without what is on the host (FNV-1a).
+  uint64_t state_hash();
 
   /// Closes what was open and says what came of it. Nothing can be simulated after it.
   RunResult finish();
@@ -86,6 +88,8 @@ class Simulation {
   HostPorts& ports() { return *ports_; }
   /// What a fault can change in this system.
   std::vector<inject::ListedPlace> fault_places();
+  /// Every fault of the settings has acted, and none acts any more.
+  bool faults_are_over() const { return injector_ == nullptr || injector_->is_over(); }
 
  private:
   Simulation(const RunSettings& settings, RunInputs inputs,

@@ -1,0 +1,256 @@
+// A run with a drawn fault beside the one without, as a kind of work.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+
+#include "campaign/kinds.h"
+#include "campaign/work_settings.h"
+#include "fault/draw.h"
+#include "fault/golden.h"
+#include "fault/trial.h"
+#include "host/child_process.h"
+#include "host/descriptor.h"
+#include "host/file_uses.h"
+#include "host/files.h"
+#include "host/sha256.h"
+#include "inputs/run_inputs.h"
+#include "results/exit_codes.h"
+#include "results/results.h"
+#include "session/run_files.h"
+#include "session/run_settings.h"
+
+namespace capsoc::campaign {
+namespace {
+
+/// The settings of a run and, beginning with "fault.", those of its fault.
+struct FaultSettings {
+  run::RunSettings run;
+  fault::TrialSettings trial;
+
+  std::optional<Error> set(const std::vector<Assignment>& assignments) {
+    std::vector<Assignment> of_run, of_trial;
+    for (const Assignment& each : assignments)
+      (each.path.rfind("fault.", 0) == 0 ? of_trial : of_run).push_back(each);
+    if (auto error = set_all(of_run, run)) return error;
+    if (auto error = set_all(of_trial, trial)) return error;
+    for (const TextField* field : {&run.inject.faults, &run.inject.file, &run.checkpoint.restore})
+      if (!field->empty())
+        return Error{fmt::format(
+            "{}: {}: a campaign of faults has its own; leave it out, or give fault.line",
+            field->about().origin, field->about().path)};
+    const double from = trial.from_s(), to = trial.to_s(), until = trial.until_s();
+    if (from >= to || to >= until)
+      return Error{
+          fmt::format("{}: fault.from_s {:.6g}, fault.to_s {:.6g} and fault.until_s {:.6g} are not "
+                      "in this order; "
+                      "make each later than the one before",
+                      origin_of_span(), from, to, until)};
+    return std::nullopt;
+  }
+
+  /// Of the first of its settings that somebody set.
+  std::string origin_of_span() const {
+    for (const NumberField* field : {&trial.from_s, &trial.to_s, &trial.until_s})
+      if (!field->is_built_in()) return field->about().origin;
+    return trial.from_s.about().origin;
+  }
+
+  fault::Span span() const { return {trial.from_s(), trial.to_s(), trial.until_s()}; }
+
+  /// What the golden run depends on.
+  std::string identity() const {
+    std::string text = settings_identity(run);
+    for (const host::FileUse& use : run::files_of(run))
+      if (use.kind == host::FileUse::Kind::input && !use.path.empty())
+        text += input_identity(use.path);
+    return text;
+  }
+};
+
+/// A folder for golden runs, which all workers share; gone with this.
+class Folder {
+ public:
+  Folder() = default;
+  ~Folder() {
+    std::error_code none;
+    if (!path_.empty() && getpid() == owner_) std::filesystem::remove_all(path_, none);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::optional<Error> make() {
+    if (!path_.empty()) return std::nullopt;
+    std::error_code failure;
+    std::string name =
+        (std::filesystem::temp_directory_path(failure) / "capsoc-faults-XXXXXX").string();
+    if (failure || mkdtemp(name.data()) == nullptr)
+      return Error{
+          fmt::format("{}: the folder for the runs without faults cannot be made; set "
+                      "TMPDIR to one with room",
+                      name)};
+    path_ = name;
+    return std::nullopt;
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  pid_t owner_ = getpid();
+};
+
+class FaultWork final : public Work {
+ public:
+  Result<Job> prepare(const std::vector<Assignment>& assignments) override {
+    FaultSettings settings;
+    if (auto error = settings.set(assignments)) return *error;
+    Job job;
+    job.identity = settings.identity() + settings_identity(settings.trial);
+    job.command = run::reproducing_command(settings.run);
+    job.command +=
+        fmt::format(" --inject '{}'", settings.trial.line.empty() ? "(fault.line of the result)"
+                                                                  : settings.trial.line());
+    return job;
+  }
+
+  std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep&) override {
+    if (auto error = folder_.make()) return error;
+    FaultSettings settings;
+    if (auto error = settings.set(assignments)) return error;
+    const auto place = golden_folder(settings);
+    if (!place) return Error{place.error()};
+    const auto golden = fault::read_golden(place.value());
+    if (!golden) return Error{golden.error()};
+    const auto drawn = fault::draw(settings.trial, golden.value());
+    return drawn ? std::nullopt : std::make_optional(Error{drawn.error()});
+  }
+
+  Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
+                                         const Keep&) override {
+    FaultSettings settings;
+    if (auto error = settings.set(assignments)) return *error;
+    spdlog::set_level(spdlog::level::off);
+    const auto place = golden_folder(settings);
+    if (!place) return Error{place.error()};
+    const auto golden = fault::read_golden(place.value());
+    if (!golden) return Error{golden.error()};
+    const auto drawn = fault::draw(settings.trial, golden.value());
+    if (!drawn) return Error{drawn.error()};
+    auto state = fault::read_state(place.value(), drawn.value().start);
+    if (!state) return Error{state.error()};
+    for (const auto& [path, value] :
+         {std::pair<const char*, std::string>("inject.faults", drawn.value().line),
+          {"run.simlimit_s", fmt::format("{}", golden.value().ended_s + over_time_s)}})
+      if (auto error =
+              settings.run.set(path, value, SettingSource::command_line, "the drawn fault"))
+        return *error;
+    const auto outcome = fault::try_fault(settings.run, settings.trial, drawn.value(),
+                                          golden.value(), std::move(state.value()));
+    if (!outcome) return Error{outcome.error()};
+    return json_of(outcome.value(), drawn.value(), run::reproducing_command(settings.run));
+  }
+
+  nlohmann::ordered_json example() const override {
+    fault::Outcome outcome;
+    outcome.by = "some";
+    outcome.after = 0;
+    return json_of(outcome, {"some", "some", 0, "some", 0}, "");
+  }
+
+  const std::vector<std::string>& host_keys() const override {
+    static const std::vector<std::string> none;
+    return none;
+  }
+
+ private:
+  /// Simulated seconds after the end of the golden run: a program that is not over by then hangs.
+  static constexpr double over_time_s = 1;
+
+  static nlohmann::ordered_json json_of(const fault::Outcome& outcome, const fault::Drawn& drawn,
+                                        const std::string& command) {
+    const char* const verdict = fault::name_of(outcome.verdict);
+    const bool is_silent = outcome.verdict == fault::Verdict::silent;
+    nlohmann::ordered_json j;
+    j["exit"] = {
+        {"code", static_cast<int>(is_silent ? run::exit_code::failed : run::exit_code::pass)},
+        {"reason", verdict}};
+    j["versions"] = run::versions();
+    j["command"] = command;
+    j["fault"] = {
+        {"line", drawn.line}, {"unit", drawn.unit}, {"place", drawn.place}, {"bit", drawn.bit}};
+    j["verdict"] = verdict;
+    j["detected"] = {{"by", nullptr}, {"after_samples", nullptr}};
+    if (!outcome.by.empty()) j["detected"]["by"] = outcome.by;
+    if (outcome.after) j["detected"]["after_samples"] = *outcome.after;
+    j["error_deg"] = outcome.largest_deg;
+    j["trusted_wrong_samples"] = outcome.trusted;
+    j["simulated_s"] = outcome.simulated_s;
+    return j;
+  }
+
+  /// Where the golden run of these settings is. The first worker that needs it performs it, in a
+  /// process of its own; the others wait.
+  Result<std::string> golden_folder(const FaultSettings& settings) const {
+    const fault::Span span = settings.span();
+    std::string name = host::sha256_of(
+        settings.identity() + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
+    std::string place = folder_.path() + "/" + name.substr(0, 16);
+    std::error_code failure;
+    std::filesystem::create_directories(place, failure);
+    const host::Descriptor lock(
+        open((place + "/lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600));
+    if (!lock.valid()) return host::cannot_write(place + "/lock", errno);
+    while (flock(lock.get(), LOCK_EX) != 0 && errno == EINTR) {
+    }
+    if (fault::has_golden(place)) return place;
+    if (auto error = perform_golden(settings, place)) return *error;
+    return place;
+  }
+
+  static std::optional<Error> perform_golden(const FaultSettings& settings,
+                                             const std::string& place) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) return Error{"there are no more files to be had"};
+    const host::Descriptor said(ends[0]);
+    host::Descriptor says(ends[1]);
+    const pid_t parent = getpid();
+    const pid_t child = fork();
+    if (child < 0) return Error{"the run without a fault cannot be started; give fewer --jobs"};
+    if (child == 0) {
+      host::end_with_parent(parent, 1);
+      host::leave_terminal();
+      auto golden = fault::record_golden(settings.run, settings.span(), place);
+      auto error = golden ? fault::write_golden(golden.value(), place)
+                          : std::optional<Error>(Error{golden.error()});
+      if (error) host::write_all(says.get(), error->text);
+      _exit(error ? 2 : 0);
+    }
+    says.reset();
+    std::string sentence;
+    char buffer[4096];
+    for (ssize_t count = 0; (count = read(said.get(), buffer, sizeof buffer)) > 0;)
+      sentence.append(buffer, static_cast<std::size_t>(count));
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return std::nullopt;
+    if (!sentence.empty()) return Error{sentence};
+    return Error{"the run without a fault crashed; try it with capsoc run"};
+  }
+
+  Folder folder_;
+};
+
+}  // namespace
+
+std::unique_ptr<Work> make_fault_work() {
+  return std::make_unique<FaultWork>();
+}
+
+}  // namespace capsoc::campaign
