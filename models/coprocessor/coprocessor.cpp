@@ -237,7 +237,7 @@ void Coprocessor::commit_results(const Packet& packet) {
 
 void Coprocessor::packet_nodes(const Packet& packet, unsigned stage, Nodes& n) const {
   const auto upper_half = [](fixed::int128 x) { return static_cast<int64_t>(x >> 64); };
-#define NODE(name, made_in, format, model, when, rtl) \
+#define NODE(name, made_in, unit, format, model, when, rtl) \
   if (stage == (made_in)) n.name = static_cast<int64_t>(model);
 #include "coprocessor/nodes.def"
 }

@@ -24,6 +24,8 @@ namespace capsoc::coprocessor {
 
 struct IdleState;
 
+inline constexpr uint8_t all_strobes = 0xF;
+
 struct RegisterAccess {
   bool ok = false;  // false: no register there (PSLVERR)
   uint32_t value = 0;
@@ -54,6 +56,13 @@ class Device {
   // false: unmapped. A write that has no effect (read-only, reserved value) is true and explained
   // by write_complaint() (register_map.h).
   virtual bool write(uint64_t cycle, uint32_t offset, uint32_t value) = 0;
+  // The same with PSTRB: bit i says that byte i of the word is written. false, and no effect,
+  // unless all four are.
+  virtual bool write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
+    if (strobes == all_strobes) return write(cycle, offset, value);
+    advance(cycle);
+    return false;
+  }
 
   virtual bool interrupt() const = 0;
   virtual bool idle() const = 0;

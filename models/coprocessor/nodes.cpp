@@ -15,10 +15,29 @@ namespace formats {
 
 const std::array<NamedNode, node_count>& node_names() {
   static constexpr std::array<NamedNode, node_count> names = {{
-#define NODE(name, stage, format, model, when, rtl) {#name, stage, &Nodes::name, formats::format},
+#define NODE(name, stage, unit, format, model, when, rtl) \
+  {#name, stage, Unit::unit, &Nodes::name, formats::format},
 #include "coprocessor/nodes.def"
   }};
   return names;
+}
+
+const char* name_of(Unit unit) {
+  switch (unit) {
+    case Unit::calibrator:
+      return "calibrator";
+    case Unit::polar_unit:
+      return "polar unit";
+    case Unit::reference_generator:
+      return "reference generator";
+    case Unit::lms_demodulator:
+      return "LMS demodulator";
+    case Unit::turn_judge:
+      return "turn judge";
+    case Unit::register_bank:
+      return "register bank";
+  }
+  return "";
 }
 
 void Nodes::visit(Archive& archive) {

@@ -13,7 +13,7 @@ namespace capsoc::coprocessor {
 
 // Raw words: signed formats sign-extended, unsigned ones zero-extended.
 struct Nodes {
-#define NODE(name, stage, format, model, when, rtl) int64_t name = 0;
+#define NODE(name, stage, unit, format, model, when, rtl) int64_t name = 0;
 #include "coprocessor/nodes.def"
 
   // Results committed since the last reset of either kind. No node, never compared.
@@ -28,7 +28,7 @@ struct Nodes {
 inline constexpr unsigned commit_stage = 5;
 
 enum class NodeIndex : std::size_t {
-#define NODE(name, stage, format, model, when, rtl) name,
+#define NODE(name, stage, unit, format, model, when, rtl) name,
 #include "coprocessor/nodes.def"
   count
 };
@@ -39,6 +39,18 @@ enum class Meaning : uint8_t {
   number,  // fixed point
   turns,   // an angle or an angular speed in turns
 };
+
+// A section of docs/coprocessor.md, which makes the node.
+enum class Unit : uint8_t {
+  calibrator,
+  polar_unit,
+  reference_generator,
+  lms_demodulator,
+  turn_judge,
+  register_bank,
+};
+// As reports print it: "LMS demodulator".
+const char* name_of(Unit unit);
 
 struct NodeFormat {
   unsigned width = 64;  // bits of the word, 1 to 64
@@ -55,6 +67,7 @@ struct NodeFormat {
 struct NamedNode {
   const char* name;
   unsigned stage;
+  Unit unit;
   int64_t Nodes::*value;
   NodeFormat format;
 };

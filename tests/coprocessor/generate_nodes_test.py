@@ -19,7 +19,7 @@ HEAD = """// a list
 FORMAT(flag, 1, false, 0, word)
 FORMAT(q1_31, 32, true, 31, number)
 """
-A = 'NODE(a, 0, flag, packet.a, end, "dut.a")\n'
+A = 'NODE(a, 0, calibrator, flag, packet.a, end, "dut.a")\n'
 
 
 class Generator(unittest.TestCase):
@@ -65,16 +65,16 @@ class Generator(unittest.TestCase):
         self.assertTrue(self.made("ports").endswith("node_a_o,\n  input  logic [63:0] model_a_i\n"))
 
     def test_a_value_is_extended_as_its_format_says(self):
-        self.run_on(HEAD + A + 'NODE(b, 0, q1_31, packet.b, end, "dut.b")\n')
+        self.run_on(HEAD + A + 'NODE(b, 0, calibrator, q1_31, packet.b, end, "dut.b")\n')
         self.assertIn("(input logic [0:0] word);\n    extended_flag = {63'd0, word};", self.made("captures"))
         self.assertIn("(input logic [31:0] word);\n    extended_q1_31 = {{32{word[31]}}, word};", self.made("captures"))
         self.assertIn("node_b_o <= extended_q1_31(dut.b);", self.made("captures"))
 
     def test_a_value_is_taken_when_the_list_says(self):
         self.run_on(
-            HEAD + A + 'NODE(b, 1, flag, packet.b, wire, "dut.b")\n'
-            'NODE(c, 2, flag, f(packet.c), "dut.x && (dut.y, 1)", "{dut.c[1], dut.c[0]}")\n'
-            'NODE(d, commit_stage, flag, d(), end, "dut.d")\n'
+            HEAD + A + 'NODE(b, 1, calibrator, flag, packet.b, wire, "dut.b")\n'
+            'NODE(c, 2, calibrator, flag, f(packet.c), "dut.x && (dut.y, 1)", "{dut.c[1], dut.c[0]}")\n'
+            'NODE(d, commit_stage, calibrator, flag, d(), end, "dut.d")\n'
         )
         text = re.sub("`line .*\n", "", self.made("captures"))
         self.assertIn("  assign node_b_o = extended_flag(dut.b);", text)
@@ -125,14 +125,14 @@ class Generator(unittest.TestCase):
         self.expect_error(HEAD + A.replace('"dut.a"', '""'), 4, '"expression"')
 
     def test_arguments_too_few_too_many_or_broken(self):
-        self.expect_error(HEAD + A.replace("packet.a, ", ""), 4, "5 arguments", "6")
+        self.expect_error(HEAD + A.replace("packet.a, ", ""), 4, "6 arguments", "7")
         self.expect_error(HEAD + A.replace("packet.a", "a, b"), 4, "7 arguments")
         self.expect_error(HEAD + "FORMAT(f, 3)\n", 4, "2 arguments", "5")
         self.expect_error(HEAD + A.replace('a")', "a)"), 4, "arguments")
 
     def test_a_line_that_is_none_of_the_lists(self):
         self.expect_error(HEAD + A + "NODES(b)\n", 5, "NODE(...)")
-        self.expect_error(HEAD + 'NODE(a, 0, flag,\n  packet.a, end, "dut.a")\n', 4, "one a line")
+        self.expect_error(HEAD + 'NODE(a, 0, calibrator, flag,\n  packet.a, end, "dut.a")\n', 4, "one a line")
 
     def test_an_empty_list(self):
         self.expect_error(HEAD, 1, "no NODE")

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "coprocessor/register_map.h"
 #include "faulty_model.h"
 
@@ -68,6 +70,23 @@ std::vector<Fault> make() {
   Fault low_bit{"v lacks its lowest bit", "v (T0", "node"};
   low_bit.sample = [](int32_t&, int32_t& v, bool&) { v &= ~1; };
   list.push_back(low_bit);
+  // A line that follows the event and not the flag: one interrupt of each enable.
+  constexpr std::pair<uint32_t, uint32_t> interrupts[] = {{flag_result, ctrl_ie_result},
+                                                          {flag_lockchg, ctrl_ie_lock},
+                                                          {flag_config, ctrl_ie_error},
+                                                          {flag_turn, ctrl_ie_turn},
+                                                          {flag_alarm, ctrl_ie_alarm}};
+  for (const auto& [flag, enable] : interrupts) {
+    Fault lost{"an interrupt that is enabled late is lost", "", "interrupt line"};
+    lost.lost_flag = flag;
+    lost.lost_enable = enable;
+    list.push_back(lost);
+  }
+  for (unsigned strobes : {0b0000, 0b0001, 0b0111, 0b1110}) {
+    Fault partial{"a partial write is taken", "", "response to the write of"};
+    partial.taken_strobes |= 1u << strobes;
+    list.push_back(partial);
+  }
   list.push_back(paper_fault("steps shifted by one", "next_", {Arithmetic::paper, 32, 0, 1}));
   list.push_back(paper_fault("the reference leads", "sine (T2", {Arithmetic::paper, 32, 1, 0}));
   list.push_back(paper_fault("narrow arctangent", "relative (T1", {Arithmetic::paper, 24, 0, 0}));

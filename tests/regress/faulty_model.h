@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coprocessor/coprocessor.h"
+#include "coprocessor/register_map.h"
 
 namespace capsoc::regress::test {
 
@@ -25,6 +26,10 @@ struct Fault {
   std::function<uint32_t(uint32_t offset, uint32_t value)> read = {};
   std::function<void(int32_t& u, int32_t& v, bool& clip)> sample = {};
   std::function<bool(bool)> interrupt = {};
+  /// One flag, whose interrupt is lost if it is enabled only after the flag was raised.
+  uint32_t lost_flag = 0, lost_enable = 0;
+  /// Strobes with which a write is taken, whole; a bit for each of the 16 words of strobes.
+  uint32_t taken_strobes = 1u << coprocessor::all_strobes;
   uint64_t delay = 0;  // edges by which samples come late
   coprocessor::Options options = {};
 };
@@ -51,10 +56,20 @@ class FaultyModel final : public coprocessor::Device {
     std::optional<Write> changed = Write{offset, value};
     if (fault_.write) changed = fault_.write(*changed);
     if (!changed) return true;
-    return model_.write(cycle, changed->offset, changed->value);
+    const bool enabled = (peek(coprocessor::reg_ctrl) & fault_.lost_enable) != 0;
+    const bool ok = model_.write(cycle, changed->offset, changed->value);
+    if ((peek(coprocessor::reg_flags) & fault_.lost_flag) == 0) lost_ = false;
+    const bool enables = (peek(coprocessor::reg_ctrl) & fault_.lost_enable) != 0;
+    if (!enabled && enables && (peek(coprocessor::reg_flags) & fault_.lost_flag) != 0) lost_ = true;
+    return ok;
+  }
+  bool write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) override {
+    if ((fault_.taken_strobes >> strobes & 1) != 0) return write(cycle, offset, value);
+    return model_.write_bytes(cycle, offset, value, strobes);
   }
   bool interrupt() const override {
-    return fault_.interrupt ? fault_.interrupt(model_.interrupt()) : model_.interrupt();
+    const bool level = model_.interrupt() && !(lost_ && alone());
+    return fault_.interrupt ? fault_.interrupt(level) : level;
   }
   bool idle() const override { return model_.idle(); }
   const coprocessor::Nodes& nodes() const override { return model_.nodes(); }
@@ -70,8 +85,18 @@ class FaultyModel final : public coprocessor::Device {
     return result;
   }
 
+  uint32_t peek(uint32_t offset) const { return model_.read(0, offset, true).value; }
+
+  /// The lost interrupt would be the only one.
+  bool alone() const {
+    coprocessor::Coprocessor other = model_;
+    other.write(0, coprocessor::reg_ctrl, peek(coprocessor::reg_ctrl) & ~fault_.lost_enable);
+    return !other.interrupt();
+  }
+
   Fault fault_;
-  coprocessor::Coprocessor model_;
+  mutable coprocessor::Coprocessor model_;  // a debug read changes nothing
+  bool lost_ = false;
 };
 
 }  // namespace capsoc::regress::test

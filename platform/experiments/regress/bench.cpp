@@ -106,12 +106,17 @@ bool Bench::sample(uint32_t u, uint32_t v, bool clip) {
 }
 
 // A write acts at the edge that ends its interval; that interval must not have had a read.
-void Bench::write(uint32_t offset, uint32_t value) {
+void Bench::write(uint32_t offset, uint32_t value, uint8_t strobes) {
   open_edge();
   if (edge_ < bus_free_ + 1) advance(bus_free_ + 1);
   written_ = true;
   bus_free_ = edge_ + setup_;
   ++counts_.accesses;
+  if (strobes != all_strobes) {
+    coverage_.hit(Group::strobes, strobes);
+    device_.write_bytes(edge_, offset, value, strobes);
+    return;
+  }
   const bool soft_reset = offset == reg_ctrl && (value & ctrl_srst) != 0;
   cover_write(offset, value);
   const bool ok = device_.write(edge_, offset, value);

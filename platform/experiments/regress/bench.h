@@ -50,8 +50,8 @@ class Bench {
   /// A sample of the ADC stream at the present edge, or at the next if this one has had its sample
   /// or is closed. Returns whether it was latched.
   bool sample(uint32_t u, uint32_t v, bool clip = false);
-  /// A bus write that acts at the present edge, or as soon as the bus is free.
-  void write(uint32_t offset, uint32_t value);
+  /// A bus write that acts at the present edge, or as soon as the bus is free. Strobes: PSTRB.
+  void write(uint32_t offset, uint32_t value, uint8_t strobes = coprocessor::all_strobes);
   uint32_t read(uint32_t offset, bool debug = false);
   void pin_reset();
   /// Looks at the interrupt line.
@@ -91,6 +91,7 @@ class Bench {
   void cover_judge(const coprocessor::Nodes& n);
   void cover_slew(const coprocessor::Nodes& n);
   void cover_interrupt(bool level);
+  void cover_enables(uint32_t value);
   void cover_spacing();
   void cover_write(uint32_t offset, uint32_t value);
   void cover_mode_change(uint32_t offset, uint32_t value);

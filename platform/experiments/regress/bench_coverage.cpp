@@ -1,6 +1,7 @@
 // What the bench has seen, told to the coverage.
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "capsoc_registers.h"
 #include "coprocessor/register_map.h"
@@ -247,6 +248,28 @@ void Bench::cover_interrupt(bool level) {
   coverage_.hit_if(!level && flags_ == 0, Group::interrupt, 4);
 }
 
+/// A write of CTRL that lets a flag through which was raised while it was masked or handled, and
+/// one that takes it away: the line follows flag and enable, not the event.
+void Bench::cover_enables(uint32_t value) {
+  constexpr std::array<std::pair<uint32_t, uint32_t>, 5> kinds = {{{flag_result, ctrl_ie_result},
+                                                                   {flag_lockchg, ctrl_ie_lock},
+                                                                   {flags_error, ctrl_ie_error},
+                                                                   {flag_turn, ctrl_ie_turn},
+                                                                   {flag_alarm, ctrl_ie_alarm}}};
+  const auto level = [&](uint32_t ctrl) {
+    return std::any_of(kinds.begin(), kinds.end(), [&](const auto& kind) {
+      return (flags_ & kind.first) != 0 && (ctrl & kind.second) != 0;
+    });
+  };
+  // Alone: another flag would hold the line.
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    const auto& [flag, enable] = kinds[i];
+    if ((flags_ & flag) == 0 || ((ctrl_ ^ value) & enable) == 0) continue;
+    coverage_.hit_if(!level(ctrl_) && !level(value & ~enable), Group::interrupt, 7 + i);
+    coverage_.hit_if(!level(value) && !level(ctrl_ & ~enable), Group::interrupt, 12 + i);
+  }
+}
+
 void Bench::cover_spacing() {
   if (last_sample_) {
     const uint64_t d = edge_ - *last_sample_;
@@ -293,6 +316,7 @@ void Bench::cover_write(uint32_t offset, uint32_t value) {
 void Bench::cover_mode_change(uint32_t offset, uint32_t value) {
   const size_t base = busy() ? 17 : 0;
   if (offset == reg_ctrl && (value & ctrl_srst) == 0) {
+    cover_enables(value);
     const uint32_t from = field(ctrl_, ctrl_ref_mask);
     uint32_t to = field(value, ctrl_ref_mask);
     if (to == 3) to = from;

@@ -1,8 +1,11 @@
 #include "regress/coverage.h"
 
+#include <fmt/format.h>
+
 #include <iterator>
 
 #include "capsoc_registers.h"
+#include "coprocessor/device.h"
 
 namespace capsoc::regress {
 namespace {
@@ -71,6 +74,13 @@ std::vector<std::string> steps() {
   return names;
 }
 
+std::vector<std::string> strobes() {
+  std::vector<std::string> names;
+  for (uint8_t bytes = 0; bytes < coprocessor::all_strobes; ++bytes)
+    names.push_back(fmt::format("{:04b}", bytes));
+  return names;
+}
+
 std::vector<std::string> slews() {
   std::vector<std::string> names = {"no limit, full scale"};
   for (unsigned n = 1; n < 8; ++n)
@@ -100,7 +110,9 @@ const std::vector<GroupNames>& groups() {
       {"flag cleared", flags()},
       {"interrupt",
        {"high by result", "high by lock", "high by error", "low with a flag masked",
-        "low without a flag", "high by turn", "high by alarm"}},
+        "low without a flag", "high by turn", "high by alarm", "result unmasked", "lock unmasked",
+        "error unmasked", "turn unmasked", "alarm unmasked", "result masked", "lock masked",
+        "error masked", "turn masked", "alarm masked"}},
       {"mode", modes()},
       {"mode change", mode_changes()},
       {"LOAD at", moments()},
@@ -123,6 +135,7 @@ const std::vector<GroupNames>& groups() {
       {"access",
        {"read", "write", "debug read", "unmapped read", "unmapped write", "misaligned read",
         "misaligned write", "write to a read-only register", "write of a reserved value"}},
+      {"strobes", strobes()},
       {"read of", registers()},
       {"write of", registers()},
       {"pair",

@@ -31,7 +31,8 @@ enum class Group : uint8_t {
   collision,  // accesses at the edge at which the pipeline writes
   spacing,    // cycles from sample to sample
   acceptance,
-  access,  // kinds of bus accesses
+  access,   // kinds of bus accesses
+  strobes,  // of a write that lacks some
   read_of,
   write_of,
   pair,  // the halves of 48-bit registers

@@ -19,7 +19,7 @@ rtl::Operation operation_of(const Event& event) {
                     : event.kind == Event::Kind::write ? Kind::write
                     : event.kind == Event::Kind::read  ? Kind::read
                                                        : Kind::reset;
-  return {kind, event.edge, event.offset_or_u, event.value_or_v, event.flag};
+  return {kind, event.edge, event.offset_or_u, event.value_or_v, event.flag, event.strobes};
 }
 
 void keep(std::deque<Event>& last, const Event& event) {
@@ -62,7 +62,7 @@ void PinReplay::drive() {
   pins_.presetn = 1;
   pins_.psel = pins_.penable = pins_.sample_valid = 0;
   pins_.pwrite = noise & 1U;
-  pins_.pstrb = 0;
+  pins_.pstrb = noise >> 10U & coprocessor::all_strobes;
   pins_.paddr = noise >> 1U & 0xFFCU;
   pins_.pwdata = static_cast<uint32_t>(noise >> 32U);
   pins_.sample_u = static_cast<uint32_t>(noise >> 8U);
@@ -104,10 +104,12 @@ void PinReplay::drive() {
 
 void PinReplay::transfer(const Event& event, bool access) {
   const bool write = event.kind == Event::Kind::write;
+  // Without strobes it would be a write of the whole word.
+  if (event.strobes != coprocessor::all_strobes && !has(CAPSOC_RTL_PSTRB)) return;
   pins_.psel = 1;
   pins_.penable = access ? 1 : 0;
   pins_.pwrite = write ? 1 : 0;
-  pins_.pstrb = write ? 0xF : 0;
+  pins_.pstrb = write ? event.strobes : 0;
   pins_.paddr = static_cast<uint16_t>(event.offset_or_u);
   if (write) pins_.pwdata = event.value_or_v;
   if (access) access_ = &event;

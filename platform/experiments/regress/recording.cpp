@@ -127,10 +127,14 @@ RegisterAccess Recorder::read(uint64_t cycle, uint32_t offset, bool debug) {
 }
 
 bool Recorder::write(uint64_t cycle, uint32_t offset, uint32_t value) {
+  return write_bytes(cycle, offset, value, all_strobes);
+}
+
+bool Recorder::write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
   advance(cycle);
-  const bool ok = model_.write(cycle, offset, value);
+  const bool ok = model_.write_bytes(cycle, offset, value, strobes);
   bus_free_ = cycle + 1;
-  recording_.events.push_back({Event::Kind::write, cycle, offset, value, false, ok});
+  recording_.events.push_back({Event::Kind::write, cycle, offset, value, false, ok, strobes});
   return ok;
 }
 

@@ -25,6 +25,7 @@ struct Event {
   uint64_t edge;
   uint32_t offset_or_u = 0, value_or_v = 0;
   bool flag = false, answer = false;
+  uint8_t strobes = coprocessor::all_strobes;  ///< of a write
 };
 
 /// Registers whose reading has no side effect and whose value a commit may change.
@@ -53,6 +54,7 @@ class Recorder final : public coprocessor::Device {
   bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
   coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  bool write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) override;
   bool interrupt() const override { return model_.interrupt(); }
   bool idle() const override { return model_.idle(); }
   const coprocessor::Nodes& nodes() const override { return model_.nodes(); }

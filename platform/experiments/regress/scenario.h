@@ -68,6 +68,10 @@ void run_stages(Bench& bench, Random& random, const Budget&);
 void run_flag_bits(Bench& bench, Random& random, const Budget&);
 void run_magnitudes(Bench& bench, Random& random, const Budget&);
 
+// scenarios_enables.cpp
+void run_enables(Bench& bench, Random& random, const Budget&);
+void run_strobes(Bench& bench, Random& random, const Budget&);
+
 // scenarios_golden.cpp
 void run_golden(Bench& bench, Random& random, const Budget&);
 

@@ -76,6 +76,10 @@ const std::vector<Scenario>& scenarios() {
       {"correction_moments",
        "a node, CORRECT or PHI written at each edge of a sample's way; resets", 0, 0,
        run_correction_moments},
+      {"enables", "interrupts enabled after their flag was raised, and at the edge that raises it",
+       0, 0, run_enables},
+      {"strobes", "writes that lack some of the word's bytes, of every register", 0, 0,
+       run_strobes},
   };
   return all;
 }

@@ -175,10 +175,10 @@ class CoprocessorRtl::Pins {
     return true;
   }
 
-  bool write(uint64_t cycle, uint32_t offset, uint32_t value) {
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
     if (offset > last_offset) return false;
     open(reading_ ? std::max(cycle, edge_ + 2) : cycle);
-    drive_bus(offset, true, value);
+    drive_bus(offset, strobes, value);
     acts_ = true;
     return pins_.pslverr == 0;
   }
@@ -190,7 +190,7 @@ class CoprocessorRtl::Pins {
     const capsoc_rtl_pins before = pins_;
     if (debug && coprocessor::is_pair(offset) && !coprocessor::is_pair_high(offset))
       return {true, present_low(offset)};
-    drive_bus(offset, false, 0);
+    drive_bus(offset, std::nullopt, 0);
     const RegisterAccess result{pins_.pslverr == 0, pins_.pslverr == 0 ? pins_.prdata : 0};
     // Reads of a HI word fill the latch at the coming edge; others change nothing and need no
     // clock.
@@ -319,12 +319,13 @@ class CoprocessorRtl::Pins {
     run_to(named_ - 1);
   }
 
-  void drive_bus(uint32_t offset, bool write, uint32_t value) {
+  /// A write has strobes.
+  void drive_bus(uint32_t offset, std::optional<uint8_t> strobes, uint32_t value) {
     pins_.psel = pins_.penable = 1;
-    pins_.pwrite = write ? 1 : 0;
+    pins_.pwrite = strobes ? 1 : 0;
     pins_.paddr = static_cast<uint16_t>(offset & 0xFFF);
     pins_.pwdata = value;
-    pins_.pstrb = write ? 0xF : 0;
+    pins_.pstrb = strobes.value_or(0);
     api_.eval(instance_.get());
   }
 
@@ -355,7 +356,8 @@ class CoprocessorRtl::Pins {
     changed_ = false;
     const bool boundary = pins_.boundary != 0;
     const bool commit = boundary && pins_.commit;
-    const bool soft_reset = pins_.psel && pins_.pwrite && pins_.paddr == coprocessor::reg_ctrl &&
+    const bool soft_reset = pins_.psel && pins_.pwrite && pins_.pstrb == coprocessor::all_strobes &&
+                            pins_.paddr == coprocessor::reg_ctrl &&
                             (pins_.pwdata & coprocessor::ctrl_srst) != 0;
     if (boundary && pins_.stage != 0) end_tick(commit);
     ++edge_;
@@ -466,7 +468,11 @@ RegisterAccess CoprocessorRtl::read(uint64_t cycle, uint32_t offset, bool debug)
 }
 
 bool CoprocessorRtl::write(uint64_t cycle, uint32_t offset, uint32_t value) {
-  return pins_->write(cycle, offset, value);
+  return pins_->write(cycle, offset, value, coprocessor::all_strobes);
+}
+
+bool CoprocessorRtl::write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
+  return pins_->write(cycle, offset, value, strobes);
 }
 
 bool CoprocessorRtl::interrupt() const {

@@ -31,6 +31,7 @@ class CoprocessorRtl final : public coprocessor::Device {
   bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
   coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  bool write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) override;
   bool interrupt() const override;
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;

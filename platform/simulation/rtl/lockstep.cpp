@@ -36,23 +36,6 @@ constexpr uint64_t cycles_after = 64;
 // The tick under way, five that empty the pipeline, and the three of the LOAD.
 constexpr uint64_t load_ticks = 9;
 
-const char* unit_of(unsigned stage) {
-  switch (stage) {
-    case 0:
-      return "calibrator";
-    case 1:
-      return "polar unit";
-    case 2:
-      return "reference generator";
-    case 3:
-      return "LMS demodulator";
-    case 4:
-      return "polar unit";
-    default:
-      return "register bank";
-  }
-}
-
 std::string stage_name(unsigned stage) {
   return stage == commit_stage ? "commit" : fmt::format("T{}", stage);
 }
@@ -75,8 +58,11 @@ std::string describe(const Operation& o) {
       return fmt::format("{:>14}  sample      u 0x{:08x} v 0x{:08x}{}", o.cycle, o.offset_or_u,
                          o.value_or_v, o.clip ? " clipped" : "");
     case Operation::Kind::write:
-      return fmt::format("{:>14}  write       {} = 0x{:08x}", o.cycle, register_name(o.offset_or_u),
-                         o.value_or_v);
+      return fmt::format("{:>14}  write       {} = 0x{:08x}{}", o.cycle,
+                         register_name(o.offset_or_u), o.value_or_v,
+                         o.strobes == coprocessor::all_strobes
+                             ? std::string()
+                             : fmt::format(" strobes {:04b}", o.strobes));
     case Operation::Kind::read:
       return fmt::format("{:>14}  read        {}", o.cycle, register_name(o.offset_or_u));
     case Operation::Kind::debug_read:
@@ -127,15 +113,15 @@ class Lockstep::Pair {
     return latched;
   }
 
-  bool write(uint64_t cycle, uint32_t offset, uint32_t value) {
+  bool write(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
     open(last_read_ ? std::max(cycle, *last_read_ + 2) : cycle);
-    record({Operation::Kind::write, present_, offset, value, false});
+    record({Operation::Kind::write, present_, offset, value, false, strobes});
     ++counters_.writes;
-    const bool mapped = model_->write(present_, offset, value);
-    if (offset == coprocessor::reg_cmd && (value & coprocessor::cmd_load) != 0)
+    const bool mapped = model_->write_bytes(present_, offset, value, strobes);
+    if (mapped && offset == coprocessor::reg_cmd && (value & coprocessor::cmd_load) != 0)
       load_until_ = present_ + load_ticks * tick_cycles;
     if (same()) {
-      const bool theirs = rtl_->write(present_, offset, value);
+      const bool theirs = rtl_->write_bytes(present_, offset, value, strobes);
       compare("response to the write of " + register_name(offset), mapped, theirs);
     }
     return mapped;
@@ -355,7 +341,7 @@ class Lockstep::Pair {
                       static_cast<int32_t>(o.value_or_v), o.clip);
         break;
       case Operation::Kind::write:
-        device.write(o.cycle, o.offset_or_u, o.value_or_v);
+        device.write_bytes(o.cycle, o.offset_or_u, o.value_or_v, o.strobes);
         break;
       case Operation::Kind::read:
       case Operation::Kind::debug_read:
@@ -464,7 +450,7 @@ class Lockstep::Pair {
     const int64_t rtl = theirs.*node.value;
     if (model == rtl || !same()) return;
     found(fmt::format("node {} at the end of {}", node.name, stage_name(node.stage)), model, rtl,
-          fmt::format("{} ({}, {})", node.name, stage_name(node.stage), unit_of(node.stage)));
+          fmt::format("{} ({}, {})", node.name, stage_name(node.stage), name_of(node.unit)));
   }
 
   void compare(const std::string& what, int64_t model, int64_t rtl) {
@@ -550,7 +536,11 @@ RegisterAccess Lockstep::read(uint64_t cycle, uint32_t offset, bool debug) {
 }
 
 bool Lockstep::write(uint64_t cycle, uint32_t offset, uint32_t value) {
-  return pair_->write(cycle, offset, value);
+  return pair_->write(cycle, offset, value, coprocessor::all_strobes);
+}
+
+bool Lockstep::write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
+  return pair_->write(cycle, offset, value, strobes);
 }
 
 bool Lockstep::interrupt() const {

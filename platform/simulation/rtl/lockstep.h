@@ -29,6 +29,7 @@ struct Operation {
   uint64_t cycle = 0;
   uint32_t offset_or_u = 0, value_or_v = 0;
   bool clip = false;
+  uint8_t strobes = coprocessor::all_strobes;  ///< of a write
 };
 
 /// A node on both sides, clock after clock.
@@ -62,6 +63,7 @@ class Lockstep final : public coprocessor::Device {
   bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
   coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
+  bool write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) override;
   bool interrupt() const override;
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;

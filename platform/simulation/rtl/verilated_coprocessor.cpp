@@ -24,7 +24,7 @@ void Vcoprocessor_probe___024root___eval_settle(Vcoprocessor_probe___024root* to
 namespace {
 
 constexpr const char* names[] = {
-#define NODE(name, stage, format, model, when, rtl) #name,
+#define NODE(name, stage, unit, format, model, when, rtl) #name,
 #include "coprocessor/nodes.def"
 };
 
@@ -234,7 +234,7 @@ uint64_t clock_on(capsoc_rtl* r, uint64_t count) {
 
 void nodes(capsoc_rtl* r, int64_t* values) {
   const Vcoprocessor_probe& top = *r->top;
-#define NODE(name, stage, format, model, when, rtl) \
+#define NODE(name, stage, unit, format, model, when, rtl) \
   *values++ = static_cast<int64_t>(top.node_##name##_o);
 #include "coprocessor/nodes.def"
 }
@@ -374,7 +374,7 @@ void set_flip_flops(capsoc_rtl* r, uint32_t index, uint32_t part, uint64_t value
 }
 
 void model_nodes(capsoc_rtl* r, const int64_t* values) {
-#define NODE(name, stage, format, model, when, rtl) \
+#define NODE(name, stage, unit, format, model, when, rtl) \
   r->top->model_##name##_i = static_cast<uint64_t>(*values++);
 #include "coprocessor/nodes.def"
 }

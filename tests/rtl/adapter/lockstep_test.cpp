@@ -101,6 +101,19 @@ TEST_P(LockstepTest, AWrongNodeIsNamedWithItsUnit) {
   EXPECT_NE(report.find("to reproduce: capsoc run"), std::string::npos);
 }
 
+// T4 has two units.
+TEST_P(LockstepTest, AWrongNodeOfTheTurnJudgeIsNamedWithIt) {
+  Faults faults;
+  faults.node = [](unsigned stage, Nodes& nodes) {
+    if (stage == 4) ++nodes.travel;
+  };
+  const auto both = lockstep(faults);
+  Answers answers;
+  Traffic(5).run(*both, 3000, 0, answers);
+  ASSERT_TRUE(both->difference());
+  EXPECT_EQ(both->difference()->node, "travel (T4, turn judge)") << both->report("");
+}
+
 TEST_P(LockstepTest, AWrongReadIsFound) {
   Faults faults;
   faults.read = [](uint32_t offset, RegisterAccess& access) {

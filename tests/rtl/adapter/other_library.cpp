@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::string_view other = OTHER;
 
-#define NODE(name, stage, format, model, when, rtl) #name,
+#define NODE(name, stage, unit, format, model, when, rtl) #name,
 const char* names[] = {
 #include "coprocessor/nodes.def"
 };

@@ -203,7 +203,7 @@ class Replay {
     if (event.kind == Event::Kind::write) {
       transfer(event.offset_or_u);
       pins_.pwrite = 1;
-      pins_.pstrb = 15;
+      pins_.pstrb = event.strobes;
       pins_.pwdata = event.value_or_v;
       api_.eval(mutant_);
       check_response(event);
