@@ -48,12 +48,8 @@ module harmonic_correction #(
   assign right = cycle_i != 5'd12 && fraction[cycle_i[3:0]];
   assign address = position[22:16] + 7'(right);
 
-  logic signed [19:0] table_memory[0:127];
+  logic signed [19:0] table_memory[0:127];  // anything at power-up: software writes all nodes before it sets CORRECT
   logic signed [19:0] word_q;
-`ifndef SYNTHESIS
-  // A block memory has this at power-up; a reset leaves it alone.
-  initial for (int i = 0; i < 128; i = i + 1) table_memory[i] = '0;
-`endif
   always_ff @(posedge clk_i) begin
     if (write_i) table_memory[node_i] <= value_i;
     if (|cycle_i[4:3]) word_q <= table_memory[address];  // at rest nothing moves

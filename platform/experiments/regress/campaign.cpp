@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "base/nearest.h"
+#include "coprocessor/harmonic_correction.h"
+#include "coprocessor/register_map.h"
 #include "host/end_signals.h"
 #include "regress/run_result.h"
 #include "workers/engine.h"
@@ -48,6 +50,15 @@ std::string reproduction(const Plan& plan, const Run& run) {
   text +=
       fmt::format(" --seeds 1 --samples {} --accesses {}", run.budget.samples, run.budget.accesses);
   return plan.command_options.empty() ? text : text + " " + plan.command_options;
+}
+
+/// What software does at power-up ahead of all else: the nodes of the harmonic correction are
+/// anything until they are written. `paper` has none.
+void write_nodes(Bench& bench) {
+  if (bench.arithmetic() == Arithmetic::paper) return;
+  for (uint32_t node = 0; node < coprocessor::correction_nodes; ++node)
+    bench.write(coprocessor::reg_correction,
+                node << coprocessor::description::CORRECTION_NODE_shift);
 }
 
 /// How long a run takes beside others, in samples.
@@ -201,6 +212,7 @@ std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
     Bench bench(device, run.arithmetic, covered, std::move(failed), pair.bus());
     const auto stream = static_cast<uint64_t>(run.scenario - scenarios().data());
     Random random(run.seed, stream);
+    write_nodes(bench);
     run.scenario->run(bench, random, run.budget);
     bench.drain();
     return bench;

@@ -148,7 +148,8 @@ void access(Bench& bench, Random& random, const Habits& habits) {
   if (offset == reg_cmd && random.chance(0.7)) value &= ~cmd_load;
   if (offset >= reg_step_au && offset <= reg_step_cv && random.chance(0.8))
     value = draw_step(random);
-  bench.write(offset, value);
+  const bool some = random.chance(0.05);  // of the word's bytes
+  bench.write(offset, value, some ? static_cast<uint8_t>(random.below(16)) : all_strobes);
 }
 
 void run(Bench& bench, Random& random, const Budget& budget, const Habits& habits) {
@@ -157,7 +158,8 @@ void run(Bench& bench, Random& random, const Budget& budget, const Habits& habit
   uint64_t next = bench.edge() + 10;
   bench.write(reg_ctrl, ctrl_adc | ctrl_demod | ctrl_calib);
   const Bench::Counts& done = bench.counts();
-  while ((done.samples < budget.samples || done.accesses < budget.accesses) && !bench.failed()) {
+  const uint64_t all_accesses = done.accesses + budget.accesses;
+  while ((done.samples < budget.samples || done.accesses < all_accesses) && !bench.failed()) {
     if (done.samples == 1 || random.chance(habits.reconfigure)) {
       signal = Signal(random);
       spacing_kind = static_cast<unsigned>(random.below(habits.spacing_kinds));
@@ -166,7 +168,7 @@ void run(Bench& bench, Random& random, const Budget& budget, const Habits& habit
     }
     const uint64_t space = draw_spacing(random, spacing_kind);
     const uint64_t left = budget.samples > done.samples ? budget.samples - done.samples : 1;
-    const uint64_t due = budget.accesses > done.accesses ? budget.accesses - done.accesses : 0;
+    const uint64_t due = all_accesses > done.accesses ? all_accesses - done.accesses : 0;
     uint64_t accesses = due / left;
     if (random.below(left) < due % left) ++accesses;
     accesses = std::min<uint64_t>(accesses, 24);

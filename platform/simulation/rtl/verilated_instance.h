@@ -27,6 +27,11 @@ struct VerilatedInstance {
   capsoc_rtl_pins pins{};
 
   VerilatedInstance() {
+#if CAPSOC_RTL_RANDOM_START
+    // What no reset reaches begins with anything, the same in every run.
+    context.randReset(2);
+    context.randSeed(CAPSOC_RTL_RANDOM_START);
+#endif
     context.traceEverOn(true);
     context.timeunit(-9);
     context.timeprecision(-9);
