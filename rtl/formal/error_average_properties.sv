@@ -1,4 +1,5 @@
-// The error average's arithmetic by its definition (error_average.sv), for every sum and error.
+// The error average by its definition (error_average.sv), for every sum and error: its arithmetic, the sums of both channels in
+// turn, what a reset makes of them, and LOCK and DIVERGED from the 63rd sample on.
 module error_average_properties (
   input logic               clk_i, clear_i, boundary_i, commit_i, error_valid_i,
   input logic signed [31:0] error_i,
@@ -19,6 +20,8 @@ module error_average_properties (
   (* hierconn *) logic [37:0] \dut.sum_q ;
   (* hierconn *) logic [37:0] \dut.other_q ;
   (* hierconn *) logic [37:0] \dut.next ;
+  (* hierconn *) logic        \dut.empty_q ;
+  (* hierconn *) logic [ 5:0] \dut.settled_q ;
 
   logic [63:0] sum, size, other, larger;
   assign sum    = \dut.sum_q ;
@@ -31,7 +34,27 @@ module error_average_properties (
   logic [63:0] due;
   assign due = sum + size - ((sum + 64'd32) >> 6);
 
+  // Behind this cycle. The sums of before a reset are gone with the first boundary behind it, before an error comes.
+  logic [37:0] sum_due, other_due;
+  logic        empty_due, begins;
+  logic [ 5:0] settled_due;
+  assign begins = boundary_i && \dut.empty_q ;
+  always @(posedge clk_i) begin
+    sum_due     <= begins ? 38'd0 : error_valid_i ? \dut.other_q : \dut.sum_q ;
+    other_due   <= begins ? 38'd0 : error_valid_i ? \dut.next : \dut.other_q ;
+    empty_due   <= in_reset || clear_i || (\dut.empty_q && !error_valid_i);
+    settled_due <= in_reset || clear_i ? 6'd0 : \dut.settled_q == 6'd63 ? 6'd63 : \dut.settled_q + 6'(commit_i);
+  end
+  logic settled;
+  assign settled = \dut.settled_q == 6'd63 || (\dut.settled_q == 6'd62 && commit_i);
+
   always @* begin
+    if (!in_reset) begin
+      assert (\dut.sum_q == sum_due && \dut.other_q == other_due);
+      assert (\dut.empty_q == empty_due && \dut.settled_q == settled_due);
+    end
+    assert (lock == (settled && average < lock_threshold_i));
+    assert (diverged == (settled && average > diverge_threshold_i));
     if (sum <= Most & other <= Most) begin
       assert (due <= Most & \dut.next == due[37:0]);
       assert (average == (larger + 64'd32) >> 6);

@@ -1,7 +1,8 @@
 // Each cycle of the turn judge's schedule by its definition (turn_judge.sv, docs/coprocessor.md): from any
-// state and with any word read, what it writes, keeps, and says at the commit.
+// state and with any word read, what it writes and says at the commit; and what each register is behind it, behind SRST and
+// behind the pin's reset.
 module turn_judge_properties (
-  input logic        clk_i, clear_i, boundary_i,
+  input logic        clk_i, rst_ni, clear_i, boundary_i,
   input logic [ 4:0] cycle_i, stage_i,
   input logic [ 2:0] slot1_i, slot2_i, slot4_i,
   input logic [ 1:0] slot0_i, slot3_i,
@@ -15,20 +16,20 @@ module turn_judge_properties (
   input logic [31:0] turn_limit_i
 );
 
-  logic        write, bank, any, alarm, ended, alarm_next, permits, commit;
+  logic        write, bank, any, alarm, ended, alarm_next, permits, commit, last_good, last_timeout;
   logic [ 4:0] address;
   logic [31:0] data, turn_flags;
   logic [ 1:0] good_turns;
   assign commit = stage_i[4] && cycle_i == 5'd31;
   turn_judge dut (
-    .clk_i, .rst_ni (1'b1), .clear_i, .boundary_i, .cycle_i, .stage_i,
+    .clk_i, .rst_ni, .clear_i, .boundary_i, .cycle_i, .stage_i,
     .slot0_i, .slot1_i, .slot2_i, .slot3_i, .slot4_i,
     .det_valid_i, .det_i, .amplitude_valid_i, .amplitude_late_i, .amplitude_i, .residue_i, .average_i,
     .angle_i, .commit_i (commit), .clip_i, .saturated_i, .no_angle_i, .mirror_i, .turn_i, .octant_i,
     .ref_i, .judge_i, .turn_limit_i,
     .write_o (write), .write_address_o (address), .write_data_o (data),
     .bank_o (bank), .any_o (any), .turn_flags_o (turn_flags), .good_turns_o (good_turns),
-    .alarm_o (alarm), .ended_o (ended), .alarm_next_o (alarm_next), .permits_o (permits)
+    .alarm_o (alarm), .ended_o (ended), .last_good_o (last_good), .last_timeout_o (last_timeout), .alarm_next_o (alarm_next), .permits_o (permits)
   );
 
   (* hierconn *) logic [31:0] \dut.word ;
@@ -173,6 +174,37 @@ module turn_judge_properties (
     turns = \dut.good_turns_q ;
     if (complete || full) turns = !good ? 2'd0 : turns == 2'd3 ? 2'd3 : turns + 2'd1;
     if (alarm_next) turns = 2'd0;
+  end
+
+  // What the registers are behind this cycle: the settings of a tick, what a commit leaves, and what a reset does.
+  logic [51:0] settings, settings_was;
+  assign settings = {\dut.count_q , \dut.by_angle_q , \dut.turns_q , \dut.alarm_limit_q , \dut.radius_limit_q ,
+                     \dut.turn_limit_q };
+  logic [51:0] window, window_was;  // no reset: a window's first sample does not look at it
+  assign window = {\dut.last_angle_q , \dut.octants_q , \dut.clipped_q , \dut.radius_q , \dut.wild_q , \dut.mirror_q ,
+                   \dut.no_angle_q , \dut.saturated_q , \dut.residue_q };
+  logic [43:0] state, state_was;
+  assign state = {\dut.fresh_q , \dut.bank_q , any, \dut.any_sample_q , alarm, \dut.glitches_q , \dut.good_turns_q ,
+                  turn_flags};
+  localparam logic [43:0] Reset = {1'b1, 43'd0};
+  logic reset_was;
+  always @(posedge clk_i) begin
+    settings_was <= boundary_i ? {judge_i.COUNT, ref_i != 2'd0, judge_i.TURNS, judge_i.ALARM_LIMIT, judge_i.RADIUS_LIMIT,
+                                  turn_limit_i} : settings;
+    window_was   <= commit ? {angle_i, octants, clipped, radius, wild, mirror, no_angle, saturated, residue} : window;
+    reset_was    <= clear_i || !rst_ni;
+    state_was    <= !commit ? state :
+        {ended, \dut.bank_q ^ ended, any || ended, 1'b1, alarm_next, glitches, turns,
+         ended ? {turn_flags[31:24] + 8'd1, \dut.flags } : turn_flags};
+  end
+
+  always @* begin
+    if (known && rst_ni) assert (state == (reset_was ? Reset : state_was));
+    if (!rst_ni) assert (state == Reset);
+    if (known) assert (settings == settings_was && window == window_was);
+    assert (bank == !\dut.bank_q && good_turns == \dut.good_turns_q );
+    assert (last_good == (commit && ended ? \dut.flags [22] : turn_flags[22]));
+    assert (last_timeout == (commit && ended ? \dut.flags [16] : turn_flags[16]));
   end
 
   always @* begin
