@@ -1,18 +1,18 @@
 // The error average by its definition (error_average.sv), for every sum and error: its arithmetic, the sums of both channels in
 // turn, what a reset makes of them, and LOCK and DIVERGED from the 63rd sample on.
 module error_average_properties (
-  input logic               clk_i, clear_i, boundary_i, commit_i, error_valid_i,
+  input logic               clk_i, rst_ni, clear_i, boundary_i, commit_i, error_valid_i,
   input logic signed [31:0] error_i,
   input logic        [31:0] lock_threshold_i, diverge_threshold_i
 );
 
-  logic in_reset = 1'b1;
-  always @(posedge clk_i) in_reset <= 1'b0;
+  logic known = 1'b0;  // before it the registers are anything
+  always @(posedge clk_i) known <= 1'b1;
 
   logic [31:0] average;
   logic        lock, diverged;
   error_average dut (
-    .clk_i, .rst_ni (~in_reset), .clear_i, .boundary_i, .commit_i, .error_valid_i, .error_i,
+    .clk_i, .rst_ni, .clear_i, .boundary_i, .commit_i, .error_valid_i, .error_i,
     .lock_threshold_i, .diverge_threshold_i,
     .average_o (average), .lock_o (lock), .diverged_o (diverged)
   );
@@ -42,17 +42,16 @@ module error_average_properties (
   always @(posedge clk_i) begin
     sum_due     <= begins ? 38'd0 : error_valid_i ? \dut.other_q : \dut.sum_q ;
     other_due   <= begins ? 38'd0 : error_valid_i ? \dut.next : \dut.other_q ;
-    empty_due   <= in_reset || clear_i || (\dut.empty_q && !error_valid_i);
-    settled_due <= in_reset || clear_i ? 6'd0 : \dut.settled_q == 6'd63 ? 6'd63 : \dut.settled_q + 6'(commit_i);
+    empty_due   <= clear_i || !rst_ni || (\dut.empty_q && !error_valid_i);
+    settled_due <= clear_i || !rst_ni ? 6'd0 : \dut.settled_q == 6'd63 ? 6'd63 : \dut.settled_q + 6'(commit_i);
   end
   logic settled;
   assign settled = \dut.settled_q == 6'd63 || (\dut.settled_q == 6'd62 && commit_i);
 
   always @* begin
-    if (!in_reset) begin
-      assert (\dut.sum_q == sum_due && \dut.other_q == other_due);
-      assert (\dut.empty_q == empty_due && \dut.settled_q == settled_due);
-    end
+    if (known) assert (\dut.sum_q == sum_due && \dut.other_q == other_due);
+    if (!rst_ni) assert (\dut.empty_q && \dut.settled_q == 6'd0);
+    else if (known) assert (\dut.empty_q == empty_due && \dut.settled_q == settled_due);
     assert (lock == (settled && average < lock_threshold_i));
     assert (diverged == (settled && average > diverge_threshold_i));
     if (sum <= Most & other <= Most) begin

@@ -1,13 +1,15 @@
 """Proves properties of the RTL with yosys-smtbmc.
 
-usage: formal [--with-fault] [--list] [NAME...]
+usage: formal [--with-fault] [--list] [--waves FOLDER] [NAME...]
 
 Without names: every proof of rtl/formal/proofs.toml. A proof is a bounded check from reset (bmc), an
 induction step (ind), or both; induction without an assertion that fails proves for all time.
---with-fault plants the proof's fault of tests/faults/proofs.toml into a copy of the RTL and expects the
+--with-fault plants each of the proof's faults of tests/faults/proofs.toml into a copy of the RTL and expects the
 proof to fail: a proof that cannot fail proves nothing.
 
-Prints proof, engine, result and seconds. Status 0: as expected; 1: a proof failed, or missed its
+Prints proof, engine, result and seconds. A proof that fails names its assertions and writes its counterexample as
+waves, FOLDER/NAME.vcd, in formal_waves if no folder is named; the line behind says in which cycle it fails. The waves
+of faults that were found are written if a folder is named. Status 0: as expected; 1: a proof failed, or missed its
 fault; 2: a tool is missing or the arguments are wrong.
 """
 
@@ -34,20 +36,20 @@ class ProofError(Exception):
 
 
 def read_proofs():
-    """The proofs by name, each with its fault."""
+    """The proofs by name, each with its faults."""
     proofs = {proof["name"]: proof for proof in tomllib.loads(PROOFS.read_text(encoding="utf-8"))["proof"]}
     for fault in planting.read_list("proofs")["fault"]:
         if fault["proof"] not in proofs:
             raise planting.PlantError(f"tests/faults/proofs.toml has a fault for {fault['proof']!r}, which is no proof")
-        proofs[fault["proof"]]["fault"] = fault
+        proofs[fault["proof"]].setdefault("faults", []).append(fault)
     for name, proof in proofs.items():
-        if "fault" not in proof:
+        if "faults" not in proof:
             raise planting.PlantError(f"tests/faults/proofs.toml has no fault for the proof {name!r}; add one")
     return proofs
 
 
-def copy_sources(proof, folder, with_fault):
-    """The proof's files in `folder`, in the order in which they are read."""
+def copy_sources(proof, folder, fault=None):
+    """The proof's files in `folder`, in the order in which they are read, with a fault of tests/faults/proofs.toml if one is given."""
     made = [path.name for path in generate(folder)]
     names = [name for name in made if name.startswith("capsoc_")]
     if proof.get("sources") == ["*"]:  # the whole design
@@ -64,8 +66,8 @@ def copy_sources(proof, folder, with_fault):
     if "harness" in proof:
         shutil.copy(RTL / "formal" / proof["harness"], folder)
         names.append(proof["harness"])
-    if with_fault:
-        planting.plant(folder / Path(proof["fault"]["file"]).name, proof["fault"])
+    if fault:
+        planting.plant(folder / Path(fault["file"]).name, fault)
     return list(dict.fromkeys(names))
 
 
@@ -137,11 +139,15 @@ def engines(proof):
         yield (f"{solver} ind {proof['induction']}", ["-s", solver, "-i", "-t", str(proof["induction"])])
 
 
+WAVES = "counterexample.vcd"
+CYCLE_NS = 10  # of yosys-smtbmc's waves
+
+
 def smtbmc(arguments, folder, seconds):
     """Status and output of yosys-smtbmc; status None after a timeout."""
     # Unrolled formulas: z3 takes minutes for the other form of the same step. A session of its own,
     # so that the solver ends with its driver.
-    command = ["yosys-smtbmc", "--noprogress", "--unroll", *arguments, "model.smt2"]
+    command = ["yosys-smtbmc", "--noprogress", "--unroll", "--dump-vcd", WAVES, *arguments, "model.smt2"]
     with subprocess.Popen(
         command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     ) as process:
@@ -154,47 +160,79 @@ def smtbmc(arguments, folder, seconds):
             return None, ""
 
 
-def run(proof, with_fault):
-    """Yields (engine, passed, seconds, log)."""
+def last_cycle(waves):
+    """The number of the last cycle that a counterexample shows, which is the one whose assertion fails; the first is 0."""
+    with open(waves, encoding="utf-8") as lines:
+        times = [int(line[1:]) for line in lines if line.startswith("#")]
+    return times[-1] // CYCLE_NS - 1
+
+
+def keep_waves(folder, waves, induction):
+    """Moves the counterexample in `folder` to the file `waves`; a sentence on where the failure is in it."""
+    waves.parent.mkdir(parents=True, exist_ok=True)
+    shutil.move(folder / WAVES, waves)
+    cycle = last_cycle(waves)
+    begin = "a state that the assertions allow, whether or not it can be reached" if induction else "the first"
+    return f"fails in cycle {cycle} (0 is {begin}): {waves}, at {cycle * CYCLE_NS} ns"
+
+
+def run(proof, fault=None, waves=None):
+    """Yields (engine, passed, seconds, log, where it fails); `waves` is a file for the counterexample."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        translate(proof, folder, copy_sources(proof, folder, with_fault))
+        translate(proof, folder, copy_sources(proof, folder, fault))
         for label, arguments in engines(proof):
             start = time.monotonic()
             status, log = smtbmc(arguments, folder, proof.get("timeout", 170))
             passed = None if status is None else status == 0
             if passed is False and "FAILED" not in log:
                 raise ProofError(log.strip())
-            yield label, passed, time.monotonic() - start, log
+            seconds = time.monotonic() - start
+            where = keep_waves(folder, waves, "-i" in arguments) if passed is False and waves else ""
+            yield label, passed, seconds, log, where
 
 
-def prove(proof, with_fault):
+def prove(proof, fault, waves):
     """Runs one proof, prints its lines; whether all is as it should be."""
     verdicts = []
-    for label, passed, seconds, log in run(proof, with_fault):
+    for label, passed, seconds, log, where in run(proof, fault, waves):
         verdict = {True: "proved", False: "FAILED", None: "TIMEOUT"}[passed]
-        if with_fault:
+        if fault:
             verdict = "caught" if passed is False else "passed"
         print(f"{proof['name']:<24} {label:<14} {verdict:<8} {seconds:7.1f}", flush=True)
-        if passed is False and not with_fault:
-            print("\n".join(line for line in log.splitlines() if "ssert" in line))
+        if passed is False and not fault:
+            print("\n".join(line for line in log.splitlines() if "Assert failed" in line))
+        if where:
+            print(f"{proof['name']}: {where}")
         verdicts.append(passed)
         if passed is False:
             break
-    if with_fault:
+    if fault:
         if False in verdicts:
             return True
-        print(f"{proof['name']}: the fault was not found: {proof['fault']['name']}")
+        print(f"{proof['name']}: the fault was not found: {fault['name']}")
         return False
     return all(verdicts)
+
+
+def prove_all(proof, arguments):
+    """The proof as it is, or with each of its faults."""
+    if not arguments.with_fault:
+        return prove(proof, None, (arguments.waves or Path("formal_waves")) / f"{proof['name']}.vcd")
+    good = True
+    for number, fault in enumerate(proof["faults"], 1):
+        waves = arguments.waves / f"{proof['name']}_fault_{number}.vcd" if arguments.waves else None
+        good = prove(proof, fault, waves) and good
+    return good
 
 
 def arguments_of(command_line, known):
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0], prog="formal")
     parser.add_argument("names", nargs="*", metavar="NAME", help="proofs to run; all if none is given")
     parser.add_argument(
-        "--with-fault", action="store_true", help="plant each proof's fault and expect the proof to fail"
+        "--with-fault", action="store_true", help="plant each of a proof's faults and expect the proof to fail"
     )
+    parser.add_argument("--waves", type=Path, metavar="FOLDER", help="where counterexamples go (formal_waves)")
     parser.add_argument("--list", action="store_true", help="print names and what they prove")
     arguments = parser.parse_args(command_line)
     unknown = [name for name in arguments.names if name not in known]
@@ -213,7 +251,9 @@ def main(command_line):
     chosen = [proofs[name] for name in arguments.names or proofs]
     if arguments.list:
         for proof in chosen:
-            print(f"{proof['name']}: {proof['what']}\n    fault: {proof['fault']['name']}")
+            print(f"{proof['name']}: {proof['what']}")
+            for fault in proof["faults"]:
+                print(f"    fault: {fault['name']}")
         return 0
     tools = {"yosys", "yosys-smtbmc"} | {proof.get("solver", "z3") for proof in chosen}
     missing = sorted(tool for tool in tools if not shutil.which(tool))
@@ -224,7 +264,7 @@ def main(command_line):
     good = True
     for proof in chosen:
         try:
-            good = prove(proof, arguments.with_fault) and good
+            good = prove_all(proof, arguments) and good
         except (ProofError, RtlError, planting.PlantError) as error:
             print(f"{proof['name']:<24} could not be set up: {error}")
             good = False
