@@ -151,11 +151,27 @@ class Failures(unittest.TestCase):
     def test_rtl_that_crashes_fails_its_runs(self):
         done = self.faulty("crash", "--scenario", "ties", "--json", "r.json", "--html", "r.html")
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
-        self.assertIn("crashed: signal 6\n", done.stdout)
-        self.assertIn("the RTL did not converge", done.stdout)
+        self.assertIn("crashed: signal 6: the RTL did not converge\n", done.stdout)
         run = json.loads((self.folder / "r.json").read_text())["arithmetics"]["precise"]["runs"][0]
         self.assertEqual(run["difference"]["kind"], "no result")
         self.assertIn("crashed: signal 6", (self.folder / "r.html").read_text())
+
+    def test_what_verilator_says_of_a_loop_is_in_every_report(self):
+        done = self.faulty("loop", "--scenario", "ties", "--json", "r.json", "--junit", "r.xml")
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        said = "crashed: signal 6: %Error: polar_unit.sv:12: Active region did not converge."
+        self.assertIn(said + "\n", done.stdout)
+        self.assertEqual(done.stdout.count("Aborting..."), 1, "in the log of the one that is shown, and nowhere else")
+        difference = json.loads((self.folder / "r.json").read_text())["arithmetics"]["precise"]["runs"][0]["difference"]
+        self.assertEqual(difference["what"], said)
+        self.assertIn("Aborting...", difference["report"])
+        self.assertIn(said, (self.folder / "r.xml").read_text())
+
+    def test_a_library_that_cannot_be_loaded_says_why(self):
+        (self.folder / "none.so").write_text("no library\n")
+        done = regress("--rtl-library", self.folder / "none.so", "--arithmetic", "precise", "--scenario", "ties")
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertRegex(done.stderr, r"can be loaded \(.*none\.so: .*\)")
 
 
 class Signals(unittest.TestCase):

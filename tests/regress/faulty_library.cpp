@@ -1,5 +1,6 @@
 // The Verilated coprocessor with something wrong, by CAPSOC_TEST_FAULT: "value", a bit of ANGLE, as
-// a bus sees it; "hang" and "crash" at its first sample; "node", a node of the reference generator.
+// a bus sees it; "hang", "crash" and "loop" (a combinational one) at its first
+// sample; "node", a node of the reference generator.
 #include <dlfcn.h>
 
 #include <cstdio>
@@ -25,6 +26,10 @@ void eval(capsoc_rtl* instance) {
     pins.prdata ^= 1;
   if (!pins.sample_valid) return;
   for (volatile bool forever = is("hang"); forever;) {
+  }
+  if (is("loop")) {  // as vl_fatal() of Verilator ends, which is standard output
+    std::fputs("%Error: polar_unit.sv:12: Active region did not converge.\nAborting...\n", stdout);
+    std::abort();
   }
   if (!is("crash")) return;
   std::fputs("the RTL did not converge\n", stderr);

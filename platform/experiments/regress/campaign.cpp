@@ -1,12 +1,15 @@
 #include "regress/campaign.h"
 
 #include <fmt/format.h>
+#include <stdio_ext.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
 
 #include "base/nearest.h"
+#include "base/printable.h"
 #include "coprocessor/harmonic_correction.h"
 #include "coprocessor/register_map.h"
 #include "host/end_signals.h"
@@ -18,6 +21,8 @@ namespace capsoc::regress {
 namespace {
 
 using coprocessor::Arithmetic;
+
+constexpr std::size_t longest_words = 300;
 
 /// `part` of the `whole`, for one of `count` seeds; the parts add up to the total, or a little
 /// more.
@@ -65,6 +70,25 @@ void write_nodes(Bench& bench) {
 double work_of(const Run& run) {
   constexpr double directed = 1000;  // what a scenario does whatever its budget is
   return directed + static_cast<double>(run.budget.samples + run.budget.accesses);
+}
+
+/// What a process said of its own end in the last lines of its log: Verilator's first error, or the
+/// last line, which is where an exception or a script's traceback has it; "" if it said nothing.
+std::string last_words(const std::string& log) {
+  const std::size_t error = log.find("%Error");
+  if (error != std::string::npos) return log.substr(error, log.find('\n', error) - error);
+  const std::size_t end = log.find_last_not_of(" \n");
+  if (end == std::string::npos) return {};
+  const std::size_t begin = log.rfind('\n', end);
+  return log.substr(begin + 1, end - begin);  // npos + 1 is 0
+}
+
+/// Verilator's messages are standard output: into the log with the rest, line by line, since a
+/// process that crashes writes nothing more.
+void log_standard_output() {
+  __fpurge(stdout);  // the parent prints what it had begun
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
 }
 
 /// All runs on their way.
@@ -115,6 +139,7 @@ class Regression {
 
   /// In a worker.
   Result<std::string> work(std::size_t task) const {
+    log_standard_output();
     Run run = outcome_.runs[task];
     Coverage coverage(run.arithmetic);
     if (auto error = regress::perform(plan_, run, coverage)) return *error;
@@ -132,6 +157,9 @@ class Regression {
       ending = "crashed: its result cannot be read";
     if (ending == "out of time")
       ending += fmt::format(": it did not end within {:.3g} s (--time-limit)", limits_.seconds);
+    else if (const std::string said = last_words(ended.log);
+             ending.rfind("crashed", 0) == 0 && !said.empty())
+      ending += ": " + printable(said, longest_words);
     if (ending != workers::finished)
       run.finding = Finding{Finding::Kind::no_result, 0, ending, "", ended.log, 0, {}};
     progress.done(!run.finding, work_of(run));

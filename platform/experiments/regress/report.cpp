@@ -196,6 +196,8 @@ nlohmann::ordered_json to_json(const Plan& plan, const Outcome& outcome,
                                {"what", run.finding->what},
                                {"node", run.finding->node},
                                {"command", run.command}};
+      if (run.finding && run.finding->kind == Finding::Kind::no_result)
+        entry["difference"]["report"] = run.finding->report;
       if (run.finding && !run.finding->waves.empty()) {
         entry["difference"]["report"] = run.finding->report;
         entry["difference"]["first_cycle"] = run.finding->first_cycle;

@@ -73,8 +73,11 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
   // dlopen takes a name without a slash for one of the system's.
   const std::string path = std::filesystem::absolute(file, ignored).string();
   void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (handle == nullptr)
-    return Error{fmt::format("{}: is no shared library that can be loaded; {}", file, rebuild)};
+  if (handle == nullptr) {
+    const char* reason = dlerror();
+    return Error{fmt::format("{}: is no shared library that can be loaded ({}); {}", file,
+                             reason != nullptr ? reason : "no reason is known", rebuild)};
+  }
   void* symbol = dlsym(handle, CAPSOC_RTL_ENTRY);
   if (symbol == nullptr) {
     dlclose(handle);
