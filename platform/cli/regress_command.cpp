@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <sstream>
 #include <thread>
 
 #include "base/shell.h"
@@ -15,11 +16,13 @@
 #include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "host/places.h"
 #include "regress/report.h"
 #include "regress/rtl_comparison.h"
 #include "report/page.h"
 #include "results/results.h"
 #include "trace/save_file.h"
+#include "workers/command.h"
 
 namespace capsoc::cli {
 namespace {
@@ -34,7 +37,7 @@ struct RegressArguments {
   regress::Plan plan;
   std::string library, junit, json, html;
   std::string exceptions = "rtl/verification/coverage_exceptions.txt";
-  bool list = false;
+  bool list = false, rebuild = false;
 };
 
 void list_scenarios() {
@@ -48,6 +51,9 @@ std::string merged_coverage(const RegressArguments& a, Arithmetic arithmetic) {
 
 std::string library_of(const RegressArguments& a, Arithmetic arithmetic) {
   if (!a.library.empty()) return a.library;
+  if (a.rebuild)
+    return host::library_path(
+        fmt::format("libcapsoc_rtl_{}_fast.so", regress::name_of(arithmetic)));
   return rtl::RtlLibrary::file_name(arithmetic, !a.plan.coverage_directory.empty());
 }
 
@@ -90,10 +96,45 @@ std::optional<Error> make_directory(const std::string& directory) {
   return Error{fmt::format("the directory {} cannot be made: {}", directory, failure.message())};
 }
 
+/// What a build says but for its commands and progress.
+std::string messages_of(const std::string& output) {
+  std::string text;
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);) {
+    const bool own = line.rfind("[", 0) == 0 || line.rfind("FAILED: ", 0) == 0 ||
+                     line.rfind("cd ", 0) == 0 || line.rfind("ninja: ", 0) == 0;
+    if (!own) text += line + "\n";
+  }
+  return text;
+}
+
+/// Builds the libraries anew from the RTL as it is, where this program was built.
+std::optional<Error> rebuild(const RegressArguments& a) {
+  const std::filesystem::path build =
+      std::filesystem::path(library_of(a, a.plan.arithmetics.front())).parent_path();
+  if (std::error_code none; !std::filesystem::exists(build / "CMakeCache.txt", none))
+    return Error{fmt::format("--rebuild: {} is no build tree; call the capsoc of one",
+                             build.empty() ? "." : build.string())};
+  std::string line = "cmake --build " + shell_word(build.string()) + " --target";
+  for (Arithmetic arithmetic : a.plan.arithmetics)
+    line += fmt::format(" capsoc_rtl_{}_fast", regress::name_of(arithmetic));
+  const auto end = workers::run_command(line + " 2>&1", {});
+  if (!end) return Error{end.error()};
+  if (end.value().code == 0) return std::nullopt;
+  host::say("{}", messages_of(end.value().output));
+  return Error{"--rebuild: the RTL does not build; what the tools say of it is above"};
+}
+
 std::optional<Error> prepare(RegressArguments& a) {
   regress::Plan& plan = a.plan;
   if (a.arithmetic != "paper") plan.arithmetics.push_back(Arithmetic::precise);
   if (a.arithmetic != "precise") plan.arithmetics.push_back(Arithmetic::paper);
+  if (a.rebuild && !(a.library.empty() && plan.coverage_directory.empty()))
+    return Error{"--rebuild makes its own libraries: leave --rtl-library and --coverage out"};
+  if (a.rebuild) {
+    plan.command_options = "--rebuild";
+    if (auto error = rebuild(a)) return error;
+  }
   if (!a.library.empty() && plan.arithmetics.size() > 1)
     return Error{"--rtl-library holds one arithmetic: give --arithmetic precise or paper, too"};
   if (!a.library.empty()) plan.command_options = "--rtl-library " + shell_word(a.library);
@@ -268,6 +309,8 @@ void add_regress(CLI::App& app, int& code) {
   command->add_flag("--list", a->list, "List the scenarios");
   command->add_option("--rtl-library", a->library, "Another Verilated coprocessor")
       ->type_name("FILE.so");
+  command->add_flag("--rebuild", a->rebuild,
+                    "First build the RTL of the tree as it is, in seconds: not to run fast");
   command->add_option("--junit", a->junit, "Write the result as JUnit XML")->type_name("FILE.xml");
   command->add_option("--json", a->json, "Write the result as JSON")->type_name("FILE.json");
   command->add_option("--html", a->html, "Write a report with figures that a browser shows offline")

@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
-from harness import BUILD, CAPSOC
+from harness import BUILD, CAPSOC, CLEAN, Case
 
 CTEST = {"name": "regress", "timeout": 600}
 
@@ -172,6 +173,55 @@ class Failures(unittest.TestCase):
         done = regress("--rtl-library", self.folder / "none.so", "--arithmetic", "precise", "--scenario", "ties")
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
         self.assertRegex(done.stderr, r"can be loaded \(.*none\.so: .*\)")
+
+
+class Rebuild(Case):
+    """--rebuild in a folder that looks like a build tree, with a cmake that is a script."""
+
+    def regress(self, cmake, *arguments):
+        program = self.folder / "build" / "capsoc"
+        program.parent.mkdir()
+        shutil.copy(CAPSOC, program)
+        (program.parent / "CMakeCache.txt").write_text("")
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin" / "cmake").write_text(f"#!/bin/sh\n{cmake}\n")
+        (self.folder / "bin" / "cmake").chmod(0o755)
+        return subprocess.run(
+            [program, "regress", "--rebuild", "--arithmetic", "precise", "--scenario", "ties", *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=self.folder,
+            env={**CLEAN, "PATH": f"{self.folder / 'bin'}:{CLEAN['PATH']}"},
+        )
+
+    def test_it_compares_what_it_has_built(self):
+        library = self.folder / "build" / "libcapsoc_rtl_precise_fast.so"
+        done = self.regress(f"echo \"$@\" >asked; cp {BUILD / 'libcapsoc_rtl_precise.so'} {library}")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("no difference", done.stdout)
+        asked = (self.folder / "asked").read_text().split()
+        self.assertEqual(asked[0], "--build")
+        self.assertEqual(asked[2:], ["--target", "capsoc_rtl_precise_fast"])
+
+    def test_what_the_tools_say_is_shown(self):
+        done = self.regress(
+            "echo '[1/5] Verilating'; echo 'FAILED: all.cpp'; echo 'cd build && verilator'; "
+            "echo '%Error: rtl/polar_unit.sv:12:3: syntax error'; "
+            "echo 'Traceback (most recent call last):'; echo 'KeyError: 7'; echo 'ninja: build stopped'; exit 1"
+        )
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        lines = done.stderr.splitlines()
+        self.assertEqual(
+            lines[:3],
+            ["%Error: rtl/polar_unit.sv:12:3: syntax error", "Traceback (most recent call last):", "KeyError: 7"],
+        )
+        self.assertIn("does not build", lines[3])
+
+    def test_it_goes_with_no_library_of_another(self):
+        done = self.regress("exit 1", "--rtl-library", "x.so")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("leave --rtl-library", done.stderr)
 
 
 class Signals(unittest.TestCase):

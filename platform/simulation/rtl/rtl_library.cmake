@@ -31,10 +31,10 @@ find_package(Threads REQUIRED)
 set(capsoc_verilator_definitions VL_TIME_CONTEXT VM_COVERAGE=1 VM_TRACE=1 VM_TRACE_FST=1 VM_SC=0)
 
 # capsoc_verilated_library(NAME TOP MODULE WRAPPER FILE HASH FOLDER SOURCES FILE... FLAGS FLAG... DEFINITIONS DEFINITION...
-#                          [DEPENDS FILE...] [COVERAGE] [SPECIALISE SCRIPT] [FLIP_FLOPS SCRIPT]): what all of them have in common. FOLDER has rtl_hash.h;
-# the scripts make the edges of specialised/edges.h and flip_flops.inc.
+#                          [DEPENDS FILE...] [COVERAGE] [FAST] [SPECIALISE SCRIPT] [FLIP_FLOPS SCRIPT]): what all of them have in common. FOLDER has rtl_hash.h;
+# FAST is built fast, not run fast; the scripts make the edges of specialised/edges.h and flip_flops.inc.
 function(capsoc_verilated_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "TOP;HASH;SPECIALISE;FLIP_FLOPS" "WRAPPER;SOURCES;FLAGS;DEFINITIONS;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE;FAST" "TOP;HASH;SPECIALISE;FLIP_FLOPS" "WRAPPER;SOURCES;FLAGS;DEFINITIONS;DEPENDS")
   # Verilator's own sources. They stay inside each library: two in one program share nothing.
   if(NOT TARGET capsoc_verilator_runtime)
     add_library(capsoc_verilator_runtime OBJECT EXCLUDE_FROM_ALL
@@ -57,9 +57,9 @@ function(capsoc_verilated_library name)
     list(APPEND flags --coverage-line --coverage-toggle --coverage-max-width 1024)
     set(coverage 1)
   endif()
-  # The names of the files depend on their contents, so one file includes them all.
+  # The names of the files depend on their contents, so one file includes them all, and one those that write waves.
   add_custom_command(
-    OUTPUT ${folder}/all.cpp
+    OUTPUT ${folder}/all.cpp ${folder}/trace.cpp
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${folder}
     COMMAND ${VERILATOR} ${flags} --Mdir ${folder} ${arg_SOURCES}
     COMMAND ${CMAKE_COMMAND} -D "FOLDER=${folder}" -P ${CAPSOC_RTL_FOLDER}/include_all.cmake
@@ -84,15 +84,36 @@ function(capsoc_verilated_library name)
       DEPENDS ${folder}/all.cpp ${arg_FLIP_FLOPS}
       COMMENT "Listing the flip-flops of ${name}" VERBATIM)
   endif()
-  add_library(${name} SHARED ${arg_WRAPPER} ${folder}/all.cpp ${specialised} ${flip_flops} $<TARGET_OBJECTS:capsoc_verilator_runtime>)
+  set(compiled ${arg_WRAPPER} ${folder}/all.cpp ${folder}/trace.cpp)
+  if(arg_FAST)
+    # Of each file two seconds are Verilator's headers, so it is one.
+    set(text "#define CAPSOC_RTL_FAST 1\n")
+    foreach(source ${compiled})
+      cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
+      string(APPEND text "#include \"${source}\"\n")
+    endforeach()
+    file(CONFIGURE OUTPUT ${folder}.cpp CONTENT "${text}" @ONLY)
+    set(compiled ${folder}.cpp)
+    set_source_files_properties(${folder}.cpp PROPERTIES COMPILE_OPTIONS -w OBJECT_DEPENDS "${folder}/all.cpp;${flip_flops}")
+  endif()
+  add_library(${name} SHARED ${compiled} ${specialised} ${flip_flops} $<TARGET_OBJECTS:capsoc_verilator_runtime>)
   target_include_directories(${name} PRIVATE ${CAPSOC_RTL_INCLUDE} ${arg_HASH})
   target_include_directories(${name} SYSTEM PRIVATE ${folder} ${VERILATOR_INCLUDE} ${VERILATOR_INCLUDE}/vltstd)
   target_compile_definitions(${name} PRIVATE ${arg_DEFINITIONS} CAPSOC_RTL_COVERAGE=${coverage} ${capsoc_verilator_definitions})
   target_compile_features(${name} PRIVATE cxx_std_17)
   set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden)
-  # With coverage it is 36 MB of source, which optimisation would take many minutes for.
-  target_compile_options(${name} PRIVATE $<IF:${coverage},-O0,-O3>)
+  # With coverage it is 36 MB of source, which optimisation would take many minutes for. What writes waves waits for the file.
+  set(optimised -O3)
+  set(optimised_trace -O1)
+  if(arg_COVERAGE)
+    set(optimised -O0)
+    set(optimised_trace -O0)
+  elseif(arg_FAST)
+    set(optimised -O1)
+  endif()
+  target_compile_options(${name} PRIVATE ${optimised})
   set_source_files_properties(${folder}/all.cpp PROPERTIES COMPILE_OPTIONS -w)
+  set_source_files_properties(${folder}/trace.cpp PROPERTIES COMPILE_OPTIONS "-w;${optimised_trace}")
   target_link_libraries(${name} PRIVATE ${ZLIB_LIBRARIES} Threads::Threads)
 endfunction()
 
