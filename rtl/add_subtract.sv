@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // a + b or a - b with a carry, combinational: a + (b ^ {W{minus}}) + carry, modulo 2^Width.
 //
 // Bits have any weight; minus_i = carry_i gives a - b or a + b, and a carry of its own takes the

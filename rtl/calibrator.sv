@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calibrator, stage T0: the adjugate of the coefficient matrix applied to the sample less its
 // offsets. It stands in for Eq (12) and needs no square root, cosine or division.
 //

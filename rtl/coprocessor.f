@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The coprocessor's own SystemVerilog, in the order in which tools read it: packages and types, then the modules that use
 // them. Paths begin at this file. What scripts generate (scripts/capsoc_tools/rtl/sources.py) is read before these.
 coprocessor_types.sv

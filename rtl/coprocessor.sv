@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Self-calibration coprocessor (docs/coprocessor.md): an APB slave with a sample port.
 //
 // Latency: a sample is committed 161 cycles after the edge that latches it, up to 31 more if it has

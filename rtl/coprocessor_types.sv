@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes together between the units of the coprocessor, as packed structs. Members are unsigned words;
 // docs/coprocessor.md has their formats. A register whose fields go to several units has the type that the register
 // description makes for it, and its reserved bits are 0.

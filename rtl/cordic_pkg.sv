@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Constants of the CORDICs, docs/coprocessor.md. Word i of a table stands at [Width * i +: Width].
 package cordic_pkg;
 

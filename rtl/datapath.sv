@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Datapath of the coprocessor: the arithmetic of the five stages between the registers, and the words
 // and tags that travel with the samples. docs/coprocessor.md has every format and rounding rule.
 //

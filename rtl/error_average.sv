@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Moving average of both channels' |error| with weight 2^-6, and what it says about the lock.
 //
 //   error_i    s32, Q1.31, with error_valid_i: in T3 once for u, then once for v

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FLAGS and the interrupt line (docs/coprocessor.md, "Commit", "Registers").
 //
 // Latency: a flag is set at the edge of its event. Clearing wins over setting at one edge, because

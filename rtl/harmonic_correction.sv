@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Harmonic correction (docs/coprocessor.md): what a table of 128 nodes over the sensor's angle, with straight lines between
 // them, says that T1's relative angle is too large by.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // LMS demodulator (Eqs (13) to (20)), stage T3, both channels on one multiplier, and the products of
 // LOAD (Eq (8)).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact product of two 34-bit signed words, combinational: s34 * s34 = s68.
 //
 // Split by hand into digits of 17 bits: see multiplier_48x32.sv.

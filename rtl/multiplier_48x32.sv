@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact product of a 48-bit and a 32-bit signed word, combinational: s48 * s32 = s80.
 //
 // Split by hand into digits of 17 bits: each partial product is one 18x18 signed block, and no tool

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One step of a serial normalisation: may a pair of signed words go left by 16, 4 or 1 places without
 // either losing its sign? Combinational; the upper 17 bits of both words.
 //

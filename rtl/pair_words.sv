@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The words of a 48-bit register as software sees them (docs/coprocessor.md, "Registers").
 //
 // Combinational. Coefficients, Q2.46: value = HI * 2^15 + LO with HI = clamp(value >>r 15) in Q1.31

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calibrator of the paper arithmetic, Eq (12), on the parameter registers:
 // du = u - b1, dv = v - b2; U1 = a2 du, V1 = a1 dv; U2 = U1 cos beta, V2 = V1 + U1 sin beta.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The paper's arithmetic of stages T0, T1, T3, T4 and of LOAD. Stage T2 is the reference generator.
 // Ports as those of precise_core.sv; T0 reads the parameters (Eq (12)).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // LMS demodulator of the paper arithmetic, Eqs (13) to (20): both channels, one multiplier, every
 // product truncated to Q1.31 by itself.
 //

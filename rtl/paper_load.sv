@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Products of LOAD, Eq (8), in the paper's arithmetic, combinational: L1 gives a_u and b_u, L2 gives
 // a_v and b_v.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sine and cosine from a table of 512 entries per turn with linear interpolation, for the paper's
 // Eqs (11) and (12). Combinational.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Multiplier of the paper's units: exact product of two signed words, combinational.
 //
 // Format: a_i, b_i s34; product_o s68, as many fraction bits as both have together. No rounding.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parameters from coefficients in the paper arithmetic, Eq (9): two amplitudes by square root,
 // two angles by arctangent. phi = angle of (b_u, a_u); psi = angle of (-a_v, b_v); beta = psi - phi.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Amplitude sqrt(a^2 + b^2) of Eq (9) by the paper's iteration, Eq (10): y <- y^2 - x + y from 0,
 // 30 times. As printed it converges to the negative root, hence the negation; serves roots 0.2..0.8.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The two vectors of T4, brought to the CORDIC's input format one after the other.
 //
 //   *_i          s48, Q2.46: places 3, 4, 5 of the weight ring

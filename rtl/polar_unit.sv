@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Polar unit: angle and magnitude of three vectors a tick, T1's (S, C) and T4's (-a_v, b_v) and
 // (b_u, a_u). It stands in for the paper's square root (Eq (10)) and PI arctangent (Eq (11)).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The precise arithmetic of stages T0, T1, T3, T4 and of LOAD: weights, calibrator, polar unit, LMS
 // demodulator. Stage T2 is the reference generator. paper_core.sv has the same ports.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reference generator, stage T2: phase accumulator, choice of the reference, rotation CORDIC.
 //
 //   phase, freq         u48 and s48, 2^-48 turn; registers of the bank, copied at the tick's start

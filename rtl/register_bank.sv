@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Register bank: the APB slave and every register that is not a result (docs/coprocessor.md,
 // "Registers").
 //

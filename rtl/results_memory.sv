@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a sample leaves behind on its way through the stages, until software reads it: written once
 // per word, in the cycle in which it is computed, under the sample's slot number.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rotation CORDIC: sine and cosine of a phase, one micro-rotation a cycle (section 3.3 of the
 // paper).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SAMPLES and EARLY_COUNT (docs/coprocessor.md, "Sequencer", "Commit").
 //
 // Latency: an event counts at its edge; clearing wins over it. SAMPLES wraps, EARLY_COUNT stops at

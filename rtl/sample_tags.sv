@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What travels with a sample beside its words: slot, clip, saturation, zero, mirror, turn and unsettled
 // bits; and the
 // bits of STATUS, which change when a sample is committed at the end of T4.

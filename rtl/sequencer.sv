@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sequencer and holding register: which stage of the pipeline holds a sample, and when ticks begin
 // and end. docs/coprocessor.md, "Sequencer: time".
 //

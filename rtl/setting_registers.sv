@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Registers that only software writes and the pipeline reads: CTRL, steps, LOOP, thresholds,
 // JUDGE, TURN_LIMIT (docs/coprocessor.md, "Registers"). Reserved values are refused here.
 //

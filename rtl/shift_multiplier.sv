@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Arithmetic shift right by 0 to 15 places, combinational: data_o = data_i >> places_i, s39, floor.
 //
 // Three multipliers by a power of two stand in for two levels of multiplexers: the coprocessor has

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limited slew of the weights: the error that an update sees, clamped to s(32 - 2 n), n = JUDGE.SLEW.
 //
 //   slew_i   n; 0: no limit

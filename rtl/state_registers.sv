@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Registers that software and the pipeline share: phase, frequency, the six coefficients and the
 // six parameters (docs/coprocessor.md, "Registers").
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Magnitude of a vector behind the vectoring CORDIC: takes its gain away and its normalisation back.
 //
 //   x_i          s39, not negative; the CORDIC's last x

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Micro-rotations 3 n + Offset of the vectoring CORDIC, n = 0..9, combinational: turns (x, y)
 // towards the positive x axis.
 //

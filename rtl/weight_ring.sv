@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tick's own copy of the six weights, as a ring: whoever needs a weight waits until it comes
 // past a tap, which costs one multiplexer in place of one for each reader.
 //

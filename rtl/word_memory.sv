@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Words that only register accesses see: the stages and latches of the 48-bit registers, SOFT_U,
 // and a copy of the settings for reading back. A small memory needs far less than registers and
 // their part of the read multiplexer; a bit per word tells that it was written since reset.

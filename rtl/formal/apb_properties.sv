@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The APB slave (register_bank.sv): its answers, and that only a correct access has an effect.
 // `quiet` is 1 in an interval whose edge must change nothing: scripts/tool formal then asserts of every
 // register of the bank that it keeps its value.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // calibrator.sv by its definition. The products are cut (scripts/tool formal): any number in the range
 // that weights up to 2 and differences up to 3 give.
 //   Begin = 0: operands, det, the mirror and both calibrated words, from a boundary on

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The error average by its definition (error_average.sv), for every sum and error: its arithmetic, the sums of both channels in
 // turn, what a reset makes of them, and LOCK and DIVERGED from the 63rd sample on.
 module error_average_properties (

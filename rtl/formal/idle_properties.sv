@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Idle safety of the whole design: with idle_o = 1 and neither a sample nor a transfer, no register
 // changes. It is what allows a simulation to skip the clock edges between samples. scripts/tool formal
 // asserts of every register that it keeps its value while `quiet` is 1.

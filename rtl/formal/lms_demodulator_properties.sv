@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What lms_demodulator.sv makes of its sums and products, from any state: the saturated error, what of
 // it is kept for the update, and the rounded, saturated new weight. The products are cut (scripts/tool formal): any number in their range.
 module lms_demodulator_properties (

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The adders of multiplier_48x32.sv at full width. The partial products are cut (scripts/tool formal):
 // any numbers in the ranges that products of such digits have.
 module multiplier_48x32_properties (

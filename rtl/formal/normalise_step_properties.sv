@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A step of k places is allowed if and only if shifting both words left by k and back loses nothing.
 module normalise_step_properties (
   input logic               clk_i,

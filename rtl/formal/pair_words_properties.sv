@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The words of a 48-bit register by their definition (pair_words.sv), for every value.
 module pair_words_properties #(
   parameter int Paper = 0

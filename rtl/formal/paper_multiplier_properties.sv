@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The adders of paper_multiplier.sv at full width. The partial products are cut (scripts/tool formal):
 // any numbers in the ranges that products of such digits have. What is left to trust is that `*` of two
 // 18-bit words is their product.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The steps of paper_square_root.sv by their definition, from any state: x = min((a^2 + b^2) >> 31,
 // 2^31 - 1), y <- clamp((y^2 >> 31) - x + y). The square is cut (scripts/tool formal): any number that the
 // square of a Q1.31 word can be.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One vector through polar_normaliser.sv, from its load in cycle 0 or 10 to the cycle in which it is
 // taken: no place is lost, the shift counts them, and the larger word is left-aligned.
 module polar_normaliser_properties (

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // In place of the units inside of polar_unit.sv, which have proofs of their own: any outputs, and inputs that the proof of
 // the polar unit looks at.
 module polar_normaliser (

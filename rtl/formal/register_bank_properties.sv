@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One register of the bank, any, against a shadow that follows the document's rules
 // (register_bank.sv). The conversion of a 48-bit register to words is pair_words.sv, which has a
 // proof of its own.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A micro-rotation of rotation_cordic.sv by its definition, in words wide enough for everything:
 // x - d (y >>r i), y + d (x >>r i), z - d A[i] with d = +1 if z >= 0, else -1 (paper: shifts are
 // truncated), and the rounded, clamped output.

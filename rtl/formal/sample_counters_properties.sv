@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The counters against additions in a wider word (sample_counters.sv), from any count.
 module sample_counters_properties (
   input logic clk_i, clear_i, commit_i, stream_early_i, soft_early_i

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // No sample is lost, doubled or overtaken, and the latency is 161 cycles (sequencer.sv).
 //
 // Samples are numbered in the order in which they are latched. Counters of 4 bits are enough: the

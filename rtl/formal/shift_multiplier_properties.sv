@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The shift by products is the shift by places, for every word and each of the 16 places.
 module shift_multiplier_properties (
   input logic               clk_i,

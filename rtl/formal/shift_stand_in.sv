@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // In place of shift_multiplier.sv's products, whose proof is shift_multiplier_properties.sv: for the proofs of who uses it.
 module shift_multiplier (
   input  logic signed [38:0] data_i,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slew_limit.sv: the error clamped to [-4^-n, 4^-n - 2^-31], for every error and every n.
 module slew_limit_properties (
   input logic               clk_i,

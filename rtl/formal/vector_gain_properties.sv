@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vector_gain.sv by its definition: sat((x 8 G) >>r (32 + shift)), G = 2^28 + Gain. The two products
 // are cut (scripts/tool formal): any numbers in the range that digits of 19 bits give.
 module vector_gain_properties (

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Verification wrapper of the coprocessor: the design as `dut`, and inside values as ports, taken by
 // hierarchical reference. Not part of the design.
 //

@@ -69,6 +69,20 @@ class Lists(unittest.TestCase):
         self.assertIn(TABLE, [path.name for path in files[: -len(design)]])
 
 
+class Licence(unittest.TestCase):
+    """Who takes a file alone takes its licence with it."""
+
+    def test_every_file_names_the_repositorys(self):
+        heading = (SOURCE / "LICENSE").read_text(encoding="utf-8").split()[:4]
+        self.assertEqual(heading, ["Apache", "License", "Version", "2.0,"])
+        without = [
+            str(path.relative_to(SOURCE))
+            for path in sorted(RTL.rglob("*"))
+            if path.is_file() and "SPDX-License-Identifier: Apache-2.0" not in path.read_text("utf-8").split("\n", 1)[0]
+        ]
+        self.assertEqual(without, [], "in the first line of each: SPDX-License-Identifier: Apache-2.0")
+
+
 class Errors(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
