@@ -49,7 +49,7 @@ def read_proofs():
 
 
 def copy_sources(proof, folder, fault=None):
-    """The proof's files in `folder`, in the order in which they are read, with a fault of tests/faults/proofs.toml if one is given."""
+    """The proof's files in `folder`, in reading order, with a fault of tests/faults/proofs.toml if one is given."""
     made = [path.name for path in generate(folder)]
     names = [name for name in made if name.startswith("capsoc_")]
     if proof.get("sources") == ["*"]:  # the whole design
@@ -161,7 +161,7 @@ def smtbmc(arguments, folder, seconds):
 
 
 def last_cycle(waves):
-    """The number of the last cycle that a counterexample shows, which is the one whose assertion fails; the first is 0."""
+    """The number of a counterexample's last cycle, which is the one whose assertion fails; the first is 0."""
     with open(waves, encoding="utf-8") as lines:
         times = [int(line[1:]) for line in lines if line.startswith("#")]
     return times[-1] // CYCLE_NS - 1
