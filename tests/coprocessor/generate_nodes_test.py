@@ -105,6 +105,9 @@ class Generator(unittest.TestCase):
         self.expect_error(HEAD + A.replace("0", "5"), 4, "stage '5'", "commit_stage")
         self.expect_error(HEAD + A.replace("0", "1") + A.replace("(a", "(b"), 5, "move it up")
 
+    def test_an_unknown_unit(self):
+        self.expect_error(HEAD + A.replace("calibrator", "travel"), 4, "unit 'travel'", "turn_judge")
+
     def test_an_unknown_format(self):
         self.expect_error(HEAD + A.replace("flag", "flags"), 4, "'flags'", "flag, q1_31")
 
@@ -126,7 +129,7 @@ class Generator(unittest.TestCase):
 
     def test_arguments_too_few_too_many_or_broken(self):
         self.expect_error(HEAD + A.replace("packet.a, ", ""), 4, "6 arguments", "7")
-        self.expect_error(HEAD + A.replace("packet.a", "a, b"), 4, "7 arguments")
+        self.expect_error(HEAD + A.replace("packet.a", "a, b"), 4, "8 arguments")
         self.expect_error(HEAD + "FORMAT(f, 3)\n", 4, "2 arguments", "5")
         self.expect_error(HEAD + A.replace('a")', "a)"), 4, "arguments")
 
