@@ -68,6 +68,15 @@ uint64_t turn(Device& device, std::mt19937_64& random, uint64_t cycle, int sampl
 
 class IdleStates : public testing::TestWithParam<Arithmetic> {
  protected:
+  /// Both in the model's first state: what no reset reaches is anything in the RTL.
+  std::unique_ptr<Sides> begin() {
+    auto sides = std::make_unique<Sides>(options, library);
+    IdleState first;
+    EXPECT_TRUE(sides->model->save_idle(first));
+    EXPECT_TRUE(sides->both->load_idle(first));
+    return sides;
+  }
+
   Options options = options_of(GetParam());
   RtlLibrary::Handle library = open_library(GetParam());
 };
@@ -79,7 +88,7 @@ TEST_P(IdleStates, AreTheSameOnBothSidesAndEachGoesOnFromThem) {
     const auto pick = [&](uint64_t bound) { return random() % bound; };
     Traffic traffic(seed);
     Answers answers;
-    auto sides = std::make_unique<Sides>(options, library);
+    auto sides = begin();
     uint64_t cycle = 0;
     for (int part = 0; part < 60; ++part) {
       Lockstep& both = *sides->both;
@@ -101,7 +110,7 @@ TEST_P(IdleStates, AreTheSameOnBothSidesAndEachGoesOnFromThem) {
       alarms += ours.judge.alarm;
       commits += ours.nodes.commits > 0;
       if (pick(2) == 0) continue;
-      sides = std::make_unique<Sides>(options, library);
+      sides = begin();
       if (pick(2) == 0) traffic.run(*sides->both, 20, 0, answers);  // what is there goes
       ASSERT_TRUE(sides->both->load_idle(theirs));
       IdleState back;
