@@ -184,6 +184,17 @@ TEST(Verdict, TheProgramsEndCounts) {
   EXPECT_EQ(verdict(results, with_code(run::exit_code::limit)), Verdict::detected);
 }
 
+TEST(Verdict, TheProgramsEndDetectsInTheNewestSample) {
+  const Results results = off(5, count, 0.2), golden = at_10_deg();
+  Judgement judgement({0.1, 3});
+  for (uint64_t i = 0; i < 7; ++i) judgement.take(golden[i], &results[i]);
+  judgement.note_end();
+  EXPECT_EQ(judgement.detected_by(), "");
+  EXPECT_EQ(judgement.detected_after(), 1u);
+  EXPECT_EQ(judgement.conclude(with_code(run::exit_code::failed)), Verdict::detected);
+  EXPECT_EQ(judgement.conclude(with_code(run::exit_code::crashed)), Verdict::crashed);
+}
+
 TEST(Verdict, AFaultThatDidNotHappenIsNotMasked) {
   Ending ending = same_state();
   ending.is_applied = false;

@@ -9,7 +9,7 @@ import types
 import unittest
 
 from capsoc_tools.faults import fault_verdicts as tool
-from harness import BUILD, CAPSOC, CLEAN, Case, SOURCE
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 
 CTEST = {"name": "system: FaultVerdicts", "timeout": 300}
 
@@ -149,6 +149,11 @@ class Rows(FaultCase):
         (one,) = self.results(1, 'fault.line = "stuck1 coprocessor.lock[0] at 403s"', jobs=1)
         self.assertEqual(one["verdict"], "latent")
         self.assertGreater(one["simulated_s"], 10)
+
+    def test_a_state_that_differs_is_latent_whatever_the_clock_did_before(self):
+        settings = f'firmware.elf = "{FIRMWARE}/safe.elf"\nfault.line = "flip coprocessor.corrections.0[3] at 403.27s"'
+        (one,) = self.results(1, settings, jobs=1)
+        self.assertEqual(one["verdict"], "latent")
 
     def test_one_that_does_not_happen(self):
         (one,) = self.results(1, 'fault.line = "flip coprocessor.au[3] at 900s"', jobs=1)

@@ -32,8 +32,8 @@ inline constexpr double step_s = 0.02;
 
 struct Golden {
   std::vector<Start> starts;
-  std::vector<SampleResult> results;  ///< since the first start
-  std::vector<uint64_t> hashes;       ///< of the state at `from_s` + n step_s
+  std::vector<SampleResult> results;            ///< since the first start
+  std::vector<std::optional<uint64_t>> hashes;  ///< of the state at `from_s` + n step_s
   double from_s = 0, ended_s = 0;
   int code = 0;  ///< the exit code
   std::vector<DrawnPlace> places;

@@ -36,7 +36,7 @@ class Trial {
       if (!goes_on.value()) return conclude(true, false);
       if (!judgement_.detected_by().empty()) return conclude(false, false);
       const bool acted = simulation_.faults_are_over();
-      if (acted && simulation_.state_hash() == golden_.hashes[next]) return conclude(false, true);
+      if (acted && is_as_golden(golden_.hashes[next])) return conclude(false, true);
       // After the fault less and less often: most are found at once or never.
       if (acted) distance = distance == 0 ? 1 : 2 * distance;
       const uint64_t last = golden_.hashes.size() - 1;
@@ -47,6 +47,10 @@ class Trial {
   }
 
  private:
+  bool is_as_golden(const std::optional<uint64_t>& hash) {
+    return hash && simulation_.state_hash() == hash;
+  }
+
   /// In the order of the samples; one that got lost is missed by the next.
   void take(const SampleResult& result) {
     const auto& all = golden_.results;
@@ -66,6 +70,7 @@ class Trial {
     // A program that gives up takes no more samples.
     while (is_over && ending.code == golden_.code && next_ < golden_.results.size())
       judgement_.take(golden_.results[next_++], nullptr);
+    if (is_over && ending.code != golden_.code) judgement_.note_end();
     Outcome outcome;
     for (const run::FaultOutcome& fault : result.faults) {
       ending.is_applied = ending.is_applied && fault.applied && fault.note.empty();

@@ -96,6 +96,10 @@ void Judgement::take(const SampleResult& golden, const SampleResult* result) {
   ++samples_;
 }
 
+void Judgement::note_end() {
+  if (!detected_ && samples_ > 0) detected_ = samples_ - 1;
+}
+
 std::optional<uint64_t> Judgement::detected_after() const {
   if (!detected_ || !first_wrong_) return detected_ ? std::optional<uint64_t>(0) : std::nullopt;
   return *detected_ - std::min(*detected_, *first_wrong_);
@@ -104,7 +108,7 @@ std::optional<uint64_t> Judgement::detected_after() const {
 Verdict Judgement::conclude(const Ending& ending) const {
   if (!ending.is_applied) return Verdict::unapplied;
   if (trusted_ > tolerance_.samples) return Verdict::silent;
-  if (detected_) return Verdict::detected;
+  if (!detected_by_.empty()) return Verdict::detected;
   if (ending.code == run::exit_code::crashed) return Verdict::crashed;
   if (ending.code == run::exit_code::limit) return Verdict::hung;
   if (ending.code != ending.golden_code) return Verdict::detected;

@@ -59,8 +59,11 @@ class Judgement {
   /// `result`: what came of the sample; null: nothing did.
   void take(const SampleResult& golden, const SampleResult* result);
 
+  /// The program ended, other than without the fault: that says so, in the newest sample.
+  void note_end();
+
   /// What said first that something is wrong and does not say so without the fault: "ALARM",
-  /// "no LOCK", ...; "": nothing yet.
+  /// "no LOCK", ...; "": nothing yet, or the program's end.
   const std::string& detected_by() const { return detected_by_; }
   /// Samples from the first wrong angle to that; 0 if it came before. Nothing without one of them.
   std::optional<uint64_t> detected_after() const;

@@ -292,9 +292,11 @@ Result<std::string> Simulation::packed_state() {
   return checkpoints_->packed();
 }
 
-uint64_t Simulation::state_hash() {
+std::optional<uint64_t> Simulation::state_hash() {
   StateHash hash;
+  hash.set_time(sc_core::sc_time_stamp().value());
   for (const checkpoint::Part& part : parts_of(soc_)) part.visit(hash);
+  if (!hash.ok()) return std::nullopt;
   return hash.value();
 }
 

@@ -75,8 +75,9 @@ class Simulation {
 
   /// The same in memory, for additions to the same settings.
   Result<std::string> packed_state();
-  /// Of the chip's state, between two advances, without what is on the host (FNV-1a).
-  uint64_t state_hash();
+  /// Of the chip's state, between two advances, without what is on the host (FNV-1a). Nothing: a
+  /// part is in the middle of something.
+  std::optional<uint64_t> state_hash();
 
   /// Closes what was open and says what came of it. Nothing can be simulated after it.
   RunResult finish();

@@ -1,0 +1,26 @@
+// What stops a program that hangs, faults or writes where it must not: watchdog, fault handlers and
+// memory protection. All end in safe_stop().
+#ifndef CAPSOC_PROTECTION_H
+#define CAPSOC_PROTECTION_H
+
+#include <stdint.h>
+
+// Status of a program that was stopped.
+enum { stopped_by_watchdog = 4, stopped_by_fault = 5 };
+
+// GPIO 0, bit 0: high while there is a checked angle.
+enum { angle_good_pin = 1 };
+
+// Ends the program at once, from any state: pin down, one line, exit.
+_Noreturn void safe_stop(int status, const char* why);
+
+// Code and constants are read-only, data is not executed, the lowest 32 bytes of the stack belong
+// to nobody. `block`, 32 bytes to 4 GiB in a power of 2 and aligned to that, is read-only.
+void protect_memory(const void* block, uint32_t bytes);
+
+// Stops the program unless watchdog_serve() comes within `cycles`.
+void watchdog_start(uint32_t cycles);
+void watchdog_serve(void);
+void watchdog_end(void);
+
+#endif

@@ -1,0 +1,47 @@
+// An angle that was checked in its own sample, or the reason why there is none; never a stale one.
+//
+// What is checked: the copy of the parameters against its complement; that exactly one more sample
+// was processed; the status and error flags; that the angle belongs to the sample of the converter,
+// computed here from the copy; its step against the speed. Formats as in coprocessor.h.
+#ifndef CAPSOC_SAFE_ANGLE_H
+#define CAPSOC_SAFE_ANGLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "coprocessor.h"
+
+enum safe_angle_state {
+  safe_angle_good,
+  safe_angle_copy,     // the copy and its complement differ
+  safe_angle_samples,  // no new sample, or more than one
+  safe_angle_status,   // no VALID, no LOCK, an alarm, or DIVERGED
+  safe_angle_flags,    // CLIP, SAT, ZERO, EARLY, CONFIG or UNSETTLED
+  safe_angle_radius,   // the sample is far from the ellipse of the parameters
+  safe_angle_inverse,  // the angle is not the one of its sample
+  safe_angle_step,     // the angle's step is not the one of the speed
+};
+
+struct safe_angle {
+  uint32_t copy[7];        // A1, A2, B1, B2, BETA, PHI and the step of the speed
+  uint32_t complement[7];  // the same, every bit inverted
+  uint32_t limit;          // largest error of the angle, 2^-32 turn
+  uint32_t step_limit;     // largest deviation of its step, 2^-32 turn
+  uint32_t samples, angle;
+};
+
+// With the parameters that the coprocessor has, which were just loaded, between two samples.
+// `limit` and `step_limit` 2^-32 turn, below 1/16 turn. Clears the error flags.
+void safe_angle_begin(struct safe_angle* state, const struct coprocessor_parameters* parameters,
+                      uint32_t limit, uint32_t step_limit);
+
+// To be called once after each result. `*angle` is written if the state is good.
+enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle);
+
+// A sentence for it; null for the good one.
+const char* safe_angle_sentence(enum safe_angle_state state);
+
+// sin(angle), Q1.30, to 5e-6.
+int32_t safe_angle_sine(uint32_t angle);
+
+#endif

@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""The program `safe`: each of its checks by a fault, in the sample of the fault, and no false alarm."""
+
+import json
+import re
+import subprocess
+import unittest
+
+from harness import CAPSOC, CLEAN, Case, FIRMWARE
+
+CTEST = {"name": "system: Safe", "timeout": 300}
+
+#: An eighth of the main job: a faster shaft, in calibration from 50 s on.
+SHORT = ["-P", "demodulation_samples=12500", "-P", "calibration_samples=1000", "-P", "frequency_hz=0.5"]
+SHORT += ["-P", "step=0", "-C", "sensor.motion.frequency_hz=0.5"]
+#: A sample of the calibration, and a time before the next one.
+SAMPLE, WHEN = 12600, "50.405s"
+
+
+class SafeCase(Case):
+    def run_safe(self, *options, program="safe", settings=tuple(SHORT)):
+        done = subprocess.run(
+            [CAPSOC, "run", FIRMWARE / f"{program}.elf", *settings, "--json", "r.json", "--simlimit", "60", *options],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=CLEAN,
+            cwd=self.folder,
+            timeout=100,
+        )
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        return done.stdout, json.loads((self.folder / "r.json").read_text())
+
+
+class Checks(SafeCase):
+    def test_without_a_fault(self):
+        said, result = self.run_safe()
+        self.assertEqual(result["exit"]["code"], 0, said)
+        self.assertTrue(result["verdict"]["bound_holds"])
+        _, selfcal = self.run_safe(program="selfcal")
+        for key in ("parameters", "angle_error_deg"):
+            self.assertEqual(result[key], selfcal[key], key)
+
+    def test_each_check_by_a_fault(self):
+        at, then = f"at sample {SAMPLE}", f"at {WHEN}"
+        inverse = "the angle is not the one of its sample"
+        for fault, sentence, late in (
+            # Coefficients that move every angle and raise no flag.
+            (f"flip coprocessor.cv[39] {then}", inverse, 3),
+            (f"flip coprocessor.au[43] {then}", inverse, 60),
+            (f"flip sin[25] {at}", inverse, 0),
+            (f"flip cos[25] {at}", inverse, 0),
+            (f"freeze sin {at}", inverse, 60),
+            (f"freeze cos {at}", inverse, 60),
+            (f"double sample {at}", "a sample is missing, or there is one too many", 0),
+            (f"flip mem:safe+0[30] {then}", "the copy of the parameters has changed", 3),
+            (f"flip mem:safe+52[0] {then}", "the copy of the parameters has changed", 3),
+            (f"flip COPROCESSOR.CTRL.CALIB[0] {then}", "no valid angle, no lock, or an alarm", 3),
+            (f"flip coprocessor.angle[31] {then}", None, None),
+        ):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", fault)
+                if sentence is None:
+                    # Written anew by the next sample: nobody has read it.
+                    self.assertEqual(result["exit"]["code"], 0, said)
+                    continue
+                self.assertEqual(result["exit"]["code"], 1, said)
+                self.assertIn(f"safe: fail: {sentence}", said)
+                sample = int(re.search(r"no angle for sample (\d+)", said)[1])
+                self.assertLessEqual(sample, SAMPLE + late)
+                self.assertLess(result["angle_error_deg"]["calibration_mode_max"] or 0, 95)
+
+    def test_the_watchdog(self):
+        for fault in (
+            f"lose irq coprocessor at {WHEN}",
+            f"lose sample at sample {SAMPLE}",
+            f"flip cpu.pc[28] at {WHEN}",
+        ):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", fault)
+                self.assertEqual(result["exit"]["reason"], "the firmware ended with status 4", said)
+                self.assertIn("safe: stopped by the watchdog", said)
+                self.assertLess(result["time"]["simulated_s"], 50.42)
+
+    def test_faults_and_memory_protection(self):
+        for fault, sentence in (
+            # In the handler of the result: data are not executed.
+            (f"flip cpu.pc[29] at sample {SAMPLE} cycle 260", "memory protection"),
+            # Asleep, with interrupts masked: there is no memory.
+            (f"flip cpu.pc[29] at {WHEN}", "processor's fault"),
+            (f"flip cpu.sp[30] at {WHEN}", "processor's fault"),
+        ):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", fault)
+                self.assertEqual(result["exit"]["reason"], "the firmware ended with status 5", said)
+                self.assertIn(f"safe: stopped by the {sentence}", said)
+
+    def test_the_pin_says_when_there_is_an_angle(self):
+        for fault, low_s in ((f"flip coprocessor.cv[39] at {WHEN}", 50.41), (f"lose irq coprocessor at {WHEN}", 50.42)):
+            with self.subTest(fault=fault):
+                self.run_safe("--inject", fault, "--gpio0", "file:pins.txt")
+                lines = (self.folder / "pins.txt").read_text().splitlines()
+                changes = [(float(line.split()[0]), line.split()[1:]) for line in lines]
+                self.assertEqual([change[1] for change in changes], [["0", "0"], ["0", "1"], ["0", "0"]])
+                self.assertAlmostEqual(changes[1][0], 50.01, places=2)
+                self.assertTrue(50.405 < changes[2][0] < low_s, changes)
+
+
+class GoodSensors(SafeCase):
+    def test_no_false_alarm(self):
+        """What selfcal passes, safe passes: the checks look at no noise but that of a step."""
+        passed = 0
+        for seed in range(1, 9):
+            sensor = [
+                f"sensor.a1={0.1 + 0.09 * seed}",
+                f"sensor.a2={0.85 - 0.08 * seed}",
+                f"sensor.b1={0.02 * (seed - 4)}",
+                f"sensor.beta_rad={0.2 * (seed - 4)}",
+                f"sensor.noise.sigma={10.0 ** (-6 + seed / 2.5)}",
+                f"sensor.noise.seed={seed}",
+                f"sensor.adc_bits={10 + 2 * seed}",
+            ]
+            options = [word for setting in sensor for word in ("-C", setting)]
+            _, selfcal = self.run_safe(*options, program="selfcal")
+            said, safe = self.run_safe(*options)
+            with self.subTest(seed=seed):
+                if selfcal["exit"]["code"] == 0:
+                    self.assertEqual(safe["exit"]["code"], 0, said)
+                    passed += 1
+        self.assertGreaterEqual(passed, 5)
+
+
+if __name__ == "__main__":
+    unittest.main()
