@@ -216,6 +216,8 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
   held.add_array("u", column(sensor_->injected(), &Pair::first));
   held.add_array("v", column(sensor_->injected(), &Pair::second));
   held.result["sensor"] = std::move(sensor);
+  const SensorPort::Course& course = sensor_->course();
+  held.result["course"] = {course.factor, course.from_s, course.described_s, course.newest_s};
   held.result["samples"] = sample_count();
   held.result["bkpt"] = stands_at_bkpt();
   held.result["debugged"] = soc().cpu.core().debugging().halting();
@@ -232,7 +234,8 @@ std::string Board::beside_the_checkpoint() const {
       return fmt::format("uart{} has {} bytes that the program has not received", n, bytes);
   if (const std::size_t bytes = kept_.console.given().size(); bytes > 0)
     return fmt::format("{} bytes for the console are not read yet", bytes);
-  if (!sensor_->changed().empty()) return "the sensor was changed on the way";
+  if (!sensor_->changed().empty() || sensor_->speed() != 1 || sensor_->course().from_s != 0)
+    return "the sensor was changed on the way";
   if (!sensor_->injected().empty())
     return fmt::format("{} injected samples are not taken yet", sensor_->injected().size());
   return "";
@@ -252,6 +255,8 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
   for (const auto& [name, value] : held.at("sensor").items())
     keys.push_back({name, value.get<std::string>(), name});
   sensor_->inject(numbers_in(held.at("u"), from.frames), numbers_in(held.at("v"), from.frames));
+  const auto course = held.at("course").get<std::vector<double>>();
+  sensor_->set_course({course.at(0), course.at(1), course.at(2), course.at(3)});
   first_sample_ = held.at("samples").get<uint64_t>();
   if (held.at("bkpt").get<bool>()) stood_at_bkpt();
   soc().cpu.core().debugging().set_halting(held.at("debugged").get<bool>());

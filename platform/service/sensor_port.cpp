@@ -30,7 +30,8 @@ void put(std::vector<sensor::KeyValue>& keys, const sensor::KeyValue& newest) {
 }  // namespace
 
 std::optional<sensor::SensorValue> SensorPort::sample(uint64_t k, double t_seconds) {
-  auto value = current_->sample(k, t_seconds);
+  course_.newest_s = t_seconds;
+  auto value = current_->sample(k, course_.at(t_seconds));
   if (injected_.empty()) return value;
   sensor::SensorValue injected;
   injected.u = injected_.front().first;
@@ -55,6 +56,21 @@ std::optional<Error> SensorPort::change(const std::vector<sensor::KeyValue>& key
   current_ = std::move(source.value());
   keys_ = std::move(all);
   changed_ = std::move(changed);
+  return std::nullopt;
+}
+
+std::optional<Error> SensorPort::set_speed(double factor) {
+  constexpr double fastest = 1000;
+  using sensor::MotionKind;
+  const MotionKind motion = description().motion;
+  if (!(factor >= 0 && factor <= fastest))
+    return Error{fmt::format("sensor.speed: the factor has to be from 0 to {}", fastest)};
+  if (motion == MotionKind::recorded || motion == MotionKind::shuffled ||
+      motion == MotionKind::walk)
+    return Error{fmt::format(
+        "sensor.speed: the samples of a sensor whose motion is '{}' do not depend on time",
+        sensor::name_of(motion))};
+  course_ = {factor, course_.newest_s, course_.at(course_.newest_s), course_.newest_s};
   return std::nullopt;
 }
 

@@ -34,6 +34,7 @@ Answer read_sensor(Board& board, const Call&) {
   const auto or_null = [](const std::optional<double>& value, double scale = 1) {
     return value ? Json(*value * scale) : Json(nullptr);
   };
+  const double speed = board.sensor().speed();
   Answer answer;
   answer.result["parameters"] = {{"a1", or_null(sensor.a1)},
                                  {"a2", or_null(sensor.a2)},
@@ -41,10 +42,11 @@ Answer read_sensor(Board& board, const Call&) {
                                  {"b2", or_null(sensor.b2)},
                                  {"beta_rad", or_null(sensor.beta)},
                                  {"phi_rad", or_null(sensor.phi)},
-                                 {"frequency_hz", or_null(sensor.frequency_hz)},
+                                 {"frequency_hz", or_null(sensor.frequency_hz, speed)},
                                  {"sample_rate_hz", or_null(sensor.sample_rate_hz)}};
   answer.result["name"] = sensor.name;
   answer.result["motion"] = sensor::name_of(sensor.motion);
+  answer.result["speed"] = speed;
   return answer;
 }
 
@@ -61,9 +63,16 @@ Answer change_sensor(Board& board, const Call& call) {
   return {};
 }
 
+Answer set_speed(Board& board, const Call& call) {
+  if (auto error = board.sensor().set_speed(call.number("factor"))) return refuse(error->text);
+  return {};
+}
+
 /// The range of kept samples that a call asks for, from the first one kept.
 struct Range {
-  std::size_t begin = 0, end = 0;
+  std::size_t begin = 0, end = 0, step = 1;
+
+  std::size_t count() const { return (end - begin + step - 1) / step; }
 };
 Result<Range> range_of(const Board& board, const Call& call) {
   const std::size_t kept = board.samples().size();
@@ -78,6 +87,11 @@ Result<Range> range_of(const Board& board, const Call& call) {
   if (call.has("last"))
     range.begin = kept - static_cast<std::size_t>(
                              std::min<uint64_t>(call.integer("last"), kept - range.begin));
+  if (call.has("every")) {
+    const uint64_t step = call.integer("every");
+    if (step == 0) return Error{"samples.read: every is 0; 1 reads each sample"};
+    range.step = static_cast<std::size_t>(std::min<uint64_t>(step, kept + 1));
+  }
   return range;
 }
 
@@ -92,16 +106,16 @@ Answer read_samples(Board& board, const Call& call) {
     names = "t,u,v,angle_deg,found_deg,error_deg";
   const auto columns = metrics::record_columns(names, "samples.read");
   if (!columns) return refuse(columns.error(), Code::wrong_parameter);
-  const auto [begin, end] = range.value();
+  const auto [begin, end, step] = range.value();
   Answer answer;
-  answer.result = {{"first", board.first_sample() + begin}, {"count", end - begin}};
+  answer.result = {{"first", board.first_sample() + begin}, {"count", range.value().count()}};
   Json& object = answer.result["columns"] = Json::object();
   for (const std::size_t column : columns.value()) {
     std::vector<double> values;
-    values.reserve(end - begin);
-    std::size_t index = begin + static_cast<std::size_t>(board.first_sample());
-    for (std::size_t i = begin; i < end; ++i, ++index)
-      values.push_back(metrics::column_value(column, board.samples()[i], index)
+    values.reserve(range.value().count());
+    const auto first = static_cast<std::size_t>(board.first_sample());
+    for (std::size_t i = begin; i < end; i += step)
+      values.push_back(metrics::column_value(column, board.samples()[i], first + i)
                            .value_or(std::numeric_limits<double>::quiet_NaN()));
     answer.add_array(object, metrics::column_name(column), values);
   }
@@ -126,7 +140,8 @@ std::vector<BoardVerb> sensor_verbs() {
           "a1, a2, b1, b2 (full scale), beta_rad, phi_rad, frequency_hz, sample_rate_hz; null: not "
           "known, or not one value"},
          {"name", "text", "of its description"},
-         {"motion", "text", "how the shaft turns"}}},
+         {"motion", "text", "how the shaft turns"},
+         {"speed", "number", "as sensor.speed; frequency_hz has it in it"}}},
        read_sensor,
        Effect::looks},
       {{"sensor.set",
@@ -136,10 +151,18 @@ std::vector<BoardVerb> sensor_verbs() {
         {}},
        change_sensor,
        Effect::input},
+      {{"sensor.speed",
+        "The shaft turns N times as fast as described, from the next sample on and from where it "
+        "is. A drift passes as fast.",
+        {need("factor", Type::number, "N, from 0 (it stands) to 1000")},
+        {}},
+       set_speed,
+       Effect::input},
       {{"samples.read",
         "What the coprocessor saw and found. The newest 1,000,000 samples are kept.",
         {may("first", Type::integer, "number of the first one wanted, from 0 at the start"),
          may("last", Type::integer, "so many of the newest"),
+         may("every", Type::integer, "of these only each N-th, from the first one on: 1"),
          may("columns", Type::list,
              "as `capsoc run --record-columns` names them; else t, u, v, angle_deg, found_deg, "
              "error_deg")},

@@ -132,9 +132,10 @@ class Walks(Past):
     def test_the_sensor(self):
         changes = [
             (40_000, "sensor.set", {"parameters": {"b1": 0.125}}),
+            (70_000, "sensor.speed", {"factor": 1.75}),
             (90_000, "adc.inject", {"u": [0.5, 0.25, 0.125], "v": [0.1, 0.2, 0.3]}),
         ]
-        self.walk("selfcal", self.stops("sensor", 200_000, 8) + [40_000, 90_000], changes, moves=MOVES // 2)
+        self.walk("selfcal", self.stops("sensor", 200_000, 8) + [40_000, 70_000, 90_000], changes, moves=MOVES // 2)
 
     def test_the_rtl(self):
         stops = self.stops("rtl", 60_000, 6)
@@ -155,6 +156,7 @@ class Logged(Past):
         "button.press": {"button": 0, "pressed": True},
         "adc.inject": {"u": [0.5], "v": [0.25]},
         "sensor.set": {"parameters": {"b1": 0.125}},
+        "sensor.speed": {"factor": 1.5},
         "debugger.attach": {"attached": True},
         "processor.reset": {},
     }

@@ -1,4 +1,4 @@
-// The settings of the ITM and the debugger.
+// The settings of the ITM, the debugger and the live page.
 #pragma once
 
 #include "base/setting_fields.h"
@@ -44,6 +44,19 @@ struct GdbSettings {
                .by({"--gdb-history", "[MB]",
                     "Let the debugger go back, with so much memory for the past (64 MB)",
                     SettingOption::Form::optional_value, "64"})};
+};
+
+struct ViewSettings {
+  Settings& all;
+  IntegerField port{
+      all, setting("view.port", SettingKind::integer, "-1",
+                   "port of the live page, on the loopback interface; 0: a free one, -1: none")
+               .in(-1, 65535)
+               .is_place()
+               .by({"--view", "[PORT]",
+                    "Show the run live on a page for a browser (default: a free port); it begins "
+                    "when the page opens, at the speed of --realtime",
+                    SettingOption::Form::optional_value, "0"})};
 };
 
 }  // namespace capsoc::run

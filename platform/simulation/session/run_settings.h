@@ -139,6 +139,7 @@ class RunSettings : public Settings {
                       "answers",
                       SettingOption::Form::flag, "true"})};
   GdbSettings gdb{*this};
+  ViewSettings view{*this};
   InjectSettings inject{*this};
   CheckpointSettings checkpoint{*this};
   ResultSettings results{*this};

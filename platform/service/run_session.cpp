@@ -1,0 +1,183 @@
+#include "service/run_session.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "host/console.h"
+#include "results/results.h"
+
+namespace capsoc::service {
+namespace {
+
+/// Whoever ended the simulation's process: it did not end well.
+Json ended_badly(const Answer& refusal) {
+  return {{"code", run::exit_code::internal}, {"lost", {refusal.sentence}}};
+}
+
+}  // namespace
+
+RunSession::RunSession(ChildSession session, const run::RunSettings& settings)
+    : session_(std::move(session)) {
+  divide(settings);
+}
+
+/// What the session is given of the settings, and what is left for the terminal.
+void RunSession::divide(const run::RunSettings& settings) {
+  using Place = Stream::Place;
+  session_file_ = settings.results.session();
+  for (const Setting& setting : settings.all())
+    if (setting.source != SettingSource::built_in) settings_[setting.path] = setting.value;
+  for (const Setting& own :
+       {settings.gdb.port.about(), settings.gdb.halt.about(), settings.gdb.history_mb.about(),
+        settings.results.json.about(), settings.results.html.about(),
+        settings.results.session.about(), settings.view.port.about()})
+    settings_.erase(own.path);
+  // A page paces the run itself.
+  if (settings.view.port() >= 0) settings_.erase(settings.limits.realtime.about().path);
+  if (settings.gdb.history_mb() > 0)
+    settings_["history_mb"] = static_cast<uint64_t>(settings.gdb.history_mb());
+  if (settings.results.wants_curves()) settings_[settings.results.curves.about().path] = "true";
+  const auto place_of = [](const std::string& backend) {
+    if (backend == "stderr") return Place::error;
+    return backend == "stdout" || backend == "stdio" ? Place::output : Place::nowhere;
+  };
+  for (std::size_t n = 0; n < settings.uarts.lines.size(); ++n) {
+    const TextField& backend = settings.uarts.lines[n].backend;
+    const Place place = place_of(backend());
+    streams_.push_back(
+        {fmt::format("uart{}", n), "uart.read", {{"uart", n}, {"raw", true}}, place});
+    if (place == Place::nowhere) continue;
+    settings_[backend.about().path] = "null";
+    if (backend() == "stdio") keyboard_ = static_cast<int>(n);
+  }
+  streams_.push_back({"itm", "itm.read", {{"raw", true}}, place_of(settings.itm.backend())});
+  streams_.push_back({"semihosting",
+                      "semihosting.read",
+                      {{"raw", true}},
+                      place_of(settings.semihosting.console())});
+}
+
+Result<RunSession> RunSession::start(const run::RunSettings& settings,
+                                     const std::string& asked_by) {
+  if (settings.semihosting.console() == "stdio")
+    return Error{fmt::format(
+        "{}: stdio reads standard input when the program asks, which {} cannot repeat; take stderr "
+        "or stdout",
+        settings.semihosting.console.about().name(), asked_by)};
+  auto child = ChildSession::start();
+  if (!child) return Error{child.error()};
+  RunSession session(std::move(child.value()), settings);
+  if (auto error = session.construct(asked_by)) return *error;
+  return session;
+}
+
+std::optional<Error> RunSession::construct(const std::string& asked_by) {
+  const Answer constructed =
+      client().call("simulation.construct", {{"settings", std::move(settings_)}});
+  if (constructed.code == Code::no_simulation) {
+    gone_ = ended_badly(constructed);
+    return std::nullopt;
+  }
+  if (!constructed.ok()) return Error{constructed.sentence};
+  simulation_ = constructed.result.at("simulation").get<uint64_t>();
+  const Answer history = ask("history.when");
+  if (history.ok() && !history.result.at("kept").get<bool>())
+    return Error{fmt::format("{}: there is no history: {}", asked_by,
+                             history.result.at("why").get<std::string>())};
+  return std::nullopt;
+}
+
+Answer RunSession::ask(const std::string& method, Json parameters) {
+  parameters["simulation"] = simulation_;
+  return client().call(method, std::move(parameters));
+}
+
+std::vector<Answer> RunSession::ask_all(Questions questions) {
+  std::vector<uint64_t> numbers;
+  std::vector<Answer> answers;
+  for (auto& [method, parameters] : questions) {
+    parameters["simulation"] = simulation_;
+    numbers.push_back(client().send(method, std::move(parameters)));
+  }
+  constexpr std::chrono::milliseconds a_while{1000};
+  for (const uint64_t number : numbers) {
+    std::optional<Answer> answer;
+    while (!answer) answer = client().wait(number, a_while);
+    answers.push_back(std::move(*answer));
+  }
+  return answers;
+}
+
+void RunSession::hear(Heard heard) {
+  heard_ = std::move(heard);
+}
+
+bool RunSession::is_read(const Stream& stream) const {
+  return stream.place != Stream::Place::nowhere || (heard_ && stream.method == "uart.read");
+}
+
+void RunSession::show() {
+  Questions questions;
+  for (const Stream& stream : streams_)
+    if (is_read(stream)) questions.emplace_back(stream.method, stream.parameters);
+  const std::vector<Answer> answers = ask_all(std::move(questions));
+  auto next = answers.begin();
+  for (const Stream& stream : streams_) {
+    if (!is_read(stream)) continue;
+    const Answer& answer = *next++;
+    if (!answer.ok()) continue;
+    if (stream.place != Stream::Place::nowhere)
+      bytes_lost_ += answer.result.at("lost").get<uint64_t>();
+    const std::string text = bytes_in(answer.result.at("text"), answer.frames);
+    if (text.empty()) continue;
+    if (heard_) heard_(stream.name, text);
+    if (stream.place == Stream::Place::error)
+      host::say(std::string_view(text));
+    else if (stream.place == Stream::Place::output)
+      host::print(std::string_view(text));
+  }
+}
+
+void RunSession::read_keys() {
+  if (keyboard_ < 0) return;
+  pollfd keys{STDIN_FILENO, POLLIN, 0};
+  if (poll(&keys, 1, 0) <= 0) return;
+  char buffer[4096];
+  const ssize_t count = read(STDIN_FILENO, buffer, sizeof buffer);
+  if (count <= 0) {
+    keyboard_ = -1;
+    return;
+  }
+  Json bytes = Json::array();
+  for (ssize_t i = 0; i < count; ++i) bytes.push_back(static_cast<uint8_t>(buffer[i]));
+  ask("uart.send", {{"uart", keyboard_}, {"bytes", std::move(bytes)}});
+}
+
+void RunSession::record() {
+  if (session_file_.empty()) return;
+  const Answer answer = ask("simulation.record", {{"file", session_file_}});
+  if (!answer.ok()) lost_.push_back(answer.sentence);
+}
+
+Json RunSession::finish(const std::function<void()>& before) {
+  if (is_gone()) return gone_;
+  record();
+  if (before) before();
+  const Answer answer = ask("simulation.finish");
+  show();
+  Json finished = answer.ok() ? answer.result : ended_badly(answer);
+  if (bytes_lost_ > 0)
+    lost_.push_back(
+        fmt::format("{} bytes that the program said were too many to be shown", bytes_lost_));
+  for (const std::string& sentence : lost_) finished["lost"].push_back(sentence);
+  if (!lost_.empty() && finished["code"] == Json(run::exit_code::pass))
+    finished["code"] = run::exit_code::lost;
+  return finished;
+}
+
+}  // namespace capsoc::service

@@ -1,0 +1,79 @@
+// A run of the command line as one simulation of a session, seen from the program that was started.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/result.h"
+#include "service/message.h"
+#include "service/session_client.h"
+#include "session/run_settings.h"
+
+namespace capsoc::service {
+
+/// Owns the session and its one simulation. What the program says on standard streams is written
+/// there once, however often the past is simulated again.
+class RunSession {
+ public:
+  /// Text that a stream of the program sent: "uart0" to "uart4", "itm", "semihosting".
+  using Heard = std::function<void(const std::string& stream, const std::string& bytes)>;
+
+  /// Constructs the simulation. `asked_by`: the option that needs the history, for sentences. An
+  /// Error: a wrong input, or settings that allow no history; nothing was simulated. Before this
+  /// process has a thread.
+  static Result<RunSession> start(const run::RunSettings& settings, const std::string& asked_by);
+
+  SessionClient& client() { return session_.client(); }
+  uint64_t simulation() const { return simulation_; }
+  /// Whoever ended the simulation's process before it was constructed: it did not end well.
+  bool is_gone() const { return !gone_.is_null(); }
+
+  /// Asks about the simulation, and waits for the answer.
+  Answer ask(const std::string& method, Json parameters = Json::object());
+  /// Sends all questions before it waits for the first answer.
+  using Questions = std::vector<std::pair<std::string, Json>>;
+  std::vector<Answer> ask_all(Questions questions);
+  /// Reads all UARTs from here on, also those that standard streams do not show.
+  void hear(Heard heard);
+  /// Writes what the program said to the standard streams.
+  void show();
+  /// Sends what was typed, if a UART reads standard input.
+  void read_keys();
+  bool reads_keys() const { return keyboard_ >= 0; }
+  /// A sentence about an output that is not whole; the run is no pass.
+  void lose(std::string sentence) { lost_.push_back(std::move(sentence)); }
+  /// Writes the recording that the settings ask for, and ends the run. `before`: is done between
+  /// both. The answer of simulation.finish.
+  Json finish(const std::function<void()>& before = nullptr);
+
+ private:
+  /// A stream of the program: how it is read, and where it is shown.
+  struct Stream {
+    enum class Place { nowhere, output, error };
+    std::string name, method;
+    Json parameters;
+    Place place;
+  };
+
+  RunSession(ChildSession session, const run::RunSettings& settings);
+  std::optional<Error> construct(const std::string& asked_by);
+  void divide(const run::RunSettings& settings);
+  bool is_read(const Stream& stream) const;
+  void record();
+
+  ChildSession session_;
+  uint64_t simulation_ = 0;
+  Json settings_ = Json::object(), gone_;
+  std::vector<Stream> streams_;
+  std::string session_file_;  ///< "": none
+  int keyboard_ = -1;         ///< the UART that reads standard input; -1: none
+  Heard heard_;
+  std::vector<std::string> lost_;  ///< a sentence for each output that is not whole
+  uint64_t bytes_lost_ = 0;
+};
+
+}  // namespace capsoc::service
