@@ -11,6 +11,8 @@ namespace capsoc::cli {
 void add_run(CLI::App& app, int& code);
 /// With those options of settings alone that are among the command line's words.
 void add_run(CLI::App& app, int& code, const std::vector<std::string>& words);
+/// run with a page for a browser.
+void add_view(CLI::App& app, int& code);
 void add_fit(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
 void add_reproduce(CLI::App& app, int& code);

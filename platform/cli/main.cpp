@@ -83,6 +83,7 @@ struct Command {
 
 constexpr Command commands[] = {
     {"run", cli::add_run},
+    {"view", cli::add_view},
     {"fit", cli::add_fit},
     {"info", cli::add_info},
     {"reproduce", cli::add_reproduce},

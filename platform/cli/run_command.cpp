@@ -21,6 +21,7 @@
 #include "session/run_files.h"
 #include "session/run_settings.h"
 #include "session/simulation.h"
+#include "view/view.h"
 
 namespace capsoc::cli {
 namespace {
@@ -121,12 +122,13 @@ int code_of_refusal() {
   return host::is_ending() ? run::exit_code::limit : run::exit_code::usage;
 }
 
-/// With a debugger that can go back, or a session that can be simulated again.
+/// With a page, a debugger that can go back, or a session that can be simulated again.
 int run_in_session(const run::RunSettings& settings) {
   if (settings.gdb.history_mb() > 0 && settings.gdb.port() < 0)
     return refuse(
         fmt::format("{} is for a debugger: add --gdb", settings.gdb.history_mb.about().name()));
-  const auto finished = service::run_in_session(settings);
+  const bool is_viewed = settings.view.port() >= 0;
+  const auto finished = is_viewed ? view::run_in_view(settings) : service::run_in_session(settings);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   service::Json answer = finished.value();
   if (const int signal = host::noted_signal(); signal != 0) {
@@ -176,7 +178,8 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (arguments.list_places) return list_fault_places(settings);
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
-  if (settings.gdb.history_mb() > 0 || !settings.results.session.empty())
+  if (settings.view.port() >= 0 || settings.gdb.history_mb() > 0 ||
+      !settings.results.session.empty())
     return run_in_session(settings);
   auto result = run::run(settings);
   if (!result) return refuse(result.error(), code_of_refusal());
@@ -232,12 +235,27 @@ bool may_be_set(const SettingOption& option, const std::vector<std::string>& wor
   });
 }
 
+/// A command that runs firmware, and what it has given before the command line is read.
+struct RunCommand {
+  const char *name, *help;
+  std::vector<Given> given = {};
+};
+
+const RunCommand plain_run = {
+    "run", "Run firmware on the SoC; without arguments: calibrate the sensor of Eq (21)"};
+
+/// Ten times as fast as the shaft turns: a person sees it learn, and the main job takes 42 s.
+const RunCommand viewed_run = {
+    "view",
+    "As run --view --realtime 10: show the run live on a page for a browser",
+    {{"view.port", "0", "view"}, {"run.realtime", "10", "view"}}};
+
 /// Declares the command with the options of those settings that `is_needed`.
-void declare_run(CLI::App& app, int& code,
+void declare_run(CLI::App& app, int& code, const RunCommand& command,
                  const std::function<bool(const SettingOption&)>& is_needed) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* run = app.add_subcommand(
-      "run", "Run firmware on the SoC; without arguments: calibrate the sensor of Eq (21)");
+  arguments->options = command.given;
+  CLI::App* run = app.add_subcommand(command.name, command.help);
   auto settings = std::make_shared<run::RunSettings>();
   for (const Setting& setting : settings->all())
     if (!setting.command.name.empty() && is_needed(setting.command))
@@ -262,11 +280,15 @@ void declare_run(CLI::App& app, int& code,
 }  // namespace
 
 void add_run(CLI::App& app, int& code) {
-  declare_run(app, code, [](const SettingOption&) { return true; });
+  declare_run(app, code, plain_run, [](const SettingOption&) { return true; });
+}
+
+void add_view(CLI::App& app, int& code) {
+  declare_run(app, code, viewed_run, [](const SettingOption&) { return true; });
 }
 
 void add_run(CLI::App& app, int& code, const std::vector<std::string>& words) {
-  declare_run(app, code,
+  declare_run(app, code, plain_run,
               [&words](const SettingOption& option) { return may_be_set(option, words); });
 }
 

@@ -84,6 +84,9 @@ class Pages(unittest.TestCase):
     def test_safety(self):
         self.run_page("safety.md")
 
+    def test_view(self):
+        self.run_page("view.md")
+
     def test_papers(self):
         self.run_page("papers.md")
 

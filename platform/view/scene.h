@@ -1,0 +1,70 @@
+// What the pages are told of a run, asked of its session.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "service/run_session.h"
+#include "view/curves.h"
+#include "view/hub.h"
+
+namespace capsoc::view {
+
+/// What the run is doing, in the page's words.
+struct Status {
+  std::string mode;      ///< waiting, running, paused, asleep, over, ended
+  double speed = 0;      ///< simulated seconds a second of the host; 0: as fast as it can
+  std::string reason;    ///< why it stands; "": nothing to say
+  uint64_t command = 0;  ///< the last one that was carried out
+  double host_s = 0;     ///< that it has been played for, frames included
+};
+
+/// Collects a frame from the session's answers. Asks only what has no side effect on the run.
+class Scene {
+ public:
+  explicit Scene(service::RunSession& session);
+
+  /// Publishes what is new. The simulation stands.
+  void publish(Hub& hub, const Status& status);
+  /// The last frame, with the answer of simulation.finish; may be asked for without a simulation.
+  void publish_end(Hub& hub, const Status& status, const Json& finished);
+
+  /// The simulation went somewhere else, or its sensor changed.
+  void moved();
+  /// A peripheral by its SVD name. False: there is none.
+  bool show_registers(const std::string& peripheral);
+  /// A sentence for the pages, with the next frame.
+  void say(const std::string& sentence) { said_.push_back(sentence); }
+
+  /// Where the simulation is, as simulation.state answered last.
+  const Json& state() const { return state_; }
+  double time_s() const { return state_.value("time_s", 0.0); }
+  /// Of the shaft, turns a second; 0: not known, or not one value.
+  double frequency_hz() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void look(const Status& status);
+  void read_samples();
+  void read_registers();
+  Json update(const Status& status);
+  void send(Hub& hub, const Status& status, const Json* finished);
+
+  service::RunSession& session_;
+  Curves curves_;
+  uint64_t next_sample_ = 0;
+  Json state_ = Json::object(), sensor_, history_, coprocessor_, status_register_, flags_register_;
+  Json place_, registers_ = Json::array();
+  std::map<std::string, std::vector<std::string>> peripherals_;
+  std::string peripheral_ = "COPROCESSOR";
+  std::map<std::string, std::string> new_text_, all_text_;
+  std::vector<std::string> said_;
+  bool is_moved_ = true;
+  Clock::time_point registers_read_;
+};
+
+}  // namespace capsoc::view

@@ -1,0 +1,29 @@
+#include "view/view.h"
+
+#include <utility>
+
+#include "host/console.h"
+#include "host/end_signals.h"
+#include "service/run_session.h"
+#include "view/http_server.h"
+#include "view/hub.h"
+#include "view/player.h"
+
+namespace capsoc::view {
+
+Result<service::Json> run_in_view(const run::RunSettings& settings) {
+  const std::string option = settings.view.port.about().name();
+  if (settings.gdb.port() >= 0)
+    return Error{option + ": a debugger cannot steer the same run; leave out --gdb"};
+  host::note_end_signals();
+  auto session = service::RunSession::start(settings, option);
+  if (!session) return Error{session.error()};
+  if (session.value().is_gone()) return session.value().finish();
+  Hub hub;
+  auto server = HttpServer::start(static_cast<uint16_t>(settings.view.port()), hub);
+  if (!server) return Error{server.error()};
+  host::say("view: {}\n", server.value()->url());
+  return Player(std::move(session.value()), hub, settings.limits.realtime()).perform();
+}
+
+}  // namespace capsoc::view

@@ -1,0 +1,16 @@
+// A run that a browser shows and steers (docs/view.md).
+#pragma once
+
+#include "base/result.h"
+#include "service/message.h"
+#include "session/run_settings.h"
+
+namespace capsoc::view {
+
+/// Runs what the settings say in a session of its own, under the pages at view.port, whose address
+/// is printed on standard error. It begins when a page is open, at the speed of run.realtime, and
+/// ends when a page or a signal ends it. The answer of simulation.finish; errors as
+/// service::run_in_session(). Before this process has a thread.
+Result<service::Json> run_in_view(const run::RunSettings& settings);
+
+}  // namespace capsoc::view

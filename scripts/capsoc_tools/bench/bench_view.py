@@ -1,0 +1,119 @@
+"""What the live page costs: the main job at full speed by itself, in a session, and with a page that reads every frame.
+
+The three alternate in one run. The time is that of the simulation from its first to its last instant; of the page, with all
+that is done between its slices. Then what a paced run costs beside the simulation.
+
+    scripts/tool bench_view [--repeat N] [--capsoc FILE]
+"""
+
+import argparse
+import http.client
+import json
+import os
+import re
+import statistics
+import subprocess
+import tempfile
+from pathlib import Path
+
+BUILD = Path(__file__).resolve().parents[3] / "build"
+
+
+class Page:
+    """capsoc run --view, and a reader of its frames."""
+
+    def __init__(self, capsoc, *options):
+        self.process = subprocess.Popen(
+            [capsoc, "run", "--uart0", "null", "--view", *options], stderr=subprocess.PIPE, text=True
+        )
+        found = re.search(r"127\.0\.0\.1:(\d+)/\?token=(\w+)", self.process.stderr.readline())
+        self.port, self.token = int(found[1]), found[2]
+        self.connection = http.client.HTTPConnection("127.0.0.1", self.port)
+        self.connection.request("GET", f"/events?token={self.token}")
+        self.answer = self.connection.getresponse()
+
+    def frames(self):
+        """Each frame as it comes."""
+        while line := self.answer.readline():
+            if line.startswith(b"data: "):
+                yield json.loads(line[6:])
+
+    def close(self):
+        """The page ends the run."""
+        with_token = http.client.HTTPConnection("127.0.0.1", self.port)
+        with_token.request("POST", "/do", '{"do": "end"}', {"X-Capsoc-Token": self.token})
+        with_token.getresponse().read()
+        with_token.close()
+        self.answer.close()
+        self.connection.close()
+        self.process.stderr.read()
+        self.process.wait()
+        self.process.stderr.close()
+
+
+def time_without_page(capsoc, folder, *options):
+    """Seconds of the host that the run's result tells."""
+    result = Path(folder) / "r.json"
+    command = [capsoc, "run", "--uart0", "null", "--json", result, *options]
+    subprocess.run(command, stderr=subprocess.DEVNULL, check=True)
+    return json.loads(result.read_text(encoding="utf-8"))["time"]["wall_s"]
+
+
+def time_with_page(capsoc):
+    """Seconds of the host that the last frame tells, and how many frames there were."""
+    page, count = Page(capsoc), 0
+    for frame in page.frames():
+        count += 1
+        if frame["mode"] == "over":
+            break
+    page.close()
+    return frame["host_s"], count
+
+
+def processor_time(process):
+    """Seconds of one process (Linux)."""
+    fields = Path(f"/proc/{process}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def paced(capsoc, seconds=10):
+    """(updates a second, processor time a second of the page's side) of a run at the shaft's own speed."""
+    page, count, begin = Page(capsoc, "--realtime", "1"), 0, None
+    for frame in page.frames():
+        if frame["mode"] == "running" and begin is None:
+            begin, used = frame["host_s"], processor_time(page.process.pid)
+        count += begin is not None
+        if begin is not None and frame["host_s"] > begin + seconds:
+            break
+    share = (processor_time(page.process.pid) - used) / (frame["host_s"] - begin)
+    page.close()
+    return count / seconds, share
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repeat", type=int, default=15, help="runs of each kind")
+    parser.add_argument("--capsoc", default=BUILD / "capsoc", help="the program")
+    chosen = parser.parse_args()
+    times = {"by itself": [], "in a session": [], "with a page": []}
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(chosen.repeat):
+            times["by itself"].append(time_without_page(chosen.capsoc, folder))
+            session = ("--record-session", str(Path(folder) / "a.session"))
+            times["in a session"].append(time_without_page(chosen.capsoc, folder, *session))
+            taken, frames = time_with_page(chosen.capsoc)
+            times["with a page"].append(taken)
+    print(f"{'main job':14} {'least':>8} {'median':>8}   speed of the run by itself (least, median)")
+    alone = times["by itself"]
+    for name, taken in times.items():
+        least, median = min(taken), statistics.median(taken)
+        print(
+            f"{name:14} {least:7.3f}s {median:7.3f}s   {min(alone) / least:.0%} {statistics.median(alone) / median:.0%}"
+        )
+    print(f"frames of the last run with a page: {frames}")
+    updates, share = paced(chosen.capsoc)
+    print(f"at the shaft's own speed: {updates:.0f} updates a second, {share:.1%} of a core for the page's side")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""The live page in a real browser: it opens, draws, is used by keyboard, fits a narrow window and a dark one."""
+
+import time
+import unittest
+
+from capsoc_tools import browser
+from harness import FIRMWARE
+from view_case import Events, ViewCase
+
+CTEST = {"name": "view: page", "timeout": 300}
+
+#: How many pixels of a canvas are drawn on.
+PAINTED = """
+const canvas = document.getElementById(arguments[0]), copy = new OffscreenCanvas(canvas.width, canvas.height);
+const pen = copy.getContext('2d', {willReadFrequently: true});
+pen.drawImage(canvas, 0, 0);
+const pixels = pen.getImageData(0, 0, canvas.width, canvas.height).data;
+let count = 0;
+for (let i = 3; i < pixels.length; i += 4) count += pixels[i] > 0;
+return count;
+"""
+
+
+class Page(ViewCase):
+    """One browser a test."""
+
+    def setUp(self):
+        super().setUp()
+        if reason := browser.missing():
+            self.fail(reason)
+        self.browser = browser.Browser()
+        self.addCleanup(self.browser.close)
+
+    def open(self, view):
+        self.browser.do("POST", "/url", {"url": view.url})
+        self.browser.wait("return document.documentElement.dataset.mode", "a frame is there")
+
+    def mode(self, mode):
+        self.browser.wait(f"return document.documentElement.dataset.mode === '{mode}'", f"the run is {mode}")
+
+    def text(self, name):
+        return self.browser.run("return document.getElementById(arguments[0]).textContent", name)
+
+    def painted(self, name):
+        return self.browser.run(PAINTED, name)
+
+    def press(self, name, *keys):
+        """Keys on an element that has the focus."""
+        self.browser.run("document.getElementById(arguments[0]).focus()", name)
+        self.browser.press(*keys)
+
+    def check_clean(self, view):
+        """Nothing complained, and nothing else was asked for."""
+        self.assertEqual(self.browser.console(), [])
+        for address in self.browser.requests():
+            self.assertTrue(address.startswith(f"http://127.0.0.1:{view.port}/"), address)
+
+    def test_curves_appear(self):
+        view = self.view("--uart0", "null")
+        begin = time.monotonic()
+        self.open(view)
+        self.assertLess(time.monotonic() - begin, 5)
+        self.mode("over")
+        for name, least in (
+            ("raw", 1000),
+            ("calibrated", 1000),
+            ("dial", 1000),
+            ("parameters", 2000),
+            ("errors", 2000),
+        ):
+            self.assertGreater(self.painted(name), least, name)
+        values = self.browser.run(
+            "return [...document.querySelectorAll('#values tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"
+        )
+        self.assertEqual([row[0] for row in values], ["a1", "a2", "b1", "b2", "beta_rad"])
+        for name, found, true, _ in values:
+            self.assertAlmostEqual(float(found), float(true), 4, name)
+        self.assertIn("VALID 1", self.text("verdict"))
+        self.assertIn("flag LOCKCHG 1", self.text("verdict"))
+        self.assertIn("self-calibration", self.text("terminal"))
+        self.assertIn("STATUS", self.text("registers"))
+        self.check_clean(view)
+        self.press("end", "Enter")
+        self.mode("ended")
+        self.assertIn("exit code 0: the firmware ended with status 0", self.text("result"))
+        view.process.communicate(timeout=60)
+        self.assertEqual(view.process.returncode, 0)
+
+    def test_by_keyboard(self):
+        view = self.view("--uart0", "null", "--realtime", "10", "--record-session", "a.session")
+        self.open(view)
+        self.mode("running")
+        self.press("play", "Enter")
+        self.mode("paused")
+        self.assertIn(
+            "firmware/", self.browser.wait("return document.getElementById('where').textContent", "where it is")
+        )
+        samples = self.browser.run("return document.getElementById('line').textContent")
+        self.press("sample", " ")
+        self.browser.wait("return document.getElementById('line').textContent.includes('one sample')", samples)
+        self.press("turn", "Enter")
+        self.browser.wait("return document.getElementById('line').textContent.includes('one turn')", "one turn")
+        self.press("past", "Home")
+        self.browser.wait("return document.getElementById('line').textContent.includes(': 0.000 s')", "the beginning")
+        self.assertIn("to 2", self.text("time"))
+        self.press("past", "End")
+        self.browser.wait("return /: 2[0-9]\\.[0-9]+ s/.test(document.getElementById('line').textContent)", "the end")
+        self.browser.run(
+            "document.querySelector('[name=a1]').value = '0.5'; document.querySelector('[name=a1]').focus()"
+        )
+        self.browser.press("Enter")
+        self.browser.wait("return document.getElementById('time').textContent.includes('1 changes')", "a1 is changed")
+        self.assertEqual(
+            self.browser.run("return document.querySelectorAll('#values tbody tr')[0].cells[2].textContent"), "0.5"
+        )
+        self.press("reset", "Tab", "Tab")
+        names = self.browser.run(
+            "return [...document.querySelectorAll('button, select, input')].map((e) => e.textContent.trim() || e.labels[0]?.textContent.trim() || '')"
+        )
+        self.assertNotIn("", names)
+        nodes = self.browser.accessibility_tree()
+        named = {"button", "slider", "textbox", "combobox", "spinbutton", "img"}
+        roles = [(n["role"]["value"], n.get("name", {}).get("value")) for n in nodes if not n.get("ignored")]
+        self.assertEqual([each for each in roles if each[0] in named and not each[1]], [])
+        self.assertGreater(len([each for each in roles if each[0] in named]), 20)
+        self.check_clean(view)
+        self.press("end", "Enter")
+        view.process.communicate(timeout=60)
+        self.assertIn("the same until", self.run_plain("replay", "a.session")[1])
+
+    def test_narrow_and_dark(self):
+        view = self.view("--uart0", "null")
+        self.open(view)
+        self.mode("over")
+        backs = set()
+        for dark in (False, True):
+            for width in (400, 800, 1400):
+                self.browser.emulate(width=width, dark=dark)
+                wide, outside = self.browser.run(
+                    """return [document.documentElement.scrollWidth, [...document.querySelectorAll('main > *, canvas, button, input, select, pre')]
+                    .filter((e) => { const b = e.getBoundingClientRect(); return b.width && (b.left < -0.5 || b.right > innerWidth + 0.5); }).map((e) => e.id)]"""
+                )
+                self.assertEqual((wide, outside), (width, []), (width, dark))
+                self.assertGreater(self.painted("parameters"), 800)
+            backs.add(self.browser.run("return getComputedStyle(document.body).backgroundColor"))
+        self.assertEqual(backs, {"rgb(255, 255, 255)", "rgb(18, 22, 27)"})
+        self.check_clean(view)
+
+    def test_ten_tabs(self):
+        view = self.view("--uart0", "null", "--realtime", "20")
+        self.open(view)
+        for _ in range(9):
+            handle = self.browser.do("POST", "/window/new", {"type": "tab"})["handle"]
+            self.browser.do("POST", "/window", {"handle": handle})
+            self.open(view)
+            self.mode("running")
+        self.press("play", "Enter")
+        self.mode("paused")
+        handles = self.browser.do("GET", "/window/handles")
+        self.assertEqual(len(handles), 10)
+        self.browser.do("POST", "/window", {"handle": handles[0]})
+        self.mode("paused")
+        # The tab that listened is closed; another one takes its place.
+        self.browser.do("DELETE", "/window")
+        self.browser.do("POST", "/window", {"handle": handles[5]})
+        self.press("play", "Enter")
+        self.mode("running")
+        self.assertGreater(len(Events(view).until(lambda frame: frame["mode"] == "running")), 0)
+
+    def test_what_a_program_sends_is_text(self):
+        view = self.view(FIRMWARE / "echo.elf")
+        self.open(view)
+        self.mode("asleep")
+        hostile = "<img src=x onerror=window.hacked=1></pre><script>window.hacked=2</script>"
+        view.tell("uart", uart=0, text=chr(len(hostile)) + "\0\0\0" + hostile)
+        self.mode("over")
+        self.assertEqual(self.text("terminal")[4:], hostile)
+        self.assertIsNone(self.browser.run("return window.hacked ?? null"))
+        self.check_clean(view)
+
+
+if __name__ == "__main__":
+    unittest.main()
