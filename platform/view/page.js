@@ -158,7 +158,7 @@ function until_now() {
 function draw_signals() {
   const s = seen.samples, end = until_now(), hz = Math.abs((((seen.sensor || {}).parameters || {}).frequency_hz)) || 0;
   let begin = Math.max(0, end - 500);
-  if (hz) while (begin < end - 2 && s.t[begin] < s.t[end - 1] - 2 / hz) ++begin;
+  if (hz) for (begin = Math.max(0, end - 1); begin > 0 && s.t[begin - 1] >= s.t[end - 1] - 2 / hz;) --begin;
   const u = (s.u || []).slice(begin, end), v = (s.v || []).slice(begin, end);
   lissajous("raw", u, v, 1.1, colour("--line-1"));
   const points = [];
@@ -180,7 +180,7 @@ function draw_dial(i) {
   const truth = s.angle_deg[i] ?? NaN, found = s.found_deg[i] ?? (point ? degrees(point) : NaN);
   hand(truth, colour("--line-2"), 0.95, 6); hand(found, colour("--line-1"), 0.8, 2);
   $("angles").textContent = `True (thick) ${shown(truth)}, found (thin) ${shown(found)}, apart ${shown(wrap(found - truth), 3)} degrees` +
-    (s.found_deg[i] === null ? "; the chip is still learning, so this is what its parameters give" : "");
+    (s.found_deg[i] === null ? "; the chip gives no angle, so this is what its parameters give" : "");
 }
 
 function draw_curves() {
