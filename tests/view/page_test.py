@@ -71,7 +71,8 @@ class Page(ViewCase):
         ):
             self.assertGreater(self.painted(name), least, name)
         values = self.browser.run(
-            "return [...document.querySelectorAll('#values tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"
+            """return [...document.querySelectorAll('#values tbody tr')]
+            .map((row) => [...row.cells].map((cell) => cell.textContent))"""
         )
         self.assertEqual([row[0] for row in values], ["a1", "a2", "b1", "b2", "beta_rad"])
         for name, found, true, _ in values:
@@ -116,7 +117,8 @@ class Page(ViewCase):
         )
         self.press("reset", "Tab", "Tab")
         names = self.browser.run(
-            "return [...document.querySelectorAll('button, select, input')].map((e) => e.textContent.trim() || e.labels[0]?.textContent.trim() || '')"
+            """return [...document.querySelectorAll('button, select, input')]
+            .map((e) => e.textContent.trim() || e.labels[0]?.textContent.trim() || '')"""
         )
         self.assertNotIn("", names)
         nodes = self.browser.accessibility_tree()
@@ -138,8 +140,12 @@ class Page(ViewCase):
             for width in (400, 800, 1400):
                 self.browser.emulate(width=width, dark=dark)
                 wide, outside = self.browser.run(
-                    """return [document.documentElement.scrollWidth, [...document.querySelectorAll('main > *, canvas, button, input, select, pre')]
-                    .filter((e) => { const b = e.getBoundingClientRect(); return b.width && (b.left < -0.5 || b.right > innerWidth + 0.5); }).map((e) => e.id)]"""
+                    """
+                    const inside = (b) => !b.width || (b.left >= -0.5 && b.right <= innerWidth + 0.5);
+                    const parts = [...document.querySelectorAll('main > *, canvas, button, input, select, pre')];
+                    const outside = parts.filter((e) => !inside(e.getBoundingClientRect())).map((e) => e.id);
+                    return [document.documentElement.scrollWidth, outside];
+                    """
                 )
                 self.assertEqual((wide, outside), (width, []), (width, dark))
                 self.assertGreater(self.painted("parameters"), 800)
