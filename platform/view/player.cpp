@@ -109,16 +109,17 @@ void Player::play_at_once() {
 }
 
 void Player::play_paced() {
-  const double host_s = std::chrono::duration<double>(Clock::now() - pace_begin_).count();
+  const auto begin = Clock::now();
+  const double host_s = std::chrono::duration<double>(begin - pace_begin_).count();
   const double target = pace_begin_s_ + status_.speed * host_s;
-  if (target > scene_.time_s()) {
-    is_cut_ = false;
-    advance("simulation.advance", {{"until_s", target}}, slice());
-  }
+  is_cut_ = false;
+  if (target > scene_.time_s()) advance("simulation.advance", {{"until_s", target}}, slice());
   publish();
   // A host that is too slow for the pace does not catch up later.
   if (is_cut_) begin_pace();
-  const milliseconds left = slice() - std::min(slice(), since(pace_begin_) % slice());
+  // The simulation has time to spare, so a frame may cost more of it than at full speed.
+  const milliseconds between = hub_.viewers() == 0 ? frame_alone : frame;
+  const milliseconds left = between - std::min(between, since(begin));
   if (status_.mode == "running" && !hub_.has_commands()) hub_.wait(left);
 }
 
