@@ -1,4 +1,4 @@
-"""What the live page costs: the main job at full speed by itself, in a session, and with a page that reads every frame.
+"""What the live page costs: a long main job at full speed by itself, in a session, and with a page that reads every frame.
 
 The three alternate in one run. The time is that of the simulation from its first to its last instant; of the page, with
 all that is done between its slices. Then what a paced run costs beside the simulation.
@@ -52,16 +52,19 @@ class Page:
 
 
 def time_without_page(capsoc, folder, *options):
-    """Seconds of the host that the run's result tells."""
+    """Seconds of the host that a run takes beyond one that ends at once: without its construction."""
     result = Path(folder) / "r.json"
-    command = [capsoc, "run", "--uart0", "null", "--json", result, *options]
-    subprocess.run(command, stderr=subprocess.DEVNULL, check=True)
-    return json.loads(result.read_text(encoding="utf-8"))["time"]["wall_s"]
+    taken = []
+    for limit in ([], ["--simlimit", "1e-6"]):
+        command = [capsoc, "run", "--uart0", "null", "--json", result, *limit, *options]
+        subprocess.run(command, stderr=subprocess.DEVNULL, check=not limit)
+        taken.append(json.loads(result.read_text(encoding="utf-8"))["time"]["wall_s"])
+    return taken[0] - taken[1]
 
 
-def time_with_page(capsoc):
+def time_with_page(capsoc, *options):
     """Seconds of the host that the last frame tells, and how many frames there were."""
-    page, count = Page(capsoc), 0
+    page, count = Page(capsoc, *options), 0
     for frame in page.frames():
         count += 1
         if frame["mode"] == "over":
@@ -92,16 +95,18 @@ def paced(capsoc, seconds=10):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--repeat", type=int, default=15, help="runs of each kind")
+    parser.add_argument("--repeat", type=int, default=6, help="runs of each kind")
+    parser.add_argument("--samples", type=int, default=1_000_000, help="of the job")
     parser.add_argument("--capsoc", default=BUILD / "capsoc", help="the program")
     chosen = parser.parse_args()
+    job = ("-P", f"demodulation_samples={chosen.samples}")
     times = {"by itself": [], "in a session": [], "with a page": []}
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(chosen.repeat):
-            times["by itself"].append(time_without_page(chosen.capsoc, folder))
+            times["by itself"].append(time_without_page(chosen.capsoc, folder, *job))
             session = ("--record-session", str(Path(folder) / "a.session"))
-            times["in a session"].append(time_without_page(chosen.capsoc, folder, *session))
-            taken, frames = time_with_page(chosen.capsoc)
+            times["in a session"].append(time_without_page(chosen.capsoc, folder, *job, *session))
+            taken, frames = time_with_page(chosen.capsoc, *job)
             times["with a page"].append(taken)
     print(f"{'main job':14} {'least':>8} {'median':>8}   speed of the run by itself (least, median)")
     alone = times["by itself"]
