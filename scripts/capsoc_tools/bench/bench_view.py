@@ -1,9 +1,9 @@
-"""What the live page costs: a long main job at full speed by itself, in a session, and with a page that reads every frame.
+"""What the live page costs: a long main job by itself, in a session, and with a page that reads every frame.
 
 The three alternate in one run. The time is that of the simulation from its first to its last instant; of the page, with
 all that is done between its slices. Then what a paced run costs beside the simulation.
 
-    scripts/tool bench_view [--repeat N] [--capsoc FILE]
+    scripts/tool bench_view [--repeat N] [--samples N] [--capsoc FILE]
 """
 
 import argparse
