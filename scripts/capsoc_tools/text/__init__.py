@@ -1,0 +1,1 @@
+"""The English of pages, comments and messages."""

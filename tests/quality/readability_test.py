@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""What scripts/tool readability counts: passages, sentences, listed words."""
+
+import subprocess
+import unittest
+
+from capsoc_tools.text.prose import passages, sentences
+from capsoc_tools.text.readability import figures, listed_words, word_list
+from harness import CLEAN, SOURCE
+
+CTEST = {"name": "quality: readability", "timeout": 300}
+
+PAGE = """# A heading anew
+
+One sentence of [six words](x.md#whoever) here. capsoc is
+the subject of the second one.
+
+    code anew
+
+- An item that goes on in `code anew`.
+
+| name | a cell that somebody reads here |
+|---|---|
+
+```sh
+anew
+```
+"""
+
+CPP = r"""
+#include "anew/anew.h"
+// Nobody reads this comment,
+// which has two lines.
+int a = 1'000;  // A comment at the end.
+//   a table   of columns anew
+const char* text = "a message that "
+                   "nobody reads: {}\n"
+                   "and a second line of that message";
+const char* name = "anew";
+"""
+
+PYTHON = '''"""Documentation that somebody reads."""
+import sys
+# A comment of one line here.
+def f(x):
+    """More words for the caller."""
+    return x + f"the value {x} is not a number"
+'''
+
+
+def found(name, text):
+    return list(passages(name, text))
+
+
+class Passages(unittest.TestCase):
+    def test_a_page(self):
+        self.assertEqual(
+            [(each.kind, each.line, each.text) for each in found("docs/guide/x.md", PAGE)],
+            [
+                (
+                    "pages: guide",
+                    3,
+                    "One sentence of [six words](x.md#whoever) here. capsoc is the subject of the second one.",
+                ),
+                ("pages: guide", 8, "An item that goes on in `code anew`."),
+                ("pages: guide", 10, "name"),
+                ("pages: guide", 10, "a cell that somebody reads here"),
+            ],
+        )
+
+    def test_what_a_tool_writes_into_a_page_is_not_read(self):
+        self.assertEqual(found("x.md", "<!-- Below: written by scripts/tool x. -->\n\nWords.\n"), [])
+
+    def test_cpp(self):
+        self.assertEqual(
+            [(each.kind, each.line, each.text) for each in found("models/x.cpp", CPP)],
+            [
+                ("comments", 3, "Nobody reads this comment, which has two lines."),
+                ("comments", 5, "A comment at the end."),
+                ("messages", 7, "a message that nobody reads: X"),
+                ("messages", 7, "and a second line of that message"),
+            ],
+        )
+        self.assertEqual({each.kind for each in found("tests/x.cpp", CPP)}, {"comments"})
+
+    def test_python(self):
+        self.assertEqual(
+            [(each.kind, each.line, each.text) for each in found("scripts/x.py", PYTHON)],
+            [
+                ("comments", 3, "A comment of one line here."),
+                ("comments", 1, "Documentation that somebody reads."),
+                ("comments", 5, "More words for the caller."),
+                ("messages", 6, "the value X is not a number"),
+            ],
+        )
+
+    def test_sentences(self):
+        page = found("x.md", PAGE)[0]
+        self.assertEqual([count for _, count in sentences(page)], [6, 8])
+
+
+class Words(unittest.TestCase):
+    def said(self, text):
+        return [said for _, said, _ in listed_words(found("x.md", text), word_list())]
+
+    def test_listed_words_stand_outside_of_code_and_links(self):
+        self.assertEqual(self.said(PAGE), ["goes on", "somebody"])
+
+    def test_each_line_of_the_list_has_a_plain_term(self):
+        for pattern, plain in word_list():
+            self.assertGreater(len(plain), 3, pattern.pattern)
+
+    def test_the_house_words_are_found(self):
+        for text, word in {
+            "It vouches for the angle.": "vouches",
+            "The run goes on.": "goes on",
+            "It is drawn anew.": "anew",
+            "RTL is held against the model.": "held against",
+            "A thing of one's own.": "of one's own",
+        }.items():
+            self.assertIn(word, " ".join(self.said(text)), text)
+
+    def test_plain_words_are_not_found(self):
+        self.assertEqual(self.said("The core retires it again. A shaft at rest goes to 0. Outside and inside."), [])
+
+
+class Tool(unittest.TestCase):
+    def tool(self, *arguments):
+        return subprocess.run(
+            [SOURCE / "scripts" / "tool", "readability", *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=CLEAN,
+        )
+
+    def test_figures(self):
+        table = figures(found("docs/guide/x.md", PAGE), word_list(), 7)
+        self.assertEqual(table["pages: guide"], table["pages"])
+        self.assertEqual(table["pages"], [1, 4, 6.75, 8, 1, 2])
+
+    def test_table_and_list(self):
+        done = self.tool("--list", "--above", "5", "LICENSE", "CONTRIBUTING.md")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertRegex(done.stdout, r"CONTRIBUTING.md:\d+: \d+ words: ")
+        self.assertRegex(done.stdout, r"(?m)^pages: others +1 +\d+ +\d+\.\d +\d+ +\d+ +\d+$")
+
+    def test_a_file_that_is_not_there(self):
+        done = self.tool("nowhere.md")
+        said = f"readability: nowhere.md: no such file in {SOURCE}; paths begin at the top folder\n"
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", said))
+
+
+if __name__ == "__main__":
+    unittest.main()
