@@ -45,6 +45,6 @@ install(FILES models/registers/capsoc.svd ${generated}/board.svd DESTINATION ${d
 install(FILES scripts/debugger/svd.py DESTINATION ${data}/gdb COMPONENT data)
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
-install(FILES ${generated}/registers.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT doc)
+install(FILES ${generated}/registers.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs/reference COMPONENT doc)
 install(DIRECTORY ${pages}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT doc)
 install(DIRECTORY ${pages}/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program PATTERN man EXCLUDE)

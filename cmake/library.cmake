@@ -1,4 +1,4 @@
-# The models as libraries (docs/library.md): capsoc::COMPONENT in a build that has capsoc as a subdirectory, and archives,
+# The models as libraries (docs/guide/library.md): capsoc::COMPONENT in a build that has capsoc as a subdirectory, and archives,
 # headers, a CMake package and pkg-config files in an installed tree.
 #
 # capsoc_component(NAME TARGETS ... [NEEDS component...] [PACKAGES package...] [LIBRARIES -l...] [REQUIRES pc...])

@@ -1,6 +1,6 @@
 # cpack -G DEB: packages for the Debian release that they are made on. Needs dpkg-dev and file.
 #   capsoc           the program, the RTL's libraries, firmware, traces, pages
-#   libcapsoc-dev    the models as libraries (docs/library.md)
+#   libcapsoc-dev    the models as libraries (docs/guide/library.md)
 #   python3-capsoc   the Python package and its pytest plugin
 set(CPACK_PACKAGE_NAME capsoc)
 set(CPACK_PACKAGE_VENDOR capsoc)

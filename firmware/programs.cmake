@@ -60,7 +60,7 @@ foreach(level -O0 -O2 -O3)
   endforeach()
 endforeach()
 
-# The driver and program of docs/extending.md's device.
+# The driver and program of docs/developer/extending.md's device.
 capsoc_firmware(crc_unit SOURCES ../tests/examples/crc_unit/main.c OBJECTS runtime)
 
 # Kernels for `capsoc bench cpu`, and programs for the tests of the processor.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What goes together between the units of the coprocessor, as packed structs. Members are unsigned words;
-// docs/coprocessor.md has their formats. A register whose fields go to several units has the type that the register
+// docs/reference/coprocessor.md has their formats. A register whose fields go to several units has the type that the register
 // description makes for it, and its reserved bits are 0.
 //
 // The types belong to no package, and this file is read before the modules: Icarus Verilog 11 aborts at a port of a struct

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Datapath of the coprocessor: the arithmetic of the five stages between the registers, and the words
-// and tags that travel with the samples. docs/coprocessor.md has every format and rounding rule.
+// and tags that travel with the samples. docs/reference/coprocessor.md has every format and rounding rule.
 //
 //   T0 calibrator, T1 polar unit, T3 LMS demodulator, T4 polar unit; LOAD: precise_core or paper_core
 //   T2 reference generator, error average, turn judge, results: the same for both arithmetics

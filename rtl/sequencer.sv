@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sequencer and holding register: which stage of the pipeline holds a sample, and when ticks begin
-// and end. docs/coprocessor.md, "Sequencer: time".
+// and end. docs/reference/coprocessor.md, "Sequencer: time".
 //
 // Latency: a sample that an idle sequencer latches at edge c enters T0 at edge c + 1 and leaves T4
 // five ticks of 32 cycles later, at edge c + 161.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Registers that only software writes and the pipeline reads: CTRL, steps, LOOP, thresholds,
-// JUDGE, TURN_LIMIT (docs/coprocessor.md, "Registers"). Reserved values are refused here.
+// JUDGE, TURN_LIMIT (docs/reference/coprocessor.md, "Registers"). Reserved values are refused here.
 //
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
 module setting_registers #(

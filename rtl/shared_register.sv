@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A register that both software and the pipeline write. At one edge a soft reset wins over the bus
-// and the bus over the pipeline (docs/coprocessor.md, "Order at one edge").
+// and the bus over the pipeline (docs/reference/coprocessor.md, "Order at one edge").
 //
 // Latency: one edge. The register knows no format.
 module shared_register #(

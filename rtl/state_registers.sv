@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Registers that software and the pipeline share: phase, frequency, the six coefficients and the
-// six parameters (docs/coprocessor.md, "Registers").
+// six parameters (docs/reference/coprocessor.md, "Registers").
 //
 // Latency: a write counts from its edge on. Formats: phase, freq 2^-48 turn; au .. cv s48, Q2.46;
 // a1, a2, b1, b2 Q1.31; beta, phi 2^-32 turn.

@@ -65,7 +65,7 @@ WEAK void SPI1_Handler(void);
 WEAK void SPI2_Handler(void);
 WEAK void COPROCESSOR_Handler(void);
 WEAK void ADC_Handler(void);
-// Lines without a device: for one that is added (docs/extending.md).
+// Lines without a device: for one that is added (docs/developer/extending.md).
 WEAK void IRQ23_Handler(void);
 WEAK void IRQ25_Handler(void);
 WEAK void IRQ26_Handler(void);

@@ -22,7 +22,7 @@ struct Identity {
 };
 
 /// A core of the ARMv7-M architecture. The processor takes one when it is built and never changes
-/// it; what is not in it is common to all cores (docs/processor.md).
+/// it; what is not in it is common to all cores (docs/reference/processor.md).
 struct Profile {
   const char* name;
   /// Kinds of operations (isa/op.h) that the core has. An instruction of another kind is UNDEFINED

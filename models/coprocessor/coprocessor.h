@@ -1,5 +1,5 @@
 // The self-calibration coprocessor at register level, exact to the PCLK cycle. Normative text:
-// docs/coprocessor.md. Plain C++: time is a cycle number that the caller hands in.
+// docs/reference/coprocessor.md. Plain C++: time is a cycle number that the caller hands in.
 #pragma once
 
 #include <array>

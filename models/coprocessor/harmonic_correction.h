@@ -1,5 +1,5 @@
-// Harmonic correction (docs/coprocessor.md): a table of the angle's error over the sensor's angle,
-// 128 nodes with straight lines between them. Harmonics of the sensor stand in it.
+// Harmonic correction (docs/reference/coprocessor.md): a table of the angle's error over the
+// sensor's angle, 128 nodes with straight lines between them. Harmonics of the sensor stand in it.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Register accesses of the coprocessor. docs/coprocessor.md, "Registers".
+// Register accesses of the coprocessor. docs/reference/coprocessor.md, "Registers".
 #include <array>
 
 #include "base/fixed.h"

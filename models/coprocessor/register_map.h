@@ -1,6 +1,6 @@
-// Register map of the coprocessor (docs/coprocessor.md). Offsets, fields, reset values and the
-// rules of every register are generated from models/registers/capsoc.svd; what follows from them is
-// here.
+// Register map of the coprocessor (docs/reference/coprocessor.md). Offsets, fields, reset values
+// and the rules of every register are generated from models/registers/capsoc.svd; what follows from
+// them is here.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// What the register description alone decides about an access. docs/coprocessor.md, "Registers".
+// What the register description alone decides about an access. docs/reference/coprocessor.md,
+// "Registers".
 #include "base/fixed.h"
 #include "coprocessor/lms_demodulator.h"
 #include "coprocessor/register_map.h"

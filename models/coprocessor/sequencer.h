@@ -1,5 +1,5 @@
 // Sequencer: which stage of the pipeline holds a sample, and when ticks begin and end. It moves no
-// data. docs/coprocessor.md, "Time".
+// data. docs/reference/coprocessor.md, "Time".
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Turn judge: whether the results of the last turns can be right. docs/coprocessor.md, "Turn
-// judge".
+// Turn judge: whether the results of the last turns can be right. docs/reference/coprocessor.md,
+// "Turn judge".
 #pragma once
 
 #include <cstdint>

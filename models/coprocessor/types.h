@@ -1,4 +1,4 @@
-// Plain values of the coprocessor's datapath. Formats: docs/coprocessor.md.
+// Plain values of the coprocessor's datapath. Formats: docs/reference/coprocessor.md.
 #pragma once
 
 #include <cstdint>

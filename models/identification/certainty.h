@@ -36,8 +36,8 @@ struct AngleBound : AngleError {
 constexpr double bound_confidence = 0.9999;  ///< of the bound's noise
 
 /// What the bound takes for the angle's error in units of the harmonics' amplitude in the radius:
-/// meant for harmonics of several orders at any phase (docs/fitting.md). A single one can exceed
-/// it.
+/// meant for harmonics of several orders at any phase (docs/explanation/fitting.md). A single one
+/// can exceed it.
 constexpr double angle_by_amplitude = 6;
 
 /// What the certainty follows from.

@@ -8,7 +8,7 @@
 namespace capsoc::identification {
 
 /// Noise is independent and normal with the same standard deviation in both channels; the samples'
-/// angles are unknown and may be any (docs/fitting.md).
+/// angles are unknown and may be any (docs/explanation/fitting.md).
 struct DistanceFit {
   Parameters parameters;
   double noise = 0;  ///< standard deviation of each channel, unit of the samples

@@ -1,5 +1,6 @@
 // The error of the calibrated angle over the angle, from a recorded true angle: what the
-// coprocessor's harmonic correction takes off (docs/coprocessor.md). No motion is assumed.
+// coprocessor's harmonic correction takes off (docs/reference/coprocessor.md). No motion is
+// assumed.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// The second and third harmonics of both channels, without a reference angle. docs/harmonics.md
-// says what can be known of them and what each assumption costs.
+// The second and third harmonics of both channels, without a reference angle.
+// docs/explanation/harmonics.md says what can be known of them and what each assumption costs.
 #pragma once
 
 #include <string>

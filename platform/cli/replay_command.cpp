@@ -1,4 +1,4 @@
-// capsoc replay: a recorded session simulated again and compared (docs/protocol.md).
+// capsoc replay: a recorded session simulated again and compared (docs/reference/protocol.md).
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// capsoc serve: simulations under control from outside (docs/protocol.md).
+// capsoc serve: simulations under control from outside (docs/reference/protocol.md).
 #include <fmt/format.h>
 #include <unistd.h>
 

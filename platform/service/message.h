@@ -1,5 +1,5 @@
-// Messages of the session protocol (docs/protocol.md): JSON-RPC 2.0, one line each, with arrays as
-// binary frames behind the line.
+// Messages of the session protocol (docs/reference/protocol.md): JSON-RPC 2.0, one line each, with
+// arrays as binary frames behind the line.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // How a method of the protocol is declared: once, beside what it does. From the declarations come
-// the checks of every request, the schema and the reference page (docs/protocol.md).
+// the checks of every request, the schema and the reference page (docs/reference/protocol.md).
 #pragma once
 
 #include <cstdint>

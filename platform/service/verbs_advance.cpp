@@ -78,7 +78,7 @@ std::vector<BoardVerb> advance_verbs() {
          {"reports", "list", "of a crash, or a difference between model and RTL"},
          {"lost", "list", "a sentence for each output that is not whole"},
          {"table", "text", "what `capsoc run` prints at its end"},
-         {"result", "object", "as `capsoc run --json` writes it (docs/results.md)"}}},
+         {"result", "object", "as `capsoc run --json` writes it (docs/reference/results.md)"}}},
        finish,
        Effect::looks_after_the_end},
       {{"simulation.save",

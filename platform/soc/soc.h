@@ -39,7 +39,7 @@ namespace capsoc::soc {
 
 class Soc;
 
-/// A device of the user's own in a slot that the board leaves free (docs/extending.md).
+/// A device of the user's own in a slot that the board leaves free (docs/developer/extending.md).
 struct OwnDevice {
   std::string slot;  ///< name of an unimplemented entry of the address map, "reserved_apb_3"
   /// Called while the SoC is built. Interrupts go to soc.cpu.set_interrupt().

@@ -1,6 +1,6 @@
 // Block learning (CTRL.BLOCK and GUARD): how soon and how exactly the parameters are found, what
 // harmonics do to them, and what a shaft that stands still does not. The figures of
-// docs/coprocessor.md, "Block learning".
+// docs/reference/coprocessor.md, "Block learning".
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// The figures of docs/coprocessor.md, "Accuracy": each is printed and held against its bound.
+// The figures of docs/reference/coprocessor.md, "Accuracy": each is printed and held against its
+// bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Register semantics: docs/coprocessor.md, "Registers".
+// Register semantics: docs/reference/coprocessor.md, "Registers".
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,5 +1,5 @@
-// The error table from a recorded angle: read off as docs/coprocessor.md says, on samples that it
-// was not learnt from.
+// The error table from a recorded angle: read off as docs/reference/coprocessor.md says, on samples
+// that it was not learnt from.
 #include "identification/error_curve.h"
 
 #include <gtest/gtest.h>

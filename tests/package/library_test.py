@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The models as libraries: what is installed, and four projects that are built against it alone (docs/library.md)."""
+"""The models as libraries (docs/guide/library.md): what is installed, and four projects built against it alone."""
 
 import os
 import re

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The guide docs/python.md: its blocks "python test" are run by pytest, its blocks "python run" by the interpreter."""
+"""docs/guide/python.md: pytest runs its blocks "python test", the interpreter its blocks "python run"."""
 
 import re
 import sys
@@ -9,7 +9,7 @@ from harness import BUILD, SOURCE, Case, output_of
 
 CTEST = {"name": "python guide", "interpreter": "/usr/bin/python3", "timeout": 900}
 
-PAGE = SOURCE / "docs" / "python.md"
+PAGE = SOURCE / "docs" / "guide" / "python.md"
 
 
 class Guide(Case):

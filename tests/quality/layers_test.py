@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The walls of docs/architecture.md: which folder may include which, and which files include each other in a ring."""
+"""The layers of docs/explanation/architecture.md: which folder may include which, and that no includes form a ring."""
 
 import re
 import unittest
@@ -17,7 +17,7 @@ ROOTS = [
 
 def block(name):
     """The lines of the block ```name of the page."""
-    page = (SOURCE / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (SOURCE / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
     return re.search(rf"^```{name}\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1].splitlines()
 
 
@@ -87,7 +87,9 @@ class Layers(unittest.TestCase):
 
     def test_every_folder_has_its_line(self):
         for path in sources():
-            self.assertIsNotNone(self.folder(path), f"{path}: its folder is in no line of docs/architecture.md")
+            self.assertIsNotNone(
+                self.folder(path), f"{path}: its folder is in no line of docs/explanation/architecture.md"
+            )
         for folder in self.layers:
             self.assertTrue((SOURCE / folder).is_dir(), f"{folder}: is no folder")
 
@@ -97,14 +99,15 @@ class Layers(unittest.TestCase):
                 mine, its = self.folder(path), self.folder(other)
                 self.assertTrue(
                     mine == its or self.layers[mine] < self.layers[its],
-                    f"{path.relative_to(SOURCE)}:{number}: {mine} may not include {its} (docs/architecture.md)",
+                    f"{path.relative_to(SOURCE)}:{number}: {mine} may not include {its} "
+                    "(docs/explanation/architecture.md)",
                 )
 
     def test_models_by_kind(self):
         """A model includes its own kind and the base."""
         kind_of = kinds()
         folders = {f"models/{path.name}" for path in (SOURCE / "models").iterdir() if path.is_dir()}
-        self.assertEqual(set(kind_of), folders, "the block kinds of docs/architecture.md")
+        self.assertEqual(set(kind_of), folders, "the block kinds of docs/explanation/architecture.md")
         self.assertEqual(set(kind_of.values()), {"hardware", "world", "identification", "base"})
         for path in sources():
             mine = kind_of.get("/".join(path.relative_to(SOURCE).parts[:2]))

@@ -19,7 +19,7 @@ from harness import BUILD, CAPSOC, CLEAN, Case
 CTEST = {"name": "regress", "timeout": 600}
 
 FAULTY = BUILD / "tests" / "regress" / "regress_faulty_rtl.so"
-# A thousandth of the long run that docs/verification.md names.
+# A thousandth of the long run that docs/explanation/verification.md names.
 SHORT = ["--samples", "10000", "--accesses", "1000", "--seeds", "1"]
 
 

@@ -16,8 +16,8 @@ int64_t rounded(int64_t value, int shift) {
   return shift == 0 ? value : (value + (int64_t{1} << (shift - 1))) >> shift;
 }
 
-// docs/coprocessor.md, "Rotation CORDIC", of z folded to a quarter turn on each side, without the
-// clamp: the larger of |sine| and |cosine|.
+// docs/reference/coprocessor.md, "Rotation CORDIC", of z folded to a quarter turn on each side,
+// without the clamp: the larger of |sine| and |cosine|.
 int64_t larger_component(int64_t z, bool folded) {
   namespace rom = coprocessor::cordic_rom;
   int64_t x = folded ? -rom::rotation_start : rom::rotation_start, y = 0;

@@ -615,7 +615,7 @@ class Hostile(Driven):
 
 
 class Page(unittest.TestCase):
-    """docs/protocol.md."""
+    """docs/reference/protocol.md."""
 
     def test_it_is_what_the_program_says(self):
         done = subprocess.run(

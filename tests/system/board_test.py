@@ -279,9 +279,9 @@ class Idle(unittest.TestCase):
 
 
 class Differences(unittest.TestCase):
-    """docs/differences-from-qemu.md: every row's program on both boards."""
+    """docs/reference/differences-from-qemu.md: every row's program on both boards."""
 
-    PAGE = (SOURCE / "docs" / "differences-from-qemu.md").read_text()
+    PAGE = (SOURCE / "docs" / "reference" / "differences-from-qemu.md").read_text()
 
     @classmethod
     def rows(cls):

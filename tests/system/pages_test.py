@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The pages for each kind of user (docs/for-*.md): their commands are run, and what they say is printed is.
+"""The pages that have commands: the commands are run, and print what the pages say.
 
 A code block "```sh run" is run from a folder with the project's folders in it, the blocks of a page one after the
 other, each ending with 0. Every line of a block "```text printed" but for "..." is a line of what the block before it
-printed. The picture in the README is drawn anew.
+printed. The picture in the README is
+drawn again.
 """
 
 import os
@@ -28,7 +29,7 @@ def blocks(page):
 
 
 class Pages(unittest.TestCase):
-    """One test for each page."""
+    """One test for each page with commands."""
 
     def run_page(self, name):
         environment = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
@@ -66,45 +67,62 @@ class Pages(unittest.TestCase):
                     )
         self.assertGreater(ran, 2, name)
 
+    def test_every_page_with_commands_is_run(self):
+        text = Path(__file__).read_text(encoding="utf-8")
+        run = set(re.findall(r'self.run_page\("([^"]+)"\)', text))
+        having = {str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md") if "\n```sh run\n" in page.read_text()}
+        self.assertEqual(having, run)
+
     def test_protocol(self):
-        self.run_page("protocol.md")
+        self.run_page("reference/protocol.md")
 
     def test_for_virtual_platforms(self):
-        self.run_page("for-virtual-platforms.md")
+        self.run_page("guide/for-virtual-platforms.md")
 
     def test_for_firmware(self):
-        self.run_page("for-firmware.md")
+        self.run_page("guide/for-firmware.md")
 
     def test_for_rtl(self):
-        self.run_page("for-rtl.md")
+        self.run_page("guide/for-rtl.md")
 
     def test_for_sensors(self):
-        self.run_page("for-sensors.md")
+        self.run_page("guide/for-sensors.md")
 
     def test_safety(self):
-        self.run_page("safety.md")
+        self.run_page("guide/safety.md")
 
     def test_view(self):
         self.run_page("view.md")
 
     def test_papers(self):
-        self.run_page("papers.md")
+        self.run_page("explanation/papers.md")
 
 
 class Links(unittest.TestCase):
-    """The README leads to every page, and no relative link of either leads nowhere."""
+    """The README leads to the four roads, docs/README.md to every page, and no relative link leads nowhere."""
 
     def targets(self, page):
         return [t for t in re.findall(r"\]\(([^)\s]+)\)", page.read_text()) if not t.startswith(("http:", "https:"))]
 
-    def test_the_readme_leads_to_every_page_and_the_picture(self):
+    def test_the_readme_leads_to_the_four_roads_and_the_picture(self):
         targets = [t.split("#")[0] for t in self.targets(SOURCE / "README.md")]
-        for page in sorted(DOCS.glob("for-*.md")):
-            self.assertIn(f"docs/{page.name}", targets)
+        roads = sorted((DOCS / "guide").glob("for-*.md"))
+        self.assertEqual(len(roads), 4)
+        for page in roads:
+            self.assertIn(f"docs/guide/{page.name}", targets)
+        self.assertIn("docs/README.md", targets)
         self.assertIn("docs/images/main_job.svg", targets)
 
+    def test_the_index_leads_to_every_page(self):
+        targets = {t.split("#")[0] for t in self.targets(DOCS / "README.md")}
+        pages = {str(page.relative_to(DOCS)) for page in DOCS.glob("*/*.md")}
+        self.assertEqual(pages - targets, set())
+
     def test_every_link_leads_somewhere(self):
-        for page in [SOURCE / "README.md", SOURCE / "traces" / "README.md", *sorted(DOCS.glob("*.md"))]:
+        pages = [page for page in SOURCE.glob("*.md") if page.is_file()]
+        pages += [SOURCE / "traces" / "README.md", *(SOURCE / "platform").rglob("*.md"), *DOCS.rglob("*.md")]
+        self.assertGreater(len(pages), 30)
+        for page in sorted(pages):
             for target in self.targets(page):
                 name, _, anchor = target.partition("#")
                 file = (page.parent / name) if name else page

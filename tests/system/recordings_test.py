@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Recordings as people have them: the dialects of docs/recordings.md, and files that other programs wrote or read."""
+"""Recordings: the dialects of docs/reference/recordings.md, and files that other programs wrote or read."""
 
 import json
 import math
@@ -14,7 +14,7 @@ from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
 
 CTEST = {"name": "recordings"}
 
-PAGE = SOURCE / "docs" / "recordings.md"
+PAGE = SOURCE / "docs" / "reference" / "recordings.md"
 # Debian's own: it has scipy.
 PYTHON = "/usr/bin/python3"
 

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Block learning": what becomes of an update of T3."""
+"""docs/reference/coprocessor.md, "Block learning": what becomes of an update of T3."""
 
 from turn_judge import GOOD, TIMEOUT
 

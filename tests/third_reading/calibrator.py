@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Calibrator", and the node DET of "Turn judge": T0."""
+"""docs/reference/coprocessor.md, "Calibrator", and the node DET of "Turn judge": T0."""
 
 from notation import clamp, rounded
 from polar_unit import sine_cosine

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Sequencer: time", "LOAD" and "Commit": the whole coprocessor, edge by edge.
+"""docs/reference/coprocessor.md, "Sequencer: time", "LOAD" and "Commit": the whole coprocessor, edge by edge.
 
 A third reading of that page, beside the C++ model and the SystemVerilog, with which it shares nothing. It is written
 to be compared with the page, in exact integers, and not to be fast.

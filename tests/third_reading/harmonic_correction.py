@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Harmonic correction": the table over the sensor's angle."""
+"""docs/reference/coprocessor.md, "Harmonic correction": the table over the sensor's angle."""
 
 from notation import TURN_32, signed
 

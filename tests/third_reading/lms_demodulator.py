@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "LMS demodulator": T3."""
+"""docs/reference/coprocessor.md, "LMS demodulator": T3."""
 
 from block_learning import NOTHING, SUMS, WEIGHTS
 from notation import ONE_31, rounded

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Notation and common rules"."""
+"""docs/reference/coprocessor.md, "Notation and common rules"."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Polar unit": T1, and twice in T4."""
+"""docs/reference/coprocessor.md, "Polar unit": T1, and twice in T4."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Reference generator": T2, and the rotation that LOAD uses, too."""
+"""docs/reference/coprocessor.md, "Reference generator": T2, and the rotation that LOAD uses, too."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Registers": what software sees and writes."""
+"""docs/reference/coprocessor.md, "Registers": what software sees and writes."""
 
 from operator import attrgetter
 

@@ -1,4 +1,4 @@
-"""docs/coprocessor.md, "Turn judge": the end of T4."""
+"""docs/reference/coprocessor.md, "Turn judge": the end of T4."""
 
 from notation import TURN_32, signed
 from reference_generator import NUMERIC

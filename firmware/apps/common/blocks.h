@@ -1,4 +1,4 @@
-// Block learning (docs/coprocessor.md) as the programs use it.
+// Block learning (docs/reference/coprocessor.md) as the programs use it.
 #ifndef CAPSOC_BLOCKS_H
 #define CAPSOC_BLOCKS_H
 

@@ -1,6 +1,6 @@
 // Evidence for a verdict: what the coprocessor's turn judge found in each window, and the bound of
-// the angle error that follows from it (docs/coprocessor.md, "For firmware: a verdict and its
-// bound"). A bound is about the samples that are *covered*: from judgement_cover to
+// the angle error that follows from it (docs/reference/coprocessor.md, "For firmware: a verdict and
+// its bound"). A bound is about the samples that are *covered*: from judgement_cover to
 // judgement_finish without a gap, and the whole turns before that a pass needs besides.
 #ifndef CAPSOC_JUDGEMENT_H
 #define CAPSOC_JUDGEMENT_H

@@ -1,5 +1,5 @@
 // The angle's error over the angle, learnt at constant speed, as the nodes of the coprocessor's
-// harmonic correction (docs/coprocessor.md).
+// harmonic correction (docs/reference/coprocessor.md).
 #ifndef CAPSOC_ERROR_TABLE_H
 #define CAPSOC_ERROR_TABLE_H
 

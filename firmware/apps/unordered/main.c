@@ -2,7 +2,8 @@
 // calibrated angle of the sample itself, so neither speed nor order matters. 400 s of demodulation,
 // or as long as the signal lasts, then calibration with the stored parameters.
 //
-// Not for slow motion in order: the step is far above 1.5 omega of 0.05 Hz (docs/coprocessor.md).
+// Not for slow motion in order: the step is far above 1.5 omega of 0.05 Hz
+// (docs/reference/coprocessor.md).
 //
 // Samples in any order make no turns: they are judged by the window, which must hold every part of
 // the turn. Samples that come twice at once are seen; of other stale ones, and of harmonics along

@@ -1,5 +1,5 @@
-// The description of a campaign: a TOML file (docs/campaigns.md). It knows no settings: whether one
-// exists and what it may be is for the kind of work to say (work.h).
+// The description of a campaign: a TOML file (docs/guide/campaigns.md). It knows no settings:
+// whether one exists and what it may be is for the kind of work to say (work.h).
 #pragma once
 
 #include <cstdint>

@@ -86,7 +86,7 @@ struct Report {
 Result<Report> make_report(const Store& store);
 
 std::string to_text(const Report& report);
-/// Its keys are documented in docs/campaigns.md.
+/// Its keys are documented in docs/guide/campaigns.md.
 nlohmann::ordered_json to_json(const Report& report);
 /// A test case for each run that is done.
 Result<std::string> to_junit(const Store& store);

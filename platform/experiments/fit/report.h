@@ -8,8 +8,8 @@
 
 namespace capsoc::fit {
 
-/// calibration.json; its keys are documented in docs/results.md. `versions` and `command` go in as
-/// they are. Only of a fit that was not rejected.
+/// calibration.json; its keys are documented in docs/reference/results.md. `versions` and `command`
+/// go in as they are. Only of a fit that was not rejected.
 nlohmann::ordered_json to_json(const Fit& fit, const nlohmann::ordered_json& versions,
                                const std::string& command);
 

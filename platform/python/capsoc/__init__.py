@@ -7,7 +7,7 @@
         sim.advance(seconds=60)
         print(sim.samples(last=500).error_deg.abs().max())
 
-The fixture `capsoc` of the pytest plugin has the same names. The guide is docs/python.md.
+The fixture `capsoc` of the pytest plugin has the same names. The guide is docs/guide/python.md.
 """
 
 from .campaign import Campaign

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Optional
 
-#: Error codes of the session protocol (docs/protocol.md).
+#: Error codes of the session protocol (docs/reference/protocol.md).
 REFUSED, NO_SIMULATION, OVER = 1, 2, 3
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Past:
-    """The part of a Simulation that knows its history (docs/protocol.md, "Going back")."""
+    """The part of a Simulation that knows its history (docs/reference/protocol.md, "Going back")."""
 
     _last: State
 

@@ -84,7 +84,7 @@ class Session:
         return reading, writing
 
     def call(self, method: str, outgoing: Optional[arrays.Outgoing] = None, /, **params: Any) -> Any:
-        """The result of a request of the protocol (docs/protocol.md), for what has no method here."""
+        """The result of a request of the protocol (docs/reference/protocol.md), for what has no method here."""
         __tracebackhide__ = True
         return self.connection.call(method, params, outgoing)
 

@@ -113,7 +113,7 @@ class Result:
         return self.code == 0
 
     def __getitem__(self, path: str) -> Any:
-        """A value of the result file (docs/results.md) by its path, such as "verdict.bound_deg"."""
+        """A value of the result file (docs/reference/results.md) by its path, such as "verdict.bound_deg"."""
         value: Any = self.data
         for name in path.split("."):
             value = value[name]

@@ -1,4 +1,4 @@
-// A run's state as a file. docs/checkpoints.md describes the format.
+// A run's state as a file. docs/guide/checkpoints.md describes the format.
 #pragma once
 
 #include <cstdint>

@@ -114,7 +114,7 @@ double csfn_bound(const metrics::SampleRecord& record,
          noise * sensitivity(answer.parameters);
 }
 
-/// docs/results.md derives it.
+/// docs/reference/results.md derives it.
 AngleTolerance tolerance(const metrics::SampleRecord& record, const Window& learnt,
                          const identification::Identification& answer,
                          const GoldenSettings& settings) {

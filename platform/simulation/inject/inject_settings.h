@@ -9,12 +9,13 @@ namespace capsoc::run {
 struct InjectSettings {
   Settings& all;
   TextField faults{
-      all, injected(setting("inject.faults", SettingKind::text, "",
-                            "faults to inject, WHAT PLACE at WHEN (docs/safety.md), separated by "
-                            "commas"))
-               .by({"--inject", "FAULT",
-                    "Inject a fault, for instance 'flip cpu.r3[5] at 0.25s'; may be repeated",
-                    SettingOption::Form::list})};
+      all,
+      injected(setting("inject.faults", SettingKind::text, "",
+                       "faults to inject, WHAT PLACE at WHEN (docs/guide/safety.md), separated by "
+                       "commas"))
+          .by({"--inject", "FAULT",
+               "Inject a fault, for instance 'flip cpu.r3[5] at 0.25s'; may be repeated",
+               SettingOption::Form::list})};
   TextField file{all, injected(setting("inject.file", SettingKind::input, "",
                                        "a file with a fault a line; empty: none"))
                           .by({"--inject-file", "FILE",

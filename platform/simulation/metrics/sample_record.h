@@ -55,8 +55,8 @@ Result<RecordColumns> record_columns(const std::string& names, const std::string
 /// Name of a column as it stands in a recording's heading, for instance "angle_deg".
 const char* column_name(std::size_t column);
 
-/// Value of a column for one sample, in the column's unit (docs/results.md); none: an empty cell.
-/// Words are whole numbers. `index` counts samples from 0.
+/// Value of a column for one sample, in the column's unit (docs/reference/results.md); none: an
+/// empty cell. Words are whole numbers. `index` counts samples from 0.
 std::optional<double> column_value(std::size_t column, const RecordedSample& sample,
                                    std::size_t index);
 

@@ -103,7 +103,7 @@ struct RunResult {
   std::vector<trace::FunctionCost> profile;  ///< only with one: the functions that took the most
 };
 
-/// The result file's contents; keys are documented in docs/results.md.
+/// The result file's contents; keys are documented in docs/reference/results.md.
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings);
 
 /// A result file's text. Bytes that are no UTF-8 (of an option, of a UART) are replaced.

@@ -8,8 +8,8 @@
 #
 #   capsoc regress --arithmetic precise --rtl-library libNAME.so
 #
-# MODULE has an APB and a sample port (docs/coprocessor.md, "Bus and sample port"). A pin that is not in PINS has its own name in the design;
-# PIN= says that the design has none.
+# MODULE has an APB and a sample port (docs/reference/coprocessor.md, "Bus and sample port").
+# A pin that is not in PINS has its own name in the design; PIN= says that the design has none.
 #   in   pclk, presetn (or preset, active high), psel, penable, pwrite, paddr[11:0], pwdata[31:0], pstrb[3:0] (may be missing),
 #        sample_valid, sample_u[31:0], sample_v[31:0] (Q1.31), sample_clip
 #   out  prdata[31:0], and those that may be missing: pready, pslverr, sample_ready, irq, idle

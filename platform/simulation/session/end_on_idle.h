@@ -6,7 +6,7 @@
 namespace capsoc::run {
 
 /// Lets the processor end the simulation after so many simulated seconds, 0: never;
-/// docs/bringup.md has the rule.
+/// docs/guide/bringup.md has the rule.
 void end_on_idle(double seconds, soc::Soc& soc);
 
 }  // namespace capsoc::run

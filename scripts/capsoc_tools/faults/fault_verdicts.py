@@ -4,7 +4,7 @@ usage: fault_verdicts [--count N] [--seed S] [--jobs N] [--units TEXT,...] [--ki
 [--coprocessor tlm|rtl] [--pipeline] [--program NAME] [--from S] [--to S] [--until S] [--limit DEG] [--silent N]
 [--store FILE.sqlite] [--rows FILE.csv] [--build FOLDER] [-- PATH=VALUE...]
 
-A campaign of kind `fault` (docs/safety.md), described by these options, and a table of its verdicts. With --store an
+A campaign of kind `fault` (docs/guide/safety.md), described by these options, and a table of its verdicts. With --store an
 interrupted one goes on where it was, and capsoc campaign report shows it. PATH=VALUE are settings of the runs.
 
 Status 0: the table was printed; 2: usage, or the golden run failed. The rows depend on seed and options alone.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the methods of the session protocol into docs/protocol.md, out of what `capsoc serve --schema` says.
+"""Writes the methods of the session protocol into docs/reference/protocol.md, out of what `capsoc serve --schema` says.
 
 usage: protocol_page [--check] [CAPSOC]   (default: build/capsoc)
 With --check nothing is written; status 1 if the page is not what it would become.
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[3]
-PAGE = SOURCE / "docs" / "protocol.md"
+PAGE = SOURCE / "docs" / "reference" / "protocol.md"
 BEGIN = "<!-- Below: written by scripts/tool protocol_page out of capsoc serve --schema. -->\n"
 
 
@@ -52,7 +52,7 @@ def methods(schema):
 
 
 def page(capsoc):
-    """What docs/protocol.md should be."""
+    """What docs/reference/protocol.md should be."""
     schema = json.loads(subprocess.run([capsoc, "serve", "--schema"], capture_output=True, check=True).stdout)
     head, mark, _ = PAGE.read_text(encoding="utf-8").partition(BEGIN)
     if not mark:
@@ -70,7 +70,10 @@ def main(arguments):
     if text == PAGE.read_text(encoding="utf-8"):
         return 0
     if check:
-        print("docs/protocol.md is not what capsoc serve --schema says: scripts/tool protocol_page", file=sys.stderr)
+        print(
+            "docs/reference/protocol.md is not what capsoc serve --schema says: scripts/tool protocol_page",
+            file=sys.stderr,
+        )
         return 1
     PAGE.write_text(text, encoding="utf-8")
     return 0

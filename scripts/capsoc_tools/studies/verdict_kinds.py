@@ -40,8 +40,8 @@ LEGAL = {
 }
 
 
-# Motion, style of use and programs of the kinds of good sensors: by what docs/verdicts.md and the programs say that
-# they need.
+# Motion, style of use and programs of the kinds of good sensors, as docs/explanation/verdicts.md and the programs
+# require.
 GOOD = {
     "good": (steady, None, None),
     "good: long": (steady, "long", None),

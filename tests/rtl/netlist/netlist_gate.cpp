@@ -16,7 +16,7 @@ namespace {
 
 constexpr double tau = 6.283185307179586476925;
 
-// What the stimulus needs to know of the register map (docs/coprocessor.md).
+// What the stimulus needs to know of the register map (docs/reference/coprocessor.md).
 constexpr uint32_t reg_ctrl = 0x008, reg_flags = 0x010, reg_cmd = 0x014, reg_freq_lo = 0x018,
                    reg_freq_hi = 0x01c, reg_step_au = 0x028, reg_step_cv = 0x03c, reg_last = 0x0e0;
 constexpr uint32_t ctrl_adc = 1u << 4;

@@ -5,7 +5,8 @@ usage: specialise.py VERILATED_DIRECTORY OUTPUT.cpp
 Verilator evaluates the whole design at every edge, though one sample in flight keeps one stage of five busy, and of
 that stage what its cycle needs. Which those are follows from a few registers of the sequencer. So the code that
 Verilator made is written once more with these registers as constants and compiled for each of their values; the
-compiler drops what they rule out. docs/architecture.md, "RTL that skips what rests", says why the result is the same.
+compiler drops what they rule out. docs/explanation/architecture.md, "RTL that skips idle logic", says why the result
+is the same.
 
 A specialised edge is what Verilator evaluates at it, rising and falling, behind all combinational logic computed from
 the registers (Verilator's settling, `stl`). What settling assigns is a function of registers and inputs, so it is a
