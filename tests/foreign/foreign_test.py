@@ -202,10 +202,11 @@ class ForeignFirmware(unittest.TestCase):
         ):
             foreign.run_board_suite(self.bench, entry, self.work, "-O2")
 
-    def test_the_readme_has_a_row_for_each(self):
+    def test_the_page_has_a_row_for_each(self):
         listed = tomllib.loads((SOURCE / "tests/foreign/programs.toml").read_text(encoding="utf-8"))
         titles = list(dict.fromkeys(entry["title"] for kind in ("program", "suite", "board") for entry in listed[kind]))
-        table = (SOURCE / "README.md").read_text(encoding="utf-8").split(f"{foreign.TABLE}\n")[1].split("\n\n")[0]
+        page = (SOURCE / "docs" / "reference" / "processor.md").read_text(encoding="utf-8")
+        table = page.split(f"{foreign.TABLE}\n")[1].split("\n\n")[0]
         rows = [re.fullmatch(r"\| (.*) \| ([\d,]+) \| \2 \| \d+\.\d \|", line) for line in table.splitlines()]
         self.assertEqual([row and row[1] for row in rows], titles)
 

@@ -40,7 +40,7 @@ from capsoc_tools.rtl.synth_gate import gate, unit_gate
 
 SAMPLES = {"precise": 3000, "paper": 300}
 
-# Table 7 of the SoC paper (Quartus), and the limits that README and docs set for `precise`.
+# Table 7 of the SoC paper (Quartus), and the limits that the pages set for `precise`.
 TABLE_7 = {"alm": 12192, "dsp": 125, "registers": 7106}
 LIMITS = {"alm": 12192 // 3, "dsp": 125 // 10, "registers": 7106 // 2}
 CLOCK_MHZ = 25  # of the paper's system, and of ours at reset
