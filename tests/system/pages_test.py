@@ -118,6 +118,23 @@ class Links(unittest.TestCase):
         pages = {str(page.relative_to(DOCS)) for page in DOCS.glob("*/*.md")}
         self.assertEqual(pages - targets, set())
 
+    def test_every_page_links_the_glossary_and_the_index(self):
+        pages = list(DOCS.glob("*/*.md"))
+        self.assertGreater(len(pages), 30)
+        for page in pages:
+            targets = {(page.parent / t).resolve() for t in self.targets(page) if not t.startswith("#")}
+            self.assertIn(DOCS / "README.md", targets, page)
+            if page.name != "glossary.md":
+                self.assertIn(DOCS / "reference" / "glossary.md", targets, page)
+
+    def test_the_glossary_defines_each_term_once(self):
+        rows = re.findall(
+            r"^\| ([^|]+) \| ([^|]+) \| \[", (DOCS / "reference" / "glossary.md").read_text(), re.MULTILINE
+        )
+        terms = [term for row, _ in rows for term in row.split(", ")]
+        self.assertGreater(len(terms), 50)
+        self.assertEqual(len(terms), len(set(terms)))
+
     def test_every_link_leads_somewhere(self):
         pages = [page for page in SOURCE.glob("*.md") if page.is_file()]
         pages += [SOURCE / "traces" / "README.md", *(SOURCE / "platform").rglob("*.md"), *DOCS.rglob("*.md")]
