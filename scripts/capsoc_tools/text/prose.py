@@ -195,7 +195,7 @@ def sentences(passage):
     text = re.sub(r"!?\[([^\]]*)\]\([^)\s]*\)", r"\1", passage.text)
     text = re.sub(r"`[^`]*`", "Code", text)
     text = re.sub(r"https?://\S+", "Link", text)
-    for sentence in re.split(r"(?<=[.!?])[)\"']?\s+(?=[\"'(]?(?:[A-Z0-9-]|capsoc\b))", text):
+    for sentence in re.split(r"(?<=[.!?])[)\"']?\s+(?=[\"'(*]*(?:[A-Z0-9-]|capsoc\b))", text):
         words = re.findall(r"[A-Za-z0-9][\w'’.,/%^-]*", sentence)
         if len(words) > 4:
             yield sentence.strip(), len(words)
