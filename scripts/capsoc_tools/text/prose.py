@@ -190,12 +190,16 @@ def passages(name, text):
     return iter(())
 
 
+#: The end of a sentence. The next begins with a capital letter, a digit, emphasis, a program's or a file's name.
+END = re.compile(r"(?<=[.!?])[)\"']?\s+(?=[\"'(*]*(?:[A-Z0-9-]|capsoc\b|\w+\.(?:h|cpp|md)\b)|\*[a-z])")
+
+
 def sentences(passage):
     """(line, words) of the sentences of a passage. Code in backticks is one word, of a link its text counts."""
     text = re.sub(r"!?\[([^\]]*)\]\([^)\s]*\)", r"\1", passage.text)
     text = re.sub(r"`[^`]*`", "Code", text)
     text = re.sub(r"https?://\S+", "Link", text)
-    for sentence in re.split(r"(?<=[.!?])[)\"']?\s+(?=[\"'(*]*(?:[A-Z0-9-]|capsoc\b))", text):
+    for sentence in END.split(text):
         words = re.findall(r"[A-Za-z0-9][\w'’.,/%^-]*", sentence)
         if len(words) > 4:
             yield sentence.strip(), len(words)
