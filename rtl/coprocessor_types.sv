@@ -7,7 +7,7 @@
 // that is named with its package (package::type), and yosys 0.23 reads no import. Icarus assigns to a member of a member in
 // processes only, so a unit fills the inner bundle and assigns it as a whole.
 //
-// A process reads a member of a wide bundle through a wire of its own. Verilator then follows every member to its source
+// A process reads a member of a wide bundle through its own wire. Verilator then follows every member to its source
 // and the bundle is gone; one that a process or a path from outside looks into is packed into words in every cycle, which
 // made a run 8.5 % slower when state_t was.
 
@@ -86,7 +86,7 @@ typedef struct packed {
   logic        clip;
 } sample_t;
 
-// What a commit sets in FLAGS beside RESULT
+// What a commit sets in FLAGS in addition to RESULT
 typedef struct packed {
   logic unsettled, alarm, turn, mirrorchg, diverged, lockchg, zero, sat, clip;
 } flags_t;
@@ -97,7 +97,7 @@ typedef struct packed {
   logic       alarm, valid, mirror, diverged, lock;
 } status_t;
 
-// What an arithmetic (precise_core.sv, paper_core.sv) finds beside weights and parameters; words s32, Q1.31 unless said
+// What an arithmetic (precise_core.sv, paper_core.sv) finds in addition to weights and parameters; words s32, Q1.31 unless said
 typedef struct packed {
   logic        data_v;            // T3 wants v as its data in this cycle, else u
   logic        calibrated_valid;  // a calibrated word of T0, in this cycle

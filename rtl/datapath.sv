@@ -13,7 +13,7 @@ module datapath #(
   parameter int Paper = 0,
   parameter int OperandBits = 32,    // paper: of the PI arctangent's multipliers
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads its data
-  parameter int StepShift = 0,       // paper: right shift of the step behind its register
+  parameter int StepShift = 0,       // paper: right shift of the step after its register
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
   parameter int Block = 1,           // precise: with block learning
   parameter int Harmonics = 1        // precise: with the harmonic correction

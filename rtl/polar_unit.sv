@@ -10,7 +10,7 @@
 //
 // One vectoring CORDIC of 30 stages and 5 guard bits, shifts rounded half up, makes three
 // micro-rotations a cycle: T1 in cycles 0 to 9, psi in 10 to 19, phi in 20 to 29. The input is the
-// normalised vector, >>r to 35 bits beside the sign, negated if x < 0 (then z begins at half a
+// normalised vector, >>r to 35 bits in addition to the sign, negated if x < 0 (then z begins at half a
 // turn).
 module polar_unit (
   input  logic               clk_i,
@@ -74,13 +74,13 @@ module polar_unit (
   vectoring_step #(.Offset(2)) u_step2 (
     .thirds_i(thirds_q), .rest_i(rest_q), .x_i(x2), .y_i(y2), .z_i(z2), .x_o(x3), .y_o(y3), .z_o(z3));
 
-  // It rests where no result of it is used: without a sample in T1 or T4, and behind T1's amplitude.
+  // It rests where no result of it is used: without a sample in T1 or T4, and after T1's amplitude.
   logic active, last, load;
   assign active = (t1_active_i && !cycle_i[4]) || t4_active_i;
   assign last = cycle_i == 5'd9 || cycle_i == 5'd19 || cycle_i == 5'd29;
   assign load = boundary_i || (active && last);
 
-  // A vector's shift and zero flag follow it: as long as it is in the CORDIC, and behind it.
+  // A vector's shift and zero flag follow it: as long as it is in the CORDIC, and after it.
   logic [6:0] shift_q, shift_out_q;
   logic zero_q, zero_out_q;
   logic signed [38:0] x_out_q;

@@ -32,7 +32,7 @@ module results_memory (
 );
 
   logic [31:0] sample[0:31];
-  // u and v once more, 16 words: a memory of this kind has one read port. Synthesis takes a block memory for
+  // u and v again, 16 words: a memory of this kind has one read port. Synthesis takes a block memory for
   // 64 words and more, and logic for fewer.
   logic [31:0] data[0:63];
   logic [31:0] data_q;

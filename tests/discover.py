@@ -25,7 +25,7 @@ class BadTest(Exception):
 
 
 def classes_with_tests(tree):
-    """Names of the classes of a file that have tests of their own, or of a class of the same file, in order."""
+    """Names of the classes of a file that have their own tests, or of a class of the same file, in order."""
     having = []
     for node in tree.body:
         if not isinstance(node, ast.ClassDef):

@@ -1,4 +1,4 @@
-// SystemC's kernel starts once in a process: a simulation of its own gets a process of its own.
+// SystemC's kernel starts once in a process: a simulation of its own gets its own process.
 #pragma once
 
 #include <sys/wait.h>
@@ -10,7 +10,7 @@
 
 namespace capsoc::test {
 
-/// What `work` returns, computed in a child process; beside it, how that ended if not well. After a
+/// What `work` returns, computed in a child process; with it, how that ended if not well. After a
 /// minute it is ended: two that wait for each other never end.
 inline std::string elsewhere(const std::function<std::string()>& work) {
   int ends[2];

@@ -54,13 +54,13 @@ def without_host_times(result):
 
 
 def signal_is_caught(process, number):
-    """Whether a process has a handler of its own for a signal (Linux)."""
+    """Whether a process has its own handler for a signal (Linux)."""
     status = Path(f"/proc/{process.pid}/status").read_text(encoding="ascii", errors="replace")
     return bool(int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1)
 
 
 class Case(unittest.TestCase):
-    """A test with a folder of its own, which is removed."""
+    """A test with its own folder, which is removed."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="capsoc-test-")

@@ -6,7 +6,7 @@ enum code { push, load, store, add, sub, mul, half, odd, less, jump, jump_if_zer
 enum variable { i, x, steps, variables };
 enum { rounds = 60 };
 
-// Steps of the Collatz sequences from 500 down to 1; behind each line the index of its first word.
+// Steps of the Collatz sequences from 500 down to 1; after each line the index of its first word.
 static const uint16_t program[] = {
     push,
     500,

@@ -48,7 +48,7 @@ void console_write(const char* text, size_t length) {
     ring[ring_written % ring_size] = text[i];
     ++ring_written;
   }
-  // While characters are on their way the interrupt goes on by itself; this starts it.
+  // While characters are on their way the interrupt continues by itself; this starts it.
   __disable_irq();
   feed_transmitter();
   __enable_irq();

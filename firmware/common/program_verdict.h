@@ -1,5 +1,6 @@
-// The verdict of a program as an object in its memory, beside the line that it prints: `capsoc run`
-// finds it by its name, puts it in the result file and compares its bound with the sensor's truth.
+// The verdict of a program as an object in its memory, next to the line that it prints: `capsoc
+// run` finds it by its name, puts it in the result file and compares its bound with the sensor's
+// truth.
 #ifndef CAPSOC_PROGRAM_VERDICT_H
 #define CAPSOC_PROGRAM_VERDICT_H
 

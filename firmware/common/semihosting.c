@@ -10,5 +10,5 @@ void semihosting_exit(int status) {
   register uint32_t operation __asm("r0") = sys_exit_extended;
   register const uint32_t* argument __asm("r1") = block;
   __asm volatile("bkpt 0xAB" : "+r"(operation) : "r"(argument) : "memory");
-  for (;;) __WFI();  // a debugger that goes on regardless
+  for (;;) __WFI();  // a debugger that continues regardless
 }

@@ -16,7 +16,7 @@ __attribute__((used)) static struct {
   uint32_t exception, cfsr, hfsr, address, pc, xpsr, count;
 } fault;
 
-// Set before each attempt: where the handler goes on.
+// Set before each attempt: where the handler continues.
 __attribute__((used)) static volatile uint32_t resume;
 
 __attribute__((used)) static void note_fault(struct exception_frame* frame, uint32_t exc_return) {
@@ -37,7 +37,7 @@ __attribute__((used)) static void note_fault(struct exception_frame* frame, uint
 }
 HANDLER_WITH_FRAME(handle_fault, note_fault)
 
-// Executes `code` with r0 and r1 set; the fault comes at its label 1, and it goes on at label 2.
+// Executes `code` with r0 and r1 set; the fault comes at its label 1, and it continues at label 2.
 #define ATTEMPT(what, first, second, code)                                                   \
   do {                                                                                       \
     uint32_t at;                                                                             \

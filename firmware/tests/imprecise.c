@@ -12,7 +12,7 @@ __attribute__((used)) static void note_fault(struct exception_frame* frame, uint
   cfsr = SCB->CFSR;
   pc = frame->pc;
   SCB->CFSR = cfsr;
-  // Behind the store, wherever that is: a precise one would be repeated.
+  // After the store, wherever that is: a precise one would be repeated.
   if ((cfsr & 1u << 9) != 0) frame->pc += 2;
 }
 HANDLER_WITH_FRAME(handle_fault, note_fault)

@@ -1,4 +1,4 @@
-// A line is longer than its buffer: what lies behind it on the stack, a return address, is gone. A
+// A line is longer than its buffer: what lies after it on the stack, a return address, is gone. A
 // counter that an interrupt changes, too.
 #include <stdint.h>
 

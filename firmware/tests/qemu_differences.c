@@ -1,5 +1,5 @@
-// One line for each thing in which QEMU's mps2-an385 and this board differ and a program can go on
-// behind it; docs/reference/differences-from-qemu.md has both answers.
+// One line for each thing in which QEMU's mps2-an385 and this board differ and a program can
+// continue after it; docs/reference/differences-from-qemu.md has both answers.
 #include <stdio.h>
 
 #include "an385.h"

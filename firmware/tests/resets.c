@@ -30,7 +30,7 @@ void start(void);
 __attribute__((naked)) static void ignore(void) {
   __asm volatile("bx lr");
 }
-// A store to a hole between registers is a bus error: on behind it.
+// A store to a hole between registers is a bus error: on after it.
 __attribute__((used)) static void skip_instruction(uint32_t* frame) {
   const bool wide = *(const uint16_t*)frame[6] >= 0xE800u;
   frame[6] += wide ? 4 : 2;

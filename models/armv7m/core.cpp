@@ -114,7 +114,7 @@ std::optional<StopReason> Core::stop_wanted() {
   return std::nullopt;
 }
 
-/// Looks at what was asked for: a stop, an exception, sleep, lockup. None: execution goes on.
+/// Looks at what was asked for: a stop, an exception, sleep, lockup. None: execution continues.
 std::optional<StopReason> Core::service() {
   State& state = machine_.state;
   Requests& requests = machine_.requests;

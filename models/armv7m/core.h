@@ -47,7 +47,7 @@ class Core {
   /// count as the nearest of these.
   void set_priority_bits(unsigned bits) { machine_.state.nvic.set_priority_bits(bits); }
 
-  /// Power-on reset: reads the vector table; cycles go on, so that time does not jump.
+  /// Power-on reset: reads the vector table; cycles continue, so that time does not jump.
   void reset();
 
   const Profile& profile() const { return machine_.profile; }
@@ -130,7 +130,7 @@ class Core {
 
   // State, between two instructions
   const State& state() const { return machine_.state; }
-  /// To be changed, registers above all; what follows from it is looked at anew.
+  /// To be changed, registers above all; what follows from it is looked at again.
   State& edit();
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
   uint32_t reg(unsigned n) const { return machine_.state.reg(n); }
@@ -143,12 +143,12 @@ class Core {
   const FaultReport& first_fault() const { return machine_.state.first_fault; }
   uint64_t fault_count() const { return machine_.state.fault_count; }
 
-  // Onlookers
+  // Observers
   Listeners& listeners() { return machine_.listeners; }
-  /// One more that looks on, behind those before it, until it is removed. It stays the caller's.
+  /// One more that observes, after those before it, until it is removed. It stays the caller's.
   /// `instructions`: at each one, the executor is stepping meanwhile. `accesses`: at each data
   /// access, direct memory is reached the slow way meanwhile. Exceptions are told either way. An
-  /// observer that was added before is added anew.
+  /// observer that was added before is added again.
   void add_observer(Observer& observer, bool instructions, bool accesses);
   void remove_observer(Observer& observer);
   Debugging& debugging() { return machine_.debugging; }

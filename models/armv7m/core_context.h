@@ -42,7 +42,7 @@ class CoreContext {
   uint64_t cycles() const { return state.cycles + cycle_offset; }
 
   // What an instruction results in. False: the block is left.
-  /// The next instruction is the one behind it.
+  /// The next instruction is the one after it.
   bool leave(const DecodedOp& op) {
     state.pc = next_address(op);
     return false;
@@ -69,7 +69,7 @@ class CoreContext {
     state.refilling = cycles < timing::most_refill;
   }
   void sleep(bool for_event);
-  /// Notifies the listener of each case once. Inside a block state.pc is behind what is executed,
+  /// Notifies the listener of each case once. Inside a block state.pc is after what is executed,
   /// so it is the instruction's address for that long.
   void report(Unpredictable which, uint32_t instruction);
 

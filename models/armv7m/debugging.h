@@ -42,12 +42,12 @@ class Debugging {
   /// After a reset, or a restored state that another debugger left.
   void set_up_trace();
 
-  /// Ends run() behind the instruction that made such an access.
+  /// Ends run() after the instruction that made such an access.
   void set_watchpoint(const Watchpoint& watchpoint);
   void clear_watchpoint(const Watchpoint& watchpoint);
   const WatchHit& watch_hit() const { return watchpoints_.hit(); }
 
-  /// Behind a reset or a restore: no arrival is remembered.
+  /// After a reset or a restore: no arrival is remembered.
   void forget_arrival();
 
  private:

@@ -27,7 +27,7 @@ class ExecutionCounts {
   static constexpr unsigned halfwords = 1u << (page_bits - 1);  ///< of a page
 
   // What happens, for the executors
-  /// Execution goes on at `to` instead of `from`.
+  /// Execution continues at `to` instead of `from`.
   void moved(uint32_t from, uint32_t to);
   /// An instruction has left its block without an event, towards `pc`.
   void left(const DecodedOp& op, uint32_t pc);
@@ -44,7 +44,7 @@ class ExecutionCounts {
   // Counters that stay where they are, for code that counts by itself
   /// To be counted up each time that a branch leads to a known address.
   uint64_t* branch(const DecodedOp& op, uint32_t target);
-  /// To be counted down at the address behind an instruction that leads elsewhere, and up where it
+  /// To be counted down at the address after an instruction that leads elsewhere, and up where it
   /// leads to.
   int64_t* line(uint32_t address);
   /// Such counters by page: a table of 2^20 pointers to a counter for each halfword. Null where no

@@ -37,7 +37,7 @@ class KnownTurn {
     uint16_t halfwords[2] = {};
     bool operator==(const Fetched& other) const;
   };
-  /// Besides the registers.
+  /// In addition to the registers.
   struct Place {
     uint32_t pc = 0, xpsr = 0, control = 0;
     uint16_t trail = 0;

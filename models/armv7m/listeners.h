@@ -32,9 +32,9 @@ struct VectorWrite {
   unsigned size = 0;  ///< 1, 2 or 4 bytes
 };
 
-/// Who is told of what a program does. Empty: nobody.
+/// Who is notified of what a program does. Empty: nobody.
 struct Listeners {
-  /// BKPT 0xAB, with PC behind it; false ends run() with semihosting_exit.
+  /// BKPT 0xAB, with PC after it; false ends run() with semihosting_exit.
   std::function<bool(Core&)> semihosting;
   /// What the program writes to a stimulus port of the ITM: `size` bytes of `value`.
   std::function<void(unsigned port, uint32_t value, unsigned size)> stimulus;
@@ -55,7 +55,8 @@ struct Listeners {
 
   /// Each time that an exception becomes pending which was not, but for faults.
   std::function<void(unsigned exception)> pended;
-  /// Once, when the translator turns out to have no memory for its code: blocks go on without it.
+  /// Once, when the translator turns out to have no memory for its code: blocks continue without
+  /// it.
   std::function<void(const std::string& reason)> untranslated;
   /// Each block that is translated. Costs a text of each.
   std::function<void(const Translation&)> translated;

@@ -13,8 +13,8 @@
 namespace capsoc::armv7m {
 
 /// The processor as its executors see it, and as no other component does (core.h): the shared
-/// context and the parts around it. Beside the state it holds only caches, wires and a debugger's
-/// settings.
+/// context and the parts around it. Apart from the state it holds only caches, wires and a
+/// debugger's settings.
 class Machine : public CoreContext {
  public:
   Machine(Core& core, Bus& bus, const Profile& core_profile);
@@ -31,7 +31,7 @@ class Machine : public CoreContext {
 
   /// `b .` in a fault handler: how one that gives up ends.
   void spin_in_fault();
-  /// What both executors do behind an operation that left: account for it, then see to its event.
+  /// What both executors do after an operation that left: account for it, then see to its event.
   void account(const Step& op);
   void conclude(const Step& op);
   /// In between, while executions are counted.

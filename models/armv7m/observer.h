@@ -8,7 +8,7 @@ namespace capsoc::armv7m {
 
 class Core;
 
-/// How an exception came to be taken (B1.5): on top of what ran, straight behind a handler that
+/// How an exception came to be taken (B1.5): on top of what ran, straight after a handler that
 /// ended, or in the place of one that had not begun.
 enum class Entry : uint8_t { preempts, tail_chains, displaces };
 
@@ -19,8 +19,8 @@ struct DirectAccess {
   bool write = false, ok = true;
 };
 
-/// Who looks on at what the processor does, in the order in which it does it. Looks only: no call
-/// may change the core. A processor that is looked at executes the same instructions in the same
+/// Observes what the processor does, in the order in which it does it. It only looks: no call may
+/// change the core. A processor that is looked at executes the same instructions in the same
 /// cycles, more slowly.
 class Observer {
  public:
@@ -28,7 +28,7 @@ class Observer {
 
   /// Before an instruction, at the cycle in which it begins.
   virtual void issued(const Core& core, const DecodedOp& op) = 0;
-  /// Behind it and before the exception that it raises, if it does.
+  /// After it and before the exception that it raises, if it does.
   virtual void retired(const Core& core, const DecodedOp& op) = 0;
   /// In front of a handler's first instruction. The entry began at cycle `since`.
   virtual void entered(const Core& core, unsigned exception, Entry how, uint64_t since) = 0;

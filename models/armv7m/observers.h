@@ -6,14 +6,14 @@
 
 namespace capsoc::armv7m {
 
-/// Several observers behind one. Each is told of what it asked for, in the order in which they
+/// Several observers behind one. Each is notified of what it asked for, in the order in which they
 /// came.
 class Observers final : private Observer {
  public:
   void add(Observer& observer, bool instructions, bool accesses);
   void remove(Observer& observer);
 
-  /// The one to be told; null: nobody looks on. A single one is told without a detour.
+  /// The one to be told; null: nobody observes. A single one is told without a detour.
   Observer* all();
   bool see_instructions() const;
   bool see_accesses() const;

@@ -20,7 +20,7 @@ class PendingExceptions {
   /// The pending exception of the highest priority, lowest number first, if it preempts `below`;
   /// else 0.
   unsigned highest_pending(int below) const;
-  /// WFI wakes on an exception that would preempt were PRIMASK clear; WFE besides on an event
+  /// WFI wakes on an exception that would preempt were PRIMASK clear; WFE also on an event
   /// (B1.5.17).
   bool wake_pending() const;
   /// Whether an exception that comes by itself, NMI aside, could preempt the present code.

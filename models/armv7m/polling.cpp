@@ -68,7 +68,7 @@ std::optional<Turn> Core::measure_turn(uint64_t until_cycle) {
       return turn;
     }
     // The way into a loop may leave other flags or registers behind than a turn of it does: once,
-    // the turn begins anew. Not each time: a function that a turn calls twice is passed twice.
+    // the turn begins again. Not each time: a function that a turn calls twice is passed twice.
     if (std::exchange(again, true)) continue;
     begin = place;
     before = {state.cycles, state.instructions};

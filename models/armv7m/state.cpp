@@ -115,7 +115,7 @@ void State::set_reg(unsigned number, uint32_t value) {
     pc = value & ~1u;
     it_state = 0;
     trail = timing::no_trail;
-    sleeping = locked_up = false;  // it goes on there
+    sleeping = locked_up = false;  // it continues there
   } else if (number < 15) {
     r[number] = value;
   }

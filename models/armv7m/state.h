@@ -63,7 +63,7 @@ struct State {
 
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
   uint32_t reg(unsigned number) const { return number == 15 ? pc : r[number & 15]; }
-  /// Writing 15 lets a processor that sleeps or is locked up go on there.
+  /// Writing 15 lets a processor that sleeps or is locked up continue there.
   void set_reg(unsigned number, uint32_t value);
   uint32_t xpsr() const;
   void set_xpsr(uint32_t value);

@@ -33,7 +33,7 @@ class Watchpoints {
   Watchpoints(CoreContext& context, PendingExceptions& pending)
       : context_(context), pending_(pending) {}
 
-  /// Of a debugger: ends run() behind the instruction that made such an access.
+  /// Of a debugger: ends run() after the instruction that made such an access.
   void add(const Watchpoint& watchpoint) { watchpoints_.push_back(watchpoint); }
   /// False: there is none like it.
   bool remove(const Watchpoint& watchpoint);

@@ -64,7 +64,7 @@ void Archive::visit_text(std::string& text) {
   if (size != 0) raw(text.data(), size);
 }
 
-// Pages that are not zero, each behind its number, in order; then the number behind the last one.
+// Pages that are not zero, each after its number, in order; then the number after the last one.
 void Archive::memory(const char* name, uint8_t* bytes, std::size_t size) {
   const Scope scope(*this, name);
   const auto pages = static_cast<uint32_t>((size + page_size - 1) / page_size);

@@ -28,7 +28,7 @@ class Archive {
   Archive(const Archive&) = delete;
   Archive& operator=(const Archive&) = delete;
 
-  /// True: values come from outside. Then caches are to be dropped and what is derived made anew.
+  /// True: values come from outside. Then caches are to be dropped and what is derived made again.
   virtual bool loading() const { return false; }
 
   /// Whole numbers, bool, enumerations, double, std::string; arrays, vectors, deques and optionals
@@ -62,7 +62,7 @@ class Archive {
   void memory(const char* name, uint8_t* bytes, std::size_t size);
 
   /// The archive takes no more: what a component finds wrong with values that it was given.
-  /// `sentence` goes on where the value's name ends ("is not known").
+  /// `sentence` continues where the value's name ends ("is not known").
   void refuse(const std::string& sentence);
   /// Nothing was refused.
   bool ok() const { return problem_.empty(); }
@@ -178,7 +178,7 @@ class StateReader final : public Archive {
   /// `bytes` are read in place.
   explicit StateReader(const std::string& bytes) : bytes_(bytes) {}
   bool loading() const override { return true; }
-  /// To be asked behind the last value: something is left over.
+  /// To be asked after the last value: something is left over.
   bool at_end() const { return next_ == bytes_.size(); }
 
  private:

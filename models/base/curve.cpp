@@ -56,7 +56,7 @@ Curve Thinner::curve(std::size_t number) const {
   const auto add = [&](const Point& point) {
     if (point.at != 0 && point.at + 1 != points_) curve.add(point.x, point.y);
   };
-  // The ends are points of their own, which takes one part's two.
+  // The ends are their own points, which takes one part's two.
   const std::size_t parts = parts_ - 1;
   const auto begin = [&](std::size_t part) { return count * part / parts; };
   curve.add(bucket(0).first.x, bucket(0).first.y);

@@ -12,7 +12,7 @@
 
 namespace capsoc {
 
-/// What an input is held against before anything of it is believed.
+/// What an input is compared with before anything of it is believed.
 struct InputLimits {
   std::string advice;  ///< ends the sentence of an error: "name a file that capsoc fit wrote"
   uint64_t largest;    ///< bytes
@@ -24,7 +24,7 @@ struct InputLimits {
 /// what is wrong; advice".
 Result<std::string> read_input(const std::string& path, const InputLimits& limits);
 
-/// What is behind a UTF-8 byte order mark, which editors on Windows begin a text with; the text
+/// What is after a UTF-8 byte order mark, which editors on Windows begin a text with; the text
 /// itself without one.
 std::string_view without_byte_order_mark(std::string_view text);
 

@@ -38,7 +38,7 @@ inline std::size_t printable_character(std::string_view text) {
 }
 
 /// UTF-8 of at most `longest` bytes. The bytes of a control character, of one that is not seen, and
-/// of what is no UTF-8 become '?'; a longer text is cut in front of a character, with "..." behind
+/// of what is no UTF-8 become '?'; a longer text is cut in front of a character, with "..." after
 /// it.
 inline std::string printable(std::string_view text, std::size_t longest = 40) {
   std::string out;

@@ -20,7 +20,7 @@ enum class SettingKind { text, input, output, directory, backend, number, intege
 /// What a setting decides on.
 enum class Bearing {
   result,  ///< what comes out
-  host,    ///< how fast the host gets there, when it ends, what it is held against
+  host,    ///< how fast the host gets there, when it ends, what it is compared with
   place,   ///< where something goes
 };
 
@@ -106,7 +106,7 @@ class Settings {
   std::optional<Error> set(const std::string& path, const std::string& value, SettingSource source,
                            const std::string& origin);
   /// As if nothing had been set since all of them were declared. For many runs in turn: to
-  /// declare them anew takes far longer.
+  /// declare them again takes far longer.
   void forget_values();
   /// "path=value" as `-C` takes it.
   std::optional<Error> set_assignment(const std::string& assignment);
@@ -131,7 +131,7 @@ class Settings {
   bool add_of_group(const std::string& path);
 
   std::vector<Setting> settings_;
-  std::vector<SettingParser*> parsers_;  // beside settings_
+  std::vector<SettingParser*> parsers_;  // next to settings_
   std::vector<std::string> built_in_;    // values of those that are declared, which come first
   std::vector<SettingGroup> groups_;
 };

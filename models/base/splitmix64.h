@@ -1,4 +1,4 @@
-// The bit mixer behind every seeded sequence of capsoc.
+// The bit mixer of every seeded sequence of capsoc.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 
 namespace capsoc::bus {
 
-/// What stands behind an entry.
+/// What stands at an entry.
 enum class TargetKind : uint8_t {
   memory,         ///< RAM: direct memory pointers are granted
   device,         ///< a modelled device

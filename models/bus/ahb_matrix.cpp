@@ -165,7 +165,7 @@ unsigned AhbMatrix::transport_dbg(int id, tlm::tlm_generic_payload& payload) {
 }
 
 /// A debugger may ask for any range: it is served window by window up to the first hole, each part
-/// by a transaction of its own.
+/// by its own transaction.
 unsigned AhbMatrix::debug_windows(const tlm::tlm_generic_payload& payload) {
   const uint64_t address = payload.get_address();
   const unsigned length = payload.get_data_length();

@@ -24,7 +24,7 @@ namespace capsoc::bus {
 /// map: which bus carries which address is the processor's decision (Cortex-M3 manual, bus
 /// interfaces). Arbitration is not modelled: what masters do at one time costs none of them cycles.
 ///
-/// Further masters (a DMA controller) get sockets of their own by add_master(). They are granted no
+/// Further masters (a DMA controller) get their own sockets by add_master(). They are granted no
 /// direct memory, so the matrix sees all that they write, and code that they replace never runs
 /// stale: listeners of `replaced` are notified, or, if there are none, direct memory of the written
 /// range is invalidated at the other sockets, which is always right and slow.

@@ -35,7 +35,7 @@ class DownCounter {
   void start();
   void stop() { running_ = false; }
 
-  /// `now`: the edge at the archive's time; the last advance() cannot lie behind it.
+  /// `now`: the edge at the archive's time; the last advance() cannot lie after it.
   void visit(Archive& archive, uint64_t now);
 
  private:

@@ -109,7 +109,7 @@ void Uart::check_baud_rate() {
                      BAUDDIV.get(), minimum_baud_divider));
 }
 
-// The overrun interrupts are not latched: they are the STATE bits behind their enables.
+// The overrun interrupts are not latched: they are the STATE bits after their enables.
 uint32_t Uart::interrupt_status() const {
   uint32_t overruns = 0;
   if (STATE.any(state_tx_overrun) && CTRL.any(ctrl_tx_overrun_interrupt))

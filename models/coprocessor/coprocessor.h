@@ -22,7 +22,7 @@ class Coprocessor final : public Device {
   explicit Coprocessor(Options options);
 
   void reset() override;
-  // CTRL.SRST: every register and the pipeline to power-on state; time goes on.
+  // CTRL.SRST: every register and the pipeline to power-on state; time continues.
   void soft_reset();
 
   void advance(uint64_t cycle) override;

@@ -1,4 +1,4 @@
-// What stands behind the coprocessor's bus target: the C++ model, the Verilated RTL, or both in
+// What stands at the coprocessor's bus target: the C++ model, the Verilated RTL, or both in
 // lockstep. Plain C++: time is a PCLK edge number that the caller hands in and that never decreases
 // from call to call.
 //
@@ -35,7 +35,7 @@ class Device {
  public:
   virtual ~Device() = default;
 
-  // Power-on state; time goes on.
+  // Power-on state; time continues.
   virtual void reset() = 0;
 
   // Runs the pipeline up to and including edge `cycle`. The functions below that take a cycle do
@@ -81,7 +81,7 @@ class Device {
   virtual void visit(Archive& archive) { archive.refuse("cannot be saved"); }
 
   // The same while it is idle, in the form of all devices (coprocessor/idle_state.h): what one has
-  // saved another goes on from. save_idle: false while it computes. load_idle: reset comes first.
+  // saved another continues from. save_idle: false while it computes. load_idle: reset comes first.
   // Both are false for a device that cannot do it.
   virtual bool save_idle(IdleState& /*state*/) const { return false; }
   virtual bool load_idle(const IdleState& /*state*/) { return false; }

@@ -78,7 +78,7 @@ uint32_t arctangent(int32_t y, int32_t x, int operand_bits) {
 }
 
 Polar to_polar(int32_t y, int32_t x, int operand_bits, bool plain) {
-  // s = 30 - m: the larger word gets 30 bits beside the sign, [0.25, 0.5).
+  // s = 30 - m: the larger word gets 30 bits in addition to the sign, [0.25, 0.5).
   const int shift =
       plain ? 0
             : 30 - static_cast<int>(std::max(fixed::magnitude_bits(y), fixed::magnitude_bits(x)));

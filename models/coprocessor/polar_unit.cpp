@@ -12,8 +12,8 @@ namespace {
 using fixed::int128;
 using fixed::round_shift;
 
-// The larger component is brought to 35 bits beside the sign: the CORDIC's gain of 1.65 times
-// sqrt(2) then stays below 2^37.
+// The larger component is brought to 35 bits in addition to the sign: the CORDIC's gain of 1.65
+// times sqrt(2) then stays below 2^37.
 constexpr int normal_bits = 35;
 
 struct Vector {

@@ -16,7 +16,7 @@ struct Options {
   Arithmetic arithmetic = Arithmetic::precise;
   int paper_operand_bits = 32;   // width of the PI arctangent's multipliers, 2..32 (Table 8: 16)
   int paper_reference_lead = 0;  // samples by which the reference leads the data (Table 8: 2)
-  int paper_step_shift = 0;      // right shift of 2mu behind the step registers, 0..31
+  int paper_step_shift = 0;      // right shift of 2mu after the step registers, 0..31
   // The PI arctangent's input as the paper has it: neither shifted nor folded (Table 8: set).
   bool paper_plain_arctangent = false;
   // CTRL.BLOCK exists; never in `paper`.

@@ -42,7 +42,7 @@ std::string warning_of(const Structure& structure) {
                     std::to_string(structure.order + 1) + ", beyond what --harmonics identifies)");
 }
 
-/// Noise that goes on between samples makes this many independent ones of a record, at least, for
+/// Noise that continues between samples makes this many independent ones of a record, at least, for
 /// intervals to hold.
 constexpr double fewest_independent = 25;
 /// How far slow noise strays from its mean, in standard deviations.

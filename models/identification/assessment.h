@@ -1,4 +1,4 @@
-// What an answer vouches for: intervals, the bound of the angle, or the sentence that takes it
+// What an answer guarantees: intervals, the bound of the angle, or the sentence that takes it
 // back.
 #pragma once
 

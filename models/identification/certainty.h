@@ -46,7 +46,7 @@ struct Evidence {
   DistanceFit fit;
   /// Of the ellipse's change (circle_plane.h), with what correlation of the noise does to it.
   Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
-  double freedom = 0;  ///< degrees of freedom behind it
+  double freedom = 0;  ///< degrees of freedom of it
   Structure structure;
   Coverage coverage;
   double drift = 0;       ///< of the angle, radians

@@ -1,4 +1,4 @@
-// The closed-form fits beside an answer: what a training must reach, and how far fits differ.
+// The closed-form fits next to an answer: what a training must reach, and how far fits differ.
 #pragma once
 
 #include "identification/identification.h"

@@ -1,4 +1,4 @@
-// Whether the noise of a record goes on from one sample to the next, and what that does to a fit.
+// Whether the noise of a record continues from one sample to the next, and what that does to a fit.
 #pragma once
 
 #include <vector>

@@ -47,7 +47,7 @@ struct CurveFit {
 };
 
 /// Levenberg-Marquardt on the distances; harmonics up to `highest` (2 or 3). With `angle_noise`,
-/// the rms distance, also on the spread of the angles, taken as drawn at random from the whole
+/// the rms distance, also on the spread of the angles, taken as random from the whole
 /// circle: the means of e^(i m theta), m = 1 .. 3, of N such angles have a variance of 1/N. 0: not
 /// used.
 CurveFit fit_curve(const Channel& u, const Channel& v, const SignalModel& start, int highest,

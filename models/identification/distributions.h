@@ -1,4 +1,4 @@
-// Quantiles of the distributions behind the intervals and the tests.
+// Quantiles of the distributions of the intervals and the tests.
 #pragma once
 
 namespace capsoc::identification {

@@ -46,7 +46,7 @@ std::complex<double> mean_direction(const Eigen::ArrayXd& theta) {
   return sum / static_cast<double>(theta.size());
 }
 
-/// Whether the angles go on from one sample to the next more than those of shuffled ones do: by
+/// Whether the angles continue from one sample to the next more than those of shuffled ones do: by
 /// steps that are alike, or that change slowly. Then a part of a turn that is there twice, or the
 /// speed, makes the spread uneven at low orders, and that looks like harmonics.
 bool keeps_order(const Eigen::ArrayXd& theta) {

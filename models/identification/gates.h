@@ -14,7 +14,7 @@ struct Gate {
   std::string name;    ///< "samples", "gap", ... as in the report's keys
   bool passed = true;  ///< also when it could not be applied
   double value = 0;    ///< what was measured
-  double limit = 0;    ///< what it was held against
+  double limit = 0;    ///< what it was compared with
   std::string reason;  ///< empty when passed, else one sentence: what is wrong, what to do
 };
 

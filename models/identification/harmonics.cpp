@@ -20,7 +20,7 @@ bool contradicts(const Attempt& curve, const Attempt& motion, double count) {
   return count * (ratio * ratio - 1) > contradiction;
 }
 
-/// What speaks against a bound of the angle: distances that a curve with these harmonics leaves and
+/// What contradicts a bound of the angle: distances that a curve with these harmonics leaves and
 /// noise does not explain. "": nothing.
 std::string unbounded_by(const Attempt& curve) {
   return curve.distance > 0 && curve.value > curve.limit ? curve.reason : "";
@@ -86,7 +86,7 @@ Harmonics automatic(const Channel& u, const Channel& v, const Parameters& start,
   } else if (best.unbounded.empty()) {
     best.unbounded = unbounded_by(curve);
   }
-  // Orders 1 to 3 of the spread cannot be told from harmonics: somebody has to vouch for them.
+  // Orders 1 to 3 of the spread cannot be told from harmonics: somebody has to guarantee them.
   if (best.held && best.assumption == Assumption::even_coverage)
     best.unbounded =
         "samples that are not in order cover the turn evenly or do not, and the samples alone do "
@@ -94,7 +94,7 @@ Harmonics automatic(const Channel& u, const Channel& v, const Parameters& start,
   return best.held ? answer(best, failures) : fallen_back(best, failures, start);
 }
 
-/// An assumption that somebody vouches for still has to leave distances that noise explains.
+/// An assumption that somebody guarantees still has to leave distances that noise explains.
 Harmonics as_asked(const Channel& u, const Channel& v, const Attempt& attempt, int highest) {
   Harmonics harmonics = answer(attempt, "");
   const double scale = std::min(attempt.model.fundamental.a1, attempt.model.fundamental.a2);

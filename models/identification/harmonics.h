@@ -34,7 +34,7 @@ struct Harmonics {
   /// tried and failed, why.
   std::string reason;
   SignalModel model;  ///< without harmonics when none were identified
-  /// What the check of the assumption measured and the limit it was held against; what they are is
+  /// What the check of the assumption measured and the limit it was compared with; what they are is
   /// in check.
   std::string check;
   double check_value = 0;
@@ -46,7 +46,7 @@ struct Harmonics {
   /// The share of expected_error that is due to the finite number of angles: even_coverage of
   /// randomly drawn angles is limited by it. 0 otherwise.
   double coverage_error = 0;
-  /// Why the model does not vouch for any angle although it was identified, or "".
+  /// Why the model does not guarantee any angle although it was identified, or "".
   std::string unbounded;
 };
 

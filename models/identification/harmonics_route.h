@@ -23,7 +23,7 @@ struct Attempt {
   double distance = 0;        ///< rms distance of the samples from the curve
   double expected_error = 0;  ///< radians, peak to peak
   double coverage_error = 0;
-  std::string unbounded;  ///< why it vouches for no angle, or ""
+  std::string unbounded;  ///< why it guarantees no angle, or ""
 };
 
 /// Samples in order of time, the shaft turning steadily. Angles by Eq (4) of `start` say how far.
@@ -32,7 +32,7 @@ Attempt at_constant_speed(const Channel& u, const Channel& v, const Parameters& 
 /// Samples in any order that cover the turn evenly, or at random angles.
 Attempt at_even_coverage(const Channel& u, const Channel& v, const Parameters& start, int highest);
 
-/// The curve alone, each channel with harmonics of its own or both with the same waveform.
+/// The curve alone, each channel with its own harmonics or both with the same waveform.
 Attempt from_the_curve(const Channel& u, const Channel& v, const SignalModel& start, int highest,
                        CurveShape shape);
 

@@ -31,7 +31,7 @@ const char* to_string(Method method);
 std::optional<Method> method_from(const std::string& name);
 
 enum class Start {
-  /// The paper's; when that does not reach the minimum once more from the ellipse, with a hundredth
+  /// The paper's; when that does not reach the minimum again from the ellipse, with a hundredth
   /// of the rate.
   automatic,
   paper,    ///< amplitudes max|U| and max|V|, the rest 0

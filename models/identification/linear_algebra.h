@@ -1,5 +1,5 @@
 // The decompositions that the fits use, for small matrices of any size. They are instantiated here
-// and nowhere else: each costs the compiler seconds, and with sizes in the types once more for
+// and nowhere else: each costs the compiler seconds, and with sizes in the types again for
 // every size.
 #pragma once
 

@@ -1,6 +1,6 @@
-// The methods that both papers name beside their own, for comparison on the same records. Each is
-// our reading of what it is named after, in its plainest form, and none of them is used for an
-// answer.
+// The methods that both papers name in addition to their own, for comparison on the same records.
+// Each is our reading of what it is named after, in its plainest form, and none of them is used for
+// an answer.
 #pragma once
 
 #include <array>

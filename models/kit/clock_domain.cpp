@@ -26,7 +26,7 @@ void ClockDomain::take_frequency(uint64_t hz) {
     durations_[n] = sc_core::sc_time::from_value(n * whole_period_);
 }
 
-/// Behind the epoch; where the period is no whole number of ticks, or the number is too large.
+/// After the epoch; where the period is no whole number of ticks, or the number is too large.
 uint64_t ClockDomain::edge_at_fraction(uint64_t ticks) const {
   const Wide edges = Wide{ticks - epoch_ticks_} * frequency_hz_ / ticks_per_second_;
   const Wide cycle = edges + epoch_cycle_;

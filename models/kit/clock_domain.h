@@ -47,7 +47,7 @@ class ClockDomain {
   /// registration.
   void set_frequency(uint64_t hz);
 
-  /// Nobody is told: whoever plans by edge numbers does so anew after a restore.
+  /// Nobody is told: whoever plans by edge numbers does so again after a restore.
   void visit(Archive& archive);
 
   /// `listener` runs after every change; it reschedules what it had planned by edge number.
@@ -82,7 +82,7 @@ inline uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
   return edge_at(time.value());
 }
 
-/// The one behind the last edge before it.
+/// The one after the last edge before it.
 inline uint64_t ClockDomain::next_edge(const sc_core::sc_time& time) const {
   if (time.value() <= epoch_ticks_) return epoch_cycle_;
   const uint64_t before = edge_at(time.value() - 1);

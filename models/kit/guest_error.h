@@ -37,7 +37,7 @@ void summarise_guest_errors();
 /// Forgets all counts (a new run in the same process).
 void clear_guest_errors();
 
-/// The counts, so that a run that goes on tells what it would have told.
+/// The counts, so that a run that continues tells what it would have told.
 void visit_guest_errors(Archive& archive);
 
 /// `context` says where the guest is, such as "pc 0x00000124"; its text follows every message.

@@ -27,7 +27,7 @@ class [[nodiscard]] Listening {
 
 /// What happens inside a part, told to any number of listeners in the order in which they came: a
 /// public member of the part. Without a listener it costs one comparison. A listener may end its
-/// own listening; it looks on and changes nothing of the part.
+/// own listening; it observes and changes nothing of the part.
 template <typename... Values>
 class Probe {
  public:

@@ -69,7 +69,7 @@ void ProtocolChecker::check_request(const Payload& payload) {
   require(payload.get_gp_option() == tlm::TLM_MIN_PAYLOAD, Rule::option_set, payload);
 }
 
-/// Beside it, where no interconnect has passed it on: nothing of an earlier answer is left.
+/// Next to it, where no interconnect has passed it on: nothing of an earlier answer is left.
 void ProtocolChecker::check_request_is_new(const Passage& passage, const Payload& payload) {
   if (watch_.before(payload, passage) != nullptr) return;
   require(!payload.is_dmi_allowed(), ProtocolRule::dmi_hint_set, payload);
@@ -136,7 +136,7 @@ void ProtocolChecker::check_address(Passage& passage, const Payload& payload) {
     require(payload.get_address() == passage.given.address, ProtocolRule::address_changed, payload);
 }
 
-/// A response arrives from the target's side, and goes on to the initiator's.
+/// A response arrives from the target's side, and continues to the initiator's.
 void ProtocolChecker::check_response(Passage& passage, const Payload& payload) {
   require(payload.get_response_status() != tlm::TLM_INCOMPLETE_RESPONSE,
           ProtocolRule::response_missing, payload);

@@ -79,7 +79,7 @@ tlm::tlm_sync_enum ProtocolChecker::nb_transport_fw(Forward& target, Payload& pa
   return status;
 }
 
-/// The target has gone on to a phase in its answer to a forward call.
+/// The target has continued to a phase in its answer to a forward call.
 void ProtocolChecker::check_updated_forward(const Payload& payload, const tlm::tlm_phase& phase,
                                             bool ended) {
   if (ended) return require(false, ProtocolRule::phase_order, payload);
@@ -154,7 +154,7 @@ tlm::tlm_sync_enum ProtocolChecker::nb_transport_bw(Backward& initiator, Payload
   return status;
 }
 
-/// The initiator has gone on to a phase in its answer to a backward call.
+/// The initiator has continued to a phase in its answer to a backward call.
 void ProtocolChecker::check_updated_backward(Passage& passage, const Payload& payload,
                                              const tlm::tlm_phase& phase) {
   if (!is_base_phase(phase)) return;

@@ -14,7 +14,7 @@ class RegisterBank;
 
 /// The mask of a register without reserved bits.
 inline constexpr uint32_t all_bits = 0xffffffff;
-/// Bytes of a device that the AN385 gives a page of its own.
+/// Bytes of a device that the AN385 gives its own page.
 inline constexpr uint64_t device_size = 4096;
 
 /// One 32-bit register, a public member of its peripheral: what it is comes from the register

@@ -1,4 +1,4 @@
-// What a device says of a read beside its answer.
+// TLM extension: what a device declares about a read, in addition to its answer.
 #pragma once
 
 #include <tlm>

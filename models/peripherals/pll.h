@@ -32,7 +32,7 @@ class Pll {
   /// Whether the PLL drives the output of the switch; otherwise the reference does.
   bool drives_output() const { return locked_ && select_; }
 
-  /// Frequency behind the switch, in Hz; a fraction is cut off.
+  /// Frequency after the switch, in Hz; a fraction is cut off.
   uint64_t output_hz() const;
 
   void visit(Archive& archive);

@@ -79,7 +79,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// Takes the unit off the end: in brackets, or behind the last underscore or blank.
+/// Takes the unit off the end: in brackets, or after the last underscore or blank.
 std::string split_unit(std::string& name) {
   for (const char* brackets : {"[]", "()"}) {
     const std::size_t open = name.rfind(brackets[0]);
@@ -310,7 +310,7 @@ bool is_known_column(const ColumnName& name) {
   if (is_time(name) || is_angle(name)) return true;
   if (name.key.find("sin") != std::string::npos || name.key.find("cos") != std::string::npos)
     return true;
-  // Bare numbers are a heading only beside a time's.
+  // Bare numbers are a heading only next to a time's.
   return std::any_of(std::begin(pairs), std::end(pairs), [&](const auto& pair) {
     return name.key != "1" && name.key != "2" &&
            (name.key == pair.first || name.key == pair.second);

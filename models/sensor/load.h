@@ -17,7 +17,7 @@ namespace capsoc::sensor {
 /// time.
 constexpr const char* built_in_default = "built-in:soc_eq21.toml";
 
-/// The text behind a name "built-in:...", nothing for any other name.
+/// The text of a name "built-in:...", nothing for any other name.
 std::optional<std::string_view> built_in(const std::string& name);
 
 /// The signal in a file: a description (.toml), a recording as text, WAV, MAT or SDS, or one that

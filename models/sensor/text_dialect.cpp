@@ -67,7 +67,7 @@ struct Shape {
   }
 };
 
-/// Cells behind the last one that holds something: a row may end with a separator.
+/// Cells after the last one that holds something: a row may end with a separator.
 void drop_empty_end(Cells& cells) {
   while (cells.size() > 1 && cells.back().empty()) cells.pop_back();
 }
@@ -221,7 +221,7 @@ void split_cells(std::string_view line, char separator, std::vector<std::string_
   std::size_t i = 0;
   const std::size_t end = line.size();
   for (;;) {
-    // A tab is a separator of its own where it separates.
+    // A tab is its own separator where it separates.
     while (i < end && (line[i] == ' ' || (line[i] == '\t' && separator != '\t'))) ++i;
     if (blanks && i == end && !cells.empty()) return;
     if (i < end && line[i] == '"') {

@@ -69,7 +69,7 @@ std::string_view TextLines::head() const {
   return first.substr(0, last == std::string_view::npos ? first.size() : last + 1);
 }
 
-/// Adds a piece_of_file of the file behind what is left; false at its end.
+/// Adds a piece_of_file of the file after what is left; false at its end.
 bool TextLines::fill() {
   if (at_end_) return false;
   buffer_.erase(0, begin_);

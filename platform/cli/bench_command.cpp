@@ -1,4 +1,4 @@
-// capsoc bench cpu: the processor's speed beside QEMU's.
+// capsoc bench cpu: the processor's speed and QEMU's.
 #include <filesystem>
 #include <memory>
 

@@ -45,7 +45,7 @@ host::FileUse written_by(const char* name, const std::string& path) {
   return {host::FileUse::Kind::output, name, path};
 }
 
-/// Beside nothing that is an input: in the current folder, with the description's name.
+/// In the current folder and not next to an input, with the description's name.
 std::string store_of(const CampaignArguments& a) {
   if (!a.store.empty()) return a.store;
   return std::filesystem::path(a.description).stem().string() + ".sqlite";
@@ -145,7 +145,7 @@ int perform(const CampaignArguments& a, const campaign::Plan& plan, campaign::St
   if (const uint64_t seed = plan.description().seed; !plan.runs().empty())
     host::say("{} runs, seed {}, store {}\n", plan.runs().size(), seed, store.path());
   const auto done = campaign::perform(plan, store, a.run);
-  // What was done is in the store, and the command goes on from there.
+  // What was done is in the store, and the command continues from there.
   if (!done) return refuse(done.error(), run::exit_code::lost);
   const int code = print_report(a, store);
   const int signal = host::noted_signal();

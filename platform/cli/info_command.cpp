@@ -51,7 +51,7 @@ int info_command() {
 }
 
 int write_svd(const std::string& file) {
-  // SystemC prints notes of its own on stdout.
+  // SystemC prints its own notes on stdout.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   const soc::Soc soc("soc", {});
   if (const auto error = host::write_whole(file, soc::board_svd(soc))) return refuse(error->text);

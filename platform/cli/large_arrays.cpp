@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <new>
 
-// AddressSanitizer has operators of its own, which belong together.
+// AddressSanitizer has its own operators, which belong together.
 #ifndef __SANITIZE_ADDRESS__
 
 namespace {

@@ -1,4 +1,4 @@
-// capsoc new: a firmware project of one's own, complete.
+// capsoc new: a custom firmware project, complete.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -80,7 +80,7 @@ std::error_code bring_part(const fs::path& from, const fs::path& to) {
 
 /// For the debugger and the IDE.
 std::optional<Error> write_registers(const fs::path& file) {
-  // SystemC prints notes of its own on stdout.
+  // SystemC prints its own notes on stdout.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   const soc::Soc soc("soc", {});
   return host::write_whole(file.string(), soc::board_svd(soc));

@@ -254,7 +254,7 @@ int regress_command(RegressArguments& a) {
   if (auto error = prepare(a)) return refuse(error->text);
   if (auto error = open_libraries(a)) return refuse(error->text);
   const auto begin = std::chrono::steady_clock::now();
-  // Asked for a report on the way: the files as they are now, and the text beside the progress.
+  // Asked for a report on the way: the files as they are now, and the text next to the progress.
   const auto outcome = regress::run_campaign(a.plan, [&a](const regress::Outcome& partial) {
     host::say("\n{}", regress::to_text(a.plan, partial, {}));
     write_files(a, partial, {});

@@ -1,4 +1,4 @@
-// capsoc reproduce: both papers' tables, row by row, beside what this implementation finds.
+// capsoc reproduce: both papers' tables, row by row, next to what this implementation finds.
 #include <fmt/format.h>
 
 #include <filesystem>

@@ -7,7 +7,7 @@
 namespace capsoc::cli {
 
 /// A whole number within bounds, decimal or 0x.. CLI11 alone would take -5 for 2^64 - 5 and 010 for
-/// 8, so this also writes it anew, for Option::transform().
+/// 8, so this also writes it again, for Option::transform().
 CLI::Validator whole_number(uint64_t least, uint64_t greatest);
 
 /// A number within bounds; neither "nan" nor "inf" is one.

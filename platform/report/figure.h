@@ -1,5 +1,5 @@
 // The figures of reports. Each is declared once, in a list of its command's; the page, the CSV
-// behind a plot, a picture of one alone and `capsoc report --list-figures` are all made of that.
+// of a plot, a picture of one alone and `capsoc report --list-figures` are all made of that.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ struct Mark {
 /// Where a figure finds a number that a paper prints: the `paper_value` of a row of a table.
 struct RowMark {
   std::string table, quantity;
-  std::string name;  ///< behind "paper" in the mark's label: ", Table 1"
+  std::string name;  ///< after "paper" in the mark's label: ", Table 1"
 };
 
 /// A number of each run, or a text: then `labels` has them, and the values count those.
@@ -64,7 +64,7 @@ struct Data {
 struct Figure {
   std::string name;     ///< for --plot: lower-case letters, digits, '-'
   std::string command;  ///< whose results have it
-  std::string section;  ///< of the report: a heading, or the id of the table that it stands beside
+  std::string section;  ///< of the report: a heading, or the id of the table that it stands next to
   std::string title;
   std::string caption;  ///< what one sees
   std::string papers;   ///< "SoC paper, Figure 10"; "": in none

@@ -1,4 +1,4 @@
-// The figures of `capsoc regress`, and of the mutation score beside it.
+// The figures of `capsoc regress`, and of the mutation score next to it.
 #include <fmt/format.h>
 
 #include <algorithm>

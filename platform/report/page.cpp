@@ -111,7 +111,7 @@ std::string Page::text() const {
   out.reserve(body_.size() + data_.size() + dygraphs_script.size() + dygraphs_licence.size() +
               rest);
   out += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-  // Beside the escaping: no other script would run, and nothing is loaded from anywhere.
+  // In addition to the escaping: no other script would run, and nothing is loaded from anywhere.
   out += fmt::format(
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {} "
       "{}; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n",

@@ -1,4 +1,4 @@
-// What the report of `capsoc campaign` says beside its figures.
+// What the report of `capsoc campaign` says next to its figures.
 #include <fmt/format.h>
 
 #include "report/html.h"
@@ -116,7 +116,7 @@ std::string where_from(const Json& result) {
   return html_of(table);
 }
 
-/// The page's script makes it of the columns behind the scatter plot.
+/// The page's script makes it of the columns of the scatter plot.
 constexpr const char* heat_map =
     "<div class=\"heat\" data-columns=\"campaign-any-two\" role=\"group\" "
     "aria-label=\"Heat map over two axes\"></div>\n";

@@ -1,4 +1,4 @@
-// What the report of `capsoc fit` says beside its figures.
+// What the report of `capsoc fit` says next to its figures.
 #include <fmt/format.h>
 
 #include "report/html.h"

@@ -1,4 +1,4 @@
-// What the reports of `capsoc regress` and of the mutation score say beside their figures.
+// What the reports of `capsoc regress` and of the mutation score say next to their figures.
 #include <fmt/format.h>
 
 #include "report/html.h"

@@ -1,5 +1,5 @@
 // What the reports of `capsoc reproduce`, `accuracy` and `bench` say: their tables, with the
-// figures beside each.
+// figures next to each.
 #include <fmt/format.h>
 
 #include <algorithm>

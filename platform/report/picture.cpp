@@ -222,7 +222,7 @@ class Drawing {
     return out;
   }
 
-  /// One entry behind the other, in as many rows as they need; `rows` counts those.
+  /// One entry after the other, in as many rows as they need; `rows` counts those.
   std::string legend(int& rows) const {
     rows = 0;
     if (data_.series.size() + data_.marks.size() < 2 || figure_.kind == Kind::lanes) return "";

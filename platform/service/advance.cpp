@@ -54,7 +54,7 @@ Advance::~Advance() {
   if (has_debugger_) soc.cpu.set_debugger(nullptr);
 }
 
-/// Called from within the simulation, or before it goes on.
+/// Called from within the simulation, or before it continues.
 void Advance::stop(const char* reason) {
   if (hit_ == nullptr) hit_ = reason;
   board_.simulation().stop_soon();
@@ -294,7 +294,7 @@ std::optional<Error> Advance::apply_next() {
   return error;
 }
 
-/// A position is that behind the inputs of its instant.
+/// A position is that after the inputs of its instant.
 std::optional<Error> Advance::apply_due() {
   while (const Input* const input = board_.history().next()) {
     if (!(input->at == board_.position())) break;

@@ -43,8 +43,8 @@ class Advance final : private armv7m::Debugger {
   std::optional<Error> go(const Position& position);
   bool is_interrupted() const { return is_cut_; }
 
-  /// As a debugger has the processor go on, one instruction after the other or at once, until its
-  /// watcher says so; at the latest to a position where the simulation was before.
+  /// As a debugger has the processor continue, one instruction after the other or at once, until
+  /// its watcher says so; at the latest to a position where the simulation was before.
   std::optional<Error> resume(bool steps, const std::optional<Position>& end);
   /// What it stopped at: "debugger" (the watcher said so), "bkpt", "asleep" (nothing inside can
   /// wake it); null: nothing.

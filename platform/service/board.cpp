@@ -27,7 +27,7 @@ std::optional<std::string> text_of(const Json& value) {
   return std::nullopt;
 }
 
-/// A program of one's own, or one that comes with capsoc by its name alone.
+/// A custom program, or one that comes with capsoc by its name alone.
 std::string program_named(const std::string& name) {
   std::error_code ignored;
   if (std::filesystem::exists(name, ignored) || name.find('/') != std::string::npos) return name;
@@ -73,7 +73,7 @@ Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snap
   if (!simulation) return Error{simulation.error()};
   board->simulation_ = std::move(simulation.value());
   board->attach();
-  // To its first instant: out of reset, or out of the state that it goes on from.
+  // To its first instant: out of reset, or out of the state that it continues from.
   const auto begun = board->simulation_->advance_to(sc_core::SC_ZERO_TIME);
   if (!begun) return Error{begun.error()};
   if (auto error = board->take_over(from)) return *error;

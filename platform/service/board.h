@@ -38,7 +38,7 @@ class Board {
   /// Of a history, unless the settings say otherwise.
   static constexpr uint64_t history_mb = 64, most_history_mb = 65536;
 
-  /// The whole state of a board, to go on from with the same settings.
+  /// The whole state of a board, to continue from with the same settings.
   struct Snapshot {
     /// As one text, for a history; "": out of reset. The text has to be of to_bytes().
     std::string to_bytes() const;

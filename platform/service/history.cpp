@@ -8,7 +8,7 @@ namespace capsoc::service {
 namespace {
 
 constexpr double seconds_per_ps = 1e-12;
-/// Of an entry in memory beside its texts.
+/// Of an entry in memory in addition to its texts.
 constexpr std::size_t overhead = 200;
 
 }  // namespace

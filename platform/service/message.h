@@ -1,5 +1,5 @@
 // Messages of the session protocol (docs/reference/protocol.md): JSON-RPC 2.0, one line each, with
-// arrays as binary frames behind the line.
+// arrays as binary frames after the line.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ enum class Code : int {
   wrong_parameter = -32602,
   refused = 1,        ///< a wrong setting, a file, a place that nothing answers
   no_simulation = 2,  ///< there is none of that number, or its process has ended
-  over = 3,           ///< the simulation is over and cannot go on
+  over = 3,           ///< the simulation is over and cannot continue
 };
 
 /// One message of either direction. `body` is an object.
@@ -46,7 +46,7 @@ class MessageReader {
     std::optional<Message> message;  ///< nothing: `damage` says why
     Code code = Code::parse_error;   ///< of the damage
     std::string damage;
-    bool last = false;  ///< nothing can be read behind it
+    bool last = false;  ///< nothing can be read after it
   };
 
   void feed(std::string_view bytes) { buffer_.append(bytes); }

@@ -19,7 +19,7 @@ std::optional<double> seconds(std::string_view text) {
 
 constexpr const char* position_form = "a time as 0.25s, #INSTRUCTION, cycle N or sample N";
 
-/// A position from word `at` on, which moves behind it, as simulation.goto takes it; null: none.
+/// A position from word `at` on, which moves after it, as simulation.goto takes it; null: none.
 Json position_from(const std::vector<std::string>& words, std::size_t& at) {
   if (at >= words.size()) return nullptr;
   const std::string& first = words[at++];

@@ -13,7 +13,7 @@
 namespace capsoc::service {
 
 /// The part of a history that a search looks at: from where the simulation is to `end`. A search on
-/// a grid of times goes on to the first one at or after `end`, so that what it finds does not
+/// a grid of times continues to the first one at or after `end`, so that what it finds does not
 /// depend on where the parts of a history meet.
 struct Part {
   Position end;

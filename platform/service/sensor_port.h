@@ -31,8 +31,9 @@ class SensorPort final : public sensor::Source {
   }
   const sensor::Description& description() const override { return current_->description(); }
 
-  /// Lays keys over the description, beside those that were laid over it before. An Error: the
-  /// sensor is a recording, or one is none that can change while the shaft turns; nothing changed.
+  /// Lays keys over the description, in addition to those that were laid over it before. An Error:
+  /// the sensor is a recording, or one is none that can change while the shaft turns; nothing
+  /// changed.
   std::optional<Error> change(const std::vector<sensor::KeyValue>& keys);
   /// From the next sample on the described course passes `factor` times as fast, from where it is:
   /// the motion, and a drift. 0: the shaft stands. An Error: the factor is none from 0 to 1000, or
@@ -55,7 +56,7 @@ class SensorPort final : public sensor::Source {
   const std::vector<sensor::KeyValue>& changed() const { return changed_; }
 
   /// The next samples are these instead of the sensor's, in units of full scale; time, and the
-  /// sensor, go on below them. They have no true angle.
+  /// sensor, continue below them. They have no true angle.
   void inject(const std::vector<double>& u, const std::vector<double>& v);
   const std::deque<std::pair<double, double>>& injected() const { return injected_; }
 

@@ -1,4 +1,4 @@
-// A client of a session, in a program of its own.
+// A client of a session, in its own program.
 #pragma once
 
 #include <sys/types.h>
@@ -42,7 +42,7 @@ class SessionClient {
   bool is_gone_ = false;
 };
 
-/// A session in a process of its own, with this one client. Before this process has a thread.
+/// A session in its own process, with this one client. Before this process has a thread.
 class ChildSession {
  public:
   static Result<ChildSession> start();

@@ -213,7 +213,7 @@ void Session::seek(Request& request, Json leave,
        });
 }
 
-/// The requests that waited go on.
+/// The requests that waited continue.
 void Session::end_seek(const Seek& seek, Answer answer) {
   const auto found = simulations_.find(seek.simulation);
   std::deque<Request> waiting;

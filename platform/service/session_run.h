@@ -7,7 +7,7 @@
 
 namespace capsoc::service {
 
-/// Runs what the settings say in a session of its own, under the debuggers that connect to
+/// Runs what the settings say in its own session, under the debuggers that connect to
 /// gdb.port, if there is one; the session is written to results.session, if that is given. What the
 /// program says on standard streams goes there, once, however often the past is simulated again.
 /// The answer of simulation.finish. An Error: a wrong input, or settings that allow no history;

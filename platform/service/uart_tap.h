@@ -22,7 +22,8 @@ namespace capsoc::service {
 
 class UartTap {
  public:
-  /// Listens beside whoever has the line already, and answers the receiver before `otherwise`.
+  /// Listens in addition to whoever has the line already, and answers the receiver before
+  /// `otherwise`.
   void attach(cmsdk::Uart& uart, std::function<std::optional<uint8_t>()> otherwise);
 
   /// The host sends bytes, which the UART takes as fast as its receiver can.

@@ -1,4 +1,4 @@
-// How a method of the protocol is declared: once, beside what it does. From the declarations come
+// How a method of the protocol is declared: once, next to what it does. From the declarations come
 // the checks of every request, the schema and the reference page (docs/reference/protocol.md).
 #pragma once
 
@@ -62,7 +62,7 @@ struct Answer {
   std::string sentence = {};  ///< of an error; empty: there is none
 
   bool ok() const { return sentence.empty(); }
-  /// Puts values beside the others as an array of 64-bit floating-point numbers.
+  /// Puts values next to the others as an array of 64-bit floating-point numbers.
   void add_array(const std::string& name, const std::vector<double>& values) {
     add_array(result, name, values);
   }

@@ -1,4 +1,4 @@
-// Time: going on, where it is, the end, the state in a file.
+// Time: continuing, where it is, the end, the state in a file.
 #include <fmt/format.h>
 
 #include "service/advance.h"

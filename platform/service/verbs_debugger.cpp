@@ -12,7 +12,7 @@ namespace {
 using debug::Resume;
 using debug::StopCause;
 
-/// How a request wants it to go on; nothing: no such way.
+/// How a request wants it to continue; nothing: no such way.
 std::optional<Resume> resume_in(const Call& call) {
   const std::string kind = call.text("kind");
   if (kind == "run") return Resume{Resume::Kind::run};

@@ -1,4 +1,4 @@
-// A simulation in a process of its own, under the session that forked it.
+// A simulation in its own process, under the session that forked it.
 #pragma once
 
 #include <sys/types.h>
@@ -25,8 +25,8 @@ inline constexpr int out_of_memory = 77;
 
 /// The methods that a session has for itself; others are those of board_verbs(). A request is
 /// {"call", "method", "params"}, its answer {"call"} with "result" or "error".
-/// Construction takes settings and, to go on from a snapshot, what snapshot_method answered: held,
-/// and frames.
+/// Construction takes settings and, to continue from a snapshot, what snapshot_method answered:
+/// held, and frames.
 inline constexpr const char* construct_method = "worker.construct";
 inline constexpr const char* snapshot_method = "worker.snapshot";
 

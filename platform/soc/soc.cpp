@@ -55,7 +55,7 @@ Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
 }
 
 /// The one list of what is on the board. What is not modelled and the user's own devices come
-/// behind it.
+/// after it.
 void Soc::list_components() {
   components_ = {&cpu,
                  &timer0,

@@ -49,7 +49,7 @@ struct OwnDevice {
 /// What can be chosen when the SoC is built.
 struct Config {
   coprocessor::Options coprocessor;
-  /// What stands behind the coprocessor's bus target; empty: the model with `coprocessor`.
+  /// What stands at the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
   armv7m::Executor executor = armv7m::Executor::translator;
@@ -71,10 +71,10 @@ class Soc : public sc_core::sc_module {
   std::optional<Error> load(const std::string& path, uint32_t address,
                             const std::vector<uint8_t>& bytes);
 
-  /// Every part of the board, in the order in which state is saved: the clock's users behind it.
+  /// Every part of the board, in the order in which state is saved: the clock's users after it.
   const std::vector<kit::Component*>& components() const { return components_; }
 
-  /// Everything back to its reset state, memories excepted; time goes on.
+  /// Everything back to its reset state, memories excepted; time continues.
   void reset_peripherals();
 
   /// What is between the parts: the clock, and interrupt lines that several drive.

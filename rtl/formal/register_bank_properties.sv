@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One register of the bank, any, against a shadow that follows the document's rules
-// (register_bank.sv). The conversion of a 48-bit register to words is pair_words.sv, which has a
-// proof of its own.
+// (register_bank.sv). The conversion of a 48-bit register to words is pair_words.sv, which has its own
+// proof.
 module register_bank_properties (
   input logic        clk_i,
   input logic        psel_i, penable_i, pwrite_i,
@@ -82,7 +82,7 @@ module register_bank_properties (
   assign is_amplitude = watched == 6'h20 | watched == 6'h21;
   assign is_parameter = watched >= 6'h20 & watched <= 6'h25;
 
-  // The register behind it, what the pipeline gives it at this edge, and its reset value.
+  // The register after it, what the pipeline gives it at this edge, and its reset value.
   logic [47:0] now, given, start;
   logic        gives;
   always @* begin

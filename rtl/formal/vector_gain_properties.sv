@@ -15,7 +15,7 @@ module vector_gain_properties (
   (* hierconn *) logic signed [46:0] \dut.low ;
   (* hierconn *) logic signed [46:0] \dut.high ;
 
-  // A vector that fills 35 bits beside the sign leaves the CORDIC below 2^36.3.
+  // A vector that fills 35 bits in addition to the sign leaves the CORDIC below 2^36.3.
   localparam logic signed [38:0] MostX    = 39'sd137438953471;  // 2^37 - 1
   localparam logic signed [46:0] MostLow  = 47'sd524287 * 47'sd57580981;
   localparam logic signed [46:0] MostHigh = 47'sd262143 * 47'sd57580981;

@@ -5,7 +5,7 @@
 // models/coprocessor/nodes.def lists the nodes; scripts/capsoc_tools/generate/nodes.py makes their ports and processes. A node is captured at the
 // falling edge in the middle of the interval in which it is valid; node_NAME_o then holds it to the end of the tick at the least.
 // Inputs are taken over at the rising edge of drive_i, which costs the simulator less than inputs that
-// might change at any time: nothing behind them is evaluated while they rest.
+// might change at any time: nothing after them is evaluated while they rest.
 // The model_NAME_i inputs go nowhere: they put the model's nodes into the same wave file.
 // Signed words are sign-extended to 64 bits, others zero-extended.
 module coprocessor_probe #(

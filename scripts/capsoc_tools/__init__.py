@@ -1,4 +1,4 @@
-"""The project's tools beside set-up and tests; `scripts/tool` lists and runs them."""
+"""The project's tools other than set-up and tests; `scripts/tool` lists and runs them."""
 
 from pathlib import Path
 

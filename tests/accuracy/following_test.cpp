@@ -43,7 +43,7 @@ TEST(Following, ARestLeavesWhatWasLearntAsItIs) {
   const FollowingOutcome outcome = follow(on(with_a_rest, 40));
   EXPECT_LT(outcome.error_deg, 2e-4);
   EXPECT_LT(outcome.end_error_deg, 1e-6);
-  // The 10 s, and the ends of the ramps, of 33 s behind the lock.
+  // The 10 s, and the ends of the ramps, of 33 s after the lock.
   EXPECT_NEAR(outcome.frozen_part, 10.0 / 33, 0.02);
 }
 

@@ -1,4 +1,4 @@
-// Parts of the processor on a context of their own, without the parts above them.
+// Parts of the processor on a their own context, without the parts above them.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -34,7 +34,7 @@ TEST(Debug, BreakpointStopsBeforeItsInstructionOnceForEveryArrival) {
 TEST(Debug, WatchpointsStopBehindTheAccessTheyNameOnly) {
   struct Case {
     bool on_read, on_write;
-    uint32_t stop;  // behind which instruction, 0: nowhere
+    uint32_t stop;  // after which instruction, 0: nowhere
   };
   // str r0,[r2]; ldr r1,[r2]; b .
   for (const Case& c : {Case{false, true, 2}, Case{true, false, 4}, Case{true, true, 2}}) {

@@ -10,7 +10,7 @@ namespace capsoc::armv7m::test {
 
 inline constexpr Executor all_executors[] = {Executor::stepping, Executor::blocks,
                                              Executor::translator};
-/// Those that are held against stepping.
+/// Those that are compared with stepping.
 inline constexpr Executor fast_executors[] = {Executor::blocks, Executor::translator};
 
 /// The translator translates everything at once here.

@@ -31,7 +31,7 @@ std::vector<DecodedOp> decoded(std::initializer_list<uint16_t> halfwords) {
   return ops;
 }
 
-/// The flags that are live behind the first of some operations.
+/// The flags that are live after the first of some operations.
 unsigned behind_first(std::initializer_list<uint16_t> halfwords) {
   const std::vector<DecodedOp> ops = decoded(halfwords);
   return live_flags(

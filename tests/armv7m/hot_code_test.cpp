@@ -271,7 +271,7 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
 }
 
 /// A block leaves its flags uncomputed for one that sets them all, and that has not been executed
-/// when it is written anew and then reads them.
+/// when it is written again and then reads them.
 TEST_P(HotCode, CodeThatABranchLeadsToMayChangeBeforeItIsExecuted) {
   constexpr uint32_t start = Bench::ram_base + 0x100, target = start + 0x84;
   std::vector<uint32_t> results;

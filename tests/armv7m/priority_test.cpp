@@ -1,6 +1,6 @@
 // How many bits a priority has (B1.5.4): what the registers read back, which exceptions preempt one
-// another, and that a program which writes bits that do not exist is told of. Both executors, every
-// width that the architecture allows.
+// another, and that a program which writes bits that do not exist is notified of. Both executors,
+// every width that the architecture allows.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -37,7 +37,7 @@ class Priorities : public ::testing::TestWithParam<std::tuple<Executor, unsigned
   static uint32_t mask() { return 0xFF & ~((1U << (8 - bits())) - 1); }
   static uint32_t masks() { return mask() * 0x01010101U; }
 
-  /// Executes `code` with r0 and r1 set and an instruction before and behind it in the same block.
+  /// Executes `code` with r0 and r1 set and an instruction before and after it in the same block.
   void run(std::initializer_list<uint16_t> code, uint32_t r0, uint32_t r1) {
     std::vector<uint16_t> all = {0xBF00};  // nop
     all.insert(all.end(), code);
@@ -150,7 +150,7 @@ TEST_P(Priorities, BasepriMasksItsGroup) {
   }
 }
 
-// What a program is told of.
+// What a program is notified of.
 TEST_P(Priorities, DroppedBitsAreToldOnceWithTheInstruction) {
   start();
   store(ipr0, 0x11000000);
@@ -192,7 +192,7 @@ TEST_P(Priorities, WhatLosesNothingIsNotToldOf) {
   const uint32_t ones = 0x01010101;
   b.core.debug_write(ipr7, &ones, 4);
   EXPECT_TRUE(told.empty());
-  run({0x6001, 0x6801}, ipr0, masks());  // the program goes on
+  run({0x6001, 0x6801}, ipr0, masks());  // the program continues
   EXPECT_EQ(b.core.reg(1), masks());
 }
 

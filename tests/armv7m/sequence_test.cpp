@@ -43,7 +43,7 @@ class Sequence {
 
   bool run(uint32_t seed) {
     random_.seed(seed);
-    // Not to see an old translation, each sequence has a place of its own, and what a branch from
+    // Not to see an old translation, each sequence has its own place, and what a branch from
     // elsewhere may have translated there is dropped.
     const uint32_t at = code_base + (static_cast<uint32_t>(sequences) % 512) * 128;
     // Unicorn 2.0.1 crashes in its own bookkeeping of pages after some 100,000 dropped
@@ -137,7 +137,7 @@ class Sequence {
                                           : decode(0, static_cast<uint16_t>(bits), 0, it);
       if (outside_the_oracle(op) || unpredictable(op) || known_fault(op)) continue;
       const bool transfer = is(op, kind::transfer);
-      // More of what goes on than of what ends a sequence.
+      // More of what continues than of what ends a sequence.
       if ((ends_block(op) && random_() % 4 != 0) || (transfer && random_() % 2 != 0)) continue;
       if (guarded > 0 && (leaves(op) || op.operation == Operation::it)) continue;
       if (op.operation == Operation::undefined && random_() % 16 != 0) continue;
@@ -182,7 +182,7 @@ class Sequence {
       ++instructions;
       if (bench_.core.fault_count() != before) {
         ++faults;
-        // The oracle must have failed, too. Behind a failed store it goes on for a while.
+        // The oracle must have failed, too. After a failed store it continues for a while.
         const bool unaligned = bench_.core.last_fault().cfsr == 1u << 24;
         const bool several = is(last_, kind::dual_load | kind::dual_store | kind::multiple);
         // LDRD, STRD, LDM and STM of the oracle take any address.

@@ -123,7 +123,7 @@ TEST_P(Timing, ACountingLoopTakesThreeCyclesATurn) {
 
 TEST_P(Timing, ItIsFoldedBehindANarrowInstruction) {
   EXPECT_EQ(cycles_of({0x2E01, 0xBF08, 0x6808}), 2u);  // cmp r6,#1; it eq; ldreq r0,[r1]
-  // Behind a wide one, a branch, and as the first instruction at all: a cycle of its own.
+  // After a wide one, a branch, and as the first instruction at all: its own cycle.
   EXPECT_EQ(cycles_of({0xF3AF, 0x8000, 0xBF08, 0xBF00}), 3u);
   EXPECT_EQ(cycles_of({0xE7FF, 0xBF08, 0xBF00}), 2u + 2u);
   EXPECT_EQ(cycles_of({0xBF08, 0xBF00}), 2u);

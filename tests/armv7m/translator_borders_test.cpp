@@ -1,6 +1,6 @@
 // Where one block runs into another without a branch: at the border of a page, and where a block is
-// cut because it could take too long. What the first operation behind it costs may hang on the last
-// one before it. Against stepping.
+// cut because it could take too long. What the first operation after it costs may depend on the
+// last one before it. Against stepping.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -78,12 +78,12 @@ TEST(Borders, OfAPageCostWhatNeighboursCost) {
       code.push_back(static_cast<uint16_t>(0xDB00u | (((0u - turn - 4) >> 1) & 0xFF)));
       const TranslationCounts counts = loop_agrees(code, border - before - 2, 0, 4000);
       if (!has_translator()) continue;
-      // All of it, or all but what may hang on its neighbour.
+      // All of it, or all but what may depend on its neighbour.
       EXPECT_GT(counts.instructions, counts.executed / 4);
     }
 }
 
-/// What does not hang on its neighbour never leaves translated code there.
+/// What does not depend on its neighbour never leaves translated code there.
 TEST(Borders, OfAPageAreCrossedInTranslatedCode) {
   if (!has_translator()) GTEST_SKIP();
   for (const Unit& last : units) {
@@ -96,7 +96,7 @@ TEST(Borders, OfAPageAreCrossedInTranslatedCode) {
   }
 }
 
-/// The code behind the border goes without the code before it.
+/// The code after the border goes without the code before it.
 TEST(Borders, OfAPageLeadToWhatIsThereNow) {
   for (const Unit& last : units) {
     SCOPED_TRACE(last.name);
@@ -135,7 +135,7 @@ TEST(Borders, OfABlockThatIsCutCostWhatNeighboursCost) {
   }
 }
 
-/// A block that got flags uncomputed sets N and Z, is cut, and a fault behind that stacks C.
+/// A block that got flags uncomputed sets N and Z, is cut, and a fault after that stacks C.
 TEST(Borders, OfABlockThatIsCutKeepTheFlagsThatWereLeftToIt) {
   const Outcome outcome = agreed([](Bench& b) {
     shorten_ram(b);

@@ -39,7 +39,7 @@ TEST(Flags, LeftToTheNextBlockAreNotMadeFromWhatThatOnePutsAside) {
   EXPECT_EQ(stacked_flags(outcome), 0b0010u) << "C of the comparison before the branch";
 }
 
-/// ... and that one has set flags of its own when it returns to a third that sets none.
+/// ... and that one has set its own flags when it returns to a third that sets none.
 TEST(Flags, LeftToTheNextBlockEndWithItsReturn) {
   const Outcome outcome = agreed([](Bench& b) {
     shorten_ram(b);

@@ -1,5 +1,5 @@
 // The translator and its host: a buffer that is always full, memory that may not be executed, a
-// processor without BMI, and what is told of each translation.
+// processor without BMI, and what is reported of each translation.
 #include <gtest/gtest.h>
 #include <linux/audit.h>
 #include <linux/filter.h>
@@ -101,7 +101,7 @@ TEST(TranslatorHost, AFullBufferIsEmptiedAndChangesNothing) {
     }
     if (!has_translator()) continue;
     const TranslationCounts counts = translated.core.translation().value();
-    // Behind an eviction blocks have to become hot anew, all of them.
+    // After an eviction blocks have to become hot again, all of them.
     EXPECT_GT(counts.evictions, threshold == 1 ? 100u : 3u);
     EXPECT_GT(counts.blocks, threshold == 1 ? 2 * block_count : 100u);
     EXPECT_GT(counts.bytes, counts.evictions * 4096);

@@ -104,7 +104,7 @@ TEST(OverTheEndBySp, AReturnThatTakesThePcFromBehindTheMemoryIsAFault) {
 
 /// A literal that its block has as a constant is code: who writes it drops the block.
 TEST(Literals, ALiteralThatIsWrittenIsReadAnew) {
-  for (const unsigned distance : {16u, 64u, 256u, 1000u}) {  // in and behind the code's own line
+  for (const unsigned distance : {16u, 64u, 256u, 1000u}) {  // in and after the code's own line
     SCOPED_TRACE(distance);
     constexpr uint32_t start = Bench::ram_base + 0x1000;
     const Outcome outcome = agreed([&](Bench& b) {
@@ -122,7 +122,7 @@ TEST(Literals, ALiteralThatIsWrittenIsReadAnew) {
   }
 }
 
-/// A store that runs from a page without code into one with code, beside the window.
+/// A store that runs from a page without code into one with code, next to the window.
 TEST(OverTheEndOfAPage, AnStmThatWritesTheCodeOfTheNextPageIsSeen) {
   constexpr uint32_t start = Bench::ram_base + 0x3000;
   const Outcome outcome = agreed([&](Bench& b) {
@@ -192,7 +192,7 @@ TEST(Windows, AnAddressThatWrapsIsThatOfItsLower32Bits) {
   EXPECT_EQ(outcome.registers[1], Bench::program | 1) << "the reset vector";
 }
 
-/// The longest row of pages without code begins behind some, and then behind others.
+/// The longest row of pages without code begins after some, and then after others.
 TEST(Windows, TheLongestRowForStoresMayMove) {
   constexpr uint32_t moved_over = Bench::ram_base + 0x3000;
   agreed([](Bench& b) {

@@ -1,5 +1,5 @@
 // The UNPREDICTABLE cases of ARM DDI 0403: what is chosen (unpredictable.def), and that each is
-// told of once. Both executors.
+// reported once. Both executors.
 #include "armv7m/isa/unpredictable.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Stores beside and into what is watched: the vector table while somebody is told of writes there,
-// and code. Each executor must do and tell the same.
+// Stores next to and into what is watched: the vector table while somebody is notified of writes
+// there, and code. Each executor must do and tell the same.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -178,7 +178,7 @@ TEST(VectorTable, IsNoLongerWatchedWhenTheListenerHasEnough) {
   EXPECT_GT(last, 100u);
 }
 
-/// Code that a block stores beside, and then into.
+/// Code that a block stores next to, and then into.
 TEST(BesideCode, StoresThatReachItChangeIt) {
   constexpr uint32_t start = Bench::ram_base + 0x1000, other = Bench::ram_base + 0x1800;
   for (const std::vector<uint16_t>& code :

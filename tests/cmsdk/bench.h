@@ -1,4 +1,4 @@
-// The CMSDK peripherals, each with an initiator of its own. SystemC elaborates once, so every test
+// The CMSDK peripherals, each with its own initiator. SystemC elaborates once, so every test
 // of this program shares them and begins with a reset.
 #pragma once
 

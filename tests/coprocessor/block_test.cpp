@@ -106,7 +106,7 @@ TEST(Block, ChangesTheCoefficientsOnceATurn) {
     before = now;
   }
   // FREQ is a little less than 2^48 / 5000, so the reference completes a turn with sample 5000. The
-  // one behind it takes the block over.
+  // one after it takes the block over.
   EXPECT_EQ(changes, (std::vector<int>{turn + 1, 2 * turn + 1, 3 * turn + 1}));
 }
 
@@ -126,7 +126,7 @@ TEST(Block, BeginsWithAWindow) {
   EXPECT_NE(coefficients(bench), before);
 }
 
-// After three turns the shaft stops: in numeric the reference goes on without it.
+// After three turns the shaft stops: in numeric the reference continues without it.
 std::array<int64_t, 6> moved_at_rest(uint32_t ctrl, uint32_t time_out) {
   const Sensor sensor;
   Bench bench;

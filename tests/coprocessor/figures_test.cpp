@@ -1,4 +1,4 @@
-// The figures of docs/reference/coprocessor.md, "Accuracy": each is printed and held against its
+// The figures of docs/reference/coprocessor.md, "Accuracy": each is printed and compared with its
 // bound.
 #include <gtest/gtest.h>
 

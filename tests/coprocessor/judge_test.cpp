@@ -1,5 +1,5 @@
 // The turn judge: its words against an independent computation in long double, its windows and
-// flags by example, and its LOCK on drawn sensors, good and broken.
+// flags by example, and its LOCK on random sensors, good and broken.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -313,7 +313,8 @@ TEST_F(Judge, TwoTurnsInOneWindowAreNotOne) {
   }
 }
 
-// --- LOCK on drawn sensors -----------------------------------------------------------------------
+// --- LOCK on random sensors
+// -----------------------------------------------------------------------
 
 struct Drawn {
   Sensor sensor;

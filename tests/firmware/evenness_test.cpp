@@ -19,7 +19,7 @@ uint32_t word_of(double turns) {
 }
 
 /// Half the range, in turns, that is seen of `amplitude` turns of an order, after so many turns at
-/// a steady `step` a sample. A window ends with the first sample behind a whole turn.
+/// a steady `step` a sample. A window ends with the first sample after a whole turn.
 double seen(unsigned order, double amplitude, double step, unsigned turns) {
   evenness state{};
   double travel = 0, before = 0;

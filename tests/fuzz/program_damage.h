@@ -126,7 +126,7 @@ class ProgramDamage {
     bytes_.replace(section.sh_offset + from, length, length, with[random_.below(std::size(with))]);
   }
 
-  /// Everything behind a place moves by a few bytes.
+  /// Everything after a place moves by a few bytes.
   void shift(const Elf32_Shdr& section) {
     const uint64_t from = random_.below(section.sh_size - 32), by = 1 + random_.below(8);
     const uint64_t length = section.sh_size - from - by;

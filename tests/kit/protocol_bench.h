@@ -103,7 +103,7 @@ struct TestInterconnect : sc_core::sc_module,
   unsigned transport_dbg(Payload& payload) override;
 };
 
-/// Answers everything well, then does what a test wants besides.
+/// Answers everything well, then does what a test wants in addition.
 struct TestTarget : sc_core::sc_module, private tlm::tlm_fw_transport_if<> {
   tlm::tlm_target_socket<32> socket{"socket"};
   std::function<void(Payload&, sc_core::sc_time&)> on_b;

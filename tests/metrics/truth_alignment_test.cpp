@@ -10,7 +10,7 @@
 namespace capsoc::metrics {
 namespace {
 
-/// Ten turns of 500 samples; the recorded angle is `zero` turns behind the channels'.
+/// Ten turns of 500 samples; the recorded angle lags the channels' by `zero` turns.
 class Turns : public sensor::Source {
  public:
   explicit Turns(double zero, bool reversed = false) : zero_(zero), reversed_(reversed) {

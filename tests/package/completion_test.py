@@ -50,7 +50,7 @@ def output_of(*command, **options):
 
 
 class Terminal:
-    """A shell on a terminal of its own, in which capsoc is a function that prints its arguments."""
+    """A shell on its own terminal, in which capsoc is a function that prints its arguments."""
 
     def __init__(self, folder, *command):
         self.child, self.descriptor = pty.fork()
@@ -94,7 +94,7 @@ class Completion(Case):
         for typed, expected in LINES.items():
             with self.subTest(typed):
                 terminal.send(f"{typed}\t\n")
-                # Some add a blank behind a whole word, which the shell drops.
+                # Some add a blank after a whole word, which the shell drops.
                 self.assertEqual(terminal.read_to(r"RAN<([^>\r\n]*)>")[1].strip(), expected)
 
     def test_bash(self):

@@ -35,7 +35,7 @@ class Program(unittest.TestCase):
 
 
 class Commit(Case):
-    """cmake/commit.cmake in repositories of its own."""
+    """cmake/commit.cmake in its own repositories."""
 
     def setUp(self):
         super().setUp()

@@ -249,7 +249,7 @@ class Processes(Case):
         self.assertEqual(answers, list(range(200)))
 
     def client(self, text):
-        """A client in an interpreter of its own; its first line is the session's process."""
+        """A client in its own interpreter; its first line is the session's process."""
         path = fake_session.program(self.folder)
         code = f"import sys; sys.path[:0] = [{str(SOURCE / 'platform/python')!r}]\nimport os, time, capsoc\n"
         code += f"session = capsoc.Session({str(path)!r}); print(session.process.pid, flush=True)\n{text}"

@@ -9,7 +9,7 @@ from harness import SOURCE
 
 CTEST = {"name": "quality: layers", "whole": True}
 
-#: Where an include is looked for (CMakeLists.txt), beside the folder of the file itself.
+#: Where an include is looked for (CMakeLists.txt), in addition to the folder of the file itself.
 ROOTS = [
     SOURCE / root for root in ("platform", "platform/simulation", "platform/experiments", "platform/cli", "models")
 ]

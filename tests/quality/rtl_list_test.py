@@ -20,7 +20,7 @@ def listed(name):
 
 
 def of_proofs():
-    """What scripts/tool formal reads beside the design: the properties, and what stands in for a unit."""
+    """What scripts/tool formal reads in addition to the design: the properties, and what stands in for a unit."""
     proofs = tomllib.loads((RTL / "formal" / "proofs.toml").read_text(encoding="utf-8"))["proof"]
     names = {f"formal/{proof['harness']}" for proof in proofs if "harness" in proof}
     names |= {name for proof in proofs for name in proof["sources"] if name.startswith("formal/")}

@@ -61,7 +61,7 @@ TEST(GoldenScenario, FindsAWrongAngleThatBothDevicesHave) {
     options.paper_plain_arctangent = true;
     return compare_with(options, std::make_unique<coprocessor::Coprocessor>(options));
   };
-  plan.seeds = 8;  // not every drawn sensor is out of its reach
+  plan.seeds = 8;  // not every random sensor is out of its reach
   const auto outcome = run_campaign(plan);
   ASSERT_TRUE(outcome);
   const regress::Run* run = outcome.value().first_failure();

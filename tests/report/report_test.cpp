@@ -118,7 +118,7 @@ TEST(Thinning, EveryPartHasItsLeastAndGreatestAtAnyLength) {
       } else {
         ASSERT_LE(few.x.size(), (has_gaps ? 3 : 2) * buckets);
       }
-      // No part is longer than this, and whatever lies in a window shows in or beside it.
+      // No part is longer than this, and whatever lies in a window shows in or next to it.
       const double part = 4.0 * static_cast<double>(points) / static_cast<double>(buckets - 1) + 4;
       const double from = std::floor(chance(random) * static_cast<double>(points));
       const double to = from + chance(random) * part;

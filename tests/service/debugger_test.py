@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""A debugger's steps, points and their way back, beside a run that is stepped forward from the start.
+"""A debugger's steps, points and their way back, compared with a run that is stepped forward from the start.
 
-The oracle knows the program counter in front of each instruction and which instruction a watchpoint stops behind, and
+The oracle knows the program counter in front of each instruction and which instruction a watchpoint stops after, and
 from these alone where each move has to end. CAPSOC_REVERSE_MOVES asks for longer walks.
 """
 

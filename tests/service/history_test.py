@@ -299,7 +299,7 @@ class Branches(Past):
 
 
 class Questions(Past):
-    """What happened last, beside what a simulation going forward shows."""
+    """What happened last, compared with what a simulation going forward shows."""
 
     def setUp(self):
         super().setUp()

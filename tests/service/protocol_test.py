@@ -165,7 +165,7 @@ class Same(Driven):
 
 
 class Streams(Driven):
-    """Text beside the UARTs, and events."""
+    """Text of other ports than the UARTs, and events."""
 
     def test_the_itm(self):
         simulation = self.construct("itm", **{"itm.backend": "stdout"})
@@ -257,7 +257,7 @@ class Stops(Driven):
         self.assertEqual((stop["reason"], stop["state"]["time_s"]), ("limit", 0.25))
 
     def test_when_it_sleeps_with_nothing_to_come(self):
-        """The session may still send something, so that time goes on."""
+        """The session may still send something, so that time continues."""
         simulation = self.construct("echo")
         self.advance(simulation, seconds=5)
         self.session("uart.send", simulation=simulation, uart=0, bytes="late\n")
@@ -500,7 +500,7 @@ class Variables(Driven):
 
 
 class Hostile(Driven):
-    """Whatever a client asks, the session answers, and goes on."""
+    """Whatever a client asks, the session answers, and continues."""
 
     def any_value(self, draw, depth=0):
         kinds = [
@@ -523,7 +523,7 @@ class Hostile(Driven):
         # These end what the others need, write files, or may take as long as they like.
         left_out = {"session.end", "simulation.close", "simulation.finish", "simulation.save", "simulation.advance"}
         left_out |= {"debugger.kill", "debugger.resume"}
-        left_out.add("simulation.goto")  # history_test.py has refusals of its own
+        left_out.add("simulation.goto")  # history_test.py has its own refusals
         methods = [each for each in schema if each["name"] not in left_out]
         self.assertGreater(len(methods), 25)
         simulation = self.construct()
@@ -569,7 +569,7 @@ class Hostile(Driven):
         self.assertEqual(self.session("session.about")["protocol"], 1)
 
     def test_requests_need_not_wait_for_answers(self):
-        """What follows a construction is done behind it, or refused with it."""
+        """What follows a construction is done after it, or refused with it."""
         for program, ends in ((str(FIRMWARE / "selfcal.elf"), "result"), ("no such program", "error")):
             with self.subTest(program=program):
                 number = len(self.session("session.simulations")["simulations"]) + 1

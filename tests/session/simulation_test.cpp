@@ -1,4 +1,4 @@
-// A run in pieces is the run in one piece. Each simulation has a process of its own: SystemC's
+// A run in pieces is the run in one piece. Each simulation has its own process: SystemC's
 // kernel cannot be started twice.
 #include "session/simulation.h"
 

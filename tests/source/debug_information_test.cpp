@@ -1,4 +1,4 @@
-// Lines and inlined functions of programs, held against addr2line of the cross compiler.
+// Lines and inlined functions of programs, compared with addr2line of the cross compiler.
 #include "source/debug_information.h"
 
 #include <elf.h>
@@ -147,7 +147,7 @@ std::string word(uint32_t value) {
 }
 
 /// hello.elf with one unit of code from 0x100 to 0x200 that holds `entries`. 2: a block with all of
-/// that code and entries of its own; 3: a namespace that names its sibling by its place in the
+/// that code and its own entries; 3: a namespace that names its sibling by its place in the
 /// section.
 std::string with_entries(const std::string& entries) {
   const std::string abbreviations(
@@ -183,7 +183,7 @@ TEST(DebugInformation, EntriesNestedWithoutEndAreDamage) {
 /// Each namespace names its own first entry as its sibling: 40 in each other are 2^40 ways.
 TEST(DebugInformation, EntriesThatAreReachedTwiceAreDamage) {
   std::string spaces;
-  constexpr uint32_t first = 20, size = 5;  // behind the unit's header and its own entry
+  constexpr uint32_t first = 20, size = 5;  // after the unit's header and its own entry
   for (uint32_t i = 1; i <= 40; ++i) spaces += "\x03" + word(first + i * size);
   EXPECT_EQ(complaint_at(with_entries(spaces + std::string(42, '\0')), 0x180),
             "f.elf: cannot read the functions at 0x00000180: they do not end");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a program is told of the board it runs on: priority bits, lost bytes, an end when it is idle; and the page on
+"""Warnings about the board that a program runs on: priority bits, lost bytes, an end when it is idle; and the page on
 what QEMU's board does otherwise, line by line on both."""
 
 import json

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs that are saved on their way, and what becomes of those that go on."""
+"""Runs that are saved on their way, and what becomes of those that continue."""
 
 import json
 import re
@@ -208,7 +208,7 @@ class Places(CheckpointCase):
             self.capsoc(
                 FIRMWARE / "newlib.elf", "--semihosting-dir", "cut", "--uart0", "null", "--save", f"s@{place * length}"
             )
-            # What the run wrote behind the checkpoint is there now, and goes.
+            # What the run wrote after the checkpoint is there now, and goes.
             self.capsoc(
                 FIRMWARE / "newlib.elf",
                 "--semihosting-dir",

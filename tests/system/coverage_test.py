@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`--coverage`: held against counts by single steps (the instruction trace), whose lines addr2line knows."""
+"""`--coverage`: compared with counts by single steps (the instruction trace), whose lines addr2line knows."""
 
 import os
 import re

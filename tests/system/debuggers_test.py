@@ -96,7 +96,7 @@ class Viewer(unittest.TestCase):
             checkpoint, file = Path(folder) / "c.capsoc", Path(folder) / "itm.txt"
             for saved, restored in (([], [f"file:{file}"]), ([f"file:{file}"], [f"file:{file}"])):
                 file.write_text("")
-                # In the first of the two passes, behind its text.
+                # In the first of the two passes, after its text.
                 run(VIEWER, *(["--itm", *saved] if saved else []), "--save", f"{checkpoint}@0.003")
                 out, _ = run(VIEWER, "--restore", checkpoint, "--itm", *restored)
                 self.assertIn("trcena 1 tcr 1 ter 1\n", out)

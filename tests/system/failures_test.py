@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Failures that a report explains by itself: cause, line and call stack, held against gdb-multiarch's."""
+"""Failures that a report explains by itself: cause, line and call stack, compared with gdb-multiarch's."""
 
 import json
 import re

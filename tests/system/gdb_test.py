@@ -300,7 +300,7 @@ kill
         self.assertRegex(out, r"\[3:2\] +REF +0x[012] (NUMERIC|TRACKING|ANGLE)")
 
     def test_every_register_of_the_board_by_name_from_a_sourced_script(self):
-        """`svd` beside what GDB reads there itself; the command comes by a script that another script sources."""
+        """`svd` reads what GDB reads there itself; the command comes by a script that another script sources."""
         script = """
 import re
 gdb.execute("source %s")
@@ -327,7 +327,7 @@ for name in [line.split()[0] for line in gdb.execute("svd list", to_string=True)
 
 
 class Bringup(unittest.TestCase):
-    """The whole session in one go, alone and with a second client beside it."""
+    """The whole session in one go, alone and at the same time as a second client."""
 
     SCRIPT = """
 load

@@ -201,7 +201,7 @@ class Sides(InjectCase):
         )
 
     def test_a_stuck_flip_flop_follows_its_input_no_more(self):
-        """A counter whose bit 0 is held at 0 counts no further, and then goes on; another fault shows what it holds."""
+        """A counter whose bit 0 is held at 0 stops counting, and then continues; another fault shows what it holds."""
         held = "stuck0 rtl.u_register_bank.u_counters.samples_q[0] at 0.2s for 0.2s"
         faults = [held, *(f"flip coprocessor.samples[31] at {when}s" for when in (0.21, 0.39, 0.5))]
         given = [word for fault in faults for word in ("--inject", fault)]

@@ -22,7 +22,7 @@ DOCS = SOURCE / "docs"
 
 
 def blocks(page):
-    """The fenced blocks of a page: what stands behind the fence, the text, and the line."""
+    """The fenced blocks of a page: what stands after the fence, the text, and the line."""
     text = page.read_text()
     found = re.finditer(r"^```([^\n]*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     return [(m[1], m[2], text[: m.start()].count("\n") + 1) for m in found]

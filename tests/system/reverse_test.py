@@ -30,7 +30,7 @@ class Questions(unittest.TestCase):
         return f"overwritten.c:{line_of(mark)}"
 
     def test_who_has_overwritten_the_return_address(self):
-        """In four commands behind the crash."""
+        """In four commands after the crash."""
         out = self.ask(
             """
 continue

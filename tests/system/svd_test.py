@@ -58,7 +58,7 @@ SCHEMA = {
 def check_order(test, path):
     device = ElementTree.parse(path).getroot()
     if device[-1].tag == "vendorExtensions":
-        device.remove(device[-1])  # the schema takes anything in there, behind all else
+        device.remove(device[-1])  # the schema takes anything in there, after all else
     for element in device.iter():
         order = SCHEMA.get(element.tag, "").split()
         names = [child.tag for child in element]

@@ -534,7 +534,7 @@ class Follow(unittest.TestCase):
         lock = re.search(rb"^t +(\d+) s: lock$", process.stdout, re.MULTILINE)
         if not lock:
             return process, r, None
-        # What it counts as seconds begins behind the turn that it measured; one more is more than enough for that.
+        # What it counts as seconds begins after the turn that it measured; one more is more than enough for that.
         begin = int(lock.group(1)) + 2
         return process, r, max((abs(float(error)) for t, error in rows if error and float(t) > begin), default=0.0)
 
@@ -862,7 +862,7 @@ class Fit(unittest.TestCase):
 
 
 class Golden(unittest.TestCase):
-    """What the SoC identifies beside what the CSFN finds in the same samples, on every trace."""
+    """What the SoC identifies next to what the CSFN finds in the same samples, on every trace."""
 
     # Trace: program; largest difference in units of the last place of amplitudes and offsets (2^-31) and of beta
     # (2^-32 turn). Twice what was measured. Clean samples: both are exact. Noise: the on-line filter averages over a
@@ -887,7 +887,7 @@ class Golden(unittest.TestCase):
         "csfn_h3.toml": ("unordered", 330_000, 480_000),
         "csfn_experiment.toml": ("unordered", 110_000, 22_000),
         "recorded_example.csv": ("unordered", 40_000_000, 36_000_000),
-        "drift_all.toml": ("follow", 73_000_000, 34_000_000),  # 5.5 % of drift, half of it behind the record's middle
+        "drift_all.toml": ("follow", 73_000_000, 34_000_000),  # 5.5 % of drift, half of it after the record's middle
     }
 
     # Refused, or of a bound beyond 10 degrees: the speed is another.

@@ -195,7 +195,7 @@ class Clients(UartCase):
         with self.connect(place) as first:
             first.sendall((1000).to_bytes(4, "little") + bytes(100))
             first.recv(10)
-        # The first one left bytes unread: its end is a reset. The board goes on with the second.
+        # The first one left bytes unread: its end is a reset. The board continues with the second.
         second = self.connect(place)
         second.sendall(bytes(range(256)) * 4)
         back = b""

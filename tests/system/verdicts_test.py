@@ -301,7 +301,7 @@ class Broken(VerdictCase):
 
 
 class Followed(VerdictCase):
-    """`follow` vouches for every angle since its lock, whatever the shaft does."""
+    """`follow` guarantees every angle since its lock, whatever the shaft does."""
 
     SETTINGS = ("-P", "rate_hz=250", "-P", "harmonics_deg=0", "-P", "drift_per_s=0")
 
@@ -336,7 +336,7 @@ class Followed(VerdictCase):
         self.assertTrue(all(word & STATUS_LOCK for word in status), verdict)
 
     def test_a_channel_that_is_held_for_a_part_of_a_turn(self):
-        # The turn is not good, and nothing is learnt of it; its angles have been vouched for all the same.
+        # The turn is not good, and nothing is learnt of it; its angles have been guaranteed all the same.
         code, verdict = self.follow(lambda u, k: good_u(0) if 0 <= k - 20.2 * RATE < 14 else u)
         self.assertEqual((code, verdict["pass"]), (1, False), self.process.stdout)
         self.assertIn("the calibrated signals do not stay on a circle", verdict["reason"])
@@ -511,7 +511,7 @@ class Bounds(VerdictCase):
 
     def test_a_sensor_and_an_encoder_that_count_the_other_way(self):
         self.check(1e-5, "selfcal", "-C", "sensor.beta_rad=3.0")
-        # An encoder of its own zero and direction beside the sensor.
+        # An encoder of its own zero and direction next to the sensor.
         sensor = self.record(
             (good_u(2 * math.pi * turning(k)), good_v(2 * math.pi * turning(k)), 0.3 - turning(k))
             for k in range(105_100)
@@ -558,7 +558,7 @@ class Bounds(VerdictCase):
 
 
 class Drawn(unittest.TestCase):
-    """scripts/tool verdicts on a few drawn sensors of every kind."""
+    """scripts/tool verdicts on a few random sensors of every kind."""
 
     def test_good_sensors_that_were_refused_once(self):
         # By: a speed that was measured in one half of a slow wave; a saturation in a lock that was lost again; a shaft

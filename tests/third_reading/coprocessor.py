@@ -1,6 +1,6 @@
 """docs/reference/coprocessor.md, "Sequencer: time", "LOAD" and "Commit": the whole coprocessor, edge by edge.
 
-A third reading of that page, beside the C++ model and the SystemVerilog, with which it shares nothing. It is written
+A third reading of that page, next to the C++ model and the SystemVerilog, with which it shares nothing. It is written
 to be compared with the page, in exact integers, and not to be fast.
 """
 
@@ -204,7 +204,7 @@ class Coprocessor:
         first = 3 * (self.load_stage - 1)
         self.registers.weights[first : first + 3] = weights
 
-    # Samples and accesses, behind the ticks of their edge
+    # Samples and accesses, after the ticks of their edge
 
     def wake(self, edge):
         if self.boundary is None:

@@ -16,7 +16,7 @@ CTEST = {"name": "third reading", "timeout": 3600, "long": ["PreciseLong", "Pape
 
 RECORDER = BUILD / "platform" / "experiments" / "regress" / "record_answers"
 CHECKER = Path(__file__).resolve().with_name("check_answers.py")
-# Random samples and accesses of a recording, beside the directed scenarios.
+# Random samples and accesses of a recording, in addition to the directed scenarios.
 SHORT = ("--samples", "2000", "--accesses", "2000")
 LONG = ("--samples", "100000", "--accesses", "50000", "--seeds", "4")
 

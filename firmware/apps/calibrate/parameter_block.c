@@ -1,4 +1,4 @@
-// In a file of its own: what main() reads must not be the words that the compiler saw.
+// In its own file: what main() reads must not be the words that the compiler saw.
 #include "parameter_block.h"
 
 #ifdef CALIBRATION_HEADER

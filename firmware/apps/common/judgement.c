@@ -17,7 +17,7 @@
 #define ZEROS_LIMIT 3
 // Chance repeats 1 of 250 samples of 12 bits at an amplitude of 0.02.
 #define REPEATS_LIMIT(samples) ((samples) / 64 + 2)
-// A drift that does not grow smaller may go on for so many turns and have gone on before.
+// A drift that does not grow smaller may continue for so many turns and have continued before.
 #define LONGEST_DRIFT 16
 #define HALF_TURN (UINT32_C(1) << 31)
 // Of phi in a settled loop, 2^-32 turn.
@@ -227,12 +227,12 @@ static uint64_t way_of(const struct judgement* judgement, uint32_t turns) {
   return drift_between(&begin, &judgement->parameters);
 }
 
-// What the parameters are off by, if they went and go on as in these turns.
+// What the parameters are off by, if they went and continue as in these turns.
 static uint64_t going_on(const struct judgement* judgement, uint64_t way, uint32_t turns) {
   return LONGEST_DRIFT * way / (turns * (judgement->idle_turns + 1));
 }
 
-// What the parameters may still be off by, if their last changes go on as they were: those of a
+// What the parameters may still be off by, if their last changes continue as they were: those of a
 // loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
 // same speed, do not.
 static uint64_t wander(const struct judgement* judgement) {
@@ -253,7 +253,8 @@ static uint64_t drift_of(const struct judgement* judgement, uint32_t turns) {
   return (double)way * (double)way * turns > 4 * squares ? going_on(judgement, way, turns) : 0;
 }
 
-// Many turns show a drift that is small beside the noise, few one that came after larger changes.
+// Many turns show a drift that is small compared with the noise, few one that came after larger
+// changes.
 static uint64_t steady_drift(const struct judgement* judgement) {
   const uint32_t turns = judgement->learning_turns;
   if (turns < learning_judged || by_count() || settles(judgement)) return 0;
@@ -261,7 +262,7 @@ static uint64_t steady_drift(const struct judgement* judgement) {
   return few > many ? few : many;
 }
 
-// Of turns with demodulation: a drift that does not become smaller goes on.
+// Of turns with demodulation: a drift that does not become smaller continues.
 static void keep_learning(struct judgement* judgement, uint32_t drift,
                           const struct coprocessor_parameters* before) {
   if (drift == 0) return;  // nothing was learnt in it
@@ -399,7 +400,7 @@ bool judgement_wait(struct judgement* judgement, uint32_t most) {
   return true;
 }
 
-// The last sample once more, with the reference where it was for it, ends the window.
+// The last sample again, with the reference where it was for it, ends the window.
 void judgement_finish(struct judgement* judgement) {
   while ((COPROCESSOR->STATUS & COPROCESSOR_STATUS_BUSY_Msk) != 0) continue;
   judgement_look(judgement);
@@ -415,7 +416,7 @@ void judgement_finish(struct judgement* judgement) {
   judgement_look(judgement);
 }
 
-// The whole turns that a pass needs besides what is covered.
+// The whole turns that a pass needs beyond what is covered.
 static uint32_t needed_before(const struct judgement* judgement) {
   return judgement->fewest > judgement->whole ? judgement->fewest - judgement->whole : 0;
 }
@@ -487,7 +488,7 @@ uint32_t judgement_bound_of_last(const struct judgement* judgement) {
   return capped(with_jump(radius_and_residue(judgement, turn), turn->jump) + turn->drift);
 }
 
-// What phi has gone if it always went on as in the last turns: the least of them, one way.
+// What phi has gone if it always continued as in the last turns: the least of them, one way.
 static uint64_t steady_slip(const struct judgement* judgement) {
   uint32_t least = HALF_TURN;
   for (uint32_t i = 0; i < learning_judged; ++i) {

@@ -1,7 +1,7 @@
 // Evidence for a verdict: what the coprocessor's turn judge found in each window, and the bound of
 // the angle error that follows from it (docs/reference/coprocessor.md, "For firmware: a verdict and
 // its bound"). A bound is about the samples that are *covered*: from judgement_cover to
-// judgement_finish without a gap, and the whole turns before that a pass needs besides.
+// judgement_finish without a gap, and the whole turns before that a pass needs in addition.
 #ifndef CAPSOC_JUDGEMENT_H
 #define CAPSOC_JUDGEMENT_H
 
@@ -77,8 +77,8 @@ struct judgement {
   bool has_parameters;
   struct coprocessor_parameters parameters;     // at the end of the window before
   struct turn_evidence turns[judgement_turns];  // whole ones before what is covered, the last first
-  uint32_t before;     // of them that are good, without a gap up to what is covered
-  const char* spoilt;  // what speaks against the window before what is covered; null: nothing
+  uint32_t before;            // of them that are good, without a gap up to what is covered
+  const char* spoilt;         // what contradicts the window before what is covered; null: nothing
   struct turn_evidence last;  // of that window
   // Of what is covered
   uint32_t samples;            // judged
@@ -138,13 +138,13 @@ uint32_t judgement_covered(const struct judgement* judgement);
 uint32_t judgement_motion(const struct judgement* judgement);
 
 // The bound by the window that ended last alone, before anything is covered, without harmonics
-// along the circle; half a turn if something speaks against it.
+// along the circle; half a turn if something contradicts it.
 uint32_t judgement_bound_of_last(const struct judgement* judgement);
 
 // What it is with them: `error` and the larger of what the motion shows and what is assumed.
 uint64_t judgement_with_harmonics(const struct judgement* judgement, uint64_t error);
 
-// Null if nothing speaks against what is covered; else one sentence, the plainest cause.
+// Null if nothing contradicts what is covered; else one sentence, the plainest cause.
 const char* judgement_objection(const struct judgement* judgement);
 
 #endif

@@ -38,7 +38,7 @@ bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_s
 const char* error_sentence(uint32_t errors);
 
 // The last look at the flags, after judgement_finish. Reports the time of the lock and the verdict:
-// a pass with the bound of the angle error that the last turns vouch for, or the reason why there
+// a pass with the bound of the angle error that the last turns guarantee, or the reason why there
 // is none. Returns 0 or 1.
 int verdict(struct supervision* state);
 

@@ -61,7 +61,7 @@ struct session {
   uint32_t worst;         // since the lock
   uint32_t locked_at;     // sample; 0: not yet
   uint32_t resting;       // samples since the lock
-  uint32_t errors;        // COPROCESSOR_FLAGS_..._Msk since the lock that speak against the angles
+  uint32_t errors;        // COPROCESSOR_FLAGS_..._Msk since the lock that contradict the angles
   const char* objection;  // the first one since the lock; null: none
 };
 
@@ -125,7 +125,7 @@ static void turn_was_good(struct session* session, uint32_t sample, uint32_t sam
 }
 
 // The evidence of a window, whole or not, that has just been looked at. What is no turn says
-// nothing of the motion, but its samples have been vouched for, too.
+// nothing of the motion, but its samples have been guaranteed, too.
 static void keep_evidence(struct session* session) {
   if (session->locked_at == 0) return;
   if (session->objection == NULL) session->objection = session->judgement.spoilt;

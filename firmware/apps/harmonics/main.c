@@ -102,7 +102,7 @@ static uint32_t learn_by_angle(struct supervision* state, uint32_t turn) {
   return turn;
 }
 
-// The numeric reference goes on where the angle is, with the speed of the last turn. Samples of a
+// The numeric reference continues where the angle is, with the speed of the last turn. Samples of a
 // turn; 0 if there was no turn.
 static uint32_t to_numeric_reference(struct supervision* state, uint32_t control) {
   const int64_t travel = (int64_t)COPROCESSOR->WINDING * (1 << 18);
@@ -194,7 +194,7 @@ static bool wait_for_another_speed(struct supervision* state, uint32_t turn) {
   }
 }
 
-// The table once more, of the same coefficients. With k the square of the speeds' ratio the first
+// The table again, of the same coefficients. With k the square of the speeds' ratio the first
 // has k times the second's share of inertia.
 static const char* learn_again(struct supervision* state, uint32_t turn,
                                int32_t nodes[error_nodes]) {

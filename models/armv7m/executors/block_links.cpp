@@ -20,7 +20,7 @@ void BlockLinks::arrive(State& state, const DecodedOp& target) {
   state.trail = timing::no_trail;
 }
 
-/// Where execution goes on at pc, if a block is there already and surely ends before the limit.
+/// Where execution continues at pc, if a block is there already and surely ends before the limit.
 inline const Step* BlockLinks::next(Machine& cpu) {
   State& state = cpu.state;
   const CodePage* code = cpu.memory.direct(state.pc).code;

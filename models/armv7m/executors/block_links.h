@@ -12,10 +12,10 @@ struct State;
 /// How execution gets from one block to the next one. For the chains of steps, which know the
 /// machine: looking it up here costs 3 % of the speed.
 struct BlockLinks {
-  /// Behind an operation that left its block: the first step of the block to continue with, or
+  /// After an operation that left its block: the first step of the block to continue with, or
   /// null.
   static const Step* leave(Machine& cpu, const Step& op);
-  /// Behind a branch within its page that has no link yet, or whose target may not fit any more.
+  /// After a branch within its page that has no link yet, or whose target may not fit any more.
   static const Step* resolve_link(Machine& cpu, const Step& branch);
   /// The block at the program counter, built on demand; null where there can be none.
   static const Step* find(Machine& cpu);

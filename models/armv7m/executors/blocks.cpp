@@ -106,7 +106,7 @@ bool Blocks::fits(const Step& first) const {
   return machine_.state.cycles + first.block_cycles < machine_.block_limit;
 }
 
-/// Behind a trail that pairs a block is worth its memory where another one ended, at the beginning
+/// After a trail that pairs a block is worth its memory where another one ended, at the beginning
 /// of a page, and not wherever a limit or an exception came between two instructions.
 bool Blocks::may_begin(const State& state) {
   return (state.trail & timing::trail_pairs) == 0 || (state.pc & (Memory::page_size - 4)) == 0;

@@ -54,7 +54,7 @@ const Executors* Execute::branch_executors(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return &both<name>;
-      // A table of cases, which the formatter indents anew each time.
+      // A table of cases, which the formatter indents again each time.
       // clang-format off
     ONE(bl)
     ONE(bx)

@@ -133,7 +133,7 @@ const Executors* Execute::data_executors(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return &both<name>;
-    // A table of cases, which the formatter indents anew each time.
+    // A table of cases, which the formatter indents again each time.
     // clang-format off
     ONE(add_high)
     ONE(cmp_high)

@@ -8,7 +8,7 @@ const Executors* Execute::system_executors(const DecodedOp& op) {
 #define ONE(name)       \
   case Operation::name: \
     return &both<name>;
-    // A table of cases, which the formatter indents anew each time.
+    // A table of cases, which the formatter indents again each time.
     // clang-format off
     ONE(coprocessor)
     ONE(nop)
@@ -228,7 +228,7 @@ bool Execute::msr(Machine& cpu, const Step& op) {
     switch (which) {
       case 8:
         cpu.state.set_msp(value);
-        return cpu.leave(op);  // nothing hangs on a stack pointer
+        return cpu.leave(op);  // nothing depends on a stack pointer
       case 9:
         cpu.state.set_psp(value);
         return cpu.leave(op);

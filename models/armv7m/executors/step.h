@@ -11,12 +11,12 @@ namespace capsoc::armv7m {
 class Machine;
 struct Step;
 
-/// Executes one operation. True: go on with the next one in memory. False: the program counter has
-/// been set, or an event is to be handled, and the block is left.
+/// Executes one operation. True: continue with the next one in memory. False: the program counter
+/// has been set, or an event is to be handled, and the block is left.
 using Handler = bool (*)(Machine&, const Step&);
 
-/// Executes an operation and those behind it, by jumps from one to the next, to the end of their
-/// block and accounts for it. Returns the first step of the block to go on with, or null for the
+/// Executes an operation and those after it, by jumps from one to the next, to the end of their
+/// block and accounts for it. Returns the first step of the block to continue with, or null for the
 /// run loop to decide.
 using Chain = const Step* (*)(Machine&, const Step*);
 
@@ -30,7 +30,7 @@ struct Executors {
 /// from one address, inside one page, closed by a step that leaves it. It fills a cache line.
 struct Step : DecodedOp {
   Chain chain = nullptr;               // may leave out flags that are never seen, or do two steps
-  const Executors* body = nullptr;     // behind the condition
+  const Executors* body = nullptr;     // after the condition
   mutable const Step* link = nullptr;  // first step of the block a branch within the page leads to
   uint16_t cycles_before = 0;          // of the operations before it in its block
   uint16_t instructions_to = 0;        // instructions up to and including this one
@@ -39,7 +39,7 @@ struct Step : DecodedOp {
 };
 static_assert(sizeof(Step) == 64);
 
-/// What closes a block: it leaves for the address behind the last operation.
+/// What closes a block: it leaves for the address after the last operation.
 Step closing_step(const Step& last);
 
 /// The blocks of one page, by the halfword they start at, and which of its lines hold code. Links
@@ -48,7 +48,7 @@ struct CodePage {
   std::array<std::unique_ptr<Step[]>, 2048> blocks;
   uint64_t code_lines = 0;  // bit n: bytes 64n..64n+63 were decoded
   // The same of bytes that are not stored to directly for another reason: they are read-only, or
-  // somebody is told of stores there.
+  // somebody is notified of stores there.
   uint64_t closed_lines = 0;
   // Of the translator: the host code of a block, by the halfword it starts at, and how often it was
   // executed without.

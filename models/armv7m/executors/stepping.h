@@ -28,7 +28,7 @@ class Stepping : public InstructionExecutor {
   const Step& decoded(uint32_t address, uint16_t first, uint16_t second);
 
   Machine& machine_;
-  // Each instruction is fetched, but not decoded, anew: where blocks leave single instructions (at
+  // Each instruction is fetched, but not decoded, again: where blocks leave single instructions (at
   // the border of a page, twice a round of SHA-512), decoding took a third of the whole run.
   std::vector<Step> decoded_;
 };

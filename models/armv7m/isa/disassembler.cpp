@@ -48,7 +48,7 @@ std::string offset_text(const DecodedOp& op) {
   return op.imm == 0 ? "" : ", #" + std::to_string(static_cast<int32_t>(op.imm));
 }
 
-/// The then and else of an IT instruction behind its first condition.
+/// The then and else of an IT instruction after its first condition.
 std::string it_text(uint32_t it) {
   std::string text;
   for (unsigned at = 3; at > 0 && (it & ((1u << at) - 1)) != 0; --at)

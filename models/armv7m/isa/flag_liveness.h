@@ -18,7 +18,7 @@ struct FlagUse {
   uint8_t reads = flag::all;
   uint8_t sets = 0;   ///< may get another value
   uint8_t kills = 0;  ///< get a value that does not depend on their old one, in every case
-  /// Execution may leave the block at the operation, in front of it or behind it, so that all flags
+  /// Execution may leave the block at the operation, in front of it or after it, so that all flags
   /// can be seen there.
   bool exits = true;
 };
@@ -33,10 +33,10 @@ FlagUse flag_use_if_executed(const DecodedOp& op);
 /// The flags that a condition of the architecture (A7.3.1, 0 to 13) reads.
 uint8_t flags_of_condition(unsigned condition);
 /// True if dropping the S bit of an operation removes its flags and nothing else, and the form
-/// without is an operation of its own.
+/// without is its own operation.
 bool has_form_without_flags(const DecodedOp& op);
 
-/// Liveness, backwards over the operations of a block: for each, the flags that may be read behind
+/// Liveness, backwards over the operations of a block: for each, the flags that may be read after
 /// it, or seen where execution may leave the block, before they are set again. All are live at the
 /// end. `op_at(i)` is operation i; `may_be_left_at(i)` adds exits of the executor's own.
 template <typename OpAt, typename MayBeLeftAt>

@@ -68,7 +68,7 @@ enum class FlagEffect : uint8_t {
 struct OperationTraits {
   kind::Kind kind;
   FlagEffect flags;
-  bool ends_block;  ///< execution may go on elsewhere behind it, or the mode changes
+  bool ends_block;  ///< execution may continue elsewhere after it, or the mode changes
 };
 constexpr OperationTraits operation_traits[] = {
 #define OPERATION(name, sort, flags, ends_block) {kind::sort, FlagEffect::flags, ends_block},
@@ -156,13 +156,14 @@ inline uint32_t next_address(const DecodedOp& op) {
 inline bool shifter_sets_carry(const DecodedOp& op) {
   return op.shift.amount != 0 || op.carry_from_imm;
 }
-/// The condition that B<c> has of its own. Inside an IT block, where it is UNPREDICTABLE, both
+/// The condition in the encoding of B<c>. Inside an IT block, where it is UNPREDICTABLE, both
 /// count.
 inline unsigned branch_condition(const DecodedOp& op) {
   return op.encoding >> (op.size == 4 ? 22 : 8) & 15;
 }
 
-/// True for an operation after which execution may go on elsewhere, or the machine's mode changes.
+/// True for an operation after which execution may continue elsewhere, or the machine's mode
+/// changes.
 bool ends_block(const DecodedOp& op);
 
 }  // namespace capsoc::armv7m

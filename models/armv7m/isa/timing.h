@@ -63,9 +63,9 @@ inline constexpr Timing cortex_m3_timing{{
                                          6,
                                          0};
 
-/// The time of everything, to be held beside the TRM. It depends on the instruction, its operands,
-/// whether it branches, and the instruction executed right before it; never on how the simulator
-/// executes it.
+/// The times of all instructions, to be compared with the TRM. It depends on the instruction, its
+/// operands, whether it branches, and the instruction executed right before it; never on how the
+/// simulator executes it.
 ///
 /// | TRM, table 3-1            | there          | here                                            |
 /// |---------------------------|----------------|-------------------------------------------------|
@@ -93,7 +93,7 @@ inline constexpr Timing cortex_m3_timing{{
 /// | WFI, WFE                  | 1 + W          | 1 + the sleep                                   |
 /// | failed condition          | 1              | 1                                               |
 ///
-/// P, the refill of the pipeline, is between 1 and 3 (3.3.1); it hangs on where the target lies,
+/// P, the refill of the pipeline, is between 1 and 3 (3.3.1); it depends on where the target lies,
 /// how wide it is, and how early its address is known. An earlier issue (DDI 0337E, 18.1) says
 /// more: one cycle where the branch holds its target as a number, two where it is in a register,
 /// and longer to a 32-bit instruction that is not aligned, since its halves are in two words: a
@@ -105,7 +105,7 @@ inline constexpr Timing cortex_m3_timing{{
 /// Not known, and not modelled: when LDR Rx, [PC, #imm] pays its cycle for contention with the
 /// fetch (3.3.2: "might"), how far the prefetch buffer of three words hides the wait states of
 /// fetches and what rows of unaligned 32-bit instructions cost in it, when a full write buffer
-/// delays a store, and which instructions IT does not fold behind.
+/// delays a store, and which instructions IT does not fold after.
 ///
 /// What follows belongs to the three-stage pipeline, not to a profile: refills, pairing, folding
 /// and what operands add.
@@ -161,13 +161,13 @@ using Trail = uint16_t;
 constexpr Trail no_trail = 0, trail_load = 0x100, trail_data = 0x200, trail_refill = 0x400,
                 trail_narrow = 0x800;
 constexpr Trail trail_pairs = trail_load | trail_data;
-/// What some instructions mind that are executed next (minded_by), beside the refill.
+/// What some instructions mind that are executed next (minded_by), next to the refill.
 constexpr Trail trail_for_neighbours = trail_pairs | trail_narrow;
 
 inline Trail registers_left_by(const DecodedOp& op) {
   if (op.condition != condition_always) return no_trail;
   if (is(op, kind::single_transfer)) {
-    // Nothing pipelines behind a store or behind a base update, and a load to the PC branches.
+    // Nothing pipelines after a store or after a base update, and a load to the PC branches.
     // STREX counts as a load.
     if (is(op, kind::store) || op.writeback || op.rd == 15) return no_trail;
     const unsigned loaded = is(op, kind::exclusive_store) ? op.ra : op.rd;
@@ -213,12 +213,12 @@ inline int pairing(Trail before, const DecodedOp& op) {
   return pipelines && op.cycles == 2 ? -1 : 0;
 }
 
-/// The bits of a trail that an instruction's time may hang on, but for its own refill.
+/// The bits of a trail that an instruction's time may depend on, but for its own refill.
 inline Trail minded_by(const DecodedOp& op) {
   if (is(op, kind::transfer | kind::table_branch)) return trail_pairs;
   return op.operation == Operation::it ? trail_narrow : no_trail;
 }
-/// True when a block that begins with this instruction cannot be entered behind this trail: its
+/// True when a block that begins with this instruction cannot be entered after this trail: its
 /// operations are timed as if there were none.
 inline bool hangs_on(Trail before, const DecodedOp& op) {
   return (before & trail_for_neighbours) != 0 && (before & minded_by(op)) != 0;

@@ -194,7 +194,7 @@ bool Memory::invalidate(uint32_t address, uint32_t size) {
   }
   if (found) {
     code_pages_ = std::move(kept);
-    close(guarded_, guarded_size_, true);  // an STM may go on there
+    close(guarded_, guarded_size_, true);  // an STM may continue there
   }
   return found;
 }

@@ -57,8 +57,8 @@ class Memory {
   /// The decoded-code record of an address in mapped memory, created on demand; null elsewhere.
   CodePage* code_page(uint32_t address);
 
-  /// The host's bytes for a store in one page, which has code, beside that and what else is closed;
-  /// null for all others. No more than 64 bytes.
+  /// The host's bytes for a store in one page, which has code, next to that and what else is
+  /// closed; null for all others. No more than 64 bytes.
   uint8_t* beside_code(uint32_t address, uint32_t size) const;
   /// From now on this is the range of no more than a page that stores do not go to directly, in
   /// place of the one before. To be said again where memory was mapped or all code dropped.

@@ -51,7 +51,7 @@ Byte* within(Byte* page, uint32_t address, unsigned size) {
   return page != nullptr && offset + size <= Memory::page_size ? page + offset : nullptr;
 }
 
-/// Behind a write of the program: a bus response that ends no instruction.
+/// After a write of the program: a bus response that ends no instruction.
 bool succeeded(BusResult result) {
   return result <= BusResult::device;
 }
@@ -238,7 +238,7 @@ void MemoryAccess::views_changed() {
 }
 
 void MemoryAccess::select_view() {
-  watch_vectors();  // memory that was mapped anew is direct again
+  watch_vectors();  // memory that was mapped again is direct again
   if (mpu_applies()) {
     pages_ =
         memory_.view(context_.state.privileged() ? Memory::View::privileged : Memory::View::user);
@@ -249,7 +249,7 @@ void MemoryAccess::select_view() {
   }
 }
 
-/// Behind an access that the regions let through: the next ones to its page need no look at them.
+/// After an access that the regions let through: the next ones to its page need no look at them.
 void MemoryAccess::fill_view(uint32_t address) {
   const Memory::Page& page = memory_.page(address);
   if (pages_ == memory_.table() || page.read == nullptr || direct(address).mixed) return;
@@ -281,7 +281,7 @@ CodePage* MemoryAccess::executable_page(uint32_t address) {
 
 /// The host's bytes of an aligned access to a page that regions of the MPU share, or of a store to
 /// one that has code, but not there; nullptr if it has to go the whole way. Such pages are those of
-/// most tasks' stacks, and of data behind code or a vector table.
+/// most tasks' stacks, and of data after code or a vector table.
 uint8_t* MemoryAccess::shared_page(uint32_t address, bool write, bool user) {
   if (write && pages_ == memory_.table()) {
     uint8_t* bytes = memory_.beside_code(address, 1);  // aligned: in one line
@@ -393,7 +393,7 @@ Access MemoryAccess::concluded(const Step& op, uint32_t address, unsigned size, 
 /// The fault of a data access. `address`, for MMFAR or BFAR: of an unaligned access the part that
 /// the MPU forbids, but at a bus error what was asked for (Cortex-M3 Devices Generic User Guide).
 /// CCR.BFHFNMIGN lets handlers at priority -1 and -2 probe the bus (B3.2.8): the status is
-/// recorded, a load gives 0, and the handler goes on.
+/// recorded, a load gives 0, and the handler continues.
 Access MemoryAccess::failed(const Step& op, BusResult result, uint32_t address) {
   const Cause cause = result == BusResult::bus_error ? Cause::data_bus : Cause::data_access;
   Scb& scb = context_.state.scb;
@@ -410,7 +410,7 @@ Access MemoryAccess::failed(const Step& op, BusResult result, uint32_t address) 
 /// peripheral bus, and regions of the MPU with TEX, C and B zero), of bit-band aliases (a locked
 /// read and write) and of store-exclusives (they wait for the answer) are not. ACTLR.DISDEFWBUF
 /// ends the buffering where the default map decides. The model's bus answers at once, so the
-/// exception is taken behind the instruction that stored, if its priority allows.
+/// exception is taken after the instruction that stored, if its priority allows.
 bool MemoryAccess::buffered(const Step& op, uint32_t address) const {
   if (is(op, kind::exclusive_store) || in_private_peripherals(address) ||
       in_bit_band_alias(address))

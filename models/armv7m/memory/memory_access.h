@@ -15,8 +15,8 @@
 
 namespace capsoc::armv7m {
 
-/// What came of an access, for an instruction: go on, leave the block behind this instruction, or a
-/// fault is noted and the instruction has done nothing.
+/// What came of an access, for an instruction: continue, leave the block after this instruction, or
+/// a fault is noted and the instruction has done nothing.
 enum class Access : uint8_t { ok, leave, fault };
 /// The processor's way to memory: direct pages, the MPU, bit-band aliases, the private peripheral
 /// bus and the bus (B2, B3.1).
@@ -79,7 +79,7 @@ class MemoryAccess {
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.
   void collect();
-  /// Lets stores into the vector table go the slow way, if somebody is told of them.
+  /// Lets stores into the vector table go the slow way, if somebody is notified of them.
   void watch_vectors();
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.

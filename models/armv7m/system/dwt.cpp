@@ -1,6 +1,6 @@
 // Nothing is looked at while no comparator and no step is set. Watched data leave the direct
 // tables, as a debugger's watchpoints do; instruction and cycle matches and MON_STEP let the
-// stepping executor do the work. A match is taken behind the instruction that made it.
+// stepping executor do the work. A match is taken after the instruction that made it.
 #include "armv7m/system/dwt.h"
 
 #include "base/archive.h"

@@ -35,7 +35,7 @@ class Dwt {
 
   /// Matches set MATCHED; true if there was one.
   bool match_data(uint32_t address, unsigned size, bool write);
-  /// Behind an instruction at `executed`.
+  /// After an instruction at `executed`.
   bool match_step(uint32_t executed, uint64_t now, bool tracing);
   /// `page`: its first address. A mask reaches beyond one page at most by whole pages.
   bool watches_page(uint32_t page, uint32_t page_size) const;

@@ -27,8 +27,8 @@ class Mpu {
   void reset() { *this = {}; }
   void visit(Archive& archive);
 
-  /// Whether accesses are held against the regions at all. `at_negative_priority`: in HardFault and
-  /// NMI, and with FAULTMASK (HFNMIENA, B3.5.5).
+  /// Whether accesses are compared with the regions at all. `at_negative_priority`: in HardFault
+  /// and NMI, and with FAULTMASK (HFNMIENA, B3.5.5).
   bool applies(bool at_negative_priority) const {
     if ((ctrl_ & ctrl_enable) == 0) return false;
     return (ctrl_ & ctrl_hfnmiena) != 0 || !at_negative_priority;

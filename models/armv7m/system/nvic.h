@@ -38,7 +38,7 @@ class Nvic {
 
   /// The level of an interrupt's input; true: it has risen.
   bool set_line(unsigned line, bool level);
-  /// Of the input behind an exception's number; low for those that have none.
+  /// Of the input after an exception's number; low for those that have none.
   bool line_is_high(unsigned number) const;
 
   /// Implemented bits of each priority (B1.5.4), 3 to 8 from the most significant one down; others

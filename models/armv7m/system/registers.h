@@ -59,7 +59,7 @@ struct LaneWrite {
   uint32_t lanes = 0;  ///< mask of the bytes that are written
 
   uint32_t over(uint32_t old) const { return (old & ~lanes) | (value & lanes); }
-  /// What the register of that description holds behind it.
+  /// What the register of that description holds after it.
   uint32_t over(uint32_t old, const SystemRegister& target) const {
     return registers::stored(target.description, old, value, lanes);
   }

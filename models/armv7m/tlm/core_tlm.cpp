@@ -19,7 +19,7 @@ constexpr uint64_t longest_ahead = 1U << 18U;
 
 void log_unpredictable(Unpredictable which, uint32_t address) {
   const UnpredictableCase& c = describe(which);
-  // One source a case: each is told of once, so that none is left out.
+  // One source a case: each is reported once, so that none is left out.
   const std::string source = fmt::format("cpu: {}", c.name);
   const std::string text = fmt::format("UNPREDICTABLE (ARM DDI 0403, {}) at {:#010x}: {}; here: {}",
                                        c.section, address, c.what, c.choice);

@@ -48,8 +48,8 @@ class CoreTlm : public sc_core::sc_module,
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { horizon_.set_quantum(quantum); }
   /// Whether the turns of a loop that only waits for a device are skipped as far as nothing can
-  /// happen, and what such loops do beside is done without the kernel where it may be. It changes
-  /// nothing but the host's time.
+  /// happen, and what such loops do otherwise is done without the kernel where it may be. It
+  /// changes nothing but the host's time.
   void set_fast_forward(bool on) { polling_.set_enabled(on); }
   /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
@@ -93,7 +93,7 @@ class CoreTlm : public sc_core::sc_module,
     if (is_called()) sleep_.wake();
   }
 
-  /// Behind the end of the simulation: a core that sleeps has done so until now, whoever woke it
+  /// After the end of the simulation: a core that sleeps has done so until now, whoever woke it
   /// in between.
   void count_sleep() { horizon_.catch_up(); }
 

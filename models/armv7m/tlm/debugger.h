@@ -13,10 +13,10 @@ class Debugger {
  public:
   virtual ~Debugger() = default;
 
-  /// Before the core goes on. True: it is to execute one instruction.
+  /// Before the core continues. True: it is to execute one instruction.
   virtual bool before_run() = 0;
-  /// Behind a run that ended with `reason`; `advanced`: something was executed. True: the
-  /// simulation goes on though the reason would end it.
+  /// After a run that ended with `reason`; `advanced`: something was executed. True: the
+  /// simulation continues though the reason would end it.
   virtual bool after_run(StopReason reason, bool advanced) = 0;
   /// Nothing is left that could wake the processor. False: let the simulation end.
   virtual bool asleep_for_good() = 0;

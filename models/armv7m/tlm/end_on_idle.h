@@ -27,7 +27,7 @@ class EndOnIdle {
   EndOnIdle(const sc_core::sc_time& limit, Work work) : limit_(limit), work_(std::move(work)) {}
 
   bool is_work(uint32_t address) const { return work_.is_access(address); }
-  /// Work was done: the time begins anew.
+  /// Work was done: the time begins again.
   void begin(const sc_core::sc_time& now) {
     since_ = asleep_since_ = now;
     slept_ = sc_core::SC_ZERO_TIME;
@@ -49,7 +49,7 @@ class EndOnIdle {
   /// When to ask is_over() again, if nothing happens.
   sc_core::sc_time deadline() const { return since_ + limit_; }
   /// Asked while asleep: whether the program is idle. If the time is over and it was not, the time
-  /// begins anew.
+  /// begins again.
   bool is_over(const sc_core::sc_time& now) {
     if (now < deadline()) return false;
     wake_up(now);

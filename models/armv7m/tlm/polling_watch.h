@@ -6,7 +6,7 @@
 
 namespace capsoc::armv7m {
 
-/// Asked behind every access to the bus. That a program reads the same again is no proof that it
+/// Asked after every access to the bus. That a program reads the same again is no proof that it
 /// polls; it says that it is worth looking (Core::repeat_turn). Where that was in vain, the watch
 /// is more patient the next time.
 class PollingWatch {

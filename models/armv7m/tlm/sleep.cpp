@@ -5,7 +5,7 @@
 namespace capsoc::armv7m {
 
 void Sleep::note_work() {
-  // The core may be ahead of the kernel; behind it is only after a change to a faster clock.
+  // The core may be ahead of the kernel. It lags only after a change to a faster clock.
   if (end_on_idle_)
     end_on_idle_->begin(std::max(clock_.time_of(core_.cycles()), sc_core::sc_time_stamp()));
 }

@@ -40,8 +40,8 @@ class Sleep {
       : clock_(clock), core_(core), horizon_(horizon), client_(client) {}
 
   /// Sleeps. Anything but `none` ends the simulation. A sleep that nothing in the kernel or in the
-  /// core can end goes on: sc_start() returns, unless the kernel waits for a channel of the host's
-  /// (sc_prim_channel::async_attach_suspending).
+  /// core can end continues: sc_start() returns, unless the kernel waits for a channel of the
+  /// host's (sc_prim_channel::async_attach_suspending).
   EndReason until_woken();
   /// Nothing in the kernel or in the core can end the present sleep.
   bool is_without_end() const { return only_woken_ && !sc_core::sc_pending_activity(); }

@@ -53,7 +53,7 @@ class TimeHorizon {
   /// Lets the kernel catch up with the core, and settles.
   void synchronise();
   /// Lets the kernel do what is due up to the core's time and go no further, so that the core meets
-  /// what it waits for without an instant of its own. Behind a pause it synchronises.
+  /// what it waits for without its own instant. After a pause it synchronises.
   void follow();
   /// Everything else that happens at this instant happens before the processor's next instruction.
   /// Of several processors in one kernel one executes after the other, each up to its next wait:

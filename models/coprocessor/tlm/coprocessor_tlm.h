@@ -39,7 +39,7 @@ class CoprocessorTlm : public kit::RegisterTarget {
   /// The sink of the ADC stream, at the present instant. The device ignores it while CTRL.ADC is 0.
   void sample(const peripherals::SensorSample& sample);
 
-  /// System reset: power-on state; time goes on.
+  /// System reset: power-on state; time continues.
   void reset() override;
   void visit(Archive& archive) override;
   void restored() override { follow(); }

@@ -28,7 +28,7 @@ std::string function(const std::string& name, const std::string& body) {
   return fmt::format("\n{}() {{\n{}}}\n", name, body);
 }
 
-/// A function that prints what stands beside its argument in a table.
+/// A function that prints what stands next to its argument in a table.
 std::string table(const std::string& name,
                   const std::vector<std::pair<std::string, std::string>>& rows) {
   std::string body = "  case $1 in\n";

@@ -12,7 +12,7 @@ namespace capsoc::manual {
 struct Value {
   std::string name;                  ///< as the help shows it: "FILE.csv", "paper|precise"
   std::string range;                 ///< "1 to 100", or ""
-  std::vector<std::string> choices;  ///< words; one that ends with ':' goes on with a path
+  std::vector<std::string> choices;  ///< words; one that ends with ':' continues with a path
   bool file = false;
   std::string suffix;    ///< of the file's name, or "" for any
   bool setting = false;  ///< path=value of a setting

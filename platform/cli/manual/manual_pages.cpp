@@ -60,7 +60,7 @@ std::string path_of(const Command& command) {
   return "man/man1/" + page_name(command) + ".1";
 }
 
-/// "Range 1 to 100. Built-in: 3." behind a help text.
+/// "Range 1 to 100. Built-in: 3." after a help text.
 std::string remarks(const Value& value, const std::string& built_in, bool repeats) {
   std::string text;
   if (!value.range.empty()) text += " Range: " + roff(value.range) + ".";
@@ -94,7 +94,7 @@ std::string arguments(const Command& command) {
   return text.empty() ? "" : ".SH ARGUMENTS\n" + text;
 }
 
-/// In the declared order, a subsection where a group of its own begins.
+/// In the declared order, a subsection where its own group begins.
 std::string options(const Command& command) {
   std::string text, group;
   for (const Option& option : command.options) {

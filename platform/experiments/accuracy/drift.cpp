@@ -54,10 +54,10 @@ const std::vector<Case>& cases() {
       {"1 turn/s", one, 40, 2},
       {"10 turns/s", {{0, 10}}, 20, 0.2},
       {"100 turns/s", {{0, 100}}, 10, 0.02, 5e-3},
-      // Half a turn or less before and behind the rest belongs to no whole turn.
+      // Half a turn or less before and after the rest belongs to no whole turn.
       {"1 turn/s, 10 s at rest, 1 turn/s", rests, 40, 14},
       {"2 turns/s, reversed every 5 s", reverses, 30, 2},
-      // 10 turns/s^2: the first eighth of a turn takes 0.16 s, two turns 0.65 s, before as behind.
+      // 10 turns/s^2: the first eighth of a turn takes 0.16 s, two turns 0.65 s, before as after.
       {"0 .. 100 .. 0 .. -100 .. 0 turns/s", runs_up, 48, 4, 5e-3},
       {"0 .. 100 turns/s, reversals, 5 s at rest", everything, 55, 9},
   };
@@ -88,7 +88,7 @@ FollowingRun run_of(const Case& one_case, bool drifting) {
   return run;
 }
 
-/// A row of the data and its line; `lms` beside it, where it was run.
+/// A row of the data and its line; `lms` next to it, where it was run.
 void add(Report& report, const std::string& name, const FollowingOutcome& outcome, double bound_deg,
          const std::optional<Comparison>& lms = std::nullopt) {
   Row row{name, "deg", degrees(outcome.error_deg), {}, bound_deg};
@@ -120,7 +120,7 @@ Comparison lms_on(const Case& one_case) {
   return compare(e);
 }
 
-/// The worst of drawn sensors on one course: amplitudes 0.05 .. 0.85 and their ratio up to 2,
+/// The worst of random sensors on one course: amplitudes 0.05 .. 0.85 and their ratio up to 2,
 /// offsets to 0.5, beta to 0.8 rad, phi all round, every rate between -0.1 and 0.1 % a second; and
 /// noise of so much of a1 behind a converter of 14 bits.
 FollowingOutcome worst_drawn(const Case& one_case, double noise) {

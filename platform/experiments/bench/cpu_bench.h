@@ -1,4 +1,4 @@
-// How fast the processor model is, beside qemu-system-arm on the same programs in the same run.
+// How fast the processor model is, next to qemu-system-arm on the same programs in the same run.
 #pragma once
 
 #include <iosfwd>

@@ -22,7 +22,7 @@ class Statement {
   Statement& bind(int parameter, double number);
   Statement& bind_null(int parameter);
 
-  /// To the next row; false: there is none. Then, and after an Error, it can be bound anew.
+  /// To the next row; false: there is none. Then, and after an Error, it can be bound again.
   Result<bool> step();
   /// A statement that gives no rows.
   std::optional<Error> run();

@@ -49,7 +49,7 @@ class Plan {
   /// derived setting has no value.
   Result<std::vector<Assignment>> assignments(const PlannedRun& run) const;
   Result<std::string> command(const PlannedRun& run) const;
-  /// What a run leaves beside its result, as [keep] says.
+  /// What a run leaves in addition to its result, as [keep] says.
   Keep keep(const PlannedRun& run, bool failed) const;
 
  private:

@@ -36,7 +36,7 @@ std::string head(const SlurmPlan& plan, const std::string& job, const std::strin
   option("--job-name=" + shell_word("capsoc-" + plan.name + job));
   option("--output=" + shell_word(plan.folder + "/" + log));
   option("--open-mode=append");
-  option("--requeue");  // a task that begins again goes on with its store
+  option("--requeue");  // a task that begins again continues with its store
   for (const std::string& words : plan.options) option(sbatch_option(words));
   return text;
 }

@@ -1,5 +1,5 @@
-// A campaign as a job array of Slurm: each task does its shard in a store of its own, and a job
-// behind them merges these, does what a killed task left, and reports. The scheduling is Slurm's.
+// A campaign as a job array of Slurm: each task does its shard in its own store, and a job
+// after them merges these, does what a killed task left, and reports. The scheduling is Slurm's.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct SlurmScripts {
   std::string array, last, description;  ///< paths
 };
 
-/// Writes them. Started again, also after some tasks were killed, the tasks go on with their
+/// Writes them. Started again, also after some tasks were killed, the tasks continue with their
 /// stores.
 Result<SlurmScripts> write_scripts(const SlurmPlan& plan);
 

@@ -103,7 +103,7 @@ std::optional<Error> Store::leave_wal() {
   return open_database(path_, Database::Mode::write);
 }
 
-/// SQLite reads a store in WAL mode only if it can lock it, share memory and make files beside it.
+/// SQLite reads a store in WAL mode only if it can lock it, share memory and make files next to it.
 std::optional<Error> Store::open_to_read() {
   std::string no_locks;
   if (const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC); file >= 0) {

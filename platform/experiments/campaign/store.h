@@ -48,8 +48,8 @@ class Store {
   static Result<std::unique_ptr<Store>> open(const std::string& path);
   /// Error: it is not there, or no store.
   static Result<std::unique_ptr<Store>> open_existing(const std::string& path);
-  /// To look at it; while a campaign goes on, too. It may be on a disk that is read-only, or has no
-  /// locks and no shared memory.
+  /// To look at it; while a campaign continues, too. It may be on a disk that is read-only, or has
+  /// no locks and no shared memory.
   static Result<std::unique_ptr<Store>> read(const std::string& path);
   ~Store();
   Store(const Store&) = delete;

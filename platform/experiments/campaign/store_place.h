@@ -16,10 +16,10 @@ std::string why_no_locks(int file);
 /// wal.html). False for the file systems of networks, whose computers do not share it.
 bool shares_memory(int file);
 
-/// Whether a writer that was killed left something beside the file that belongs to it.
+/// Whether a writer that was killed left something next to the file that belongs to it.
 bool has_unfinished(const std::string& store);
 
-/// A copy of a store, with what is beside it, in a folder of its own that goes with it.
+/// A copy of a store, with what is next to it, in its own folder that goes with it.
 class StoreCopy {
  public:
   /// Error: there is no place for it.

@@ -40,7 +40,7 @@ std::vector<Entry> entries_of(const toml::table& table);
 /// are not finite.
 std::optional<std::string> scalar_text(const toml::node& node);
 
-/// Wrong keys and values become the file's error; reading goes on and changes nothing then.
+/// Wrong keys and values become the file's error; reading continues and changes nothing then.
 class TomlTable {
  public:
   /// `where`: "[limits]", for sentences. Without `known`, any key is.

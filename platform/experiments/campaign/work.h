@@ -36,7 +36,7 @@ class Work {
   /// The rest, with all input files read.
   virtual std::optional<Error> check(const std::vector<Assignment>& assignments,
                                      const Keep& keep) = 0;
-  /// In a process of its own. Error: an input is wrong after all.
+  /// In its own process. Error: an input is wrong after all.
   virtual Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
                                                  const Keep& keep) = 0;
   /// A result that has every key that one can have.

@@ -1,4 +1,4 @@
-// What capsoc fit claims, held against drawn records.
+// What capsoc fit claims, compared with random records.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ int print_coverage(std::ostream& out, int records, uint64_t from = seed);
 /// harmonics said, or rejected for a reason that is true. Counts what is neither.
 int print_drawn(std::ostream& out, int records);
 
-/// Ratio of the stated bound to the true error for drawn sensors without harmonics, `sensors` a
+/// Ratio of the stated bound to the true error for random sensors without harmonics, `sensors` a
 /// row: median, 95 % and the least. Counts the records whose error is beyond the bound.
 int print_bounds(std::ostream& out, int sensors, uint64_t from = seed);
 

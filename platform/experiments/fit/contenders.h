@@ -14,7 +14,8 @@ struct Contender {
   std::string name;  ///< as `capsoc fit --method` has it
   /// Canonical parameters at the record's end, or why there are none.
   std::function<Result<identification::Parameters>(const identification::Samples&)> identify;
-  bool of_the_papers;  ///< one of those that they name beside their own (identification/peers.h)
+  bool of_the_papers;  ///< one of those that they name in addition to their own
+                       ///< (identification/peers.h)
 };
 
 /// The CSFN's trainings, the ellipse fits, and those that the papers name, in this order.

@@ -45,7 +45,7 @@ struct DrawnRecord {
 
 /// Amplitudes 0.1 .. 0.9, ratio 0.5 .. 2, offsets to 0.3, |beta| to 1 rad, noise 1e-4 .. 3e-2 of
 /// the smaller amplitude, 20 .. 20,000 samples (both spread evenly over their logarithms) at random
-/// angles, and what the kind has besides.
+/// angles, and what the kind has in addition.
 DrawnRecord draw_record(Random& random, RecordKind kind);
 
 /// The same with the noise (relative to the smaller amplitude) and the number of samples given.

@@ -160,7 +160,7 @@ void Bench::pin_reset() {
   shadow_reset();
   closed_ = true;
   if (setup_ == 0) return;
-  // The edge behind it is made in reset, and a transfer begins anew.
+  // The edge after it is made in reset, and a transfer begins again.
   advance(edge_ + 1);
   sampled_ = written_ = true;
   bus_free_ = edge_ + setup_;

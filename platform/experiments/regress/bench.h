@@ -112,7 +112,7 @@ class Bench {
   uint64_t edge_ = 1;
   bool sampled_ = false;   // the present edge has had its sample
   bool written_ = false;   // ... its write
-  bool closed_ = false;    // ... a read behind it
+  bool closed_ = false;    // ... a read after it
   uint64_t bus_free_ = 0;  // the first interval that may have the next access
 
   // What the pipeline does now, without data.

@@ -1,4 +1,4 @@
-// A regression: every scenario on its own pair of devices, in a process of its own, as many at once
+// A regression: every scenario on its own pair of devices, in its own process, as many at once
 // as asked for. The result depends on the seeds alone.
 #pragma once
 
@@ -50,7 +50,7 @@ class Comparison {
   virtual Bench::Bus bus() const { return Bench::Bus::fastest; }
   virtual coprocessor::Device& device() = 0;
   virtual bool differs() = 0;
-  /// Behind the last transfer.
+  /// After the last transfer.
   virtual std::optional<Finding> finding() = 0;
   /// Both devices around the difference, as FILE.fst and FILE.gtkw. false: there is nothing to see.
   virtual Result<bool> write_waves(const std::string& /*file*/, const Again& /*again*/) {
@@ -82,7 +82,7 @@ struct Plan {
   std::string coverage_directory;      ///< "": no coverage of the RTL
   std::string waves_directory;         ///< of runs that fail; "": none
   std::vector<Subject> subjects;       ///< for the reports; may be none
-  std::string command_options;         ///< of the command that reproduces a run, beside its own
+  std::string command_options;  ///< of the command that reproduces a run, in addition to its own
   std::function<Result<std::unique_ptr<Comparison>>(coprocessor::Arithmetic)> compare;
 };
 

@@ -17,7 +17,7 @@ enum class Group : uint8_t {
   angle_quadrant,     // of ANGLE
   phi_quadrant,
   beta_quadrant,
-  seam,        // the relative angle beside 0 and half a turn
+  seam,        // the relative angle next to 0 and half a turn
   saturation,  // a word at the end of its range
   tie,         // a rounded shift of exactly one half
   flag_set,

@@ -92,7 +92,7 @@ void PinReplay::drive() {
         if (event.edge == now_) transfer(event, true);
         if (event.edge == now_ + 1) transfer(event, false);
         break;
-      case Event::Kind::write:  // acts at the edge behind its interval
+      case Event::Kind::write:  // acts at the edge after its interval
         if (event.edge == now_ + 1) transfer(event, true);
         if (event.edge == now_ + 2) transfer(event, false);
         break;

@@ -1,5 +1,5 @@
 // What a scenario does at the pins, edge by edge, and what the model answers: the stimulus of a
-// regression without the model, to be held against many versions of the RTL.
+// regression without the model, to be compared with many versions of the RTL.
 #pragma once
 
 #include <array>

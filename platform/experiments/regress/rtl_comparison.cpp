@@ -30,7 +30,7 @@ void add_pins(trace::SaveText& save) {
   save.end_group("pins");
 }
 
-/// FILE.fst by `write`, whole or not at all, and beside it what GTKWave shows of it.
+/// FILE.fst by `write`, whole or not at all, and next to it what GTKWave shows of it.
 template <typename Write, typename AddMore>
 Result<bool> write_both(const std::string& file, const Write& write, const AddMore& add_more) {
   const std::string name = file + ".fst";

@@ -115,7 +115,7 @@ void run_ties(Bench& bench, Random& random, const Budget&) {
       bench.write(reg_ctrl, ctrl_adc | ctrl_calib | ctrl_source(1));
       set_weights(bench, {one / 2, 0, 0, 0, one / 2, 0});
       bench.write(reg_loop, k | k << 8);
-      // One sample tells the angle of the vector; the phase is then set half a step beside it.
+      // One sample tells the angle of the vector; the phase is then set half a step off it.
       const uint32_t u = random.word32(), v = random.word32();
       settle(bench, u, v);
       for (bool negative : {false, true}) {
@@ -187,7 +187,7 @@ void run_quadrants(Bench& bench, Random& random, const Budget&) {
           bench.write_pair(reg_phase_lo, (int64_t{i} << 44) + offset);
           settle(bench, u, v);
         }
-      // Beside half a turn, from both sides, and exactly on it; beside zero.
+      // Next to half a turn, from both sides, and exactly on it; next to zero.
       for (uint32_t v : {bottom, 0u - 1000000000u, 0u - 1u, 1000000000u, top})
         for (uint32_t u : {0u, 1u, 0u - 1u, 2u, 0u - 2u, 1000u, 0u - 1000u}) settle(bench, u, v);
       // phi and psi all round: T4 sees every quadrant whatever the sample is.
@@ -240,7 +240,7 @@ void run_amplitudes(Bench& bench, Random& random, const Budget&) {
       settle(bench, static_cast<uint32_t>(static_cast<int32_t>(random.word32()) >> shift),
              static_cast<uint32_t>(static_cast<int32_t>(random.word32()) >> shift));
     }
-    // One word next to nothing beside the other: what remains of it after normalisation is its
+    // One word next to nothing next to the other: what remains of it after normalisation is its
     // rounding bit, or its sign.
     for (unsigned shift = 0; shift < 16; ++shift)
       for (int64_t sign : {1, -1}) {

@@ -203,7 +203,7 @@ void run_magnitudes(Bench& bench, Random& random, const Budget&) {
     bench.read(reg_a1);
     bench.read(reg_a2);
   }
-  // Offsets at 1 and beside it: the parameters B1 and B2 are clamped.
+  // Offsets at 1 and next to it: the parameters B1 and B2 are clamped.
   for (int64_t offset : {one, -one, one - (1 << 14), -one - (1 << 14), -one - (1 << 14) - 1})
     for (uint32_t pair : {reg_au_lo + 16, reg_au_lo + 40}) {
       if (bench.failed()) return;

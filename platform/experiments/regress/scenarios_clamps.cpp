@@ -1,5 +1,5 @@
 // Clamps whose flag nothing else of the sample raises: the weights that cause one are gone before
-// the stages behind it read theirs.
+// the stages after it read theirs.
 #include <array>
 
 #include "coprocessor/register_map.h"

@@ -1,4 +1,4 @@
-// A drawn sensor, learnt and calibrated; the parameters and ANGLE against what the CSFN finds in
+// A random sensor, learnt and calibrated; the parameters and ANGLE against what the CSFN finds in
 // the same samples.
 #include <fmt/format.h>
 
@@ -58,7 +58,7 @@ struct DrawnSensor {
   double a1, a2, b1, b2, beta, angle, turns, noise = 0;
 };
 
-/// The registers behind a sample, over the bus; to be called when it is through.
+/// The registers after a sample, over the bus; to be called when it is through.
 metrics::RecordedResult read_result(Bench& bench, bool demodulating) {
   const auto word = [&](uint32_t offset) { return static_cast<int32_t>(bench.read(offset)); };
   metrics::RecordedResult result;

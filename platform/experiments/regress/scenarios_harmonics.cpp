@@ -50,8 +50,8 @@ void read_results(Bench& bench) {
   bench.write(reg_flags, flags_all);
 }
 
-// A node's write so many edges behind a sample: while the sample waits, in each stage, at the edge
-// of its commit and behind it.
+// A node's write so many edges after a sample: while the sample waits, in each stage, at the edge
+// of its commit and after it.
 void write_beside_a_sample(Bench& bench, Random& random, unsigned distance) {
   bench.drain();
   bench.sample(random.word32(), random.word32());

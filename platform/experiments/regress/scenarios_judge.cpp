@@ -192,7 +192,7 @@ void run_turn_count(Bench& bench, Random&, const Budget&) {
 }
 
 void run_limit_bits(Bench& bench, Random& random, const Budget&) {
-  // Each bit of a limit decides; the other sources' words are in the pipeline beside it.
+  // Each bit of a limit decides; the other sources' words are in the pipeline at the same time.
   for (unsigned bit = 0; bit < 8; ++bit)
     for (int beside : {-3, -2, -1, 0, 1, 2, 3}) {
       if (bench.failed()) return;
@@ -224,7 +224,7 @@ void run_limit_bits(Bench& bench, Random& random, const Budget&) {
 
 void run_turn_limit(Bench& bench, Random&, const Budget&) {
   // A bit of the limit that is lost or too many ends a window at once or never: each alone, with
-  // a small limit beside it.
+  // a small limit next to it.
   for (unsigned bit = 0; bit < 32 && !bench.failed(); ++bit) {
     Shaft shaft(bench, ctrl_calib, 0);
     bench.write(reg_turn_limit, 1u << bit);
@@ -255,7 +255,7 @@ void run_passes(Bench& bench, Random&, const Budget&) {
 }
 
 void run_residue_limit(Bench& bench, Random&, const Budget&) {
-  // A shaft at rest and a reference that stands, 1/16 turn off either way, and a unit beside it.
+  // A shaft at rest and a reference that stands, 1/16 turn off either way, and a unit off it.
   for (int sign : {1, -1})
     for (int beside : {-1, 0, 1}) {
       if (bench.failed()) return;

@@ -30,7 +30,7 @@ void run_registers(Bench& bench, Random& random, const Budget&) {
   read_all(bench);  // as power-on leaves them
   clean(bench);
   read_all(bench);
-  // One register at a time, from reset: ones, zeros, each bit, then all others once more.
+  // One register at a time, from reset: ones, zeros, each bit, then all others again.
   for (const auto& entry : description::table) {
     if (bench.failed()) return;
     clean(bench);
@@ -157,7 +157,7 @@ void run_flags(Bench& bench, Random& random, const Budget&) {
       if (i % 6 == 0) bench.write(reg_step_au, 1u << 31);
       if (i % 6 == 1) bench.write(reg_ctrl, ctrl_adc | ctrl_calib | ctrl_demod | enabled | 0xC);
       if (i % 6 == 2) bench.write(reg_a1, ~0u);
-      // Some clear at the very edge of the commit, some beside it.
+      // Some clear at the very edge of the commit, some next to it.
       bench.wait_until(latched + latency_cycles - 1);
       bench.interrupt();
       bench.wait_until(latched + latency_cycles + (i % 3 == 0 ? 0 : i % 3 - 1));

@@ -1,4 +1,4 @@
-// Limited slew: errors at each limit and beside it, and the setting at every edge.
+// Limited slew: errors at each limit and next to it, and the setting at every edge.
 #include <array>
 
 #include "coprocessor/register_map.h"

@@ -66,7 +66,7 @@ void run_spacing(Bench& bench, Random& random, const Budget&) {
 }
 
 void run_load_moments(Bench& bench, Random& random, const Budget&) {
-  // LOAD at every edge after a lone sample; behind it a sample that has to wait.
+  // LOAD at every edge after a lone sample; after it a sample that has to wait.
   for (uint64_t at = 0; at <= way && !bench.failed(); ++at) {
     start_again(bench, at % 2 == 0 ? running : running & ~ctrl_demod);
     parameters(bench, random);
@@ -199,7 +199,7 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
 
 void run_collisions(Bench& bench, Random& random, const Budget&) {
   // Every register that something may write, at every tick boundary of a sample's way and one edge
-  // beside it.
+  // next to it.
   for (unsigned source = 0; source < 3; ++source)
     for (uint32_t offset = reg_ctrl; offset <= reg_soft_v; offset += 4)
       for (uint64_t tick = 0; tick <= 5; ++tick) {

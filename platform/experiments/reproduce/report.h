@@ -92,7 +92,7 @@ struct Row {
   std::string why;     ///< of a known difference
 };
 
-/// "agrees within ...", "differs (... .. ...): why", "holds ..." or what stands beside a row that
+/// "agrees within ...", "differs (... .. ...): why", "holds ..." or what stands next to a row that
 /// should be one of them; nothing where there is nothing to compare.
 std::string verdict_text(const Row& row);
 
@@ -104,7 +104,7 @@ Fields fields(const Row& row);
 /// Id and title of every table in the order in which they are printed.
 const std::vector<std::pair<std::string, std::string>>& table_names();
 
-/// The printed comparison: a paper's figures beside ours. Text and data are made of the same rows.
+/// The printed comparison: a paper's figures next to ours. Text and data are made of the same rows.
 class Report {
  public:
   /// `chosen`: only the tables with these ids; empty: all.
@@ -130,7 +130,7 @@ class Report {
   /// A figure that the paper does not have, with what it may be. Out of the bound it is counted.
   void ours(const std::string& label, const Figure& here, const Bound& bound);
 
-  /// A figure of the paper beside one that is not compared with it.
+  /// A figure of the paper next to one that is not compared with it.
   void stated(const std::string& label, const Figure& paper, const Figure& here);
 
   /// A point of a curve that the paper draws without numbers.

@@ -14,8 +14,8 @@ namespace capsoc::reproduce {
 inline constexpr std::array needed_traces = {"soc_experiment.toml", "csfn_eq.toml", "csfn_h3.toml",
                                              "csfn_experiment.toml"};
 
-/// Prints every row of Tables 1 to 6 of the SoC paper beside what the double-precision LMSED gives,
-/// Table 8 and Figures 13 and 14 beside the coprocessor model's paper arithmetic, and the
+/// Prints every row of Tables 1 to 6 of the SoC paper next to what the double-precision LMSED
+/// gives, Table 8 and Figures 13 and 14 next to the coprocessor model's paper arithmetic, and the
 /// experiments of both papers (SoC: Tables 9 and 10, CSFN: Table 2, and its simulations) on the
 /// traces of the folder `traces`, with a sentence wherever the two differ. Every random record has
 /// a fixed seed, so the text is the same on every run. Returns the number of rows that should agree

@@ -17,8 +17,8 @@ struct CommandEnd {
   std::string output;  ///< of its standard output
 };
 
-/// `/bin/sh -c LINE` with these variables beside those of this process, and with its stderr and its
-/// limits. The shell ends with this process. Error: there is no shell, or more than 16 MiB of
+/// `/bin/sh -c LINE` with these variables next to those of this process, and with its stderr and
+/// its limits. The shell ends with this process. Error: there is no shell, or more than 16 MiB of
 /// output.
 Result<CommandEnd> run_command(const std::string& line, const Variables& variables);
 

@@ -94,7 +94,7 @@ std::string end_of(int file) {
   return text;
 }
 
-/// With all that it started: a worker leads a group of its own.
+/// With all that it started: a worker leads its own group.
 void end_at_once(pid_t worker) {
   kill(-worker, SIGKILL);
   kill(worker, SIGKILL);  // it may not be there yet

@@ -1,4 +1,4 @@
-"""Many runs side by side: each simulation is a process of its own, so that all processors of the host work."""
+"""Many runs side by side: each simulation is its own process, so that all processors of the host work."""
 
 from __future__ import annotations
 

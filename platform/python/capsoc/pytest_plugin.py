@@ -179,7 +179,7 @@ class Sessions:
 def capsoc_sessions(request: pytest.FixtureRequest) -> Iterator[Sessions]:
     """Starts the session that the tests of this process share."""
     program, file = request.config.getoption("--capsoc-program"), request.config.getoption("--capsoc-html")
-    # Each worker of pytest-xdist writes a page of its own.
+    # Each worker of pytest-xdist writes its own page.
     sessions = Sessions(program, Pages(program, file, os.environ.get("PYTEST_XDIST_WORKER")))
     yield sessions
     sessions.close()

@@ -24,7 +24,7 @@ UARTS, GPIOS = 5, 4
 
 
 class Simulation(Past):
-    """A simulation in a process of its own. Made by Session.run(), capsoc.run() or the fixture `capsoc`.
+    """A simulation in its own process. Made by Session.run(), capsoc.run() or the fixture `capsoc`.
 
     Close it or use it in a `with` statement, which closes it on every way out. Simulated time stands between calls, so
     the same calls give the same bytes. All methods raise SimulationError (SimulationEnded, SimulationOver) for what

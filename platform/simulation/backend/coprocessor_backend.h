@@ -1,4 +1,4 @@
-// What stands behind the coprocessor's bus target in a run: the model, the RTL or both in lockstep.
+// What stands at the coprocessor's bus target in a run: the model, the RTL or both in lockstep.
 #pragma once
 
 #include <memory>

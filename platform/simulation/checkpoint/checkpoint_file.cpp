@@ -113,7 +113,7 @@ class Scanner {
     return j;
   }
 
-  /// A number and the space behind it.
+  /// A number and the space after it.
   static bool take_number(std::string_view& line, uint64_t& number) {
     const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
     if (error != std::errc() || end == line.data() + line.size() || *end != ' ') return false;

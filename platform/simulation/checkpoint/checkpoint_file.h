@@ -21,7 +21,7 @@ struct Part {
   std::function<void(Archive&)> visit;
 };
 
-/// What a run was, as far as a run that goes on must be the same: names and values.
+/// What a run was, as far as a run that continues must be the same: names and values.
 using Identity = std::vector<std::pair<std::string, std::string>>;
 
 /// The state of one part: a StateWriter's bytes and the hash of its layout.

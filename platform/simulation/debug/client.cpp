@@ -317,7 +317,7 @@ void Client::query(std::string_view text) {
   if (text == "sThreadInfo") return reply("l");
   if (take(text, "ThreadExtraInfo,")) return reply(to_hex(target_.state()));
   if (text == "C") return reply("QC1");
-  if (take(text, "Attached")) return reply("1");  // quitting detaches, and the run goes on
+  if (take(text, "Attached")) return reply("1");  // quitting detaches, and the run continues
   if (take(text, "Symbol:")) return reply(ok);
   if (take(text, "MemoryRegionInfo:")) {
     const auto address = take_number(text);

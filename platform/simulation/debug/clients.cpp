@@ -57,7 +57,7 @@ void Clients::receive(Session& session, const std::string& bytes) {
   const std::shared_ptr<Socket> socket = session.socket;
   for (const Arrival& arrival : session.reader.feed(bytes)) {
     if (!session.debugs) {
-      // The byte 0x03 is in every TLS greeting: it interrupts only behind a packet.
+      // The byte 0x03 is in every TLS greeting: it interrupts only after a packet.
       if (arrival.kind == Arrival::Kind::interrupt) continue;
       if (arrival.kind == Arrival::Kind::packet) begin(session);
     }

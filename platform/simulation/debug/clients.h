@@ -13,8 +13,8 @@ namespace capsoc::debug {
 
 /// Any number of GDBs on one processor, wherever that runs. Its first packet makes a client a
 /// debugger; before it, and if none ever comes (a probe of the port), a client changes nothing. The
-/// first debugger halts the processor; one that comes later looks on without stopping it. Whoever
-/// resumes or interrupts has it; when the last of these is gone, the run goes on by itself.
+/// first debugger halts the processor; one that comes later observes without stopping it. Whoever
+/// resumes or interrupts has it; when the last of these is gone, the run continues by itself.
 class Clients {
  public:
   /// What the processor is told.
@@ -25,7 +25,7 @@ class Clients {
     virtual void debugged(bool on) = 0;
     /// It stands from here on.
     virtual void halted() = 0;
-    /// It goes on from where it stood (or runs on, if it did).
+    /// It continues from where it stood (or runs on, if it did).
     virtual void resumed() = 0;
   };
 
@@ -52,7 +52,7 @@ class Clients {
   bool is_halted() const { return halted_; }
   /// A debugger asked for the end of the run.
   bool is_killed() const { return killed_; }
-  /// How the processor is to go on.
+  /// How the processor is to continue.
   const Resume& how() const { return how_; }
 
  private:

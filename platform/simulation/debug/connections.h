@@ -1,4 +1,4 @@
-// TCP connections from this machine, received by a thread of their own.
+// TCP connections from this machine, received by a their own thread.
 #pragma once
 
 #include <atomic>

@@ -18,7 +18,7 @@ constexpr std::size_t largest_packet = 0x4000;
 uint8_t checksum(std::string_view bytes);
 /// `$payload#xx`; the payload's bytes are escaped where the protocol needs it.
 std::string frame(std::string_view payload);
-/// The bytes behind the escapes `}` and the run lengths `*`; nothing if they are malformed or would
+/// The bytes after the escapes `}` and the run lengths `*`; nothing if they are malformed or would
 /// be longer than largest_packet.
 std::optional<std::string> unescape(std::string_view payload);
 

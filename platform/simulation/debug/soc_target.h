@@ -30,7 +30,7 @@ class SocTarget : public Target {
   void show_stimulus_of(unsigned port) { shown_port_ = port; }
   std::string show_stimulus(uint32_t ports, bool on) override;
 
-  /// Why the processor stands behind a run that ended so. Nothing: the run had its own end.
+  /// Why the processor stands after a run that ended so. Nothing: the run had its own end.
   std::optional<StopCause> stop_cause(armv7m::StopReason reason) const;
   /// Whose breakpoint it is, of those at the address.
   StopPoint breakpoint_kind(uint32_t address) const;

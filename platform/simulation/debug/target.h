@@ -99,7 +99,7 @@ class Target {
   virtual std::string command_help() const { return ""; }
 };
 
-/// How a client wants the processor to go on.
+/// How a client wants the processor to continue.
 struct Resume {
   enum class Kind : uint8_t { run, step, range, step_back, run_back };
   Kind kind = Kind::run;

@@ -98,7 +98,7 @@ std::string describe_fault(const ProgramView& view, const Findings& findings) {
   // A default handler that gives up faults again: what matters is the fault that it was called for.
   const armv7m::Core& core = view.soc().cpu.core();
   armv7m::FaultReport report = core.first_fault();
-  constexpr uint32_t svc_size = 2;  // its frame returns behind it
+  constexpr uint32_t svc_size = 2;  // its frame returns after it
   if (is_escalated_svc(report)) report.registers.r[15] -= svc_size;
   Lines lines;
   lines.add(fmt::format("fault report: {} (exception {}, {} active before) at cycle {}\n",

@@ -9,7 +9,7 @@
 
 namespace capsoc::run {
 
-/// What is known when the simulation is over, beside the state of the processor.
+/// What is known when the simulation is over, in addition to the state of the processor.
 struct End {
   bool diverged = false;                        ///< model and RTL of the coprocessor
   std::string crash;                            ///< by which an observer stopped it, "" if none did

@@ -11,7 +11,8 @@ namespace capsoc::run {
 /// indented by four; "" if none is pending.
 std::string describe_pending(const soc::Soc& soc);
 
-/// The priority that code has beside its faults, in words: what masks it, or which exception runs.
+/// The priority that code has in addition to its faults, in words: what masks it, or which
+/// exception runs.
 std::string describe_priority(const soc::Soc& soc);
 
 }  // namespace capsoc::run

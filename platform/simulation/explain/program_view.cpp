@@ -125,7 +125,7 @@ std::string ProgramView::location(uint32_t address) const {
 }
 
 std::string ProgramView::lost_stack(uint32_t stack_pointer) const {
-  // A stack that is empty stands behind its memory.
+  // A stack that is empty stands after its memory.
   if (read_word(stack_pointer) || read_word(stack_pointer - 4)) return "";
   return fmt::format("the stack pointer is {:#010x}, {}: the stack has overflowed, or was lost",
                      stack_pointer, location(stack_pointer));

@@ -1,4 +1,5 @@
-// The golden check: what the SoC identified on line beside what the CSFN finds in the same samples.
+// The golden check: what the SoC identified on line next to what the CSFN finds in the same
+// samples.
 #pragma once
 
 #include <cstdint>

@@ -27,7 +27,7 @@ identification::Parameters of_words(const metrics::ParameterWords& words) {
   return {p.a1, p.a2, p.b1, p.b2, p.beta};
 }
 
-/// Behind the last sample with a result in the given mode; 0: there is none.
+/// After the last sample with a result in the given mode; 0: there is none.
 std::size_t end_of(const metrics::SampleRecord& record, bool demodulating) {
   for (std::size_t k = record.size(); k > 0; --k)
     if (record[k - 1].result && record[k - 1].result->demodulating == demodulating) return k;

@@ -1,4 +1,4 @@
-// The coprocessor's ANGLE beside the angle that the CSFN's calibration gives for the same samples.
+// The coprocessor's ANGLE next to the angle that the CSFN's calibration gives for the same samples.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ struct AngleCheck {
   std::optional<AngleTolerance> bound;  ///< with a difference
 };
 
-/// Beyond it a difference is one whatever the bound, and a bound vouches for nothing; degrees.
+/// Beyond it a difference is one whatever the bound, and a bound guarantees nothing; degrees.
 constexpr double widest_bound = 10;
 
 /// "agrees", "disagrees", "not compared".

@@ -1,4 +1,4 @@
-// The files that a command reads and writes, held against each other before anything is opened.
+// The files that a command reads and writes, compared with each other before anything is opened.
 #pragma once
 
 #include <optional>

@@ -96,7 +96,7 @@ std::FILE* open_growing(const std::string& path) {
     return file < 0 ? nullptr : fdopen(file, "wb");
   }
   if (place.descriptor < 0) return std::fopen(growing_name(path).c_str(), "wb");
-  // Opened anew it would begin at the front of a file that others write to as well.
+  // Opened again it would begin at the front of a file that others write to as well.
   const int copy = fcntl(place.descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   if (copy < 0) return nullptr;
   std::fflush(stdout);

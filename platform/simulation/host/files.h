@@ -21,7 +21,7 @@ struct TextFile {
 /// `largest`.
 Result<std::string> read_standard_input(std::size_t largest);
 
-/// Writes the whole file or nothing: a temporary file beside it, renamed at the end. A symbolic
+/// Writes the whole file or nothing: a temporary file next to it, renamed at the end. A symbolic
 /// link stays one; the file that it leads to is written.
 std::optional<Error> write_whole(const std::string& path, const std::string& text);
 
@@ -36,8 +36,8 @@ Error cannot_write(const std::string& path, int error);
 /// ending).
 int open_to_write(const std::string& path, int flags);
 
-/// Where a file grows until it is whole: beside its place. A device, a pipe or a descriptor of this
-/// program (/dev/stdout) grows in its place.
+/// Where a file grows until it is whole: next to its place. A device, a pipe or a descriptor of
+/// this program (/dev/stdout) grows in its place.
 std::string growing_name(const std::string& path);
 /// Opens that for writing; null with errno on failure.
 std::FILE* open_growing(const std::string& path);

@@ -13,7 +13,7 @@
 
 namespace capsoc::host {
 
-/// Written in memory that does not grow with it: beside its place (GrowingFile), or, where it is
+/// Written in memory that does not grow with it: next to its place (GrowingFile), or, where it is
 /// written in place (a pipe, a device, a descriptor), in a nameless temporary file that is copied
 /// there at the end. So a reader gets all of it at once, and no half of it where the run fails.
 class GrowingStream {
@@ -24,7 +24,7 @@ class GrowingStream {
   /// The first failure is kept for finish(), and what comes after it is dropped.
   void write(std::string_view text);
 
-  /// Puts other bytes in the place of some that were written, `place` bytes behind the first: a
+  /// Puts other bytes in the place of some that were written, `place` bytes after the first: a
   /// head that has sizes. What is written next still goes to the end.
   void replace(long place, std::string_view bytes);
 

@@ -8,12 +8,12 @@ namespace capsoc::host {
 /// The path of the running program itself, "" if the system does not tell.
 std::string program_path();
 
-/// A file or folder of the program's data (`firmware/selfcal.elf`, `traces`): beside the program,
+/// A file or folder of the program's data (`firmware/selfcal.elf`, `traces`): next to the program,
 /// in the share/capsoc of its install tree, or one level up. Relative to the current folder if it
-/// lies below it, absolute otherwise. Where it should be beside the program if it is nowhere.
+/// lies below it, absolute otherwise. Where it should be next to the program if it is nowhere.
 std::string data_path(const std::string& relative);
 
-/// A library that the program loads: beside it, in the lib/capsoc of its install tree, or some
+/// A library that the program loads: next to it, in the lib/capsoc of its install tree, or some
 /// levels up, where the tests' programs find it. As data_path() otherwise.
 std::string library_path(const std::string& name);
 

@@ -19,10 +19,10 @@ class Sha256 {
   ~Sha256();
   Sha256(Sha256&& other) noexcept;
   void update(const void* data, std::size_t size);
-  /// Lower-case hexadecimal digest of everything so far; the stream may go on.
+  /// Lower-case hexadecimal digest of everything so far; the stream may continue.
   std::string hex() const;
 
-  /// Where the stream is; a loaded one goes on there.
+  /// Where the stream is; a loaded one continues there.
   void visit(Archive& archive);
 
  private:

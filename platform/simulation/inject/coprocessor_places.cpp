@@ -161,7 +161,7 @@ constexpr std::array<Renamed, 17> renamed = {{{"EARLY_COUNT", "early"},
 /// Where a register keeps its value; nothing: it has none, or its fields have.
 std::optional<Part> state_of(const soc::RegisterPlace& at) {
   const std::string& reg = at.reg->name;
-  // Their fields are registers of their own.
+  // Their fields are their own registers.
   const bool is_split = reg == "CTRL" || reg == "LOOP" || reg == "STATUS";
   if (is_split) {
     const CoprocessorWord* word =
@@ -234,7 +234,7 @@ Result<PlacedBit> Places::coprocessor_bit(const std::string& name, unsigned bit)
                            nearest_names(own, std::move(names)))};
 }
 
-/// What model and RTL share, and besides each flip-flop of the RTL: two views of one chip.
+/// What model and RTL share, and also each flip-flop of the RTL: two views of one chip.
 void Places::list_coprocessor(std::vector<ListedPlace>& list) const {
   for (const CoprocessorWord& word : coprocessor_words())
     if (word.is_shared) list.push_back({unit_name + word.name, word.bits, "coprocessor"});

@@ -60,7 +60,7 @@ class MemoryByte final : public Place {
   uint32_t address_;
 };
 
-/// The stored word of a register. Its device plans its events anew from it.
+/// The stored word of a register. Its device plans its events again from it.
 class DeviceRegister final : public Place {
  public:
   DeviceRegister(kit::RegisterBank& bank, kit::Register& reg, unsigned low, unsigned bits)

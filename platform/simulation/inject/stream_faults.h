@@ -34,7 +34,7 @@ struct Position {
   void note(Injected& injected, uint64_t before, uint64_t after) const;
 };
 
-/// Samples lost, doubled, frozen, with bits flipped or stuck. They act behind the converter's
+/// Samples lost, doubled, frozen, with bits flipped or stuck. They act after the converter's
 /// registers.
 class SampleFaults {
  public:

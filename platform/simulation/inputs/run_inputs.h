@@ -43,8 +43,8 @@ struct RunInputs {
   /// say).
   metrics::Metrics make_metrics() const;
 
-  /// Every file that counts, with its hash. `received`: what ports read besides, a role and a file
-  /// each.
+  /// Every file that counts, with its hash. `received`: what ports read in addition, a role and a
+  /// file each.
   std::vector<Input> files(const FirmwareSettings& settings,
                            const std::vector<std::pair<std::string, std::string>>& received) const;
 };

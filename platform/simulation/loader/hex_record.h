@@ -52,7 +52,7 @@ inline const char* append_data(ElfImage& image, uint64_t address,
 }
 
 /// Reads a file line by line. `Reader`: constructed with the path; line(text) says what is wrong
-/// with a line without its end, or null; ended() is true behind the end record; take() gives the
+/// with a line without its end, or null; ended() is true after the end record; take() gives the
 /// image. `format`: of objcopy, for the sentence of an error.
 template <typename Reader>
 Result<ElfImage> read_records(const std::string& path, std::string_view text, const char* format) {

@@ -8,7 +8,7 @@
 
 namespace capsoc::loader {
 
-/// `memory.load(path, address, bytes)` of every segment, with the zeros behind it, until one of
+/// `memory.load(path, address, bytes)` of every segment, with the zeros after it, until one of
 /// them is refused: its Error.
 template <typename Memory>
 std::optional<Error> place(const ElfImage& image, Memory& memory) {

@@ -1,4 +1,4 @@
-// Programs in the formats that tool chains write beside ELF.
+// Programs in the formats that tool chains write other than ELF.
 #pragma once
 
 #include <string>

@@ -11,8 +11,8 @@
 namespace capsoc::metrics {
 
 /// Begins a recording in the format of its name's ending: .wav, .mat, .sds with its metadata, or
-/// else CSV. The file grows beside its place until it is finished. An Error: nothing can be written
-/// there, or the format does not hold these columns.
+/// else CSV. The file grows next to its place until it is finished. An Error: nothing can be
+/// written there, or the format does not hold these columns.
 Result<std::unique_ptr<SampleWriter>> begin_recording(Recording recording);
 
 /// Every file that a recording of that name becomes, itself first.

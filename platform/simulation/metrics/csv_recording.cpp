@@ -32,7 +32,7 @@ class CellCutter {
         out += c;
       } else if (c == ',') {
         ++now_;
-        // The comma in front of the cell goes, or the one behind it where it is the first.
+        // The comma in front of the cell goes, or the one after it where it is the first.
         if (now_ != std::max<std::size_t>(cell_, 1)) out += c;
       } else if (now_ != cell_) {
         out += c;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint64_t one_turn = uint64_t{1} << 32U;
 
-/// The short way, forwards or back; none beside a sample without a result.
+/// The short way, forwards or back; none next to a sample without a result.
 uint64_t way_between(const TurnSample& a, const TurnSample& b) {
   if (!a.has_result || !b.has_result) return 0;
   return static_cast<uint64_t>(std::abs(int64_t{static_cast<int32_t>(b.angle - a.angle)}));

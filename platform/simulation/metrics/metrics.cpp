@@ -143,7 +143,7 @@ void Metrics::keep_last_revolution(TimedError newest) {
   // Less than half a sample's worth of rounding: a turn of n samples is n of them, not n + 1.
   const double age = revolution_s_ * (1 - 1e-9);
   last_revolution_.push_back(newest);
-  // A time that goes back is a sensor that began anew.
+  // A time that goes back is a sensor that began again.
   while (newest.time_s - last_revolution_.front().time_s >= age ||
          newest.time_s < last_revolution_.front().time_s ||
          last_revolution_.size() > longest_revolution)

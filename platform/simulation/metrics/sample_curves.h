@@ -11,7 +11,7 @@
 
 namespace capsoc::metrics {
 
-/// Gathers them while the run goes on, in memory that does not grow with it.
+/// Gathers them while the run continues, in memory that does not grow with it.
 ///
 /// Curves by name, thinned so that no spike is lost; one without a point is left out. x is the time
 /// since the first sample in seconds unless said otherwise; angles are in degrees.

@@ -16,7 +16,7 @@ using Reference = SamplingState::Reference;
 // Rates in files are rounded, and a program's is a whole number of its clock's cycles.
 constexpr double rate_tolerance = 1e-3;
 
-// The default program vouches for 0.19 degrees with a reference that is off by 1e-4, and for 0.66
+// The default program guarantees 0.19 degrees with a reference that is off by 1e-4, and for 0.66
 // with 5e-4.
 constexpr double speed_tolerance = 2e-4;
 

@@ -1,5 +1,5 @@
 // Whether a program takes the sensor for what it is: its sample rate and its reference's speed
-// beside what is known of the signal.
+// compared with what is known of the signal.
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ class SpooledRecording : public SampleWriter {
  private:
   Recording recording_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spool_;
-  std::size_t all_columns_;          ///< in the spool, behind the time
+  std::size_t all_columns_;          ///< in the spool, after the time
   std::vector<std::size_t> places_;  ///< of recording_.columns there
   std::vector<double> row_;
   uint64_t samples_ = 0;
@@ -51,7 +51,7 @@ class SpooledRecording : public SampleWriter {
 /// its name.
 Result<std::unique_ptr<SampleWriter>> begin_mat_recording(Recording recording);
 
-/// A stream of Arm's SDS-Framework, a block a sample, and its metadata beside it: u and v as words
+/// A stream of Arm's SDS-Framework, a block a sample, and its metadata next to it: u and v as words
 /// of 32 bits with their scale, other columns as doubles, the time as time slots of ms, or of us
 /// where ms do not do.
 Result<std::unique_ptr<SampleWriter>> begin_sds_recording(Recording recording);

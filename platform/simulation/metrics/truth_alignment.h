@@ -1,5 +1,5 @@
-// What a recording's own angle says of its channels: an encoder beside a sensor has a zero and a
-// direction of its own.
+// What a recording's own angle says of its channels: an encoder next to a sensor has a zero and its
+// own direction.
 #pragma once
 
 #include <optional>

@@ -16,7 +16,7 @@
 namespace capsoc::run {
 
 /// Keeps the call stacks of the newest lines: a byte is on the wire for a while after the program
-/// wrote it, and the program goes on meanwhile.
+/// wrote it, and the program continues meanwhile.
 class PrintedLines final : public RunObserver {
  public:
   /// `uarts`: whose line may have ended the run.

@@ -18,7 +18,7 @@
 
 namespace capsoc::run {
 
-/// Is told of exceptions alone, so it costs next to nothing. Behind --restore it begins anew.
+/// Is told of exceptions alone, so it costs next to nothing. After --restore it begins again.
 class Schedule final : public RunObserver, private armv7m::Observer {
  public:
   Schedule(const ProgramView& view, const ScheduleSettings& settings)

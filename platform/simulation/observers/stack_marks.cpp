@@ -41,7 +41,7 @@ StackMark& StackMarks::main_stack() {
   return stacks_.front();
 }
 
-/// The stack that was left at this PSP, before or behind an exception's frame was unstacked.
+/// The stack that was left at this PSP, before or after an exception's frame was unstacked.
 StackMark& StackMarks::process_stack(uint32_t psp) {
   main_stack();
   const auto is_here = [psp](const StackMark& stack) {

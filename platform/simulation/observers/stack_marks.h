@@ -24,7 +24,7 @@ struct StackMark {
 };
 
 /// Follows both stack pointers, instruction by instruction. A process stack is a new one when
-/// Thread mode goes on at a PSP at which none was left.
+/// Thread mode continues at a PSP at which none was left.
 class StackMarks final : public RunObserver, private armv7m::Observer {
  public:
   StackMarks(const ProgramView& view, const StackSettings& settings)

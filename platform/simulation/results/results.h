@@ -112,7 +112,7 @@ std::string to_text(const nlohmann::ordered_json& json);
 /// How many times faster than real time, "1234" or "0.021".
 std::string speed_of(double simulated_s, double wall_s);
 
-/// Parameters beside the truth and the angle error before and after, as text; only the last lines
+/// Parameters next to the truth and the angle error before and after, as text; only the last lines
 /// for a run that took no sample of the sensor.
 std::string to_table(const RunResult& result);
 

@@ -36,7 +36,7 @@ constexpr uint32_t last_offset = 0xFFF;  // paddr_i has 12 bits
 }  // namespace
 
 /// One instance and its place in time. What is on the pins for the coming edge stays there until
-/// that edge is made, which is when something asks for the state behind it.
+/// that edge is made, which is when something asks for the state after it.
 class CoprocessorRtl::Pins {
  public:
   Pins(RtlLibrary::Handle library, Clocking clocking)
@@ -243,7 +243,7 @@ class CoprocessorRtl::Pins {
 
   std::optional<Error> open_waves(const std::string& file, unsigned period_ns) {
     settle();
-    // The writer removes what has the name and makes a file of its own.
+    // The writer removes what has the name and makes its own file.
     std::error_code ignored;
     if (const auto status = std::filesystem::status(file, ignored);
         std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))

@@ -59,7 +59,7 @@ class CoprocessorRtl final : public coprocessor::Device {
 
   /// From now on every clock goes to an FST file; a cycle is `period_ns` long there.
   std::optional<Error> open_waves(const std::string& file, unsigned period_ns = 40);
-  /// Nodes that stand in the file beside the RTL's own.
+  /// Nodes that stand in the file next to the RTL's own.
   void show_model(const coprocessor::Nodes& nodes);
   void close_waves();
 

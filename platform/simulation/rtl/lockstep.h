@@ -90,7 +90,7 @@ class Lockstep final : public coprocessor::Device {
   /// difference or if the sides cannot be copied.
   std::optional<Error> write_waves(const std::string& file) const;
 
-  /// The same clocks as numbers, from `before` clocks ahead of the difference to `after` behind it,
+  /// The same clocks as numbers, from `before` clocks ahead of the difference to `after` after it,
   /// of at most `most` nodes. Empty without a difference or if the sides cannot be copied.
   History history(uint64_t before, uint64_t after, std::size_t most) const;
 

@@ -1,8 +1,8 @@
 /* The C interface between capsoc and a shared library that holds a Verilated coprocessor: ours
  * (rtl/verification/coprocessor_probe.sv around rtl/coprocessor.sv), or somebody else's design of
  * which only the pins are known (rtl_library.cmake). One function is looked up by name; the rest is
- * a table behind it. Plain C, so that library and program need not agree on a C++ runtime, and the
- * library may be built anew without the program. */
+ * a table after it. Plain C, so that library and program need not agree on a C++ runtime, and the
+ * library may be built again without the program. */
 #ifndef CAPSOC_RTL_ABI_H
 #define CAPSOC_RTL_ABI_H
 
@@ -78,7 +78,7 @@ typedef struct capsoc_rtl_flip_flops {
   uint32_t bits; /* may be more than 64 */
 } capsoc_rtl_flip_flops;
 
-/* What a design shows beside its pins. */
+/* What a design shows in addition to its pins. */
 typedef struct capsoc_rtl_inside {
   const char* state_layout; /* capsoc_rtl_state_layout of the library */
 
@@ -91,7 +91,7 @@ typedef struct capsoc_rtl_inside {
    * `idle`. Returns how many were made. */
   uint64_t (*clock_on)(capsoc_rtl*, uint64_t count);
   void (*nodes)(capsoc_rtl*, int64_t* values); /* node_count values */
-  /* node_count values of the model, which stand beside the RTL's in a wave file. */
+  /* node_count values of the model, which stand next to the RTL's in a wave file. */
   void (*model_nodes)(capsoc_rtl*, const int64_t* values);
   /* The 48-bit registers as they are now: FREQ, PHASE, AU, BU, CU, AV, BV, CV, all but PHASE
    * sign-extended. */
@@ -102,7 +102,7 @@ typedef struct capsoc_rtl_inside {
   size_t (*save)(capsoc_rtl*, void* bytes, size_t size);
   void (*restore)(capsoc_rtl*, const void* bytes, size_t size);
 
-  /* The registers between two instances, or between this one and the model. set_state: behind a
+  /* The registers between two instances, or between this one and the model. set_state: after a
    * reset; drops what a register has no bits for. */
   void (*get_state)(capsoc_rtl*, capsoc_rtl_state*);
   void (*set_state)(capsoc_rtl*, const capsoc_rtl_state*);

@@ -25,7 +25,7 @@ class RtlLibrary {
   static Result<Handle> open(const std::string& file, const coprocessor::Options& options,
                              Use use = Use::in_place_of_the_model);
 
-  /// Where the library of such a coprocessor is: beside the program, or in its install tree.
+  /// Where the library of such a coprocessor is: next to the program, or in its install tree.
   static std::string file_name(const coprocessor::Options& options);
   /// The same for an arithmetic with the parameters that it has by itself.
   static std::string file_name(coprocessor::Arithmetic arithmetic, bool coverage = false);

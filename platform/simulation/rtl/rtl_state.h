@@ -6,8 +6,8 @@
 
 namespace capsoc::rtl {
 
-/// Registers of an RTL that comes from reset, with which it goes on as the model does from `state`.
-/// Its slot 0 has the last result and its bank 0 the window under way, as behind a reset.
+/// Registers of an RTL that comes from reset, with which it continues as the model does from
+/// `state`. Its slot 0 has the last result and its bank 0 the window under way, as after a reset.
 capsoc_rtl_state to_rtl(const coprocessor::IdleState& state);
 
 /// The other way. `nodes` are those of the last result, which know some words better than the

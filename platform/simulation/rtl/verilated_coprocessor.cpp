@@ -16,7 +16,7 @@
 #include "rtl/verilated_instance.h"
 #include "verilated_save.h"
 
-// Verilator's: all combinational logic anew, as at its first evaluation. eval() would not do it,
+// Verilator's: all combinational logic again, as at its first evaluation. eval() would not do it,
 // for nothing that it looks at has changed.
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the name is Verilator's
 void Vcoprocessor_probe___024root___eval_settle(Vcoprocessor_probe___024root* top);
@@ -167,7 +167,7 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
     Design::toggle();
   }
 
-  /// Up to `count` edges, and none behind the interval that ends a tick; 0 unless edges were
+  /// Up to `count` edges, and none after the interval that ends a tick; 0 unless edges were
   /// compiled for this state. show() or settle() has to follow.
   uint64_t clock_specialised(uint64_t count) {
     const SpecialisedState state = waves ? other_state : state_of(root());
@@ -185,7 +185,7 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
     return made;
   }
 
-  /// The outputs behind registers that were moved on.
+  /// The outputs after registers that were moved on.
   void show() {
     const SpecialisedState state = state_of(root());
     const SpecialisedEdge specialised =
@@ -193,7 +193,7 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
     (specialised != nullptr ? specialised : outputs)(&root());
   }
 
-  /// Everything that is combinational behind registers that were moved on.
+  /// Everything that is combinational after registers that were moved on.
   void settle() {
     if (stale_) Vcoprocessor_probe___024root___eval_settle(&root());
     stale_ = false;

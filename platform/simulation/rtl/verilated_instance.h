@@ -1,5 +1,5 @@
 // An instance of a class that Verilator made of a design with the coprocessor's pins, and those
-// functions of rtl_abi.h that need no more. A library includes it once, behind its `struct
+// functions of rtl_abi.h that need no more. A library includes it once, after its `struct
 // capsoc_rtl`, which has a member of this type.
 #pragma once
 

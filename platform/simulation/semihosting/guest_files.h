@@ -31,7 +31,7 @@ class GuestFiles {
   /// shorter than it was.
   int reopen(const std::string& name, unsigned mode, uint64_t size, uint64_t position,
              host::Descriptor& file) const;
-  /// What a file that is written has behind its first `size` bytes goes.
+  /// What a file that is written has after its first `size` bytes goes.
   static void cut(const host::Descriptor& file, uint64_t size);
   int remove(const std::string& name) const;
   int rename(const std::string& from, const std::string& to) const;

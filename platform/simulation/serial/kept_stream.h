@@ -58,7 +58,7 @@ class KeptStream {
     said_ = std::move(told.said);
     lost_ = told.lost;
   }
-  /// The guest goes on from a state in which it had sent so many, the last of which are `said`.
+  /// The guest continues from a state in which it had sent so many, the last of which are `said`.
   void go_on_from(uint64_t sent, std::string said) {
     sent_ = sent;
     set_told({sent, std::move(said), 0});

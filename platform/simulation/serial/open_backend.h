@@ -14,7 +14,7 @@ namespace capsoc::serial {
 constexpr const char* backend_names =
     "stdout, stderr, stdio, null, file:PATH, pty[:LINK] or tcp[:PORT]";
 
-/// What a setting of a UART takes besides: a script (serial/uart_script.h).
+/// What a setting of a UART takes in addition: a script (serial/uart_script.h).
 constexpr const char* uart_backend_names =
     "stdout, stderr, stdio, null, file:PATH, pty[:LINK], tcp[:PORT] or script:FILE";
 

@@ -16,7 +16,7 @@ namespace {
 constexpr uint64_t largest_script = 64U << 20U;
 constexpr std::size_t longest_line = 200;
 
-/// The words of a line without what is behind #.
+/// The words of a line without what is after #.
 std::vector<std::string> words_of(const std::string& line) {
   std::istringstream text(line.substr(0, line.find('#')));
   std::vector<std::string> words;

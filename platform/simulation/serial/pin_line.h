@@ -23,7 +23,7 @@ struct PinEvent {
 constexpr const char* pin_backend_names = "null, file:PATH, pty[:LINK], tcp[:PORT] or script:FILE";
 
 /// Parses a script: a line for each event in the order of time, "0.5 3 1" (seconds, pin, level);
-/// empty lines and what is behind a # do not count. An Error names the line.
+/// empty lines and what is after a # do not count. An Error names the line.
 Result<std::vector<PinEvent>> parse_pin_script(const std::string& file, const std::string& text,
                                                unsigned pins);
 

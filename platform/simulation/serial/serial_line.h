@@ -45,7 +45,7 @@ class SerialLine {
   void finish();
 
   /// What was counted and taken. Bytes that the host delivered and the UART has not received yet
-  /// stay with the host: a run that goes on gets them from its own backend.
+  /// stay with the host: a run that continues gets them from its own backend.
   void visit(Archive& archive);
 
   const std::string& name() const { return config_.name; }

@@ -67,7 +67,7 @@ std::optional<std::string> unescaped(const std::string& text) {
   return out;
 }
 
-/// `rest`: what stands behind the step's word.
+/// `rest`: what stands after the step's word.
 Result<UartStep> sending(const std::string& rest) {
   std::string behind;
   const auto text = quoted(rest, '"', behind);
@@ -252,7 +252,7 @@ void UartScript::visit(Archive& archive) {
   archive("input", input_);
   archive("failure", failure_);
   if (!archive.loading()) return;
-  if (steps_.empty()) {  // another run's script, which this one does not go on with
+  if (steps_.empty()) {  // another run's script, which this one does not continue with
     unheard_.clear();
     input_.clear();
     failure_.clear();

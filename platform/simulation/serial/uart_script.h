@@ -1,4 +1,5 @@
-// The outside of a UART as a script: what it sends, and what it expects to hear before it goes on.
+// The outside of a UART as a script: what it sends, and what it expects to hear before it
+// continues.
 #pragma once
 
 #include <cstdint>
@@ -54,7 +55,7 @@ class UartScript {
   std::optional<uint8_t> next_input();
   bool has_input() const { return taken_ < input_.size(); }
 
-  /// Why it does not go on, a sentence; "" while it does.
+  /// Why it does not continue, a sentence; "" while it does.
   const std::string& failure() const { return failure_; }
   /// The step that it has not done, a sentence; "" when all are.
   std::string unfinished() const;
@@ -74,7 +75,7 @@ class UartScript {
   bool begun_ = false;     ///< the current step
   uint64_t begun_at_ = 0;  ///< then: its time
   std::string unheard_;    ///< what the chip sent since the last expectation was met
-  bool dry_ = true;        ///< behind unheard_ came nothing at once
+  bool dry_ = true;        ///< after unheard_ came nothing at once
   bool looks_ = false;     ///< unheard_ may hold what is expected
   std::string input_;
   std::size_t taken_ = 0;

@@ -74,7 +74,7 @@ Result<checkpoint::Identity> identity_of(const RunSettings& settings, const RunI
     // What only says where something goes, how fast the host gets there or when it ends may differ.
     if (setting.bearing != Bearing::result || setting.is_path()) continue;
     if (setting.path == settings.firmware.load.about().path) continue;
-    // Faults are injected into what goes on from a run without them.
+    // Faults are injected into what continues from a run without them.
     if (setting.path == settings.inject.faults.about().path) continue;
     if (setting.optional && setting.source == SettingSource::built_in) continue;
     identity.emplace_back(setting.path, setting.value);

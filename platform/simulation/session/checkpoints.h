@@ -1,4 +1,4 @@
-// A run that is saved on its way, and one that goes on from there.
+// A run that is saved on its way, and one that continues from there.
 #pragma once
 
 #include <csignal>
@@ -26,7 +26,7 @@ struct SavePoint {
 };
 Result<std::vector<SavePoint>> save_points(const RunSettings& settings);
 
-/// What a run must have in common with the one that it goes on from: the program, the sensor and
+/// What a run must have in common with the one that it continues from: the program, the sensor and
 /// every setting that does not only say where something goes, how fast it runs or when it ends.
 /// Reads all inputs. An Error: one that is no file.
 Result<checkpoint::Identity> identity_of(const RunSettings& settings, const RunInputs& inputs);
@@ -40,8 +40,8 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const RunSet
 std::vector<checkpoint::Part> parts_of(soc::Soc& soc);
 
 /// Saves a run while it runs, between two instructions, when the coprocessor's pipeline is empty:
-/// such a state any backend of it can go on from, whichever saved it. A pipeline that is still busy
-/// a millisecond later is saved as it is, for the same backend only.
+/// such a state any backend of it can continue from, whichever saved it. A pipeline that is still
+/// busy a millisecond later is saved as it is, for the same backend only.
 class Checkpoints {
  public:
   Checkpoints(const RunSettings& settings, const RunInputs& inputs, soc::Soc& soc,
@@ -66,7 +66,7 @@ class Checkpoints {
   /// The bytes of such a file. An Error: a part cannot be saved, or an input is gone.
   Result<std::string> packed();
 
-  /// Gives every part its state, then lets them go on. Twice: as a test before the simulation
+  /// Gives every part its state, then lets them continue. Twice: as a test before the simulation
   /// starts, and when its time has come.
   std::optional<Error> load(const checkpoint::Checkpoint& from);
   void restored();

@@ -23,7 +23,7 @@ std::string path_of_backend(const std::string& backend) {
   return "";
 }
 
-/// Where the waves of the SoC go, and GTKWave's save file beside them.
+/// Where the waves of the SoC go, and GTKWave's save file next to them.
 void add_save_file(const RunSettings& settings, std::vector<host::FileUse>& uses) {
   const auto add = [&](const TextField& waves) {
     const std::string save = trace::save_file(waves());

@@ -30,7 +30,7 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   return config;
 }
 
-/// What the run goes on from; nothing: from reset.
+/// What the run continues from; nothing: from reset.
 Result<std::optional<checkpoint::Checkpoint>> restored_state(const RunSettings& settings,
                                                              const RunInputs& inputs,
                                                              const std::string& state) {
@@ -54,7 +54,7 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
   if (additions.inputs) additions.inputs(inputs.value());
   auto restore = restored_state(settings, inputs.value(), additions.state);
   if (!restore) return Error{restore.error()};
-  // SystemC prints notes of its own on stdout, which belongs to the firmware.
+  // SystemC prints its own notes on stdout, which belongs to the firmware.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   // A signal pauses the kernel wherever it is, and where nothing is left to happen is seen to here.
   sc_core::sc_report_handler::set_actions("no activity or clock movement for sc_start() invocation",
@@ -158,7 +158,7 @@ std::vector<checkpoint::Part> Simulation::parts() {
   return parts;
 }
 
-/// Tried before anything is begun; then once more, when its time has come.
+/// Tried before anything is begun; then again, when its time has come.
 std::optional<Error> Simulation::plan_restore() {
   if (!restore_) return std::nullopt;
   if (auto error = checkpoints_->load(*restore_)) return error;
@@ -228,7 +228,7 @@ sc_core::sc_time Simulation::pause(const sc_core::sc_time& now) {
   return std::min(next, stop_at_);
 }
 
-/// In a signal handler. The kernel's pause is a flag that it looks at behind every delta cycle.
+/// In a signal handler. The kernel's pause is a flag that it looks at after every delta cycle.
 void Simulation::call_from_signal() {
   called_ = true;
   soc_.cpu.interrupt();

@@ -40,7 +40,7 @@ class Simulation {
   struct Additions {
     std::function<void(RunInputs& inputs)>
         inputs;         ///< lays something over them, once they are read
-    std::string state;  ///< of packed_state(), to go on from instead of reset; "": none
+    std::string state;  ///< of packed_state(), to continue from instead of reset; "": none
     serial::KeptStreams* kept = nullptr;  ///< for the ITM and the console of semihosting instead of
                                           ///< standard streams; it must outlive the simulation
   };
@@ -52,7 +52,7 @@ class Simulation {
 
   /// Simulates to the first instant at or after `time` at which the processor is between two
   /// instructions; asleep counts as between. False: the run is over, by itself or by a limit. An
-  /// Error: the state to go on from did not fit after all.
+  /// Error: the state to continue from did not fit after all.
   Result<bool> advance_to(const sc_core::sc_time& time);
   /// From within the simulation (a probe's listener, a debugger): the advance under way ends at the
   /// first instant from now on at which the processor is between two instructions.
@@ -61,7 +61,7 @@ class Simulation {
   void interrupt();
   /// Whether that was, since this was asked last.
   bool take_interruption();
-  /// It cannot go on: the run ended by itself, or a limit ended it.
+  /// It cannot continue: the run ended by itself, or a limit ended it.
   bool is_over() const;
   /// A processor that nothing inside could wake sleeps on to the end of an advance, since somebody
   /// outside may: a session.

@@ -16,7 +16,7 @@ bool is_exc_return(uint32_t address) {
   return address >= first_exc_return && address != 0xFFFFFFFF;
 }
 
-/// Both stack pointers and the exception beside the registers of a frame.
+/// Both stack pointers and the exception in addition to the registers of a frame.
 struct Context {
   Registers r{};
   uint32_t process_stack = 0;  ///< PSP, while the main stack is in use
@@ -151,7 +151,7 @@ CallStack Program::call_stack(const armv7m::InterruptedRegisters& registers, con
                               std::size_t most) const {
   CallStack stack;
   Context context = begin(registers);
-  bool exact = true;  // the address is an instruction's, not one behind a call
+  bool exact = true;  // the address is an instruction's, not one after a call
   while (stack.frames.size() < most) {
     const uint32_t address = context.r[program_counter];
     if (is_exc_return(address)) {

@@ -11,7 +11,7 @@
 
 namespace capsoc::source {
 
-/// A function that was called, or an exception that interrupted what comes behind it.
+/// A function that was called, or an exception that interrupted what comes after it.
 struct CallFrame {
   uint32_t address = 0;  ///< of the instruction, or where the call returns to
   uint32_t stack_pointer = 0;
@@ -35,7 +35,7 @@ class Program {
   /// Innermost first; a place without debug information has its symbol's name and no line. Empty:
   /// no code of the program's.
   std::vector<Place> places_at(uint32_t address) const;
-  /// "main, src/main.c:12"; "" for no code of the program's. Of an address behind a call the call.
+  /// "main, src/main.c:12"; "" for no code of the program's. Of an address after a call the call.
   std::string describe(uint32_t address, bool returns = false) const;
   /// Of data or code, "name+0x4", or "".
   std::string symbol_at(uint32_t address) const;

@@ -79,7 +79,7 @@ bool has_addresses(Dwarf_Die* entry) {
   return dwarf_hasattr(entry, DW_AT_low_pc) != 0 || dwarf_hasattr(entry, DW_AT_ranges) != 0;
 }
 
-/// Entries without addresses of their own that functions may stand in.
+/// Entries without their own addresses that functions may stand in.
 bool is_container(Dwarf_Die* entry) {
   const int tag = dwarf_tag(entry);
   return tag == DW_TAG_namespace || tag == DW_TAG_structure_type || tag == DW_TAG_class_type;
@@ -96,7 +96,7 @@ class Scopes {
     for (; count < most_entries && (status == 0 || !containers_.empty()); ++count) {
       if (status == 0) {
         status = enter(entry);
-      } else {  // behind the last one of a container
+      } else {  // after the last one of a container
         entry = containers_.back();
         containers_.pop_back();
         status = dwarf_siblingof(&entry, &entry);
@@ -114,7 +114,7 @@ class Scopes {
   static constexpr unsigned most_entries = 1U << 20U;
   static constexpr std::size_t deepest = 256;  // far beyond what compilers nest
 
-  /// Goes on to the entry that follows: inside this one, or beside it.
+  /// Goes on to the entry that follows: inside this one, or next to it.
   int enter(Dwarf_Die& entry) {
     const int found = has_addresses(&entry) ? dwarf_haspc(&entry, address_) : 0;
     if (found < 0) damage_ = why();

@@ -62,7 +62,7 @@ class DebugInformation {
   struct Row {
     uint32_t address = 0;
     unsigned file = 0, line = 0;  ///< the file's index in files()
-    bool end = false;             ///< behind a sequence: nothing is known from here on
+    bool end = false;             ///< after a sequence: nothing is known from here on
     bool statement = false;
   };
   const std::vector<Row>& rows() const { return rows_; }

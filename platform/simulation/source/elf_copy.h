@@ -10,11 +10,11 @@
 
 namespace capsoc::source {
 
-/// Functions that the linker left out are still described, as if they lay at 0 and behind it, where
+/// Functions that the linker left out are still described, as if they lay at 0 and after it, where
 /// the board has code. In the copy their frames and lines are moved to this address and beyond.
 constexpr uint32_t left_out = 0xFFFF0000;
 
-/// A copy of its own of the file's bytes, opened.
+/// A private copy of the file's bytes, opened.
 class ElfCopy {
  public:
   explicit ElfCopy(std::string bytes);

@@ -8,7 +8,7 @@
 
 namespace capsoc::source {
 
-/// r0 to r15 of one frame: 13 its stack pointer, 14 what LR holds, 15 where it goes on.
+/// r0 to r15 of one frame: 13 its stack pointer, 14 what LR holds, 15 where it continues.
 using Registers = std::array<uint32_t, 16>;
 
 /// A word of the program's memory, nothing where there is none.

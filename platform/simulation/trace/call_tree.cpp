@@ -154,7 +154,7 @@ bool CallTree::leave_frames(uint32_t pc, uint32_t stack_pointer) {
   return true;
 }
 
-/// Ends the frames above one that goes on in the midst of its function, behind a call that it made
+/// Ends the frames above one that continues in the midst of its function, after a call that it made
 /// with this stack pointer (longjmp); false: there is none.
 bool CallTree::go_back(uint32_t pc, uint32_t stack_pointer) {
   Stack& stack = nest_.back();
@@ -169,7 +169,7 @@ bool CallTree::go_back(uint32_t pc, uint32_t stack_pointer) {
   return false;
 }
 
-/// Execution goes on elsewhere than behind the instruction at `from`, and not by a call.
+/// Execution continues elsewhere than after the instruction at `from`, and not by a call.
 void CallTree::jump(const Core& core, uint32_t from) {
   const uint32_t pc = core.reg(15);
   if (leave_frames(pc, core.reg(13)) || go_back(pc, core.reg(13))) return;

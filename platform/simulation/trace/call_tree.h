@@ -35,11 +35,11 @@ struct Cost {
 ///   it.
 /// - A jump from one function into another one is a tail call: a frame on top of the one that
 ///   jumped, with the same return address, so that both end with one return.
-/// - An exception has a stack of its own, headed by a name like "[SysTick]" that takes the cycles
+/// - An exception has its own stack, headed by a name like "[SysTick]" that takes the cycles
 /// of
 ///   entry and return. What it takes is not in the inclusive cost of what it interrupted.
 /// - A return to Thread mode at another stack pointer than the one that was interrupted (the switch
-///   of an RTOS) goes on with the stack that was interrupted there, or with a new one.
+///   of an RTOS) continues with the stack that was interrupted there, or with a new one.
 /// - Cycles outside any instruction (sleep) are those of "[waiting]".
 class CallTree {
  public:
@@ -74,7 +74,7 @@ class CallTree {
   };
   const std::map<Edge, Calls>& calls() const { return calls_; }
 
-  /// Calls with every path of functions, outermost first, that has a cost of its own.
+  /// Calls with every path of functions, outermost first, that has its own cost.
   using Visitor = std::function<void(const std::vector<uint32_t>& path, const Cost& self)>;
   void each_path(const Visitor& visit) const;
 

@@ -30,7 +30,7 @@ class Coverage {
   Coverage& operator=(const Coverage&) = delete;
 
   /// Writes the file, whole or not at all; sources that are not on this machine are left out.
-  /// Behind the simulation.
+  /// After the simulation.
   std::optional<Error> finish();
 
  private:

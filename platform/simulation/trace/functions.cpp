@@ -9,7 +9,7 @@
 namespace capsoc::trace {
 namespace {
 
-/// How far behind a symbol without a size (assembly) its code may reach, in bytes.
+/// How far after a symbol without a size (assembly) its code may reach, in bytes.
 constexpr uint32_t longest_unsized = 0x1000;
 /// How many symbols before an address are looked at: nested ones are few.
 constexpr int most_nested = 64;

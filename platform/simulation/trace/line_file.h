@@ -13,8 +13,8 @@
 
 namespace capsoc::trace {
 
-/// Written beside its place while the run lasts and named at the end, so that there is a whole file
-/// or none. With a depth only the last lines are kept, in memory, and written at the end.
+/// Written next to its place while the run lasts and named at the end, so that there is a whole
+/// file or none. With a depth only the last lines are kept, in memory, and written at the end.
 class LineFile {
  public:
   /// `depth` 0: all lines. An Error: nothing can be written there.

@@ -53,7 +53,7 @@ std::map<uint32_t, Record> records_of(const CallTree& tree, Functions& functions
   return records;
 }
 
-/// Writes the records one behind the other.
+/// Writes the records one after the other.
 class CallgrindText {
  public:
   CallgrindText(Functions& functions, const LineOf& line_of)

@@ -1,4 +1,4 @@
-// What GTKWave shows of a wave file: a save file (.gtkw) beside it.
+// What GTKWave shows of a wave file: a save file (.gtkw) next to it.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace capsoc::trace {
 
-/// Beside a wave file: its name with .gtkw.
+/// Next to a wave file: its name with .gtkw.
 std::string save_file(const std::string& waves);
 
 /// The text of one, from the top of the window to its bottom.

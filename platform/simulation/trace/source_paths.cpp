@@ -9,13 +9,13 @@ std::optional<std::string> existing(const fs::path& path) {
   std::error_code failure;
   const fs::path normal = path.lexically_normal();
   if (fs::is_regular_file(normal, failure)) return normal.string();
-  // "link/../file" is beside what the link points to.
+  // "link/../file" is next to what the link points to.
   const fs::path real = fs::canonical(path, failure);
   if (failure || !fs::is_regular_file(real, failure)) return std::nullopt;
   return real.string();
 }
 
-/// What a path has behind a folder that it begins with; "" if it does not.
+/// What a path has after a folder that it begins with; "" if it does not.
 fs::path behind(const fs::path& folder, const fs::path& path) {
   const std::string begin = folder.lexically_normal().string() + "/";
   const std::string whole = path.lexically_normal().string();

@@ -101,7 +101,7 @@ double Tracer::seconds_of(uint64_t cycle) const {
   return soc_.clock.time_of(cycle).to_seconds();
 }
 
-/// Behind a change of the window.
+/// After a change of the window.
 void Tracer::follow_window(uint64_t picoseconds) {
   if (calls_ != nullptr) calls_->count(window_->open());
   if (waves_ != nullptr) waves_->open(window_->open(), picoseconds);
@@ -185,7 +185,7 @@ void Tracer::transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   if (!open_at(picoseconds(now + begin))) return;
   const auto kind = soc_.cpu.accessing();
-  // Fetches are lines of their own, one an instruction, unless they fail.
+  // Fetches are their own lines, one an instruction, unless they fail.
   if (kind == armv7m::AccessKind::fetch && payload.is_response_ok()) return;
   BusAccess seen;
   seen.cycle = soc_.clock.cycles_at(now + begin);

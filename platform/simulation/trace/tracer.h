@@ -1,4 +1,4 @@
-// Everything that looks on at a run, behind one object.
+// All observers of a run, behind one object.
 #pragma once
 
 #include <cstddef>
@@ -49,10 +49,10 @@ class Tracer : private armv7m::Observer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// Writes what is left. Behind the simulation.
+  /// Writes what is left. After the simulation.
   std::vector<Error> finish();
 
-  /// Behind finish(): what a profile says of the functions that took the most; none without one.
+  /// After finish(): what a profile says of the functions that took the most; none without one.
   std::vector<FunctionCost> top_functions();
 
  private:

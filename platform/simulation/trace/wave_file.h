@@ -9,7 +9,7 @@
 
 namespace capsoc::trace {
 
-/// Grows beside its name. The library removes what has its name, so no device may; and it does not
+/// Grows next to its name. The library removes what has its name, so no device may; and it does not
 /// tell of a disk that was full, so the file is looked through before it gets its name.
 class WaveFile {
  public:
@@ -25,7 +25,7 @@ class WaveFile {
   explicit WaveFile(const std::string& path);
 
   host::GrowingFile file_;
-  host::RemovedAtSignal hierarchy_;  ///< beside it as long as it is open
+  host::RemovedAtSignal hierarchy_;  ///< next to it as long as it is open
 };
 
 }  // namespace capsoc::trace

@@ -15,8 +15,8 @@
 
 namespace capsoc::trace {
 
-/// One FST file of whatever stands behind the coprocessor's bus target, and a save file for GTKWave
-/// beside it (FILE.gtkw). Every fixed-point node is there twice: its word, and its value as a real
+/// One FST file of whatever stands at the coprocessor's bus target, and a save file for GTKWave
+/// next to it (FILE.gtkw). Every fixed-point node is there twice: its word, and its value as a real
 /// number, since GTKWave's own fixed-point display ends at 30 fraction bits.
 class Waves {
  public:

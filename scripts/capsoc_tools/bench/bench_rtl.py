@@ -2,7 +2,7 @@
 
     scripts/tool bench_rtl [--repeat N] [--other FOLDER] [BUILD]
 
-FOLDER has libcapsoc_rtl_precise.so and libcapsoc_rtl_paper.so of another build, which are run besides.
+FOLDER has libcapsoc_rtl_precise.so and libcapsoc_rtl_paper.so of another build, which are run in addition.
 """
 
 import argparse

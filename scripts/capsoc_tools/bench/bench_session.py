@@ -1,4 +1,4 @@
-"""What a session costs: requests a second, samples to NumPy, the main job beside capsoc run, simulations side by side.
+"""What a session costs: requests a second, samples to NumPy, the main job and capsoc run, simulations side by side.
 
 Every ratio is of runs that alternate; medians are printed, with the least and the largest.
 """

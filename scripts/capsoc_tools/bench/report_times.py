@@ -1,5 +1,4 @@
-"""What a report of the main job (105,001 samples) takes: size, writing, opening, and the run with one beside the run
-without.
+"""The cost of a report of the main job (105,001 samples): size, writing, opening, and the run with and without it.
 
     scripts/tool report_times [--capsoc FILE] [--pairs N]
 

@@ -1,12 +1,12 @@
-"""Cuts runs at random times and lets them go on from the checkpoint; what comes must be what the unbroken run did.
+"""Cuts runs at random times and lets them continue from the checkpoint; what comes must be what the unbroken run did.
 
 usage: checkpoint_cuts [--count N] [--seed S] [--programs A,B] [--pairs tlm-tlm,tlm-rtl] [--arithmetic precise|paper]
 [--jobs N]
        [--build FOLDER] [--keep FOLDER]
 
-Every cut has a program, the coprocessor before and behind it, its arithmetic, a time, and for the second part another
+Every cut has a program, the coprocessor before and after it, its arithmetic, a time, and for the second part another
 quantum and executor, all drawn from the seed. Compared are: the output of the run that was saved (nothing may
-change), and of the one that went on every UART's remaining bytes, exit code, cycles, instructions, samples,
+change), and of the one that continued every UART's remaining bytes, exit code, cycles, instructions, samples,
 parameters, angle errors, verdict and the checksum of all that UART 0 sent. Status 0: all the same; 1: a difference,
 with its commands; 2: usage.
 """
@@ -140,7 +140,7 @@ def one_cut(case):
                 f"cpu.executor={draw.choice(('blocks', 'stepping'))}",
             ]
             if PROGRAMS[program]:
-                # What the guest does to its files behind the cut must not have happened yet.
+                # What the guest does to its files after the cut must not have happened yet.
                 (folder / "c").mkdir(exist_ok=True)
                 run(
                     build,

@@ -1,4 +1,4 @@
-"""Holds one build of capsoc against another: the same bytes for every program, or the first difference.
+"""Compares one build of capsoc with another: the same bytes for every program, or the first difference.
 
 usage: compare_builds OLD NEW [--simlimit S] [--programs A,B] [--jobs N]
 

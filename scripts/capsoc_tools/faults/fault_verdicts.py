@@ -5,7 +5,7 @@ usage: fault_verdicts [--count N] [--seed S] [--jobs N] [--units TEXT,...] [--ki
 [--store FILE.sqlite] [--rows FILE.csv] [--build FOLDER] [-- PATH=VALUE...]
 
 A campaign of kind `fault` (docs/guide/safety.md), described by these options, and a table of its verdicts. With --store an
-interrupted one goes on where it was, and capsoc campaign report shows it. PATH=VALUE are settings of the runs.
+interrupted one resumes where it was, and capsoc campaign report shows it. PATH=VALUE are settings of the runs.
 
 Status 0: the table was printed; 2: usage, or the golden run failed. The rows depend on seed and options alone.
 """

@@ -162,7 +162,7 @@ def listed_equivalents():
 
 
 def try_all(faults, arguments, tree, work, wholes):
-    """Builds one after the other, judges beside that. Returns how many faults had which end."""
+    """Builds one after the other, and judges in the meantime. Returns how many faults had which end."""
     counts = Counter()
     equivalents = listed_equivalents()
     whole_program = (tree / RECORDER).read_bytes()

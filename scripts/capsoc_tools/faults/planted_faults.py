@@ -173,7 +173,7 @@ def try_one(faults, arguments):
 
 
 def try_fault(tree, fault, arguments, logs):
-    """Plants, builds, compares and mends; returns exit code and report."""
+    """Plants, builds, compares and restores; returns exit code and report."""
     with planted(tree, fault):
         if arguments.at_pins:
             return compare_at_pins(tree, fault, arguments.jobs, logs)

@@ -64,7 +64,7 @@ def failing(tree, log):
 
 
 def try_fault(tree, fault, jobs, logs):
-    """Plants, builds, mends; what failing() says then."""
+    """Plants, builds, restores; what failing() says then."""
     with planted(tree, fault):
         build(tree, [TARGET], logs.with_suffix(".build.log"), jobs)
     return failing(tree, logs.with_suffix(".log"))

@@ -3,7 +3,7 @@
 usage: planted_verdict_faults [--match TEXT | --number N] [--work FOLDER]
 
 The faults of tests/faults/verdicts.toml, in a copy of the tracked files; build/ is the built program. Noticed
-means that tests/system/verdicts_test.py (without its drawn sensors), traces_test.py or papers_test.py (Table 9)
+means that tests/system/verdicts_test.py (without its random sensors), traces_test.py or papers_test.py (Table 9)
 fails; without a fault both pass. Status 0: all noticed; 1: not all; 2: usage, a place that is not there exactly once,
 or something does not build.
 """
@@ -28,7 +28,7 @@ from capsoc_tools.faults.planting import (
     planted,
 )
 
-# All but the drawn sensors, which take minutes.
+# All but the random sensors, which take minutes.
 VERDICTS = re.findall(
     r"^class (\w+)\(VerdictCase\)", (ROOT / "tests/system/verdicts_test.py").read_text(), re.MULTILINE
 )
@@ -55,14 +55,14 @@ def passes(tree):
 
 
 def try_fault(tree, fault, log):
-    """Plants, builds, tests and mends; true if a test fails."""
+    """Plants, builds, tests and restores; true if a test fails."""
     with planted(tree, fault):
         build(tree, ["firmware"], log)
         return not passes(tree)
 
 
 def prepare(tree, log):
-    """The tracked files with their firmware built, beside the program that is there; without a fault all passes."""
+    """The tracked files with their firmware built, next to the program that is there; without a fault all passes."""
     copy_tree(tree)
     configure(tree, log)
     build(tree, ["firmware"], log)

@@ -4,7 +4,7 @@ usage: tables OUTPUT_DIRECTORY
 
 Writes paper_sine_table.sv: a quarter wave of docs/reference/coprocessor.md's T[j] = round(sin(2 pi j / 512)
 (2^31 - 1)) and its differences. Integers only: half-angle formulas and integer square roots, with
-200 bits behind the point. A file whose content would not change is left alone.
+200 bits after the point. A file whose content would not change is left alone.
 """
 
 import sys

@@ -2,7 +2,7 @@
 
     scripts/tool report_pictures [--capsoc FILE] [--output FOLDER]
 
-Small ones: the first screen, in as few colours as a plot needs (rsvg-convert is not asked; pngs are written anew with
+Small ones: the first screen, in as few colours as a plot needs (rsvg-convert is not asked; pngs are written again with
 a palette).
 """
 

@@ -3,7 +3,7 @@
 usage: synth [--arithmetic precise|paper|both] [--json FILE] [--no-units] [--no-gate]
              [--unit NAME] [--samples N] [--seed N] [--work FOLDER]
 
-Prints, for each arithmetic (default: both): area beside Table 7 of the SoC paper, area of every unit,
+Prints, for each arithmetic (default: both): area next to Table 7 of the SoC paper, area of every unit,
 the longest path, and the result of the netlist simulation. The limits (a third of the ALMs, a tenth
 of the DSP blocks, half of the registers) are for `precise`; `paper` is shown without.
 

@@ -1,4 +1,4 @@
-"""The synthesis behind scripts/tool synth: yosys for a Cyclone V, counted cells, longest path."""
+"""The synthesis of scripts/tool synth: yosys for a Cyclone V, counted cells, longest path."""
 
 import json
 import re
@@ -138,7 +138,7 @@ def synthesise(sources, paper, folder, flatten, top=TOP):
         ]
     (folder / f"{name}.ys").write_text("\n".join(script) + "\n")
     run([find("yosys", "yosys"), "-q", "-s", str(folder / f"{name}.ys")], folder / f"{name}.log")
-    # With more than one module, yosys 0.23 puts a table in plain text behind this member.
+    # With more than one module, yosys 0.23 puts a table in plain text after this member.
     text = (folder / f"{name}.json").read_text().split('"modules":', 1)[1].lstrip()
     modules = json.JSONDecoder().raw_decode(text)[0]
     return {key.lstrip("\\"): value["num_cells_by_type"] for key, value in modules.items()}

@@ -1,4 +1,4 @@
-"""The netlist gate behind scripts/tool synth: what was synthesised, simulated beside what was written."""
+"""The netlist gate of scripts/tool synth: what was synthesised, simulated and what was written."""
 
 import os
 import re

@@ -5,7 +5,7 @@ usage: chip_harmonics [--sensors N] [--seed S] [--jobs N] [--build FOLDER]
 
 Each sensor once with `quick`, six parameters by block learning, and once with `harmonics`, which adds the table: the
 rebuilt experiment of the SoC paper (traces/soc_experiment.toml), the CSFN paper's signal with its third harmonic
-(traces/csfn_h3.toml) on a shaft that turns steadily, and drawn sensors: amplitudes of 0.05 .. 0.95 of full scale
+(traces/csfn_h3.toml) on a shaft that turns steadily, and random sensors: amplitudes of 0.05 .. 0.95 of full scale
 (log-uniform), their ratio 0.5 .. 2, offsets to 0.5 without clipping, beta -1.2 .. 1.2 rad, phi all round, both
 directions, orders 2 to 5 in both channels, 0.1 to 2 % in sum, noise none or 1e-6 .. 1e-3 of the smaller amplitude, 16
 to 24 bits; 0.04 .. 0.06 Hz at 250 samples/s. Largest angle error in calibration mode, and the bound of a program that

@@ -1,11 +1,11 @@
-"""How soon `quick` is calibrated, and how well: drawn sensors without noise, with the speed known and unknown.
+"""How soon `quick` is calibrated, and how well: random sensors without noise, with the speed known and unknown.
 
 usage: fast_start [--sensors N] [--seed S] [--jobs N] [--turns N] [--build FOLDER]
 
 Drawn are amplitudes of 0.05 .. 0.95 of full scale (log-uniform), their ratio 0.5 .. 2, offsets to 0.5 without
 clipping, beta -1.2 .. 1.2 rad, phi all round and the direction; 0.05 Hz at 250 samples/s, 32 bits. Printed for each
 way: when all six parameters were within 1 % for good (speed known), when the angle was within 0.5 degrees and within
-1e-5 degrees for good, and the largest error in the turn of calibration behind it: median, 95 % and the worst of all
+1e-5 degrees for good, and the largest error in the turn of calibration after it: median, 95 % and the worst of all
 sensors.
 
 Status 0: every run passed, kept its bound and came to 1e-5 degrees; 1: one did not, with its command; 2: usage.

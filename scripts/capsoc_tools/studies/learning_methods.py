@@ -1,5 +1,5 @@
 """Compares the ways in which the SoC learns a sensor at a known speed: LMS and blocks in the coprocessor, recursive
-least squares and a Kalman filter in software beside it.
+least squares and a Kalman filter in software next to it.
 
 usage: learning_methods [--build FOLDER] [--arithmetic precise|paper]
 

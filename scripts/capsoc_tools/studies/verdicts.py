@@ -73,7 +73,7 @@ def parameter_words(sensor):
 
 
 def make_recording(item, trace):
-    """Writes the recording of a case, and for calibrate the parameters beside it. Returns the case and the command
+    """Writes the recording of a case, and for calibrate the parameters next to it. Returns the case and the command
     without outputs.
     """
     case, *samples = verdict_kinds.make_case(item.seed, item.kind, item.number, item.program)

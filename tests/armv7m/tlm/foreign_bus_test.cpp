@@ -182,7 +182,7 @@ void put_sleeping(System& system) {
                              });
 }
 
-/// An interrupt of the host's, from a thread of its own.
+/// An interrupt of the host's, from its own thread.
 class HostChannel : public sc_core::sc_prim_channel {
  public:
   explicit HostChannel(CoreTlm& cpu) : sc_prim_channel("host"), cpu_(cpu) {

@@ -10,7 +10,7 @@ namespace {
 constexpr uint32_t status = 0x40000000;
 constexpr BusTransfer ready_not{status, 4, 0, 3};
 
-/// A core whose reads of the device a PollingSkipper is told of, as the shell does it.
+/// A core whose reads of the device a PollingSkipper is notified of, as the shell does it.
 struct Watched : Bench {
   PollingSkipper polling{core};
   bool steady = true;

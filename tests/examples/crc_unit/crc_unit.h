@@ -20,7 +20,7 @@ class CrcUnit : public capsoc::kit::RegisterBank {
     interrupt.set(false);
   }
 
-  // What a checkpoint keeps beside the registers.
+  // What a checkpoint keeps in addition to the registers.
   void visit(capsoc::Archive& archive) override {
     RegisterBank::visit(archive);
     archive("state", state_);

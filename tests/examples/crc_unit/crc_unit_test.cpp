@@ -1,4 +1,4 @@
-// The example of docs/developer/extending.md: a device of one's own on the SoC, with its driver.
+// The example of docs/developer/extending.md: a custom device on the SoC, with its driver.
 #include "crc_unit.h"
 
 #include <gtest/gtest.h>

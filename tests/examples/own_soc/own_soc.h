@@ -1,4 +1,4 @@
-// A system-on-chip of one's own out of capsoc's models: processor, bus and memory as they are, a
+// A custom system-on-chip out of capsoc's models: processor, bus and memory as they are, a
 // timer and a UART written for it. Nothing of platform/ is used.
 #pragma once
 

@@ -56,7 +56,7 @@ TEST_P(Adapter, AnswersAsTheModelDoes) {
 TEST_P(Adapter, SpecialisedEdgesLeaveWhatTheWholeDesignLeaves) {
   for (const uint64_t gap : {40u, 300u, 1000u}) {
     CoprocessorRtl specialised(library), whole(library);
-    // A name of its own: an FST writer removes what has the name, be it a device.
+    // A separate name: an FST writer removes what has the name, be it a device.
     const std::string waves = testing::TempDir() + "whole" + std::to_string(getpid()) + ".fst";
     ASSERT_FALSE(whole.open_waves(waves, 40));
     uint64_t cycle = 0;

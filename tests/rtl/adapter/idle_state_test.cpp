@@ -1,5 +1,5 @@
 // While nothing is in the pipeline, the RTL's registers and the model's state say the same, and
-// each goes on from the other's.
+// each continues from the other's.
 #include "coprocessor/idle_state.h"
 
 #include <gtest/gtest.h>

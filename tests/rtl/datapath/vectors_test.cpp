@@ -92,7 +92,7 @@ class Words {
     if (one_in(8)) return 0;
     return static_cast<uint32_t>(bits() >> 33) >> below(31);
   }
-  // The seams of an angle: quarters of a turn and one beside them.
+  // The seams of an angle: quarters of a turn and one next to them.
   uint64_t angle48() {
     if (one_in(3)) return ((uint64_t{below(8)} << 45) + below(5) - 2) & mask48;
     return bits() & mask48;
@@ -114,7 +114,7 @@ Registers random_registers(Words& w) {
   Registers r;
   r.settings.demodulate = !w.one_in(4);
   r.settings.source = static_cast<ReferenceSource>(w.below(3));
-  // Shifts by 0 have an order of their own in the RTL.
+  // Shifts by 0 have an their own order in the RTL.
   r.settings.kp = w.one_in(4) ? 0 : w.below(32);
   r.settings.ki = w.one_in(4) ? 0 : w.below(32);
   r.settings.steps_u = {w.step(), w.step(), w.step()};

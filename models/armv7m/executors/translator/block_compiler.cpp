@@ -94,8 +94,8 @@ void BlockCompiler::emit_operation(const Step& step) {
   }
 }
 
-/// In a handler, which is privileged and has MSP in use; elsewhere they are left to C++. Behind MSR
-/// the block ends, as it does for every executor, though nothing hangs on a stack pointer.
+/// In a handler, which is privileged and has MSP in use; elsewhere they are left to C++. After MSR
+/// the block ends, as it does for every executor, though nothing depends on a stack pointer.
 void BlockCompiler::emit_stack_pointer(const Step& step) {
   const State& state = machine_.state;
   a_.cmp(code_.state_word(&state.ipsr), 0);

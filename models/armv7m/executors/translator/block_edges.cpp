@@ -70,7 +70,7 @@ void BlockEdges::give_up(const Step& step) {
   open_ = false;
 }
 
-/// What a block comes to when it is left behind a step: to be subtracted from the budget.
+/// What a block comes to when it is left after a step: to be subtracted from the budget.
 uint64_t BlockEdges::cost(const Step& step, unsigned refill) {
   const uint64_t cycles = uint64_t{step.cycles_before} + step.cycles + refill;
   return (cycles << 32) - step.instructions_to;
@@ -105,7 +105,7 @@ void BlockEdges::emit_branch(const Step& step) {
   }
 }
 
-/// A branch back is written where it stands, since it is taken mostly; one ahead behind the block.
+/// A branch back is written where it stands, since it is taken mostly; one ahead after the block.
 void BlockEdges::emit_conditional_branch(const Step& step, Cond taken) {
   flags_.keep_host_flags();
   if (target_of(step) > step.address) {
@@ -122,7 +122,7 @@ void BlockEdges::emit_conditional_branch(const Step& step, Cond taken) {
   a_.bind(over);
 }
 
-/// The way to a known address behind a step, by a branch or, without a refill, without one.
+/// The way to a known address after a step, by a branch or, without a refill, without one.
 void BlockEdges::emit_edge(const Step& step, uint32_t target, unsigned refill) {
   // Where a block is closed may be in another page than the step.
   const bool here = same_page(target, plan_.head().address);
@@ -254,7 +254,7 @@ void BlockEdges::count(uint64_t* counter) {
   a_.inc(x86::qword_ptr(x86::rax));
 }
 
-/// Execution goes on at State::pc instead of behind a step. That address has translated code, so
+/// Execution continues at State::pc instead of after a step. That address has translated code, so
 /// the page that counts its line is there.
 void BlockEdges::count_departure(const Step& step) {
   ExecutionCounts& counts = *machine_.counts;

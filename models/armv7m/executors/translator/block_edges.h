@@ -60,16 +60,16 @@ class BlockEdges {
   /// rcx = the translated code at eax, whose bit 0 has to be set; leaves in front of the step if
   /// there is none. EXC_RETURN never has any. Changes rdx, too; State::pc has the address then.
   void find_entry(const Step& step);
-  /// Behind find_entry(): accounts for the block, and jumps.
+  /// After find_entry(): accounts for the block, and jumps.
   void go_to_entry(const Step& step, unsigned refill);
   /// Increments a counter of executions. Changes rax and the host's flags.
   void count(uint64_t* counter);
 
-  // What is rarely executed, behind the block, in this order
+  // What is rarely executed, after the block, in this order
   void emit_taken();
   void emit_misses();
   void emit_exits();
-  /// The words through which edges within the page jump, behind the constants.
+  /// The words through which edges within the page jump, after the constants.
   void embed_slots();
   /// Points these to their exits. `start`: offset of the block's code in the buffer.
   void link(const CodeBuffer& buffer, std::size_t start);

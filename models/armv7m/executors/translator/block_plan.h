@@ -50,7 +50,7 @@ class BlockPlan {
   std::size_t present() const { return present_; }
   void go_to(std::size_t i) { present_ = i; }
 
-  /// The flags that may be seen behind a step.
+  /// The flags that may be seen after a step.
   uint8_t visible(std::size_t i) const { return visible_[i]; }
   void set_visible(std::size_t i, uint8_t flags) { visible_[i] = flags; }
   /// The flags that the present step has to leave.
@@ -59,7 +59,7 @@ class BlockPlan {
   // Groups: neighbours under one condition of an IT block
   /// The end of the group that begins with a step. One that sets flags is the last of its group.
   std::size_t end_of_group(std::size_t begin) const;
-  /// The flags that may be seen behind a group, where it is left, or inside it.
+  /// The flags that may be seen after a group, where it is left, or inside it.
   uint8_t visible_behind_group(std::size_t begin, std::size_t end) const;
 
   /// The distance of a member from the record of its page, in bytes: `member` is one of page()'s.

@@ -4,7 +4,7 @@
 
 namespace capsoc::armv7m {
 
-/// Shared memory without a name, which mremap maps once more (an old size of 0). A memfd would be
+/// Shared memory without a name, which mremap maps again (an old size of 0). A memfd would be
 /// subject to the limit of file sizes, and perf takes its pages for those of a program on disk.
 /// Both are executable at first and the second one ceases to be, since kernels that are hardened
 /// (PR_SET_MDWE) let no page become executable later. perf learns of mmap, not of mremap.

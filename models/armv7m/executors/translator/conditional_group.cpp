@@ -60,7 +60,7 @@ std::optional<x86::Inst::Id> BlockCompiler::masked_by(const Step& step) {
 }
 
 /// How a group can be written without a jump, which costs no wrong guess where nothing predicts it:
-/// as conditional moves, behind which a second group (ITE) finds the host's flags as the first did;
+/// as conditional moves, after which a second group (ITE) finds the host's flags as the first did;
 /// or with a mask made of the condition, for which it has to do something else than move.
 BlockCompiler::GroupForm BlockCompiler::form_of_group(std::size_t end) const {
   constexpr std::size_t most_masked = 4;
@@ -136,7 +136,7 @@ void BlockCompiler::emit_masked(std::size_t end, Cond condition) {
   flags_.forget_host_carries();
 }
 
-/// Steps of an IT block under one jump, or as conditional moves. Behind it the flags are where they
+/// Steps of an IT block under one jump, or as conditional moves. After it the flags are where they
 /// were before it.
 void BlockCompiler::emit_conditional_group() {
   const std::size_t begin = plan_.present(), end = plan_.end_of_group(begin);

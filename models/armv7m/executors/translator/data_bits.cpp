@@ -44,7 +44,7 @@ void DataOperations::emit_shift_by_register(const Step& step) {
 }
 
 /// ... whose carry, kept where nothing is shifted, is stored. In 64 bits the last bit shifted out
-/// stays beside the result.
+/// stays next to the result.
 void DataOperations::emit_shift_with_carry(const Step& step) {
   flags_.settle(flag::c);
   const Label unshifted = a_.newLabel();

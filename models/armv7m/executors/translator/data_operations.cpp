@@ -397,7 +397,7 @@ void DataOperations::emit_sum(const Step& step) {
     a_.lea(to, sum_of(host_register(step.rn), host_register(step.rm), step.shift.amount));
     return;
   }
-  // What the second operand was, if that is gone behind the addition and somebody may ask.
+  // What the second operand was, if that is gone after the addition and somebody may ask.
   FlagOperand other = m;
   const bool doubles = !immediate && writes && step.rn == step.rd && step.rm == step.rd;
   const bool asked = writes ? (want & (flag::c | flag::v)) != 0 : want != 0;

@@ -13,7 +13,7 @@ constexpr unsigned words_aside = 10, words_left = 2;
 using WordsAside = std::array<uint32_t, words_aside>;
 
 /// A number that can be computed from registers as they are, and from words put aside
-/// (HostContext::aside), which stand behind the registers.
+/// (HostContext::aside), which stand after the registers.
 struct FlagOperand {
   static constexpr uint8_t none = 16, first_aside = 17;
   uint8_t base = none, plus = none, minus = none;

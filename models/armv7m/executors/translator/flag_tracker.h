@@ -22,7 +22,7 @@ class Machine;
 /// uncomputed has a recipe, by which C++ computes it.
 ///
 /// The step's code announces what it sets (set_sources, in_host); the compiler calls begin_step()
-/// in front of it and end_step() behind it. Sets of flags are those of flag::Bit.
+/// in front of it and end_step() after it. Sets of flags are those of flag::Bit.
 class FlagTracker {
  public:
   /// Which flags of an operation the host's flags hold. shift: N, Z and C.
@@ -43,7 +43,7 @@ class FlagTracker {
   void mark_step() { flags_before_ = flags_; }
   /// In front of a step that writes registers: protects what is made from them.
   void begin_step(uint32_t written, uint8_t killed, uint8_t visible);
-  /// Behind it: unless it said otherwise, the host's flags are no longer the guest's.
+  /// After it: unless it said otherwise, the host's flags are no longer the guest's.
   void end_step();
 
   const FlagSources& sources() const { return flags_; }
@@ -59,7 +59,7 @@ class FlagTracker {
   void keep_host_flags() { host_kept_ = true; }
   /// The host's flags are of no use from here on.
   void drop_host_flags() { host_serial_ = 0; }
-  /// Besides, a carry that only the host had is lost.
+  /// Also, a carry that only the host had is lost.
   void forget_host_carries();
   /// Writes a value to a word put aside: an operand of flags.
   FlagOperand aside(const Gp& value);

@@ -47,14 +47,14 @@ class HostCode {
   Mem state_word(const void* member) const;
   Mem state_byte(const void* member) const;
   Mem context(const void* member, unsigned size = 8) const;
-  /// 8 bytes beside the code with this value.
+  /// 8 bytes next to the code with this value.
   Mem constant(uint64_t value);
 
   /// Takes cycles from the budget. A register: in its lower half; it is cleared by it.
   void charge(const Gp& cycles);
   void charge(uint64_t cycles);
 
-  /// Writes the constants, aligned to 8 bytes. Once, behind the instructions.
+  /// Writes the constants, aligned to 8 bytes. Once, after the instructions.
   void embed_constants();
   /// True if every instruction was encoded and every label is bound.
   bool complete() const { return !errors_.any && !holder_.hasUnresolvedLinks(); }
@@ -64,7 +64,7 @@ class HostCode {
 
   /// Whether a listing is written, too. Before begin().
   void list(bool wanted) { listing_wanted_ = wanted; }
-  /// The guest's instruction; the library lists what it assembles behind this line.
+  /// The guest's instruction; the library lists what it assembles after this line.
   void list_step(const Step& step);
   void list_line(const char* text);
   /// Of the last block; empty if none was wanted.

@@ -34,14 +34,14 @@ struct JumpCache {
   }
 };
 
-/// What translated code uses beside the state, at a fixed distance from it.
+/// What translated code uses in addition to the state, at a fixed distance from it.
 struct HostContext {
   static constexpr unsigned windows = 8;
 
   /// Upper half: cycles left, below zero when the budget is over. Lower half: instructions so far.
   uint64_t budget = 0;
   const Memory::Page* pages = nullptr;  ///< the view in use
-  uint64_t closed = 0;                  ///< all ones: no store beside code, its page may forbid it
+  uint64_t closed = 0;                  ///< all ones: no store next to code, its page may forbid it
   const void* leave = nullptr;          ///< the code that returns to C++
   uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
   WordsAside aside{};

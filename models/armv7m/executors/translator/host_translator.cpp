@@ -236,7 +236,7 @@ void HostTranslator::open_windows(const Memory::Region& region, std::size_t numb
   open(context_.write_from_base[number], region.base, first, true);
 }
 
-/// The buffer is full: everything is translated anew where it is still hot.
+/// The buffer is full: everything is translated again where it is still hot.
 void HostTranslator::drop_all() {
   machine_.memory.map().forget_entries();
   context_.jumps.clear();

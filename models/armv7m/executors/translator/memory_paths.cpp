@@ -132,7 +132,7 @@ bool MemoryPaths::reaches_directly(const Address& address, const Access& access,
 }
 
 /// The place of such an access. Whoever waits for what is loaded waits for no more than the
-/// registers of its address: the comparison is made beside it.
+/// registers of its address: the comparison is made at the same time.
 x86::Mem MemoryPaths::straight_through_window(const Address& address, const Access& access,
                                               int number, const Label& otherwise) {
   const MemoryWindow& window = this->window(access, number);
@@ -224,7 +224,7 @@ void MemoryPaths::look_up(const Address& address, const Access& access, const La
   transfer(access, x86::ptr(x86::rax, 0, access.size));
 }
 
-/// A store to a page that has no direct bytes for it (ZF): to those beside its code and whatever
+/// A store to a page that has no direct bytes for it (ZF): to those next to its code and whatever
 /// else is closed, or else an exit. rcx = the page, eax = the address; adds rdx = its bytes. What
 /// is closed is looked up in the record of the page each time: code may be decoded later.
 void MemoryPaths::emit_beside_code(const Address& address, const Access& access,
@@ -273,7 +273,7 @@ void MemoryPaths::emit_slow(const SlowAccess& slow) {
 
 /// An access of one register that is not aligned, inside its window (which has no wait states):
 /// each part beyond the first takes a cycle (a halfword at an odd address two parts, a word two or
-/// three). Goes on behind this if it is aligned; leaves where it may be a fault.
+/// three). Goes on after this if it is aligned; leaves where it may be a fault.
 void MemoryPaths::emit_unaligned(const SlowAccess& slow) {
   const MemoryWindow& window = this->window(slow.access, slow.window);
   const Label aligned = a_.newLabel();

@@ -14,7 +14,7 @@ namespace capsoc::armv7m {
 
 class Machine;
 
-/// The ways of an access to memory: through a window (one comparison), behind the block through
+/// The ways of an access to memory: through a window (one comparison), after the block through
 /// the page table or byte by byte, and else to C++ by the exit of its step. Takes the wait states
 /// from the budget. Changes rax, rcx, rdx and the host's flags.
 class MemoryPaths {
@@ -48,7 +48,7 @@ class MemoryPaths {
   void begin() { slow_.clear(); }
   /// All of an access, by whatever way.
   void emit_access(const Step& step, const Access& access, const Address& address);
-  /// What is outside the windows, behind the block.
+  /// What is outside the windows, after the block.
   void emit_slow_ways();
 
   // The parts of an access that must be made by a window

@@ -1,5 +1,5 @@
 // Edges of the Verilated coprocessor that are compiled for one state of its sequencer each;
-// README.md beside says how they are made. For the library that holds the design.
+// README.md here says how they are made. For the library that holds the design.
 #pragma once
 
 #include "coprocessor/sequencer.h"
@@ -15,7 +15,7 @@ using SpecialisedEdge = void (*)(Vcoprocessor_probe___024root*);
 /// a bus access.
 enum SpecialisedState : unsigned {
   stage_0_alone =
-      0,  ///< and those behind it: one sample in the pipeline, in this stage; none waits or comes
+      0,  ///< and those after it: one sample in the pipeline, in this stage; none waits or comes
   held_alone = coprocessor::stage_count,  ///< one sample, in the holding register; cycle 0 only, as
                                           ///< those below
   sample_alone,                           ///< one sample, on the pins

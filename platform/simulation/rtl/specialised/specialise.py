@@ -4,11 +4,11 @@ usage: specialise.py VERILATED_DIRECTORY OUTPUT.cpp
 
 Verilator evaluates the whole design at every edge, though one sample in flight keeps one stage of five busy, and of
 that stage what its cycle needs. Which those are follows from a few registers of the sequencer. So the code that
-Verilator made is written once more with these registers as constants and compiled for each of their values; the
+Verilator made is written again with these registers as constants and compiled for each of their values; the
 compiler drops what they rule out. docs/explanation/architecture.md, "RTL that skips idle logic", says why the result
 is the same.
 
-A specialised edge is what Verilator evaluates at it, rising and falling, behind all combinational logic computed from
+A specialised edge is what Verilator evaluates at it, rising and falling, after all combinational logic computed from
 the registers (Verilator's settling, `stl`). What settling assigns is a function of registers and inputs, so it is a
 local variable here, and what no register needs of it is not computed.
 
@@ -37,7 +37,7 @@ FUNCTION = re.compile(r"void " + TOP + r"__(_\w+)\(" + TOP + r"\* vlSelf\) \{\n(
 FIELD = re.compile(r"^\s*((?:CData|SData|IData|QData|VlWide<\d+>|VlUnpacked<[^;]*>)(?:/\*[\d:]+\*/)?) (\w+);", re.M)
 PORT = re.compile(r"^\s*VL_(IN|OUT)(8|16|64|)\((\w+),", re.M)
 ASSIGNED = re.compile(r"vlSelf->(\w+)\s*(?:\[[^]=]*\]\s*)*=(?!=)")
-# A function that writes a wide word is a statement, its result the first argument behind the numbers.
+# A function that writes a wide word is a statement, its result the first argument after the numbers.
 ASSIGNED_WIDE = re.compile(r"(?:^|[;{}])\s*VL_\w+\((?:\s*\d+,)*\s*vlSelf->(\w+)", re.M)
 NOISE = ("VL_DEBUG_IF", "Prevent unused", "vlSymsp VL_ATTR_UNUSED")
 

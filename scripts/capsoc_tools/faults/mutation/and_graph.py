@@ -81,7 +81,7 @@ class Graph:
         return result
 
     def below(self, literals):
-        """Numbers of all nodes that these hang on, operands first."""
+        """Numbers of all nodes that these depend on, operands first."""
         order, seen, stack = [], set(), [literal >> 1 for literal in literals]
         while stack:
             node = stack.pop()

@@ -2,7 +2,7 @@
 
 All mutants stand in one and-inverter graph, so what a mutant leaves as it was is shared and needs no proof:
 
-  structure    nothing is left that differs: the mutant changes no gate that a register or an output hangs on
+  structure    nothing is left that differs: the mutant changes no gate that a register or an output depends on
   next state   yosys-abc shows that from equal registers, whatever they hold, both circuits come to equal registers and
                outputs, whatever the inputs are. It may use the facts below, which are proved first by induction.
 """
@@ -59,7 +59,7 @@ class Prover:
         self.facts = self.prove_facts()
 
     def probed(self, name):
-        """Indices of the registers behind a probe's bits, lowest bit first; no index where there is no register."""
+        """Indices of the registers of a probe's bits, lowest bit first; no index where there is no register."""
         place = {self.mutants.start[literal >> 1] >> 1: index for index, literal in enumerate(self.circuit.registers)}
         found = []
         for literal in self.circuit.probe(name):
@@ -91,7 +91,7 @@ class Prover:
         return graph.any(wrong) ^ 1
 
     def prove_facts(self):
-        """The facts hold in the state of all zeros, which a reset leaves, and go on to hold."""
+        """The facts hold in the state of all zeros, which a reset leaves, and continue to hold."""
         value = self.mutants.original
         now = [value[literal >> 1] for literal in self.circuit.registers]
         after = [value[literal >> 1] ^ literal & 1 for literal in self.circuit.results[: self.count]]

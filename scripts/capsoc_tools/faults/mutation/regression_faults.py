@@ -1,4 +1,4 @@
-"""Holds the faults of tests/faults/regression.toml against the regression: every one must be noticed.
+"""Runs the regression on the faults of tests/faults/regression.toml: every one must be noticed.
 
 Puts all of them into one copy of the RTL, chosen by a variable, Verilates it once for each arithmetic, and
 runs the regression's stimulus on each. Ends with 0 if all were noticed, 1 if not, 2 if something is missing or a

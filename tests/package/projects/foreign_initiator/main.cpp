@@ -1,4 +1,4 @@
-// capsoc's coprocessor behind capsoc's bus, driven by an initiator that knows nothing of capsoc.
+// capsoc's coprocessor on capsoc's bus, driven by an initiator that knows nothing of capsoc.
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include <cmath>

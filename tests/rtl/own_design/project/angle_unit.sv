@@ -1,4 +1,4 @@
-// The self-calibration coprocessor as another house might have it: names of its own, a reset that is active high and synchronous, and a bus
+// The self-calibration coprocessor as another house might have it: its own names, a reset that is active high and synchronous, and a bus
 // port that takes address and direction in the setup phase and has neither waits nor errors nor byte strobes.
 module angle_unit #(
   parameter int Paper    = 0,
