@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The CSFN identifier's speed beside NumPy and PyTorch (optional: python3-torch), with the ratios, in one run.
+# The speeds of the CSFN identifier, NumPy and PyTorch (optional: python3-torch), with the ratios, in one run.
 # BUILD (default: build) is a configured build directory. Exit 1 when a figure misses its bound.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."

@@ -175,7 +175,10 @@ def planted(tree, fault):
 
 @contextlib.contextmanager
 def free_folder(work):
-    """The first of WORK/worker-1, WORK/worker-2, ... that no other process uses. Processes plant in parallel, each in its own tree. The next one builds on it."""
+    """The first of WORK/worker-1, WORK/worker-2, ... that no other process uses.
+
+    Processes plant in parallel, each in its own tree. The next one builds on it.
+    """
     for number in itertools.count(1):
         folder = work / f"worker-{number}"
         folder.mkdir(parents=True, exist_ok=True)
