@@ -69,7 +69,7 @@ class Passages(unittest.TestCase):
         )
 
     def test_what_a_tool_writes_into_a_page_is_not_read(self):
-        self.assertEqual(found("x.md", "<!-- Below: written by scripts/tool x. -->\n\nWords.\n"), [])
+        self.assertEqual(found("x.md", "<!-- Below: written by scripts/tool protocol_page. -->\n\nWords.\n"), [])
 
     def test_cpp(self):
         self.assertEqual(
