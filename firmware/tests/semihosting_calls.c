@@ -74,8 +74,8 @@ static void files(void) {
   show_read("read ten of six", read_file(file, 10));
   show("read at the end", read_file(file, 16));
   show("read nothing", read_file(file, 0));
-  show("seek behind the end", seek(file, 100));
-  show("read behind the end", read_file(file, 3));
+  show("seek past the end", seek(file, 100));
+  show("read past the end", read_file(file, 3));
   show("write to a file for reading", write_file(file, "q"));
   close_file(file);
   file = open_file("calls_a.txt", 8);

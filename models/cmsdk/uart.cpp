@@ -223,7 +223,7 @@ void Uart::visit(Archive& archive) {
   archive("far_end", far_end_);
   archive("receiving", receiving_);
   archive("received_at", received_at_);
-  if (receiving_ && far_end_.empty()) archive.refuse("receives a byte that nobody sends");
+  if (receiving_ && far_end_.empty()) archive.refuse("receives a byte that was not sent");
 }
 
 }  // namespace capsoc::cmsdk

@@ -25,9 +25,8 @@ double repeated_part(const Samples& samples) {
 std::string warning_of(const Structure& structure) {
   if (structure.order == 0)
     return text(
-        "the intervals do not hold: the samples' distance from the ellipse depends on the angle, "
-        "by "
-        "%.2g %% of the amplitude, and not by noise: harmonics, or a sensor that is no ellipse; "
+        "the intervals do not hold: the distance from the ellipse depends on the angle, by %.2g %% "
+        "of the amplitude: harmonics, or a sensor that is no ellipse; "
         "record more of the turn to tell which",
         100 * structure.amplitude);
   // Harmonics of the same size in both channels, at any phases, leave an amplitude of h/sqrt(2).
@@ -176,8 +175,8 @@ std::string reason_against_intervals(const Evidence& evidence, const Identificat
   // What harmonics leave beyond the highest order looks like that as well; a warning names them.
   if (found.correlation.of_all_memories && !found.structure.found)
     return text(
-        "the noise is of short and long memory alike, as 1/f noise is (%.2g from one sample to "
-        "the next): the offsets may be further off than the record tells; record for ten "
+        "the noise is of short and long memory alike, as 1/f noise is (%.2g from one sample to the "
+        "next), and may hide errors of offsets; record for ten "
         "times as long, or filter the supply",
         found.correlation.of_neighbours());
   if (found.correlation.slow > 0)

@@ -121,7 +121,7 @@ Gate check_left_out(const Samples& samples, const RobustFit& robust) {
     gate.reason = text(
         "%.0f samples lie off the ellipse of the others and are near the same angles, first at "
         "%.0f "
-        "degrees: that is no disturbance but a dead zone, a stuck code or a bad contact; find what "
+        "degrees: a dead zone, a stuck code or a bad contact; find what "
         "the sensor does there",
         outliers, Sectors::degrees_at(sector));
   } else if (const Hole hole = hole_of(places, outliers); hole.size > 0) {

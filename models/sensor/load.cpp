@@ -97,7 +97,7 @@ Result<RecordedSource> sds_files(const std::string& path, const std::string& byt
       std::find_if(candidates.begin(), candidates.end(),
                    [&](const std::string& file) { return std::filesystem::exists(file, ignored); });
   if (found == candidates.end())
-    return Error{fmt::format("{}: its metadata {} is not there; put it beside the recording", path,
+    return Error{fmt::format("{}: its metadata {} is not there; put it next to the recording", path,
                              candidates.empty() ? "NAME.sds.yml" : candidates.back())};
   const auto text = read_input(*found, {"name SDS metadata", largest_metadata});
   if (!text) return Error{text.error()};

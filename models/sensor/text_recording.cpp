@@ -183,11 +183,11 @@ Result<RecordedSource> read_text_pair(TextLines u, const std::string& u_file, Te
       if (rows->error()) return *rows->error();
     if (more != others) {
       const bool first_is_shorter = others;
-      return error_at(first_is_shorter ? u_file : v_file,
-                      first_is_shorter ? one.line() : other.line(),
-                      fmt::format("the file ends after {} samples, and {} goes on; give two files "
-                                  "of one recording, or cut the longer one",
-                                  builder.rows(), first_is_shorter ? v_file : u_file));
+      return error_at(
+          first_is_shorter ? u_file : v_file, first_is_shorter ? one.line() : other.line(),
+          fmt::format("the file ends after {} samples, and {} continues; give two files "
+                      "of one recording, or cut the longer one",
+                      builder.rows(), first_is_shorter ? v_file : u_file));
     }
     if (!more) break;
     first.v = second.u;

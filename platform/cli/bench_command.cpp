@@ -36,7 +36,7 @@ void add_bench(CLI::App& app, int& code) {
       "and the ratio to qemu-system-arm on the same ELF, plain and with -icount");
   cpu->add_option("elf", settings->firmware, "Programs that end by themselves (default: kernels)")
       ->type_name("ELF");
-  cpu->add_option("--repeat", settings->repeat, "The best of so many runs counts")
+  cpu->add_option("--repeat", settings->repeat, "The best of N runs counts")
       ->transform(whole_number(1, 100))
       ->type_name("N");
   cpu->add_option("--quantum", settings->quantum_ns, "How far the processor may run ahead")
@@ -57,10 +57,9 @@ void add_bench(CLI::App& app, int& code) {
     if (settings->firmware.empty()) settings->firmware = kernels();
     for (const std::string& program : settings->firmware) {
       if (std::error_code ignored; !std::filesystem::exists(program, ignored)) {
-        code =
-            refuse(program +
-                   ": there is no such program; name others (capsoc bench cpu FILE.elf), or keep "
-                   "the folder firmware/ beside capsoc");
+        code = refuse(program +
+                      ": there is no such program; name others (capsoc bench cpu FILE.elf), or "
+                      "keep the folder firmware/ next to capsoc");
         return;
       }
       if (const auto image = loader::load_program(program); !image) {

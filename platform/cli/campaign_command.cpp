@@ -150,7 +150,7 @@ int perform(const CampaignArguments& a, const campaign::Plan& plan, campaign::St
   const int code = print_report(a, store);
   const int signal = host::noted_signal();
   if (signal == 0) return code;
-  host::say("capsoc: ended by signal {}; capsoc campaign resume {} goes on\n", signal,
+  host::say("capsoc: ended by signal {}; capsoc campaign resume {} continues\n", signal,
             store.path());
   return run::exit_code::signal_base + signal;
 }
@@ -185,7 +185,7 @@ int resume_command(CampaignArguments& a) {
   if (program.value().hash != stored.value()->program.hash)
     return refuse(
         fmt::format("{}: was begun by another program (capsoc {}) than this one (capsoc "
-                    "{}); resume with that, or begin anew with capsoc campaign run",
+                    "{}); resume with that, or begin again with capsoc campaign run",
                     a.store, stored.value()->program.version, program.value().version));
   const auto plan = campaign::Plan::make(std::move(description.value()), program.value());
   if (!plan) return refuse(plan.error());
@@ -358,7 +358,7 @@ void add_campaign(CLI::App& app, int& code) {
   add_working(*run, a);
   add_reports(*run, a);
 
-  CLI::App* resume = add(*group, "resume", "Go on where a store ends", a, code, resume_command);
+  CLI::App* resume = add(*group, "resume", "Resume where a store ends", a, code, resume_command);
   add_store(*resume, a);
   add_working(*resume, a);
   add_reports(*resume, a);

@@ -184,7 +184,7 @@ void add_fit(CLI::App& app, int& code) {
                 "Instead of a trace: print how exact every method is on generated records");
   fit->add_option(
          "--table", arguments->table,
-         "One of them: by method, how often intervals hold, drawn records and harmonics; or "
+         "One of them: by method, how often intervals hold, random records and harmonics; or "
          "the methods that the papers name, with their times; bound: stated bounds over true "
          "errors")
       ->check(CLI::IsMember({"methods", "coverage", "drawn", "peers", "bound"}))
@@ -204,9 +204,9 @@ void add_fit(CLI::App& app, int& code) {
     return option;
   };
   identification::IdentifyOptions& identify = arguments->options.identify;
-  input(fit->add_option(
-               "--method", arguments->method,
-               "How: ml is the default; adam as the CSFN paper; all: ml, and the others beside it")
+  input(fit->add_option("--method", arguments->method,
+                        "How: ml is the default; adam as the CSFN paper; all: ml, and the others "
+                        "for comparison")
             ->check(CLI::IsMember({"ml", "adam", "lm", "heydemann", "taubin", "direct", "all"})),
         "ml|adam|lm|heydemann|taubin|direct|all");
   input(fit->add_option("--harmonics", identify.harmonics.highest,
@@ -243,7 +243,7 @@ void add_fit(CLI::App& app, int& code) {
             ->transform(whole_number(0, UINT64_MAX)),
         "N");
   input(fit->add_option("--samples", arguments->options.record.samples,
-                        "Take so many samples only (of a trace without an end: 100,000)")
+                        "Take only N samples (of a trace without an end: 100,000)")
             ->transform(whole_number(1, 1'000'000'000)),
         "N");
   input(fit->add_option("--adc-bits", arguments->options.record.adc_bits,

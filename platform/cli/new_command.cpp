@@ -91,8 +91,8 @@ std::optional<Error> copy_all(const fs::path& place) {
     const fs::path from = host::data_path(part.from);
     std::error_code failure;
     if (!fs::exists(from, failure))
-      return Error{fmt::format("{}: is not there; keep the folders that came with capsoc beside it",
-                               from.string())};
+      return Error{fmt::format(
+          "{}: is not there; keep the folders that came with capsoc next to it", from.string())};
     failure = bring_part(from, *part.to == '\0' ? place : place / part.to);
     if (failure)
       return Error{fmt::format("{}: cannot be written ({}); name another folder",
@@ -120,7 +120,7 @@ int new_command(const std::string& folder) {
 void add_new(CLI::App& app, int& code) {
   auto folder = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand(
-      "new", "Make a firmware project of your own: start-up, newlib, drivers, make and CMake, IDE");
+      "new", "Make your own firmware project: start-up, newlib, drivers, make and CMake, IDE");
   command->add_option("folder", *folder, "Where; it must not be there yet, or be empty")
       ->required()
       ->type_name("DIR");

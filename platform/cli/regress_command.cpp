@@ -276,7 +276,7 @@ int regress_command(RegressArguments& a) {
 void add_regress(CLI::App& app, int& code) {
   auto a = std::make_shared<RegressArguments>();
   CLI::App* command = app.add_subcommand(
-      "regress", "Hold the RTL of the coprocessor against its model; exit 4: they differ");
+      "regress", "Compare the RTL of the coprocessor with its model; exit 4: they differ");
   a->plan.seeds = 4;
   a->plan.samples = 1000000;
   a->plan.accesses = 100000;

@@ -24,7 +24,7 @@ int reproduce_command(TableOutput& output, const std::string& synthesis_file) {
     const std::string path = traces + "/" + trace;
     if (std::error_code ignored; !std::filesystem::exists(path, ignored))
       return refuse(
-          fmt::format("{}: there is no such trace; keep the folder traces/ beside capsoc", path));
+          fmt::format("{}: there is no such trace; keep the folder traces/ next to capsoc", path));
     inputs.push_back({host::FileUse::Kind::input, "the trace", path});
   }
   if (!synthesis_file.empty())
@@ -55,7 +55,7 @@ void add_reproduce(CLI::App& app, int& code) {
   auto output = std::make_shared<TableOutput>();
   auto synthesis = std::make_shared<std::string>();
   CLI::App* command =
-      app.add_subcommand("reproduce", "Print every row of both papers' tables beside our figures");
+      app.add_subcommand("reproduce", "Print every row of both papers' tables with our figures");
   output->add_to(*command, reproduce::table_names(), true);
   command
       ->add_option("--synthesis", *synthesis,

@@ -457,7 +457,7 @@ Answer Advance::answer() {
 Answer Advance::perform() {
   if (board_.is_finished() || board_.simulation().is_over())
     return refuse(
-        "the simulation is over and cannot go on; ask for simulation.finish, or restore "
+        "the simulation is over and cannot advance; ask for simulation.finish, or restore "
         "a snapshot",
         Code::over);
   if (auto refusal = plan()) return *refusal;

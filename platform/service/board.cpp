@@ -190,7 +190,7 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
   for (const Setting& setting : settings_.all())
     if (setting.kind == SettingKind::output && !setting.value.empty())
       return Error{
-          fmt::format("{} names a file that whatever goes on from here would write, too; "
+          fmt::format("{} names a file that a simulation restored from here would write, too; "
                       "construct the simulation without it",
                       setting.path)};
   auto state = simulation_->packed_state();

@@ -156,7 +156,7 @@ class Reader {
     if (!header.ok()) return damaged();
     if (!log) return wrong("is cut off; copy it again");
     if (host::sha256_of(*log) != log_hash) return damaged();
-    if (at_ != bytes_.size()) return wrong("goes on behind its end; copy it again");
+    if (at_ != bytes_.size()) return wrong("continues after its end; copy it again");
     auto inputs = inputs_in(*log);
     if (!inputs) return damaged();
     session.inputs = std::move(inputs.value());

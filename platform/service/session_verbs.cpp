@@ -72,7 +72,7 @@ std::vector<Session::SessionVerb> Session::own_verbs() {
        false,
        &Session::end},
       {{"simulation.construct",
-        "Builds the board with its program and its sensor, in reset, in a process of its own. It "
+        "Builds the board with its program and its sensor, in reset, in its own process. It "
         "is closed when the client that asked for it leaves.",
         {may("settings", Type::object,
              "names and values as `capsoc run -C` takes them; firmware.elf may be the name of a "

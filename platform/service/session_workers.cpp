@@ -122,7 +122,7 @@ void Session::reap() {
 void Session::worker_is_gone(Simulation& simulation, int status) {
   ended_[simulation.number] = ending_of(status);
   const std::string sentence =
-      fmt::format("simulation {} {}; the others go on", simulation.number, ending_of(status));
+      fmt::format("simulation {} {}; the others continue", simulation.number, ending_of(status));
   refuse_pending(simulation, sentence);
 }
 

@@ -37,15 +37,15 @@ Answer save(Board& board, const Call& call) {
 std::vector<BoardVerb> advance_verbs() {
   const Member state_member{
       "state", "object",
-      "time_s, time_ps, cycles, instructions, samples, pc, asleep, over (it cannot go on)"};
+      "time_s, time_ps, cycles, instructions, samples, pc, asleep, over (it cannot advance)"};
   return {
       {{"simulation.advance",
         "Simulates until one goal is reached, between two instructions; without a goal to the end "
         "of the run.",
         {may("seconds", Type::number, "so long"), may("until_s", Type::number, "up to this time"),
-         may("cycles", Type::integer, "so many cycles of the processor's clock"),
-         may("instructions", Type::integer, "so many are executed"),
-         may("samples", Type::integer, "so many results of the coprocessor are there"),
+         may("cycles", Type::integer, "this many cycles of the processor's clock"),
+         may("instructions", Type::integer, "this many are executed"),
+         may("samples", Type::integer, "this many results of the coprocessor are there"),
          may("address", Type::address, "in front of the instruction there, when it comes next"),
          may("exception", Type::any, "its handler is entered: a number, or a name as HardFault"),
          may("uart", Type::object,
@@ -54,7 +54,7 @@ std::vector<BoardVerb> advance_verbs() {
          may("expression", Type::object,
              "text (`turns > 3 and COPROCESSOR.STATUS.LOCK == 1`, $pc) is not 0, and every_s, how "
              "often to look: 1 ms of simulated time"),
-         may("within_s", Type::number, "gives up after so many simulated seconds")},
+         may("within_s", Type::number, "gives up after this many simulated seconds")},
         {state_member,
          {"reason", "text",
           "time, cycles, instructions, samples, address, exception, uart, expression; limit "

@@ -47,7 +47,7 @@ bool is_inside(const Resume& how, uint32_t pc) {
 
 Answer resume(Board& board, const Call& call) {
   if (board.is_finished() || board.simulation().is_over())
-    return refuse("the simulation is over and cannot go on", Code::over);
+    return refuse("the simulation is over and cannot advance", Code::over);
   if (board.settings().gdb.port() >= 0)
     return refuse("debugger.resume: gdb.port gives the processor to another debugger");
   const auto how = resume_in(call);
@@ -138,8 +138,8 @@ std::vector<BoardVerb> debugger_verbs() {
        attach,
        Effect::input},
       {{"debugger.resume",
-        "The processor goes on until it stops at a point, or has executed what was asked for. A "
-        "breakpoint stops in front of its instruction, a watchpoint behind the one that made the "
+        "The processor runs until it stops at a point, or has executed what was asked for. A "
+        "breakpoint stops in front of its instruction, a watchpoint after the one that made the "
         "access. After going back it stops at the latest where it went back from.",
         {need("kind", Type::text, "run, step (one instruction) or range (while start <= pc < end)"),
          may("start", Type::integer, "of a range"), may("end", Type::integer, "of a range"),
@@ -147,11 +147,12 @@ std::vector<BoardVerb> debugger_verbs() {
              "a list of objects: kind (breakpoint, hardware_breakpoint, write, read, access), "
              "address, size in bytes (4)"),
          may("stopped", Type::boolean,
-             "true, unless it was interrupted and goes on as if it was not: a breakpoint where it "
+             "true, unless it was interrupted and continues as if it was not: a breakpoint where "
+             "it "
              "stands is passed")},
         {{"reason", "text",
-          "breakpoint, bkpt, watchpoint, step, lockup; end (of the past), asleep (only somebody "
-          "outside can wake it), interrupted, over"},
+          "breakpoint, bkpt, watchpoint, step, lockup; end (of the past), asleep (only a client "
+          "can wake it), interrupted, over"},
          {"point", "text", "the kind of the point"},
          {"address", "integer", "of a watchpoint: what was accessed"},
          {"state", "object", "as simulation.state"},

@@ -86,7 +86,8 @@ std::vector<BoardVerb> history_verbs() {
        Effect::looks},
       {{"simulation.record",
         "Writes the session of this simulation until now to a file that `capsoc replay` simulates "
-        "again: settings, the program and the sensor by content, every request that changed the "
+        "again. It has settings, the program and the sensor by content, every request that changed "
+        "the "
         "simulation with its instant, and hashes of the state on the way and at the end.",
         {need("file", Type::text, "its path")},
         {{"bytes", "integer", "of the file"},

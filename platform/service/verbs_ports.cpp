@@ -174,7 +174,7 @@ std::vector<BoardVerb> port_verbs() {
       {{"pin.drive",
         "Drives a pin of a GPIO from outside, from this instant on.",
         {need("gpio", Type::integer, "0 to 3"), need("pin", Type::integer, "0 to 15"),
-         need("level", Type::any, "true: high, false: low, null: nobody drives it, and it is low")},
+         need("level", Type::any, "true: high, false: low, null: it is not driven, and it is low")},
         {}},
        drive_pin,
        Effect::input},

@@ -128,7 +128,7 @@ std::vector<BoardVerb> sensor_verbs() {
   return {
       {{"adc.inject",
         "The converter's next samples are these instead of the sensor's, one pair a conversion; "
-        "then the sensor goes on, which turned below them. They have no true angle.",
+        "then the sensor continues, which turned below them. They have no true angle.",
         {need("u", Type::array, "full scale is 1"), need("v", Type::array, "as many")},
         {}},
        inject,

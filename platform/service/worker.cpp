@@ -317,7 +317,7 @@ class Worker {
 
   Answer go_ahead(const Target& target) {
     if (board_->simulation().is_over())
-      return refuse("the simulation is over and cannot go on", Code::over);
+      return refuse("the simulation is over and cannot advance", Code::over);
     Advance advance(*board_);
     if (auto error = advance.go(target)) return refuse(error->text);
     Answer answer;

@@ -52,7 +52,7 @@ TEST(Fault, WhatIsWrongIsSaid) {
             std::string::npos);
   EXPECT_NE(refused("flip cpu.r3[5] at 1s for 2s").find("happens once"), std::string::npos);
   EXPECT_NE(refused("stuck0 cpu.r3[5] at 1s for 0s").find("is no duration"), std::string::npos);
-  EXPECT_NE(refused("stuck0 cpu.r3[5] at 1s or so").find("has 'or' behind its end"),
+  EXPECT_NE(refused("stuck0 cpu.r3[5] at 1s or so").find("has 'or' after its end"),
             std::string::npos);
   EXPECT_NE(refused("lose irq").find("names no interrupt"), std::string::npos);
   EXPECT_NE(refused("freeze tan at 1s").find("is no fault"), std::string::npos);

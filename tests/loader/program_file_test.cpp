@@ -36,7 +36,7 @@ TEST_F(ProgramFile, WrongHexNamesItsLine) {
   write(":0400100001020304E2\n");
   EXPECT_NE(load_hex(path).error().find("no end record"), std::string::npos);
   write(good + ":0400100001020304E2\n");
-  EXPECT_NE(load_hex(path).error().find(":6: the line stands behind"), std::string::npos);
+  EXPECT_NE(load_hex(path).error().find(":6: the line stands after"), std::string::npos);
 }
 
 /// As arm-none-eabi-objcopy -O srec writes them.
@@ -74,7 +74,7 @@ TEST_F(ProgramFile, WrongSRecordsNameTheirLine) {
            {"S10200FD\n" + end, ":1: the line is too short for its address"},
            {data + "S5030002FA\n" + end, ":2: the line counts other data records"},
            {data + "S90500001234B4\n", ":2: the line has data, and its type has none"},
-           {data + end + data, ":3: the line stands behind the end record"},
+           {data + end + data, ":3: the line stands after the end record"},
            {data + ":00000001FF\n", ":2: the line does not begin with S and a type"},
            {"S309FFFFFFFE01020304F1\n" + end, ":1: the line leaves the address space"},
            {data, "no end record"},

@@ -166,7 +166,7 @@ TEST_F(Hostile, ValuesOutsideTheObjectAreRefused) {
 TEST_F(Hostile, MoreDescriptionsThanTheObjectHolds) {
   for (const uint64_t count : {2, 1000, 0x7FFFFFFF, -1}) {
     put(4, count, 4);
-    refused("end behind");
+    refused("end after");
   }
 }
 

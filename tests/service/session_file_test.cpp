@@ -66,7 +66,7 @@ TEST(SessionFile, SaysWhatIsWrong) {
             "s.session: has version 2 of the format, this program reads 1; replay it with the "
             "program that recorded it");
   EXPECT_EQ(error_of(good.substr(0, good.size() - 1)), "s.session: is cut off; copy it again");
-  EXPECT_EQ(error_of(good + "x"), "s.session: goes on behind its end; copy it again");
+  EXPECT_EQ(error_of(good + "x"), "s.session: continues after its end; copy it again");
   const std::string damaged = "s.session: is damaged; copy it again";
   EXPECT_EQ(error_of(forged([](Json& header) { header.erase("marks"); })), damaged);
   EXPECT_EQ(error_of(forged([](Json& header) { header["marks"] = Json::array(); })), damaged);

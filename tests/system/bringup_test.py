@@ -129,8 +129,8 @@ read four: 0 "012X"
 read ten of six: 4 "Y56789"
 read at the end: 16
 read nothing: 0
-seek behind the end: 0
-read behind the end: 3
+seek past the end: 0
+read past the end: 3
 write to a file for reading: 1
 append two: 0
 length behind append: 12

@@ -324,8 +324,7 @@ class Refusals(CheckpointCase):
                 else:
                     self.refused(
                         f"busy-{saved}: coprocessor: was saved while the coprocessor computed; "
-                        f"only --coprocessor {saved} can go on "
-                        "from there",
+                        f"only --coprocessor {saved} can resume from there",
                         *again,
                     )
 
@@ -352,7 +351,7 @@ class Refusals(CheckpointCase):
         said = self.capsoc(FIRMWARE / "hello.elf", "--uart0", "null", "--save", "nowhere/x@0", code=74).stderr
         self.assertIn("nowhere/x", said)
         said = self.capsoc("--uart0", "null", "--simlimit", "3", "--restore", "s", "--save", "x@1", code=124).stderr
-        self.assertIn("x: not saved: the run goes on from a later time", said)
+        self.assertIn("x: not saved: the run resumes from a later time", said)
 
 
 if __name__ == "__main__":

@@ -265,7 +265,7 @@ class Refusals(RecordingCase):
     def test_two_files_of_two_lengths(self):
         self.write("u.csv", "volts", "{u:.6f}")
         self.write("v.csv", "volts", "{v:.6f}", samples()[:-1])
-        self.assertIn("v.csv:500: the file ends after 499 samples, and u.csv goes on", self.refused("u.csv,v.csv"))
+        self.assertIn("v.csv:500: the file ends after 499 samples, and u.csv continues", self.refused("u.csv,v.csv"))
         self.assertIn("w.csv: cannot be read", self.refused("u.csv,w.csv"))
         self.assertIn("there is one column", self.refused("u.csv"))
 

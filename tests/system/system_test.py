@@ -689,7 +689,7 @@ class Fit(unittest.TestCase):
         self.assertNotIn("MISSED", text)
         titles = [part.splitlines()[0].split(" (")[0] for part in text.strip().split("\n\n")]
         self.assertEqual(len(titles), 2, text)
-        self.assertTrue(titles[0].startswith("500 drawn records"), titles)
+        self.assertTrue(titles[0].startswith("500 random records"), titles)
         self.assertTrue(titles[1].startswith("The angle's error in units of the harmonics' amplitude"), titles)
         self.assertFalse(list(self.folder.iterdir()), "nothing is written")
         process = in_folder(self.folder, "fit", "--table", "drwan")

@@ -549,7 +549,7 @@ class Bounds(VerdictCase):
         self.assertTrue(verdict["pass"])
         self.assertIs(verdict["bound_holds"], False)
         self.assertRegex(
-            self.result["exit"]["reason"], r"^the program vouches for \S+ deg, but an angle is 1 deg wrong$"
+            self.result["exit"]["reason"], r"^the program guarantees \S+ deg, but an angle is 1 deg wrong$"
         )
         self.assertIn("DOES NOT HOLD", self.process.stderr)
 

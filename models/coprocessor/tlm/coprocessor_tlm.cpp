@@ -162,10 +162,9 @@ void CoprocessorTlm::visit(Archive& archive) {
   archive("device", kind);
   if (!archive.ok()) return;
   if (!idle && kind != device_->kind())
-    return archive.refuse(
-        fmt::format("was saved while the coprocessor computed; only --coprocessor {} can go on "
-                    "from there",
-                    printable(kind)));
+    return archive.refuse(fmt::format(
+        "was saved while the coprocessor computed; only --coprocessor {} can resume from there",
+        printable(kind)));
   archive("interval", interval_);
   archive("sample", sample_);
   archive("write", write_);

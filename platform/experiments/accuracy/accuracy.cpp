@@ -77,11 +77,10 @@ void print_sensors(Report& report) {
   // Measured: the PI arctangent alone, at amplitude a1 a2 cos(beta), gives the errors of these
   // rows: 2.54 deg at beta = 0.9032, 18.8 deg at 1, 177.6 deg at a1 = a2 = 0.3.
   report.line(
-      "  Precise is within {:.1e} deg for all {} sensors; paper is off by more than {:g} deg for "
+      "  Precise is within {:.1e} deg for all {} sensors. Paper is off by more than {:g} deg for "
       "{} "
-      "of them, because Eq (12) hands its PI arctangent the amplitude a1 a2 cos(beta), which has "
-      "to "
-      "be well above zero for 30 iterations to suffice.",
+      "of them: Eq (12) gives its PI arctangent the amplitude a1 a2 cos(beta), which has to be "
+      "well above zero for 30 iterations to suffice.",
       worst, rows, paper_useful_deg, paper_fails);
 }
 

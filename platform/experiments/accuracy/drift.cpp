@@ -185,17 +185,17 @@ void print_drift(Report& report) {
   course.signal.drift.period_s = 60;
   add(report, "the last, the drift a sine of 60 s", follow(course),
       all.settled_deg + moved_deg(worst_of_all, all));
-  add(report, "the last, worst of 20 drawn sensors", worst_drawn(all, 0),
+  add(report, "the last, worst of 20 random sensors", worst_drawn(all, 0),
       drawn_settled_deg + moved_deg(worst_of_all_drawn, all));
   constexpr double noise = 2e-3;
   add(report, "the same in 14 bits with noise of 0.2 % of a1", worst_drawn(all, noise),
       drawn_settled_deg + moved_deg(worst_of_all_drawn, all) +
           noise * worst_noise / radians_per_degree);
   report.line(
-      "  The bound is what {:g} times the drift's rate makes in the longest time without a learnt "
-      "turn ({:g} for drawn sensors), and what the first turns leave: 5e-4 deg, 5e-3 of few "
+      "  The bound is {:g} times the drift in the longest time without a learnt turn ({:g} for "
+      "random sensors), and what the first turns leave: 5e-4 deg, 5e-3 of few "
       "samples "
-      "a turn, {:g} of drawn sensors. LMS goes on learning at rest, which tells it half of what "
+      "a turn, {:g} of random sensors. LMS continues to learn at rest, which tells it half of what "
       "moves "
       "there; its one step is a compromise everywhere else.",
       worst_of_all, worst_of_all_drawn, drawn_settled_deg);

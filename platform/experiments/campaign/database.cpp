@@ -31,7 +31,7 @@ const char* advice(int code) {
     case SQLITE_IOERR:
       return "look after the disk (is it full?) and resume: what was there is still there";
     case SQLITE_CORRUPT:
-      return "the store is damaged: put a copy in its place, or move it away and run anew";
+      return "the store is damaged: put a copy in its place, or move it away and run again";
     case SQLITE_NOTADB:
       return "this is no store of a campaign; name another file";
     case SQLITE_BUSY:

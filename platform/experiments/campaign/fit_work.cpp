@@ -28,7 +28,7 @@ class FitSettings : public Settings {
        {"direct", identification::Method::direct}},
       setting("fit.method", SettingKind::choice, "ml", "how: ml, or as the papers name it")};
   IntegerField samples{*this, setting("fit.samples", SettingKind::integer, "0",
-                                      "at most so many; 0: all, of a trace without an end 100,000")
+                                      "at most N; 0: all, of a trace without an end 100,000")
                                   .in(0, 1e9)};
   IntegerField harmonics{*this, setting("fit.harmonics", SettingKind::integer, "0",
                                         "highest harmonic to identify; 0 and 1: none")

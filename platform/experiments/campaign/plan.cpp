@@ -110,7 +110,7 @@ Result<std::vector<Assignment>> Plan::assignments(const PlannedRun& run) const {
   for (const Named& derived : d.derived) {
     const Value value = derived.expression.evaluate(lookup);
     if (is_null(value))
-      return Error{fmt::format("{}: {} = {} has no value in a run; mend the expression",
+      return Error{fmt::format("{}: {} = {} has no value in a run; correct the expression",
                                derived.origin, printable(derived.name),
                                printable(derived.expression.text()))};
     all.push_back({derived.name, to_text(value), derived.origin});

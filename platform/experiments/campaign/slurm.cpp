@@ -96,7 +96,7 @@ Result<std::string> sbatch(const std::string& arguments) {
   const bool is_number =
       !number.empty() && number.find_first_not_of("0123456789") == std::string::npos;
   if (said.status != 0 || !is_number)
-    return Error{fmt::format("sbatch does not take the job: {}; mend that and submit again",
+    return Error{fmt::format("sbatch does not take the job: {}; correct that and submit again",
                              printable(said.text, 300))};
   return number;
 }

@@ -42,7 +42,7 @@ std::string text_of(const std::vector<std::string>& texts) {
 
 Error damaged(const std::string& path) {
   return Error{fmt::format(
-      "{}: the store is damaged: put a copy in its place, or move it away and run anew", path)};
+      "{}: the store is damaged: put a copy in its place, or move it away and run again", path)};
 }
 
 }  // namespace

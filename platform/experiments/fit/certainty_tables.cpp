@@ -163,7 +163,7 @@ double median(std::vector<double> values) {
 int print_coverage(std::ostream& out, int records, uint64_t from) {
   int missed = 0;
   out << fmt::format(
-      "\n95 % intervals that hold the truth, %: drawn sensors at random angles, noise relative to "
+      "\n95 % intervals that hold the truth, %: random sensors at random angles, noise relative to "
       "the smaller amplitude, seed {}\n{:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} "
       "{:>7}\n",
       from, "noise", "samples", "records", "accepted", "a1", "a2", "b1", "b2", "beta", "all");
@@ -189,7 +189,7 @@ int print_coverage(std::ostream& out, int records, uint64_t from) {
 int print_bounds(std::ostream& out, int sensors, uint64_t from) {
   int missed = 0;
   out << fmt::format(
-      "\nStated bound over the largest true error of the angle over the turn: drawn sensors "
+      "\nStated bound over the largest true error of the angle over the turn: random sensors "
       "without "
       "harmonics, {} a row, seed {}\n{:26} {:>8} {:>9} {:>7} {:>8} {:>8} {:>8} {:>16}\n",
       sensors, from, "record", "accepted", "no bound", "over", "median", "95 %", "least",
@@ -242,7 +242,7 @@ int print_allowance(std::ostream& out, int sensors) {
   int missed = 0;
   out << fmt::format(
       "\nThe angle's error in units of the harmonics' amplitude that {} samples show; the bound "
-      "takes {:g} of it ({} drawn sensors a row, seed {})\n{:26} {:>8} {:>10} {:>8} {:>13}\n",
+      "takes {:g} of it ({} random sensors a row, seed {})\n{:26} {:>8} {:>10} {:>8} {:>13}\n",
       count, identification::angle_by_amplitude, sensors, seed, "harmonics", "median", "99 % below",
       "largest", "the bound's, %");
   for (const Row& row : rows) {
@@ -284,7 +284,7 @@ int print_drawn(std::ostream& out, int records) {
     if (!text.empty()) wrong.at(static_cast<std::size_t>(kind)).push_back(text);
   }
   out << fmt::format(
-      "\n{} drawn records, seed {}: the angle's error over the turn within the bound that is "
+      "\n{} random records, seed {}: the angle's error over the turn within the bound that is "
       "stated, or a reason that is true\n{:26} {:>8} {:>10} {:>7} {:>9} {:>8} {:>13} {:>8} {:>12} "
       "{:>8}\n",
       records, seed, "record", "accepted", "harmonics", "over", "refused", "falsely", "error/bound",

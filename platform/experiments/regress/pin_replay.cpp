@@ -165,7 +165,7 @@ void PinReplay::differ(std::string what, uint64_t model, uint64_t rtl) {
 std::string PinReplay::report() const {
   if (!difference_) return {};
   std::string text = fmt::format(
-      "model and RTL differ at their pins, in the interval behind edge {}\n"
+      "model and RTL differ at their pins, in the interval after edge {}\n"
       "  what        {}\n"
       "  model       {}\n"
       "  rtl         {}\n",

@@ -78,7 +78,7 @@ void table_1(Report& report) {
       with_factor.calibrated, seconds(with_factor.first_within_s)));
   report.known("convergence time (within 1 %)", "195.70 s", seconds(outcome.first_within_s),
                Bound::around(195.70, 0.01), "0.6 % shorter; the paper says \"approximately\".");
-  report.sentence(fmt::format("The parameters leave the band once more and stay in it from {} on.",
+  report.sentence(fmt::format("The parameters leave the band again and stay in it from {} on.",
                               seconds(outcome.stays_within_s)));
 }
 
@@ -283,7 +283,7 @@ void table_8(Report& report) {
   report.sentence(
       "With four settings the paper does not state: the steps scaled by 2^-7, a frequency");
   report.sentence(
-      "word of 858992, data two samples behind the reference, and 16-bit operands in the");
+      "word of 858992, data two samples after the reference, and 16-bit operands in the");
   report.sentence(
       "arctangent. As printed, the steps do not converge at 0.05 Hz, and with 32 bits the");
   report.sentence(

@@ -343,7 +343,7 @@ void comparison(Report& report, const Demodulation& soc, const Stored& stored, c
   const double left = harmonics.errors.with_harmonics.value_or(180);
   report.ours("CSFN, harmonics to the third, deg", fixed(left, 4), Bound::at_most(0.1));
   report.sentence(
-      "So the CSFN is ahead of calibration mode here and behind it in the paper: an ellipse does");
+      "So the CSFN is better than calibration mode here and worse in the paper: an ellipse does");
   report.sentence(
       "not hold harmonics, and the two are pulled by them differently. With the harmonics");
   report.sentence("identified (capsoc fit --harmonics 3) there is nothing left to compare.");

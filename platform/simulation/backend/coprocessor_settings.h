@@ -26,7 +26,7 @@ struct CoprocessorSettings {
                .in(0, 1024)};
   IntegerField paper_step_shift{
       all, setting("coprocessor.paper_step_shift", SettingKind::integer, "0",
-                   "paper: right shift of the steps behind their registers (Table 8: 7)")
+                   "paper: right shift of the steps after their registers (Table 8: 7)")
                .in(0, 31)};
   FlagField paper_plain_arctangent{
       all, setting("coprocessor.paper_plain_arctangent", SettingKind::flag, "false",

@@ -92,7 +92,7 @@ void take_losses(RunResult& result) {
   if (result.lost.empty() || result.code != exit_code::pass) return;
   if (host::noted_signal() == SIGPIPE) {
     result.code = exit_code::signal_base + SIGPIPE;
-    result.reason += ", but nobody read all of standard output";
+    result.reason += ", but standard output was not read to its end";
     return;
   }
   result.code = exit_code::lost;

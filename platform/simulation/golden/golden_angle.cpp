@@ -184,7 +184,7 @@ void decide(AngleCheck& check) {
     check.verdict = Verdict::agrees;
     check.reason.clear();
   } else {
-    check.reason = fmt::format("a bound of {:.3g} deg vouches for nothing: the widest is {:g} deg",
+    check.reason = fmt::format("a bound of {:.3g} deg guarantees nothing: the widest is {:g} deg",
                                check.bound->total(), widest_bound);
   }
 }

@@ -196,7 +196,7 @@ Result<PlacedBit> Places::coprocessor_register(const std::string& name,
   const auto part = state_of(at);
   if (!part)
     return Error{fmt::format(
-        "{} keeps no value of its own; name one of its fields, or its state as coprocessor.NAME",
+        "{} keeps no value itself; name one of its fields, or its state as coprocessor.NAME",
         name)};
   if (bit >= part->bits) return no_such_bit(name, bit, part->bits);
   return PlacedBit{shared(soc_.coprocessor, *part), bit};

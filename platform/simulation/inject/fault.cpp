@@ -196,7 +196,7 @@ Result<Fault> parse_fault(const std::string& line) {
   if (auto error = take_time(words, fault)) return *error;
   if (auto error = take_duration(words, fault)) return *error;
   if (!words.at_end())
-    return Error{fmt::format("has '{}' behind its end; {}", printable(words.take(), 40), form)};
+    return Error{fmt::format("has '{}' after its end; {}", printable(words.take(), 40), form)};
   return fault;
 }
 

@@ -33,10 +33,10 @@ std::optional<metrics::Parameters> truth_of(const sensor::Description& d) {
 std::optional<Error> missing_default(const FirmwareSettings& settings, const std::string& program) {
   std::error_code ignored;
   if (!settings.elf.is_built_in() || std::filesystem::exists(program, ignored)) return std::nullopt;
-  return Error{fmt::format(
-      "{}: the default program is not there; name yours (capsoc run FILE.elf), or keep the folder "
-      "firmware/ beside capsoc",
-      program)};
+  return Error{
+      fmt::format("{}: the default program is not there; name yours (capsoc run FILE.elf), or keep "
+                  "the folder firmware/ next to capsoc",
+                  program)};
 }
 
 /// Standard input has one reader.

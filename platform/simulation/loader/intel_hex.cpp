@@ -21,7 +21,7 @@ class HexReader {
     uint8_t sum = 0;
     for (const uint8_t b : *bytes) sum = static_cast<uint8_t>(sum + b);
     if (sum != 0) return "has a wrong checksum";
-    if (ended_) return "stands behind the end record";
+    if (ended_) return "stands after the end record";
     const uint32_t offset = uint32_t{(*bytes)[1]} << 8U | (*bytes)[2];
     return record((*bytes)[3], offset, {bytes->begin() + 4, bytes->end() - 1});
   }

@@ -49,7 +49,7 @@ Result<ElfImage> load_at(const std::string& place) {
   if (!bytes) return Error{bytes.error()};
   const uint64_t size = bytes.value().size();
   if (address + size > uint64_t{1} << 32U)
-    return Error{fmt::format("{}: does not fit behind {:#x}", path, address)};
+    return Error{fmt::format("{}: does not fit after {:#x}", path, address)};
   ElfImage image;
   image.path = path;
   image.segments.push_back({static_cast<uint32_t>(address),

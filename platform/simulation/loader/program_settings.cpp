@@ -111,7 +111,7 @@ Result<ProgramSettings> ProgramSettings::read(const ElfImage& image) {
   };
   const uint64_t count = load(*bytes, 4, 4);
   if (count > (bytes->size() - header_size) / description_size)
-    return damaged("they end behind their object");
+    return damaged("they end after their object");
   if (count > most_settings)
     return damaged(fmt::format("{} are more than {}", count, most_settings));
   const std::size_t values_at = header_size + count * description_size;

@@ -22,7 +22,7 @@ class SRecordReader {
     uint8_t sum = 0;
     for (const uint8_t b : *bytes) sum = static_cast<uint8_t>(sum + b);
     if (sum != 0xFF) return "has a wrong checksum";
-    if (ended_) return "stands behind the end record";
+    if (ended_) return "stands after the end record";
     const std::size_t width = address_width(text[1]);
     if (width == 0) return "has a type that S-records do not know";
     if (bytes->size() < width + 2) return "is too short for its address";

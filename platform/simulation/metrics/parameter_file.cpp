@@ -94,7 +94,7 @@ Result<json> read_json(const std::string& path) {
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(damaged_at), '\n');
   return Error{
-      fmt::format("{}:{}: this is not JSON; write the file anew with capsoc fit", path, line)};
+      fmt::format("{}:{}: this is not JSON; write the file again with capsoc fit", path, line)};
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct TraceSettings {
                     "FILE.gtkw"})};
   TextField translation{
       all, setting("trace.translation", SettingKind::output, "",
-                   "where the translator's code goes, beside the program's; empty: nowhere")
+                   "where the translator's code goes, with the program's; empty: nowhere")
                .is_place()
                .by({"--trace-translation", "FILE",
                     "Each block that the translator makes code of: instructions and host code"})};

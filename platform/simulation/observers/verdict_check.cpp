@@ -17,9 +17,8 @@ void VerdictCheck::finish(RunResult& result) {
       result.code != exit_code::pass)
     return;
   result.code = exit_code::failed;
-  result.reason =
-      fmt::format("the program vouches for {:.3g} deg, but an angle is {:.3g} deg wrong",
-                  result.verdict->bound_deg, *result.verdict->largest_error_deg);
+  result.reason = fmt::format("the program guarantees {:.3g} deg, but an angle is {:.3g} deg wrong",
+                              result.verdict->bound_deg, *result.verdict->largest_error_deg);
 }
 
 }  // namespace capsoc::run

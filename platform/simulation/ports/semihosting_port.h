@@ -30,7 +30,7 @@ struct SemihostingSettings {
                .is_place()
                .by({"--semihosting-console", "BACKEND", "Where :tt goes; as --uart0 (stderr)"})};
   TextField arguments{all, setting("semihosting.arguments", SettingKind::text, "",
-                                   "the program's command line behind its name")
+                                   "the program's command line after its name")
                                .by({"--semihosting-args", "TEXT", "The program's command line"})};
   IntegerField epoch_s{all, setting("semihosting.epoch_s", SettingKind::integer, "1767225600",
                                     "the program's time at the start, s since 1970 (2026-01-01)")

@@ -23,10 +23,10 @@ struct UartSettings {
   Settings& all;
   std::array<Line, soc::Soc::uart_count> lines{{{all, 0}, {all, 1}, {all, 2}, {all, 3}, {all, 4}}};
   FlagField wait{all, setting("run.uart_wait", SettingKind::flag, "false",
-                              "a UART's first byte waits until somebody listens on its pty or tcp")
+                              "a UART's first byte waits until a client listens on its pty or tcp")
                           .is_place()
                           .by({"--uart-wait", "",
-                               "Hold the first byte of a pty or tcp UART until somebody listens",
+                               "Hold the first byte of a pty or tcp UART until a client listens",
                                SettingOption::Form::flag, "true"})};
   TextField until{
       all, setting("run.until_uart", SettingKind::text, "",

@@ -17,7 +17,7 @@ Result<Pattern> compile(const std::string& text, const char* option) {
   auto pattern = compile_pattern(text);
   if (pattern) return pattern;
   return Error{
-      fmt::format("{} {}: is no regular expression ({}); mend it, or put a backslash "
+      fmt::format("{} {}: is no regular expression ({}); correct it, or put a backslash "
                   "before what is meant literally",
                   option, text, pattern.error())};
 }

@@ -22,7 +22,7 @@ struct LineConfig {
   std::string backend;  ///< as open_backend() takes it
   std::string input;    ///< bytes come from this file instead of the backend
   std::string log;      ///< gets a copy of what the UART sends
-  bool wait = false;    ///< the first byte waits until somebody listens
+  bool wait = false;    ///< the first byte waits until a client listens
   Patterns patterns;
 };
 

@@ -16,19 +16,19 @@ struct CheckpointSettings {
                SettingOption::Form::list})};
   NumberField every_s{
       all, setting("checkpoint.every_s", SettingKind::number, "0",
-                   "a checkpoint every so many simulated s; 0: none")
+                   "a checkpoint every N simulated s; 0: none")
                .in(0, 1e6)
                .is_place()
                .by({"--save-every", "S",
-                    "Save it every so many simulated seconds, in checkpoint-<seconds>.capsoc"})};
+                    "Save it every N simulated seconds, in checkpoint-<seconds>.capsoc"})};
   TextField prefix{
       all, setting("checkpoint.prefix", SettingKind::text, "checkpoint-",
                    "begins the names of these and of those on SIGUSR1: PREFIX<seconds>.capsoc")
                .is_place()};
   TextField restore{all, setting("checkpoint.restore", SettingKind::input, "",
-                                 "the run goes on from this checkpoint; empty: from reset")
+                                 "the run resumes from this checkpoint; empty: from reset")
                              .is_host_side()
-                             .by({"--restore", "FILE", "Go on from a state that --save wrote"})};
+                             .by({"--restore", "FILE", "Resume from a state that --save wrote"})};
 };
 
 }  // namespace capsoc::run

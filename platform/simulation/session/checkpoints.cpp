@@ -55,7 +55,7 @@ Result<std::vector<SavePoint>> save_points(const RunSettings& settings) {
   for (const SavePoint& point : points)
     if (std::count_if(points.begin(), points.end(),
                       [&](const SavePoint& other) { return other.file == point.file; }) > 1)
-      return Error{fmt::format("{} {}: is named twice; give each checkpoint a file of its own",
+      return Error{fmt::format("{} {}: is named twice; give each checkpoint its own file",
                                setting.name(), point.file)};
   std::stable_sort(points.begin(), points.end(),
                    [](const SavePoint& a, const SavePoint& b) { return a.seconds < b.seconds; });
@@ -244,7 +244,7 @@ void Checkpoints::restored() {
   for (kit::Component* part : soc_.components()) part->restored();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   while (next_point_ < points_.size() && points_[next_point_].seconds < now.to_seconds())
-    failures_.push_back(fmt::format("{}: not saved: the run goes on from a later time",
+    failures_.push_back(fmt::format("{}: not saved: the run resumes from a later time",
                                     points_[next_point_++].file));
   plan_regular(now);
 }

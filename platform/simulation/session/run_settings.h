@@ -86,13 +86,13 @@ struct LimitSettings {
       setting("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none")
           .in(0, 1e6)
           .is_host_side()
-          .by({"--simlimit", "S", "End after so many simulated seconds with exit 124"})};
+          .by({"--simlimit", "S", "End after N simulated seconds with exit 124"})};
   NumberField host_s{
       all,
       setting("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none")
           .in(0, 1e6)
           .is_host_side()
-          .by({"--timelimit", "S", "End after so many seconds of the host with exit 124"})};
+          .by({"--timelimit", "S", "End after N seconds of the host with exit 124"})};
   NumberField realtime{
       all, setting("run.realtime", SettingKind::number, "0",
                    "simulated seconds a second of the host, which waits where it is faster; 0: as "
@@ -102,11 +102,10 @@ struct LimitSettings {
                .by({"--realtime", "[FACTOR]",
                     "Pace simulated time to the host's (1; 0.1: ten times slower)",
                     SettingOption::Form::optional_value, "1"})};
-  NumberField end_on_idle{
-      all, setting("run.end_on_idle", SettingKind::number, "0",
-                   "end with 0 when only timers woke the program, and only to sleep again, for so "
-                   "many simulated s; 0: never")
-               .in(0, 1e6)};
+  NumberField end_on_idle{all, setting("run.end_on_idle", SettingKind::number, "0",
+                                       "end with 0 when only timers woke the program, and only to "
+                                       "sleep again, for N simulated s; 0: never")
+                                   .in(0, 1e6)};
 };
 
 /// Every setting of a run with its built-in value, in the order in which they are listed.

@@ -288,7 +288,7 @@ std::optional<Error> Simulation::save(const std::string& file) {
 }
 
 Result<std::string> Simulation::packed_state() {
-  if (!stopped_) return Error{"the run is over: it has no state to go on from"};
+  if (!stopped_) return Error{"the run is over: it has no state to resume from"};
   return checkpoints_->packed();
 }
 

@@ -100,7 +100,7 @@ def main():
         driven.append(timed(in_session))
     ratios = [b / a for a, b in zip(direct, driven)]
     print(f"main job, capsoc run: {spread(direct, 's')}")
-    print(f"main job, a session of its own from Python: {spread(driven, 's')}")
+    print(f"main job, a separate session from Python: {spread(driven, 's')}")
     print(f"ratio: {spread(ratios, 'times')}")
 
     with capsoc.Session(arguments.program) as session:

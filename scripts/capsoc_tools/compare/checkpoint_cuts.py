@@ -178,7 +178,7 @@ def main():
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--programs", default=",".join(PROGRAMS))
-    parser.add_argument("--pairs", default=",".join(PAIRS), help="coprocessor before and behind the cut")
+    parser.add_argument("--pairs", default=",".join(PAIRS), help="coprocessor before and after the cut")
     parser.add_argument("--arithmetic", choices=ARITHMETICS, help="of the coprocessor (both in turn)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--build", type=Path, default=TOP / "build", metavar="FOLDER", help="of the program (build)")

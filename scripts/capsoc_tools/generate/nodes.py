@@ -132,7 +132,7 @@ def read_list(path):
         node = read_node(arguments, line, formats)
         last = list(nodes.values())[-1].stage if nodes else STAGES[0]
         if STAGES.index(node.stage) < STAGES.index(last):
-            raise SourceError(line, f"{node.name} is of stage {node.stage}, behind one of {last}; move it up")
+            raise SourceError(line, f"{node.name} is of stage {node.stage}, after one of {last}; move it up")
         nodes[node.name] = node
     if not nodes:
         raise SourceError(1, "there is no NODE; list one")

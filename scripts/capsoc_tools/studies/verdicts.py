@@ -214,7 +214,7 @@ def read_records(path, head):
     except FileNotFoundError:
         return {}
     except ValueError as fault:
-        refuse(f"{path}: {fault}; remove what is behind the last whole line")
+        refuse(f"{path}: {fault}; remove what is after the last whole line")
     if not lines or (head and lines[0] != head):
         refuse(f"{path}: is of {lines[0] if lines else 'nothing'}, not of {head}; name another file")
     return {answer["case"]: answer for answer in lines[1:]}

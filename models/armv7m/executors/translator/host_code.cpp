@@ -91,7 +91,7 @@ void HostCode::list_step(const Step& step) {
   if (!listing_wanted_) return;
   char text[160];
   std::snprintf(text, sizeof text, "%08x %s", static_cast<unsigned>(step.address),
-                step.operation == Operation::fall_through ? "(goes on behind the block)"
+                step.operation == Operation::fall_through ? "(continues after the block)"
                                                           : disassemble(step).c_str());
   list_line(text);
 }

@@ -71,7 +71,7 @@ class Verilated:
             raise UnknownForm("no functions that settle, trigger or evaluate")
         calls = re.findall(r"__(_nba_\w+)\(vlSelf\);", self.function("_eval_nba"))
         if calls != [name for _, name in self.order]:
-            raise UnknownForm("an order of evaluation that is no list of functions behind triggers")
+            raise UnknownForm("an order of evaluation that is no list of functions after triggers")
 
     def function(self, name):
         if name not in self.functions:
