@@ -1,5 +1,5 @@
-// A program for random interrupt schedules: every line has a handler, handlers nest, pend each
-// other, change priorities and masks; the thread runs unprivileged under the MPU on the process
+// A program for random interrupt schedules. Every line has a handler; handlers nest, pend each
+// other, change priorities and masks. The thread runs unprivileged under the MPU on the process
 // stack and works with IT blocks, exclusives, multiple transfers, divisions and SVCs. It never
 // ends.
 #include <stdint.h>

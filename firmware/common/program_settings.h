@@ -10,7 +10,7 @@
      #define settings (*program_settings_values())
 */
 // and reads them as members: settings.rate_hz. A NUMBER has its C type (an integer of 1, 2, 4 or 8
-// bytes), name, initial, least and greatest value, the word that stands for 1, unit and meaning; so
+// bytes), name, initial, least and greatest value, the word that stands for 1, unit and meaning. So
 // the step above is 0.25 to a user and the word 0.25 * 2^31 to the program. A TEXT has the size of
 // its array, the terminating 0 included. Names are lower-case letters, digits and '_'.
 #ifndef CAPSOC_PROGRAM_SETTINGS_H

@@ -1,4 +1,4 @@
-// The verdict of a program as an object in its memory, next to the line that it prints: `capsoc
+// The verdict of a program as an object in its memory, next to the line that it prints. `capsoc
 // run` finds it by its name, puts it in the result file and compares its bound with the sensor's
 // truth.
 #ifndef CAPSOC_PROGRAM_VERDICT_H

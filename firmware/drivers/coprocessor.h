@@ -50,10 +50,9 @@ struct coprocessor_parameters coprocessor_read_parameters(void);
 // Writes the parameters and makes coefficients of them.
 void coprocessor_load_parameters(const struct coprocessor_parameters* parameters);
 
-// Turns the reference round and the coefficients with it: frequency, phase and sine coefficients
-// change sign, which leaves the fit to the signal as it was (cos(-x) = cos x, sin(-x) = -sin x) and
-// makes the mirrored solution the straight one. To be called between two samples, numeric
-// reference.
+// Reverses the reference and the coefficients with it: frequency, phase and sine coefficients
+// change sign. That keeps the fit to the signal (cos(-x) = cos x, sin(-x) = -sin x) and makes the
+// mirrored solution the straight one. To be called between two samples, numeric reference.
 void coprocessor_reverse_reference(void);
 
 // LOCK by the turns alone: an error that is small in volts says nothing of a signal that is small,

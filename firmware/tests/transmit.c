@@ -1,5 +1,5 @@
 // Sends bytes in every way in which a program may: with and without asking for room, as words and
-// as bytes, with interrupts switched on and off in between, and reads the status at all kinds of
+// as bytes, with interrupts switched on and off in between. It reads the status at all kinds of
 // distances. What it prints depends on the cycle at which each of this happened.
 #include "an385.h"
 #include "fixed_print.h"

@@ -18,15 +18,16 @@
 
 namespace capsoc::bus {
 
-/// Decodes by the map, translates the address into the target's own, in which it stays (IEEE
-/// 1666-2011, 14.7: an interconnect must not put it back), forwards, and adds the map's
-/// wait states to the delay after the target has answered. All three target sockets see the whole
-/// map: which bus carries which address is the processor's decision (Cortex-M3 manual, bus
-/// interfaces). Arbitration is not modelled: what masters do at one time costs none of them cycles.
+/// Decodes by the map, translates the address into the target's own, and forwards. The payload
+/// keeps that address (IEEE 1666-2011, 14.7: an interconnect must not put it back). After the
+/// target has answered, the map's wait states are added to the delay. All three target sockets see
+/// the whole map: which bus carries which address is the processor's decision (Cortex-M3 manual,
+/// bus interfaces). Arbitration is not modelled: what masters do at one time costs none of them
+/// cycles.
 ///
 /// Further masters (a DMA controller) get their own sockets by add_master(). They are granted no
 /// direct memory, so the matrix sees all that they write, and code that they replace never runs
-/// stale: listeners of `replaced` are notified, or, if there are none, direct memory of the written
+/// stale. Listeners of `replaced` are notified. If there are none, direct memory of the written
 /// range is invalidated at the other sockets, which is always right and slow.
 ///
 /// An address where nothing answers, or a transfer that leaves its window, gets

@@ -22,14 +22,14 @@ constexpr unsigned apb_transfer_cycles = 2;
 /// Serves the APB entries of a map, addressed by bus address.
 ///
 /// The APB knows aligned 32-bit transfers only. A read of a byte or half-word becomes a read of the
-/// whole word (there are no read strobes, so its side effects happen whole); a partial write
-/// becomes one word with byte enables (PSTRB); a longer burst becomes word after word. Each
+/// whole word (there are no read strobes, so its side effects happen whole). A partial write
+/// becomes one word with byte enables (PSTRB). A longer burst becomes word after word. Each
 /// transfer costs apb_transfer_cycles, plus the map's wait states, plus what the device adds to the
 /// delay (PREADY).
 ///
-/// Each is a transaction of the bridge's own, with the initiator's extensions of ours: PSLVERR is
-/// not the device's response status, and an interconnect must not change that of a payload that it
-/// has passed on (IEEE 1666-2011, 14.7).
+/// Each is a separate transaction of the bridge, with the initiator's extensions of ours. PSLVERR
+/// is not the device's response status, and an interconnect must not change the status of a payload
+/// that it has passed on (IEEE 1666-2011, 14.7).
 ///
 /// Answers: TLM_BURST_ERROR_RESPONSE for a length that no AHB transfer has or for streaming;
 /// TLM_ADDRESS_ERROR_RESPONSE if misaligned or nothing is selected; an error of the device is

@@ -44,9 +44,9 @@ class Uart : public kit::ClockedBank {
   kit::Probe<uint8_t> transmitted;
 
   /// The far end sends a byte. Bytes queue at the far end, which waits for an enabled receiver with
-  /// a legal baud rate before it begins the next one, but never for the receive buffer: software
-  /// that is too slow sees RXOVERRUN and the newer byte. A byte whose receiver is disabled before
-  /// its stop bit is lost.
+  /// a legal baud rate before it begins the next one. It never waits for the receive buffer:
+  /// software that is too slow sees RXOVERRUN and the newer byte. A byte whose receiver is disabled
+  /// before its stop bit is lost.
   void receive(uint8_t byte);
 
   /// The far end waits for the program, too, as with RTS and CTS: `source` is asked for a byte

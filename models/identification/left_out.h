@@ -7,9 +7,9 @@
 
 namespace capsoc::identification {
 
-/// "places": disturbances strike at any angle. Outliers near the ellipse which are at the same
-/// angles more often than the kept samples explain, and outliers without which a part of the turn
-/// has no sample, are no disturbances but a dead zone, a stuck code or a broken contact.
+/// "places": disturbances strike at any angle. Outliers near the ellipse may be at the same angles
+/// more often than the kept samples explain, or a part of the turn may have no sample without them.
+/// Then they are no disturbances but a dead zone, a stuck code or a broken contact.
 Gate check_left_out(const Samples& samples, const RobustFit& robust);
 
 }  // namespace capsoc::identification

@@ -46,8 +46,8 @@ Terms<orders> terms_of(const CirclePlane& plane, const CirclePlane::Polar& at) {
 
 /// Means over normal noise of the same standard deviation in both channels, by Gauss and Hermite's
 /// quadrature and so to every order of the noise. A sample's angle is known from the noisy sample
-/// only; the table is made such that its mean over the noise is the terms' mean at every true
-/// angle, which leaves sums of terms minus table without bias whatever the angles are.
+/// only. The table is made such that its mean over the noise is the terms' mean at every true
+/// angle. So sums of terms minus table have no bias, whatever the angles are.
 template <int orders>
 class NoiseExpectation {
  public:

@@ -33,9 +33,9 @@ struct Parameters {
   double beta = 0;
 };
 
-/// Nothing when an ellipse can be identified from the samples; otherwise the sentence that says
-/// why not: different lengths, fewer than five samples, a value that is not finite, a single
-/// point, a channel that does not move, a straight line, fewer than five different points.
+/// Nothing when an ellipse can be identified from the samples; otherwise the sentence that says why
+/// not. The causes are different lengths, fewer than five samples, a value that is not finite, a
+/// single point, a channel that does not move, a straight line, fewer than five different points.
 std::optional<Error> check_samples(const Channel& u, const Channel& v);
 
 }  // namespace capsoc::identification

@@ -10,7 +10,7 @@
 
 namespace capsoc::kit {
 
-/// State is a function of the edge number: advance() brings it to an edge, next_change() names the
+/// State is a function of the edge number. advance() brings it to an edge. next_change() names the
 /// edge at which something becomes visible outside (an interrupt, a byte on the line), and exactly
 /// one event is kept for that edge. A change of frequency moves the event, not the edge number.
 ///

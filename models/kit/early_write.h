@@ -6,8 +6,8 @@
 namespace capsoc::kit {
 
 /// On a write's payload. An initiator that is ahead of the kernel, and knows that the kernel has
-/// nothing to do before, need not wait for it where a device takes the write early: with the lead
-/// as its delay, the device acts at that time, and until then nothing outside of it notices.
+/// nothing to do before, need not wait for it where a device takes the write early. The lead is the
+/// delay of the write. The device acts at that time, and until then no other component notices.
 /// Devices that do not know of this never say so, and are never tried.
 struct EarlyWrite : tlm::tlm_extension<EarlyWrite> {
   /// The initiator's: made ahead of the kernel. Only to an address whose last write was `taken`.

@@ -11,7 +11,7 @@ namespace capsoc::soc {
 inline constexpr uint64_t kib = 1024, mib = 1024 * kib;
 
 /// Cycles that each word of a memory waits for beyond its own, by memory. The SRAMs of the board
-/// answer at once; its PSRAM is a 16-bit device of 70 ns: two halfwords of two cycles of 40 ns each
+/// answer at once. Its PSRAM is a 16-bit device of 70 ns: two halfwords of two cycles of 40 ns each
 /// make a word, three cycles more than a transfer without waiting.
 struct MemoryWaits {
   unsigned code_sram = 0, block_ram = 0, data_sram = 0, psram = 3;

@@ -232,9 +232,9 @@ static uint64_t going_on(const struct judgement* judgement, uint64_t way, uint32
   return LONGEST_DRIFT * way / (turns * (judgement->idle_turns + 1));
 }
 
-// What the parameters may still be off by, if their last changes continue as they were: those of a
-// loop that settles shrink from turn to turn, those of a drift, or of another signal at almost the
-// same speed, do not.
+// What the parameters may still be off by, if their last changes continue as they were. The changes
+// of a loop that settles shrink from turn to turn. Those of a drift, or of another signal at almost
+// the same speed, do not.
 static uint64_t wander(const struct judgement* judgement) {
   if (judgement->learning_turns < learning_judged || by_count()) return 0;
   if (!settles(judgement))

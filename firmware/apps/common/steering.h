@@ -1,5 +1,5 @@
-// Keeps a numeric reference at the angle of a shaft whose speed was measured: at the end of every
-// turn the speed takes over a part of what the residue and its change say, unless the largest of
+// Keeps a numeric reference at the angle of a shaft whose speed was measured. At the end of every
+// turn the speed takes over a part of the residue and of its change, unless the largest residue of
 // the turn is within a third of that of the best turn. It settles in about five turns and follows a
 // pace that changes over more; what the sensor does within a turn it leaves.
 #ifndef CAPSOC_STEERING_H

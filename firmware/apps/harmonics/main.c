@@ -1,6 +1,6 @@
-// Self-calibration with harmonics, at constant speed: the six parameters by block learning, first
-// with the angle as its own reference, then with a numeric one whose speed it finds itself; then
-// what is left of the angle's error, over the angle, as the table of the harmonic correction.
+// Self-calibration with harmonics, at constant speed. The six parameters come from block learning,
+// first with the angle as its own reference, then with a numeric one whose speed the program finds.
+// The remaining error over the angle becomes the table of the harmonic correction.
 //
 // The table is the mean residue of whole turns. A shaft that runs unevenly in a way that repeats
 // with each turn puts its own error into it, which the sensor's signals do not show: `ripple_deg`

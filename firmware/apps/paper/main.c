@@ -2,10 +2,10 @@
 // vectors W1 and W2, a clock of 25 MHz, 250 samples/s, a reference of 0.05 Hz, 400 s of
 // demodulation, then one revolution with the stored parameters.
 //
-// What the paper does not state and what gives its words: the steps 2^-step_shift times as large
-// (as printed they do not converge at this speed), a frequency word that is cut to frequency_bits,
-// and a reference that leads its data by lead_samples. Its arctangent has operands of 16 bits, as
-// they are: that is the hardware's (docs/explanation/papers.md has the command).
+// The paper does not state three things that give its words. The steps are 2^-step_shift times as
+// large (as printed they do not converge at this speed). The frequency word is cut to
+// frequency_bits, and the reference leads its data by lead_samples. Its arctangent has operands of
+// 16 bits, as they are: that is the hardware's (docs/explanation/papers.md has the command).
 //
 // Status: 0 pass, 1 a verdict of fail, 2 the ADC or the coprocessor refuses the settings,
 // 3 no coprocessor on this board.

@@ -1,6 +1,6 @@
 // Self-calibration by blocks: the coefficients change once a turn, by the normal equations of all
 // its samples. At an unknown speed the first turn's range gives the coefficients to start with, and
-// the angle of each sample is its own reference; at a known speed the first turn of the numeric
+// the angle of each sample is its own reference. At a known speed the first turn of the numeric
 // reference is enough. After some turns it calibrates with the parameters that it found.
 //
 // Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the settings,
@@ -73,8 +73,8 @@ static bool learnt(const struct judgement* judgement, uint32_t shown) {
 }
 
 // Window by window, until so many were kept. From the first good turn on only good ones count, but
-// not before the third: the angle of coefficients that were never learnt need not go round, and the
-// second turn has one more sample with those. False if the signal ended before.
+// not before the third. The angle of coefficients that were never learned need not go round, and
+// the second turn has one more sample with those. False if the signal ended before.
 static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
   struct judgement* const judgement = &state->judgement;
   uint32_t shown = 0;

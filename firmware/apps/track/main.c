@@ -1,5 +1,5 @@
-// Self-calibration at a speed that nobody knows: measures one turn, demodulates against the numeric
-// reference at that speed and trims it by the drift of phi, then hands over to the tracking
+// Self-calibration at an unknown speed. Measures one turn, demodulates against the numeric
+// reference at that speed and trims it by the drift of phi. Then it hands over to the tracking
 // reference, and in the end shows the angle reference, which needs no constant speed at all.
 //
 // Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the
@@ -22,8 +22,8 @@
 #include "supervision.h"
 #include "turn_meter.h"
 
-// Wider tracking loops (kp = 4) follow ripple better, but so fast a reference follows the angle's
-// own error too, and the last part of the coefficients settles more slowly: at a constant speed the
+// Wider tracking loops (kp = 4) follow ripple better. But so fast a reference also follows the
+// angle's error, and the last part of the coefficients settles more slowly. At a constant speed the
 // last turn shows 4.6e-7 deg as set here, and 2.4e-6 with kp = 4, ki = 10, numeric_until = 200 and
 // drift_divider = 32. No time is so long that its samples at the highest rate do not fit 32 bits.
 #define SETTINGS(NUMBER, TEXT)                                                                \

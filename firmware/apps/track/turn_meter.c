@@ -23,8 +23,8 @@ static uint64_t crossing_time(const struct turn_meter* meter, int64_t level, int
   return (uint64_t)(meter->samples - 1) * 256 + (uint64_t)fraction;
 }
 
-// Any level gives the length of the turn as long as both crossings have the same, so the level of
-// the first crossing stays, unless the range outgrows it: then that crossing was not one of the
+// Any level gives the length of the turn as long as both crossings have the same. So the level of
+// the first crossing stays, unless the range outgrows it. Then that crossing was not one of the
 // whole signal, and the measurement starts again.
 static void drop_stale_crossing(struct turn_meter* meter, int64_t middle, int64_t range) {
   const int64_t shift = middle > meter->level ? middle - meter->level : meter->level - middle;

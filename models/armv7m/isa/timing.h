@@ -95,17 +95,17 @@ inline constexpr Timing cortex_m3_timing{{
 ///
 /// P, the refill of the pipeline, is between 1 and 3 (3.3.1); it depends on where the target lies,
 /// how wide it is, and how early its address is known. An earlier issue (DDI 0337E, 18.1) says
-/// more: one cycle where the branch holds its target as a number, two where it is in a register,
-/// and longer to a 32-bit instruction that is not aligned, since its halves are in two words: a
+/// more: one cycle where the branch holds its target as a number, two where it is in a register. It
+/// is longer to a 32-bit instruction that is not aligned, since its halves are in two words: a
 /// cycle more here. Where the target is loaded it is three whatever the target (3.3.2, of LDR PC,
 /// TBB and TBH). Wait states come on top: of a data access once an access, of a fetch once a word
 /// that the instruction begins in. The parts of an unaligned access beyond the first take a cycle
 /// each.
 ///
-/// Not known, and not modelled: when LDR Rx, [PC, #imm] pays its cycle for contention with the
-/// fetch (3.3.2: "might"), how far the prefetch buffer of three words hides the wait states of
-/// fetches and what rows of unaligned 32-bit instructions cost in it, when a full write buffer
-/// delays a store, and which instructions IT does not fold after.
+/// Four things are not known, and not modelled. When LDR Rx, [PC, #imm] pays its cycle for
+/// contention with the fetch (3.3.2: "might"). How far the prefetch buffer of three words hides the
+/// wait states of fetches, and what rows of unaligned 32-bit instructions cost in it. When a full
+/// write buffer delays a store. After which instructions IT does not fold.
 ///
 /// What follows belongs to the three-stage pipeline, not to a profile: refills, pairing, folding
 /// and what operands add.

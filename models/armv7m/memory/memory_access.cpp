@@ -405,12 +405,12 @@ Access MemoryAccess::failed(const Step& op, BusResult result, uint32_t address) 
   return Access::fault;
 }
 
-/// Whether the write buffer takes a store and its bus error comes later, as IMPRECISERR: the
-/// accesses to Normal and Device memory are buffered, those to Strongly-ordered memory (the private
-/// peripheral bus, and regions of the MPU with TEX, C and B zero), of bit-band aliases (a locked
-/// read and write) and of store-exclusives (they wait for the answer) are not. ACTLR.DISDEFWBUF
-/// ends the buffering where the default map decides. The model's bus answers at once, so the
-/// exception is taken after the instruction that stored, if its priority allows.
+/// Whether the write buffer takes a store, so that its bus error comes later, as IMPRECISERR.
+/// Accesses to Normal and Device memory are buffered. Not buffered are accesses to Strongly-ordered
+/// memory (the private peripheral bus, and regions of the MPU with TEX, C and B zero), to bit-band
+/// aliases (a locked read and write) and store-exclusives (they wait for the answer).
+/// ACTLR.DISDEFWBUF ends the buffering where the default map decides. The model's bus answers at
+/// once, so the exception is taken after the instruction that stored, if its priority allows.
 bool MemoryAccess::buffered(const Step& op, uint32_t address) const {
   if (is(op, kind::exclusive_store) || in_private_peripherals(address) ||
       in_bit_band_alias(address))

@@ -18,10 +18,10 @@
 
 namespace capsoc::armv7m {
 
-/// The core's accesses as transactions on the three AHB-Lite ports, each at its exact time: before
-/// one the kernel catches up with the core, unless the device takes the time of the access as a
-/// delay (kit::SteadyRead, kit::EarlyWrite) and the kernel has nothing to do before. Maps memory
-/// that a port grants directly. Nothing passed in is owned.
+/// The core's accesses as transactions on the three AHB-Lite ports, each at its exact time. Before
+/// an access the kernel catches up with the core. The exception is a device that takes the time of
+/// the access as a delay (kit::SteadyRead, kit::EarlyWrite) while the kernel has nothing to do
+/// before. Maps memory that a port grants directly. Nothing passed in is owned.
 class BusAccess {
  public:
   using Port = tlm::tlm_initiator_socket<32>;

@@ -9,7 +9,7 @@
 
 namespace capsoc::armv7m {
 
-/// Recognises a program that has nothing left to do (run.end_on_idle): for a given time in a row
+/// Recognises a program that has nothing left to do (run.end_on_idle). For a given time in a row
 /// neither it nor the hardware did anything that counts as work, and it slept through at least nine
 /// tenths of that time. All in simulated time, so that the end is at the same cycle whatever the
 /// quantum and the executor are.

@@ -1,4 +1,4 @@
-// A recording at the pins of a design, interval by interval, as an APB and an ADC drive them: each
+// A recording at the pins of a design, interval by interval, as an APB and an ADC drive them. Each
 // access has its setup phase, what no strobe covers is noise, and nothing is known but the pins.
 #pragma once
 

@@ -13,9 +13,10 @@
 
 namespace capsoc::host {
 
-/// Written in memory that does not grow with it: next to its place (GrowingFile), or, where it is
-/// written in place (a pipe, a device, a descriptor), in a nameless temporary file that is copied
-/// there at the end. So a reader gets all of it at once, and no half of it where the run fails.
+/// Written in memory that does not grow with it, next to its place (GrowingFile). Where it is
+/// written in place (a pipe, a device, a descriptor), it grows in a nameless temporary file that is
+/// copied there at the end. So a reader gets all of it at once, and no half of it where the run
+/// fails.
 class GrowingStream {
  public:
   /// An Error: nothing can be written there.

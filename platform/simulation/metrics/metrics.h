@@ -109,9 +109,9 @@ class Metrics {
 
   uint64_t samples() const { return samples_; }
   Convergence convergence() const;
-  /// phi counts from where the reference was at the sensor's sample 0: the sensor's own is the
-  /// truth of a numeric reference that began there, not of a program that measured or tracked the
-  /// speed, took the angle as its reference or never demodulated.
+  /// phi counts from where the reference was at the sensor's sample 0. So the sensor's phi is the
+  /// truth of a numeric reference that began there. It is not the truth of a program that measured
+  /// or tracked the speed, took the angle as its reference or never demodulated.
   bool phi_comparable() const { return has_demodulated_ && !phi_shifted_; }
   /// In the program's own direction: while its beta is beyond a quarter turn and the sensor's is
   /// not, or the other way round, its angle is half a turn less the sensor's.

@@ -51,9 +51,9 @@ class SpooledRecording : public SampleWriter {
 /// its name.
 Result<std::unique_ptr<SampleWriter>> begin_mat_recording(Recording recording);
 
-/// A stream of Arm's SDS-Framework, a block a sample, and its metadata next to it: u and v as words
-/// of 32 bits with their scale, other columns as doubles, the time as time slots of ms, or of us
-/// where ms do not do.
+/// A stream of Arm's SDS-Framework, a block a sample, and its metadata next to it. It has u and v
+/// as words of 32 bits with their scale, other columns as doubles, the time as time slots of ms, or
+/// of us where ms do not do.
 Result<std::unique_ptr<SampleWriter>> begin_sds_recording(Recording recording);
 
 /// NAME.sds.yml of NAME.sds and of NAME.0.sds.

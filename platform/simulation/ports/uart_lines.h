@@ -40,10 +40,10 @@ struct UartSettings {
                      .by({"--fail-uart", "REGEX", "End with 1 when a line of a UART matches"})};
 };
 
-/// All lines, and the one place where bytes of the host enter the simulation: a byte is asked for
-/// when the receiver is ready for it, by the UART itself as soon as it gets ready, when a script
-/// has sent some, and once a simulated millisecond while the host decides when bytes come. Looking
-/// costs no simulated time.
+/// All lines, and the one place where bytes of the host enter the simulation. A byte is fetched
+/// when the receiver is ready for it: by the UART as soon as it gets ready, when a script has sent
+/// some, and once a simulated millisecond while the host decides when bytes come. Looking costs no
+/// simulated time.
 class UartLines : public sc_core::sc_module {
  public:
   UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial::GiveUp give_up);

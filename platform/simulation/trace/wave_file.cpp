@@ -19,7 +19,7 @@ namespace {
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 /// A block is a byte with its kind and its length without that byte, 8 bytes with the highest
-/// first; a file is a chain of blocks that begins with the header and ends at its end.
+/// first. A file is a chain of blocks that begins with the header and ends at its end.
 bool is_whole(const std::string& path) {
   constexpr int header_kind = 0, skip_kind = 255;
   const File file(std::fopen(path.c_str(), "rb"), std::fclose);

@@ -126,9 +126,9 @@ void BlockPlan::collect_steps() {
   }
 }
 
-/// Lets the block run into another one where it is cut, or as soon before as one may begin there:
-/// with flags that are all the block's own, or none, since the recipe of those that were left to it
-/// uncomputed can be passed on as a whole only.
+/// Lets the block run into another one where it is cut, or as soon before as one may begin there.
+/// The flags must be all the block's own, or none, since the recipe of flags that it got uncomputed
+/// can be passed on only as a whole.
 void BlockPlan::split() {
   std::size_t place = 0;
   uint8_t own = 0;

@@ -59,9 +59,9 @@ std::optional<x86::Inst::Id> BlockCompiler::masked_by(const Step& step) {
   }
 }
 
-/// How a group can be written without a jump, which costs no wrong guess where nothing predicts it:
-/// as conditional moves, after which a second group (ITE) finds the host's flags as the first did;
-/// or with a mask made of the condition, for which it has to do something else than move.
+/// How a group can be written without a jump, which avoids mispredicted branches. One way is
+/// conditional moves, after which a second group (ITE) finds the host's flags as the first did. The
+/// other is a mask made of the condition, for operations that are no moves.
 BlockCompiler::GroupForm BlockCompiler::form_of_group(std::size_t end) const {
   constexpr std::size_t most_masked = 4;
   GroupForm form = GroupForm::moves;
