@@ -53,8 +53,8 @@ class Core {
   const Profile& profile() const { return machine_.profile; }
 
   // Memory
-  /// Memory the core reaches without the bus; `wait_states` a word. The host memory stays the
-  /// caller's. Whoever else writes into it calls invalidate_code().
+  /// Memory the core reaches without the bus; `wait_states` a word. The host memory is not owned.
+  /// After writing to it from outside the core call invalidate_code().
   void map_memory(uint32_t base, uint32_t size, uint8_t* host, bool writable,
                   unsigned wait_states) {
     machine_.memory.map().map({base, size, host, writable, wait_states});
@@ -63,7 +63,7 @@ class Core {
   void invalidate_code(uint32_t address, uint32_t size) {
     machine_.memory.invalidate_code(address, size);
   }
-  /// Whoever else wrote into memory, anywhere: decoded code is dropped.
+  /// Drops all decoded code. Call after writing guest memory from outside the core.
   void memory_changed() { machine_.memory.invalidate_all_code(); }
   /// Access without side effects or time, for debuggers; false where nothing can be shown.
   bool debug_read(uint32_t address, void* data, uint32_t size) const {
@@ -78,11 +78,12 @@ class Core {
   StopReason run(uint64_t until_cycle);
   /// One instruction (or the entry of one exception).
   StopReason step_instruction();
-  /// One turn of the loop the program is in, from here to here or, where the first turn leaves
-  /// other registers or flags, from there to there, by single steps while cycles() is below
-  /// `until_cycle` and nobody wants attention(). Nothing: it does not come back soon, or not
-  /// to the same registers and flags, or it writes or does anything but compute and load; what was
-  /// executed is as good as by run(). What its loads from the bus do is the caller's to know.
+  /// Executes one iteration of the loop that the program is in, by single steps, while cycles() is
+  /// below `until_cycle` and attention() is not requested. Where the first iteration leaves other
+  /// registers or flags, it executes a second one. Nothing: the program does not come back soon, or
+  /// not to the same registers and flags, or the iteration does anything but compute and load. The
+  /// executed instructions count as by run(). The caller must check the effects of its loads from
+  /// the bus.
   std::optional<Turn> repeat_turn(uint64_t until_cycle);
   /// The turn that repeat_turn() found last, if it would find the same from here provided that the
   /// one load in it gave the same in the same time. Executes nothing.
@@ -145,14 +146,14 @@ class Core {
 
   // Observers
   Listeners& listeners() { return machine_.listeners; }
-  /// One more that observes, after those before it, until it is removed. It stays the caller's.
-  /// `instructions`: at each one, the executor is stepping meanwhile. `accesses`: at each data
-  /// access, direct memory is reached the slow way meanwhile. Exceptions are told either way. An
-  /// observer that was added before is added again.
+  /// Registers an observer, called after those already registered. Not owned. `instructions`: at
+  /// each one, the executor is stepping meanwhile. `accesses`: at each data access, direct memory
+  /// is reached the slow way meanwhile. Exceptions are told either way. An observer that was added
+  /// before is added again.
   void add_observer(Observer& observer, bool instructions, bool accesses);
   void remove_observer(Observer& observer);
   Debugging& debugging() { return machine_.debugging; }
-  /// Counts from now on, between two runs; null: nobody any more. They stay the caller's.
+  /// Counts from now on; call between two runs. Null stops counting. Not owned.
   void count_executions(ExecutionCounts* counts);
 
  private:

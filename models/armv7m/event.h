@@ -36,7 +36,7 @@ class Requests {
  public:
   enum Reason : uint32_t {
     changed = 1 << 0,    ///< something that decides on exceptions, sleep, memory or mode
-    attention = 1 << 1,  ///< somebody outside wants run() to end
+    attention = 1 << 1,  ///< a caller from outside wants run() to end
     stuck = 1 << 2,
     watchpoint = 1 << 3,
     breakpoint = 1 << 4,  ///< BKPT, for a debugger that halts

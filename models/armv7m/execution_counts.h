@@ -33,8 +33,8 @@ class ExecutionCounts {
   void left(const DecodedOp& op, uint32_t pc);
   /// The condition that IT gave to an instruction failed.
   void skipped(const DecodedOp& op);
-  /// Where execution stands at the beginning of a run of the core, and at its end: what was changed
-  /// in between was somebody else's doing (a reset, a debugger).
+  /// Where execution stands at the beginning of a run of the core, and at its end: changes in
+  /// between came from outside (a reset, a debugger).
   void begins(uint32_t pc);
   void ends(uint32_t pc) { standing_ = pc; }
   /// What happens until it is called with false is what repeat() repeats.

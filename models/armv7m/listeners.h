@@ -32,7 +32,7 @@ struct VectorWrite {
   unsigned size = 0;  ///< 1, 2 or 4 bytes
 };
 
-/// Who is notified of what a program does. Empty: nobody.
+/// Callbacks for guest events. Unset callbacks are ignored.
 struct Listeners {
   /// BKPT 0xAB, with PC after it; false ends run() with semihosting_exit.
   std::function<bool(Core&)> semihosting;

@@ -13,7 +13,7 @@ class Observers final : private Observer {
   void add(Observer& observer, bool instructions, bool accesses);
   void remove(Observer& observer);
 
-  /// The one to be told; null: nobody observes. A single one is told without a detour.
+  /// The observer to notify; null: there is none. A single one is notified directly.
   Observer* all();
   bool see_instructions() const;
   bool see_accesses() const;

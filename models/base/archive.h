@@ -61,8 +61,8 @@ class Archive {
   /// `size` bytes at `bytes`, mostly zero. Pages without anything in them take no room.
   void memory(const char* name, uint8_t* bytes, std::size_t size);
 
-  /// The archive takes no more: what a component finds wrong with values that it was given.
-  /// `sentence` continues where the value's name ends ("is not known").
+  /// Refuses the archive: a component finds a fault in its values. `sentence` continues where the
+  /// value's name ends ("is not known").
   void refuse(const std::string& sentence);
   /// Nothing was refused.
   bool ok() const { return problem_.empty(); }

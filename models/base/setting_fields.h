@@ -1,4 +1,4 @@
-// Settings as typed fields. A setting is declared once, as a member of whoever uses it:
+// Settings as typed fields. A setting is declared once, as a member of the part that uses it:
 //
 //   struct CpuSettings {
 //     Settings& all;

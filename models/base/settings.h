@@ -69,7 +69,7 @@ struct Setting {
 };
 
 /// Settings whose names are known only later: every `prefix` followed by a name (lower-case
-/// letters, digits, '_'). They are texts here and checked by whoever knows them.
+/// letters, digits, '_'). They are texts here and checked by the part that knows them.
 struct SettingGroup {
   std::string prefix;  ///< with its last dot
   std::string help;
@@ -116,8 +116,8 @@ class Settings {
   /// A TOML file whose tables and keys are the paths.
   std::optional<Error> read_file(const std::string& file);
 
-  /// By a name that somebody gave; null if there is none. Whoever knows the setting has its field
-  /// (setting_fields.h).
+  /// By a name that the user gave; null if there is none. A part that knows the setting has its
+  /// field (setting_fields.h).
   const Setting* find(const std::string& path) const;
   const std::vector<Setting>& all() const { return settings_; }
   const std::vector<SettingGroup>& groups() const { return groups_; }

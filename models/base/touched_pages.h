@@ -6,10 +6,9 @@
 
 namespace capsoc {
 
-/// Which pages of a range of this process's private memory may hold something: a page that nobody
-/// ever touched is 0, and looking at it would make the system map it. Linux tells
-/// (proc(5), pagemap); where it does not, every page counts as touched. As it was when this was
-/// made.
+/// Which pages of a range of this process's private memory may hold something: a page that was
+/// never touched is 0, and looking at it would make the system map it. Linux tells (proc(5),
+/// pagemap); where it does not, every page counts as touched. As it was when this was made.
 class TouchedPages {
  public:
   TouchedPages(const uint8_t* bytes, std::size_t size);

@@ -16,7 +16,8 @@ namespace capsoc::cmsdk {
 
 /// 16 pins. DATA reads the pins through a synchroniser of two flip-flops, so a change is visible,
 /// and interrupts, two PCLK cycles later. A pin carries DATAOUT where OUTENABLE is set and the
-/// alternate function is not selected, else the level that the outside drives (low if nobody does).
+/// alternate function is not selected, else the level that the outside drives (low if it is not
+/// driven).
 class Gpio : public kit::ClockedBank {
  public:
   static constexpr unsigned pin_count = 16;

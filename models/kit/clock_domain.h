@@ -47,7 +47,7 @@ class ClockDomain {
   /// registration.
   void set_frequency(uint64_t hz);
 
-  /// Nobody is told: whoever plans by edge numbers does so again after a restore.
+  /// There is no notification: parts that plan by edge numbers plan again after a restore.
   void visit(Archive& archive);
 
   /// `listener` runs after every change; it reschedules what it had planned by edge number.

@@ -23,7 +23,7 @@ class Component {
   virtual void visit(Archive& archive) = 0;
 
   /// After every part has its state again, at the simulated time at which it was saved: events are
-  /// planned again. Nothing may be told to anybody outside.
+  /// planned again. Must not notify other components.
   virtual void restored() {}
 
   /// The interrupt outputs by their names, in the order in which the part declares them.

@@ -44,8 +44,8 @@ void visit_guest_errors(Archive& archive);
 /// Empty: none.
 void set_guest_error_context(std::function<std::string()> context);
 
-/// Calls back with source and text of every guest error from now on, logged or not. Empty: nobody.
-/// It must not report itself.
+/// Calls back with source and text of every guest error from now on, logged or not. An empty
+/// function removes the listener. It must not report a guest error itself.
 void set_guest_error_listener(std::function<void(std::string_view, std::string_view)> listener);
 
 }  // namespace capsoc::kit

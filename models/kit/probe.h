@@ -7,7 +7,7 @@
 
 namespace capsoc::kit {
 
-/// Somebody listens to a probe for as long as this lives. It may outlive the probe.
+/// A listener is registered with a probe for as long as this lives. It may outlive the probe.
 class [[nodiscard]] Listening {
  public:
   Listening() = default;

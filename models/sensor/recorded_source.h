@@ -21,7 +21,7 @@ class RecordedSource final : public Source {
   void rewind() override {}
   const Description& description() const override { return description_; }
 
-  /// The columns, for what needs all samples at once; whoever takes them leaves the source empty.
+  /// The columns, for what needs all samples at once; taking them leaves the source empty.
   SampleColumn& u() { return u_; }
   SampleColumn& v() { return v_; }
   SampleColumn& angle() { return angle_; }

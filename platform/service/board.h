@@ -44,7 +44,7 @@ class Board {
     std::string to_bytes() const;
     static Snapshot of(const std::string& bytes);
 
-    Json held;  ///< what came from outside and has not reached the chip, what it sent and nobody
+    Json held;  ///< what came from outside and has not reached the chip, what it sent and no client
                 ///< has read
     Frames frames;  ///< a checkpoint's bytes, then those that `held` refers to; empty: out of reset
   };
@@ -112,7 +112,7 @@ class Board {
   /// An input has made another future: what comes now was never told.
   void forget_told();
 
-  /// The clock of the processor changes; empty: nobody asks.
+  /// The clock of the processor changes; empty: there is no listener.
   std::function<void()> on_clock_change;
   run::RunSettings& settings() { return settings_; }
 
@@ -122,8 +122,8 @@ class Board {
   Json finish();
   bool is_finished() const { return result_.has_value(); }
 
-  /// An Error as run::Simulation::packed_state() has it. `unread`: with the text of UARTs that
-  /// nobody has read.
+  /// An Error as run::Simulation::packed_state() has it. `unread`: with the text of UARTs that no
+  /// client has read.
   Result<Snapshot> snapshot(bool unread = true);
   /// Why a checkpoint alone would not be the whole state; "" if it is.
   std::string beside_the_checkpoint() const;

@@ -1,4 +1,4 @@
-// What happened in a simulation, for whoever asked to be told.
+// What happened in a simulation, for the clients that subscribed to it.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@ class Outbox {
   void add(std::string bytes);
   bool empty() const { return taken_ == bytes_.size(); }
   bool is_full() const { return bytes_.size() - taken_ >= full; }
-  /// Writes what the descriptor takes now; false: nobody reads it any more.
+  /// Writes what the descriptor takes now; false: it has no reader any more.
   bool write_to(int descriptor);
 
  private:

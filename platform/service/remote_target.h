@@ -17,7 +17,7 @@ namespace capsoc::service {
 
 class RemoteTarget final : public debug::Target {
  public:
-  /// `say`: text for the debugger's console, about what nobody had asked.
+  /// `say`: text for the debugger's console, which was not requested.
   RemoteTarget(SessionClient& session, uint64_t simulation,
                std::function<void(const std::string&)> say)
       : session_(session), simulation_(simulation), say_(std::move(say)) {}

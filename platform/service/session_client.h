@@ -18,7 +18,7 @@
 
 namespace capsoc::service {
 
-/// Asks one question after the other over a connection that nobody else uses.
+/// Asks one question after the other over a connection that is not shared.
 class SessionClient {
  public:
   explicit SessionClient(host::Descriptor connection) : connection_(std::move(connection)) {}

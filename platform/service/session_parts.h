@@ -13,7 +13,7 @@ namespace capsoc::service {
 struct Session::Client {
   uint64_t number = 0;
   host::Descriptor input, output;  ///< of a socket `input` alone
-  bool is_standard = false;        ///< stdin and stdout, which nobody closes
+  bool is_standard = false;        ///< stdin and stdout, which are never closed
   bool is_authenticated = false, is_gone = false;
   bool is_finished = false;  ///< it sends no more; what it asked for is answered
   MessageReader reader;

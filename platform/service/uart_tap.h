@@ -22,7 +22,7 @@ namespace capsoc::service {
 
 class UartTap {
  public:
-  /// Listens in addition to whoever has the line already, and answers the receiver before
+  /// Listens in addition to the present listener of the line, and answers the receiver before
   /// `otherwise`.
   void attach(cmsdk::Uart& uart, std::function<std::optional<uint8_t>()> otherwise);
 

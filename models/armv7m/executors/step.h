@@ -47,8 +47,8 @@ Step closing_step(const Step& last);
 struct CodePage {
   std::array<std::unique_ptr<Step[]>, 2048> blocks;
   uint64_t code_lines = 0;  // bit n: bytes 64n..64n+63 were decoded
-  // The same of bytes that are not stored to directly for another reason: they are read-only, or
-  // somebody is notified of stores there.
+  // The same of bytes that are not stored to directly for another reason: they are read-only, or a
+  // listener is notified of stores there.
   uint64_t closed_lines = 0;
   // Of the translator: the host code of a block, by the halfword it starts at, and how often it was
   // executed without.

@@ -61,7 +61,7 @@ class MemoryAccess {
   const Memory::Page* pages() const { return pages_; }
   /// All memory can be reached directly: no MPU, no watchpoint and no observer applies.
   bool is_whole_view() const { return pages_ == memory_.table(); }
-  /// Somebody wants to see accesses that host code may make or leave out unseen.
+  /// An observer wants to see accesses that host code may make or leave out unseen.
   bool is_watched() const;
   /// The record of a page that may be executed throughout, created on demand; null for the others.
   CodePage* executable_page(uint32_t address);
@@ -79,7 +79,7 @@ class MemoryAccess {
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.
   void collect();
-  /// Lets stores into the vector table go the slow way, if somebody is notified of them.
+  /// Lets stores into the vector table take the slow path, if a listener is notified of them.
   void watch_vectors();
 
   /// Access without side effects or time, for debuggers; false where nothing can be shown.

@@ -11,7 +11,7 @@ class Archive;
 namespace capsoc::armv7m {
 
 /// The instrumentation trace macrocell's stimulus ports (C1.7): what a program writes there goes to
-/// whoever listens, at once, so that a port is always ready. `tracing` is DEMCR.TRCENA.
+/// the listener, at once, so that a port is always ready. `tracing` is DEMCR.TRCENA.
 class Itm {
  public:
   static constexpr unsigned ports = 32;

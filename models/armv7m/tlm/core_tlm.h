@@ -114,7 +114,7 @@ class CoreTlm : public sc_core::sc_module,
     pause_now();
     sleep_.wake();
   }
-  /// Somebody outside may wake a processor that nothing inside could: then it sleeps until the
+  /// An external event may wake a processor that nothing inside could: then it sleeps until the
   /// pause instead of ending the simulation.
   void expect_inputs() { sleep_.expect_inputs(); }
   /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
@@ -128,7 +128,7 @@ class CoreTlm : public sc_core::sc_module,
   void visit(Archive& archive) override;
   void restored() override;
 
-  /// Asked before and told after every run of the core; null: nobody. It stays the caller's.
+  /// Asked before and notified after every run of the core. Null: none. Not owned.
   void set_debugger(Debugger* debugger) { debugger_ = debugger; }
   /// A system reset at once; for the debugger, out of its calls.
   void reset_now() { reset_system(); }

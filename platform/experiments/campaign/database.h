@@ -50,7 +50,7 @@ class Database {
  public:
   enum class Mode {
     read,   ///< changes nothing; a reader cleans up behind a writer that was killed, as SQLite does
-    as_is,  ///< reads the file alone, without locks; nobody may write to it meanwhile
+    as_is,  ///< reads the file alone, without locks; no process may write to it meanwhile
     write,
     alone,  ///< as write, without shared memory: no other process may use the file meanwhile
     create

@@ -1,4 +1,4 @@
-// Somebody else's program, run to its end by the shell.
+// A program of the user, run to its end by the shell.
 #pragma once
 
 #include <optional>

@@ -13,7 +13,7 @@
 
 namespace capsoc::debug {
 
-/// What a packet asks of whoever runs the processor.
+/// What a packet asks of the part that runs the processor.
 struct Request {
   enum class Kind : uint8_t {
     none,

@@ -13,8 +13,9 @@ namespace capsoc::debug {
 
 /// Any number of GDBs on one processor, wherever that runs. Its first packet makes a client a
 /// debugger; before it, and if none ever comes (a probe of the port), a client changes nothing. The
-/// first debugger halts the processor; one that comes later observes without stopping it. Whoever
-/// resumes or interrupts has it; when the last of these is gone, the run continues by itself.
+/// first debugger halts the processor; one that comes later observes without stopping it. The
+/// client that resumes or interrupts has it; when the last of these is gone, the run continues by
+/// itself.
 class Clients {
  public:
   /// What the processor is told.

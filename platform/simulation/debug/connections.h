@@ -40,8 +40,8 @@ struct LineEvent {
   std::string bytes = {};
 };
 
-/// Listens on 127.0.0.1. Events wait for whoever calls next(); asking whether there are any costs
-/// one load.
+/// Listens on 127.0.0.1. Events wait until next() is called; asking whether there are any costs one
+/// load.
 class Connections {
  public:
   /// Port 0 takes a free one.

@@ -24,7 +24,7 @@ struct End {
   double host_limit_s = 0;        ///< limit of the host's time
   bool out_of_time = false;       ///< it was reached
   bool simlimit_reached = false;  ///< the limit of simulated time was reached
-  bool could_go_on = false;       ///< whoever advanced it has had enough
+  bool could_go_on = false;       ///< the caller that advanced it stopped
 };
 
 /// Sets code and reason of the result.

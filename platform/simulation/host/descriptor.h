@@ -36,7 +36,7 @@ class Descriptor {
   int number_;
 };
 
-/// All of it, to a descriptor that blocks. False: nobody takes it (errno).
+/// All of it, to a descriptor that blocks. False: it was not taken (errno).
 inline bool write_all(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = write(descriptor, bytes.data(), bytes.size());

@@ -15,9 +15,9 @@ namespace capsoc::host {
 /// sentence and `full_disk`.
 void catch_end_signals(int full_disk);
 
-/// From here on these signals are noted and nothing else, because somebody asks noted_signal(): a
+/// From here on these signals are noted and nothing else, because the run asks noted_signal(): a
 /// run that writes its results. A wait of the kernel that one interrupts is not resumed. SIGPIPE is
-/// ignored from here on, and whoever writes decides what a reader that has gone means.
+/// ignored from here on, and the writer decides what a reader that has gone means.
 void note_end_signals();
 /// As if the signal had come.
 void note_signal(int number);

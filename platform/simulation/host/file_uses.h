@@ -19,8 +19,8 @@ struct FileUse {
 
 /// An Error if an output is an input's file or another output's: by device and inode, or, of files
 /// that are not there yet, by where the name leads to. The standard streams of the program count
-/// where they are files. Devices, pipes and names of open descriptors (/dev/stdout) are in nobody's
-/// way. The sentence names both options and the file.
+/// where they are files. Devices, pipes and names of open descriptors (/dev/stdout) are exempt. The
+/// sentence names both options and the file.
 std::optional<Error> check_uses(const std::vector<FileUse>& uses);
 
 }  // namespace capsoc::host

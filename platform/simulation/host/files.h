@@ -31,9 +31,8 @@ std::optional<Error> write_together(const std::vector<TextFile>& files);
 /// The sentence for what cannot be written; `error` as errno has it.
 Error cannot_write(const std::string& path, int error);
 
-/// Opens what exists for writing, with O_CLOEXEC and these flags. A pipe that nobody reads waits
-/// for its reader until the program is ending. A descriptor, or -1 with errno (EINTR: it was
-/// ending).
+/// Opens what exists for writing, with O_CLOEXEC and these flags. A pipe without a reader waits for
+/// its reader until the program is ending. A descriptor, or -1 with errno (EINTR: it was ending).
 int open_to_write(const std::string& path, int flags);
 
 /// Where a file grows until it is whole: next to its place. A device, a pipe or a descriptor of

@@ -65,7 +65,7 @@ class Observation final : public RunObserver {
   metrics::SensorTruth truth_;     ///< of the newest sample
   uint64_t number_ = 0;            ///< of the newest sample
   Sample newest_;                  ///< of the front-end
-  std::optional<double> since_s_;  ///< the first sample that anybody listened to
+  std::optional<double> since_s_;  ///< the first sample with a listener
   std::deque<Sample> on_the_way_;
   kit::Listening submissions_, results_, conversions_;
 };

@@ -60,7 +60,7 @@ class SemihostingPort : private semihosting::GuestMemory {
   void visit(Archive& archive) { semihosting_.visit(archive); }
   void restored() { semihosting_.restored(); }
   /// At the end of the run: why text of the console was lost, or "". Standard error may lose it: it
-  /// is the console's place when nobody asked for one.
+  /// is the console's place when none was requested.
   std::string finish();
 
  private:

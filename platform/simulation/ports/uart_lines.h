@@ -85,7 +85,7 @@ class UartLines : public sc_core::sc_module {
 
   soc::Soc& soc_;
   serial::GiveUp give_up_;
-  std::function<void()> pace_;  ///< empty: nobody paces
+  std::function<void()> pace_;  ///< empty: not paced
   std::array<std::unique_ptr<serial::SerialLine>, soc::Soc::uart_count> lines_;
   std::array<serial::UartScript, soc::Soc::uart_count> scripts_;
   sc_core::sc_event to_play_;

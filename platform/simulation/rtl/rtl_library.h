@@ -10,7 +10,7 @@
 
 namespace capsoc::rtl {
 
-/// Keeps the library loaded for as long as someone holds it.
+/// Keeps the library loaded for as long as a reference to it exists.
 class RtlLibrary {
  public:
   using Handle = std::shared_ptr<const RtlLibrary>;

@@ -20,18 +20,18 @@ class CharacterBackend {
  public:
   virtual ~CharacterBackend() = default;
 
-  /// In order and whole to whoever listens; waits while they are slow. With nobody there the bytes
-  /// are dropped, as on a line with nothing at its end.
+  /// In order and whole to the client; waits while they are slow. Without a client the bytes are
+  /// dropped, as on a line with nothing at its end.
   virtual void write(std::string_view bytes) = 0;
   /// What has arrived, without waiting; empty: nothing at present.
   virtual std::string read() { return {}; }
   /// The host decides when bytes arrive. Otherwise read() depends on nothing but a file.
   virtual bool live() const { return false; }
-  /// Somebody would get what is written now.
+  /// A client would get what is written now.
   virtual bool has_listener() { return true; }
   /// At the end of the run: returns when everything is delivered, or cannot be.
   virtual void finish() {}
-  /// For people: where to connect; empty where nobody needs to.
+  /// For people: where to connect; empty where that is not needed.
   virtual std::string place() const { return {}; }
   /// Why bytes were lost that should have been kept, a sentence; empty if none were.
   virtual std::string failure() const { return {}; }

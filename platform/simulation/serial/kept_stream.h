@@ -16,7 +16,7 @@ namespace capsoc::serial {
 /// Keeps what the guest says until it is taken, and has for it what was given.
 class KeptStream {
  public:
-  /// Bytes of the guest that nobody has taken; the oldest go.
+  /// Bytes of the guest that were not taken; the oldest go.
   static constexpr std::size_t most_kept = std::size_t{2} << 20;
 
   void say(std::string_view bytes) {
@@ -36,7 +36,7 @@ class KeptStream {
     lost = std::exchange(lost_, 0);
     return std::exchange(said_, {});
   }
-  /// What nobody has taken.
+  /// What was not taken.
   const std::string& said() const { return said_; }
   /// Its first bytes count as taken.
   void pass(std::size_t bytes) { said_.erase(0, bytes); }
@@ -46,7 +46,7 @@ class KeptStream {
   uint64_t sent() const { return sent_; }
   struct Told {
     uint64_t told = 0;  ///< bytes since the start
-    std::string said;   ///< of these the last ones, which nobody has taken
+    std::string said;   ///< of these the last ones, which were not taken
     uint64_t lost = 0;
   };
   Told told() const { return {known(), said_, lost_}; }
