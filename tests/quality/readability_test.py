@@ -18,7 +18,7 @@ LEFT = {
     "pages: explanation": (0, 0),
     "pages: developer": (0, 0),
     "pages: others": (17, 0),
-    "comments": (85, 193),
+    "comments": (85, 190),
     "messages": (4, 0),
 }
 
@@ -51,7 +51,10 @@ const char* text = "a message that "
 const char* name = "anew";
 """
 
-PYTHON = '''"""Documentation that somebody reads."""
+PYTHON = '''"""Documentation that somebody reads.
+
+usage: a line that is no sentence
+"""
 import sys
 # A comment of one line here.
 def f(x):
@@ -99,10 +102,10 @@ class Passages(unittest.TestCase):
         self.assertEqual(
             [(each.kind, each.line, each.text) for each in found("scripts/x.py", PYTHON)],
             [
-                ("comments", 3, "A comment of one line here."),
+                ("comments", 6, "A comment of one line here."),
                 ("comments", 1, "Documentation that somebody reads."),
-                ("comments", 5, "More words for the caller."),
-                ("messages", 6, "the value X is not a number"),
+                ("comments", 8, "More words for the caller."),
+                ("messages", 9, "the value X is not a number"),
             ],
         )
 

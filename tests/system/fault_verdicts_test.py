@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Campaigns of faults: verdicts beside whole runs, the same rows for any number of jobs, refusals, the table."""
+"""Campaigns of faults: verdicts compared with whole runs, the same rows for any number of jobs, refusals, the table."""
 
 import csv
 import json
@@ -63,7 +63,7 @@ def samples_of(recording):
 
 
 class BesideWholeRuns(FaultCase):
-    """Each command is run to its end and recorded, and judged here by what docs/safety.md says."""
+    """Each command is run to its end and recorded, and judged here by what docs/guide/safety.md says."""
 
     def run_whole(self, command, name):
         words = shlex.split(command)

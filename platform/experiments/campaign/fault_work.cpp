@@ -1,4 +1,4 @@
-// A run with a drawn fault beside the one without, as a kind of work.
+// A run with a random fault, compared with the run without it, as a kind of work.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -55,7 +55,7 @@ struct FaultSettings {
     return std::nullopt;
   }
 
-  /// Of the first of its settings that somebody set.
+  /// Of the first of its settings that was set.
   std::string origin_of_span() const {
     for (const NumberField* field : {&trial.from_s, &trial.to_s, &trial.until_s})
       if (!field->is_built_in()) return field->about().origin;
@@ -195,7 +195,7 @@ class FaultWork final : public Work {
   }
 
   /// Where the golden run of these settings is. The first worker that needs it performs it, in a
-  /// process of its own; the others wait.
+  /// separate process; the others wait.
   Result<std::string> golden_folder(const FaultSettings& settings) const {
     const fault::Span span = settings.span();
     std::string name = host::sha256_of(

@@ -14,7 +14,7 @@ std::unique_ptr<Work> make_run_work();
 std::unique_ptr<Work> make_fit_work();
 /// `capsoc regress`: a scenario with a seed.
 std::unique_ptr<Work> make_regress_work();
-/// A run with a drawn fault, and what became of it (docs/safety.md).
+/// A run with a drawn fault, and what became of it (docs/guide/safety.md).
 std::unique_ptr<Work> make_fault_work();
 /// A command of the user's own, which prints its result as JSON. `settings`: of every run.
 std::unique_ptr<Work> make_command_work(const std::vector<Assignment>& settings);

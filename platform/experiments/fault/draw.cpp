@@ -92,7 +92,7 @@ Result<Drawn> draw(const TrialSettings& settings, const Golden& golden) {
   } else {
     const double seconds =
         settings.from_s() + random.uniform() * (settings.to_s() - settings.from_s());
-    // Whole microseconds, behind the first start.
+    // Whole microseconds, after the first start.
     const auto us = static_cast<uint64_t>(seconds * 1e6);
     fault.when.value = std::max(us * 1'000'000, golden.starts.front().time_ps + 1'000'000);
   }

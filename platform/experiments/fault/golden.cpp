@@ -135,7 +135,7 @@ Result<Golden> read_golden(const std::string& folder) {
   StateReader reader(bytes.value());
   golden.visit(reader);
   if (!reader.ok() || !reader.at_end())
-    return Error{fmt::format("{}: is damaged; begin the campaign anew", golden_file(folder))};
+    return Error{fmt::format("{}: is damaged; begin the campaign again", golden_file(folder))};
   return golden;
 }
 

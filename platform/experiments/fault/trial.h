@@ -1,4 +1,4 @@
-// A run with a fault beside the one without.
+// A run with a fault, compared with the run without it.
 #pragma once
 
 #include <optional>

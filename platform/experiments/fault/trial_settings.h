@@ -6,7 +6,7 @@
 
 namespace capsoc::fault {
 
-/// Settings of a trial beside those of its run.
+/// Settings of a trial in addition to those of its run.
 class TrialSettings : public Settings {
  public:
   IntegerField seed{*this,
@@ -25,7 +25,7 @@ class TrialSettings : public Settings {
                                     "at a sample and one of the cycles that the coprocessor's "
                                     "pipeline takes for it, instead of any time")};
   TextField line{*this, setting("fault.line", SettingKind::text, "",
-                                "a fault to try instead of a drawn one (docs/safety.md)")};
+                                "a fault to try instead of a drawn one (docs/guide/safety.md)")};
   NumberField from_s{*this,
                      seconds("fault.from_s", "402", "the first instant of a drawn fault, s")};
   NumberField to_s{*this, seconds("fault.to_s", "410", "the last one, s")};

@@ -1,4 +1,4 @@
-// What became of a run with a fault, from its results beside those of the run without.
+// The outcome of a run with a fault, from its results and those of the run without it.
 #pragma once
 
 #include <cstdint>

@@ -216,7 +216,7 @@ bool Simulation::interrupted() {
   return true;
 }
 
-/// The processor stands between two instructions: out of its process, as long as nobody advances.
+/// The processor stands between two instructions: out of its process, until the next advance.
 sc_core::sc_time Simulation::pause(const sc_core::sc_time& now) {
   sc_core::sc_time next = checkpoints_->pause(now);
   if (injector_ != nullptr) next = std::min(next, injector_->pause(now));
@@ -235,8 +235,8 @@ void Simulation::call_from_signal() {
   sc_core::sc_pause();
 }
 
-/// Until nothing is left to happen, or somebody stops or pauses the kernel. A signal's pause is
-/// none: it wakes a processor that sleeps while only devices have events.
+/// Until nothing is left to happen, or the kernel is stopped or paused. A signal's pause is none:
+/// it wakes a processor that sleeps while only devices have events.
 void Simulation::simulate() {
   for (;;) {
     if (real_time_.on())

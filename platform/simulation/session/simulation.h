@@ -63,8 +63,8 @@ class Simulation {
   bool take_interruption();
   /// It cannot continue: the run ended by itself, or a limit ended it.
   bool is_over() const;
-  /// A processor that nothing inside could wake sleeps on to the end of an advance, since somebody
-  /// outside may: a session.
+  /// A processor that nothing inside could wake sleeps on to the end of an advance, since a session
+  /// may.
   void expect_inputs() { soc_.cpu.expect_inputs(); }
   /// To the end of the run, whatever ends it.
   std::optional<Error> advance_to_end();

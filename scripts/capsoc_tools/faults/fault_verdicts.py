@@ -1,11 +1,11 @@
-"""Draws faults in proportion to bits, injects each into a run of its own, and says what became of the run.
+"""Takes random faults in proportion to bits, injects each into its own run, and says what became of the run.
 
 usage: fault_verdicts [--count N] [--seed S] [--jobs N] [--units TEXT,...] [--kind flip|stuck0|stuck1]
 [--coprocessor tlm|rtl] [--pipeline] [--program NAME] [--from S] [--to S] [--until S] [--limit DEG] [--silent N]
 [--store FILE.sqlite] [--rows FILE.csv] [--build FOLDER] [-- PATH=VALUE...]
 
-A campaign of kind `fault` (docs/guide/safety.md), described by these options, and a table of its verdicts. With --store an
-interrupted one resumes where it was, and capsoc campaign report shows it. PATH=VALUE are settings of the runs.
+A campaign of kind `fault` (docs/guide/safety.md), described by these options, and a table of its verdicts. With --store
+an interrupted one resumes where it was, and capsoc campaign report shows it. PATH=VALUE are settings of the runs.
 
 Status 0: the table was printed; 2: usage, or the golden run failed. The rows depend on seed and options alone.
 """
@@ -158,7 +158,7 @@ def options_of(words):
     options.rest = rest
     options.build = options.build.resolve()
     if options.count < 1 or options.jobs < 1 or not all("=" in word for word in rest):
-        parser.error("give at least one fault and one job, and PATH=VALUE behind --")
+        parser.error("give at least one fault and one job, and PATH=VALUE after --")
     return options
 
 

@@ -102,7 +102,8 @@ def joined_comments(name, comments):
         table = content.startswith(("   ", " |")) or "   " in content.strip()
         new = line != last + 1 or not alone or item or not content.strip() or table
         if new and gathered:
-            yield Passage("comments", name, begin, " ".join(gathered))
+            if not gathered[0].startswith("usage: "):
+                yield Passage("comments", name, begin, " ".join(gathered))
             gathered = []
         last = line
         if not table and not re.match(r"\s*(NOLINT|clang-format|flake8|noqa|pylint|!)", content):
