@@ -16,9 +16,7 @@ class ExitCodes(unittest.TestCase):
         told = re.findall(r"^  (\d+(?:\+n)?) +(.+)$", said[said.index("Exit codes:") :], re.MULTILINE)
         self.assertGreater(len(told), 8)
         page = (SOURCE / "docs" / "reference" / "commands.md").read_text(encoding="utf-8")
-        rows = dict(
-            re.findall(r"^\| (\d+(?:\+n)?) \| (.+) \|$", page[page.index("## Exit codes") :], re.MULTILINE)
-        )
+        rows = dict(re.findall(r"^\| (\d+(?:\+n)?) \| (.+) \|$", page[page.index("## Exit codes") :], re.MULTILINE))
         self.assertEqual(list(rows), [code for code, _ in told])
         for code, meaning in told[:-1]:
             self.assertTrue(rows[code].startswith(meaning), (code, meaning, rows[code]))
