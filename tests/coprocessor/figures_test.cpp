@@ -1,5 +1,5 @@
-// The figures of docs/reference/coprocessor.md, "Accuracy": each is printed and compared with its
-// bound.
+// The figures of docs/explanation/measurements.md, "Accuracy of the coprocessor": each is printed
+// and compared with its bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Limited slew of the coefficients (JUDGE.SLEW): what a burst of spikes does to the parameters with
 // each limit, and what the limit costs: the time to settle. The figures of
-// docs/reference/coprocessor.md, "Limited slew".
+// docs/explanation/measurements.md, "Limited slew".
 #include <gtest/gtest.h>
 
 #include <algorithm>
