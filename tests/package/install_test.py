@@ -158,7 +158,14 @@ class Installed(unittest.TestCase):
 
     def test_licence_and_documents(self):
         documents = self.share / "doc/capsoc"
-        for name in ("LICENSE", "README.md", "CHANGELOG.md", "docs/guide/installing.md", "docs/registers.md"):
+        for name in (
+            "LICENSE",
+            "README.md",
+            "CHANGELOG.md",
+            "docs/README.md",
+            "docs/guide/installing.md",
+            "docs/reference/registers.md",
+        ):
             self.assertTrue((documents / name).is_file(), name)
         self.assertIn("Apache License", (documents / "LICENSE").read_text())
 
