@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Block learning (docs/coprocessor.md): what becomes of T3's updates, and the sums of the block under way.
+// Block learning (docs/reference/coprocessor.md): what becomes of T3's updates, and the sums of the block under way.
 //
 //   weight_i    s48, Q2.46: a coefficient as T3 leaves it, with weight_valid_i, one in each of the cycles 16, 18, 19, 22, 24
 //               and 25, a_u to c_v

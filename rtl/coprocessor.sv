@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Self-calibration coprocessor (docs/coprocessor.md): an APB slave with a sample port.
+// Self-calibration coprocessor (docs/reference/coprocessor.md): an APB slave with a sample port.
 //
 // Latency: a sample is committed 161 cycles after the edge that latches it, up to 31 more if it has
 // to wait for a tick boundary. APB: no wait states.

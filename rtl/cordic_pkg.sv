@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constants of the CORDICs, docs/coprocessor.md. Word i of a table stands at [Width * i +: Width].
+// Constants of the CORDICs, docs/reference/coprocessor.md. Word i of a table stands at [Width * i +: Width].
 package cordic_pkg;
 
   // round(atan(2^-i) / 2pi * 2^37), i = 0..29: the precise arithmetic, 2^-37 turn.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FLAGS and the interrupt line (docs/coprocessor.md, "Commit", "Registers").
+// FLAGS and the interrupt line (docs/reference/coprocessor.md, "Commit", "Registers").
 //
 // Latency: a flag is set at the edge of its event. Clearing wins over setting at one edge, because
 // the register access is the last thing that happens there.

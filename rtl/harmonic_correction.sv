@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harmonic correction (docs/coprocessor.md): what a table of 128 nodes over the sensor's angle, with straight lines between
+// Harmonic correction (docs/reference/coprocessor.md): what a table of 128 nodes over the sensor's angle, with straight lines between
 // them, says that T1's relative angle is too large by.
 //
 //   phi_i         u32, 2^-32 turn: PHI, with boundary_i

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of a 48-bit register as software sees them (docs/coprocessor.md, "Registers").
+// The words of a 48-bit register as software sees them (docs/reference/coprocessor.md, "Registers").
 //
 // Combinational. Coefficients, Q2.46: value = HI * 2^15 + LO with HI = clamp(value >>r 15) in Q1.31
 // and LO = clamp(what is then missing) in 2^-46, both s32; >>r rounds half up. Phase and frequency,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Register bank: the APB slave and every register that is not a result (docs/coprocessor.md,
+// Register bank: the APB slave and every register that is not a result (docs/reference/coprocessor.md,
 // "Registers").
 //
 // Latency: a write counts from the edge that ends its access phase; prdata_o is combinational and

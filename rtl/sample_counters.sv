@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SAMPLES and EARLY_COUNT (docs/coprocessor.md, "Sequencer", "Commit").
+// SAMPLES and EARLY_COUNT (docs/reference/coprocessor.md, "Sequencer", "Commit").
 //
 // Latency: an event counts at its edge; clearing wins over it. SAMPLES wraps, EARLY_COUNT stops at
 // 2^32 - 1. Two samples can be lost at one edge, one of the stream and one of software.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turn judge: whether the results of the last turns can be right (docs/coprocessor.md, "Turn judge"),
+// Turn judge: whether the results of the last turns can be right (docs/reference/coprocessor.md, "Turn judge"),
 // in T4, on one adder and one memory of words. It also writes the results AMPLITUDE and
 // ERROR_AVERAGE, whose memory for the bus holds the same words as the one here.
 //

@@ -40,7 +40,7 @@ enum class Meaning : uint8_t {
   turns,   // an angle or an angular speed in turns
 };
 
-// A section of docs/coprocessor.md, which makes the node.
+// A section of docs/reference/coprocessor.md, which makes the node.
 enum class Unit : uint8_t {
   calibrator,
   polar_unit,

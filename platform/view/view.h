@@ -1,4 +1,4 @@
-// A run that a browser shows and steers (docs/view.md).
+// A run that a browser shows and steers (docs/guide/view.md).
 #pragma once
 
 #include "base/result.h"

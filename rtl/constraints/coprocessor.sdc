@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Constraints of the coprocessor as a block: one clock, an asynchronous reset, and ports that are synchronous to the clock. Times in ns.
 
-# PCLK, 25 MHz: the rate of the board and of the figures in docs/papers.md.
+# PCLK, 25 MHz: the rate of the board and of the figures in docs/explanation/papers.md.
 set period 40.0
 create_clock -name pclk -period $period [get_ports pclk_i]
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// block_learning.sv against docs/coprocessor.md, "Block learning": the three cases of T3's start, and one of the six
+// block_learning.sv against docs/reference/coprocessor.md, "Block learning": the three cases of T3's start, and one of the six
 // sums, any, from the cycle in which T3 writes it to the one in which the ring takes it.
 module block_learning_properties (
   input logic        clk_i, clear_i, boundary_i, active_i,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tick of polar_unit.sv by docs/coprocessor.md, from any state: which vector goes into the CORDIC and how it is prepared, that
+// A tick of polar_unit.sv by docs/reference/coprocessor.md, from any state: which vector goes into the CORDIC and how it is prepared, that
 // ten times three micro-rotations follow in their order, and what becomes of the angles and magnitudes. What is inside, the
 // normaliser, the micro-rotation and the gain, is any (polar_stand_ins.sv) and has proofs of its own.
 module polar_unit_properties (

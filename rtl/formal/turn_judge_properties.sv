@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each cycle of the turn judge's schedule by its definition (turn_judge.sv, docs/coprocessor.md): from any
+// Each cycle of the turn judge's schedule by its definition (turn_judge.sv, docs/reference/coprocessor.md): from any
 // state and with any word read, what it writes and says at the commit; and what each register is behind it, behind SRST and
 // behind the pin's reset.
 module turn_judge_properties (

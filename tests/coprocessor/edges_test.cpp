@@ -1,6 +1,6 @@
 // What model and RTL may have wrong alike, so that no comparison of the two sees it: the edge at
 // which a freeze begins and ends, and magnitudes of the most negative word. The expectations are
-// the page's (docs/coprocessor.md).
+// the page's (docs/reference/coprocessor.md).
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -12,7 +12,7 @@
 namespace capsoc::fault {
 namespace {
 
-/// From a sample to its result, in clock cycles (docs/coprocessor.md, "Time").
+/// From a sample to its result, in clock cycles (docs/reference/coprocessor.md, "Time").
 constexpr uint64_t pipeline_cycles = 162;
 
 bool begins_with_one_of(const std::string& unit, const std::vector<std::string>& beginnings) {
