@@ -108,7 +108,7 @@ std::string messages_of(const std::string& output) {
   return text;
 }
 
-/// Builds the libraries anew from the RTL as it is, where this program was built.
+/// Builds the libraries again from the RTL as it is, where this program was built.
 std::optional<Error> rebuild(const RegressArguments& a) {
   const std::filesystem::path build =
       std::filesystem::path(library_of(a, a.plan.arithmetics.front())).parent_path();

@@ -161,7 +161,7 @@ std::vector<BoardVerb> sensor_verbs() {
       {{"samples.read",
         "What the coprocessor saw and found. The newest 1,000,000 samples are kept.",
         {may("first", Type::integer, "number of the first one wanted, from 0 at the start"),
-         may("last", Type::integer, "so many of the newest"),
+         may("last", Type::integer, "this many of the newest"),
          may("every", Type::integer, "of these only each N-th, from the first one on: 1"),
          may("columns", Type::list,
              "as `capsoc run --record-columns` names them; else t, u, v, angle_deg, found_deg, "

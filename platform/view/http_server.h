@@ -1,4 +1,4 @@
-// The pages' HTTP server, on 127.0.0.1 alone, in a thread of its own.
+// The pages' HTTP server, on 127.0.0.1 alone, in its own thread.
 //
 //   GET /?token=T         the page
 //   GET /events?token=T   frames as server-sent events: "full" and "update"

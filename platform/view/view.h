@@ -7,7 +7,7 @@
 
 namespace capsoc::view {
 
-/// Runs what the settings say in a session of its own, under the pages at view.port, whose address
+/// Runs what the settings say in its own session, under the pages at view.port, whose address
 /// is printed on standard error. It begins when a page is open, at the speed of run.realtime, and
 /// ends when a page or a signal ends it. The answer of simulation.finish; errors as
 /// service::run_in_session(). Before this process has a thread.

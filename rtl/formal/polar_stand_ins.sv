@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of the units inside of polar_unit.sv, which have proofs of their own: any outputs, and inputs that the proof of
+// In place of the units inside of polar_unit.sv, which have their own proofs: any outputs, and inputs that the proof of
 // the polar unit looks at.
 module polar_normaliser (
   input  logic        clk_i,

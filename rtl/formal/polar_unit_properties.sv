@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A tick of polar_unit.sv by docs/reference/coprocessor.md, from any state: which vector goes into the CORDIC and how it is prepared, that
 // ten times three micro-rotations follow in their order, and what becomes of the angles and magnitudes. What is inside, the
-// normaliser, the micro-rotation and the gain, is any (polar_stand_ins.sv) and has proofs of its own.
+// normaliser, the micro-rotation and the gain, is any (polar_stand_ins.sv) and has its own proofs.
 module polar_unit_properties (
   input logic        clk_i,
   input logic [36:0] s_i, c_i,

@@ -17,8 +17,8 @@ LEFT = {
     "pages: reference": (6, 0),
     "pages: explanation": (0, 0),
     "pages: developer": (0, 0),
-    "pages: others": (17, 0),
-    "comments": (85, 190),
+    "pages: others": (18, 0),
+    "comments": (95, 210),
     "messages": (4, 0),
 }
 

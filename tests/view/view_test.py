@@ -294,7 +294,7 @@ class Hands(ViewCase):
         view.do(events, "pause")
         before = view.do(events, "registers", peripheral="COPROCESSOR")["registers"]
         view.do(events, "flip", place="COPROCESSOR.STEP_AU", bit=3)
-        after = view.do(events, "sample")["registers"]  # a device takes it when time goes on
+        after = view.do(events, "sample")["registers"]  # a device takes it when time continues
         changed = {a["name"]: a["value"] ^ b["value"] for a, b in zip(before, after)}
         self.assertEqual((changed["STEP_AU"], changed["STEP_BU"]), (8, 0))
         view.do(events, "flip", place="mem:0x20300000", bit=9)

@@ -42,7 +42,7 @@
   NUMBER(uint32_t, check_deg, 0.05, 0.001, 20, WORDS_PER_DEGREE, "deg",      \
          "by which an angle may differ from its sample's")                   \
   NUMBER(uint32_t, step_deg, 1, 0.001, 20, WORDS_PER_DEGREE, "deg",          \
-         "by which a step may differ from the speed's, beside noise")
+         "by which a step may differ from the speed's, apart from noise")
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 

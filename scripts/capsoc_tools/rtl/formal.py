@@ -145,7 +145,7 @@ CYCLE_NS = 10  # of yosys-smtbmc's waves
 
 def smtbmc(arguments, folder, seconds):
     """Status and output of yosys-smtbmc; status None after a timeout."""
-    # Unrolled formulas: z3 takes minutes for the other form of the same step. A session of its own,
+    # Unrolled formulas: z3 takes minutes for the other form of the same step. A separate session,
     # so that the solver ends with its driver.
     command = ["yosys-smtbmc", "--noprogress", "--unroll", "--dump-vcd", WAVES, *arguments, "model.smt2"]
     with subprocess.Popen(
