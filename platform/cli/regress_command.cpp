@@ -101,7 +101,7 @@ std::string messages_of(const std::string& output) {
   std::string text;
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) {
-    const bool own = line.rfind("[", 0) == 0 || line.rfind("FAILED: ", 0) == 0 ||
+    const bool own = line.rfind('[', 0) == 0 || line.rfind("FAILED: ", 0) == 0 ||
                      line.rfind("cd ", 0) == 0 || line.rfind("ninja: ", 0) == 0;
     if (!own) text += line + "\n";
   }

@@ -97,12 +97,13 @@ Answer RunSession::ask(const std::string& method, Json parameters) {
   return client().call(method, std::move(parameters));
 }
 
-std::vector<Answer> RunSession::ask_all(Questions questions) {
+std::vector<Answer> RunSession::ask_all(const Questions& questions) {
   std::vector<uint64_t> numbers;
   std::vector<Answer> answers;
-  for (auto& [method, parameters] : questions) {
-    parameters["simulation"] = simulation_;
-    numbers.push_back(client().send(method, std::move(parameters)));
+  for (const auto& [method, parameters] : questions) {
+    Json all = parameters;
+    all["simulation"] = simulation_;
+    numbers.push_back(client().send(method, std::move(all)));
   }
   constexpr std::chrono::milliseconds a_while{1000};
   for (const uint64_t number : numbers) {

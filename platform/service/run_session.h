@@ -36,7 +36,7 @@ class RunSession {
   Answer ask(const std::string& method, Json parameters = Json::object());
   /// Sends all questions before it waits for the first answer.
   using Questions = std::vector<std::pair<std::string, Json>>;
-  std::vector<Answer> ask_all(Questions questions);
+  std::vector<Answer> ask_all(const Questions& questions);
   /// Reads all UARTs from here on, also those that standard streams do not show.
   void hear(Heard heard);
   /// Writes what the program said to the standard streams.

@@ -92,7 +92,7 @@ class Pages(unittest.TestCase):
         self.run_page("guide/safety.md")
 
     def test_view(self):
-        self.run_page("view.md")
+        self.run_page("guide/view.md")
 
     def test_papers(self):
         self.run_page("explanation/papers.md")

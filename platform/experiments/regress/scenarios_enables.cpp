@@ -83,7 +83,8 @@ void run_enables(Bench& bench, Random& random, const Budget&) {
   // The enable comes and goes at the edge of the commit that raises the flag, and beside it.
   for (uint32_t enable : interrupts)
     for (bool comes : {true, false})
-      for (int beside : {-1, 0, 1}) {
+      // One edge before the result, at it, one behind it.
+      for (const uint64_t edge : {uint64_t{0}, uint64_t{1}, uint64_t{2}}) {
         if (bench.failed()) return;
         raise_all(bench, random, enable != ctrl_ie_lock);
         bench.write(reg_ctrl, comes ? learning_on : learning_on | enable);
@@ -93,7 +94,7 @@ void run_enables(Bench& bench, Random& random, const Budget&) {
         bench.write(reg_lock_threshold, 0);  // LOCK falls
         bench.sample(random.word32(), random.word32(), true);
         bench.wait_until(bench.edge() + latency_cycles - 1);
-        bench.wait(static_cast<uint64_t>(beside + 1));
+        bench.wait(edge);
         bench.write(reg_ctrl, comes ? learning_on | enable : learning_on);
         bench.interrupt();
         bench.drain();
