@@ -83,9 +83,10 @@ void Scene::read_registers() {
   registers_read_ = Clock::now();
   std::vector<std::pair<std::string, Json>> questions;
   const std::vector<std::string>& names = peripherals_[peripheral_];
+  questions.reserve(names.size());
   for (const std::string& name : names)
     questions.emplace_back("register.read", Json{{"name", peripheral_ + "." + name}});
-  const std::vector<service::Answer> answers = session_.ask_all(std::move(questions));
+  const std::vector<service::Answer> answers = session_.ask_all(questions);
   registers_ = Json::array();
   for (std::size_t i = 0; i < names.size(); ++i)
     if (answers[i].ok())

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The live page in a real browser: it opens, draws, is used by keyboard, fits a narrow window and a dark one."""
 
+import re
 import time
 import unittest
 
@@ -104,9 +105,11 @@ class Page(ViewCase):
         self.browser.wait("return document.getElementById('line').textContent.includes('one turn')", "one turn")
         self.press("past", "Home")
         self.browser.wait("return document.getElementById('line').textContent.includes(': 0.000 s')", "the beginning")
-        self.assertIn("to 2", self.text("time"))
+        # One turn at least: how far the run came before the pause is the host's matter.
+        end = float(re.search(r"the history has 0 to ([\d.]+) s", self.text("time"))[1])
+        self.assertGreaterEqual(end, 20)
         self.press("past", "End")
-        self.browser.wait("return /: 2[0-9]\\.[0-9]+ s/.test(document.getElementById('line').textContent)", "the end")
+        self.browser.wait(f"return document.getElementById('line').textContent.includes(': {int(end)}.')", "the end")
         self.browser.run(
             "document.querySelector('[name=a1]').value = '0.5'; document.querySelector('[name=a1]').focus()"
         )
@@ -154,7 +157,8 @@ class Page(ViewCase):
         self.check_clean(view)
 
     def test_ten_tabs(self):
-        view = self.view("--uart0", "null", "--realtime", "20")
+        # Slow enough that the run is not over before a busy host has opened them all.
+        view = self.view("--uart0", "null", "--realtime", "1")
         self.open(view)
         for _ in range(9):
             handle = self.browser.do("POST", "/window/new", {"type": "tab"})["handle"]
