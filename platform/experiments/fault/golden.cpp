@@ -61,8 +61,8 @@ class Recorder {
 
   std::optional<Error> look_and_begin() {
     double next_start = span_.from_s;
-    const auto looks = static_cast<uint64_t>((span_.until_s - span_.from_s) / step_s + 0.5);
-    for (uint64_t look = 0; look <= looks; ++look) {
+    const auto looks = std::llround((span_.until_s - span_.from_s) / step_s);
+    for (long long look = 0; look <= looks; ++look) {
       const double now = span_.from_s + static_cast<double>(look) * step_s;
       if (auto error = advance(now)) return error;
       golden_.hashes.push_back(simulation_.state_hash());
