@@ -126,7 +126,7 @@ void RunSession::show() {
   Questions questions;
   for (const Stream& stream : streams_)
     if (is_read(stream)) questions.emplace_back(stream.method, stream.parameters);
-  const std::vector<Answer> answers = ask_all(std::move(questions));
+  const std::vector<Answer> answers = ask_all(questions);
   auto next = answers.begin();
   for (const Stream& stream : streams_) {
     if (!is_read(stream)) continue;
