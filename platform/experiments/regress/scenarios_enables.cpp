@@ -83,7 +83,7 @@ void run_enables(Bench& bench, Random& random, const Budget&) {
   // The enable comes and goes at the edge of the commit that raises the flag, and beside it.
   for (uint32_t enable : interrupts)
     for (bool comes : {true, false})
-      // One edge before the result, at it, one behind it.
+      // One edge before the result, at it, one after it.
       for (const uint64_t edge : {uint64_t{0}, uint64_t{1}, uint64_t{2}}) {
         if (bench.failed()) return;
         raise_all(bench, random, enable != ctrl_ie_lock);
