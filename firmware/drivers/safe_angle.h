@@ -31,7 +31,7 @@ struct safe_angle {
 };
 
 // With the parameters that the coprocessor has, which were just loaded, between two samples.
-// `limit` and `step_limit` 2^-32 turn, below 1/16 turn. Clears the error flags.
+// `limit` and `step_limit` 2^-32 turn, below a quarter of a turn. Clears the error flags.
 void safe_angle_begin(struct safe_angle* state, const struct coprocessor_parameters* parameters,
                       uint32_t limit, uint32_t step_limit);
 

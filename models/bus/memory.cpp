@@ -26,7 +26,7 @@ void Memory::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time&) {
   payload.set_dmi_allowed(status == tlm::TLM_OK_RESPONSE);
 }
 
-/// At once: a memory has no its own phases.
+/// At once: a memory has no phases.
 tlm::tlm_sync_enum Memory::nb_transport_fw(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                            sc_core::sc_time& delay) {
   if (phase != tlm::BEGIN_REQ) return tlm::TLM_ACCEPTED;

@@ -97,7 +97,7 @@ Positions positions_of(const Channel& u, const Channel& v, const DistanceFit& fi
   if (above < 1 || below < 1) return positions;
   positions.between = between / static_cast<double>(u.size());
   const double pure = within / below;
-  // Samples that are equal to the last digit have no their own scatter.
+  // Samples that are equal to the last digit have no scatter.
   positions.lack_of_fit = between / above / std::max(pure, 1e-12 * between / above + 1e-300);
   positions.probability = f_tail(positions.lack_of_fit, above, below);
   return positions;

@@ -30,7 +30,7 @@ std::optional<Error> check_start(const Parameters& start) {
   return Error{"the training cannot start there: amplitudes must be positive, |beta| below 90 deg"};
 }
 
-/// The samples in an their own order, batch by batch. They are shuffled as pairs, one place in
+/// The samples in random order, batch by batch. They are shuffled as pairs, one place in
 /// memory each: with two arrays the swaps were a quarter of a training on 100,000 samples.
 class Batches {
  public:

@@ -18,7 +18,7 @@ enum class Downstream {
 };
 
 /// One hop's view of the base protocol: passes each call on, unchanged, and compares what goes in
-/// with what comes back. Belongs to a ProtocolMonitor; it has no its own sockets.
+/// with what comes back. Belongs to a ProtocolMonitor; it has no sockets.
 class ProtocolChecker {
  public:
   using Payload = tlm::tlm_generic_payload;

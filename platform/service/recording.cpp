@@ -114,7 +114,7 @@ std::optional<Error> complain(const SessionFile& session) {
   return std::nullopt;
 }
 
-/// Files of a session in a their own folder, for as long as this lives.
+/// Files of a session in a folder, for as long as this lives.
 class Folder {
  public:
   Folder() {

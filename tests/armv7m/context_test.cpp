@@ -1,4 +1,4 @@
-// Parts of the processor on a their own context, without the parts above them.
+// Parts of the processor on a separate context, without the parts above them.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -376,7 +376,7 @@ class Profile(Traced):
         ).stdout
         expected = {(a, re.sub(r" .*", "", t.rsplit("/", 1)[-1])) for a, t in zip(addresses, told.splitlines())}
         self.assertGreater(len(expected), 300)
-        unknown = {a for a, t in expected if "?" in t}  # no its own line
+        unknown = {a for a, t in expected if "?" in t}  # without a line
         self.assertEqual({c for c in compared if c not in expected and c[0] not in unknown}, set())
 
     def test_sleep_is_waiting(self):

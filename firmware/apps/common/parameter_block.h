@@ -22,7 +22,7 @@ struct parameter_table {
 };
 
 // Loaders find them by these names. They have to be constant, so that their bytes are in the image,
-// and in a their own file, so that the compiler does not believe the words it was built with.
+// and in a separate file, so that the compiler does not believe the words it was built with.
 extern const struct parameter_block calibration_parameters;
 extern const struct parameter_table calibration_table;
 

@@ -17,7 +17,7 @@ const char* verdict_text(Row::Verdict verdict) {
   return texts[static_cast<int>(verdict)];
 }
 
-/// Beyond this an angle of `paper`, which has no its own bound, is called wrong.
+/// Beyond this an angle of `paper`, which states no bound, is called wrong.
 constexpr double wrong_angle_deg = 1;
 
 }  // namespace

@@ -385,7 +385,7 @@ ordered_json to_json(const Fit& fit, const ordered_json& versions, const std::st
 }
 
 std::string to_header(const Fit& fit) {
-  // INT32_MIN has no its own literal.
+  // There is no literal for INT32_MIN.
   const auto fraction = [](int32_t word) {
     return word == INT32_MIN ? std::string("(-2147483647 - 1)") : fmt::format("({})", word);
   };

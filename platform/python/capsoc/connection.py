@@ -1,6 +1,6 @@
 """The connection to a session: lines of JSON-RPC 2.0 with binary frames, over pipes or a socket.
 
-Any number of threads may call at the same time. There is no its own thread: a caller that waits reads for all.
+Any number of threads may call at the same time. It has no thread: a caller that waits reads for all.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-// TCP connections from this machine, received by a their own thread.
+// TCP connections from this machine, received by a separate thread.
 #pragma once
 
 #include <atomic>

@@ -77,7 +77,7 @@ double error_deg(uint32_t angle, double angle_turns) {
 }
 
 Curve shown(Curve few, int digits = plot_digits) {
-  // Times and angles have a their own step; ten digits keep it.
+  // Ten digits keep the step of times and angles.
   for (double& x : few.x) x = rounded(x, parameter_digits);
   for (double& y : few.y) y = rounded(y, digits);
   return few;

@@ -104,7 +104,7 @@ def must(command, hint, folder=None):
 
 
 class Sources:
-    """Debian's source packages, in a their own folder; apt's lists of the system stay as they are."""
+    """Debian's source packages, in a separate folder; apt's lists of the system stay as they are."""
 
     def __init__(self, folder):
         self.folder = folder

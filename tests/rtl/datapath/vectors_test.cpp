@@ -114,7 +114,7 @@ Registers random_registers(Words& w) {
   Registers r;
   r.settings.demodulate = !w.one_in(4);
   r.settings.source = static_cast<ReferenceSource>(w.below(3));
-  // Shifts by 0 have an their own order in the RTL.
+  // The RTL has a separate order for shifts by 0.
   r.settings.kp = w.one_in(4) ? 0 : w.below(32);
   r.settings.ki = w.one_in(4) ? 0 : w.below(32);
   r.settings.steps_u = {w.step(), w.step(), w.step()};
