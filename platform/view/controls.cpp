@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <optional>
 
+#include "base/number.h"
 #include "base/printable.h"
 #include "service/verb.h"
 
@@ -62,12 +62,10 @@ std::string flip_processor(RunSession& session, const std::string& name, unsigne
 }
 
 std::string flip_memory(RunSession& session, const std::string& place, unsigned bit) {
-  char* end = nullptr;
-  const unsigned long long number = std::strtoull(place.c_str(), &end, 0);
-  const bool is_number = !place.empty() && *end == '\0' && number + bit / 8 <= UINT32_MAX;
-  if (!is_number)
+  const auto number = whole_number(place);
+  if (!number || *number > UINT32_MAX - bit / 8)
     return fmt::format("flip: 'mem:{}' is no address; write mem:0x20000000", printable(place, 80));
-  const Json address = number + bit / 8;
+  const Json address = *number + bit / 8;
   const Answer read = session.ask("memory.read", {{"address", address}, {"size", 1}});
   if (!read.ok()) return read.sentence;
   const std::string bytes = service::bytes_in(read.result.at("bytes"), read.frames);

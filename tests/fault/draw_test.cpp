@@ -16,10 +16,10 @@ Golden golden() {
   Golden golden;
   for (uint64_t i = 0; i <= 8; ++i)
     golden.starts.push_back({(402 + i) * 1'000'000'000'000, 1000 + 250 * i});
-  golden.places = {{"coprocessor.au", "coprocessor", 48},
-                   {"coprocessor.lock", "coprocessor", 1},
-                   {"cpu.r0", "processor", 32},
-                   {"rtl.u_a.b", "rtl.u_a", 15}};
+  golden.places = {{"coprocessor.au", 48, "coprocessor"},
+                   {"coprocessor.lock", 1, "coprocessor"},
+                   {"cpu.r0", 32, "processor"},
+                   {"rtl.u_a.b", 15, "rtl.u_a"}};
   return golden;
 }
 

@@ -17,13 +17,10 @@
 #include "fault/trial.h"
 #include "host/child_process.h"
 #include "host/descriptor.h"
-#include "host/file_uses.h"
 #include "host/files.h"
 #include "host/sha256.h"
-#include "inputs/run_inputs.h"
 #include "results/exit_codes.h"
 #include "results/results.h"
-#include "session/run_files.h"
 #include "session/run_settings.h"
 
 namespace capsoc::campaign {
@@ -63,15 +60,6 @@ struct FaultSettings {
   }
 
   fault::Span span() const { return {trial.from_s(), trial.to_s(), trial.until_s()}; }
-
-  /// What the golden run depends on.
-  std::string identity() const {
-    std::string text = settings_identity(run);
-    for (const host::FileUse& use : run::files_of(run))
-      if (use.kind == host::FileUse::Kind::input && !use.path.empty())
-        text += input_identity(use.path);
-    return text;
-  }
 };
 
 /// A folder for golden runs, which all workers share; gone with this.
@@ -111,7 +99,7 @@ class FaultWork final : public Work {
     FaultSettings settings;
     if (auto error = settings.set(assignments)) return *error;
     Job job;
-    job.identity = settings.identity() + settings_identity(settings.trial);
+    job.identity = run_identity(settings.run) + settings_identity(settings.trial);
     job.command = run::reproducing_command(settings.run);
     job.command +=
         fmt::format(" --inject '{}'", settings.trial.line.empty() ? "(fault.line of the result)"
@@ -123,11 +111,7 @@ class FaultWork final : public Work {
     if (auto error = folder_.make()) return error;
     FaultSettings settings;
     if (auto error = settings.set(assignments)) return error;
-    const auto place = golden_folder(settings);
-    if (!place) return Error{place.error()};
-    const auto golden = fault::read_golden(place.value());
-    if (!golden) return Error{golden.error()};
-    const auto drawn = fault::draw(settings.trial, golden.value());
+    const auto drawn = draw(settings);
     return drawn ? std::nullopt : std::make_optional(Error{drawn.error()});
   }
 
@@ -136,24 +120,21 @@ class FaultWork final : public Work {
     FaultSettings settings;
     if (auto error = settings.set(assignments)) return *error;
     spdlog::set_level(spdlog::level::off);
-    const auto place = golden_folder(settings);
-    if (!place) return Error{place.error()};
-    const auto golden = fault::read_golden(place.value());
-    if (!golden) return Error{golden.error()};
-    const auto drawn = fault::draw(settings.trial, golden.value());
+    auto drawn = draw(settings);
     if (!drawn) return Error{drawn.error()};
-    auto state = fault::read_state(place.value(), drawn.value().start);
+    const auto& [place, golden, chosen] = drawn.value();
+    auto state = fault::read_state(place, chosen.start);
     if (!state) return Error{state.error()};
     for (const auto& [path, value] :
-         {std::pair<const char*, std::string>("inject.faults", drawn.value().line),
-          {"run.simlimit_s", fmt::format("{}", golden.value().ended_s + over_time_s)}})
+         {std::pair<const char*, std::string>("inject.faults", chosen.line),
+          {"run.simlimit_s", fmt::format("{}", golden.ended_s + over_time_s)}})
       if (auto error =
               settings.run.set(path, value, SettingSource::command_line, "the drawn fault"))
         return *error;
-    const auto outcome = fault::try_fault(settings.run, settings.trial, drawn.value(),
-                                          golden.value(), std::move(state.value()));
+    const auto outcome =
+        fault::try_fault(settings.run, settings.trial, chosen, golden, std::move(state.value()));
     if (!outcome) return Error{outcome.error()};
-    return json_of(outcome.value(), drawn.value(), run::reproducing_command(settings.run));
+    return json_of(outcome.value(), chosen, run::reproducing_command(settings.run));
   }
 
   nlohmann::ordered_json example() const override {
@@ -194,12 +175,30 @@ class FaultWork final : public Work {
     return j;
   }
 
+  /// A fault, with the golden run and the folder of its states.
+  struct DrawnFault {
+    std::string place;
+    fault::Golden golden;
+    fault::Drawn fault;
+  };
+
+  Result<DrawnFault> draw(const FaultSettings& settings) const {
+    auto place = golden_folder(settings);
+    if (!place) return Error{place.error()};
+    auto golden = fault::read_golden(place.value());
+    if (!golden) return Error{golden.error()};
+    auto drawn = fault::draw(settings.trial, golden.value());
+    if (!drawn) return Error{drawn.error()};
+    return DrawnFault{std::move(place.value()), std::move(golden.value()),
+                      std::move(drawn.value())};
+  }
+
   /// Where the golden run of these settings is. The first worker that needs it performs it, in a
   /// separate process; the others wait.
   Result<std::string> golden_folder(const FaultSettings& settings) const {
     const fault::Span span = settings.span();
     std::string name = host::sha256_of(
-        settings.identity() + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
+        run_identity(settings.run) + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
     std::string place = folder_.path() + "/" + name.substr(0, 16);
     std::error_code failure;
     std::filesystem::create_directories(place, failure);

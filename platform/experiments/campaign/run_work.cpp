@@ -4,7 +4,6 @@
 
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
-#include "host/file_uses.h"
 #include "inputs/run_inputs.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
@@ -33,10 +32,7 @@ class RunWork final : public Work {
     settings_.forget_values();
     if (auto error = set_all(assignments, settings_)) return *error;
     Job job;
-    job.identity = settings_identity(settings_);
-    for (const host::FileUse& use : run::files_of(settings_))
-      if (use.kind == host::FileUse::Kind::input && !use.path.empty())
-        job.identity += input_identity(use.path);
+    job.identity = run_identity(settings_);
     job.command = run::reproducing_command(settings_);
     return job;
   }

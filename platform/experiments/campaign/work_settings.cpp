@@ -5,7 +5,9 @@
 #include <map>
 
 #include "base/printable.h"
+#include "host/file_uses.h"
 #include "host/sha256.h"
+#include "session/run_files.h"
 
 namespace capsoc::campaign {
 
@@ -39,6 +41,14 @@ std::string input_identity(const std::string& path) {
   auto known = hashes.find(path);
   if (known == hashes.end()) known = hashes.emplace(path, host::sha256_of_file(path)).first;
   return "input=" + (known->second.empty() ? path : known->second) + "\n";
+}
+
+std::string run_identity(const run::RunSettings& settings) {
+  std::string text = settings_identity(settings);
+  for (const host::FileUse& use : run::files_of(settings))
+    if (use.kind == host::FileUse::Kind::input && !use.path.empty())
+      text += input_identity(use.path);
+  return text;
 }
 
 }  // namespace capsoc::campaign

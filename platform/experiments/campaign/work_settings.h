@@ -8,6 +8,7 @@
 #include "base/result.h"
 #include "base/settings.h"
 #include "campaign/axis.h"
+#include "session/run_settings.h"
 
 namespace capsoc::campaign {
 
@@ -20,5 +21,8 @@ std::string settings_identity(const Settings& settings);
 /// A line for a file that is read: its hash, wherever it lies. What is no file (a built-in sensor)
 /// is part of the program and counts by its name. A file is hashed once a process.
 std::string input_identity(const std::string& path);
+
+/// Both of `capsoc run`.
+std::string run_identity(const run::RunSettings& settings);
 
 }  // namespace capsoc::campaign

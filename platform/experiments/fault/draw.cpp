@@ -52,7 +52,7 @@ Result<Drawn> given(const std::string& line, const Golden& golden) {
   Drawn drawn;
   drawn.place = fault.value().place;
   drawn.bit = fault.value().bit;
-  for (const DrawnPlace& place : golden.places)
+  for (const inject::ListedPlace& place : golden.places)
     if (place.name == drawn.place) drawn.unit = place.unit;
   drawn.line = inject::to_text(fault.value());
   drawn.start = start_for(fault.value().when, golden);
@@ -64,9 +64,9 @@ Result<Drawn> given(const std::string& line, const Golden& golden) {
 Result<Drawn> draw(const TrialSettings& settings, const Golden& golden) {
   if (!settings.line.empty()) return given(settings.line(), golden);
   const std::vector<std::string> units = list_of(settings.units());
-  std::vector<const DrawnPlace*> places;
+  std::vector<const inject::ListedPlace*> places;
   uint64_t bits = 0;
-  for (const DrawnPlace& place : golden.places)
+  for (const inject::ListedPlace& place : golden.places)
     if (begins_with_one_of(place.unit, units)) {
       places.push_back(&place);
       bits += place.bits;

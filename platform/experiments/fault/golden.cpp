@@ -36,8 +36,7 @@ class Recorder {
 
   Result<Golden> record() {
     golden_.from_s = span_.from_s;
-    for (const inject::ListedPlace& place : simulation_.fault_places())
-      golden_.places.push_back({place.name, place.unit, place.bits});
+    golden_.places = simulation_.fault_places();
     if (auto error = advance(span_.from_s)) return *error;
     const SampleResults results(simulation_,
                                 [this](const SampleResult& r) { golden_.results.push_back(r); });
@@ -93,12 +92,6 @@ class Recorder {
 void Start::visit(Archive& archive) {
   archive("time_ps", time_ps);
   archive("sample", sample);
-}
-
-void DrawnPlace::visit(Archive& archive) {
-  archive("name", name);
-  archive("unit", unit);
-  archive("bits", bits);
 }
 
 void Golden::visit(Archive& archive) {

@@ -9,6 +9,7 @@
 #include "base/archive.h"
 #include "base/result.h"
 #include "fault/verdict.h"
+#include "inject/places.h"
 #include "session/run_settings.h"
 
 namespace capsoc::fault {
@@ -17,13 +18,6 @@ namespace capsoc::fault {
 struct Start {
   uint64_t time_ps = 0;
   uint64_t sample = 0;  ///< number of the newest one that was converted
-  void visit(Archive& archive);
-};
-
-/// As run::Simulation lists them.
-struct DrawnPlace {
-  std::string name, unit;
-  uint64_t bits = 0;
   void visit(Archive& archive);
 };
 
@@ -36,7 +30,7 @@ struct Golden {
   std::vector<std::optional<uint64_t>> hashes;  ///< of the state at `from_s` + n step_s
   double from_s = 0, ended_s = 0;
   int code = 0;  ///< the exit code
-  std::vector<DrawnPlace> places;
+  std::vector<inject::ListedPlace> places;
   void visit(Archive& archive);
 };
 

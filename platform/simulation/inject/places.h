@@ -20,6 +20,13 @@ struct ListedPlace {
   std::string name;  ///< as a fault names it, without the bit
   uint64_t bits = 0;
   std::string unit;  ///< processor, a memory, a device, coprocessor, or a unit of the RTL
+
+  template <typename Archive>
+  void visit(Archive& archive) {
+    archive("name", name);
+    archive("bits", bits);
+    archive("unit", unit);
+  }
 };
 
 /// The places of one system. Nothing passed in is owned, and all of it must outlive the places.
