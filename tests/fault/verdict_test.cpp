@@ -184,6 +184,16 @@ TEST(Verdict, TheProgramsEndCounts) {
   EXPECT_EQ(verdict(results, with_code(run::exit_code::limit)), Verdict::detected);
 }
 
+TEST(Verdict, AProgramThatHasNoEndDoesNotHang) {
+  Ending endless = same_state();
+  endless.code = endless.golden_code = run::exit_code::limit;
+  EXPECT_EQ(verdict(at_10_deg(), endless), Verdict::masked);
+  endless.is_same_state = false;
+  EXPECT_EQ(verdict(off(5, 8, 0.2), endless), Verdict::wrong);
+  endless.code = run::exit_code::pass;
+  EXPECT_EQ(verdict(at_10_deg(), endless), Verdict::detected);
+}
+
 TEST(Verdict, TheProgramsEndDetectsInTheNewestSample) {
   const Results results = off(5, count, 0.2), golden = at_10_deg();
   Judgement judgement({0.1, 3});

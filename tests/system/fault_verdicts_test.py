@@ -5,6 +5,7 @@ import csv
 import json
 import shlex
 import subprocess
+import time
 import types
 import unittest
 
@@ -155,6 +156,17 @@ class Rows(FaultCase):
         (one,) = self.results(1, settings, jobs=1)
         self.assertEqual(one["verdict"], "latent")
 
+    def test_a_program_without_an_end(self):
+        """Its loop hits no data: what is flipped in registers that it does not use stays there."""
+        settings = f'firmware.elf = "{FIRMWARE}/forever.elf"\nfault.from_s = 0.01\nfault.units = "processor"'
+        settings += '\nfault.line = "flip cpu.r9[3] at 0.015s"'
+        (self.folder / "d.toml").write_text(
+            DESCRIPTION.replace("404", "0.03").replace("406", "0.1").format(count=1, settings=settings)
+        )
+        done = self.campaign("run", "d.toml", "--store", "r.sqlite")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^ +1  0: latent$")
+
     def test_one_that_does_not_happen(self):
         (one,) = self.results(1, 'fault.line = "flip coprocessor.au[3] at 900s"', jobs=1)
         self.assertEqual((one["verdict"], one["detected.by"]), ("unapplied", "the run ended before its time"))
@@ -198,6 +210,25 @@ class Refusals(FaultCase):
         self.assertIn(
             "refused: the drawn fault 'flip cpu.r99[0] at 403s': the processor has no register 'r99'", done.stdout
         )
+
+    def test_a_signal_in_the_run_without_a_fault(self):
+        (self.folder / "tmp").mkdir()
+        settings = f'firmware.elf = "{FIRMWARE}/forever.elf"\nfault.from_s = 1'
+        (self.folder / "d.toml").write_text(DESCRIPTION.replace("406", "1e5").format(count=1, settings=settings))
+        process = subprocess.Popen(
+            [CAPSOC, "campaign", "run", "d.toml", "--store", "r.sqlite"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env={**CLEAN, "TMPDIR": str(self.folder / "tmp")},
+            cwd=self.folder,
+        )
+        while not list((self.folder / "tmp").glob("*/*/lock")):
+            time.sleep(0.01)
+        process.terminate()
+        _, said = process.communicate(timeout=10)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertIn(b"a signal ended the run without a fault", said)
+        self.assertEqual(list((self.folder / "tmp").iterdir()), [])
 
     def test_nothing_is_left_behind(self):
         (self.folder / "tmp").mkdir()

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -17,6 +18,7 @@
 #include "fault/trial.h"
 #include "host/child_process.h"
 #include "host/descriptor.h"
+#include "host/end_signals.h"
 #include "host/files.h"
 #include "host/sha256.h"
 #include "results/exit_codes.h"
@@ -108,6 +110,8 @@ class FaultWork final : public Work {
   }
 
   std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep&) override {
+    // Ended by one it removes its folder.
+    host::note_end_signals();
     if (auto error = folder_.make()) return error;
     FaultSettings settings;
     if (auto error = settings.set(assignments)) return error;
@@ -125,9 +129,11 @@ class FaultWork final : public Work {
     const auto& [place, golden, chosen] = drawn.value();
     auto state = fault::read_state(place, chosen.start);
     if (!state) return Error{state.error()};
+    const bool is_endless = golden.code == run::exit_code::limit;
+    const double limit_s = golden.ended_s + (is_endless ? 0 : over_time_s);
     for (const auto& [path, value] :
          {std::pair<const char*, std::string>("inject.faults", chosen.line),
-          {"run.simlimit_s", fmt::format("{}", golden.ended_s + over_time_s)}})
+          {"run.simlimit_s", fmt::format("{}", limit_s)}})
       if (auto error =
               settings.run.set(path, value, SettingSource::command_line, "the drawn fault"))
         return *error;
@@ -182,7 +188,7 @@ class FaultWork final : public Work {
     fault::Drawn fault;
   };
 
-  Result<DrawnFault> draw(const FaultSettings& settings) const {
+  Result<DrawnFault> draw(FaultSettings& settings) const {
     auto place = golden_folder(settings);
     if (!place) return Error{place.error()};
     auto golden = fault::read_golden(place.value());
@@ -195,7 +201,7 @@ class FaultWork final : public Work {
 
   /// Where the golden run of these settings is. The first worker that needs it performs it, in a
   /// separate process; the others wait.
-  Result<std::string> golden_folder(const FaultSettings& settings) const {
+  Result<std::string> golden_folder(FaultSettings& settings) const {
     const fault::Span span = settings.span();
     std::string name = host::sha256_of(
         run_identity(settings.run) + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
@@ -212,8 +218,20 @@ class FaultWork final : public Work {
     return place;
   }
 
-  static std::optional<Error> perform_golden(const FaultSettings& settings,
-                                             const std::string& place) {
+  /// In the process for it. A program without an end gets one, some time after the last look at the
+  /// state.
+  static Result<fault::Golden> record(FaultSettings& settings, const std::string& place) {
+    run::RunSettings& run = settings.run;
+    if (run.limits.simulated_s() == 0)
+      if (auto error = run.set("run.simlimit_s", fmt::format("{}", 2 * settings.trial.until_s()),
+                               SettingSource::command_line, "the run without a fault"))
+        return *error;
+    auto golden = fault::record_golden(run, settings.span(), place);
+    if (golden) return golden;
+    return Error{fmt::format("{}: {}", settings.origin_of_span(), golden.error())};
+  }
+
+  static std::optional<Error> perform_golden(FaultSettings& settings, const std::string& place) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return Error{"there are no more files to be had"};
     const host::Descriptor said(ends[0]);
@@ -224,7 +242,7 @@ class FaultWork final : public Work {
     if (child == 0) {
       host::end_with_parent(parent, 1);
       host::leave_terminal();
-      auto golden = fault::record_golden(settings.run, settings.span(), place);
+      auto golden = record(settings, place);
       auto error = golden ? fault::write_golden(golden.value(), place)
                           : std::optional<Error>(Error{golden.error()});
       if (error) host::write_all(says.get(), error->text);
@@ -233,12 +251,18 @@ class FaultWork final : public Work {
     says.reset();
     std::string sentence;
     char buffer[4096];
-    for (ssize_t count = 0; (count = read(said.get(), buffer, sizeof buffer)) > 0;)
+    for (;;) {
+      const ssize_t count = read(said.get(), buffer, sizeof buffer);
+      if (host::noted_signal() != 0) kill(child, SIGKILL);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) break;
       sentence.append(buffer, static_cast<std::size_t>(count));
+    }
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return std::nullopt;
+    if (host::noted_signal() != 0) return Error{"a signal ended the run without a fault"};
     if (!sentence.empty()) return Error{sentence};
     return Error{"the run without a fault crashed; try it with capsoc run"};
   }

@@ -110,8 +110,8 @@ Verdict Judgement::conclude(const Ending& ending) const {
   if (trusted_ > tolerance_.samples) return Verdict::silent;
   if (!detected_by_.empty()) return Verdict::detected;
   if (ending.code == run::exit_code::crashed) return Verdict::crashed;
-  if (ending.code == run::exit_code::limit) return Verdict::hung;
-  if (ending.code != ending.golden_code) return Verdict::detected;
+  if (ending.code != ending.golden_code)
+    return ending.code == run::exit_code::limit ? Verdict::hung : Verdict::detected;
   if (first_wrong_) return Verdict::wrong;
   return ending.is_same_state ? Verdict::masked : Verdict::latent;
 }

@@ -31,7 +31,7 @@ enum class Verdict {
   silent,     ///< wrong for more samples than are allowed, with VALID and LOCK and no alarm
   detected,   ///< a flag or an alarm came, VALID or LOCK went, or the program failed
   crashed,    ///< the program crashed, with a report
-  hung,       ///< it does not end
+  hung,       ///< it does not end, and does without the fault
   wrong,      ///< an angle was off, or did not come, for so few samples that it does not count
   masked,     ///< no angle was off, and the state is as without the fault again
   latent      ///< no angle was off, and the state differs
