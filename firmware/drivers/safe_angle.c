@@ -8,8 +8,18 @@
   (COPROCESSOR_FLAGS_CLIP_Msk | COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_ZERO_Msk | \
    COPROCESSOR_FLAGS_EARLY_Msk | COPROCESSOR_FLAGS_CONFIG_Msk | COPROCESSOR_FLAGS_UNSETTLED_Msk)
 
-enum { copied = 7 };
-enum copied_word { copy_a1, copy_a2, copy_b1, copy_b2, copy_beta, copy_phi, copy_step };
+enum { copied = 9 };
+enum copied_word {
+  copy_a1,
+  copy_a2,
+  copy_b1,
+  copy_b2,
+  copy_beta,
+  copy_phi,
+  copy_step,
+  copy_limit,
+  copy_step_limit
+};
 
 static int32_t product(int32_t a, int32_t b, unsigned shift) {
   return (int32_t)(((int64_t)a * b) >> shift);
@@ -40,13 +50,13 @@ void safe_angle_begin(struct safe_angle* state, const struct coprocessor_paramet
                                   (uint32_t)parameters->b2,
                                   parameters->beta,
                                   parameters->phi,
-                                  (uint32_t)(coprocessor_frequency() >> 16)};
+                                  (uint32_t)(coprocessor_frequency() >> 16),
+                                  limit,
+                                  step_limit};
   for (unsigned i = 0; i < copied; ++i) {
     state->copy[i] = words[i];
     state->complement[i] = ~words[i];
   }
-  state->limit = limit;
-  state->step_limit = step_limit;
   state->samples = COPROCESSOR->SAMPLES;
   state->angle = COPROCESSOR->ANGLE;
   COPROCESSOR->FLAGS = ERROR_FLAGS;
@@ -82,7 +92,7 @@ static enum safe_angle_state compare(const struct safe_angle* state, uint32_t an
   const int64_t cross = ((int64_t)x * q - (int64_t)y * p) >> 30;
   const int32_t area =
       product(product(a1, a2, 30), safe_angle_sine(state->copy[copy_beta] + quarter), 30);
-  const int32_t largest = product(area, safe_angle_sine(state->limit), 30);
+  const int32_t largest = product(area, safe_angle_sine(state->copy[copy_limit]), 30);
   const int64_t size = cross < 0 ? -cross : cross;
   // Three units for the roundings here.
   return size > (int64_t)magnitude(largest) + 3 ? safe_angle_inverse : safe_angle_good;
@@ -100,7 +110,7 @@ enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle)
   const enum safe_angle_state compared = compare(state, found);
   if (compared != safe_angle_good) return compared;
   const uint32_t step = found - state->angle - state->copy[copy_step];
-  if (magnitude((int32_t)step) > state->step_limit) return safe_angle_step;
+  if (magnitude((int32_t)step) > state->copy[copy_step_limit]) return safe_angle_step;
   state->samples = samples;
   *angle = state->angle = found;
   return safe_angle_good;

@@ -23,10 +23,10 @@ enum safe_angle_state {
 };
 
 struct safe_angle {
-  uint32_t copy[7];        // A1, A2, B1, B2, BETA, PHI and the step of the speed
-  uint32_t complement[7];  // the same, every bit inverted
-  uint32_t limit;          // largest error of the angle, 2^-32 turn
-  uint32_t step_limit;     // largest deviation of its step, 2^-32 turn
+  // A1, A2, B1, B2, BETA, PHI, the step of the speed; the largest error of the angle and deviation
+  // of its step, 2^-32 turn
+  uint32_t copy[9];
+  uint32_t complement[9];  // the same, every bit inverted
   uint32_t samples, angle;
 };
 

@@ -54,6 +54,9 @@ class Checks(SafeCase):
             (f"freeze cos {at}", inverse, 60),
             (f"double sample {at}", "a sample is missing, or there is one too many", 0),
             (f"flip mem:safe+0[30] {then}", "the copy of the parameters has changed", 3),
+            # The limits of the checks, and the complement.
+            (f"flip mem:safe+28[31] {then}", "the copy of the parameters has changed", 3),
+            (f"flip mem:safe+32[31] {then}", "the copy of the parameters has changed", 3),
             (f"flip mem:safe+52[0] {then}", "the copy of the parameters has changed", 3),
             (f"flip COPROCESSOR.CTRL.CALIB[0] {then}", "no valid angle, no lock, or an alarm", 3),
             (f"flip coprocessor.angle[31] {then}", None, None),
