@@ -106,6 +106,33 @@ class Walks(Past):
     def test_the_main_job(self):
         self.walk("selfcal", self.stops("selfcal", 5_000_000))
 
+    def test_a_sample_that_is_on_its_way(self):
+        """A snapshot at any cycle between a sample's conversion and its result."""
+        scout = self.construct("selfcal", history_mb=0)
+        self.session("simulation.advance", simulation=scout, samples=1000)
+        result = self.where(scout)["now"]["cycles"]
+        forward, past = self.construct("selfcal", history_mb=0), self.construct("selfcal")
+        counts, positions = set(), []
+        for goal in [*range(result - 60, result + 3), result + 100_000]:
+            now = self.where(forward)["now"]["cycles"]
+            if goal > now:  # an instruction may take several
+                self.advance(forward, cycles=goal - now)
+            positions.append(self.where(forward)["now"]["cycles"])
+            counts.add(self.where(forward)["now"]["samples"])
+        self.assertEqual(counts, {999, 1000, 1001})
+        there = self.look(forward), self.newest(forward)
+        for cycles in positions:
+            self.session("simulation.goto", simulation=past, cycles=cycles)
+            self.session("history.keep", simulation=past)
+        for cycles in reversed(positions):
+            self.session("simulation.goto", simulation=past, cycles=cycles)
+            self.session("simulation.goto", simulation=past, cycles=positions[-1])
+            with self.subTest(cycles=result - cycles):
+                self.assertEqual((self.look(past), self.newest(past)), there)
+
+    def newest(self, simulation):
+        return self.session("samples.read", simulation=simulation, last=1)
+
     def test_tasks(self):
         self.walk("threads", self.stops("threads", 20_000), **{"run.simlimit_s": "100"})
 

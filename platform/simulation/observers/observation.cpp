@@ -41,7 +41,7 @@ std::optional<Error> Observation::open() {
   submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched, uint64_t number) {
     if (!latched) return;
     metrics_.accepted(truth_);
-    if (samples.watched()) take(number);
+    take(number);
   });
   results_ = soc_.coprocessor.results.listen([this](uint64_t, const coprocessor::Nodes& nodes,
                                                     uint64_t number) { result(nodes, number); });
@@ -152,16 +152,24 @@ void Observation::give(uint64_t number, const metrics::CoprocessorResult& result
   on_the_way_.pop_front();
 }
 
+/// It has no result yet.
+void Observation::Sample::visit(Archive& archive) {
+  archive("number", number);
+  archive("time_s", recorded.time_s);
+  archive("u", recorded.u);
+  archive("v", recorded.v);
+  archive("turns", recorded.angle_turns);
+  archive("has_truth", recorded.has_truth);
+  if (archive.loading()) recorded.number = number;
+}
+
 void Observation::visit(Archive& archive) {
   archive("metrics", metrics_);
   archive("truth", truth_);
   archive("number", number_);
-  archive("newest_number", newest_.number);
-  archive("newest_time_s", newest_.recorded.time_s);
-  archive("newest_u", newest_.recorded.u);
-  archive("newest_v", newest_.recorded.v);
-  archive("newest_turns", newest_.recorded.angle_turns);
-  archive("newest_truth", newest_.recorded.has_truth);
+  archive("newest", newest_);
+  archive("since_s", since_s_);
+  archive.sequence("on_the_way", on_the_way_, most_on_the_way);
   archive("sensor_match", match_);
   archive("sensor_warnings", warnings_);
 }

@@ -32,7 +32,8 @@ class Observation final : public RunObserver {
   uint64_t sample_number() const { return number_; }
 
   std::optional<Error> open() override;
-  /// What listeners of `samples` keep is on the host and no part of it.
+  /// Samples on their way to their results are part of it, with or without listeners; what these
+  /// keep is on the host and is not.
   void visit(Archive& archive) override;
   void close(RunResult& result) override;
   void finish(RunResult& result) override;
@@ -43,6 +44,8 @@ class Observation final : public RunObserver {
   struct Sample {
     uint64_t number = 0;  ///< from 1, over all starts of the sensor
     metrics::RecordedSample recorded;
+
+    void visit(Archive& archive);
   };
 
   void converted(const peripherals::SensorSample& sample);
@@ -65,7 +68,7 @@ class Observation final : public RunObserver {
   metrics::SensorTruth truth_;     ///< of the newest sample
   uint64_t number_ = 0;            ///< of the newest sample
   Sample newest_;                  ///< of the front-end
-  std::optional<double> since_s_;  ///< the first sample with a listener
+  std::optional<double> since_s_;  ///< the first sample that the coprocessor took
   std::deque<Sample> on_the_way_;
   kit::Listening submissions_, results_, conversions_;
 };

@@ -30,8 +30,12 @@ std::optional<Error> SampleRecording::open() {
   auto writer = metrics::begin_recording({settings_.record(), origin_, std::move(columns.value())});
   if (!writer) return Error{writer.error()};
   writer_ = std::move(writer.value());
-  listening_ =
-      samples_.listen([this](const metrics::RecordedSample& sample) { writer_->add(sample); });
+  // From a checkpoint, a recording begins at 0 as well.
+  listening_ = samples_.listen([this](metrics::RecordedSample sample) {
+    if (!since_s_) since_s_ = sample.time_s;
+    sample.time_s -= *since_s_;
+    writer_->add(sample);
+  });
   return std::nullopt;
 }
 

@@ -32,6 +32,7 @@ class SampleRecording final : public RunObserver {
   std::string origin_;
   metrics::SampleProbe& samples_;
   std::unique_ptr<metrics::SampleWriter> writer_;
+  std::optional<double> since_s_;  ///< its first sample
   kit::Listening listening_;
 };
 
