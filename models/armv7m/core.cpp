@@ -130,6 +130,7 @@ std::optional<StopReason> Core::service() {
   unsigned number = pending.highest_pending(pending.execution_priority());
   if (state.locked_up && number != exception::nmi) number = 0;
   if (number != 0) {
+    if (state.sleeping && listeners().sleeps) listeners().sleeps(false);
     state.sleeping = state.locked_up = false;
     if (state.entered_at == state.instructions)
       machine_.exceptions.late_arrival(number);
@@ -141,6 +142,7 @@ std::optional<StopReason> Core::service() {
   if (state.sleeping) {
     if (!wake_pending()) return look_again(StopReason::sleeping);
     state.sleeping = false;
+    if (listeners().sleeps) listeners().sleeps(false);
     if (state.sleeping_for_event) state.event_register = false;
     return std::nullopt;
   }

@@ -20,6 +20,7 @@ void CoreContext::sleep(bool for_event) {
   state.sleeping = true;
   state.sleeping_for_event = for_event;
   requests.raise(Requests::changed);
+  if (listeners.sleeps) listeners.sleeps(true);
 }
 
 void CoreContext::report(Unpredictable which, uint32_t instruction) {

@@ -55,6 +55,9 @@ struct Listeners {
 
   /// Each time that an exception becomes pending which was not, but for faults.
   std::function<void(unsigned exception)> pended;
+  /// WFI or WFE puts the processor to sleep (true), and it wakes, in front of the exception or the
+  /// instruction that continues.
+  std::function<void(bool is_asleep)> sleeps;
   /// Once, when the translator turns out to have no memory for its code: blocks continue without
   /// it.
   std::function<void(const std::string& reason)> untranslated;

@@ -139,7 +139,7 @@ void Soc::bind() {
   }
 }
 
-void Soc::each_wire(const EachWire& call) {
+void Soc::each_interrupt(const EachInterrupt& call) {
   const bus::AddressMap map = board_map();
   for (kit::Component* part : components_) {
     const bus::MapEntry* const entry = bus::find_entry(map, part->component_name());
@@ -150,14 +150,8 @@ void Soc::each_wire(const EachWire& call) {
   }
 }
 
-void Soc::each_interrupt(const EachInterrupt& call) {
-  each_wire([&](kit::InterruptLine& source, const char* device, const bus::InterruptWire& wire) {
-    call(source, device, wire.output.c_str());
-  });
-}
-
 void Soc::connect_interrupts() {
-  each_wire([this](kit::InterruptLine& source, const char*, const bus::InterruptWire& wire) {
+  each_interrupt([this](kit::InterruptLine& source, const char*, const bus::InterruptWire& wire) {
     if (wire.line == bus::nmi_line)
       return source.connect([this](bool level) {
         if (level) cpu.pulse_nmi();

@@ -80,9 +80,9 @@ class Soc : public sc_core::sc_module {
   /// What is between the parts: the clock, and interrupt lines that several drive.
   void visit(Archive& archive);
 
-  /// Every interrupt output with the name of its device and its own, as the address map has them.
+  /// Every interrupt output with the name of its device, and how the address map wires it.
   using EachInterrupt =
-      std::function<void(kit::InterruptLine&, const char* device, const char* output)>;
+      std::function<void(kit::InterruptLine&, const char* device, const bus::InterruptWire& wire)>;
   void each_interrupt(const EachInterrupt& call);
 
   /// Bytes of one memory, without side effects or time; false, with nothing done, for any other
@@ -137,9 +137,6 @@ class Soc : public sc_core::sc_module {
   template <typename Socket>
   void bind_target(const bus::MapEntry& entry, Socket& socket);
   /// Every interrupt output that the address map wires.
-  using EachWire =
-      std::function<void(kit::InterruptLine&, const char* device, const bus::InterruptWire& wire)>;
-  void each_wire(const EachWire& call);
   void connect_interrupts();
   bool is_memory(uint32_t address, uint32_t size) const;
   uint32_t access_memory(tlm::tlm_command command, uint32_t address, void* bytes, uint32_t size);

@@ -54,6 +54,7 @@ class Unchanged(Traced):
                 "--profile": "p.out",
                 "--trace-waves": "w.fst",
                 "--trace-translation": "t.txt",
+                "--timeline": "l.json",
             }
             every = [part for option, name in traces.items() for part in (option, self.folder / name)]
             for options in (
@@ -144,8 +145,10 @@ class Unchanged(Traced):
             self.folder / "p",
             "--trace-waves",
             self.folder / "w.fst",
+            "--timeline",
+            self.folder / "l",
         )
-        self.assertEqual({p.name for p in self.folder.iterdir()}, {"i", "b", "p", "w.fst", "w.gtkw", "r.json"})
+        self.assertEqual({p.name for p in self.folder.iterdir()}, {"i", "b", "p", "w.fst", "w.gtkw", "l", "r.json"})
 
     def test_a_device_stays_one(self):
         null = self.folder / "null"
@@ -159,6 +162,7 @@ class Unchanged(Traced):
             ("--trace-bus", "b"),
             ("--profile", "p"),
             ("--trace-waves", "w.fst"),
+            ("--timeline", "l.json"),
         ):
             contents = set()
             for _ in range(2):
@@ -176,7 +180,7 @@ class Refusals(Traced):
         self.assertIn(expected, text)
 
     def test_places_that_cannot_be_written(self):
-        for option in ("--trace-instructions", "--trace-bus", "--profile", "--trace-waves"):
+        for option in ("--trace-instructions", "--trace-bus", "--profile", "--trace-waves", "--timeline"):
             self.refuse("/nonexistent/x: cannot be written", option, "/nonexistent/x")
         (self.folder / "null").symlink_to("/dev/null")
         self.refuse("null: is no file", "--trace-waves", self.folder / "null")

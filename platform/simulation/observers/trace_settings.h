@@ -40,6 +40,13 @@ struct TraceSettings {
                .by({"--trace-waves", "FILE.fst",
                     "Waves of the SoC, whatever the coprocessor is: interrupts, bus, nodes; and "
                     "FILE.gtkw"})};
+  TextField timeline{
+      all, setting("trace.timeline", SettingKind::output, "",
+                   "where the timeline goes (Chrome's trace events); empty: nowhere")
+               .is_place()
+               .by({"--timeline", "FILE.json",
+                    "What happened when, for Perfetto: threads, handlers with their latency, "
+                    "samples in the pipeline, UART lines, bus"})};
   TextField translation{
       all, setting("trace.translation", SettingKind::output, "",
                    "where the translator's code goes, with the program's; empty: nowhere")

@@ -1,5 +1,6 @@
 #include "observers/traces.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <string>
@@ -13,6 +14,7 @@ trace::TraceOptions Traces::options() const {
   options.bus = settings_.bus();
   options.profile = settings_.profile();
   options.waves = settings_.waves();
+  options.timeline = settings_.timeline();
   options.translation = settings_.translation();
   options.perf_map = settings_.perf_map();
   if (options.waves.empty() && coprocessor_.backend() == Backend::model)
@@ -63,7 +65,10 @@ void Traces::close(RunResult& result) {
 }
 
 void Traces::finish(RunResult& result) {
-  if (tracer_ != nullptr) result.profile = tracer_->top_functions();
+  if (tracer_ == nullptr) return;
+  result.profile = tracer_->top_functions();
+  const std::string end = fmt::format("exit {}: {}", result.code, result.reason);
+  if (const auto error = tracer_->finish_timeline(end)) result.lost.push_back(error->text);
 }
 
 }  // namespace capsoc::run

@@ -41,36 +41,19 @@ uint32_t data_word(const tlm::tlm_generic_payload& payload) {
 
 BusTrace::BusTrace(std::unique_ptr<LineFile> file,
                    const std::vector<soc::BoardPeripheral>& registers)
-    : file_(std::move(file)) {
-  for (const soc::BoardPeripheral& peripheral : registers)
-    for (const soc::BoardRegister& each : peripheral.registers)
-      registers_[each.address] = peripheral.name + "." + each.name;
+    : file_(std::move(file)), targets_(registers) {
   file_->heading(fmt::format("{:>12} {:>14}  {:<9} {:<5} {} {:<8}  {:<8}  {:>6} {:<13} {}", "cycle",
                              "time/s", "initiator", "what", "B", "address", "data", "cycles",
                              "status", "target"));
 }
 
-std::string BusTrace::target(uint32_t address) {
-  if (last_ == nullptr || address < last_->base || address > last_->last()) {
-    const auto found = std::find_if(map_.begin(), map_.end(), [address](const auto& entry) {
-      return address >= entry.base && address <= entry.last();
-    });
-    last_ = found == map_.end() ? nullptr : &*found;
-  }
-  std::string text =
-      last_ == nullptr ? "" : fmt::format("{}+{:#x}", last_->name, address - last_->base);
-  if (const auto found = registers_.find(address & ~3u); found != registers_.end())
-    text += (text.empty() ? "" : " ") + found->second;
-  return text;
-}
-
 void BusTrace::put(const BusAccess& access) {
   // As many digits as bytes were carried.
   const std::string data = fmt::format("{:0{}x}", access.data, 2 * access.size);
-  std::string line =
-      fmt::format("{:>12} {:>14.9f}  {:<9} {:<5} {} {:08x}  {:>8}  {:>6} {:<13} {}", access.cycle,
-                  access.seconds, access.initiator, access.write ? "write" : "read", access.size,
-                  access.address, data, access.cycles, access.status, target(access.address));
+  std::string line = fmt::format("{:>12} {:>14.9f}  {:<9} {:<5} {} {:08x}  {:>8}  {:>6} {:<13} {}",
+                                 access.cycle, access.seconds, access.initiator,
+                                 access.write ? "write" : "read", access.size, access.address, data,
+                                 access.cycles, access.status, targets_.place(access.address));
   line.erase(line.find_last_not_of(' ') + 1);
   file_->put(std::move(line));
 }

@@ -6,13 +6,11 @@
 #include <optional>
 #include <string>
 #include <tlm>
-#include <unordered_map>
 #include <vector>
 
 #include "armv7m/core.h"
-#include "bus/address_map.h"
-#include "soc/board_map.h"
 #include "soc/board_registers.h"
+#include "trace/bus_targets.h"
 #include "trace/line_file.h"
 
 namespace capsoc::trace {
@@ -44,12 +42,8 @@ class BusTrace {
   std::optional<Error> finish() { return file_->finish(); }
 
  private:
-  std::string target(uint32_t address);
-
   std::unique_ptr<LineFile> file_;
-  bus::AddressMap map_ = soc::board_map();
-  const bus::MapEntry* last_ = nullptr;
-  std::unordered_map<uint32_t, std::string> registers_;
+  BusTargets targets_;
 };
 
 }  // namespace capsoc::trace

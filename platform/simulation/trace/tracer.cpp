@@ -63,6 +63,13 @@ std::optional<Error> Tracer::open() {
     waves_ = std::make_unique<Waves>(std::move(file.value()), options_.waves, soc_);
     waves_->open(window_->open(), 0);
   }
+  if (!options_.timeline.empty()) {
+    auto timeline = Timeline::create(options_.timeline, soc_, functions_);
+    if (!timeline) return Error{timeline.error()};
+    timeline_ = std::move(timeline.value());
+    timeline_->open(window_->open(), 0);
+    soc_.cpu.core().listeners().sleeps = [this](bool is_asleep) { timeline_->sleeps(is_asleep); };
+  }
   if (!options_.translation.empty() || options_.perf_map) {
     auto trace = TranslationTrace::open(options_.translation, options_.perf_map, functions_);
     if (!trace) return Error{trace.error()};
@@ -79,7 +86,7 @@ void Tracer::connect() {
       translation_->put(translation);
     };
   soc_.cpu.core().add_observer(*this, stepping, bus_ != nullptr);
-  if (bus_ != nullptr || waves_ != nullptr)
+  if (bus_ != nullptr || waves_ != nullptr || timeline_ != nullptr)
     transfers_ = soc_.ahb.transfers.listen(
         [this](const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
                const sc_core::sc_time& end) { transfer(payload, begin, end); });
@@ -90,6 +97,7 @@ void Tracer::connect() {
 
 Tracer::~Tracer() {
   soc_.cpu.core().listeners().translated = nullptr;
+  soc_.cpu.core().listeners().sleeps = nullptr;
   soc_.cpu.core().remove_observer(*this);
 }
 
@@ -105,6 +113,7 @@ double Tracer::seconds_of(uint64_t cycle) const {
 void Tracer::follow_window(uint64_t picoseconds) {
   if (calls_ != nullptr) calls_->count(window_->open());
   if (waves_ != nullptr) waves_->open(window_->open(), picoseconds);
+  if (timeline_ != nullptr) timeline_->open(window_->open(), picoseconds);
 }
 
 bool Tracer::open_at(uint64_t picoseconds) {
@@ -148,6 +157,7 @@ void Tracer::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry
   if (instructions_ != nullptr && open)
     instructions_->entered(exception, how, since, seconds_of(since));
   if (waves_ != nullptr) waves_->exception(picoseconds_of(core.cycles()), exception);
+  if (timeline_ != nullptr) timeline_->entered(core, exception, how, since);
 }
 
 void Tracer::returned(const armv7m::Core& core, unsigned exception) {
@@ -157,6 +167,7 @@ void Tracer::returned(const armv7m::Core& core, unsigned exception) {
     instructions_->returned(core, exception, seconds_of(core.cycles()));
   if (waves_ != nullptr)
     waves_->exception(picoseconds_of(core.cycles()), core.state().xpsr() & 0x1FFU);
+  if (timeline_ != nullptr) timeline_->returned(core);
 }
 
 void Tracer::accessed(const armv7m::Core& core, const armv7m::DirectAccess& access) {
@@ -178,6 +189,7 @@ void Tracer::started(const armv7m::Core& core) {
   if (calls_ != nullptr) calls_->started(core);
   if (instructions_ != nullptr && open) instructions_->started(core, seconds_of(core.cycles()));
   if (waves_ != nullptr) waves_->exception(picoseconds_of(core.cycles()), 0);
+  if (timeline_ != nullptr) timeline_->started(core);
 }
 
 void Tracer::transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc_time& begin,
@@ -201,10 +213,12 @@ void Tracer::transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc
   seen.write = payload.is_write();
   seen.status = status_name(payload.get_response_status());
   if (bus_ != nullptr) bus_->put(seen);
-  if (waves_ == nullptr) return;
+  if (waves_ == nullptr && timeline_ == nullptr) return;
   const sc_core::sc_time period =
       soc_.clock.time_of(seen.cycle + 1) - soc_.clock.time_of(seen.cycle);
-  waves_->transfer(picoseconds(now + begin), picoseconds(now + end + period), seen);
+  const uint64_t begin_ps = picoseconds(now + begin), end_ps = picoseconds(now + end + period);
+  if (waves_ != nullptr) waves_->transfer(begin_ps, end_ps, seen);
+  if (timeline_ != nullptr) timeline_->transfer(begin_ps, end_ps, seen);
 }
 
 void Tracer::result(const coprocessor::Nodes& nodes) {
@@ -217,6 +231,12 @@ std::vector<FunctionCost> Tracer::top_functions() {
   constexpr std::size_t most = 40;
   if (calls_ == nullptr) return {};
   return trace::top_functions(*calls_, functions_, most);
+}
+
+std::optional<Error> Tracer::finish_timeline(const std::string& end) {
+  if (timeline_ == nullptr) return std::nullopt;
+  timeline_->note_end(end);
+  return timeline_->finish(picoseconds(sc_core::sc_time_stamp()));
 }
 
 std::vector<Error> Tracer::finish() {

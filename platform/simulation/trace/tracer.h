@@ -16,6 +16,7 @@
 #include "trace/functions.h"
 #include "trace/instruction_trace.h"
 #include "trace/profile.h"
+#include "trace/timeline.h"
 #include "trace/translation_trace.h"
 #include "trace/waves.h"
 #include "trace/window.h"
@@ -24,7 +25,7 @@ namespace capsoc::trace {
 
 /// What is traced and where it goes; an empty file: not at all.
 struct TraceOptions {
-  std::string instructions, bus, profile, waves, translation;
+  std::string instructions, bus, profile, waves, translation, timeline;
   std::string start, stop;  ///< see Bound::parse()
   std::size_t depth = 0;    ///< instruction and bus trace: the last lines only; 0: all
   bool fetches = false;     ///< instruction fetches in the bus trace
@@ -32,7 +33,7 @@ struct TraceOptions {
 
   bool any() const {
     return !instructions.empty() || !bus.empty() || !profile.empty() || !waves.empty() ||
-           !translation.empty() || perf_map;
+           !translation.empty() || !timeline.empty() || perf_map;
   }
 };
 
@@ -51,6 +52,8 @@ class Tracer : private armv7m::Observer {
 
   /// Writes what is left. After the simulation.
   std::vector<Error> finish();
+  /// Writes the rest of the timeline, with how the run ended.
+  std::optional<Error> finish_timeline(const std::string& end);
 
   /// After finish(): what a profile says of the functions that took the most; none without one.
   std::vector<FunctionCost> top_functions();
@@ -85,6 +88,7 @@ class Tracer : private armv7m::Observer {
   std::unique_ptr<CallTree> calls_;
   std::unique_ptr<Waves> waves_;
   std::unique_ptr<TranslationTrace> translation_;
+  std::unique_ptr<Timeline> timeline_;
   kit::Listening transfers_, results_;
   std::string program_;
   LineOf line_of_;

@@ -42,14 +42,15 @@ Waves::Waves(std::unique_ptr<FstFile> file, std::string path, soc::Soc& soc)
 
 void Waves::add_interrupts() {
   file_->open_scope("interrupts");
-  soc_.each_interrupt([this](kit::InterruptLine& source, const char* device, const char* output) {
-    Line added;
-    added.name = fmt::format("{}_{}", device, output);
-    added.signal = file_->add_bits(added.name, 1);
-    lines_.push_back(added);
-    file_->set(0, added.signal, 0);
-    source.connect([this, index = lines_.size() - 1](bool level) { line(index, level); });
-  });
+  soc_.each_interrupt(
+      [this](kit::InterruptLine& source, const char* device, const bus::InterruptWire& wire) {
+        Line added;
+        added.name = fmt::format("{}_{}", device, wire.output);
+        added.signal = file_->add_bits(added.name, 1);
+        lines_.push_back(added);
+        file_->set(0, added.signal, 0);
+        source.connect([this, index = lines_.size() - 1](bool level) { line(index, level); });
+      });
   file_->close_scope();
   file_->open_scope("cpu");
   exception_ = file_->add_bits("exception", 9);
