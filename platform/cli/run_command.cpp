@@ -124,7 +124,13 @@ int code_of_refusal() {
 
 /// With a page, a debugger that can go back, or a session that can be simulated again.
 int run_in_session(const run::RunSettings& settings) {
-  if (settings.gdb.history_mb() > 0 && settings.gdb.port() < 0)
+  const bool is_on_failure = settings.gdb.on_failure() >= 0;
+  if (is_on_failure && (settings.gdb.port() >= 0 || settings.view.port() >= 0))
+    return refuse(fmt::format("{} waits where the run fails: leave {} out",
+                              settings.gdb.on_failure.about().name(),
+                              settings.gdb.port() >= 0 ? settings.gdb.port.about().name()
+                                                       : settings.view.port.about().name()));
+  if (settings.gdb.history_mb() > 0 && settings.gdb.port() < 0 && !is_on_failure)
     return refuse(
         fmt::format("{} is for a debugger: add --gdb", settings.gdb.history_mb.about().name()));
   const bool is_viewed = settings.view.port() >= 0;
@@ -178,7 +184,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (arguments.list_places) return list_fault_places(settings);
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
-  if (settings.view.port() >= 0 || settings.gdb.history_mb() > 0 ||
+  if (settings.view.port() >= 0 || settings.gdb.memory_mb() > 0 ||
       !settings.results.session.empty())
     return run_in_session(settings);
   auto result = run::run(settings);

@@ -7,14 +7,14 @@
 namespace capsoc::service {
 namespace {
 
-constexpr double seconds_per_ps = 1e-12;
+constexpr double ps_per_s = 1e12;
 /// Of an entry in memory in addition to its texts.
 constexpr std::size_t overhead = 200;
 
 }  // namespace
 
 Json to_json(const Position& position) {
-  return {{"time_s", static_cast<double>(position.time_ps) * seconds_per_ps},
+  return {{"time_s", static_cast<double>(position.time_ps) / ps_per_s},
           {"time_ps", position.time_ps},
           {"cycles", position.cycles},
           {"instructions", position.instructions},

@@ -32,15 +32,15 @@ void RunSession::divide(const run::RunSettings& settings) {
   session_file_ = settings.results.session();
   for (const Setting& setting : settings.all())
     if (setting.source != SettingSource::built_in) settings_[setting.path] = setting.value;
-  for (const Setting& own :
-       {settings.gdb.port.about(), settings.gdb.halt.about(), settings.gdb.history_mb.about(),
-        settings.results.json.about(), settings.results.html.about(),
-        settings.results.session.about(), settings.view.port.about()})
+  for (const Setting& own : {settings.gdb.port.about(), settings.gdb.halt.about(),
+                             settings.gdb.history_mb.about(), settings.gdb.on_failure.about(),
+                             settings.results.json.about(), settings.results.html.about(),
+                             settings.results.session.about(), settings.view.port.about()})
     settings_.erase(own.path);
   // A page paces the run itself.
   if (settings.view.port() >= 0) settings_.erase(settings.limits.realtime.about().path);
-  if (settings.gdb.history_mb() > 0)
-    settings_["history_mb"] = static_cast<uint64_t>(settings.gdb.history_mb());
+  if (settings.gdb.memory_mb() > 0)
+    settings_["history_mb"] = static_cast<uint64_t>(settings.gdb.memory_mb());
   if (settings.results.wants_curves()) settings_[settings.results.curves.about().path] = "true";
   const auto place_of = [](const std::string& backend) {
     if (backend == "stderr") return Place::error;

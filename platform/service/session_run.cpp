@@ -10,6 +10,7 @@
 #include "debug/clients.h"
 #include "host/console.h"
 #include "host/end_signals.h"
+#include "results/exit_codes.h"
 #include "service/remote_target.h"
 #include "service/run_session.h"
 #include "service/session_client.h"
@@ -27,8 +28,12 @@ constexpr int looks_a_slice = 5;               ///< then what the program said i
 
 class SessionRun final : private debug::Clients::Processor {
  public:
-  SessionRun(RunSession session, std::unique_ptr<debug::Connections> connections, bool halted)
-      : session_(std::move(session)),
+  /// `connections`: null, nobody can connect. `on_failure`: opened where the run fails; null: it
+  /// ends there.
+  SessionRun(RunSession session, std::unique_ptr<debug::Connections> connections, bool halted,
+             std::unique_ptr<debug::Connections> on_failure)
+      : on_failure_(std::move(on_failure)),
+        session_(std::move(session)),
         target_(session_.client(), session_.simulation(),
                 [this](const std::string& text) { said_ += text; }),
         clients_(target_, *this, std::move(connections), halted) {}
@@ -42,13 +47,17 @@ class SessionRun final : private debug::Clients::Processor {
       session_.read_keys();
       if (clients_.is_halted())
         clients_.wait(nap);
-      else if (!go_on())
+      else if (!go_on() && !stay())
         break;
     }
     Json finished = session_.finish([this] {
       if (clients_.is_killed()) target_.ask("debugger.kill", Json::object());
     });
     clients_.finish(finished.at("code").get<int>());
+    // Killed there, it has failed all the same.
+    if (clients_.is_killed() && !failure_.is_null()) finished = failure_;
+    if (!failure_.is_null() && finished.value("reports", Json()) == failure_.at("reports"))
+      finished["reports"] = Json::array();  // they were shown
     return finished;
   }
 
@@ -127,18 +136,42 @@ class SessionRun final : private debug::Clients::Processor {
     return true;
   }
 
+  /// The run is over: true if it failed, and a debugger is to see it where it stands.
+  bool stay() {
+    if (on_failure_ == nullptr || host::noted_signal() != 0) return false;
+    const Answer outcome = session_.ask("simulation.outcome");
+    if (!outcome.ok() || outcome.result.at("code") == Json(run::exit_code::pass)) return false;
+    failure_ = outcome.result;
+    for (const Json& report : failure_.at("reports")) host::say("\n{}", report.get<std::string>());
+    host::say(
+        "exit {}: {}\ngdb: listening on 127.0.0.1:{}, waiting for a debugger at the failure\n",
+        failure_.at("code").get<int>(), failure_.at("reason").get<std::string>(),
+        on_failure_->port());
+    clients_.open(std::move(on_failure_));
+    clients_.halt({StopCause::Kind::failure});
+    return true;
+  }
+
+  std::unique_ptr<debug::Connections> on_failure_;
   RunSession session_;
   RemoteTarget target_;
   debug::Clients clients_;
   std::string said_;  ///< for the debugger's console
+  Json failure_;      ///< how the run ended that a debugger was to see; null: none did
   bool is_attached_ = false;
   mutable bool stood_ = true;
 };
 
 /// Who reads why there is none has asked for one of these.
 std::string asked_for_history(const run::RunSettings& settings) {
-  return settings.gdb.history_mb() > 0 ? settings.gdb.history_mb.about().name()
-                                       : settings.results.session.about().name();
+  for (const IntegerField* field : {&settings.gdb.history_mb, &settings.gdb.on_failure})
+    if (!field->is_built_in()) return field->about().name();
+  return settings.results.session.about().name();
+}
+
+Result<std::unique_ptr<debug::Connections>> listen_at(const IntegerField& port) {
+  if (port() < 0) return std::unique_ptr<debug::Connections>();
+  return debug::Connections::listen(static_cast<uint16_t>(port()));
 }
 
 }  // namespace
@@ -148,18 +181,19 @@ Result<Json> run_in_session(const run::RunSettings& settings) {
   auto session = RunSession::start(settings, asked_for_history(settings));
   if (!session) return Error{session.error()};
   if (session.value().is_gone()) return session.value().finish();
-  std::unique_ptr<debug::Connections> connections;
-  const long long port = settings.gdb.port();
   const bool is_halted = settings.gdb.halt();
-  if (port < 0 && is_halted) return Error{"--halt waits for a debugger; give --gdb PORT, too"};
-  if (port >= 0) {
-    auto listening = debug::Connections::listen(static_cast<uint16_t>(port));
-    if (!listening) return Error{listening.error()};
-    connections = std::move(listening.value());
-    host::say("gdb: listening on 127.0.0.1:{}{}\n", connections->port(),
+  if (settings.gdb.port() < 0 && is_halted)
+    return Error{"--halt waits for a debugger; give --gdb PORT, too"};
+  auto connections = listen_at(settings.gdb.port);
+  if (!connections) return Error{connections.error()};
+  auto on_failure = listen_at(settings.gdb.on_failure);
+  if (!on_failure) return Error{on_failure.error()};
+  if (connections.value() != nullptr)
+    host::say("gdb: listening on 127.0.0.1:{}{}\n", connections.value()->port(),
               is_halted ? ", waiting for a debugger" : "");
-  }
-  return SessionRun(std::move(session.value()), std::move(connections), is_halted).perform();
+  return SessionRun(std::move(session.value()), std::move(connections.value()), is_halted,
+                    std::move(on_failure.value()))
+      .perform();
 }
 
 }  // namespace capsoc::service

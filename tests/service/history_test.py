@@ -9,6 +9,7 @@ import os
 import random
 import unittest
 
+from harness import without_host_times
 from protocol_test import Driven, Refused
 
 CTEST = {"name": "service: history", "timeout": 900, "interpreter": "/usr/bin/python3"}
@@ -169,6 +170,43 @@ class Walks(Past):
         self.walk("selfcal", stops, moves=MOVES // 3, **{"coprocessor.backend": "rtl"}, **SHORT)
 
 
+class Outcomes(Past):
+    """How a run ends, asked before it does."""
+
+    def outcome(self, simulation):
+        answer = self.session("simulation.outcome", simulation=simulation)
+        return self.without_the_host(answer)
+
+    def look_at(self, simulation, is_over):
+        return self.where(simulation)["now"] if is_over else self.look(simulation)
+
+    def without_the_host(self, answer):
+        return {**answer, "table": None, "result": without_host_times(answer["result"])}
+
+    def test_it_is_what_finish_answers_and_changes_nothing(self):
+        for program, goal, code in (("selfcal", {"seconds": 1}, 0), ("divzero", {}, 5), ("hello", {}, 0)):
+            simulation = self.construct(program)
+            self.advance(simulation, **goal)
+            is_over = program != "selfcal"  # then it has no state to resume from
+            before, now = self.look_at(simulation, is_over), self.where(simulation)["now"]
+            told = self.outcome(simulation)
+            self.assertEqual(told["code"], code)
+            self.assertEqual(self.look_at(simulation, is_over), before)
+            self.session("history.back", simulation=simulation, instructions=100)
+            self.session("simulation.goto", simulation=simulation, time_ps=now["time_ps"])
+            self.assertEqual(self.look_at(simulation, is_over), before)
+            finished = self.session("simulation.finish", simulation=simulation)
+            self.assertEqual(told, self.without_the_host(finished))
+            self.session("simulation.close", simulation=simulation)
+
+    def test_it_needs_a_history(self):
+        simulation = self.construct("hello", history_mb=0)
+        with self.assertRaises(Refused) as refused:
+            self.session("simulation.outcome", simulation=simulation)
+        self.assertIn("history_mb is 0", str(refused.exception))
+        self.session("simulation.close", simulation=simulation)
+
+
 class Logged(Past):
     """What changes the simulation is logged, and nothing else. Every method of a simulation is in one of the lists."""
 
@@ -190,6 +228,7 @@ class Logged(Past):
     LOOKS = {
         "simulation.state": {},
         "simulation.save": {"file": "saved"},
+        "simulation.outcome": {},
         "simulation.record": {"file": "recorded"},
         "history.when": {},
         "history.keep": {},

@@ -12,7 +12,7 @@ namespace capsoc::debug {
 namespace {
 
 constexpr const char *ok = "OK", *malformed = "E01", *no_memory = "E0e", *refused = "E16";
-constexpr int sigint = 2, sigtrap = 5, sigsegv = 11;
+constexpr int sigint = 2, sigtrap = 5, sigabrt = 6, sigsegv = 11;
 
 /// Index into `registers` of GDB's number.
 std::optional<unsigned> index_of(uint32_t number) {
@@ -95,6 +95,9 @@ std::string Client::stop_reply() const {
       break;
     case StopCause::Kind::lockup:
       signal = sigsegv;
+      break;
+    case StopCause::Kind::failure:
+      signal = sigabrt;
       break;
     case StopCause::Kind::breakpoint:
       if (cause_.point == StopPoint::hardware_breakpoint) {

@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "debug/client.h"
 #include "debug/connections.h"
@@ -36,6 +37,8 @@ class Clients {
   Clients(const Clients&) = delete;
   Clients& operator=(const Clients&) = delete;
 
+  /// From here on debuggers can connect. Nobody could before.
+  void open(std::unique_ptr<Connections> connections) { connections_ = std::move(connections); }
   /// Answers the packets that came.
   void serve();
   /// Until there is something to serve, or the time is over.

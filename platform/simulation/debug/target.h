@@ -34,7 +34,8 @@ struct StopCause {
     bkpt_instruction,
     lockup,
     history_begin,  ///< nothing before this is known
-    history_end     ///< it is where it was before it went back
+    history_end,    ///< it is where it was before it went back
+    failure         ///< the run is over, and did not pass
   };
   Kind kind = Kind::attached;
   StopPoint point = StopPoint::software_breakpoint;  ///< with breakpoint and watchpoint

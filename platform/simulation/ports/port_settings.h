@@ -44,6 +44,20 @@ struct GdbSettings {
                .by({"--gdb-history", "[MB]",
                     "Let the debugger go back, with so much memory for the past (64 MB)",
                     SettingOption::Form::optional_value, "64"})};
+  IntegerField on_failure{
+      all, setting("gdb.on_failure", SettingKind::integer, "-1",
+                   "port of a GDB server that opens where a run fails; 0: a free one, -1: none")
+               .in(-1, 65535)
+               .is_place()
+               .by({"--gdb-on-failure", "[PORT]",
+                    "Where the run fails, wait for a debugger that can go back (default port 3333)",
+                    SettingOption::Form::optional_value, "3333"})};
+
+  /// What the past may take, MB; 0: it is not kept.
+  long long memory_mb() const {
+    constexpr long long of_a_failure = 64;
+    return on_failure() >= 0 && history_mb() == 0 ? of_a_failure : history_mb();
+  }
 };
 
 struct ViewSettings {
