@@ -28,8 +28,8 @@ constexpr int looks_a_slice = 5;               ///< then what the program said i
 
 class SessionRun final : private debug::Clients::Processor {
  public:
-  /// `connections`: null, nobody can connect. `on_failure`: opened where the run fails; null: it
-  /// ends there.
+  /// `connections`: null, no debugger can connect. `on_failure`: opened where the run fails; null:
+  /// it ends there.
   SessionRun(RunSession session, std::unique_ptr<debug::Connections> connections, bool halted,
              std::unique_ptr<debug::Connections> on_failure)
       : on_failure_(std::move(on_failure)),

@@ -48,7 +48,7 @@ Answer keep(Board& board, const Call&) {
   return {};
 }
 
-/// In a process that ends with the run, so that this one can go on.
+/// In a process that ends with the run, so that this one can continue.
 Answer outcome(Board& board, const Call&) {
   if (!board.history().is_on())
     return refuse("simulation.outcome: there is no history: " + board.no_history());

@@ -37,7 +37,7 @@ class Clients {
   Clients(const Clients&) = delete;
   Clients& operator=(const Clients&) = delete;
 
-  /// From here on debuggers can connect. Nobody could before.
+  /// From here on debuggers can connect.
   void open(std::unique_ptr<Connections> connections) { connections_ = std::move(connections); }
   /// Answers the packets that came.
   void serve();
