@@ -43,6 +43,30 @@ void Thinner::halve() {
   width_ *= 2;
 }
 
+void Thinner::Point::visit(Archive& archive) {
+  archive("x", x);
+  archive("y", y);
+  archive("at", at);
+}
+
+void Thinner::Bucket::visit(Archive& archive) {
+  archive("first", first);
+  archive("least", least);
+  archive("greatest", greatest);
+}
+
+void Thinner::visit(Archive& archive) {
+  archive("width", width_);
+  archive("room", room_);
+  archive("points", points_);
+  archive("last_x", last_x_);
+  archive("last_y", last_y_);
+  archive("buckets", buckets_);
+  const bool fits = last_y_.size() == curves_ && buckets_.size() % curves_ == 0 && width_ != 0 &&
+                    (!buckets_.empty() || (points_ == 0 && room_ == 0));
+  if (archive.loading() && !fits) archive.refuse("is of other curves");
+}
+
 Curve Thinner::curve(std::size_t number) const {
   Curve curve;
   const std::size_t count = buckets_.size() / curves_;

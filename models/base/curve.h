@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/archive.h"
+
 namespace capsoc {
 
 /// Points in the order in which they are drawn, x and y of the same length. A y that is no number
@@ -48,6 +50,9 @@ class Thinner {
     for (std::size_t i = 0; i < curves_; ++i) bucket[i].take({x, y[i], at});
   }
 
+  /// The points until now, of one that was made with the same numbers.
+  void visit(Archive& archive);
+
   /// What stays of the points until now.
   Curve curve(std::size_t number = 0) const;
 
@@ -55,6 +60,8 @@ class Thinner {
   struct Point {
     double x = 0, y = 0;
     std::size_t at = 0;  // its place in the curve
+
+    void visit(Archive& archive);
   };
   struct Bucket {
     Point first, least, greatest;  // the same while there is no number
@@ -67,6 +74,8 @@ class Thinner {
       if (!(least.y <= point.y)) least = point;
       if (!(greatest.y >= point.y)) greatest = point;
     }
+
+    void visit(Archive& archive);
   };
   /// With the newest point.
   void begin_bucket();

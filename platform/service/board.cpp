@@ -193,7 +193,7 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
           fmt::format("{} names a file that a simulation restored from here would write, too; "
                       "construct the simulation without it",
                       setting.path)};
-  auto state = simulation_->packed_state();
+  auto state = simulation_->packed_state(true);
   if (!state) return Error{state.error()};
   Answer held;
   held.frames.push_back(std::move(state.value()));

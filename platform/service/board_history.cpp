@@ -32,6 +32,8 @@ Position Board::position() const {
 std::string Board::why_no_history() const {
   if (history_budget_ == 0) return "history_mb is 0";
   if (settings_.gdb.port() >= 0) return "gdb.port lets a debugger change the simulation";
+  if (settings_.golden())
+    return settings_.golden.about().path + " needs all samples, which no snapshot has";
   for (const Setting& setting : settings_.all()) {
     if (setting.value.empty()) continue;
     if (setting.kind == SettingKind::output || setting.kind == SettingKind::directory)

@@ -19,6 +19,7 @@
 #include "host/sha256.h"
 #include "service/advance.h"
 #include "service/board_verbs.h"
+#include "session/checkpoints.h"
 #include "version/version.h"
 
 namespace capsoc::service {
@@ -30,13 +31,14 @@ std::string seconds_of(const Position& at) {
   return fmt::format("{:.12g} s", static_cast<double>(at.time_ps) / picoseconds);
 }
 
-/// The hash of each part of a packed state.
+/// The hash of each part of a packed state, without what observers have gathered: those of a replay
+/// are others.
 Result<std::map<std::string, std::string>> parts_of(const std::string& state) {
   const auto checkpoint = checkpoint::unpack(state, "the state");
   if (!checkpoint) return Error{checkpoint.error()};
   std::map<std::string, std::string> parts;
   for (const checkpoint::Section& section : checkpoint.value().sections)
-    parts[section.name] = host::sha256_of(section.bytes);
+    if (!run::is_gathered(section.name)) parts[section.name] = host::sha256_of(section.bytes);
   return parts;
 }
 

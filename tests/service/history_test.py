@@ -170,6 +170,59 @@ class Walks(Past):
         self.walk("selfcal", stops, moves=MOVES // 3, **{"coprocessor.backend": "rtl"}, **SHORT)
 
 
+class Results(Past):
+    """What observers gathered of the whole run is in its result, however often a client goes back."""
+
+    GATHERED = {"results.curves": "true", "results.latencies": "true", "cpu.stack_marks": "true"}
+
+    def result(self, program, stops, **settings):
+        simulation = self.construct(program, **self.GATHERED, **settings)
+        for kind, time_ps in stops:
+            if kind == "keep":
+                self.session("history.keep", simulation=simulation)
+            else:
+                self.session("simulation.goto", simulation=simulation, time_ps=time_ps)
+        self.advance(simulation)
+        finished = self.session("simulation.finish", simulation=simulation)
+        self.session("simulation.close", simulation=simulation)
+        return without_host_times(finished["result"])
+
+    def test_looking_back_changes_no_result(self):
+        for program, end, settings in (
+            ("selfcal", 2_200_000_000_000, SHORT),
+            ("profiled", 200_000_000, {"tasks.current": "0x20000000"}),
+        ):
+            forward = self.result(program, [], **settings)
+            for name in ("curves", "interrupts", "stacks"):
+                self.assertIn(name, forward)
+            draw = random.Random(f"{SEED} {program}")
+            stops = [("goto", draw.randrange(end // 2, end)), ("keep", 0)]
+            for _ in range(6):
+                stops += [("goto", draw.randrange(end // 10, end)), ("keep", 0)]
+            self.assertEqual(self.result(program, stops, **settings), forward, f"seed {SEED}")
+
+    def test_snapshots_have_it_too(self):
+        simulation = self.construct("selfcal", **self.GATHERED, **SHORT)
+        self.advance(simulation, seconds=1)
+        snapshot = self.session("simulation.snapshot", simulation=simulation)["snapshot"]
+        self.advance(simulation, seconds=0.5)
+        self.session("simulation.restore", simulation=simulation, snapshot=snapshot)
+        self.advance(simulation)
+        finished = self.session("simulation.finish", simulation=simulation)
+        self.assertEqual(without_host_times(finished["result"]), self.result("selfcal", [], **SHORT))
+        self.session("simulation.close", simulation=simulation)
+
+    def test_what_needs_all_samples_has_no_past(self):
+        simulation = self.construct("selfcal", **{"run.golden": "true"})
+        self.assertIn("run.golden needs all samples", self.where(simulation)["why"])
+        with self.assertRaises(Refused) as refused:
+            self.advance(simulation, seconds=0.1)
+            snapshot = self.session("simulation.snapshot", simulation=simulation)["snapshot"]
+            self.session("simulation.restore", simulation=simulation, snapshot=snapshot)
+        self.assertIn("run.golden needs all samples", str(refused.exception))
+        self.session("simulation.close", simulation=simulation)
+
+
 class Outcomes(Past):
     """How a run ends, asked before it does."""
 

@@ -169,6 +169,7 @@ std::optional<Error> load(const Checkpoint& checkpoint, const std::vector<Part>&
     if (i >= checkpoint.sections.size() || checkpoint.sections[i].name != parts[i].name)
       return other(parts[i].name + " is missing");
     const Section& section = checkpoint.sections[i];
+    if (!parts[i].visit) continue;
     StateReader reader(section.bytes);
     reader.set_time(checkpoint.time);
     parts[i].visit(reader);

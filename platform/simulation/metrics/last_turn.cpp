@@ -15,6 +15,20 @@ uint64_t way_between(const TurnSample& a, const TurnSample& b) {
 
 }  // namespace
 
+void TurnSample::visit(Archive& archive) {
+  archive("angle_turns", angle_turns);
+  archive("u", u);
+  archive("v", v);
+  archive("angle", angle);
+  archive("has_result", has_result);
+  archive("has_error", has_error);
+}
+
+void LastTurn::visit(Archive& archive) {
+  archive("samples", samples_);
+  archive("enough", enough_);
+}
+
 std::size_t LastTurn::length() const {
   uint64_t way = 0;
   std::size_t length = 0;

@@ -16,6 +16,8 @@ struct TurnSample {
   uint32_t angle = 0;      ///< the coprocessor's, 2^-32 turn; only with has_result
   bool has_result = false;
   bool has_error = false;  ///< the coprocessor's angle is valid and the true one known
+
+  void visit(Archive& archive);
 };
 
 /// A turn by the coprocessor's angle, or `least` samples where it is shorter: enough of them for a
@@ -31,6 +33,8 @@ class LastTurn {
                         has_result ? sample.result->angle : 0, has_result, has_error(sample)});
     if (samples_.size() >= enough_) forget();
   }
+
+  void visit(Archive& archive);
 
   std::vector<TurnSample> samples() const {
     return {samples_.end() - static_cast<std::ptrdiff_t>(length()), samples_.end()};

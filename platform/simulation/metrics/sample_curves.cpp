@@ -222,6 +222,16 @@ void SampleCurves::add_bits(double time_s, const RecordedResult& result) {
   change_ = result;
 }
 
+void SampleCurves::visit(Archive& archive) {
+  archive("values", values_);
+  archive("angle_error", angle_error_);
+  archive("raw_error", raw_error_);
+  archive("turn", turn_);
+  for (Thinner& change : changes_) archive("changes", change);
+  archive("change", change_);
+  archive("last_s", last_s_);
+}
+
 Curves SampleCurves::curves(const ParameterWords& end) const {
   Curves curves;
   for (std::size_t i = 0; i < values.size(); ++i)

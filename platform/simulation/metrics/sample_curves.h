@@ -30,6 +30,9 @@ class SampleCurves {
   /// In the order in which they came.
   void add(const RecordedSample& sample);
 
+  /// What was gathered until now.
+  void visit(Archive& archive);
+
   Curves curves(const ParameterWords& end) const;
 
  private:

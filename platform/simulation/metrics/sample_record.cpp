@@ -98,6 +98,18 @@ Result<RecordColumns> record_columns(const std::string& names, const std::string
   return columns;
 }
 
+void RecordedResult::visit(Archive& archive) {
+  archive("angle", angle);
+  archive("words", words);
+  archive("error_u", error_u);
+  archive("error_v", error_v);
+  archive("error_average", error_average);
+  archive("status", status);
+  archive("flags", flags);
+  archive("angle_valid", angle_valid);
+  archive("demodulating", demodulating);
+}
+
 const char* column_name(std::size_t column) {
   return all.at(column).name;
 }

@@ -21,6 +21,8 @@ struct RecordedResult {
   uint32_t error_average = 0;        ///< Q1.31
   uint32_t status = 0, flags = 0;
   bool angle_valid = false, demodulating = false;
+
+  void visit(Archive& archive);
 };
 
 /// One sample after quantisation.

@@ -9,6 +9,11 @@ std::optional<Error> ReportGatherer::open() {
   return std::nullopt;
 }
 
+void ReportGatherer::visit_gathered(Archive& archive) {
+  archive("curves", curves_);
+  archive("text", text_);
+}
+
 void ReportGatherer::finish(RunResult& result) {
   result.report = ReportData{curves_.curves(result.words), text_.text(), text_.left_out()};
 }

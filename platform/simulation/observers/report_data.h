@@ -20,6 +20,8 @@ class ReportGatherer final : public RunObserver {
       : samples_(samples), uart_(uart) {}
 
   std::optional<Error> open() override;
+  const char* gathered() const override { return "report"; }
+  void visit_gathered(Archive& archive) override;
   /// Calibrates the curves by the words of the result.
   void finish(RunResult& result) override;
 

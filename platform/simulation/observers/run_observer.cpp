@@ -14,6 +14,13 @@ void Observers::visit(Archive& archive) {
   for (const auto& observer : all_) observer->visit(archive);
 }
 
+std::vector<RunObserver*> Observers::gatherers() const {
+  std::vector<RunObserver*> gatherers;
+  for (const auto& observer : all_)
+    if (observer->gathered() != nullptr) gatherers.push_back(observer.get());
+  return gatherers;
+}
+
 void Observers::close(RunResult& result) {
   for (const auto& observer : all_) observer->close(result);
 }

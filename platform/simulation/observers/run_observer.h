@@ -31,6 +31,12 @@ class RunObserver {
   /// visits nothing, so that a restored run may have other observers.
   virtual void visit(Archive&) {}
 
+  /// What it has gathered on the host and only a state in memory holds, from which a simulation
+  /// with the same settings continues: a name, unique among all observers; null: nothing. A
+  /// simulation restored from a file begins without it.
+  virtual const char* gathered() const { return nullptr; }
+  virtual void visit_gathered(Archive&) {}
+
   /// The simulation is over and its exit code not known yet: completes the outputs, with a sentence
   /// in `result.lost` for each that is not whole.
   virtual void close(RunResult&) {}
@@ -52,6 +58,8 @@ class Observers {
   std::optional<Error> add(std::unique_ptr<RunObserver> observer);
 
   void visit(Archive& archive);
+  /// Those that have gathered something.
+  std::vector<RunObserver*> gatherers() const;
   void close(RunResult& result);
   void finish(RunResult& result);
   /// Of the first one that stopped the simulation; empty if none did.

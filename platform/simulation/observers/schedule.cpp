@@ -123,6 +123,46 @@ void Schedule::started(const armv7m::Core& core) {
   running_ = 0;
 }
 
+void Schedule::Task::visit(Archive& archive) {
+  archive("name", name);
+  archive("cycles", cycles);
+  archive("switches", switches);
+}
+
+void Schedule::Waits::visit(Archive& archive) {
+  archive("count", count);
+  archive("sum", sum);
+  archive("least", least);
+  archive("most", most);
+  archive("by_size", by_size);
+}
+
+void Schedule::Entry::visit(Archive& archive) {
+  archive.at_most("exception", exception, 63U);
+  archive("waited", waited);
+}
+
+void Schedule::visit_gathered(Archive& archive) {
+  std::vector<uint32_t> addresses;
+  std::vector<Task> tasks;
+  for (const auto& [address, task] : tasks_) {
+    addresses.push_back(address);
+    tasks.push_back(task);
+  }
+  archive.sequence("addresses", addresses, most_tasks + 1);
+  archive.sequence("tasks", tasks, most_tasks + 1);
+  archive("running", running_);
+  archive("last_task", last_task_);
+  archive("since", since_);
+  archive("pended_at", pended_at_);
+  archive("waits", waits_);
+  archive("entry", entry_);
+  if (!archive.loading()) return;
+  if (addresses.size() != tasks.size()) return archive.refuse("has tasks without addresses");
+  tasks_.clear();
+  for (std::size_t i = 0; i < tasks.size(); ++i) tasks_[addresses[i]] = std::move(tasks[i]);
+}
+
 void Schedule::finish(RunResult& result) {
   const armv7m::Core& core = view_.soc().cpu.core();
   if (current_) {

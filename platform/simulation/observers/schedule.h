@@ -18,7 +18,7 @@
 
 namespace capsoc::run {
 
-/// Is told of exceptions alone, so it costs next to nothing. After --restore it begins again.
+/// Is told of exceptions alone, so it costs next to nothing.
 class Schedule final : public RunObserver, private armv7m::Observer {
  public:
   Schedule(const ProgramView& view, const ScheduleSettings& settings)
@@ -28,20 +28,25 @@ class Schedule final : public RunObserver, private armv7m::Observer {
   /// Observes nothing unless the settings ask for it. An Error: tasks.current is neither a symbol
   /// nor an address.
   std::optional<Error> open() override;
+  const char* gathered() const override { return "schedule"; }
+  void visit_gathered(Archive& archive) override;
   void finish(RunResult& result) override;
 
  private:
   struct Task {
     std::string name;
     uint64_t cycles = 0, switches = 0;
+    void visit(Archive& archive);
   };
   struct Waits {
     uint64_t count = 0, sum = 0, least = UINT64_MAX, most = 0;
     std::array<uint64_t, 64> by_size{};  ///< of so many binary digits
+    void visit(Archive& archive);
   };
   struct Entry {
     unsigned exception = 0;
     uint64_t waited = 0;
+    void visit(Archive& archive);
   };
 
   void issued(const armv7m::Core&, const armv7m::DecodedOp&) override {}

@@ -113,6 +113,22 @@ std::string StackMarks::name_of(const StackMark& mark) const {
   return fmt::format("{} ({}, {} bytes)", name, object->name, object->size);
 }
 
+void StackMark::visit(Archive& archive) {
+  archive("process", process);
+  archive("top", top);
+  archive("lowest", lowest);
+  archive("instruction", instruction);
+  archive("suspended_at", suspended_at);
+}
+
+void StackMarks::visit_gathered(Archive& archive) {
+  archive("stacks", stacks_);
+  archive("present", process_);
+  archive("overflow", overflow_);
+  if (archive.loading() && process_ != 0 && process_ >= stacks_.size())
+    archive.refuse("has no such stack");
+}
+
 void StackMarks::finish(RunResult& result) {
   for (const StackMark& mark : stacks_)
     result.stacks.push_back({name_of(mark), mark.top, mark.lowest});

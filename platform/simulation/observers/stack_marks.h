@@ -21,6 +21,8 @@ struct StackMark {
   uint32_t top = 0, lowest = 0;  ///< greatest and least stack pointer
   uint32_t instruction = 0;      ///< that made it the least
   uint32_t suspended_at = 0;     ///< of a process stack: PSP when it was left
+
+  void visit(Archive& archive);
 };
 
 /// Follows both stack pointers, instruction by instruction. A process stack is a new one when
@@ -34,6 +36,8 @@ class StackMarks final : public RunObserver, private armv7m::Observer {
   /// Observes nothing unless the settings ask for it. An Error: a limit that is neither a symbol
   /// nor an address.
   std::optional<Error> open() override;
+  const char* gathered() const override { return "stacks"; }
+  void visit_gathered(Archive& archive) override;
   void finish(RunResult& result) override;
   std::string crash() const override;
   std::optional<Finding> finding() const override;

@@ -17,6 +17,14 @@ void UartText::listen(cmsdk::Uart& uart) {
   });
 }
 
+void UartText::visit(Archive& archive) {
+  archive("begin", begin_);
+  archive("end", end_);
+  archive("next", next_);
+  archive("bytes", bytes_);
+  if (archive.loading() && next_ > end_.size()) archive.refuse("has its oldest byte outside");
+}
+
 std::string UartText::text() const {
   return begin_ + end_.substr(next_) + end_.substr(0, next_);
 }

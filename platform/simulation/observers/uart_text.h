@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "base/archive.h"
 #include "cmsdk/uart.h"
 #include "kit/probe.h"
 
@@ -13,6 +14,9 @@ namespace capsoc::run {
 class UartText {
  public:
   void listen(cmsdk::Uart& uart);
+
+  /// What was sent until now.
+  void visit(Archive& archive);
 
   std::string text() const;
   /// Bytes between the beginning and the end.

@@ -23,6 +23,8 @@
 namespace capsoc::run {
 namespace {
 
+constexpr const char* gathered_prefix = "gathered.";
+
 const sc_core::sc_time longest_wait(1, sc_core::SC_MS);
 
 std::atomic<bool> save_wanted{false};
@@ -127,9 +129,26 @@ std::vector<checkpoint::Part> parts_of(soc::Soc& soc) {
   return parts;
 }
 
+bool is_gathered(const std::string& part) {
+  return part.rfind(gathered_prefix, 0) == 0;
+}
+
+std::vector<checkpoint::Part> gathered_parts(const Observers& observers) {
+  std::vector<checkpoint::Part> parts;
+  for (RunObserver* const each : observers.gatherers())
+    parts.push_back({gathered_prefix + std::string(each->gathered()),
+                     [each](Archive& archive) { each->visit_gathered(archive); }});
+  return parts;
+}
+
 Checkpoints::Checkpoints(const RunSettings& settings, const RunInputs& inputs, soc::Soc& soc,
-                         std::vector<checkpoint::Part> parts)
-    : settings_(settings), inputs_(inputs), soc_(soc), parts_(std::move(parts)) {}
+                         std::vector<checkpoint::Part> parts,
+                         std::vector<checkpoint::Part> gathered)
+    : settings_(settings),
+      inputs_(inputs),
+      soc_(soc),
+      parts_(std::move(parts)),
+      gathered_(std::move(gathered)) {}
 
 std::optional<Error> Checkpoints::plan() {
   auto points = save_points(settings_);
@@ -215,8 +234,10 @@ std::optional<Error> Checkpoints::save_beside(const std::string& file, const cha
   return save_now(file);
 }
 
-Result<std::string> Checkpoints::packed() {
-  auto saved = checkpoint::save(sc_core::sc_time_stamp().value(), parts_);
+Result<std::string> Checkpoints::packed(bool with_gathered) {
+  std::vector<checkpoint::Part> parts = parts_;
+  if (with_gathered) parts.insert(parts.end(), gathered_.begin(), gathered_.end());
+  auto saved = checkpoint::save(sc_core::sc_time_stamp().value(), parts);
   if (!saved) return Error{fmt::format("not saved: {}", saved.error())};
   const auto& known = identity();
   if (!known) return Error{known.error()};
@@ -226,7 +247,7 @@ Result<std::string> Checkpoints::packed() {
 
 std::optional<Error> Checkpoints::save_now(const std::string& file) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto bytes = packed();
+  const auto bytes = packed(false);
   if (!bytes) return Error{fmt::format("{}: {}", file, bytes.error())};
   auto error = host::write_whole(file, bytes.value());
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
@@ -235,7 +256,17 @@ std::optional<Error> Checkpoints::save_now(const std::string& file) {
 }
 
 std::optional<Error> Checkpoints::load(const checkpoint::Checkpoint& from) {
-  if (auto error = checkpoint::load(from, parts_))
+  std::vector<checkpoint::Part> parts = parts_;
+  // Of a state in memory: an observer that is not here leaves its own.
+  for (std::size_t i = parts_.size(); i < from.sections.size(); ++i) {
+    const std::string& name = from.sections[i].name;
+    if (!is_gathered(name)) break;
+    const auto known =
+        std::find_if(gathered_.begin(), gathered_.end(),
+                     [&](const checkpoint::Part& part) { return part.name == name; });
+    parts.push_back(known == gathered_.end() ? checkpoint::Part{name, nullptr} : *known);
+  }
+  if (auto error = checkpoint::load(from, parts))
     return Error{fmt::format("{}: {}", settings_.checkpoint.restore(), error->text)};
   return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "base/setting_fields.h"
 #include "checkpoint/checkpoint_file.h"
 #include "inputs/run_inputs.h"
+#include "observers/run_observer.h"
 #include "ports/host_ports.h"
 #include "session/checkpoint_settings.h"
 #include "soc/soc.h"
@@ -39,13 +40,17 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const RunSet
 /// The parts of a board.
 std::vector<checkpoint::Part> parts_of(soc::Soc& soc);
 
+/// Parts that only states in memory have: what the observers have gathered.
+bool is_gathered(const std::string& part);
+std::vector<checkpoint::Part> gathered_parts(const Observers& observers);
+
 /// Saves a run while it runs, between two instructions, when the coprocessor's pipeline is empty:
 /// such a state any backend of it can continue from, whichever saved it. A pipeline that is still
 /// busy a millisecond later is saved as it is, for the same backend only.
 class Checkpoints {
  public:
   Checkpoints(const RunSettings& settings, const RunInputs& inputs, soc::Soc& soc,
-              std::vector<checkpoint::Part> parts);
+              std::vector<checkpoint::Part> parts, std::vector<checkpoint::Part> gathered);
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
 
@@ -63,8 +68,9 @@ class Checkpoints {
   /// cannot be written.
   std::optional<Error> save_beside(const std::string& file, const char* by);
 
-  /// The bytes of such a file. An Error: a part cannot be saved, or an input is gone.
-  Result<std::string> packed();
+  /// The bytes of such a file. `with_gathered`: and what the observers have gathered. An Error: a
+  /// part cannot be saved, or an input is gone.
+  Result<std::string> packed(bool with_gathered);
 
   /// Gives every part its state, then lets them continue. Twice: as a test before the simulation
   /// starts, and when its time has come.
@@ -87,7 +93,7 @@ class Checkpoints {
   const RunSettings& settings_;
   const RunInputs& inputs_;
   soc::Soc& soc_;
-  std::vector<checkpoint::Part> parts_;
+  std::vector<checkpoint::Part> parts_, gathered_;
   std::optional<Result<checkpoint::Identity>> identity_;
   std::vector<SavePoint> points_;
   std::size_t next_point_ = 0;

@@ -35,6 +35,9 @@ Result<std::optional<checkpoint::Checkpoint>> restored_state(const RunSettings& 
                                                              const RunInputs& inputs,
                                                              const std::string& state) {
   if (state.empty()) return checkpoint_to_restore(settings, inputs);
+  if (settings.golden())
+    return Error{settings.golden.about().path +
+                 " needs all samples, and a restored simulation has the later ones; leave it out"};
   auto unpacked = checkpoint::unpack(state, "the snapshot");
   if (!unpacked) return Error{unpacked.error()};
   return std::optional<checkpoint::Checkpoint>(std::move(unpacked.value()));
@@ -121,7 +124,8 @@ std::optional<Error> Simulation::open() {
   ports_ = std::move(ports.value());
   if (real_time_.on()) ports_->pace_by([this] { pace(); });
   if (auto error = watch_.observe_outputs(ports_->uarts())) return error;
-  checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts());
+  checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts(),
+                                               gathered_parts(watch_.all()));
   if (auto error = checkpoints_->plan()) return error;
   if (auto error = plan_faults()) return error;
   soc_.cpu.set_pause(next_pause(), [this](const sc_core::sc_time& now) { return pause(now); });
@@ -287,9 +291,9 @@ std::optional<Error> Simulation::save(const std::string& file) {
   return checkpoints_->save_beside(file, "save");
 }
 
-Result<std::string> Simulation::packed_state() {
+Result<std::string> Simulation::packed_state(bool with_gathered) {
   if (!stopped_) return Error{"the run is over: it has no state to resume from"};
-  return checkpoints_->packed();
+  return checkpoints_->packed(with_gathered);
 }
 
 std::optional<uint64_t> Simulation::state_hash() {

@@ -74,7 +74,7 @@ class Simulation {
   std::optional<Error> save(const std::string& file);
 
   /// The same in memory, for additions to the same settings.
-  Result<std::string> packed_state();
+  Result<std::string> packed_state(bool with_gathered = false);
   /// Of the chip's state, between two advances, without what is on the host (FNV-1a). Nothing: a
   /// part is in the middle of something.
   std::optional<uint64_t> state_hash();
