@@ -1,6 +1,11 @@
 // Time: continuing, where it is, the end, the state in a file.
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <utility>
+#include <vector>
+
+#include "host/child_process.h"
 #include "service/advance.h"
 #include "service/board_verbs.h"
 
@@ -24,6 +29,25 @@ Answer finish(Board& board, const Call&) {
   return answer;
 }
 
+/// In a process apart, so that this one can continue.
+Answer outcome(Board& board, const Call&) {
+  if (!board.history().is_on())
+    return refuse("simulation.outcome: there is no history: " + board.no_history());
+  const host::Apart apart = host::perform_apart([&board] {
+    spdlog::set_level(spdlog::level::off);
+    return to_bytes(Message{board.finish(), {}});
+  });
+  if (apart.end == host::Apart::End::not_started)
+    return refuse("simulation.outcome: no process can be started");
+  MessageReader reader;
+  reader.feed(apart.text);
+  auto incoming = reader.next();
+  if (!incoming || !incoming->message) return refuse("simulation.outcome: its process crashed");
+  Answer answer;
+  answer.result = std::move(incoming->message->body);
+  return answer;
+}
+
 Answer save(Board& board, const Call& call) {
   if (const std::string why = board.beside_the_checkpoint(); !why.empty())
     return refuse(
@@ -38,6 +62,13 @@ std::vector<BoardVerb> advance_verbs() {
   const Member state_member{
       "state", "object",
       "time_s, time_ps, cycles, instructions, samples, pc, asleep, over (it cannot advance)"};
+  const std::vector<Member> end = {
+      {"code", "integer", "the exit code of `capsoc run`"},
+      {"reason", "text", "why it ended"},
+      {"reports", "list", "of a crash, or a difference between model and RTL"},
+      {"lost", "list", "a sentence for each output that is not whole"},
+      {"table", "text", "what `capsoc run` prints at its end"},
+      {"result", "object", "as `capsoc run --json` writes it (docs/reference/results.md)"}};
   return {
       {{"simulation.advance",
         "Simulates until one goal is reached, between two instructions; without a goal to the end "
@@ -73,14 +104,16 @@ std::vector<BoardVerb> advance_verbs() {
         "Ends the run: outputs are written whole, and it has a result. Afterwards only state, "
         "samples and close may be asked.",
         {},
-        {{"code", "integer", "the exit code of `capsoc run`"},
-         {"reason", "text", "why it ended"},
-         {"reports", "list", "of a crash, or a difference between model and RTL"},
-         {"lost", "list", "a sentence for each output that is not whole"},
-         {"table", "text", "what `capsoc run` prints at its end"},
-         {"result", "object", "as `capsoc run --json` writes it (docs/reference/results.md)"}}},
+        end},
        finish,
        Effect::looks_after_the_end},
+      {{"simulation.outcome",
+        "What simulation.finish would answer here. Nothing ends, and the simulation can continue "
+        "or go back; it has to have a history.",
+        {},
+        end},
+       outcome,
+       Effect::looks},
       {{"simulation.save",
         "Writes a checkpoint that `capsoc run --restore` takes, too.",
         {need("file", Type::text, "its path")},

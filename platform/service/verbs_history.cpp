@@ -1,16 +1,8 @@
 // Where a simulation is in its history. What goes back is the session's affair
 // (session_history.cpp).
-#include <fcntl.h>
-#include <spdlog/spdlog.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <utility>
 #include <vector>
 
-#include "host/child_process.h"
-#include "host/descriptor.h"
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "host/sha256.h"
@@ -46,41 +38,6 @@ Answer keep(Board& board, const Call&) {
   if (!board.history().is_on()) return refuse("there is no history: " + board.no_history());
   if (auto error = board.keep()) return refuse(error->text);
   return {};
-}
-
-/// In a process that ends with the run, so that this one can continue.
-Answer outcome(Board& board, const Call&) {
-  if (!board.history().is_on())
-    return refuse("simulation.outcome: there is no history: " + board.no_history());
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return refuse("there are no more files to be had");
-  const host::Descriptor said(ends[0]);
-  host::Descriptor says(ends[1]);
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) return refuse("simulation.outcome: no process can be started");
-  if (child == 0) {
-    host::end_with_parent(parent, 1);
-    spdlog::set_level(spdlog::level::off);
-    const Message finished{board.finish(), {}};
-    _exit(host::write_all(says.get(), to_bytes(finished)) ? 0 : 1);
-  }
-  says.reset();
-  MessageReader reader;
-  char buffer[65536];
-  for (ssize_t count = 1; count != 0;) {
-    count = ::read(said.get(), buffer, sizeof buffer);
-    if (count > 0) reader.feed({buffer, static_cast<std::size_t>(count)});
-    if (count < 0 && errno != EINTR) break;
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  auto incoming = reader.next();
-  if (!incoming || !incoming->message) return refuse("simulation.outcome: its process crashed");
-  Answer answer;
-  answer.result = std::move(incoming->message->body);
-  return answer;
 }
 
 Answer write_session(Board& board, const Call& call) {
@@ -126,18 +83,6 @@ std::vector<BoardVerb> history_verbs() {
         {},
         {}},
        keep,
-       Effect::looks},
-      {{"simulation.outcome",
-        "What simulation.finish would answer here. Nothing ends, and the simulation can continue "
-        "or go back; it has to have a history.",
-        {},
-        {{"code", "integer", "the exit code of `capsoc run`"},
-         {"reason", "text", "why it ended; of a run that is not over, as if it ended here"},
-         {"reports", "list", "of a crash, or a difference between model and RTL"},
-         {"lost", "list", "a sentence for each output that is not whole"},
-         {"table", "text", "what `capsoc run` prints at its end"},
-         {"result", "object", "as `capsoc run --json` writes it (docs/reference/results.md)"}}},
-       outcome,
        Effect::looks},
       {{"simulation.record",
         "Writes the session of this simulation until now to a file that `capsoc replay` simulates "

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/file.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -232,39 +230,20 @@ class FaultWork final : public Work {
   }
 
   static std::optional<Error> perform_golden(FaultSettings& settings, const std::string& place) {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return Error{"there are no more files to be had"};
-    const host::Descriptor said(ends[0]);
-    host::Descriptor says(ends[1]);
-    const pid_t parent = getpid();
-    const pid_t child = fork();
-    if (child < 0) return Error{"the run without a fault cannot be started; give fewer --jobs"};
-    if (child == 0) {
-      host::end_with_parent(parent, 1);
+    const host::Apart apart = host::perform_apart([&]() -> std::string {
       host::leave_terminal();
       auto golden = record(settings, place);
-      auto error = golden ? fault::write_golden(golden.value(), place)
-                          : std::optional<Error>(Error{golden.error()});
-      if (error) host::write_all(says.get(), error->text);
-      _exit(error ? 2 : 0);
-    }
-    says.reset();
-    std::string sentence;
-    char buffer[4096];
-    for (;;) {
-      const ssize_t count = read(said.get(), buffer, sizeof buffer);
-      if (host::noted_signal() != 0) kill(child, SIGKILL);
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) break;
-      sentence.append(buffer, static_cast<std::size_t>(count));
-    }
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return std::nullopt;
+      const auto error = golden ? fault::write_golden(golden.value(), place)
+                                : std::optional<Error>(Error{golden.error()});
+      return error ? error->text : "";
+    });
+    if (apart.end == host::Apart::End::not_started)
+      return Error{"the run without a fault cannot be started; give fewer --jobs"};
     if (host::noted_signal() != 0) return Error{"a signal ended the run without a fault"};
-    if (!sentence.empty()) return Error{sentence};
-    return Error{"the run without a fault crashed; try it with capsoc run"};
+    if (apart.end == host::Apart::End::crashed)
+      return Error{"the run without a fault crashed; try it with capsoc run"};
+    if (!apart.text.empty()) return Error{apart.text};
+    return std::nullopt;
   }
 
   Folder folder_;

@@ -3,10 +3,15 @@
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <initializer_list>
+
+#include "host/descriptor.h"
+#include "host/end_signals.h"
 
 namespace capsoc::host {
 
@@ -24,6 +29,36 @@ void leave_terminal() {
   dup2(nothing, STDOUT_FILENO);
   const rlimit none{};
   setrlimit(RLIMIT_CORE, &none);
+}
+
+Apart perform_apart(const std::function<std::string()>& work) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return {};
+  const Descriptor said(ends[0]);
+  Descriptor says(ends[1]);
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child < 0) return {};
+  if (child == 0) {
+    end_with_parent(parent, 1);
+    _exit(write_all(says.get(), work()) ? 0 : 1);
+  }
+  says.reset();
+  Apart apart;
+  char buffer[4096];
+  for (;;) {
+    const ssize_t count = read(said.get(), buffer, sizeof buffer);
+    if (noted_signal() != 0) kill(child, SIGKILL);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    apart.text.append(buffer, static_cast<std::size_t>(count));
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  const bool has_finished = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  apart.end = has_finished ? Apart::End::finished : Apart::End::crashed;
+  return apart;
 }
 
 }  // namespace capsoc::host

@@ -359,12 +359,9 @@ void Timeline::transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& acc
                     access.data, 2 + 2 * access.size, access.status));
 }
 
-void Timeline::note_end(const std::string& text) {
+std::optional<Error> Timeline::finish(uint64_t picoseconds, const std::string& end) {
   event(fmt::format(R"("ph":"i","s":"g","pid":{},"tid":1,"ts":{},"name":{})",
-                    static_cast<unsigned>(run), microseconds(picoseconds_now()), quoted(text)));
-}
-
-std::optional<Error> Timeline::finish(uint64_t picoseconds) {
+                    static_cast<unsigned>(run), microseconds(picoseconds), quoted(end)));
   cut(picoseconds);
   open_ = false;
   file_.write("\n]}\n");

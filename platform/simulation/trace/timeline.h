@@ -48,9 +48,8 @@ class Timeline {
   void sleeps(bool is_asleep);
   void transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& access);
 
-  /// How the run ended, as an event. The last call but finish().
-  void note_end(const std::string& text);
-  std::optional<Error> finish(uint64_t picoseconds);
+  /// The last call. `end`: how the run ended, as an event.
+  std::optional<Error> finish(uint64_t picoseconds, const std::string& end);
 
  private:
   /// A thread of the trace format: a process and a number in it.

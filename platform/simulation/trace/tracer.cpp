@@ -235,8 +235,7 @@ std::vector<FunctionCost> Tracer::top_functions() {
 
 std::optional<Error> Tracer::finish_timeline(const std::string& end) {
   if (timeline_ == nullptr) return std::nullopt;
-  timeline_->note_end(end);
-  return timeline_->finish(picoseconds(sc_core::sc_time_stamp()));
+  return timeline_->finish(picoseconds(sc_core::sc_time_stamp()), end);
 }
 
 std::vector<Error> Tracer::finish() {
