@@ -173,6 +173,15 @@ class Browser:
     def picture(self):
         return base64.b64decode(self.do("GET", "/screenshot"))
 
+    def fresh(self):
+        """As it began: an empty page, nothing stored, nothing emulated, nothing in its logs."""
+        self.do("POST", "/url", {"url": "about:blank"})
+        self.devtools("Emulation.clearDeviceMetricsOverride")
+        self.devtools("Emulation.setEmulatedMedia", media="", features=[])
+        self.devtools("Storage.clearDataForOrigin", origin="*", storageTypes="all")
+        self.console()
+        self.requests()
+
     def close(self):
         try:
             self.do("DELETE", "")

@@ -70,14 +70,19 @@ class ReportCase(Case):
 
 
 class Seen(ReportCase):
-    """Tests that open pages."""
+    """Tests that open pages: one browser for a class, as new for each of its tests."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        if reason := browser.missing():
+            raise AssertionError(reason)
+        cls.browser = browser.Browser()
+        cls.addClassCleanup(cls.browser.close)
 
     def setUp(self):
         super().setUp()
-        if reason := browser.missing():
-            self.fail(reason)
-        self.browser = browser.Browser()
-        self.addCleanup(self.browser.close)
+        self.browser.fresh()
 
     def open(self, page, draw_all=True):
         self.browser.open(page)
@@ -188,6 +193,7 @@ class OfACommand(Seen):
 
     @classmethod
     def setUpClass(cls):
+        super().setUpClass()
         cls.shared = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.shared.cleanup)
         cls.json, cls.html = (Path(cls.shared.name) / f"{cls.COMMAND}.{kind}" for kind in ("json", "html"))
