@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -44,10 +45,48 @@ std::string text_of(const Json& position) {
 
 /// Bytes as hexadecimal digits in the order of addresses, numbers as they are.
 std::string text_of_value(const Json& value) {
+  if (value.is_number_float()) return fmt::format("{:.12g}", value.get<double>());
   if (!value.is_array()) return value.dump();
   std::string text;
   for (const Json& byte : value) text += fmt::format("{:02x}", byte.get<unsigned>());
   return text;
+}
+
+/// Who changed a register, or what a signal changed with.
+std::string who(const Json& change) {
+  if (!change.contains("by"))
+    return fmt::format("the result of sample {}", change.at("position").at("samples").dump());
+  const auto by = change.at("by").get<std::string>();
+  if (by == "instruction")
+    return fmt::format("a {} of {} by {}", change.at("access").get<std::string>(),
+                       change.at("accessed").get<std::string>(),
+                       change.at("place").get<std::string>());
+  if (by != "device") return by + ", from outside";
+  return change.contains("sample")
+             ? fmt::format("the device, with the result of sample {}", change.at("sample").dump())
+             : "the device";
+}
+
+std::string what_happened(const Json& event) {
+  const auto kind = event.at("kind").get<std::string>();
+  const auto text = [&](const char* name) { return event.at(name).get<std::string>(); };
+  const auto number = [&](const char* name) { return event.at(name).get<uint64_t>(); };
+  if (kind == "exception" || kind == "fault")
+    return fmt::format("{} {}, {}", kind, number("exception"), text("name"));
+  if (kind == "sample")
+    return event.at("angle_deg").is_null() ? fmt::format("sample {}: no angle", number("sample"))
+                                           : fmt::format("sample {}: {:.6f} deg", number("sample"),
+                                                         event.at("angle_deg").get<double>());
+  if (kind == "uart") return fmt::format("uart{}: {}", number("uart"), text("line"));
+  if (kind == "pins")
+    return fmt::format("gpio{}: {:#06x} of {:#06x}", number("gpio"), number("levels"),
+                       number("driven"));
+  if (kind == "guest_error") return fmt::format("{}: {}", text("source"), text("text"));
+  return kind + ' ' + event.value("count", Json()).dump();
+}
+
+std::string text_of_event(const Json& event) {
+  return fmt::format("{:.9f} s  {}\n", event.at("time_s").get<double>(), what_happened(event));
 }
 
 void add_differences(std::string& text, const Json& list) {
@@ -154,6 +193,8 @@ std::string RemoteTarget::command_help() const {
          "goto POSITION    back or forward: a time as 0.25s, #INSTRUCTION, cycle N, sample N\n"
          "last-write ADDRESS|VARIABLE|$REGISTER [SIZE]  which instruction wrote it last\n"
          "last-change NAME the last change of PERIPHERAL.REGISTER[.FIELD] or of a signal\n"
+         "who-set NAME     who made it: an instruction, the device, the debugger\n"
+         "timeline POSITION [POSITION]  exceptions, samples, lines of UARTs, pins between them\n"
          "diff POSITION [POSITION]  what differs between then and then, or now\n"
          "record FILE      the session until now, for capsoc replay\n";
 }
@@ -167,6 +208,8 @@ std::optional<std::string> RemoteTarget::command(const std::string& line) {
       {"goto", &RemoteTarget::go_to},
       {"last-write", &RemoteTarget::last_write},
       {"last-change", &RemoteTarget::last_change},
+      {"who-set", &RemoteTarget::last_change},
+      {"timeline", &RemoteTarget::timeline},
       {"diff", &RemoteTarget::differences},
       {"record", &RemoteTarget::record}};
   if (words[0] == "when") return when();
@@ -230,14 +273,32 @@ std::string RemoteTarget::last_write(const Words& words) {
 
 std::string RemoteTarget::last_change(const Words& words) {
   if (words.size() != 2)
-    return "last-change: write PERIPHERAL.REGISTER[.FIELD] or a signal of the coprocessor\n";
+    return fmt::format("{}: write PERIPHERAL.REGISTER[.FIELD] or a signal of the coprocessor\n",
+                       words[0]);
   const bool is_register = words[1].find('.') != std::string::npos;
   const Answer answer = ask("history.last_change", {{is_register ? "name" : "signal", words[1]}});
   if (!answer.ok()) return answer.sentence + "\n";
   const Json& found = answer.result;
   if (!found.at("found").get<bool>()) return "it did not change since the history began\n";
-  return fmt::format("{} -> {}\nat {}\n", text_of_value(found.at("old")),
-                     text_of_value(found.at("new")), text_of(found.at("position")));
+  return fmt::format("{} -> {}: {}\nat {}\n", text_of_value(found.at("old")),
+                     text_of_value(found.at("new")), who(found), text_of(found.at("position")));
+}
+
+std::string RemoteTarget::timeline(const Words& words) {
+  std::size_t at = 1;
+  Json between = {{"one", position_from(words, at)}};
+  if (at < words.size()) between["other"] = position_from(words, at);
+  if (between.at("one").is_null() || between.value("other", Json(0)).is_null() ||
+      at != words.size())
+    return fmt::format("timeline: write one or two positions: {}\n", position_form);
+  const Answer answer = ask("history.timeline", std::move(between));
+  if (!answer.ok()) return answer.sentence + "\n";
+  constexpr std::size_t most = 1000;
+  const Json& events = answer.result.at("events");
+  std::string text;
+  for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += text_of_event(events[i]);
+  if (events.size() > most) text += fmt::format("and {} more\n", events.size() - most);
+  return text.empty() ? "nothing happened there\n" : text;
 }
 
 std::string RemoteTarget::differences(const Words& words) {

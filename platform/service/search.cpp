@@ -10,7 +10,6 @@
 #include "service/stop_points.h"
 
 namespace capsoc::service {
-namespace {
 
 Json bytes_at(Board& board, uint32_t address, uint32_t size) {
   Json list = Json::array();
@@ -18,36 +17,6 @@ Json bytes_at(Board& board, uint32_t address, uint32_t size) {
     list.push_back(static_cast<uint8_t>(byte));
   return list;
 }
-
-/// The address of the last instruction that began.
-class LastIssued final : public armv7m::Observer {
- public:
-  LastIssued(armv7m::Core& core, std::function<void()> before)
-      : core_(core), before_(std::move(before)) {
-    core_.add_observer(*this, true, false);
-  }
-  ~LastIssued() override { core_.remove_observer(*this); }
-  LastIssued(const LastIssued&) = delete;
-  LastIssued& operator=(const LastIssued&) = delete;
-  uint32_t address() const { return address_; }
-
- private:
-  void issued(const armv7m::Core&, const armv7m::DecodedOp& op) override {
-    address_ = op.address;
-    before_();
-  }
-  void retired(const armv7m::Core&, const armv7m::DecodedOp&) override {}
-  void entered(const armv7m::Core&, unsigned, armv7m::Entry, uint64_t) override {}
-  void returned(const armv7m::Core&, unsigned) override {}
-  void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
-  void started(const armv7m::Core&) override {}
-
-  armv7m::Core& core_;
-  std::function<void()> before_;
-  uint32_t address_ = 0;
-};
-
-}  // namespace
 
 Search::~Search() {
   if (observes_) board_.soc().cpu.core().remove_observer(*this);
@@ -273,33 +242,6 @@ Result<Json> resolve(Board& board, const Json& asked) {
                                printable(name, 80))};
   }
   return what;
-}
-
-Answer describe_write(Board& board, const Json& what) {
-  armv7m::Core& core = board.soc().cpu.core();
-  const auto value = [&]() -> Json {
-    if (what.contains("register"))
-      return board.target().read_register(what.at("register").get<unsigned>());
-    return bytes_at(board, what.at("write").at(0).get<uint32_t>(), what.at("write").at(1));
-  };
-  const Position position = board.position();
-  Json before = value();
-  uint32_t pc = 0;
-  {
-    const LastIssued last(core, [&] { before = value(); });
-    Advance advance(board);
-    if (auto error = advance.go(Target{Unit::instructions, position.instructions + 1}))
-      return refuse(error->text);
-    pc = last.address();
-  }
-  Answer answer;
-  answer.result = {{"by", "instruction"},
-                   {"pc", pc},
-                   {"place", board.simulation().view().place(pc)},
-                   {"position", to_json(position)},
-                   {"old", std::move(before)},
-                   {"new", value()}};
-  return answer;
 }
 
 }  // namespace capsoc::service

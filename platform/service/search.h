@@ -73,8 +73,7 @@ class Search final : private armv7m::Observer {
 /// now. An Error: there is none of that name, or nothing can be found for it.
 Result<Json> resolve(Board& board, const Json& asked);
 
-/// What the instruction did that is executed next, to memory or to a register of the processor:
-/// {"pc", "place", "old", "new", "position"}, of memory as lists of bytes. Executes it.
-Answer describe_write(Board& board, const Json& what);
+/// Memory as a list of numbers.
+Json bytes_at(Board& board, uint32_t address, uint32_t size);
 
 }  // namespace capsoc::service

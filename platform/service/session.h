@@ -112,6 +112,7 @@ class Session {
   void find_write(Request& request);
   void find_change(Request& request);
   void compare(Request& request);
+  void tell_past(Request& request);
   void reverse(Request& request);
   void seek(Request& request, Json leave, std::function<void(Json, std::shared_ptr<Seek>)> then);
   void end_seek(const Seek& seek, Answer answer);

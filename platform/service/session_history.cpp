@@ -2,6 +2,7 @@
 // the past for it and ends. The simulation stands still meanwhile, and later requests wait.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string_view>
@@ -16,6 +17,8 @@ namespace {
 constexpr double ps_in_second = 1e12, latest_s = 1e6;
 /// A change is looked for on finer and finer grids, down to this.
 constexpr uint64_t finer = 1000, finest_ps = 1000;
+/// What a request writes shows in a register of a device at one of the next edges of its clock.
+constexpr uint64_t cycles_of_a_write = 2;
 
 struct Named {
   const char* name;
@@ -147,9 +150,32 @@ std::vector<Session::SessionVerb> Session::history_verbs() {
          {"position", "object", "the first instant at which the new value was seen"},
          {"since", "object", "of a register: the last instant with the old one"},
          {"old", "any", "value before it"},
-         {"new", "any", "value after it"}}},
+         {"new", "any", "value after it"},
+         {"by", "text",
+          "of a register. instruction: one that accessed the device; device: no instruction did; "
+          "or "
+          "the method of a request"},
+         {"pc", "integer", "of the instruction"},
+         {"place", "text", "its function, file and line"},
+         {"access", "text", "write or read"},
+         {"accessed", "text", "the register of the device that it accessed, or the address"},
+         {"sample", "integer", "by the device: the result of this sample came"}}},
        true,
        &Session::find_change},
+      {{"history.timeline",
+        "What happened between two positions, in the order of time. The simulation stays where it "
+        "is.",
+        {need("one", Type::object,
+              "time_s, time_ps, cycles, instructions or sample, as in simulation.goto"),
+         may("other", Type::object, "as one; now"),
+         may("kinds", Type::list, "of events, as in events.subscribe: all")},
+        {{"one", "object", "its position"},
+         {"other", "object", "its position"},
+         {"events", "list",
+          "as simulation.advance tells them; of a line of a UART that began before one, the "
+          "rest"}}},
+       true,
+       &Session::tell_past},
       {{"history.diff",
         "How two positions differ: registers of processor and devices, and memory by the program's "
         "variables. The simulation stays where it is.",
@@ -436,7 +462,20 @@ void Session::refine(const std::shared_ptr<Seek>& seek, Json found) {
     if (found.contains("since")) told.result["since"] = found.at("since");
     told.result["old"] = found.at("old");
     told.result["new"] = found.at("new");
-    return end_seek(*seek, std::move(told));
+    if (seek->what.contains("signal")) return end_seek(*seek, std::move(told));
+    const uint64_t cycles = found.at("since").at("cycles").get<uint64_t>();
+    const Json before = to_json(Target{Unit::cycles, cycles - std::min(cycles, cycles_of_a_write)});
+    return ask_past(
+        seek, {{"goal", before}}, cause_method,
+        {{"name", seek->what.at("name")}, {"since", found.at("since")}, {"end", found.at("hit")}},
+        {}, [this, seek, told](Answer cause) {
+          if (cause.ok()) {
+            Json all = told.result;
+            all.update(cause.result);
+            cause.result = std::move(all);
+          }
+          end_seek(*seek, std::move(cause));
+        });
   }
   seek->what["every_ps"] = std::max(every / finer, finest_ps);
   ask_past(seek, {{"goal", found.at("since")}}, search_method,
@@ -467,6 +506,23 @@ void Session::reverse(Request& request) {
       return replace(seek, to_json(seek->snapshots.front()), {{"reason", "beginning"}});
     replace(seek, found.at("hit"), found.at("cause"));
   });
+}
+
+void Session::tell_past(Request& request) {
+  const Json one = goal_in(request.parameters.at("one"), positions);
+  const bool has_other = request.parameters.contains("other");
+  const Json other = has_other ? goal_in(request.parameters.at("other"), positions) : Json();
+  if (one.is_null() || (has_other && other.is_null()))
+    return answer(request, refuse(fmt::format("history.timeline: a position is {}, one of them",
+                                              position_words),
+                                  Code::wrong_parameter));
+  const Json kinds = request.parameters.value("kinds", Json::array());
+  seek(request, {{"goals", has_other ? Json{one, other} : Json{one}}},
+       [this, one, other, kinds](const Json&, const std::shared_ptr<Seek>& seek) {
+         Json end = other.is_null() ? to_json(seek->now) : other;
+         ask_past(seek, {{"goal", one}}, events_method, {{"end", std::move(end)}, {"kinds", kinds}},
+                  {}, [this, seek](Answer answer) { end_seek(*seek, std::move(answer)); });
+       });
 }
 
 void Session::compare(Request& request) {

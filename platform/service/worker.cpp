@@ -16,12 +16,15 @@
 #include <functional>
 #include <map>
 #include <new>
+#include <set>
 #include <string_view>
 
 #include "host/child_process.h"
 #include "host/end_signals.h"
 #include "service/board.h"
 #include "service/board_verbs.h"
+#include "service/cause.h"
+#include "service/events.h"
 #include "service/picture.h"
 #include "service/search.h"
 
@@ -82,8 +85,9 @@ class Muted {
 };
 
 bool is_of_history(const std::string& method) {
-  return method == leave_method || method == search_method || method == describe_method ||
-         method == picture_method;
+  static const std::set<std::string> all = {leave_method, search_method,  describe_method,
+                                            cause_method, picture_method, events_method};
+  return all.count(method) > 0;
 }
 
 class Worker {
@@ -153,7 +157,12 @@ class Worker {
     if (method == leave_method) return leave_for(parameters);
     if (method == search_method) return search(parameters);
     if (method == describe_method) return describe_write(*board_, parameters.at("what"));
+    if (method == cause_method)
+      return describe(*board_, {parameters.at("name").get<std::string>(),
+                                position_in(parameters.at("since")).value_or(Position()),
+                                position_in(parameters.at("end")).value_or(Position())});
     if (method == picture_method) return picture(parameters, message.frames);
+    if (method == events_method) return events(parameters);
     if (const BoardVerb* const verb = board_verb(method))
       return perform(*verb, parameters, message.frames);
     return refuse("there is no method " + method, Code::unknown_method);
@@ -341,6 +350,28 @@ class Worker {
     else
       answer.result["picture"] = taken.pack(answer.frames);
     answer.result["position"] = to_json(taken.position);
+    return answer;
+  }
+
+  /// What happens from here to an end.
+  Answer events(const Json& parameters) {
+    const Json& end = parameters.at("end");
+    const auto at_end = position_in(end);
+    const Position begin = board_->position();
+    const bool is_behind =
+        at_end ? *at_end < begin : target_in(end).value < coordinate(begin, target_in(end).unit);
+    if (is_behind) return refuse("history.timeline: other lies before one", Code::wrong_parameter);
+    auto kinds = parameters.at("kinds").get<std::vector<std::string>>();
+    if (kinds.empty()) kinds = Events::kinds();
+    if (auto error = board_->subscribe(kinds)) return refuse(error->text, Code::wrong_parameter);
+    board_->forget_told();
+    Advance advance(*board_);
+    if (auto error = go(advance, end)) return refuse(error->text);
+    if (advance.is_interrupted()) return refuse("the way there was interrupted");
+    Answer answer;
+    answer.result = {{"one", to_json(begin)},
+                     {"other", to_json(board_->position())},
+                     {"events", board_->events().take()}};
     return answer;
   }
 

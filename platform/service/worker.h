@@ -35,11 +35,14 @@ inline constexpr const char* snapshot_method = "worker.snapshot";
 /// `state`. Construction takes settings, `history` and these frames, and `snapshot`, a number, or
 /// `goal`, which may be a position, too; and `told`, unless the worker is there to look at the past
 /// and say nothing (`for_good`). In one of these search_method takes `what`, `end`, `now`,
-/// `is_first` (search.h), describe_method `what`, picture_method `one`, another picture.
+/// `is_first` (search.h), describe_method `what`, cause_method `name`, `since` and `end` (cause.h),
+/// picture_method `one`, another picture, and events_method `end` and `kinds` (none: all).
 inline constexpr const char* leave_method = "worker.leave";
 inline constexpr const char* search_method = "worker.search";
 inline constexpr const char* describe_method = "worker.describe";
+inline constexpr const char* cause_method = "worker.cause";
 inline constexpr const char* picture_method = "worker.picture";
+inline constexpr const char* events_method = "worker.events";
 
 /// The session's end of a worker.
 struct WorkerProcess {

@@ -306,7 +306,7 @@ class Logged(Past):
         *("simulation.advance", "simulation.goto", "simulation.restore", "simulation.finish", "simulation.close"),
         *("simulation.interrupt", "simulation.snapshot", "simulation.clone"),
         *("debugger.resume", "debugger.reverse", "debugger.kill"),
-        *("history.back", "history.last_write", "history.last_change", "history.diff"),
+        *("history.back", "history.last_write", "history.last_change", "history.diff", "history.timeline"),
     }
 
     def test_every_method(self):
@@ -409,6 +409,10 @@ class Branches(Past):
             ("history.last_change", {"signal": "nothing"}),
             ("history.last_change", {"name": "UART0.STATE", "every_s": 0}),
             ("history.diff", {"one": {"nothing": 1}}),
+            ("history.timeline", {}),
+            ("history.timeline", {"one": {"time_s": -1}}),
+            ("history.timeline", {"one": {"time_s": 0}, "kinds": ["nothing"]}),
+            ("history.timeline", {"one": {"cycles": 2}, "other": {"cycles": 1}}),
         ):
             with self.subTest(method=method, params=params), self.assertRaises(Refused):
                 self.session(method, simulation=simulation, **params)
@@ -514,6 +518,65 @@ class Questions(Past):
         self.assertNotEqual(answer["old"], answer["new"])
         self.call("simulation.goto", sample=answer["position"]["samples"])
         self.assertEqual(self.call("coprocessor.read")["signals"]["a1"], answer["new"])
+
+    def test_who_changed_a_register(self):
+        """Whom it names is in front of the change: one instruction there has the old value, and after it the new."""
+        self.advance(self.simulation, seconds=1.00003)
+        here = self.look(self.simulation)
+        kinds = set()
+        for name in ("ADC.CTRL", "COPROCESSOR.CTRL", "UART0.BAUDDIV", "COPROCESSOR.FLAGS", "COPROCESSOR.SAMPLES"):
+            with self.subTest(name=name):
+                answer = self.call("history.last_change", name=name)
+                self.assertTrue(answer["found"])
+                self.assertEqual(self.look(self.simulation), here)
+                kinds.add(answer["by"])
+                self.call("simulation.goto", time_ps=answer["since"]["time_ps"])
+                self.assertEqual(self.call("register.read", name=name)["value"], answer["old"])
+                processor = self.call("processor.read")["registers"]
+                if answer["by"] == "instruction":
+                    self.assertEqual(processor["pc"], answer["pc"])
+                    self.assertEqual(answer["accessed"].split(".")[0], name.split(".")[0])
+                    self.advance(self.simulation, instructions=1)
+                else:
+                    self.assertEqual(answer["by"], "device")
+                    self.call("simulation.goto", time_ps=answer["position"]["time_ps"])
+                if name == "COPROCESSOR.SAMPLES":
+                    self.assertEqual(answer["sample"], answer["position"]["samples"])
+                self.assertEqual(self.call("register.read", name=name)["value"], answer["new"])
+                self.call("simulation.goto", time_ps=here[0]["time_ps"])
+        self.assertEqual(kinds, {"instruction", "device"})
+        self.call("register.write", name="COPROCESSOR.LOCK_THRESHOLD", value=4711)
+        self.advance(self.simulation, seconds=0.01)
+        answer = self.call("history.last_change", name="COPROCESSOR.LOCK_THRESHOLD")
+        self.assertEqual((answer["by"], answer["new"]), ("register.write", 4711))
+
+    def test_a_register_that_a_read_changes(self):
+        self.simulation = self.construct("echo")
+        self.advance(self.simulation, seconds=0.001)
+        self.call("uart.send", uart=0, bytes=[1, 0, 0, 0, 65])
+        self.advance(self.simulation, seconds=0.004)
+        answer = self.call("history.last_change", name="UART0.STATE.RXFULL", every_s=1e-6)
+        self.assertEqual((answer["by"], answer["access"], answer["new"]), ("instruction", "read", 0))
+        self.assertEqual(answer["accessed"], "UART0.DATA")
+
+    def test_what_happened_between(self):
+        """As a simulation is told that goes forward."""
+        kinds = ["exception", "sample", "uart", "pins"]
+        self.call("events.subscribe", kinds=kinds)
+        told = []
+        for _ in range(5):
+            told += self.advance(self.simulation, seconds=0.1)["events"]
+        here = self.look(self.simulation)
+        self.assertEqual({each["kind"] for each in told}, {"exception", "sample", "uart"})
+        for one, other in ((0.0, None), (0.123, 0.234), (0.2, 0.2), (0.05, 0.4)):
+            with self.subTest(one=one, other=other):
+                between = {} if other is None else {"other": {"time_s": other}}
+                answer = self.call("history.timeline", one={"time_s": one}, kinds=kinds, **between)
+                begin, end = answer["one"]["time_s"], answer["other"]["time_s"]
+                self.assertEqual(answer["events"], [each for each in told if begin < each["time_s"] <= end])
+                self.assertEqual(self.look(self.simulation), here)
+        every = self.call("history.timeline", one={"sample": 3}, other={"sample": 6})["events"]
+        self.assertEqual([each["sample"] for each in every if each["kind"] == "sample"], [3, 4, 5])
 
     def test_the_difference(self):
         self.advance(self.simulation, seconds=0.5)

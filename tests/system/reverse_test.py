@@ -127,6 +127,10 @@ break parse
 continue
 monitor diff 0.0005 #17290
 monitor last-change UART0.STATE
+monitor who-set UART0.CTRL.TXEN
+monitor timeline #0
+monitor timeline
+monitor who-set
 monitor last-write 0x2000ffe4 4
 monitor last-write $r3
 monitor goto nowhere
@@ -148,6 +152,11 @@ monitor help
             "last-write: write an address with a size, a variable or $register",
             "'nothing_there'",
             "'NOTHING'",
+            "0 -> 1: a write of UART0.CTRL by ",
+            "s  uart0: before\n",
+            "s  exception 15, SysTick\n",
+            "timeline: write one or two positions",
+            "who-set: write PERIPHERAL.REGISTER[.FIELD]",
             "diff: write one or two positions",
             "record: give one file",
             "capsoc run --itm stdout",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Optional, Union, cast
+from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union, cast
 
-from .state import Position, State, Write, given
+from .state import Change, Event, Position, State, Write, given
 
 if TYPE_CHECKING:
     from .arrays import Outgoing
@@ -122,6 +122,28 @@ class Past:
             return None
         known = {name: answer[name] for name in ("by", "old", "new", "pc", "place") if name in answer}
         return Write(position=Position.of(answer["position"]), **known)
+
+    def last_change(
+        self, register: Optional[str] = None, *, signal: Optional[str] = None, every_s: float = 0.001
+    ) -> Optional[Change]:
+        """The last change before now of a register or field of a device ("UART0.STATE.TXFULL") and who made it, or of a
+        signal of the coprocessor; None: there is none. What comes and goes within every_s is not seen."""
+        __tracebackhide__ = True
+        asked = {"name": register, "signal": signal, "every_s": every_s}
+        answer = self.call("history.last_change", **given(asked))
+        if not answer.pop("found"):
+            return None
+        answer["position"] = Position.of(answer["position"])
+        if "since" in answer:
+            answer["since"] = Position.of(answer["since"])
+        return Change(**answer)
+
+    def timeline(self, one: float, other: Optional[float] = None, kinds: Optional[Sequence[str]] = None) -> list[Event]:
+        """What happened between two times (other: now), of some kinds of events or of all. The simulation stays."""
+        __tracebackhide__ = True
+        asked: dict[str, Any] = {"one": {"time_s": one}, "other": None if other is None else {"time_s": other}}
+        asked["kinds"] = None if kinds is None else list(kinds)
+        return [Event.of(each) for each in self.call("history.timeline", **given(asked))["events"]]
 
     def history_diff(self, one: float, other: Optional[float] = None) -> dict[str, Any]:
         """How two times differ (other: now): "processor", "devices" and "memory", with both values by name."""

@@ -155,10 +155,7 @@ class Simulation(Past):
             connection.wait(request)
             raise
         self._last = State.of(answer["state"])
-        events = [
-            Event(event["kind"], event["time_s"], {k: v for k, v in event.items() if k not in ("kind", "time_s")})
-            for event in answer.get("events", ())
-        ]
+        events = [Event.of(event) for event in answer.get("events", ())]
         self.events += events
         asked = next(iter(goal), "over")
         return Stop(answer["reason"], self._last, "over" if asked == "within_s" else asked, answer.get("match"), events)

@@ -69,12 +69,38 @@ class Write:
 
 
 @dataclass(frozen=True)
+class Change:
+    """The last change of a register or field of a device, or of a signal of the coprocessor.
+
+    by, of a register: "instruction" (one that accessed the device: pc, place, access "write" or "read", accessed: the
+    register that it accessed), "device" (no instruction did; sample: the result that came), or the method of a request.
+    position: the first instant with the new value. since, of a register: the last instant with the old one.
+    """
+
+    position: Position
+    old: Any
+    new: Any
+    by: str = ""
+    since: Optional[Position] = None
+    pc: Optional[int] = None
+    place: str = ""
+    access: str = ""
+    accessed: str = ""
+    sample: Optional[int] = None
+
+
+@dataclass(frozen=True)
 class Event:
     """Something that happened: kind ("exception", "uart" and so on), simulated seconds, details."""
 
     kind: str
     time_s: float
     details: dict[str, Any]
+
+    @classmethod
+    def of(cls, answer: dict[str, Any]) -> Event:
+        """The event in an answer."""
+        return cls(answer["kind"], answer["time_s"], {k: v for k, v in answer.items() if k not in ("kind", "time_s")})
 
 
 @dataclass(frozen=True)
