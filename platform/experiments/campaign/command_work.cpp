@@ -9,6 +9,7 @@
 #include "base/printable.h"
 #include "base/setting_fields.h"
 #include "base/shell.h"
+#include "base/split.h"
 #include "campaign/flat.h"
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
@@ -24,14 +25,10 @@ constexpr const char* output_key = "output";
 /// Without the spaces around them, and without empty ones.
 std::vector<std::string> words_of(const std::string& list) {
   std::vector<std::string> words;
-  for (std::size_t at = 0; at <= list.size();) {
-    const std::size_t end = std::min(list.find(',', at), list.size());
-    const std::size_t first = list.find_first_not_of(' ', at);
-    if (first < end) {
-      const std::size_t last = list.find_last_not_of(' ', end - 1);
-      words.push_back(list.substr(first, last + 1 - first));
-    }
-    at = end + 1;
+  for (const std::string& part : split(list, ',')) {
+    const std::size_t first = part.find_first_not_of(' ');
+    if (first == std::string::npos) continue;
+    words.push_back(part.substr(first, part.find_last_not_of(' ') + 1 - first));
   }
   return words;
 }

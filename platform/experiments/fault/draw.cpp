@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 
 #include "base/printable.h"
 #include "base/random.h"
+#include "base/split.h"
 #include "inject/fault.h"
 
 namespace capsoc::fault {
@@ -22,10 +22,8 @@ bool begins_with_one_of(const std::string& unit, const std::vector<std::string>&
 }
 
 std::vector<std::string> list_of(const std::string& text) {
-  std::vector<std::string> list;
-  std::istringstream words(text);
-  for (std::string word; std::getline(words, word, ',');)
-    if (!word.empty()) list.push_back(word);
+  std::vector<std::string> list = split(text, ',');
+  list.erase(std::remove(list.begin(), list.end(), ""), list.end());
   return list;
 }
 

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
 #include "armv7m/observer.h"
 #include "base/input_file.h"
 #include "base/printable.h"
+#include "base/split.h"
 
 namespace capsoc::inject {
 namespace {
@@ -34,8 +34,7 @@ Result<std::vector<Fault>> faults_of(const run::InjectSettings& settings) {
   // An empty variable of a script, where a fault was to be.
   if (settings.faults.empty() && !settings.faults.about().option.empty())
     return Error{fmt::format("{} is empty; leave it out, or name a fault", settings.faults.name())};
-  std::istringstream list(settings.faults());
-  for (std::string line; std::getline(list, line, ',');) {
+  for (const std::string& line : split(settings.faults(), ',')) {
     const std::string origin = fmt::format("{} '{}'", settings.faults.name(), printable(line, 120));
     auto fault = parse_fault(line);
     if (!fault) return Error{fmt::format("{}: {}", origin, fault.error())};

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
 #include "base/number.h"
 #include "base/printable.h"
+#include "base/split.h"
 #include "golden/trace.h"
 #include "host/places.h"
 #include "host/sha256.h"
@@ -61,10 +61,8 @@ std::string program_of(const FirmwareSettings& settings) {
 }
 
 std::vector<std::string> places_to_load(const FirmwareSettings& settings) {
-  std::vector<std::string> places;
-  std::istringstream list(settings.load());
-  for (std::string place; std::getline(list, place, ',');)
-    if (!place.empty()) places.push_back(place);
+  std::vector<std::string> places = split(settings.load(), ',');
+  places.erase(std::remove(places.begin(), places.end(), ""), places.end());
   return places;
 }
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <sstream>
 
 #include "base/constants.h"
 #include "base/printable.h"
+#include "base/split.h"
 
 namespace capsoc::metrics {
 namespace {
@@ -79,8 +79,7 @@ constexpr std::array<Column, 20> all = {{
 
 Result<RecordColumns> record_columns(const std::string& names, const std::string& origin) {
   RecordColumns columns;
-  std::istringstream list(names.empty() ? "t,u,v,angle_deg" : names + ",");
-  for (std::string name; std::getline(list, name, ',');) {
+  for (const std::string& name : split(names.empty() ? "t,u,v,angle_deg" : names + ",", ',')) {
     const auto found = std::find_if(all.begin(), all.end(),
                                     [&](const Column& column) { return name == column.name; });
     if (found == all.end()) {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
+#include "base/split.h"
 #include "observers/symbols.h"
 
 namespace capsoc::run {
@@ -28,8 +28,7 @@ std::optional<Error> StackMarks::add_limit(const std::string& text) {
 }
 
 std::optional<Error> StackMarks::open() {
-  std::istringstream list(settings_.limit());
-  for (std::string text; std::getline(list, text, ',');)
+  for (const std::string& text : split(settings_.limit(), ','))
     if (auto error = add_limit(text)) return error;
   if (limits_.empty() && !settings_.marks()) return std::nullopt;
   view_.soc().cpu.core().add_observer(*this, true, false);

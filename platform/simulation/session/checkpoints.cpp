@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <sstream>
 
 #include "base/input_file.h"
 #include "base/number.h"
 #include "base/printable.h"
+#include "base/split.h"
 #include "host/console.h"
 #include "host/end_signals.h"
 #include "host/file_uses.h"
@@ -43,8 +43,7 @@ std::string seconds_of(const sc_core::sc_time& time) {
 Result<std::vector<SavePoint>> save_points(const RunSettings& settings) {
   const Setting& setting = settings.checkpoint.save.about();
   std::vector<SavePoint> points;
-  std::istringstream list(setting.value);
-  for (std::string entry; std::getline(list, entry, ',');) {
+  for (const std::string& entry : split(setting.value, ',')) {
     const std::size_t at = entry.rfind('@');
     const auto seconds =
         at == std::string::npos ? std::nullopt : finite_number(entry.substr(at + 1));
