@@ -4,7 +4,7 @@
 #   share/capsoc/      firmware/ (what was built), traces/, template/, include/,
 #                      sources/ of the programs, svd/, gdb/, rtl/ for designs of one's own,
 #                      python/ with the package capsoc
-#   share/doc/capsoc/  README.md, docs/, licence
+#   share/doc/capsoc/  README.md, docs/, licence; html/, if the target site was built
 #   share/man, share/bash-completion, share/zsh, share/fish
 include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR}/capsoc)
@@ -46,5 +46,9 @@ install(FILES scripts/debugger/svd.py DESTINATION ${data}/gdb COMPONENT data)
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
 install(FILES ${generated}/registers.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs/reference COMPONENT doc)
+# The pages as a site. By name only: it takes packages that nothing else of the build needs.
+add_custom_target(site COMMAND ${PROJECT_SOURCE_DIR}/scripts/tool site --out ${PROJECT_BINARY_DIR}/site
+                  COMMENT "Making the site of the pages" VERBATIM)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/site/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/html COMPONENT doc OPTIONAL)
 install(DIRECTORY ${pages}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT doc)
 install(DIRECTORY ${pages}/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program PATTERN man EXCLUDE)

@@ -3,7 +3,6 @@
 import importlib.util
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -65,4 +64,4 @@ def build(top, builder, folder):
         said = re.sub(r"\x1b\[[\d;]*m", "", done.stderr).replace(f"{sources}/", "").strip()
         if said or done.returncode != 0:
             raise Faults(said.splitlines() or [f"Sphinx ended with status {done.returncode}"])
-    shutil.rmtree(folder / ".doctrees", ignore_errors=True)
+    (folder / ".buildinfo").unlink(missing_ok=True)  # for Sphinx's next run into the folder, of which there is none
