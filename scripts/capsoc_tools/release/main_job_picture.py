@@ -66,19 +66,19 @@ def draw(lines):
         f'<rect x="0.5" y="0.5" width="{width - 1}" height="{height - 1}" rx="8" '
         f'fill="{BACKGROUND}" stroke="{BORDER}"/>',
         f"<g font-family=\"ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace\" "
-        f'font-size="{SIZE}" fill="{TEXT}"'
-        ' xml:space="preserve">',
+        f'font-size="{SIZE}" fill="{TEXT}">',
     ]
     for row, line in enumerate(lines):
         if not line:
             continue
         colour = PROMPT_COLOUR if row == 0 else FIGURE if line.startswith(FIGURES) else None
-        # textLength: columns stay columns whatever font the viewer has.
-        text = line.lstrip(" ")
-        x = MARGIN + ADVANCE * (len(line) - len(text))
         y = MARGIN + LEADING * row + SIZE
         fill = f' fill="{colour}"' if colour else ""
-        svg.append(f'<text x="{x:g}" y="{y}" textLength="{ADVANCE * len(text):.4g}"{fill}>{html.escape(text)}</text>')
+        # Each column by itself, since viewers take several spaces for one. textLength: it has its width in any font.
+        for part in re.finditer(r"\S+( \S+)*", line):
+            x = MARGIN + ADVANCE * part.start()
+            length = ADVANCE * len(part[0])
+            svg.append(f'<text x="{x:g}" y="{y}" textLength="{length:.4g}"{fill}>{html.escape(part[0])}</text>')
     return "\n".join(svg + ["</g>", "</svg>"]) + "\n"
 
 
