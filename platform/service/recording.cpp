@@ -1,12 +1,9 @@
 #include "service/recording.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <utility>
@@ -17,6 +14,7 @@
 #include "checkpoint/checkpoint_file.h"
 #include "host/files.h"
 #include "host/sha256.h"
+#include "host/temporary_folder.h"
 #include "service/advance.h"
 #include "service/board_verbs.h"
 #include "session/checkpoints.h"
@@ -116,37 +114,17 @@ std::optional<Error> complain(const SessionFile& session) {
   return std::nullopt;
 }
 
-/// Files of a session in a folder, for as long as this lives.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path(failure_) / "capsoc-XXXXXX").string();
-    if (!failure_ && mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  /// The path of a file with this content.
-  Result<std::string> add(std::size_t number, const SessionFile::Content& content) {
-    if (path_.empty())
-      return Error{
-          fmt::format("no folder for temporary files: {}; set TMPDIR", std::strerror(errno))};
-    const std::filesystem::path folder = std::filesystem::path(path_) / std::to_string(number);
-    if (!std::filesystem::create_directory(folder, failure_))
-      return Error{fmt::format("{}: {}", folder.string(), failure_.message())};
-    std::string file = (folder / content.name).string();
-    if (auto error = host::write_whole(file, content.bytes)) return *error;
-    return file;
-  }
-
- private:
-  std::error_code failure_;
-  std::string path_;
-};
+/// The path of a file with this content in a folder.
+Result<std::string> add(const host::TemporaryFolder& folder, std::size_t number,
+                        const SessionFile::Content& content) {
+  std::error_code failure;
+  const std::filesystem::path place = std::filesystem::path(folder.path()) / std::to_string(number);
+  if (!std::filesystem::create_directory(place, failure))
+    return Error{fmt::format("{}: {}", place.string(), failure.message())};
+  std::string file = (place / content.name).string();
+  if (auto error = host::write_whole(file, content.bytes)) return *error;
+  return file;
+}
 
 /// Why the inputs of a file are none.
 std::optional<Error> complain(const std::vector<Input>& inputs) {
@@ -290,11 +268,13 @@ Result<Replayed> replay(const SessionFile& session, std::optional<double> until_
                         const std::function<void(const std::string& text)>& on_text) {
   if (auto error = complain(session)) return *error;
   if (auto error = complain(session.inputs)) return *error;
-  Folder folder;  // sensor.set reads the sensor's file again
+  // As long as the simulation: sensor.set reads the sensor's file again.
+  const auto folder = host::TemporaryFolder::make("replay");
+  if (!folder) return Error{folder.error()};
   Json settings = Json::object();
   for (const auto& [name, value] : session.settings) settings[name] = value;
   for (std::size_t n = 0; n < session.files.size(); ++n) {
-    auto file = folder.add(n, session.files[n]);
+    auto file = add(folder.value(), n, session.files[n]);
     if (!file) return Error{file.error()};
     settings[session.files[n].setting] = std::move(file.value());
   }

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 
 #include "campaign/kinds.h"
@@ -19,6 +18,7 @@
 #include "host/end_signals.h"
 #include "host/files.h"
 #include "host/sha256.h"
+#include "host/temporary_folder.h"
 #include "results/exit_codes.h"
 #include "results/results.h"
 #include "session/run_settings.h"
@@ -62,37 +62,6 @@ struct FaultSettings {
   fault::Span span() const { return {trial.from_s(), trial.to_s(), trial.until_s()}; }
 };
 
-/// A folder for golden runs, which all workers share; gone with this.
-class Folder {
- public:
-  Folder() = default;
-  ~Folder() {
-    std::error_code none;
-    if (!path_.empty() && getpid() == owner_) std::filesystem::remove_all(path_, none);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::optional<Error> make() {
-    if (!path_.empty()) return std::nullopt;
-    std::error_code failure;
-    std::string name =
-        (std::filesystem::temp_directory_path(failure) / "capsoc-faults-XXXXXX").string();
-    if (failure || mkdtemp(name.data()) == nullptr)
-      return Error{
-          fmt::format("{}: the folder for the runs without faults cannot be made; set "
-                      "TMPDIR to one with room",
-                      name)};
-    path_ = name;
-    return std::nullopt;
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  pid_t owner_ = getpid();
-};
-
 class FaultWork final : public Work {
  public:
   Result<Job> prepare(const std::vector<Assignment>& assignments) override {
@@ -110,7 +79,11 @@ class FaultWork final : public Work {
   std::optional<Error> check(const std::vector<Assignment>& assignments, const Keep&) override {
     // Ended by one it removes its folder.
     host::note_end_signals();
-    if (auto error = folder_.make()) return error;
+    if (!folder_) {
+      auto folder = host::TemporaryFolder::make("faults");
+      if (!folder) return Error{"the runs without faults: " + folder.error()};
+      folder_.emplace(std::move(folder.value()));
+    }
     FaultSettings settings;
     if (auto error = settings.set(assignments)) return error;
     const auto drawn = draw(settings);
@@ -203,7 +176,7 @@ class FaultWork final : public Work {
     const fault::Span span = settings.span();
     std::string name = host::sha256_of(
         run_identity(settings.run) + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
-    std::string place = folder_.path() + "/" + name.substr(0, 16);
+    std::string place = folder_->path() + "/" + name.substr(0, 16);
     std::error_code failure;
     std::filesystem::create_directories(place, failure);
     const host::Descriptor lock(
@@ -246,7 +219,8 @@ class FaultWork final : public Work {
     return std::nullopt;
   }
 
-  Folder folder_;
+  /// For golden runs, which all workers share.
+  std::optional<host::TemporaryFolder> folder_;
 };
 
 }  // namespace

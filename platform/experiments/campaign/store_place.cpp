@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -64,28 +63,22 @@ bool has_unfinished(const std::string& store) {
 }
 
 Result<std::unique_ptr<StoreCopy>> StoreCopy::of(const std::string& store) {
+  auto folder = host::TemporaryFolder::make("store");
+  if (!folder)
+    return Error{fmt::format("{}: can only be read, and there is no place for a copy: {}", store,
+                             folder.error())};
+  std::unique_ptr<StoreCopy> copy(new StoreCopy(std::move(folder.value())));
   std::error_code failure;
-  const fs::path place = fs::temp_directory_path(failure);
-  std::string name = (place / "capsoc-store-XXXXXX").string();
-  if (failure || mkdtemp(name.data()) == nullptr)
-    return Error{fmt::format("{}: can only be read, and there is no place for a copy in {} ({})",
-                             store, place.string(), std::strerror(errno))};
-  std::unique_ptr<StoreCopy> copy(new StoreCopy(std::move(name)));
   fs::copy_file(store, copy->path(), failure);
   for (const char* companion : companions)
     if (!failure && fs::exists(store + companion))
       fs::copy_file(store + companion, copy->path() + companion, failure);
   if (failure)
     return Error{fmt::format("{}: can only be read, and cannot be copied to {} ({})", store,
-                             copy->folder_, failure.message())};
-  for (const fs::directory_entry& file : fs::directory_iterator(copy->folder_))
+                             copy->folder_.path(), failure.message())};
+  for (const fs::directory_entry& file : fs::directory_iterator(copy->folder_.path()))
     fs::permissions(file, fs::perms::owner_write, fs::perm_options::add, failure);
   return copy;
-}
-
-StoreCopy::~StoreCopy() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
 }
 
 }  // namespace capsoc::campaign

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "host/temporary_folder.h"
 
 namespace capsoc::campaign {
 
@@ -24,16 +25,13 @@ class StoreCopy {
  public:
   /// Error: there is no place for it.
   static Result<std::unique_ptr<StoreCopy>> of(const std::string& store);
-  ~StoreCopy();
-  StoreCopy(const StoreCopy&) = delete;
-  StoreCopy& operator=(const StoreCopy&) = delete;
 
-  std::string path() const { return folder_ + "/store"; }
+  std::string path() const { return folder_.path() + "/store"; }
 
  private:
-  explicit StoreCopy(std::string folder) : folder_(std::move(folder)) {}
+  explicit StoreCopy(host::TemporaryFolder folder) : folder_(std::move(folder)) {}
 
-  std::string folder_;
+  host::TemporaryFolder folder_;
 };
 
 }  // namespace capsoc::campaign
