@@ -3,8 +3,10 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <iterator>
 
@@ -17,6 +19,19 @@ bool is_number(const std::string& text) {
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
   return *end == '\0';
+}
+
+/// Five digits of a fraction that has more than six; whole numbers as they are.
+std::string rounded(const std::string& text) {
+  constexpr int many = 6;
+  const std::size_t mantissa = std::min(text.find_first_of("eE"), text.size());
+  const std::size_t first = text.find_first_of("123456789");
+  if (first == std::string::npos || text.find('.') >= mantissa) return text;
+  const auto digits =
+      std::count_if(text.begin() + static_cast<std::ptrdiff_t>(std::min(first, mantissa)),
+                    text.begin() + static_cast<std::ptrdiff_t>(mantissa),
+                    [](char c) { return c >= '0' && c <= '9'; });
+  return digits <= many ? text : fmt::format("{:.5g}", std::strtod(text.c_str(), nullptr));
 }
 
 void append_numbers(std::string& out, const std::vector<double>& values) {
@@ -105,8 +120,12 @@ std::string html_of(const Table& table) {
     for (std::size_t column = 0; column < row.size(); ++column) {
       std::string style = row[column].style;
       if (column < numbers.size() && numbers[column]) style += style.empty() ? "n" : " n";
-      out += style.empty() ? "<td>" : "<td class=\"" + style + "\">";
-      out += escaped(row[column].text) + "</td>";
+      const std::string& text = row[column].text;
+      const std::string shown = table.is_exact || !is_number(text) ? text : rounded(text);
+      out += "<td";
+      if (!style.empty()) out += " class=\"" + style + "\"";
+      if (shown != text) out += " title=\"" + escaped(text) + "\"";
+      out += ">" + escaped(shown) + "</td>";
     }
     out += "</tr>\n";
   }

@@ -25,9 +25,11 @@ struct Table {
   std::string caption;
   std::vector<std::string> head;
   std::vector<std::vector<Cell>> rows;
+  bool is_exact = false;  ///< numbers with all of their digits, as settings have them
 };
 
-/// Sortable; nothing for a table without rows.
+/// Sortable; nothing for a table without rows. A number has the digits that mean something; the
+/// exact one is its title.
 std::string html_of(const Table& table);
 
 /// A heading with a place for links, and what stands below.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host/sha256.h"
+#include "report/headline.h"
 #include "report/html.h"
 
 namespace capsoc::report {
@@ -49,13 +50,28 @@ std::string title_of(const std::vector<ResultFile>& results) {
   return title.empty() ? "capsoc" : title;
 }
 
+std::string html_of(const Headline& headline) {
+  std::string out;
+  if (!headline.sentence.empty())
+    out += fmt::format("<p class=\"answer\"><span class=\"{}\">{}.</span></p>\n", headline.style,
+                       escaped(headline.sentence));
+  if (headline.figures.empty()) return out;
+  out += "<dl class=\"key\">\n";
+  for (const Headline::Figure& figure : headline.figures)
+    out += fmt::format("<div><dt>{}</dt><dd title=\"{}\">{}</dd></div>\n", escaped(figure.label),
+                       escaped(figure.exact), escaped(figure.value));
+  return out + "</dl>\n";
+}
+
 std::string header_of(const std::vector<ResultFile>& results) {
   std::string out = "<header>\n<h1>" + escaped(title_of(results)) + "</h1>\n";
   for (const ResultFile& result : results) {
     const auto [style, sentence] = verdict_of(result.json);
+    if (results.size() == 1) out += html_of(headline_of(result.json));
     if (!result.label.empty() || !sentence.empty())
       out += fmt::format("<p>{} <span class=\"{}\">{}</span></p>\n", escaped(result.label), style,
                          escaped(sentence));
+    if (results.size() > 1) out += html_of(headline_of(result.json));
   }
   return out + "</header>\n";
 }
@@ -139,11 +155,11 @@ std::string Page::text() const {
 std::string origin_of(const Json& result) {
   std::string out = paragraph("The command that gives this result again:") +
                     preformatted("Command", text_at(result, {"command"}));
-  Table versions{"Versions", {"what", "version"}, {}};
+  Table versions{"Versions", {"what", "version"}, {}, true};
   if (const Json* all = find(result, {"versions"}); all != nullptr && all->is_object())
     for (const auto& [name, version] : all->items())
       versions.rows.push_back({name, shown_at(version, {})});
-  Table inputs{"Inputs", {"role", "file", "SHA-256"}, {}};
+  Table inputs{"Inputs", {"role", "file", "SHA-256"}, {}, true};
   for (const Json* input : elements_at(result, {"inputs"}))
     inputs.rows.push_back(
         {text_at(*input, {"role"}), text_at(*input, {"path"}), text_at(*input, {"sha256"})});

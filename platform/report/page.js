@@ -295,7 +295,7 @@
         const down = head.getAttribute("aria-sort") === "ascending";
         for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
         head.setAttribute("aria-sort", down ? "descending" : "ascending");
-        const key = (row) => row.cells[column]?.textContent ?? "";
+        const key = (row) => row.cells[column]?.title || (row.cells[column]?.textContent ?? "");
         const order = (a, b) => {
           const [x, y] = [parseFloat(key(a)), parseFloat(key(b))];
           return isNaN(x) || isNaN(y) ? key(a).localeCompare(key(b), "en") : x - y;
@@ -305,20 +305,18 @@
     });
   }
 
-  // Figures are drawn when they come near: a report of both papers has seventy.
+  // At once: whoever prints the page or takes a picture of it does not wait.
   const boxes = [...document.querySelectorAll("figure[data-figure]")];
-  const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
-    if (!entry.isIntersecting) return;
-    near.unobserve(entry.target);
-    draw(entry.target);
-  }), { rootMargin: "300px" });
-  boxes.forEach((box) => near.observe(box));
+  boxes.forEach(draw);
   document.querySelectorAll("table.sortable").forEach(sortable);
   document.querySelectorAll(".heat").forEach(heat);
 
   const recolour = () => drawn.forEach((each) => each());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
-  addEventListener("beforeprint", () => { root.dataset.print = ""; boxes.forEach(draw); recolour(); });
+  // On paper a plot is scaled to the sheet: one that gets another size there is printed empty.
+  const fit = () => boxes.forEach((box) => box.querySelector(".plot").style.setProperty("--drawn", box.plot.size().width));
+  fit();
+  addEventListener("beforeprint", () => { root.dataset.print = ""; fit(); recolour(); });
   addEventListener("afterprint", () => { delete root.dataset.print; recolour(); });
   root.dataset.ready = String(Math.round(performance.now()));
 })();

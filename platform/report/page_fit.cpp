@@ -81,8 +81,9 @@ std::string methods_of(const Json& result) {
 
 void add_fit_sections(Page& page) {
   const auto figures = [&](const char* section) { return page.figures_of("fit", section); };
+  page.add("Angle error", figures("Angle error"));
   page.add("Result", page.of_each("fit", answer_of));
-  for (const char* section : {"Ellipse", "Residuals", "Angle error", "Training"})
+  for (const char* section : {"Ellipse", "Residuals", "Training"})
     page.add(section, figures(section));
   page.add("Confidence", figures("Confidence") + page.of_each("fit", methods_of));
   page.add("Gates", page.of_each("fit", gates_of));

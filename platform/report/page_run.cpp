@@ -83,7 +83,7 @@ std::string functions_of(const Json& result) {
 }
 
 std::string configuration_of(const Json& result) {
-  Table table{"Configuration", {"setting", "value"}, {}};
+  Table table{"Configuration", {"setting", "value"}, {}, true};
   if (const Json* all = find(result, {"configuration"}); all != nullptr && all->is_object())
     for (const auto& [name, value] : all->items())
       table.rows.push_back({name, shown_at(value, {})});
@@ -100,11 +100,11 @@ std::string curves_missing(const Json& result) {
 void add_run_sections(Page& page) {
   const auto each = [&](std::string (*piece)(const Json&)) { return page.of_each("run", piece); };
   const auto figures = [&](const char* section) { return page.figures_of("run", section); };
+  page.add("Errors of the angle", figures("Errors of the angle"));
   page.add("Result",
            each(figures_of_run) + each(parameters_of) + each(reports_of) + each(curves_missing));
-  for (const char* section :
-       {"Learning curves", "Errors of the parameters", "Errors of the demodulator", "The signals",
-        "Errors of the angle", "Status and flags"})
+  for (const char* section : {"Learning curves", "Errors of the parameters",
+                              "Errors of the demodulator", "The signals", "Status and flags"})
     page.add(section, figures(section));
   page.add("UART 0", each(uart_of));
   page.add("Profile", figures("Profile") + each(functions_of));

@@ -21,9 +21,9 @@ struct Change {
   Position since, end;
 };
 
-/// Who made it, for a board that stands a little before: {"by": the method of a request};
-/// {"by": "instruction", "pc", "place", "access": "write" or "read", "accessed": the register, or
-/// the address if it is none}, if an instruction accessed the device; {"by": "device"} otherwise,
+/// Who made it, for a board that stands a little before. {"by": the method of a request}. Or, if an
+/// instruction accessed the device, {"by": "instruction", "pc", "place", "access": "write" or
+/// "read", "accessed": the register, or the address if it is none}. Otherwise {"by": "device"},
 /// with "sample" if the coprocessor had a result. Goes to the end.
 Answer describe(Board& board, const Change& change);
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Reports: what a person sees, in a real browser without a network."""
 
+import base64
 import json
 import re
 import subprocess
@@ -84,11 +85,9 @@ class Seen(ReportCase):
         super().setUp()
         self.browser.fresh()
 
-    def open(self, page, draw_all=True):
+    def open(self, page):
         self.browser.open(page)
         self.browser.wait("return document.documentElement.dataset.ready", "the page's script has run")
-        if draw_all:
-            self.browser.run("dispatchEvent(new Event('beforeprint')); dispatchEvent(new Event('afterprint'));")
         self.CLEAN(page)
 
     def CLEAN(self, page):
@@ -209,6 +208,76 @@ class Runs(OfACommand):
     def test_it_keeps_what_every_report_keeps(self):
         self.done(self.process)
         self.check_page(self.html)
+
+    def test_its_first_screen_is_the_answer(self):
+        self.open(self.html)
+        error, verdict = self.result["angle_error_deg"], self.result["verdict"]
+        self.assertEqual(
+            self.browser.run("return document.querySelector('.answer').textContent"),
+            f"Pass: the angles of the last {verdict['samples']} samples are within {verdict['bound_deg']:.3g} deg.",
+        )
+        shown = self.browser.run(
+            "return [...document.querySelectorAll('.key dd')].map((d) => [d.textContent, d.title])"
+        )
+        values = (error["uncalibrated_max"], error["calibration_mode_max"], verdict["bound_deg"])
+        self.assertEqual([each[0] for each in shown], [f"{value:.3g} deg" for value in values])
+        self.assertEqual([float(each[1].split()[0]) for each in shown], list(values))
+        plot = self.browser.run("return document.querySelector('figure .plot').getBoundingClientRect().bottom")
+        self.assertLess(plot, 900)
+
+    def test_numbers_have_the_digits_that_mean_something(self):
+        self.open(self.html)
+        cell = """const row = [...document.querySelectorAll('td')].find((c) => c.textContent === arguments[0]).parentElement;
+            return [...row.cells].slice(1).map((c) => [c.textContent, c.title])"""
+        before = self.result["angle_error_deg"]["uncalibrated_max"]
+        self.assertEqual(self.browser.run(cell, "largest angle error before, deg"), [[f"{before:.5g}", repr(before)]])
+        self.assertEqual(self.browser.run(cell, "cycles"), [[str(self.result["cpu"]["cycles"]), ""]])
+        a1 = self.result["parameters"]["a1"]
+        row = self.browser.run(cell, "a1")
+        self.assertEqual([float(text or title) for text, title in row][0], a1["word"])
+        self.assertEqual(float(row[1][1]), a1["value"])
+
+    def test_a_verdict_that_is_none(self):
+        """No pass, one with conditions and one that does not hold are said as such, and a run without one says none."""
+        for change, expected in (
+            ({"pass": False, "reason": "no <b> lock"}, "No pass: no <b> lock."),
+            ({"conditions": ["no sample is stale", "x"]}, "deg, if no sample is stale and x."),
+            ({"bound_holds": False, "largest_error_deg": 1.5}, "That does not hold: an angle is 1.5 deg off."),
+            (None, None),
+        ):
+            result = {**self.result, "verdict": None if change is None else {**self.result["verdict"], **change}}
+            with self.subTest(change=change):
+                self.open(self.report(result))
+                said = self.browser.run("return document.querySelector('.answer')?.textContent ?? null")
+                self.assertEqual(said, expected) if expected is None else self.assertIn(expected, said)
+
+    def test_it_is_drawn_when_it_is_loaded_and_when_it_is_printed(self):
+        self.open(self.html)
+        drawn = "return [...document.querySelectorAll('figure')].filter((f) => f.querySelector('canvas')).length"
+        self.assertEqual(self.browser.run(drawn), len(self.figures()))
+        blank = self.folder / "blank.html"
+        # Another script does not run: the page names the hashes of its two.
+        blank.write_text(self.html.read_text().replace("boxes.forEach(draw);", ""))
+        self.assertNotEqual(blank.read_bytes(), self.html.read_bytes())
+        counts = []
+        for page in (self.html, blank):
+            self.browser.open(page)
+            counts.append(self.coloured(base64.b64decode(self.browser.devtools("Page.printToPDF")["data"])))
+        self.assertGreater(counts[0], 10 * counts[1])
+
+    def coloured(self, pdf):
+        """How many points of the sheets, at 40 dpi, are of a line's colour."""
+        file = self.folder / "printed.pdf"
+        file.write_bytes(pdf)
+        subprocess.run(["pdftoppm", "-r", "40", file, self.folder / "sheet"], check=True)
+        sheets = sorted(self.folder.glob("sheet*.ppm"))
+        self.assertGreater(len(sheets), 3)
+        count = 0
+        for sheet in sheets:
+            points = sheet.read_bytes().split(b"\n255\n", 1)[1]
+            count += sum(abs(r - b) > 100 for r, b in zip(points[0::3], points[2::3]))
+            sheet.unlink()
+        return count
 
     def test_every_figure_of_a_run_is_there(self):
         self.open(self.html)
@@ -621,6 +690,16 @@ class Others(Seen):
         self.assertAlmostEqual(max(error) - min(error), fit["angle_error_deg"]["calibrated_peak_to_peak"], delta=1e-3)
         self.assertEqual(figures["fit-intervals"]["series"][0]["y"][0], fit["parameters"]["a1"]["interval"])
         self.assertEqual(self.report(result).read_bytes(), page.read_bytes())
+        answer = "return [...document.querySelectorAll('.answer')].map((p) => [p.textContent, p.firstChild.className])"
+        self.assertEqual(
+            self.browser.run(answer), [[f"Identified from 10000 samples, without a bound: {fit['warning']}.", "odd"]]
+        )
+        self.done(capsoc("fit", SOURCE / "traces" / "csfn_eq.toml", "--html", page, "--json", result))
+        self.open(page)
+        bound = json.loads(result.read_text())["angle_bound_deg"]["total"]
+        ((sentence, style),) = self.browser.run(answer)
+        self.assertIn(f": every angle is within {bound:.3g} deg at 99.99 % confidence", sentence)
+        self.assertEqual(style, "good")
 
     def test_fit_alone_writes_no_calibration(self):
         page = self.folder / "f.html"

@@ -18,7 +18,7 @@ constexpr const char* lock_name = "/owner";
 /// A younger one may be about to be locked.
 constexpr std::chrono::seconds youngest{60};
 
-/// Nobody holds its lock.
+/// Its lock is free.
 bool is_left_over(const fs::directory_entry& folder, const std::string& beginning) {
   std::error_code failure;
   if (folder.path().filename().string().rfind(beginning, 0) != 0) return false;
@@ -28,7 +28,7 @@ bool is_left_over(const fs::directory_entry& folder, const std::string& beginnin
   return lock.valid() && flock(lock.get(), LOCK_EX | LOCK_NB) == 0;
 }
 
-/// What another user has, or somebody else removes at the same time, stays.
+/// A folder of another user stays, and so does one that another process removes now.
 void remove_left_over(const fs::path& place, const std::string& beginning) {
   std::error_code failure, ignored;
   for (fs::directory_iterator each(place, failure); !failure && each != fs::end(each);

@@ -2,7 +2,7 @@
 
     scripts/tool report_pictures [--capsoc FILE] [--output FOLDER]
 
-Small ones: the first screen, in as few colours as a plot needs (rsvg-convert is not asked; pngs are written again with
+Small ones: one screen, in as few colours as a plot needs (rsvg-convert is not asked; pngs are written again with
 a palette).
 """
 
@@ -17,9 +17,10 @@ from pathlib import Path
 from capsoc_tools import ROOT, browser
 
 WIDTH, HEIGHT = 1000, 700
+#: The command, and the section that is shown; None: the first screen.
 REPORTS = {
-    "run": (["run"], "section-2"),
-    "fit": (["fit", str(ROOT / "traces" / "csfn_h3.toml"), "--method", "adam"], "section-2"),
+    "run": (["run"], None),
+    "fit": (["fit", str(ROOT / "traces" / "csfn_h3.toml"), "--method", "adam"], None),
     "reproduce": (["reproduce", "--table", "figure-7", "--table", "1"], "section-2"),
 }
 
@@ -95,12 +96,8 @@ def take(capsoc, name, folder):
         )
         tab.open(page)
         tab.wait("return document.documentElement.dataset.ready", "the page's script has run")
-        tab.run(
-            "dispatchEvent(new Event('beforeprint')); dispatchEvent(new Event('afterprint')); "
-            "document.getElementById(arguments[0]).scrollIntoView();",
-            section,
-        )
-        tab.wait("return [...document.querySelectorAll('figure')].every((f) => f.plot)", "the plots are drawn")
+        if section:
+            tab.run("document.getElementById(arguments[0]).scrollIntoView();", section)
         return small(tab.picture())
     finally:
         tab.close()
