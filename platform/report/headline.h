@@ -14,7 +14,7 @@ struct Headline {
     std::string label, value, exact;
   };
   const char* style = "";  ///< "good", "bad", "odd"
-  std::string sentence;    ///< "": the result has no answer of its own
+  std::string sentence;    ///< "": there is none in the result
   std::vector<Figure> figures;
 };
 

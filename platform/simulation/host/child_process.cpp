@@ -1,6 +1,7 @@
 #include "host/child_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -47,8 +48,13 @@ Apart perform_apart(const std::function<std::string()>& work) {
   Apart apart;
   char buffer[4096];
   for (;;) {
-    const ssize_t count = read(said.get(), buffer, sizeof buffer);
+    // A signal may have come just before, and interrupts nothing then.
+    constexpr int look_ms = 50;
+    pollfd heard{said.get(), POLLIN, 0};
+    const bool is_heard = poll(&heard, 1, look_ms) > 0;
     if (noted_signal() != 0) kill(child, SIGKILL);
+    if (!is_heard) continue;
+    const ssize_t count = read(said.get(), buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) break;
     apart.text.append(buffer, static_cast<std::size_t>(count));
