@@ -62,10 +62,10 @@ Headline of_fit(const Json& result) {
   const auto confidence = number_at(result, {"angle_bound_deg", "confidence"});
   headline.sentence = fmt::format("Identified from {} samples", shown_at(result, {"samples"}));
   if (bound && confidence)
-    headline.sentence += fmt::format(": every angle is within {:.3g} deg at {:g} % confidence",
-                                     *bound, 100 * *confidence);
-  if (number_at(result, {"angle_bound_deg", "harmonics"}))
-    headline.sentence += ", harmonics as large as the residuals leave room for included";
+    headline.sentence += fmt::format(
+        ": the angle is within {:.3g} deg over the whole turn at {:g} % confidence, without what "
+        "disturbs one sample and without a harmonic along the ellipse",
+        *bound, 100 * *confidence);
   const std::string warning = text_at(result, {"warning"});
   if (!bound || !warning.empty()) headline.style = "odd";
   if (!bound)

@@ -698,7 +698,9 @@ class Others(Seen):
         self.open(page)
         bound = json.loads(result.read_text())["angle_bound_deg"]["total"]
         ((sentence, style),) = self.browser.run(answer)
-        self.assertIn(f": every angle is within {bound:.3g} deg at 99.99 % confidence", sentence)
+        self.assertIn(
+            f": the angle is within {bound:.3g} deg over the whole turn at 99.99 % confidence, without", sentence
+        )
         self.assertEqual(style, "good")
 
     def test_fit_alone_writes_no_calibration(self):
