@@ -36,6 +36,17 @@ Json position_from(const std::vector<std::string>& words, std::size_t& at) {
   return time ? Json{{"time_s", *time}} : Json();
 }
 
+/// {"one"} or {"one", "other"} from the words after a command; null: they are something else.
+Json positions_from(const std::vector<std::string>& words) {
+  std::size_t at = 1;
+  Json positions = {{"one", position_from(words, at)}};
+  if (at < words.size()) positions["other"] = position_from(words, at);
+  if (at != words.size()) return nullptr;
+  for (const Json& each : positions)
+    if (each.is_null()) return nullptr;
+  return positions;
+}
+
 std::string text_of(const Json& position) {
   return fmt::format("{:.12g} s, instruction {}, cycle {}, sample {}",
                      position.at("time_s").get<double>(),
@@ -285,11 +296,8 @@ std::string RemoteTarget::last_change(const Words& words) {
 }
 
 std::string RemoteTarget::timeline(const Words& words) {
-  std::size_t at = 1;
-  Json between = {{"one", position_from(words, at)}};
-  if (at < words.size()) between["other"] = position_from(words, at);
-  if (between.at("one").is_null() || between.value("other", Json(0)).is_null() ||
-      at != words.size())
+  Json between = positions_from(words);
+  if (between.is_null())
     return fmt::format("timeline: write one or two positions: {}\n", position_form);
   const Answer answer = ask("history.timeline", std::move(between));
   if (!answer.ok()) return answer.sentence + "\n";
@@ -302,11 +310,8 @@ std::string RemoteTarget::timeline(const Words& words) {
 }
 
 std::string RemoteTarget::differences(const Words& words) {
-  std::size_t at = 1;
-  Json positions = {{"one", position_from(words, at)}};
-  if (at < words.size()) positions["other"] = position_from(words, at);
-  if (positions.at("one").is_null() || positions.value("other", Json(0)).is_null() ||
-      at != words.size())
+  Json positions = positions_from(words);
+  if (positions.is_null())
     return fmt::format("diff: write one or two positions: {}\n", position_form);
   const Answer answer = ask("history.diff", std::move(positions));
   if (!answer.ok()) return answer.sentence + "\n";

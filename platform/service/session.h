@@ -111,6 +111,7 @@ class Session {
   void go_back(Request& request);
   void find_write(Request& request);
   void find_change(Request& request);
+  Json goals_of(Request& request);
   void compare(Request& request);
   void tell_past(Request& request);
   void reverse(Request& request);

@@ -508,51 +508,55 @@ void Session::reverse(Request& request) {
   });
 }
 
+/// "one" and perhaps "other" of a request as goals; null, and it is answered: they are none.
+Json Session::goals_of(Request& request) {
+  Json goals = Json::array();
+  for (const char* name : {"one", "other"})
+    if (const auto given = request.parameters.find(name); given != request.parameters.end())
+      goals.push_back(goal_in(*given, positions));
+  if (std::none_of(goals.begin(), goals.end(), [](const Json& goal) { return goal.is_null(); }))
+    return goals;
+  answer(request,
+         refuse(fmt::format("{}: a position is {}, one of them", request.method, position_words),
+                Code::wrong_parameter));
+  return nullptr;
+}
+
 void Session::tell_past(Request& request) {
-  const Json one = goal_in(request.parameters.at("one"), positions);
-  const bool has_other = request.parameters.contains("other");
-  const Json other = has_other ? goal_in(request.parameters.at("other"), positions) : Json();
-  if (one.is_null() || (has_other && other.is_null()))
-    return answer(request, refuse(fmt::format("history.timeline: a position is {}, one of them",
-                                              position_words),
-                                  Code::wrong_parameter));
+  const Json goals = goals_of(request);
+  if (goals.is_null()) return;
   const Json kinds = request.parameters.value("kinds", Json::array());
-  seek(request, {{"goals", has_other ? Json{one, other} : Json{one}}},
-       [this, one, other, kinds](const Json&, const std::shared_ptr<Seek>& seek) {
-         Json end = other.is_null() ? to_json(seek->now) : other;
-         ask_past(seek, {{"goal", one}}, events_method, {{"end", std::move(end)}, {"kinds", kinds}},
-                  {}, [this, seek](Answer answer) { end_seek(*seek, std::move(answer)); });
+  seek(request, {{"goals", goals}},
+       [this, goals, kinds](const Json&, const std::shared_ptr<Seek>& seek) {
+         Json end = goals.size() == 1 ? to_json(seek->now) : goals.at(1);
+         ask_past(seek, {{"goal", goals.at(0)}}, events_method,
+                  {{"end", std::move(end)}, {"kinds", kinds}}, {},
+                  [this, seek](Answer answer) { end_seek(*seek, std::move(answer)); });
        });
 }
 
 void Session::compare(Request& request) {
-  const Json one = goal_in(request.parameters.at("one"), positions);
-  const bool has_other = request.parameters.contains("other");
-  const Json other = has_other ? goal_in(request.parameters.at("other"), positions) : Json();
-  if (one.is_null() || (has_other && other.is_null()))
-    return answer(request,
-                  refuse(fmt::format("history.diff: a position is {}, one of them", position_words),
-                         Code::wrong_parameter));
-  seek(request, {{"goals", has_other ? Json{one, other} : Json{one}}},
-       [this, one, other](const Json&, const std::shared_ptr<Seek>& seek) {
-         ask_past(seek, {{"goal", one}}, picture_method, Json::object(), {},
-                  [this, seek, other](Answer first) {
-                    if (!first.ok()) return end_seek(*seek, std::move(first));
-                    Json from = std::move(first.result.at("position"));
-                    Json goal = other.is_null() ? to_json(seek->now) : other;
-                    ask_past(seek, {{"goal", std::move(goal)}}, picture_method,
-                             {{"one", std::move(first.result.at("picture"))}},
-                             std::move(first.frames), [this, seek, from](Answer both) {
-                               if (both.ok()) {
-                                 Json all = {{"one", from}, {"other", both.result.at("position")}};
-                                 both.result.erase("position");
-                                 all.update(both.result);
-                                 both.result = std::move(all);
-                               }
-                               end_seek(*seek, std::move(both));
-                             });
-                  });
-       });
+  const Json goals = goals_of(request);
+  if (goals.is_null()) return;
+  seek(request, {{"goals", goals}}, [this, goals](const Json&, const std::shared_ptr<Seek>& seek) {
+    ask_past(seek, {{"goal", goals.at(0)}}, picture_method, Json::object(), {},
+             [this, seek, goals](Answer first) {
+               if (!first.ok()) return end_seek(*seek, std::move(first));
+               Json from = std::move(first.result.at("position"));
+               Json goal = goals.size() == 1 ? to_json(seek->now) : goals.at(1);
+               ask_past(seek, {{"goal", std::move(goal)}}, picture_method,
+                        {{"one", std::move(first.result.at("picture"))}}, std::move(first.frames),
+                        [this, seek, from](Answer both) {
+                          if (both.ok()) {
+                            Json all = {{"one", from}, {"other", both.result.at("position")}};
+                            both.result.erase("position");
+                            all.update(both.result);
+                            both.result = std::move(all);
+                          }
+                          end_seek(*seek, std::move(both));
+                        });
+             });
+  });
 }
 
 }  // namespace capsoc::service
