@@ -10,7 +10,7 @@ const std::vector<BoardVerb>& board_verbs() {
   static const std::vector<BoardVerb> all = [] {
     std::vector<BoardVerb> verbs;
     for (auto of_subject : {advance_verbs(), history_verbs(), memory_verbs(), register_verbs(),
-                            port_verbs(), sensor_verbs(), debugger_verbs()})
+                            port_verbs(), sensor_verbs(), fault_verbs(), debugger_verbs()})
       verbs.insert(verbs.end(), std::make_move_iterator(of_subject.begin()),
                    std::make_move_iterator(of_subject.end()));
     for (BoardVerb& verb : verbs)

@@ -30,6 +30,7 @@ std::vector<BoardVerb> memory_verbs();
 std::vector<BoardVerb> register_verbs();
 std::vector<BoardVerb> port_verbs();
 std::vector<BoardVerb> sensor_verbs();
+std::vector<BoardVerb> fault_verbs();
 std::vector<BoardVerb> history_verbs();
 std::vector<BoardVerb> debugger_verbs();
 

@@ -8,12 +8,12 @@
 
 namespace capsoc::view {
 
-/// Carries out one of sensor, flip, uart, button and reset, each by a method that the session
+/// Carries out one of sensor, fault, uart, button and reset, each by a method that the session
 /// records. What is wrong is a sentence that says what to do; "": it was done. Null: the command
 /// is none of these.
 ///
 ///   {"do": "sensor", "parameters": {"a1": 0.5}}     as sensor.set, and "speed" as sensor.speed
-///   {"do": "flip", "place": "cpu.r3", "bit": 5}     also mem:ADDRESS and DEVICE.REGISTER
+///   {"do": "fault", "fault": "flip cpu.r3[5]"}      as fault.inject
 ///   {"do": "uart", "uart": 0, "text": "help\r"}
 ///   {"do": "button", "button": 0, "pressed": true}
 ///   {"do": "reset"}

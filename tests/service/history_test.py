@@ -275,6 +275,7 @@ class Logged(Past):
         "adc.inject": {"u": [0.5], "v": [0.25]},
         "sensor.set": {"parameters": {"b1": 0.125}},
         "sensor.speed": {"factor": 1.5},
+        "fault.inject": {"fault": "flip cpu.r10[3]"},
         "debugger.attach": {"attached": True},
         "processor.reset": {},
     }
@@ -300,6 +301,8 @@ class Logged(Past):
         "events.subscribe": {"kinds": ["exception", "sample"]},
         "sensor.read": {},
         "samples.read": {},
+        "fault.list": {},
+        "fault.places": {},
         "debugger.about": {},
     }
     MOVES = {

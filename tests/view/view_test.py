@@ -128,10 +128,12 @@ class Door(ViewCase):
             ("sensor", {"parameters": 5}, "sensor: give"),
             ("sensor", {"parameters": {"motion.kind": "walk"}}, "motion"),
             ("sensor", {"parameters": {"speed": -1}}, "from 0 to 1000"),
-            ("flip", {"place": "cpu.r99", "bit": 1}, "no register 'r99'"),
-            ("flip", {"place": "mem:x", "bit": 1}, "no address"),
-            ("flip", {"place": "cpu.r1", "bit": 32}, "from 0 to 31"),
-            ("flip", {"place": "UART9.DATA", "bit": 3}, "UART9"),
+            ("fault", {"fault": "flip cpu.r99[1]"}, "no register 'r99'"),
+            ("fault", {"fault": "flip mem:x[1]"}, "no variable"),
+            ("fault", {"fault": "flip cpu.r1[32]"}, "its bits are 0 to 31"),
+            ("fault", {"fault": "flip UART9.DATA[3]"}, "UART9"),
+            ("fault", {"fault": "flip cpu.r1[3] at 0s"}, "its time is past"),
+            ("fault", {}, "fault"),
             ("uart", {"uart": 9, "text": "x"}, "uart"),
             ("uart", {}, "uart"),
             ("button", {}, "button"),
@@ -293,12 +295,12 @@ class Hands(ViewCase):
         self.assertAlmostEqual(frame["sensor"]["parameters"]["frequency_hz"], 0.075)
         view.do(events, "pause")
         before = view.do(events, "registers", peripheral="COPROCESSOR")["registers"]
-        view.do(events, "flip", place="COPROCESSOR.STEP_AU", bit=3)
-        after = view.do(events, "sample")["registers"]  # a device takes it when time continues
+        view.do(events, "fault", fault="flip COPROCESSOR.STEP_AU[3]")
+        after = view.do(events, "sample")["registers"]
         changed = {a["name"]: a["value"] ^ b["value"] for a, b in zip(before, after)}
         self.assertEqual((changed["STEP_AU"], changed["STEP_BU"]), (8, 0))
-        view.do(events, "flip", place="mem:0x20300000", bit=9)
-        view.do(events, "flip", place="cpu.r12", bit=31)
+        view.do(events, "fault", fault="flip mem:0x20300000[9]")
+        view.do(events, "fault", fault="flip cpu.r12[31]")
         view.do(events, "button", button=1, pressed=True)
         frame = view.do(events, "sample")
         self.assertEqual(frame["history"]["inputs"], 6)

@@ -26,7 +26,7 @@ from .program import find_program
 from .sensor import Harmonic, Sensor
 from .session import Session, run
 from .simulation import Simulation
-from .state import Change, Event, Position, Result, Snapshot, State, Stop, Write
+from .state import Change, Event, Fault, Position, Result, Snapshot, State, Stop, Write
 
 __version__ = "0.1.0"
 
@@ -37,6 +37,7 @@ __all__ = [
     "Change",
     "Event",
     "ExpectationError",
+    "Fault",
     "Harmonic",
     "Position",
     "ProgramNotFound",

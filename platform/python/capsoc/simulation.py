@@ -13,7 +13,7 @@ from .errors import CapsocError, SessionError, SimulationEnded
 from .figure import line_plot
 from .past import Past
 from .samples import Table, table
-from .state import Event, Result, Snapshot, State, Stop, given
+from .state import Event, Fault, Result, Snapshot, State, Stop, given
 from .uart import Uart
 
 if TYPE_CHECKING:
@@ -180,6 +180,21 @@ class Simulation(Past):
         chosen = {"first": first, "last": last, "columns": None if columns is None else list(columns)}
         answer = self.call("samples.read", **given(chosen))
         return table(answer["first"], answer["columns"])
+
+    def inject(self, fault: str) -> str:
+        """A fault of the hardware: "flip coprocessor.cv[39]", "freeze sin for 0.1", "lose irq coprocessor at sample 9"
+        (docs/guide/safety.md); without "at" it begins now. Returns the fault with its time, as `--inject` takes it."""
+        __tracebackhide__ = True
+        return str(self.call("fault.inject", fault=fault)["fault"])
+
+    @property
+    def faults(self) -> list[Fault]:
+        """What came of the injected faults."""
+        return [Fault(**each) for each in self.call("fault.list")["faults"]]
+
+    def fault_places(self) -> list[tuple[str, int, str]]:
+        """What a fault can change: place, bits, unit."""
+        return [(each["place"], each["bits"], each["unit"]) for each in self.call("fault.places")["places"]]
 
     def save(self, file: Union[str, os.PathLike[str]]) -> None:
         """Writes a checkpoint, which `capsoc run --restore FILE` resumes."""

@@ -90,6 +90,24 @@ class Change:
 
 
 @dataclass(frozen=True)
+class Fault:
+    """What came of an injected fault: where it was applied first, what the place held before and after.
+
+    fault: the line that repeats it. changes: how often it changed something. note: why it changed nothing.
+    """
+
+    fault: str
+    applied: bool
+    time_s: float = 0
+    cycle: int = 0
+    instruction: int = 0
+    before: int = 0
+    after: int = 0
+    changes: int = 0
+    note: str = ""
+
+
+@dataclass(frozen=True)
 class Event:
     """Something that happened: kind ("exception", "uart" and so on), simulated seconds, details."""
 

@@ -77,8 +77,9 @@ class Reader {
 
   bool at_end() const { return next_ == words_.size(); }
   std::string take() { return at_end() ? "" : words_[next_++]; }
+  bool is_next(const char* word) const { return !at_end() && words_[next_] == word; }
   bool take(const char* word) {
-    if (at_end() || words_[next_] != word) return false;
+    if (!is_next(word)) return false;
     ++next_;
     return true;
   }
@@ -186,14 +187,17 @@ std::string object_text(const Fault& fault) {
 
 }  // namespace
 
-Result<Fault> parse_fault(const std::string& line) {
+Result<Fault> parse_fault(const std::string& line, const std::optional<When>& now) {
   Reader words(line);
   Fault fault;
   if (words.at_end()) return Error{fmt::format("is empty; {}", form)};
   if (auto error = take_kind(words, fault)) return *error;
   if (is_about_interrupt(fault.kind) && fault.place.empty())
     return Error{"names no interrupt; write its line or its device, for instance irq coprocessor"};
-  if (auto error = take_time(words, fault)) return *error;
+  if (now && !words.is_next("at"))
+    fault.when = *now;
+  else if (auto error = take_time(words, fault))
+    return *error;
   if (auto error = take_duration(words, fault)) return *error;
   if (!words.at_end())
     return Error{fmt::format("has '{}' after its end; {}", printable(words.take(), 40), form)};

@@ -49,8 +49,9 @@ struct Fault {
   bool is_stuck() const { return kind == Kind::stuck0 || kind == Kind::stuck1; }
 };
 
-/// An Error says what is wrong with the line, as the end of a sentence.
-Result<Fault> parse_fault(const std::string& line);
+/// An Error says what is wrong with the line, as the end of a sentence. `now`: when a fault of a
+/// line without "at WHEN" begins; nothing: it has to have one.
+Result<Fault> parse_fault(const std::string& line, const std::optional<When>& now = std::nullopt);
 /// The line in its one form; parse_fault() gives the same fault.
 std::string to_text(const Fault& fault);
 

@@ -76,30 +76,38 @@ Result<std::unique_ptr<Injector>> Injector::make(
   auto faults = faults_of(settings);
   if (!faults) return Error{faults.error()};
   if (faults.value().empty()) return std::unique_ptr<Injector>();
-  std::unique_ptr<Injector> injector(new Injector(soc, std::move(faults.value())));
-  if (auto error = injector->place(Places(soc, backend, images))) return *error;
-  injector->listen();
+  auto injector = std::make_unique<Injector>(soc);
+  const Places places(soc, backend, images);
+  for (Fault& fault : faults.value()) {
+    const std::string origin = fault.origin;
+    if (const auto error = injector->add(std::move(fault), places, 0))
+      return Error{fmt::format("{}: {}", origin, error->text)};
+  }
+  injector->of_settings_ = injector->faults_.size();
   injector->watch_instructions();
   return injector;
 }
 
-Injector::Injector(soc::Soc& soc, std::vector<Fault> faults)
+Injector::Injector(soc::Soc& soc)
     : soc_(soc), position_{soc}, watch_(std::make_unique<Watch>(*this)) {
-  for (Fault& fault : faults) {
-    faults_.push_back(std::make_unique<Injected>());
-    faults_.back()->outcome.fault = to_text(fault);
-    faults_.back()->fault = std::move(fault);
-  }
+  listen();
 }
 
 Injector::~Injector() {
   if (is_watching_) soc_.cpu.core().remove_observer(*watch_);
 }
 
-std::optional<Error> Injector::place(const Places& places) {
-  for (const auto& injected : faults_)
-    if (const auto error = place(places, *injected))
-      return Error{fmt::format("{}: {}", injected->fault.origin, error->text)};
+std::optional<Error> Injector::add(Fault fault, const Places& places, uint64_t sample) {
+  position_.sample = sample;
+  if (is_past(fault.when))
+    return Error{"its time is past; go back in time, or leave the time out: it begins now"};
+  auto injected = std::make_unique<Injected>();
+  injected->outcome.fault = to_text(fault);
+  injected->fault = std::move(fault);
+  if (auto error = place(places, *injected)) return error;
+  faults_.push_back(std::move(injected));
+  samples_.connect(soc_);
+  interrupts_.connect(soc_);
   return std::nullopt;
 }
 
@@ -142,8 +150,6 @@ void Injector::listen() {
       }));
   // A cycle is another time then.
   soc_.clock.on_change([this] { wake(); });
-  samples_.connect(soc_);
-  interrupts_.connect(soc_);
 }
 
 /// Ends the run of the core under way, wherever this is called.
@@ -158,12 +164,10 @@ std::optional<Error> Injector::begin_from(const sc_core::sc_time& time, uint64_t
   const uint64_t cycle = soc_.cpu.core().cycles(), instruction = soc_.cpu.core().instructions();
   for (const auto& injected : faults_) {
     const When& when = injected->fault.when;
-    const bool is_past =
-        (when.unit == When::Unit::time && sc_core::sc_time::from_value(when.value) < time) ||
-        (when.unit == When::Unit::cycle && when.value < cycle) ||
-        (when.unit == When::Unit::instruction && when.value < instruction) ||
-        (when.unit == When::Unit::sample && when.value <= sample);
-    if (!is_past) continue;
+    // The kernel is not there yet.
+    const bool is_before =
+        when.unit == When::Unit::time && sc_core::sc_time::from_value(when.value) < time;
+    if (!is_before && !is_past(when)) continue;
     if (!is_snapshot)
       return Error{fmt::format(
           "{}: its time is past: the run resumes from {:.12g} s, cycle {}, instruction {}, sample "
@@ -173,6 +177,20 @@ std::optional<Error> Injector::begin_from(const sc_core::sc_time& time, uint64_t
     injected->outcome.note = "before the snapshot from which the run resumes";
   }
   return std::nullopt;
+}
+
+bool Injector::is_past(const When& when) const {
+  switch (when.unit) {
+    case When::Unit::time:
+      return sc_core::sc_time::from_value(when.value) < sc_core::sc_time_stamp();
+    case When::Unit::cycle:
+      return when.value < soc_.cpu.core().cycles();
+    case When::Unit::instruction:
+      return when.value < soc_.cpu.core().instructions();
+    case When::Unit::sample:
+      return when.value <= position_.sample;
+  }
+  return false;
 }
 
 void Injector::restored() {
@@ -319,19 +337,27 @@ void Injector::retired() {
 
 void Injector::visit(Archive& archive) {
   if (archive.loading()) return;
-  for (const auto& injected : faults_) {
-    const bool lasts = injected->outcome.applied && !injected->is_over &&
-                       (!injected->end || sc_core::sc_time_stamp() < *injected->end);
-    if (lasts)
-      archive.refuse(fmt::format(
-          "cannot be saved while a fault lasts ({}); save before it begins or after its end",
-          injected->outcome.fault));
+  for (std::size_t i = 0; i < faults_.size(); ++i) {
+    const Injected& injected = *faults_[i];
+    const bool begins_later = !injected.outcome.applied && i < of_settings_;
+    const bool has_ended = injected.end && *injected.end <= sc_core::sc_time_stamp();
+    if (injected.is_over || begins_later || has_ended) continue;
+    archive.refuse(fmt::format(
+        "cannot be saved while a fault lasts ({}); save before it begins or after its end",
+        injected.outcome.fault));
   }
 }
 
 bool Injector::is_over() const {
   return std::all_of(faults_.begin(), faults_.end(),
                      [](const auto& injected) { return injected->is_over; });
+}
+
+std::vector<run::FaultOutcome> Injector::added() const {
+  std::vector<run::FaultOutcome> outcomes;
+  for (std::size_t i = of_settings_; i < faults_.size(); ++i)
+    outcomes.push_back(faults_[i]->outcome);
+  return outcomes;
 }
 
 void Injector::finish(run::RunResult& result) {

@@ -29,6 +29,8 @@ namespace capsoc::inject {
 /// empty. Samples and interrupts are changed on their way, at their own instant.
 class Injector {
  public:
+  /// Without a fault, for add().
+  explicit Injector(soc::Soc& soc);
   /// Faults of the settings; nothing: there are none, and nothing is to be done. `images`: the
   /// programs, loaded. Nothing passed in is owned. An Error names the option, or file and line.
   static Result<std::unique_ptr<Injector>> make(const run::InjectSettings& settings, soc::Soc& soc,
@@ -44,13 +46,20 @@ class Injector {
   /// The state was loaded: its time has come.
   void restored();
 
+  /// One more, between two advances of the simulation; pause() is wanted then. `sample`: the number
+  /// of the newest one. No state can be saved until it is over: what resumes from one would not
+  /// have it. An Error is the end of a sentence, and nothing is added.
+  std::optional<Error> add(Fault fault, const Places& places, uint64_t sample);
+  /// What came so far of each that was added.
+  std::vector<run::FaultOutcome> added() const;
+
   /// When pause() is wanted; sc_max_time(): not by time.
   sc_core::sc_time next() const;
   /// With the processor between two instructions. Returns when it is wanted again.
   sc_core::sc_time pause(const sc_core::sc_time& now);
 
-  /// Refuses to be saved while a fault holds something. Has no state else: a restored run has the
-  /// faults that it is given.
+  /// Refuses to be saved while a fault holds something, or one that was added waits. Has no state
+  /// else: a restored run has the faults that it is given.
   void visit(Archive& archive);
 
   /// Every fault has acted, and none acts any more.
@@ -68,8 +77,7 @@ class Injector {
     bool is_due = false;        ///< it is to be set again
   };
 
-  Injector(soc::Soc& soc, std::vector<Fault> faults);
-  std::optional<Error> place(const Places& places);
+  bool is_past(const When& when) const;
   std::optional<Error> place(const Places& places, Injected& injected);
   void listen();
   void apply(Bit& bit);
@@ -85,6 +93,7 @@ class Injector {
   soc::Soc& soc_;
   Position position_;
   std::vector<std::unique_ptr<Injected>> faults_;
+  std::size_t of_settings_ = 0;  ///< how many of them; the rest was added
   std::vector<Bit> bits_;
   std::vector<Injected*> raised_;
   SampleFaults samples_{position_};

@@ -208,7 +208,17 @@ ordered_json interrupt_json(const InterruptWait& wait) {
   return j;
 }
 
-ordered_json fault_json(const FaultOutcome& fault) {
+std::string fault_line(const FaultOutcome& fault) {
+  std::string text = fmt::format("fault: {}: ", fault.fault);
+  if (!fault.applied) return text + "not applied: " + fault.note;
+  text += fmt::format("at {:.12g} s, {:#x} became {:#x}", fault.time_s, fault.before, fault.after);
+  if (fault.changes > 1) text += fmt::format(", {} times changed", fault.changes);
+  return fault.note.empty() ? text : text + ": " + fault.note;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const FaultOutcome& fault) {
   ordered_json j = {{"fault", fault.fault}, {"applied", fault.applied}};
   if (fault.applied) {
     j["time_s"] = fault.time_s;
@@ -221,16 +231,6 @@ ordered_json fault_json(const FaultOutcome& fault) {
   if (!fault.note.empty()) j["note"] = fault.note;
   return j;
 }
-
-std::string fault_line(const FaultOutcome& fault) {
-  std::string text = fmt::format("fault: {}: ", fault.fault);
-  if (!fault.applied) return text + "not applied: " + fault.note;
-  text += fmt::format("at {:.12g} s, {:#x} became {:#x}", fault.time_s, fault.before, fault.after);
-  if (fault.changes > 1) text += fmt::format(", {} times changed", fault.changes);
-  return fault.note.empty() ? text : text + ": " + fault.note;
-}
-
-}  // namespace
 
 nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings) {
   ordered_json j;
@@ -283,7 +283,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
   for (const TaskTime& task : result.tasks) j["tasks"].push_back(task_json(task, result.cycles));
   for (const InterruptWait& wait : result.interrupt_waits)
     j["interrupts"].push_back(interrupt_json(wait));
-  for (const FaultOutcome& fault : result.faults) j["faults"].push_back(fault_json(fault));
+  for (const FaultOutcome& fault : result.faults) j["faults"].push_back(to_json(fault));
   if (!result.fault_report.empty()) j["fault_report"] = result.fault_report;
   if (!result.place_report.empty()) j["place_report"] = result.place_report;
   return j;

@@ -66,7 +66,22 @@ struct FaultOutcome {
   uint64_t before = 0, after = 0;       ///< what the place held before and after
   uint64_t changes = 0;                 ///< how often it changed something
   std::string note;                     ///< why it was not applied, or changed nothing; ""
+
+  template <typename Archive>
+  void visit(Archive& archive) {
+    archive("fault", fault);
+    archive("applied", applied);
+    archive("time_s", time_s);
+    archive("cycle", cycle);
+    archive("instruction", instruction);
+    archive("before", before);
+    archive("after", after);
+    archive("changes", changes);
+    archive("note", note);
+  }
 };
+/// As `faults` of a result has it.
+nlohmann::ordered_json to_json(const FaultOutcome& fault);
 
 /// Everything that a run has to say when it is over.
 struct RunResult {

@@ -132,11 +132,16 @@ bool is_gathered(const std::string& part) {
   return part.rfind(gathered_prefix, 0) == 0;
 }
 
+checkpoint::Part gathered_part(const std::string& name,
+                               std::function<void(Archive& archive)> visit) {
+  return {gathered_prefix + name, std::move(visit)};
+}
+
 std::vector<checkpoint::Part> gathered_parts(const Observers& observers) {
   std::vector<checkpoint::Part> parts;
   for (RunObserver* const each : observers.gatherers())
-    parts.push_back({gathered_prefix + std::string(each->gathered()),
-                     [each](Archive& archive) { each->visit_gathered(archive); }});
+    parts.push_back(gathered_part(each->gathered(),
+                                  [each](Archive& archive) { each->visit_gathered(archive); }));
   return parts;
 }
 

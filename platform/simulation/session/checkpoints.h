@@ -43,6 +43,8 @@ std::vector<checkpoint::Part> parts_of(soc::Soc& soc);
 /// Parts that only states in memory have: what the observers have gathered.
 bool is_gathered(const std::string& part);
 std::vector<checkpoint::Part> gathered_parts(const Observers& observers);
+checkpoint::Part gathered_part(const std::string& name,
+                               std::function<void(Archive& archive)> visit);
 
 /// Saves a run while it runs, between two instructions, when the coprocessor's pipeline is empty:
 /// such a state any backend of it can continue from, whichever saved it. A pipeline that is still

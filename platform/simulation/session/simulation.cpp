@@ -124,8 +124,7 @@ std::optional<Error> Simulation::open() {
   ports_ = std::move(ports.value());
   if (real_time_.on()) ports_->pace_by([this] { pace(); });
   if (auto error = watch_.observe_outputs(ports_->uarts())) return error;
-  checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts(),
-                                               gathered_parts(watch_.all()));
+  checkpoints_ = std::make_unique<Checkpoints>(settings_, inputs_, soc_, parts(), gathered());
   if (auto error = checkpoints_->plan()) return error;
   if (auto error = plan_faults()) return error;
   soc_.cpu.set_pause(next_pause(), [this](const sc_core::sc_time& now) { return pause(now); });
@@ -140,6 +139,27 @@ std::optional<Error> Simulation::plan_faults() {
   if (!injector) return Error{injector.error()};
   injector_ = std::move(injector.value());
   return std::nullopt;
+}
+
+std::optional<Error> Simulation::inject(inject::Fault fault) {
+  if (injector_ == nullptr) {
+    injector_ = std::make_unique<inject::Injector>(soc_);
+    injector_->restored();
+  }
+  const inject::Places places(soc_, backend_, view_.program().images());
+  const uint64_t sample = watch_.observation().sample_number();
+  if (auto error = injector_->add(std::move(fault), places, sample)) return error;
+  injector_->pause(sc_core::sc_time_stamp());
+  soc_.cpu.pause_soon();
+  return std::nullopt;
+}
+
+std::vector<FaultOutcome> Simulation::injected() const {
+  std::vector<FaultOutcome> all = past_faults_;
+  if (injector_ == nullptr) return all;
+  const std::vector<FaultOutcome> present = injector_->added();
+  all.insert(all.end(), present.begin(), present.end());
+  return all;
 }
 
 std::vector<inject::ListedPlace> Simulation::fault_places() {
@@ -159,6 +179,17 @@ std::vector<checkpoint::Part> Simulation::parts() {
                      ports_->visit(archive);
                      if (injector_ != nullptr) injector_->visit(archive);
                    }});
+  return parts;
+}
+
+/// What only states in memory have.
+std::vector<checkpoint::Part> Simulation::gathered() {
+  std::vector<checkpoint::Part> parts = gathered_parts(watch_.all());
+  parts.push_back(gathered_part("faults", [this](Archive& archive) {
+    std::vector<FaultOutcome> all = injected();
+    archive("outcomes", all);
+    if (archive.loading() && archive.ok()) past_faults_ = std::move(all);
+  }));
   return parts;
 }
 
@@ -360,6 +391,8 @@ RunResult Simulation::finish() {
   result.wall_s = host_limit_.elapsed_s();
   watch_.all().finish(result);
   if (injector_ != nullptr) injector_->finish(result);
+  result.faults.insert(result.faults.end() - (injector_ ? injector_->added().size() : 0),
+                       past_faults_.begin(), past_faults_.end());
   take_losses(result);
   ports_->tell_debugger(result.code);
   take_figures(result);

@@ -89,7 +89,13 @@ class Simulation {
   HostPorts& ports() { return *ports_; }
   /// What a fault can change in this system.
   std::vector<inject::ListedPlace> fault_places();
-  /// Every fault of the settings has acted, and none acts any more.
+  /// Between two advances: injects one more fault, beginning at its time, now at the earliest.
+  /// What can happen now has happened then. No state can be saved until it is over. An Error is the
+  /// end of a sentence: no such place, or a time that is past.
+  std::optional<Error> inject(inject::Fault fault);
+  /// What came of these, in their order; those before a state that this one continues from, too.
+  std::vector<FaultOutcome> injected() const;
+  /// Every fault has acted, and none acts any more.
   bool faults_are_over() const { return injector_ == nullptr || injector_->is_over(); }
 
  private:
@@ -101,6 +107,7 @@ class Simulation {
   std::optional<Error> open();
   std::vector<checkpoint::Part> parts();
   std::optional<Error> plan_faults();
+  std::vector<checkpoint::Part> gathered();
   sc_core::sc_time next_pause() const;
   std::optional<Error> plan_restore();
   bool restore();
@@ -127,6 +134,7 @@ class Simulation {
   RealTime real_time_;
   std::unique_ptr<HostPorts> ports_;
   std::unique_ptr<inject::Injector> injector_;  // null without faults
+  std::vector<FaultOutcome> past_faults_;       // injected before the state that was restored
   RunWatch watch_;
   std::unique_ptr<Checkpoints> checkpoints_;
   sc_core::sc_time stop_at_ = sc_core::sc_max_time();
