@@ -4,15 +4,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/input_file.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
+#include "cli/session_end.h"
 #include "host/console.h"
 #include "host/end_signals.h"
 #include "results/results.h"
 #include "service/recording.h"
 #include "service/session_file.h"
+#include "service/session_run.h"
+#include "session/run_settings.h"
 
 namespace capsoc::cli {
 namespace {
@@ -20,9 +24,24 @@ namespace {
 struct ReplayArguments {
   std::string file;
   std::optional<double> until_s;
+  std::string gdb_port;  ///< "": no debugger
 };
 
+/// A debugger has it from its first instruction on, with a history.
+int replay_under_debugger(const ReplayArguments& arguments) {
+  if (arguments.until_s) return refuse("--until: a debugger stops where it wants; leave it out");
+  run::RunSettings settings;
+  for (const auto& [path, value] : {std::pair(settings.gdb.port.about().path, arguments.gdb_port),
+                                    {settings.gdb.halt.about().path, "true"}})
+    if (auto error = settings.set(path, value, SettingSource::command_line, "--gdb"))
+      return refuse(error->text);
+  auto finished = service::run_in_session(settings, arguments.file);
+  if (!finished) return refuse(finished.error(), code_of_refusal());
+  return tell_end(finished.value());
+}
+
 int replay(const ReplayArguments& arguments) {
+  if (!arguments.gdb_port.empty()) return replay_under_debugger(arguments);
   const InputLimits limits{"name a file that simulation.record wrote",
                            service::SessionFile::largest, false};
   const auto bytes = read_input(arguments.file, limits);
@@ -58,6 +77,11 @@ void add_replay(CLI::App& app, int& code) {
   command->add_option("--until", arguments->until_s, "Only to this simulated time, s")
       ->type_name("T")
       ->check(CLI::Range(0.0, 1e6));
+  command
+      ->add_option("--gdb", arguments->gdb_port,
+                   "Wait for a debugger at this port of 127.0.0.1 (0: a free one); it can go back, "
+                   "and each input comes at its instant")
+      ->type_name("PORT");
   command->callback([arguments, &code] { code = replay(*arguments); });
 }
 

@@ -11,6 +11,7 @@
 #include "base/printable.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
+#include "cli/session_end.h"
 #include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
@@ -115,13 +116,6 @@ std::optional<Error> write_results(nlohmann::ordered_json result,
   return host::write_together(files);
 }
 
-/// A run that was ended before it began.
-int code_of_refusal() {
-  if (const int signal = host::noted_signal(); signal != 0)
-    return run::exit_code::signal_base + signal;
-  return host::is_ending() ? run::exit_code::limit : run::exit_code::usage;
-}
-
 /// With a page, a debugger that can go back, or a session that can be simulated again.
 int run_in_session(const run::RunSettings& settings) {
   const bool is_on_failure = settings.gdb.on_failure() >= 0;
@@ -137,17 +131,7 @@ int run_in_session(const run::RunSettings& settings) {
   const auto finished = is_viewed ? view::run_in_view(settings) : service::run_in_session(settings);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   service::Json answer = finished.value();
-  if (const int signal = host::noted_signal(); signal != 0) {
-    answer["code"] = run::exit_code::signal_base + signal;
-    answer["result"]["exit"] = {{"code", answer["code"]},
-                                {"reason", fmt::format("ended by signal {}", signal)}};
-  }
-  for (const service::Json& report : answer.value("reports", service::Json::array()))
-    host::say("\n{}", report.get<std::string>());
-  for (const service::Json& sentence : answer.value("lost", service::Json::array()))
-    host::say("capsoc: {}\n", sentence.get<std::string>());
-  host::say("{}", answer.value("table", ""));
-  const int code = answer.at("code").get<int>();
+  const int code = tell_end(answer);
   if (!answer.contains("result")) return code;
   if (auto error = write_results(answer.at("result"), settings))
     return refuse(error->text, code == run::exit_code::pass ? run::exit_code::lost : code);

@@ -342,7 +342,7 @@ std::optional<Error> Advance::go(const Position& position) {
 
 std::optional<Error> Advance::resume(bool steps, const std::optional<Position>& end) {
   steps_ = steps;
-  waits_asleep_ = true;
+  waits_asleep_ = !end;  // in the past it slept on
   if (stands_at_bkpt()) return std::nullopt;
   if (end) limit_ = time_of(*end);
   if (auto error = advance_to(limit_)) return error;

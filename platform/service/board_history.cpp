@@ -75,7 +75,7 @@ void Board::tick(bool on) {
 
 /// Not on a way that was gone before: its snapshots are there.
 void Board::remember() {
-  if (ticker_ == nullptr || !ticker_->take() || is_finished() || position() < history_.end())
+  if (ticker_ == nullptr || !ticker_->take() || is_finished() || position() < history_.reached())
     return;
   const uint64_t begin = processor_time_ns();
   keep();

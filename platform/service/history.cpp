@@ -88,7 +88,12 @@ void History::begin(const Position& at, std::string bytes) {
   if (budget_ == 0) return;
   snapshot_bytes_ = bytes.size() + overhead;
   snapshots_.push_back({at, 0, 0, std::move(bytes)});
-  end_ = at;
+  end_ = reached_ = at;
+}
+
+void History::expect(const std::vector<Input>& inputs, const Position& end) {
+  inputs_.assign(inputs.begin(), inputs.end());
+  if (end_ < end) end_ = end;
 }
 
 void History::add_snapshot(const Position& at, uint64_t effort_ns, std::string bytes) {
@@ -115,12 +120,13 @@ std::optional<Position> History::add(Input input) {
   input_bytes_ += size_of(input);
   inputs_.push_back(std::move(input));
   ++applied_;
-  end_ = at;
+  end_ = reached_ = at;
   fit();
   return ended;
 }
 
 void History::reach(const Position& at) {
+  if (reached_ < at) reached_ = at;
   if (end_ < at) end_ = at;
 }
 
@@ -194,11 +200,8 @@ void History::move_beginning() {
 Json History::pack(Frames& frames) const {
   std::string log;
   for (const Input& input : inputs_) log += to_bytes(input);
-  Json about = {{"budget", budget_},
-                {"dropped", dropped_},
-                {"applied", applied_},
-                {"end", to_json(end_)},
-                {"log", frames.size()}};
+  Json about = {{"budget", budget_},    {"dropped", dropped_},          {"applied", applied_},
+                {"end", to_json(end_)}, {"reached", to_json(reached_)}, {"log", frames.size()}};
   frames.push_back(std::move(log));
   Json& list = about["snapshots"] = Json::array();
   for (const Snapshot& each : snapshots_) {
@@ -216,6 +219,7 @@ Result<History> History::unpack(const Json& about, Frames frames) {
   history.dropped_ = about.at("dropped").get<uint64_t>();
   history.applied_ = about.at("applied").get<uint64_t>();
   history.end_ = position_in(about.at("end")).value_or(Position());
+  history.reached_ = position_in(about.at("reached")).value_or(Position());
   auto inputs = inputs_in(frames.at(about.at("log").get<std::size_t>()));
   if (!inputs) return Error{inputs.error()};
   for (Input& input : inputs.value()) {

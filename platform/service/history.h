@@ -96,8 +96,9 @@ class History {
   const Input* next() const;
   void pass_next() { ++applied_; }
   uint64_t passed() const { return applied_; }
-  /// Of a history that has just begun: these come. They do not count against the budget.
-  void expect(const std::vector<Input>& inputs) { inputs_.assign(inputs.begin(), inputs.end()); }
+  /// Of a history that has just begun: these come, and it ends at `end`. They do not count against
+  /// the budget.
+  void expect(const std::vector<Input>& inputs, const Position& end);
 
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
   /// The last snapshot from which the first instant of a target, or a position, can be reached.
@@ -109,6 +110,8 @@ class History {
   /// Only if is_on().
   const Position& beginning() const { return snapshots_.front().at; }
   const Position& end() const { return end_; }
+  /// As far as it was simulated: to its end, unless that is expected.
+  const Position& reached() const { return reached_; }
   /// Logged since the beginning; `is_complete`: none was dropped to fit the budget.
   const std::deque<Input>& inputs() const { return inputs_; }
   bool is_complete() const { return dropped_ == 0 && snapshots_.front().bytes.empty(); }
@@ -132,7 +135,7 @@ class History {
   uint64_t dropped_ = 0;             // inputs before inputs_
   uint64_t applied_ = 0;             // inputs, with those dropped
   std::size_t snapshot_bytes_ = 0, input_bytes_ = 0;
-  Position end_;
+  Position end_, reached_;
 };
 
 }  // namespace capsoc::service

@@ -264,24 +264,43 @@ Result<SessionFile> record(Board& board) {
   return session;
 }
 
-Result<Replayed> replay(const SessionFile& session, std::optional<double> until_s,
-                        const std::function<void(const std::string& text)>& on_text) {
+Result<Repetition> lay_out(const SessionFile& session) {
   if (auto error = complain(session)) return *error;
   if (auto error = complain(session.inputs)) return *error;
-  // As long as the simulation: sensor.set reads the sensor's file again.
-  const auto folder = host::TemporaryFolder::make("replay");
+  auto folder = host::TemporaryFolder::make("replay");
   if (!folder) return Error{folder.error()};
-  Json settings = Json::object();
-  for (const auto& [name, value] : session.settings) settings[name] = value;
+  Repetition laid{std::make_shared<host::TemporaryFolder>(std::move(folder.value()))};
+  for (const auto& [name, value] : session.settings) laid.settings[name] = value;
   for (std::size_t n = 0; n < session.files.size(); ++n) {
-    auto file = add(folder.value(), n, session.files[n]);
+    auto file = add(*laid.folder, n, session.files[n]);
     if (!file) return Error{file.error()};
-    settings[session.files[n].setting] = std::move(file.value());
+    laid.settings[session.files[n].setting] = std::move(file.value());
   }
-  auto constructed = Board::construct(settings, {});
+  laid.inputs = session.inputs;
+  if (!session.marks.empty()) laid.end = session.marks.back().at;
+  return laid;
+}
+
+Result<Repetition> lay_out(const std::string& file) {
+  const InputLimits limits{"name a file that simulation.record wrote", SessionFile::largest, false};
+  const auto bytes = read_input(file, limits);
+  if (!bytes) return Error{bytes.error()};
+  const auto session = unpack_session(bytes.value(), file);
+  if (!session) return Error{session.error()};
+  auto laid = lay_out(session.value());
+  if (!laid) return Error{fmt::format("{}: {}", file, laid.error())};
+  return laid;
+}
+
+Result<Replayed> replay(const SessionFile& session, std::optional<double> until_s,
+                        const std::function<void(const std::string& text)>& on_text) {
+  // As long as the simulation: sensor.set reads the sensor's file again.
+  const auto laid = lay_out(session);
+  if (!laid) return Error{laid.error()};
+  auto constructed = Board::construct(laid.value().settings, {});
   if (!constructed) return Error{constructed.error()};
   Board& board = *constructed.value();
-  board.history().expect(session.inputs);
+  board.history().expect(session.inputs, laid.value().end);
   Replay again(session, board, on_text);
   if (auto error = again.run(until_s)) return *error;
   return again.take();

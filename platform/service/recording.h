@@ -3,10 +3,13 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
+#include "host/temporary_folder.h"
 #include "service/board.h"
 #include "service/session_file.h"
 
@@ -15,6 +18,18 @@ namespace capsoc::service {
 /// All that happened until now. An Error: there is no history, or its beginning is gone, or an
 /// input file cannot be read.
 Result<SessionFile> record(Board& board);
+
+/// A recorded session, laid out for a simulation that repeats it.
+struct Repetition {
+  std::shared_ptr<host::TemporaryFolder> folder;  ///< of its files; has to outlive the simulation
+  Json settings = Json::object();
+  std::vector<Input> inputs = {};
+  Position end = {};
+};
+/// An Error: it has settings or inputs that no recorded one has, or there is no room for its files.
+Result<Repetition> lay_out(const SessionFile& session);
+/// Of a file. An Error names it.
+Result<Repetition> lay_out(const std::string& file);
 
 /// What a replay shows.
 struct Replayed {

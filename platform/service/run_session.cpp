@@ -62,8 +62,8 @@ void RunSession::divide(const run::RunSettings& settings) {
                       place_of(settings.semihosting.console())});
 }
 
-Result<RunSession> RunSession::start(const run::RunSettings& settings,
-                                     const std::string& asked_by) {
+Result<RunSession> RunSession::start(const run::RunSettings& settings, const std::string& asked_by,
+                                     const std::string& recorded) {
   if (settings.semihosting.console() == "stdio")
     return Error{fmt::format(
         "{}: stdio reads standard input when the program asks, which {} cannot repeat; take stderr "
@@ -72,13 +72,15 @@ Result<RunSession> RunSession::start(const run::RunSettings& settings,
   auto child = ChildSession::start();
   if (!child) return Error{child.error()};
   RunSession session(std::move(child.value()), settings);
-  if (auto error = session.construct(asked_by)) return *error;
+  if (auto error = session.construct(asked_by, recorded)) return *error;
   return session;
 }
 
-std::optional<Error> RunSession::construct(const std::string& asked_by) {
-  const Answer constructed =
-      client().call("simulation.construct", {{"settings", std::move(settings_)}});
+std::optional<Error> RunSession::construct(const std::string& asked_by,
+                                           const std::string& recorded) {
+  Json parameters = {{"settings", std::move(settings_)}};
+  if (!recorded.empty()) parameters["session"] = recorded;
+  const Answer constructed = client().call("simulation.construct", std::move(parameters));
   if (constructed.code == Code::no_simulation) {
     gone_ = ended_badly(constructed);
     return std::nullopt;

@@ -22,10 +22,12 @@ class RunSession {
   /// Text that a stream of the program sent: "uart0" to "uart4", "itm", "semihosting".
   using Heard = std::function<void(const std::string& stream, const std::string& bytes)>;
 
-  /// Constructs the simulation. `asked_by`: the option that needs the history, for sentences. An
-  /// Error: a wrong input, or settings that allow no history; nothing was simulated. Before this
-  /// process has a thread.
-  static Result<RunSession> start(const run::RunSettings& settings, const std::string& asked_by);
+  /// Constructs the simulation. `asked_by`: the option that needs the history, for sentences.
+  /// `recorded`: a session file to repeat, whose settings these come over; "": none. An Error: a
+  /// wrong input, or settings that allow no history; nothing was simulated. Before this process
+  /// has a thread.
+  static Result<RunSession> start(const run::RunSettings& settings, const std::string& asked_by,
+                                  const std::string& recorded = "");
 
   SessionClient& client() { return session_.client(); }
   uint64_t simulation() const { return simulation_; }
@@ -60,7 +62,7 @@ class RunSession {
   };
 
   RunSession(ChildSession session, const run::RunSettings& settings);
-  std::optional<Error> construct(const std::string& asked_by);
+  std::optional<Error> construct(const std::string& asked_by, const std::string& recorded);
   void divide(const run::RunSettings& settings);
   bool is_read(const Stream& stream) const;
   void record();

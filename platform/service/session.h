@@ -13,6 +13,7 @@
 
 #include "base/result.h"
 #include "host/descriptor.h"
+#include "host/temporary_folder.h"
 #include "service/message.h"
 #include "service/outbox.h"
 #include "service/verb.h"
@@ -126,9 +127,11 @@ class Session {
                 Frames frames, Take take);
 
   // Simulations.
+  using Files = std::shared_ptr<host::TemporaryFolder>;
   struct Snapshot {
     Json settings, held;
     Frames frames;
+    Files files = nullptr;
   };
   using Taken = std::function<void(std::optional<Snapshot> snapshot, Answer refusal)>;
   /// Null, and the request is answered, if there is none of that number.
@@ -136,7 +139,8 @@ class Session {
   /// Adds a worker and constructs in it; `done` gets its number, or the refusal.
   using Constructed = std::function<void(uint64_t number, Answer answer)>;
   void start(uint64_t client, Json settings, const Snapshot* from, Constructed done);
-  void start_with(uint64_t client, Json settings, Json parameters, Frames frames, Constructed done);
+  void start_with(uint64_t client, Json settings, Json parameters, Frames frames, Files files,
+                  Constructed done);
   void start_past(const Seek& seek, uint64_t client, Json how, Constructed done);
   void drop_worker(uint64_t number);
   void call(Simulation& simulation, const std::string& method, Json parameters, Frames frames,

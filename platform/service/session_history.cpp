@@ -262,7 +262,7 @@ void Session::start_past(const Seek& seek, uint64_t client, Json how, Constructe
     return done(0, refuse("the search was interrupted; the simulation stays where it was"));
   how["history"] = seek.history;
   start_with(
-      client, seek.settings, std::move(how), seek.frames,
+      client, seek.settings, std::move(how), seek.frames, found->second->files,
       [this, number = seek.simulation, done = std::move(done)](uint64_t fresh, Answer answer) {
         if (answer.ok() && answer.result.value("interrupted", false)) {
           drop_worker(fresh);

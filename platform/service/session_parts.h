@@ -32,6 +32,7 @@ struct Session::Simulation {
 
   uint64_t number = 0, client = 0;
   Json settings;
+  Files files;  ///< that the settings name, of a recorded session; null: none
   WorkerProcess worker;
   MessageReader reader;
   Outbox outbox;

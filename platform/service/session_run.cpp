@@ -30,9 +30,11 @@ class SessionRun final : private debug::Clients::Processor {
  public:
   /// `connections`: null, no debugger can connect. `on_failure`: opened where the run fails; null:
   /// it ends there.
+  /// `is_repeated`: of a recorded session.
   SessionRun(RunSession session, std::unique_ptr<debug::Connections> connections, bool halted,
-             std::unique_ptr<debug::Connections> on_failure)
+             std::unique_ptr<debug::Connections> on_failure, bool is_repeated)
       : on_failure_(std::move(on_failure)),
+        is_repeated_(is_repeated),
         session_(std::move(session)),
         target_(session_.client(), session_.simulation(),
                 [this](const std::string& text) { said_ += text; }),
@@ -63,8 +65,9 @@ class SessionRun final : private debug::Clients::Processor {
 
  private:
   void debugged(bool on) override {
-    // The program can see it: it is an input, once.
-    if (std::exchange(is_attached_, on) != on) target_.ask("debugger.attach", {{"attached", on}});
+    // The program can see it: it is an input, once, and what is repeated has its own.
+    if (std::exchange(is_attached_, on) != on && !is_repeated_)
+      target_.ask("debugger.attach", {{"attached", on}});
   }
   void halted() override {}
   void resumed() override { stood_ = clients_.is_halted(); }
@@ -153,6 +156,7 @@ class SessionRun final : private debug::Clients::Processor {
   }
 
   std::unique_ptr<debug::Connections> on_failure_;
+  bool is_repeated_;
   RunSession session_;
   RemoteTarget target_;
   debug::Clients clients_;
@@ -176,9 +180,9 @@ Result<std::unique_ptr<debug::Connections>> listen_at(const IntegerField& port) 
 
 }  // namespace
 
-Result<Json> run_in_session(const run::RunSettings& settings) {
+Result<Json> run_in_session(const run::RunSettings& settings, const std::string& recorded) {
   host::note_end_signals();
-  auto session = RunSession::start(settings, asked_for_history(settings));
+  auto session = RunSession::start(settings, asked_for_history(settings), recorded);
   if (!session) return Error{session.error()};
   if (session.value().is_gone()) return session.value().finish();
   const bool is_halted = settings.gdb.halt();
@@ -192,7 +196,7 @@ Result<Json> run_in_session(const run::RunSettings& settings) {
     host::say("gdb: listening on 127.0.0.1:{}{}\n", connections.value()->port(),
               is_halted ? ", waiting for a debugger" : "");
   return SessionRun(std::move(session.value()), std::move(connections.value()), is_halted,
-                    std::move(on_failure.value()))
+                    std::move(on_failure.value()), !recorded.empty())
       .perform();
 }
 

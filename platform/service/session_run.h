@@ -12,6 +12,7 @@ namespace capsoc::service {
 /// program says on standard streams goes there, once, however often the past is simulated again.
 /// The answer of simulation.finish. An Error: a wrong input, or settings that allow no history;
 /// nothing was simulated. Before this process has a thread.
-Result<Json> run_in_session(const run::RunSettings& settings);
+/// `recorded`: a session file to repeat, whose settings these come over; "": none.
+Result<Json> run_in_session(const run::RunSettings& settings, const std::string& recorded = "");
 
 }  // namespace capsoc::service

@@ -7,6 +7,7 @@
 
 #include "host/end_signals.h"
 #include "service/board_verbs.h"
+#include "service/recording.h"
 #include "service/session_parts.h"
 #include "version/version.h"
 
@@ -77,7 +78,10 @@ std::vector<Session::SessionVerb> Session::own_verbs() {
         {may("settings", Type::object,
              "names and values as `capsoc run -C` takes them; firmware.elf may be the name of a "
              "program that comes with capsoc; history_mb (64): memory for going back, 0: none is "
-             "kept")},
+             "kept"),
+         may("session", Type::text,
+             "a file that simulation.record wrote: its settings, those given here over them, and "
+             "its inputs, each of which comes at its instant; history.when tells its end")},
         {{"simulation", "integer", "its number"}, {"state", "object", "as simulation.state"}}},
        false,
        &Session::construct},
@@ -161,15 +165,29 @@ void Session::end(Request& request) {
 
 void Session::construct(Request& request) {
   Json settings = request.parameters.value("settings", Json::object());
+  Json parameters = Json::object();
+  Frames frames;
+  Files files;
+  if (const auto file = request.parameters.find("session"); file != request.parameters.end()) {
+    auto laid = lay_out(file->get<std::string>());
+    if (!laid) return answer(request, refuse(laid.error()));
+    Repetition& repeated = laid.value();
+    repeated.settings.update(settings);
+    settings = std::move(repeated.settings);
+    parameters["expected"] = {{"end", to_json(repeated.end)}};
+    frames.emplace_back();
+    for (const Input& input : repeated.inputs) frames.back() += to_bytes(input);
+    files = std::move(repeated.folder);
+  }
   ++clients_.at(request.client)->calls;
-  start(request.client, std::move(settings), nullptr,
-        [this, request](uint64_t number, Answer constructed) {
-          if (constructed.ok()) {
-            Json state = std::move(constructed.result.at("state"));
-            constructed.result = {{"simulation", number}, {"state", std::move(state)}};
-          }
-          settle(request, std::move(constructed));
-        });
+  start_with(request.client, std::move(settings), std::move(parameters), std::move(frames),
+             std::move(files), [this, request](uint64_t number, Answer constructed) {
+               if (constructed.ok()) {
+                 Json state = std::move(constructed.result.at("state"));
+                 constructed.result = {{"simulation", number}, {"state", std::move(state)}};
+               }
+               settle(request, std::move(constructed));
+             });
 }
 
 /// Answers a request that a worker had to do with.

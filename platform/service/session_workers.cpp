@@ -27,12 +27,13 @@ std::string ending_of(int status) {
 
 void Session::start(uint64_t client, Json settings, const Snapshot* from, Constructed done) {
   if (from == nullptr)
-    return start_with(client, std::move(settings), Json::object(), {}, std::move(done));
-  start_with(client, std::move(settings), {{"held", from->held}}, from->frames, std::move(done));
+    return start_with(client, std::move(settings), Json::object(), {}, nullptr, std::move(done));
+  start_with(client, std::move(settings), {{"held", from->held}}, from->frames, from->files,
+             std::move(done));
 }
 
 void Session::start_with(uint64_t client, Json settings, Json parameters, Frames frames,
-                         Constructed done) {
+                         Files files, Constructed done) {
   if (simulations_.size() + ending_.size() >= most_simulations)
     return done(
         0, refuse(fmt::format("there are {} simulations already; close one", most_simulations)));
@@ -50,6 +51,7 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
   simulation->number = number;
   simulation->client = client;
   simulation->settings = settings;
+  simulation->files = std::move(files);
   simulation->worker = std::move(worker.value());
   Simulation& added = *(simulations_[number] = std::move(simulation));
   parameters["settings"] = std::move(settings);
@@ -83,9 +85,11 @@ void Session::call(Simulation& simulation, const std::string& method, Json param
 
 void Session::take_snapshot(Simulation& simulation, Taken taken) {
   call(simulation, snapshot_method, Json::object(), {},
-       [settings = simulation.settings, taken = std::move(taken)](Answer answer) {
+       [settings = simulation.settings, files = simulation.files,
+        taken = std::move(taken)](Answer answer) {
          if (!answer.ok() || answer.frames.empty()) return taken(std::nullopt, std::move(answer));
-         taken(Snapshot{settings, std::move(answer.result.at("held")), std::move(answer.frames)},
+         taken(Snapshot{settings, std::move(answer.result.at("held")), std::move(answer.frames),
+                        files},
                {});
        });
 }

@@ -201,14 +201,26 @@ class Worker {
   Answer construct(const Json& parameters, Frames& frames) {
     if (parameters.contains("history")) return construct_in_the_past(parameters, frames);
     Board::Snapshot from;
-    if (!frames.empty()) from = {parameters.at("held"), std::move(frames)};
+    if (parameters.contains("held")) from = {parameters.at("held"), std::move(frames)};
     auto board = Board::construct(parameters.at("settings"), from);
     if (!board) return refuse(board.error());
     take_board(std::move(board.value()));
     board_->begin_history(from);
+    if (const auto expected = parameters.find("expected"); expected != parameters.end())
+      if (auto error = expect(*expected, frames.at(0))) return refuse(error->text);
     Answer answer;
     answer.result["state"] = board_->state();
     return answer;
+  }
+
+  /// The inputs of a recorded session, whose end is the end of the history.
+  std::optional<Error> expect(const Json& expected, const std::string& log) {
+    if (!board_->history().is_on())
+      return Error{fmt::format("there is no history: {}", board_->no_history())};
+    const auto inputs = inputs_in(log);
+    if (!inputs) return Error{inputs.error()};
+    board_->history().expect(inputs.value(), position_in(expected.at("end")).value_or(Position()));
+    return std::nullopt;
   }
 
   void take_board(std::unique_ptr<Board> board) {

@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import unittest
@@ -212,6 +213,153 @@ class Replays(Past):
             self.record(self.construct("echo", history_mb=0))
         with self.assertRaisesRegex(Refused, "cannot be written|No such"):
             self.session("simulation.record", simulation=simulation, file=str(self.folder / "no" / "x"))
+
+
+class Repeated(Past):
+    """A recorded session as a simulation: one goes into it, forward and back, and leaves it for another future."""
+
+    def original(self, **sensor):
+        """Positions and states of a session with inputs of several kinds, recorded at its end."""
+        (self.folder / "own.toml").write_text((TRACES / "soc_eq21.toml").read_text())
+        simulation = self.construct("selfcal", **SHORT, **sensor)
+        states = {}
+        for time_s, method, params in (
+            (0.5, "sensor.set", {"parameters": {"b1": 0.1}}),
+            (0.9, "fault.inject", {"fault": "freeze sin for 0.2"}),
+            (1.3, "processor.write", {"register": "r11", "value": 77}),
+            (1.7, None, {}),
+        ):
+            self.advance(simulation, until_s=time_s)
+            if method is not None:
+                self.session(method, simulation=simulation, **params)
+            states[time_s] = self.where(simulation)["now"], self.session("simulation.state", simulation=simulation)
+        last = self.parts(simulation, "a.session")
+        self.session("simulation.close", simulation=simulation)
+        (self.folder / "own.toml").write_text("nothing")
+        return states, last
+
+    def parts(self, simulation, name="b.session"):
+        """Where a simulation is, and the hash of each part of its state; not of the names of its files."""
+        self.session("simulation.record", simulation=simulation, file=str(self.folder / name))
+        head, rest = (self.folder / name).read_bytes().split(b"\n", 1)
+        return json.loads(rest[: int(head.split()[3])])["marks"][-1]
+
+    def repeat(self, **settings):
+        params = {"session": str(self.folder / "a.session"), "settings": settings}
+        return self.session("simulation.construct", **params)["simulation"]
+
+    def check(self, simulation, time_s, states):
+        self.session("simulation.goto", simulation=simulation, time_s=time_s)
+        now = self.where(simulation)["now"], self.session("simulation.state", simulation=simulation)
+        self.assertEqual(now, states[time_s], time_s)
+
+    def test_forward_and_back(self):
+        states, last = self.original()
+        simulation = self.repeat()
+        told = self.where(simulation)
+        self.assertEqual((told["now"]["time_ps"], told["end"]), (0, last["at"]))
+        for time_s in (1.3, 0.5, 1.7, 0.9, 0.5, 1.7):
+            self.check(simulation, time_s, states)
+            if time_s != 0.9:  # the fault lasts
+                self.session("history.keep", simulation=simulation)
+        self.assertEqual(self.parts(simulation), last)
+        self.assertEqual(self.where(simulation)["inputs"], 3)
+        (clone,) = self.session("simulation.clone", simulation=simulation)["simulations"]
+        self.session("simulation.close", simulation=simulation)
+        self.session("sensor.set", simulation=clone, parameters={"a1": 0.5})  # reads the recorded file again
+        self.assertGreater(self.advance(clone, seconds=0.1)["state"]["samples"], last["at"]["samples"])
+
+    def test_asked_who_wrote(self):
+        states, _ = self.original()
+        simulation = self.repeat()
+        self.session("simulation.goto", simulation=simulation, time_s=1.7)
+        write = self.session("history.last_write", simulation=simulation, register="r11")
+        self.assertEqual((write["found"], write["by"]), (True, "processor.write"))
+        self.assertEqual(write["position"], states[1.3][0])
+
+    def test_another_future(self):
+        states, last = self.original()
+        simulation = self.repeat()
+        self.check(simulation, 0.9, states)
+        self.session("simulation.goto", simulation=simulation, time_s=0.6)
+        answer = self.session("sensor.set", simulation=simulation, parameters={"b1": 0.2})
+        self.assertEqual(answer["ended_history"], last["at"])
+        self.advance(simulation, until_s=1.7)
+        self.assertEqual(self.where(simulation)["inputs"], 2)
+        self.assertNotEqual(self.parts(simulation)["parts"], last["parts"])
+
+    def test_settings_over_it(self):
+        _, last = self.original()
+        simulation = self.repeat(**{"cpu.executor": "stepping"})
+        self.session("simulation.goto", simulation=simulation, time_s=1.7)
+        self.assertEqual(self.parts(simulation), last)
+
+    def test_what_is_refused(self):
+        for file, settings, words in (
+            (self.folder / "none", {}, "none: "),
+            (FIRMWARE / "echo.elf", {}, "echo.elf: "),
+            (self.folder / "a.session", {"history_mb": 0}, "there is no history"),
+            (self.folder / "a.session", {"no.such": 1}, "no.such"),
+        ):
+            if file.name == "a.session" and not file.exists():
+                self.original()
+            with self.subTest(file=file, settings=settings), self.assertRaises(Refused) as refused:
+                self.session("simulation.construct", session=str(file), settings=settings)
+            self.assertIn(words, str(refused.exception))
+
+    def test_its_files_are_gone_with_the_session(self):
+        self.original()
+        (self.folder / "tmp").mkdir()
+        kept = os.environ.get("TMPDIR")
+        os.environ["TMPDIR"] = str(self.folder / "tmp")
+        CLEAN["TMPDIR"] = os.environ["TMPDIR"]
+        try:
+            session = type(self.session)(self.folder)
+        finally:
+            del CLEAN["TMPDIR"]
+            if kept is None:
+                del os.environ["TMPDIR"]
+            else:
+                os.environ["TMPDIR"] = kept
+        simulation = session("simulation.construct", session=str(self.folder / "a.session"))["simulation"]
+        self.assertEqual(len(list((self.folder / "tmp").iterdir())), 1)
+        session("simulation.close", simulation=simulation)
+        session.close()
+        self.assertEqual(list((self.folder / "tmp").iterdir()), [])
+
+    def test_under_gdb(self):
+        """To the end of what was recorded, where what was typed has arrived; a step back, and back to the beginning."""
+        simulation = self.construct("echo")
+        self.advance(simulation, seconds=0.001)
+        self.session("uart.send", simulation=simulation, uart=0, bytes=[3, 0, 0, 0, 65, 66, 67])
+        self.advance(simulation, seconds=0.00008)  # before its own end
+        self.session("simulation.record", simulation=simulation, file=str(self.folder / "a.session"))
+        end = self.where(simulation)["now"]["instructions"]
+        run = subprocess.Popen(
+            [CAPSOC, "replay", "a.session", "--gdb", "0"],
+            cwd=self.folder,
+            env=CLEAN,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.addCleanup(run.kill)
+        port = re.search(r"127\.0\.0\.1:(\d+), waiting", run.stderr.readline())[1]
+        script = ["set pagination off", f"target remote :{port}", "monitor when", "continue", "monitor when"]
+        script += ["reverse-stepi", "monitor when", "reverse-continue", "monitor when", "kill"]
+        words = [word for line in script for word in ("-ex", line)]
+        said = subprocess.run(
+            ["gdb-multiarch", "-nx", "-q", "-batch", *words, FIRMWARE / "echo.elf"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+            timeout=20,
+        ).stdout
+        out, _ = run.communicate(timeout=20)
+        self.assertEqual(out, "\x03\x00\x00\x00ABC")
+        counts = [int(count) for count in re.findall(r"now: .*instruction (\d+)", said)]
+        self.assertEqual(counts, [0, end, end - 1, 0], said)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from .errors import (
 )
 from .program import find_program
 from .sensor import Harmonic, Sensor
-from .session import Session, run
+from .session import Session, replay, run
 from .simulation import Simulation
 from .state import Change, Event, Fault, Position, Result, Snapshot, State, Stop, Write
 
@@ -55,5 +55,6 @@ __all__ = [
     "Stop",
     "Write",
     "find_program",
+    "replay",
     "run",
 ]

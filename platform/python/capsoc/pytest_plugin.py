@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 import pytest
 
@@ -49,7 +49,13 @@ class Capsoc:
             options.setdefault("backend", self.backend)
         if self._pages.wanted:
             options["settings"] = {"results.curves": True, **options.get("settings", {})}
-        simulation = self.session.run(*arguments, **options)
+        return self._added(self.session.run(*arguments, **options))
+
+    def replay(self, file: Union[str, os.PathLike[str]], **options: Any) -> Simulation:
+        """As Session.replay()."""
+        return self._added(self.session.replay(file, **options))
+
+    def _added(self, simulation: Simulation) -> Simulation:
         simulation.on_exit = self._leave
         self._simulations.append(simulation)
         return simulation

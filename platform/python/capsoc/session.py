@@ -129,6 +129,13 @@ class Session:
         answer = self.call("simulation.construct", settings=chosen)
         return Simulation(self, answer["simulation"], answer["state"], os.path.basename(str(chosen["firmware.elf"])))
 
+    def replay(self, file: Place, *, settings: Optional[dict[str, Setting]] = None) -> Simulation:
+        """A simulation at time 0 that repeats a recorded session (Simulation.record(), capsoc run --record-session):
+        each input comes at its instant, until another one is given. settings: these come over the recorded ones."""
+        path = os.path.abspath(os.fspath(file))
+        answer = self.call("simulation.construct", session=path, settings=settings or {})
+        return Simulation(self, answer["simulation"], answer["state"], os.path.basename(path))
+
     def close(self) -> None:
         """Ends the session and its simulations. May be called twice."""
         connection: Optional[Connection] = getattr(self, "connection", None)
@@ -190,3 +197,8 @@ def default_session() -> Session:
 def run(elf: Place = "selfcal.elf", sensor: Union[None, Sensor, Place] = None, **options: Any) -> Simulation:
     """A simulation in the session of this process; the arguments are those of Session.run()."""
     return default_session().run(elf, sensor, **options)
+
+
+def replay(file: Place, **options: Any) -> Simulation:
+    """A recorded session again, in the session of this process; the arguments are those of Session.replay()."""
+    return default_session().replay(file, **options)
