@@ -168,6 +168,10 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   if (arguments.list_places) return list_fault_places(settings);
 
   if (auto error = check_files(arguments, settings)) return refuse(error->text);
+  if (settings.results.keep_last_s() > 0 && settings.results.session.empty())
+    return refuse(fmt::format("{} is the end of a recorded session; add {} FILE",
+                              settings.results.keep_last_s.about().name(),
+                              settings.results.session.about().command.name));
   if (settings.view.port() >= 0 || settings.gdb.memory_mb() > 0 ||
       !settings.results.session.empty())
     return run_in_session(settings);

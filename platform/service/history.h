@@ -112,9 +112,12 @@ class History {
   const Position& end() const { return end_; }
   /// As far as it was simulated: to its end, unless that is expected.
   const Position& reached() const { return reached_; }
-  /// Logged since the beginning; `is_complete`: none was dropped to fit the budget.
+  /// Logged since the beginning.
   const std::deque<Input>& inputs() const { return inputs_; }
-  bool is_complete() const { return dropped_ == 0 && snapshots_.front().bytes.empty(); }
+  /// How many of them came before a snapshot.
+  std::ptrdiff_t kept_before(const Snapshot& snapshot) const {
+    return static_cast<std::ptrdiff_t>(snapshot.inputs - dropped_);
+  }
   std::size_t bytes() const { return snapshot_bytes_ + input_bytes_; }
 
   /// For another process.

@@ -95,6 +95,25 @@ std::optional<Error> record_settings(Board& board, SessionFile& session) {
   return std::nullopt;
 }
 
+/// The last one that is so long back, otherwise the beginning.
+const History::Snapshot& first_snapshot(const History& history, const Position& now,
+                                        std::optional<double> last_s) {
+  const History::Snapshot* first = &history.snapshots().front();
+  if (!last_s) return *first;
+  const double latest_ps = static_cast<double>(now.time_ps) - *last_s * picoseconds;
+  for (const History::Snapshot& snapshot : history.snapshots())
+    if (static_cast<double>(snapshot.at.time_ps) <= latest_ps) first = &snapshot;
+  return *first;
+}
+
+/// Without the newest sample, whose bytes only the program that wrote them may believe.
+std::string state_to_record(const std::string& bytes) {
+  if (bytes.empty()) return "";
+  Board::Snapshot snapshot = Board::Snapshot::of(bytes);
+  snapshot.held.erase("newest");
+  return snapshot.to_bytes();
+}
+
 /// Settings and files of a session that no recording has: it would write, or load code.
 std::optional<Error> complain(const SessionFile& session) {
   run::RunSettings known;
@@ -227,21 +246,21 @@ class Replay {
 
 }  // namespace
 
-Result<SessionFile> record(Board& board) {
+Result<SessionFile> record(Board& board, std::optional<double> last_s) {
   const History& history = board.history();
   if (!history.is_on()) return Error{"there is no history: " + board.no_history()};
-  if (!history.is_complete())
-    return Error{
-        "the beginning of the history is not kept; construct the simulation, rather than to "
-        "restore it, with a greater history_mb"};
   SessionFile session;
   session.written_by = fmt::format("{} ({})", version(), commit());
   if (auto error = record_settings(board, session)) return *error;
   const Position now = board.position();
-  for (const Input& input : history.inputs())
-    if (input.at <= now) session.inputs.push_back(input);
+  const History::Snapshot& begin = first_snapshot(history, now, last_s);
+  session.state = state_to_record(begin.bytes);
+  session.begin_ps = begin.at.time_ps;
+  const auto& inputs = history.inputs();
+  for (auto input = inputs.begin() + history.kept_before(begin); input != inputs.end(); ++input)
+    if (input->at <= now) session.inputs.push_back(*input);
   for (const History::Snapshot& snapshot : history.snapshots()) {
-    if (snapshot.bytes.empty() || now <= snapshot.at) continue;
+    if (snapshot.at <= begin.at || snapshot.bytes.empty() || now <= snapshot.at) continue;
     const Board::Snapshot state = Board::Snapshot::of(snapshot.bytes);
     // A snapshot may be from before the inputs of its instant; a replay stops after them.
     if (std::any_of(session.inputs.begin(), session.inputs.end(),
@@ -276,6 +295,7 @@ Result<Repetition> lay_out(const SessionFile& session) {
     if (!file) return Error{file.error()};
     laid.settings[session.files[n].setting] = std::move(file.value());
   }
+  laid.state = session.state;
   laid.inputs = session.inputs;
   if (!session.marks.empty()) laid.end = session.marks.back().at;
   return laid;
@@ -292,12 +312,21 @@ Result<Repetition> lay_out(const std::string& file) {
   return laid;
 }
 
+Result<std::unique_ptr<Board>> construct(const Repetition& laid) {
+  try {
+    return Board::construct(laid.settings, Board::Snapshot::of(laid.state));
+  } catch (const Json::exception&) {
+    return Error{"the session begins in a state that is none; replay it with the program that "
+                 "recorded it"};
+  }
+}
+
 Result<Replayed> replay(const SessionFile& session, std::optional<double> until_s,
                         const std::function<void(const std::string& text)>& on_text) {
   // As long as the simulation: sensor.set reads the sensor's file again.
   const auto laid = lay_out(session);
   if (!laid) return Error{laid.error()};
-  auto constructed = Board::construct(laid.value().settings, {});
+  auto constructed = construct(laid.value());
   if (!constructed) return Error{constructed.error()};
   Board& board = *constructed.value();
   board.history().expect(session.inputs, laid.value().end);

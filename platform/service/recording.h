@@ -15,14 +15,16 @@
 
 namespace capsoc::service {
 
-/// All that happened until now. An Error: there is no history, or its beginning is gone, or an
-/// input file cannot be read.
-Result<SessionFile> record(Board& board);
+/// All that happened until now, from the beginning of the history on; with `last_s` from its last
+/// snapshot that is so many simulated seconds back. An Error: there is no history, or an input file
+/// cannot be read.
+Result<SessionFile> record(Board& board, std::optional<double> last_s);
 
 /// A recorded session, laid out for a simulation that repeats it.
 struct Repetition {
   std::shared_ptr<host::TemporaryFolder> folder;  ///< of its files; has to outlive the simulation
   Json settings = Json::object();
+  std::string state = "";  ///< where it begins, as Board::Snapshot::to_bytes(); "": out of reset
   std::vector<Input> inputs = {};
   Position end = {};
 };
@@ -30,6 +32,9 @@ struct Repetition {
 Result<Repetition> lay_out(const SessionFile& session);
 /// Of a file. An Error names it.
 Result<Repetition> lay_out(const std::string& file);
+
+/// Where it begins; its inputs are to be expected. An Error as Board::construct() has it.
+Result<std::unique_ptr<Board>> construct(const Repetition& laid);
 
 /// What a replay shows.
 struct Replayed {

@@ -30,12 +30,14 @@ RunSession::RunSession(ChildSession session, const run::RunSettings& settings)
 void RunSession::divide(const run::RunSettings& settings) {
   using Place = Stream::Place;
   session_file_ = settings.results.session();
+  keep_last_s_ = settings.results.keep_last_s();
   for (const Setting& setting : settings.all())
     if (setting.source != SettingSource::built_in) settings_[setting.path] = setting.value;
   for (const Setting& own : {settings.gdb.port.about(), settings.gdb.halt.about(),
                              settings.gdb.history_mb.about(), settings.gdb.on_failure.about(),
                              settings.results.json.about(), settings.results.html.about(),
-                             settings.results.session.about(), settings.view.port.about()})
+                             settings.results.session.about(), settings.results.keep_last_s.about(),
+                             settings.view.port.about()})
     settings_.erase(own.path);
   // A page paces the run itself.
   if (settings.view.port() >= 0) settings_.erase(settings.limits.realtime.about().path);
@@ -163,7 +165,9 @@ void RunSession::read_keys() {
 
 void RunSession::record() {
   if (session_file_.empty()) return;
-  const Answer answer = ask("simulation.record", {{"file", session_file_}});
+  Json parameters = {{"file", session_file_}};
+  if (keep_last_s_ > 0) parameters["last_s"] = keep_last_s_;
+  const Answer answer = ask("simulation.record", std::move(parameters));
   if (!answer.ok()) lost_.push_back(answer.sentence);
 }
 

@@ -72,6 +72,7 @@ class RunSession {
   Json settings_ = Json::object(), gone_;
   std::vector<Stream> streams_;
   std::string session_file_;  ///< "": none
+  double keep_last_s_ = 0;    ///< of that; 0: all
   int keyboard_ = -1;         ///< the UART that reads standard input; -1: none
   Heard heard_;
   std::vector<std::string> lost_;  ///< a sentence for each output that is not whole

@@ -151,6 +151,13 @@ class Reader {
       content.bytes = std::move(*bytes);
       session.files.push_back(std::move(content));
     }
+    if (json.contains("state")) {
+      auto state = take(header.number(json, "state"));
+      if (!state) return wrong("is cut off; copy it again");
+      header.demand(!state->empty());
+      if (host::sha256_of(*state) != header.hash(json, "state_sha256")) return damaged();
+      session.state = std::move(*state);
+    }
     const auto log = take(header.number(json, "inputs"));
     const std::string log_hash = header.hash(json, "inputs_sha256");
     if (!header.ok()) return damaged();
@@ -199,6 +206,11 @@ std::string pack(const SessionFile& session) {
                      {"size", each.bytes.size()},
                      {"sha256", host::sha256_of(each.bytes)}});
     blobs += each.bytes;
+  }
+  if (!session.state.empty()) {
+    header["state"] = session.state.size();
+    header["state_sha256"] = host::sha256_of(session.state);
+    blobs += session.state;
   }
   std::string log;
   for (const Input& input : session.inputs) log += to_bytes(input);

@@ -177,6 +177,7 @@ void Session::construct(Request& request) {
     parameters["expected"] = {{"end", to_json(repeated.end)}};
     frames.emplace_back();
     for (const Input& input : repeated.inputs) frames.back() += to_bytes(input);
+    frames.push_back(std::move(repeated.state));
     files = std::move(repeated.folder);
   }
   ++clients_.at(request.client)->calls;

@@ -42,7 +42,9 @@ Answer keep(Board& board, const Call&) {
 
 Answer write_session(Board& board, const Call& call) {
   const std::string file = call.text("file");
-  const auto session = record(board);
+  std::optional<double> last_s;
+  if (call.has("last_s")) last_s = call.number("last_s");
+  const auto session = record(board, last_s);
   if (!session) return refuse("simulation.record: " + session.error());
   std::vector<host::FileUse> uses = run::files_of(board.settings());
   uses.push_back({host::FileUse::Kind::output, "simulation.record", file});
@@ -53,6 +55,7 @@ Answer write_session(Board& board, const Call& call) {
   if (auto error = host::write_whole(file, bytes)) return refuse(error->text);
   Answer answer;
   answer.result = {{"bytes", bytes.size()},
+                   {"from_s", static_cast<double>(session.value().begin_ps) * 1e-12},
                    {"inputs", session.value().inputs.size()},
                    {"marks", session.value().marks.size()}};
   return answer;
@@ -89,8 +92,12 @@ std::vector<BoardVerb> history_verbs() {
         "again. It has settings, the program and the sensor by content, every request that changed "
         "the "
         "simulation with its instant, and hashes of the state on the way and at the end.",
-        {need("file", Type::text, "its path")},
+        {need("file", Type::text, "its path"),
+         may("last_s", Type::number,
+             "only what happened since the last snapshot of the history that is so many simulated "
+             "seconds back; else since the beginning of the history")},
         {{"bytes", "integer", "of the file"},
+         {"from_s", "number", "where the session begins"},
          {"inputs", "integer", "requests in it"},
          {"marks", "integer", "positions whose state a replay compares"}}},
        write_session,

@@ -202,11 +202,19 @@ class Worker {
     if (parameters.contains("history")) return construct_in_the_past(parameters, frames);
     Board::Snapshot from;
     if (parameters.contains("held")) from = {parameters.at("held"), std::move(frames)};
-    auto board = Board::construct(parameters.at("settings"), from);
+    const auto expected = parameters.find("expected");
+    const bool repeats = expected != parameters.end();
+    Repetition laid;
+    if (repeats) {
+      laid = {nullptr, parameters.at("settings"), std::move(frames.at(1)), {}, {}};
+      from = Board::Snapshot::of(laid.state);
+    }
+    auto board = repeats ? service::construct(laid)
+                         : Board::construct(parameters.at("settings"), from);
     if (!board) return refuse(board.error());
     take_board(std::move(board.value()));
     board_->begin_history(from);
-    if (const auto expected = parameters.find("expected"); expected != parameters.end())
+    if (repeats)
       if (auto error = expect(*expected, frames.at(0))) return refuse(error->text);
     Answer answer;
     answer.result["state"] = board_->state();

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Recorded sessions: capsoc replay gives the same bytes, names the first difference, and refuses what is no session."""
 
+import contextlib
 import hashlib
 import json
 import os
@@ -293,6 +294,87 @@ class Repeated(Past):
         simulation = self.repeat(**{"cpu.executor": "stepping"})
         self.session("simulation.goto", simulation=simulation, time_s=1.7)
         self.assertEqual(self.parts(simulation), last)
+
+    def test_from_a_state(self):
+        """A session that begins in a kept state is as good as one from the start, and a tenth of the way."""
+        states, last = self.original()
+        simulation = self.repeat()
+        for time_s in (0.5, 1.3, 1.5, 1.7):
+            self.session("simulation.goto", simulation=simulation, time_s=time_s)
+            self.session("history.keep", simulation=simulation)
+        for last_s, from_s, inputs in ((0.1, 1.5, 0), (0.3, 1.3, 1), (1.2, 0.5, 3), (5, 0, 3)):
+            told = self.session("simulation.record", simulation=simulation, file=str(self.folder / "b.session"), last_s=last_s)
+            self.assertEqual((told["from_s"], told["inputs"]), (from_s, inputs), last_s)
+            done = subprocess.run(
+                [CAPSOC, "replay", "b.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
+            )
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"the same until 1.7 s: {inputs} inputs".encode(), done.stderr)
+            again = self.session("simulation.construct", session=str(self.folder / "b.session"))["simulation"]
+            self.assertEqual(self.where(again)["now"]["time_s"], from_s)
+            self.session("simulation.goto", simulation=again, time_s=1.7)
+            self.assertEqual(self.parts(again, "c.session"), last)
+            self.session("simulation.close", simulation=again)
+
+    def test_a_beginning_that_was_not_kept(self):
+        simulation = self.construct("selfcal", history_mb=1, **SHORT)
+        for time_s in range(1, 40):
+            self.advance(simulation, until_s=0.04 * time_s)
+            self.session("adc.inject", simulation=simulation, u=[0.1] * 2000, v=[0.2] * 2000)
+            self.session("history.keep", simulation=simulation)
+        self.assertGreater(self.where(simulation)["beginning"]["time_s"], 0)
+        self.parts(simulation, "a.session")
+        done = subprocess.run(
+            [CAPSOC, "replay", "a.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_last_seconds_of_a_run(self):
+        words = [word for name, value in SHORT.items() for word in ("-C", f"{name}={value}")]
+        run = [CAPSOC, "run", FIRMWARE / "selfcal.elf", *words, "--uart0", "null", "--keep-last", "0.5"]
+        done = subprocess.run(run, cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(b"--keep-last is the end of a recorded session; add --record-session FILE", done.stderr)
+        run += ["--record-session", "a.session"]
+        subprocess.run(run, cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60)
+        done = subprocess.run(
+            [CAPSOC, "replay", "a.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_a_state_that_is_none(self):
+        self.original()
+        simulation = self.repeat()
+        self.session("simulation.goto", simulation=simulation, time_s=0.5)
+        self.session("history.keep", simulation=simulation)
+        self.session("simulation.goto", simulation=simulation, time_s=0.7)
+        self.session("simulation.record", simulation=simulation, file=str(self.folder / "a.session"), last_s=0.1)
+        head, rest = (self.folder / "a.session").read_bytes().split(b"\n", 1)
+        size = int(head.split()[3])
+        header, blobs = json.loads(rest[:size]), rest[size:]
+        begin = sum(each["size"] for each in header["files"])
+        state, log = blobs[begin : begin + header["state"]], blobs[begin + header["state"] :]
+        draw = random.Random(SEED)
+        kinds = [lambda: b"", lambda: b"{}", lambda: state[: draw.randrange(len(state))]]
+        kinds += [lambda: state.replace(b'"waiting"', b'"wasting"'), lambda: state.replace(b'"course":[', b'"course":["",')]
+        kinds += [lambda: bytes(byte ^ (draw.random() < 1e-4) << draw.randrange(8) for byte in state)] * 20
+        for number, kind in enumerate(kinds):
+            other = kind()
+            header.update(state=len(other), state_sha256=hashlib.sha256(other).hexdigest())
+            text = json.dumps(header).encode()
+            first = f"capsoc session 1 {len(text)} {hashlib.sha256(text).hexdigest()}\n".encode()
+            (self.folder / "b.session").write_bytes(first + text + blobs[:begin] + other + log)
+            done = subprocess.run(
+                [CAPSOC, "replay", "b.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
+            )
+            with self.subTest(number=number):
+                self.assertIn(done.returncode, (0, 1, 2), done.stderr)
+                self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)
+                with self.assertRaises(Refused) if done.returncode == 2 else contextlib.nullcontext() as refused:
+                    again = self.session("simulation.construct", session=str(self.folder / "b.session"))["simulation"]
+                    self.session("simulation.close", simulation=again)
+                if done.returncode == 2:
+                    self.assertNotIn("ended", str(refused.exception))
 
     def test_what_is_refused(self):
         for file, settings, words in (

@@ -56,6 +56,19 @@ TEST(SessionFile, GivesBackWhatWasRecorded) {
   EXPECT_EQ(read.value().inputs.at(1).frames.at(0).size(), 16U);
 }
 
+TEST(SessionFile, MayBeginInAState) {
+  SessionFile file = session();
+  file.state = std::string("a state\0", 8);
+  const std::string bytes = pack(file);
+  const auto read = unpack_session(bytes, "s.session");
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read.value().state, file.state);
+  EXPECT_EQ(pack(read.value()), bytes);
+  std::string damaged = bytes;
+  damaged.at(bytes.find("a state")) = 'b';
+  EXPECT_EQ(error_of(damaged), "s.session: is damaged; copy it again");
+}
+
 TEST(SessionFile, SaysWhatIsWrong) {
   const std::string good = pack(session());
   EXPECT_EQ(error_of("capsoc checkpoint 1"),

@@ -200,9 +200,13 @@ class Simulation(Past):
         """Writes a checkpoint, which `capsoc run --restore FILE` resumes."""
         self.call("simulation.save", file=os.path.abspath(os.fspath(file)))
 
-    def record(self, file: Union[str, os.PathLike[str]]) -> None:
-        """Writes the session of this simulation until now, which `capsoc replay FILE` simulates again and compares."""
-        self.call("simulation.record", file=os.path.abspath(os.fspath(file)))
+    def record(self, file: Union[str, os.PathLike[str]], last: Optional[float] = None) -> None:
+        """Writes the session of this simulation until now, which `capsoc replay FILE` simulates again and compares.
+
+        last: simulated seconds; the session begins in a kept state that is at least so long ago.
+        """
+        file = os.path.abspath(os.fspath(file))
+        self.call("simulation.record", **given({"file": file, "last_s": last}))
 
     def snapshot(self) -> Snapshot:
         """Keeps the state in memory, for restore()."""
