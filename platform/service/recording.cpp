@@ -316,8 +316,9 @@ Result<std::unique_ptr<Board>> construct(const Repetition& laid) {
   try {
     return Board::construct(laid.settings, Board::Snapshot::of(laid.state));
   } catch (const Json::exception&) {
-    return Error{"the session begins in a state that is none; replay it with the program that "
-                 "recorded it"};
+    return Error{
+        "the session begins in a state that is none; replay it with the program that "
+        "recorded it"};
   }
 }
 

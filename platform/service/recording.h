@@ -15,9 +15,9 @@
 
 namespace capsoc::service {
 
-/// All that happened until now, from the beginning of the history on; with `last_s` from its last
-/// snapshot that is so many simulated seconds back. An Error: there is no history, or an input file
-/// cannot be read.
+/// All that happened until now, from the beginning of the history on; with `last_s`, simulated
+/// seconds, from its last snapshot that is at least as long ago. An Error: there is no history, or
+/// an input file cannot be read.
 Result<SessionFile> record(Board& board, std::optional<double> last_s);
 
 /// A recorded session, laid out for a simulation that repeats it.

@@ -33,11 +33,11 @@ void RunSession::divide(const run::RunSettings& settings) {
   keep_last_s_ = settings.results.keep_last_s();
   for (const Setting& setting : settings.all())
     if (setting.source != SettingSource::built_in) settings_[setting.path] = setting.value;
-  for (const Setting& own : {settings.gdb.port.about(), settings.gdb.halt.about(),
-                             settings.gdb.history_mb.about(), settings.gdb.on_failure.about(),
-                             settings.results.json.about(), settings.results.html.about(),
-                             settings.results.session.about(), settings.results.keep_last_s.about(),
-                             settings.view.port.about()})
+  for (const Setting& own :
+       {settings.gdb.port.about(), settings.gdb.halt.about(), settings.gdb.history_mb.about(),
+        settings.gdb.on_failure.about(), settings.results.json.about(),
+        settings.results.html.about(), settings.results.session.about(),
+        settings.results.keep_last_s.about(), settings.view.port.about()})
     settings_.erase(own.path);
   // A page paces the run itself.
   if (settings.view.port() >= 0) settings_.erase(settings.limits.realtime.about().path);

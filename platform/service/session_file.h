@@ -40,7 +40,7 @@ struct SessionFile {
   std::map<std::string, std::string> settings;  ///< those that are not files
   std::vector<Content> files;
   uint64_t begin_ps = 0;  ///< simulated time of its beginning; not in the file, whose state has it
-  std::string state;  ///< where it begins, as Board::Snapshot::to_bytes(); "": out of reset
+  std::string state;      ///< where it begins, as Board::Snapshot::to_bytes(); "": out of reset
   std::vector<Input> inputs;  ///< in the order of their positions
   std::vector<Mark> marks;    ///< likewise; the last one is the end
   std::vector<Text> uarts;    ///< what each sent until the end

@@ -94,8 +94,8 @@ std::vector<BoardVerb> history_verbs() {
         "simulation with its instant, and hashes of the state on the way and at the end.",
         {need("file", Type::text, "its path"),
          may("last_s", Type::number,
-             "only what happened since the last snapshot of the history that is so many simulated "
-             "seconds back; else since the beginning of the history")},
+             "simulated seconds: the session begins at the last snapshot of the history that is at "
+             "least as long ago; else at the beginning of the history")},
         {{"bytes", "integer", "of the file"},
          {"from_s", "number", "where the session begins"},
          {"inputs", "integer", "requests in it"},

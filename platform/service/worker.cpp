@@ -26,6 +26,7 @@
 #include "service/cause.h"
 #include "service/events.h"
 #include "service/picture.h"
+#include "service/recording.h"
 #include "service/search.h"
 
 namespace capsoc::service {
@@ -209,8 +210,8 @@ class Worker {
       laid = {nullptr, parameters.at("settings"), std::move(frames.at(1)), {}, {}};
       from = Board::Snapshot::of(laid.state);
     }
-    auto board = repeats ? service::construct(laid)
-                         : Board::construct(parameters.at("settings"), from);
+    auto board =
+        repeats ? service::construct(laid) : Board::construct(parameters.at("settings"), from);
     if (!board) return refuse(board.error());
     take_board(std::move(board.value()));
     board_->begin_history(from);

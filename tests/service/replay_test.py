@@ -296,17 +296,24 @@ class Repeated(Past):
         self.assertEqual(self.parts(simulation), last)
 
     def test_from_a_state(self):
-        """A session that begins in a kept state is as good as one from the start, and a tenth of the way."""
+        """A session that begins in a kept state ends in the same state as one from the start."""
         states, last = self.original()
         simulation = self.repeat()
         for time_s in (0.5, 1.3, 1.5, 1.7):
             self.session("simulation.goto", simulation=simulation, time_s=time_s)
             self.session("history.keep", simulation=simulation)
-        for last_s, from_s, inputs in ((0.1, 1.5, 0), (0.3, 1.3, 1), (1.2, 0.5, 3), (5, 0, 3)):
-            told = self.session("simulation.record", simulation=simulation, file=str(self.folder / "b.session"), last_s=last_s)
+        for last_s, from_s, inputs in ((0.1, 1.5, 0), (0.3, 1.3, 0), (1.2, 0.5, 2), (5, 0, 3)):
+            told = self.session(
+                "simulation.record", simulation=simulation, file=str(self.folder / "b.session"), last_s=last_s
+            )
             self.assertEqual((told["from_s"], told["inputs"]), (from_s, inputs), last_s)
             done = subprocess.run(
-                [CAPSOC, "replay", "b.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
+                [CAPSOC, "replay", "b.session"],
+                cwd=self.folder,
+                env=CLEAN,
+                capture_output=True,
+                check=False,
+                timeout=60,
             )
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"the same until 1.7 s: {inputs} inputs".encode(), done.stderr)
@@ -356,7 +363,10 @@ class Repeated(Past):
         state, log = blobs[begin : begin + header["state"]], blobs[begin + header["state"] :]
         draw = random.Random(SEED)
         kinds = [lambda: b"", lambda: b"{}", lambda: state[: draw.randrange(len(state))]]
-        kinds += [lambda: state.replace(b'"waiting"', b'"wasting"'), lambda: state.replace(b'"course":[', b'"course":["",')]
+        kinds += [
+            lambda: state.replace(b'"waiting"', b'"wasting"'),
+            lambda: state.replace(b'"course":[', b'"course":["",'),
+        ]
         kinds += [lambda: bytes(byte ^ (draw.random() < 1e-4) << draw.randrange(8) for byte in state)] * 20
         for number, kind in enumerate(kinds):
             other = kind()
@@ -365,7 +375,12 @@ class Repeated(Past):
             first = f"capsoc session 1 {len(text)} {hashlib.sha256(text).hexdigest()}\n".encode()
             (self.folder / "b.session").write_bytes(first + text + blobs[:begin] + other + log)
             done = subprocess.run(
-                [CAPSOC, "replay", "b.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
+                [CAPSOC, "replay", "b.session"],
+                cwd=self.folder,
+                env=CLEAN,
+                capture_output=True,
+                check=False,
+                timeout=60,
             )
             with self.subTest(number=number):
                 self.assertIn(done.returncode, (0, 1, 2), done.stderr)

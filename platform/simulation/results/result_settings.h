@@ -31,14 +31,15 @@ struct ResultSettings {
                     "Write what came from outside, when, and hashes of the state, for capsoc "
                     "replay"})};
   NumberField keep_last_s{
-      all, setting("results.keep_last_s", SettingKind::number, "0",
-                   "the session begins in a state that is so many simulated seconds before its "
-                   "end, or earlier; 0: at the start of the run")
-               .in(0, 1e6)
-               .is_place()
-               .by({"--keep-last", "S",
-                    "Of --record-session only the last S simulated seconds, from a kept state "
-                    "on"})};
+      all,
+      setting("results.keep_last_s", SettingKind::number, "0",
+              "the last simulated seconds that the session has at least, s; 0: it begins at the "
+              "start of the run")
+          .in(0, 1e6)
+          .is_place()
+          .by({"--keep-last", "S",
+               "Of --record-session only the last S simulated seconds, from a kept state "
+               "on"})};
   /// The run gathers what a report draws.
   bool wants_curves() const { return curves() || !html.empty(); }
   TextField record{all,
