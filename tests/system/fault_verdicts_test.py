@@ -10,7 +10,8 @@ import types
 import unittest
 
 from capsoc_tools.faults import fault_verdicts as tool
-from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+from capsoc_tools.faults import rates
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE, output_of
 
 CTEST = {"name": "system: FaultVerdicts", "timeout": 300}
 
@@ -267,6 +268,48 @@ class Tool(Case):
         for verdict in tool.VERDICTS:
             hits = sum(row["verdict"] == verdict for row in rows)
             self.assertRegex(done.stdout, rf"(?m)^{verdict} +{hits} ")
+
+    def test_metrics(self):
+        (self.folder / "r.toml").write_text("[fit_per_bit]\ncoprocessor = 1e-4\nproc = 2e-3\n")
+        done = self.run_tool("--count", "30", "--units", "processor,coprocessor", "--rates", "r.toml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        places = json.loads(output_of(CAPSOC, "run", "--list-fault-places"))["places"]
+        for unit, rate in (("coprocessor", 1e-4), ("processor", 2e-3)):
+            bits = sum(place["bits"] for place in places if place["unit"] == unit)
+            self.assertRegex(done.stdout, rf"(?m)^{unit} +{bits} +{bits * rate:.4g} ")
+        for name in ("single-point fault metric", "latent fault metric"):
+            self.assertRegex(done.stdout, rf"(?m)^{name} +0\.\d+, at least 0\.\d+ \(95 %\)$|^{name} +1\.0000, at least 0")
+
+    def test_metrics_by_hand(self):
+        """100 FIT with 1 of 50 residual and 10 FIT with 2 of 20; 25 and 0 latent. Bounds: shares twice as large."""
+        rows = [{"unit": "a", "verdict": verdict} for verdict in ["silent"] + ["latent"] * 25 + ["masked"] * 24]
+        rows += [{"unit": "b.c", "verdict": verdict} for verdict in ["silent"] * 2 + ["detected"] * 18 + ["unapplied"]]
+        units = rates.units_of(rows, {"a": 1000, "b.c": 100}, {"a": 0.1, "b": 9, "b.": 0.1}, "r.toml")
+        self.assertEqual([unit.fit for unit in units], [100, 10])
+
+        def upper(hits, count):
+            return 2 * hits / count
+
+        single = rates.single_point_metric(units, upper)
+        self.assertAlmostEqual(single.value, 1 - (2 + 1) / 110)
+        self.assertAlmostEqual(single.least, 1 - (4 + 2) / 110)
+        latent = rates.latent_metric(units, upper)
+        self.assertAlmostEqual(latent.value, 1 - 50 / (110 - 3))
+        self.assertAlmostEqual(latent.least, 1 - 100 / (110 - 6))
+
+    def test_rates_that_are_none(self):
+        for text, words in (
+            ("", "has to have one table, [fit_per_bit]"),
+            ("[fit_per_bit]\n", "has to have one table, [fit_per_bit]"),
+            ("[fit_per_bit]\ncoprocessor = -1\n", "coprocessor: has to be a number above 0"),
+            ("[fit_per_bit]\nprocessor = 1\n", "has no rate for coprocessor"),
+            ("[fit_per_bit\n", "r.toml: "),
+        ):
+            (self.folder / "r.toml").write_text(text)
+            with self.subTest(text=text):
+                done = self.run_tool("--count", "2", "--rates", "r.toml")
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(words, done.stderr)
 
     def test_what_is_wrong_is_said(self):
         done = self.run_tool("--count", "2", "--units", "nothing")

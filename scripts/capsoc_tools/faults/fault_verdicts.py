@@ -2,10 +2,11 @@
 
 usage: fault_verdicts [--count N] [--seed S] [--jobs N] [--units TEXT,...] [--kind flip|stuck0|stuck1]
 [--coprocessor tlm|rtl] [--pipeline] [--program NAME] [--from S] [--to S] [--until S] [--limit DEG] [--silent N]
-[--store FILE.sqlite] [--rows FILE.csv] [--build FOLDER] [-- PATH=VALUE...]
+[--store FILE.sqlite] [--rows FILE.csv] [--rates FILE.toml] [--build FOLDER] [-- PATH=VALUE...]
 
 A campaign of kind `fault` (docs/guide/safety.md), described by these options, and a table of its verdicts. With --store
-an interrupted one resumes where it was, and capsoc campaign report shows it. PATH=VALUE are settings of the runs.
+an interrupted one resumes where it was, and capsoc campaign report shows it. With --rates, failure rates of a bit by
+unit (capsoc_tools/faults/rates.py), the single-point and the latent fault metric. PATH=VALUE are settings of the runs.
 
 Status 0: the table was printed; 2: usage, or the golden run failed. The rows depend on seed and options alone.
 """
@@ -23,6 +24,7 @@ import time
 from pathlib import Path
 
 from capsoc_tools import ROOT as TOP
+from capsoc_tools.faults import rates as failure_rates
 
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_")}
 VERDICTS = ("unapplied", "silent", "detected", "crashed", "hung", "wrong", "masked", "latent")
@@ -135,6 +137,29 @@ def print_coverage(rows, options):
         print(f"  within {most:>4} samples {hits:>7}{hits / len(wrong):>10.4f}   {low:.4f} to {high:.4f}")
 
 
+def rated_bits(options):
+    """The rates, and the bits of each unit that faults come from. Before anything runs."""
+    try:
+        rates = failure_rates.read_rates(options.rates)
+        settings = {"coprocessor.backend": options.coprocessor, **dict(word.split("=", 1) for word in options.rest)}
+        words = [word for name, value in settings.items() for word in ("-C", f"{name}={value}")]
+        run = [options.build / "capsoc", "run", options.build / "firmware" / f"{options.program}.elf", *words]
+        bits = failure_rates.bits_of(run, [unit for unit in options.units.split(",") if unit])
+        for unit in bits:
+            failure_rates.rate_of(rates, unit, options.rates)
+    except ValueError as error:
+        raise SystemExit(f"fault_verdicts: {error}") from None
+    return rates, bits
+
+
+def print_metrics(rows, rates, bits, options):
+    try:
+        units = failure_rates.units_of(rows, bits, rates, options.rates)
+    except ValueError as error:
+        raise SystemExit(f"fault_verdicts: {error}") from None
+    failure_rates.print_metrics(units, lambda hits, count: wilson(hits, count)[1])
+
+
 def options_of(words):
     own, rest = (words[: words.index("--")], words[words.index("--") + 1 :]) if "--" in words else (words, [])
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0], prog="fault_verdicts")
@@ -153,6 +178,7 @@ def options_of(words):
     parser.add_argument("--silent", type=int, default=3, metavar="N", help="samples that may be wrong (3)")
     parser.add_argument("--store", type=Path, metavar="FILE.sqlite", help="of the campaign, kept")
     parser.add_argument("--rows", type=Path, metavar="FILE.csv", help="a row for each fault")
+    parser.add_argument("--rates", type=Path, metavar="FILE.toml", help="failures of a bit in 1e9 hours, by unit")
     parser.add_argument("--build", type=Path, default=TOP / "build", metavar="FOLDER", help="of the program (build)")
     options = parser.parse_args(own)
     options.rest = rest
@@ -164,6 +190,7 @@ def options_of(words):
 
 def main():
     options = options_of(sys.argv[1:])
+    rates, bits = rated_bits(options) if options.rates else (None, None)
     with tempfile.TemporaryDirectory(prefix="capsoc-faults-") as folder:
         file = Path(folder) / "faults.toml"
         file.write_text(description(options), encoding="utf-8")
@@ -173,6 +200,8 @@ def main():
         seconds = time.monotonic() - begin
         rows = rows_of(options, store)
     print_table(rows, options)
+    if rates:
+        print_metrics(rows, rates, bits, options)
     print(f"{len(rows) / seconds:.1f} faults/s with {options.jobs} jobs", file=sys.stderr)
     if options.rows:
         with open(options.rows, "w", encoding="ascii", newline="") as out:
