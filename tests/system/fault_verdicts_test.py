@@ -278,7 +278,9 @@ class Tool(Case):
             bits = sum(place["bits"] for place in places if place["unit"] == unit)
             self.assertRegex(done.stdout, rf"(?m)^{unit} +{bits} +{bits * rate:.4g} ")
         for name in ("single-point fault metric", "latent fault metric"):
-            self.assertRegex(done.stdout, rf"(?m)^{name} +0\.\d+, at least 0\.\d+ \(95 %\)$|^{name} +1\.0000, at least 0")
+            self.assertRegex(
+                done.stdout, rf"(?m)^{name} +0\.\d+, at least 0\.\d+ \(95 %\)$|^{name} +1\.0000, at least 0"
+            )
 
     def test_metrics_by_hand(self):
         """100 FIT with 1 of 50 residual and 10 FIT with 2 of 20; 25 and 0 latent. Bounds: shares twice as large."""
