@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Unit:
-    """Rate and verdicts of one unit. residual: faults without a detection in time; latent: without any effect so far."""
+    """Rate and verdicts of one unit. residual: faults not detected in time; latent: without any effect so far."""
 
     name: str
     bits: int
