@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/input_file.h"
 #include "cli/commands.h"
@@ -17,6 +18,7 @@
 #include "service/session_file.h"
 #include "service/session_run.h"
 #include "session/run_settings.h"
+#include "view/view.h"
 
 namespace capsoc::cli {
 namespace {
@@ -24,24 +26,38 @@ namespace {
 struct ReplayArguments {
   std::string file;
   std::optional<double> until_s;
-  std::string gdb_port;  ///< "": no debugger
+  std::string gdb_port, view_port;  ///< "": no debugger, no page
 };
 
-/// A debugger has it from its first instruction on, with a history.
-int replay_under_debugger(const ReplayArguments& arguments) {
-  if (arguments.until_s) return refuse("--until: a debugger stops where it wants; leave it out");
+/// A debugger or a page has it from its first instruction on, with a history.
+int replay_in_session(const ReplayArguments& arguments) {
+  const bool is_viewed = !arguments.view_port.empty();
+  if (is_viewed && !arguments.gdb_port.empty())
+    return refuse("--view: a debugger cannot steer the same run; leave out --gdb");
+  if (arguments.until_s)
+    return refuse(
+        fmt::format("--until: {}; leave it out", is_viewed ? "a page stops where it is told to"
+                                                           : "a debugger stops where it wants"));
   run::RunSettings settings;
-  for (const auto& [path, value] : {std::pair(settings.gdb.port.about().path, arguments.gdb_port),
-                                    {settings.gdb.halt.about().path, "true"}})
-    if (auto error = settings.set(path, value, SettingSource::command_line, "--gdb"))
+  std::vector<std::pair<std::string, std::string>> values = {
+      {settings.gdb.port.about().path, arguments.gdb_port},
+      {settings.gdb.halt.about().path, "true"}};
+  if (is_viewed)
+    values = {{settings.view.port.about().path, arguments.view_port},
+              {settings.limits.realtime.about().path, "10"}};
+  for (const auto& [path, value] : values)
+    if (auto error =
+            settings.set(path, value, SettingSource::command_line, is_viewed ? "--view" : "--gdb"))
       return refuse(error->text);
-  auto finished = service::run_in_session(settings, arguments.file);
+  auto finished = is_viewed ? view::run_in_view(settings, arguments.file)
+                            : service::run_in_session(settings, arguments.file);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   return tell_end(finished.value());
 }
 
 int replay(const ReplayArguments& arguments) {
-  if (!arguments.gdb_port.empty()) return replay_under_debugger(arguments);
+  if (!arguments.gdb_port.empty() || !arguments.view_port.empty())
+    return replay_in_session(arguments);
   const InputLimits limits{"name a file that simulation.record wrote",
                            service::SessionFile::largest, false};
   const auto bytes = read_input(arguments.file, limits);
@@ -81,6 +97,11 @@ void add_replay(CLI::App& app, int& code) {
       ->add_option("--gdb", arguments->gdb_port,
                    "Wait for a debugger at this port of 127.0.0.1 (0: a free one); it can go back, "
                    "and each input comes at its instant")
+      ->type_name("PORT");
+  command
+      ->add_option(
+          "--view", arguments->view_port,
+          "Show it live on a page for a browser, at this port of 127.0.0.1 (0: a free one)")
       ->type_name("PORT");
   command->callback([arguments, &code] { code = replay(*arguments); });
 }

@@ -11,12 +11,12 @@
 
 namespace capsoc::view {
 
-Result<service::Json> run_in_view(const run::RunSettings& settings) {
+Result<service::Json> run_in_view(const run::RunSettings& settings, const std::string& recorded) {
   const std::string option = settings.view.port.about().name();
   if (settings.gdb.port() >= 0)
     return Error{option + ": a debugger cannot steer the same run; leave out --gdb"};
   host::note_end_signals();
-  auto session = service::RunSession::start(settings, option);
+  auto session = service::RunSession::start(settings, option, recorded);
   if (!session) return Error{session.error()};
   if (session.value().is_gone()) return session.value().finish();
   Hub hub;

@@ -1,6 +1,8 @@
 // A run that a browser shows and steers (docs/guide/view.md).
 #pragma once
 
+#include <string>
+
 #include "base/result.h"
 #include "service/message.h"
 #include "session/run_settings.h"
@@ -11,6 +13,8 @@ namespace capsoc::view {
 /// is printed on standard error. It begins when a page is open, at the speed of run.realtime, and
 /// ends when a page or a signal ends it. The answer of simulation.finish; errors as
 /// service::run_in_session(). Before this process has a thread.
-Result<service::Json> run_in_view(const run::RunSettings& settings);
+/// `recorded`: a session file to repeat, whose settings these come over; "": none.
+Result<service::Json> run_in_view(const run::RunSettings& settings,
+                                  const std::string& recorded = "");
 
 }  // namespace capsoc::view

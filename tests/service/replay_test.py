@@ -270,6 +270,15 @@ class Repeated(Past):
         self.session("sensor.set", simulation=clone, parameters={"a1": 0.5})  # reads the recorded file again
         self.assertGreater(self.advance(clone, seconds=0.1)["state"]["samples"], last["at"]["samples"])
 
+    def test_by_advances(self):
+        _, last = self.original()
+        simulation = self.repeat()
+        for goal in ({"seconds": 0.7}, {"instructions": 1000}, {"samples": 60}, {"until_s": 1.7}):
+            self.advance(simulation, **goal)
+        self.assertEqual(self.parts(simulation), last)
+        self.advance(simulation, until_s=1.8)  # beyond the recording
+        self.assertEqual(self.where(simulation)["now"], self.where(simulation)["end"])
+
     def test_asked_who_wrote(self):
         states, _ = self.original()
         simulation = self.repeat()

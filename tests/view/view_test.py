@@ -314,6 +314,27 @@ class Hands(ViewCase):
         self.assertEqual(replayed, out)
         self.assertIn("2 inputs", about)
 
+    def test_a_recorded_session(self):
+        """The page of one: what was changed changes again, on the way there and back."""
+        view = self.view("--uart0", "null", "--record-session", "a.session", "--realtime", "50")
+        events = Events(view)
+        view.do(events, "pause")
+        view.do(events, "goto", time_s=20)
+        changed = view.do(events, "sensor", parameters={"a1": 0.5})["state"]["time_s"]
+        view.do(events, "goto", time_s=40)
+        view.end()
+        again = self.view("a.session", "--view", "0", command="replay")
+        events = Events(again)
+        again.do(events, "pause")
+        for time_s, a1 in ((30, 0.5), (15, 0.6079), (39, 0.5), (5, 0.6079)):
+            frame = again.do(events, "goto", time_s=time_s)
+            self.assertAlmostEqual(frame["sensor"]["parameters"]["a1"], a1)
+        self.assertAlmostEqual(changed, 20, 3)
+        self.assertEqual(frame["history"]["inputs"], 1)
+        again.end()
+        _, said = self.run_plain("replay", "a.session", "--view", "0", "--gdb", "0", code=2)
+        self.assertIn("--view: a debugger cannot steer the same run", said)
+
     def test_a_terminal(self):
         view = self.view(FIRMWARE / "echo.elf", "--record-session", "a.session")
         events = Events(view)
