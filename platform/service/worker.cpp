@@ -202,13 +202,16 @@ class Worker {
   Answer construct(const Json& parameters, Frames& frames) {
     if (parameters.contains("history")) return construct_in_the_past(parameters, frames);
     Board::Snapshot from;
-    if (parameters.contains("held")) from = {parameters.at("held"), std::move(frames)};
     const auto expected = parameters.find("expected");
     const bool repeats = expected != parameters.end();
     Repetition laid;
+    std::string log;
     if (repeats) {
+      log = std::move(frames.at(0));
       laid = {nullptr, parameters.at("settings"), std::move(frames.at(1)), {}, {}};
       from = Board::Snapshot::of(laid.state);
+    } else if (parameters.contains("held")) {
+      from = {parameters.at("held"), std::move(frames)};
     }
     auto board =
         repeats ? service::construct(laid) : Board::construct(parameters.at("settings"), from);
@@ -216,7 +219,7 @@ class Worker {
     take_board(std::move(board.value()));
     board_->begin_history(from);
     if (repeats)
-      if (auto error = expect(*expected, frames.at(0))) return refuse(error->text);
+      if (auto error = expect(*expected, log)) return refuse(error->text);
     Answer answer;
     answer.result["state"] = board_->state();
     return answer;
