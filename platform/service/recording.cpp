@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -313,12 +314,16 @@ Result<Repetition> lay_out(const std::string& file) {
 }
 
 Result<std::unique_ptr<Board>> construct(const Repetition& laid) {
+  const Error damaged{
+      "the session begins in a state that is none; replay it with the program that recorded it"};
+  const Board::Snapshot begin = Board::Snapshot::of(laid.state);
+  if (!laid.state.empty() && begin.frames.empty()) return damaged;
   try {
-    return Board::construct(laid.settings, Board::Snapshot::of(laid.state));
+    return Board::construct(laid.settings, begin);
   } catch (const Json::exception&) {
-    return Error{
-        "the session begins in a state that is none; replay it with the program that "
-        "recorded it"};
+    return damaged;
+  } catch (const std::out_of_range&) {
+    return damaged;
   }
 }
 
