@@ -158,6 +158,9 @@ def print_metrics(rows, rates, bits, options):
     except ValueError as error:
         raise SystemExit(f"fault_verdicts: {error}") from None
     failure_rates.print_metrics(units, lambda hits, count: wilson(hits, count)[1])
+    unknown = sum(row["unit"] is None for row in rows)
+    if unknown:
+        print(f"left out: {unknown} faults whose runs took longer than {LIMITS['seconds']} s of the host")
 
 
 def options_of(words):
