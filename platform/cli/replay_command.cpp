@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/input_file.h"
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/session_end.h"
@@ -15,7 +14,6 @@
 #include "host/end_signals.h"
 #include "results/results.h"
 #include "service/recording.h"
-#include "service/session_file.h"
 #include "service/session_run.h"
 #include "session/run_settings.h"
 #include "view/view.h"
@@ -45,10 +43,12 @@ int replay_in_session(const ReplayArguments& arguments) {
   if (is_viewed)
     values = {{settings.view.port.about().path, arguments.view_port},
               {settings.limits.realtime.about().path, "10"}};
+  const char* const option = is_viewed ? "--view" : "--gdb";
   for (const auto& [path, value] : values)
-    if (auto error =
-            settings.set(path, value, SettingSource::command_line, is_viewed ? "--view" : "--gdb"))
+    if (auto error = settings.set(path, value, SettingSource::command_line, option))
       return refuse(error->text);
+  if ((is_viewed ? settings.view.port : settings.gdb.port)() < 0)
+    return refuse(fmt::format("{}: a port is 0 (a free one) to 65535", option));
   auto finished = is_viewed ? view::run_in_view(settings, arguments.file)
                             : service::run_in_session(settings, arguments.file);
   if (!finished) return refuse(finished.error(), code_of_refusal());
@@ -58,11 +58,7 @@ int replay_in_session(const ReplayArguments& arguments) {
 int replay(const ReplayArguments& arguments) {
   if (!arguments.gdb_port.empty() || !arguments.view_port.empty())
     return replay_in_session(arguments);
-  const InputLimits limits{"name a file that simulation.record wrote",
-                           service::SessionFile::largest, false};
-  const auto bytes = read_input(arguments.file, limits);
-  if (!bytes) return refuse(bytes.error());
-  const auto session = service::unpack_session(bytes.value(), arguments.file);
+  const auto session = service::read_session(arguments.file);
   if (!session) return refuse(session.error());
   host::note_end_signals();
   const auto replayed = service::replay(session.value(), arguments.until_s,

@@ -302,15 +302,11 @@ Result<Repetition> lay_out(const SessionFile& session) {
   return laid;
 }
 
-Result<Repetition> lay_out(const std::string& file) {
+Result<SessionFile> read_session(const std::string& file) {
   const InputLimits limits{"name a file that simulation.record wrote", SessionFile::largest, false};
   const auto bytes = read_input(file, limits);
   if (!bytes) return Error{bytes.error()};
-  const auto session = unpack_session(bytes.value(), file);
-  if (!session) return Error{session.error()};
-  auto laid = lay_out(session.value());
-  if (!laid) return Error{fmt::format("{}: {}", file, laid.error())};
-  return laid;
+  return unpack_session(bytes.value(), file);
 }
 
 Result<std::unique_ptr<Board>> construct(const Repetition& laid) {

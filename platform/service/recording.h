@@ -30,8 +30,8 @@ struct Repetition {
 };
 /// An Error: it has settings or inputs that no recorded one has, or there is no room for its files.
 Result<Repetition> lay_out(const SessionFile& session);
-/// Of a file. An Error names it.
-Result<Repetition> lay_out(const std::string& file);
+/// A file that record() gave. An Error names it.
+Result<SessionFile> read_session(const std::string& file);
 
 /// Where it begins; its inputs are to be expected. An Error as Board::construct() has it.
 Result<std::unique_ptr<Board>> construct(const Repetition& laid);

@@ -138,7 +138,7 @@ class Session {
   Simulation* simulation_of(const Request& request);
   /// Adds a worker and constructs in it; `done` gets its number, or the refusal.
   using Constructed = std::function<void(uint64_t number, Answer answer)>;
-  void start(uint64_t client, Json settings, const Snapshot* from, Constructed done);
+  void start(uint64_t client, const Snapshot& from, Constructed done);
   void start_with(uint64_t client, Json settings, Json parameters, Frames frames, Files files,
                   Constructed done);
   void start_past(const Seek& seek, uint64_t client, Json how, Constructed done);

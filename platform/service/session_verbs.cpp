@@ -169,8 +169,11 @@ void Session::construct(Request& request) {
   Frames frames;
   Files files;
   if (const auto file = request.parameters.find("session"); file != request.parameters.end()) {
-    auto laid = lay_out(file->get<std::string>());
-    if (!laid) return answer(request, refuse(laid.error()));
+    const auto session = read_session(file->get<std::string>());
+    if (!session) return answer(request, refuse(session.error()));
+    auto laid = lay_out(session.value());
+    if (!laid)
+      return answer(request, refuse(fmt::format("{}: {}", file->get<std::string>(), laid.error())));
     Repetition& repeated = laid.value();
     repeated.settings.update(settings);
     settings = std::move(repeated.settings);
@@ -299,7 +302,7 @@ void Session::restore(Request& request) {
     return answer(request, refuse(fmt::format("there is no snapshot {}", number)));
   ++clients_.at(request.client)->calls;
   simulation->is_replaced = true;
-  start(simulation->client, found->second->settings, found->second.get(),
+  start(simulation->client, *found->second,
         [this, request, old = simulation->number](uint64_t fresh, Answer constructed) {
           finish_restore(request, old, fresh, std::move(constructed));
         });
@@ -342,14 +345,13 @@ void Session::clone(Request& request) {
     family->left = count;
     const Snapshot from = std::move(*taken);
     for (uint64_t i = 0; i < count; ++i)
-      start(request.client, from.settings, &from,
-            [this, request, family](uint64_t number, Answer constructed) {
-              if (constructed.ok())
-                family->numbers.push_back(number);
-              else
-                family->refusal = std::move(constructed);
-              if (--family->left == 0) finish_clone(request, *family);
-            });
+      start(request.client, from, [this, request, family](uint64_t number, Answer constructed) {
+        if (constructed.ok())
+          family->numbers.push_back(number);
+        else
+          family->refusal = std::move(constructed);
+        if (--family->left == 0) finish_clone(request, *family);
+      });
   });
 }
 

@@ -25,10 +25,8 @@ std::string ending_of(int status) {
 
 }  // namespace
 
-void Session::start(uint64_t client, Json settings, const Snapshot* from, Constructed done) {
-  if (from == nullptr)
-    return start_with(client, std::move(settings), Json::object(), {}, nullptr, std::move(done));
-  start_with(client, std::move(settings), {{"held", from->held}}, from->frames, from->files,
+void Session::start(uint64_t client, const Snapshot& from, Constructed done) {
+  start_with(client, from.settings, {{"held", from.held}}, from.frames, from.files,
              std::move(done));
 }
 

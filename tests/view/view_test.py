@@ -334,6 +334,9 @@ class Hands(ViewCase):
         again.end()
         _, said = self.run_plain("replay", "a.session", "--view", "0", "--gdb", "0", code=2)
         self.assertIn("--view: a debugger cannot steer the same run", said)
+        for option in ("--view", "--gdb"):
+            _, said = self.run_plain("replay", "a.session", option, "-1", code=2)
+            self.assertIn(f"{option}: a port is 0 (a free one) to 65535", said)
 
     def test_a_terminal(self):
         view = self.view(FIRMWARE / "echo.elf", "--record-session", "a.session")
