@@ -145,7 +145,7 @@ int list_fault_places(const run::RunSettings& settings) {
   nlohmann::ordered_json places = nlohmann::ordered_json::array();
   uint64_t bits = 0;
   for (const inject::ListedPlace& place : simulation.value()->fault_places()) {
-    places.push_back({{"place", place.name}, {"bits", place.bits}, {"unit", place.unit}});
+    places.push_back(inject::to_json(place));
     bits += place.bits;
   }
   host::print("{}", run::to_text({{"bits", bits}, {"places", std::move(places)}}));

@@ -33,7 +33,7 @@ Answer list_places(Board& board, const Call&) {
   Answer answer;
   Json& places = answer.result["places"] = Json::array();
   for (const inject::ListedPlace& place : board.simulation().fault_places())
-    places.push_back({{"place", place.name}, {"bits", place.bits}, {"unit", place.unit}});
+    places.push_back(inject::to_json(place));
   return answer;
 }
 

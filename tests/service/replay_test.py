@@ -21,15 +21,22 @@ CTEST = {"name": "service: replay", "timeout": 600, "interpreter": "/usr/bin/pyt
 SEED = 20261126
 
 
-class Replays(Past):
-    """A session of the main job and of a program that answers, recorded and simulated again."""
+class Replayed(Past):
+    """Sessions in the test's folder, and capsoc replay."""
 
-    def replay(self, *words, code=0, name="a.session"):
-        done = subprocess.run(
+    def run_replay(self, name, *words):
+        return subprocess.run(
             [CAPSOC, "replay", name, *words], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=300
         )
+
+    def replay(self, *words, code=0, name="a.session"):
+        done = self.run_replay(name, *words)
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stdout.decode(), done.stderr.decode()
+
+
+class Replays(Replayed):
+    """A session of the main job and of a program that answers, recorded and simulated again."""
 
     def record(self, simulation, name="a.session"):
         return self.session("simulation.record", simulation=simulation, file=str(self.folder / name))
@@ -216,7 +223,7 @@ class Replays(Past):
             self.session("simulation.record", simulation=simulation, file=str(self.folder / "no" / "x"))
 
 
-class Repeated(Past):
+class Repeated(Replayed):
     """A recorded session as a simulation: one goes into it, forward and back, and leaves it for another future."""
 
     def original(self, **sensor):
@@ -316,16 +323,7 @@ class Repeated(Past):
                 "simulation.record", simulation=simulation, file=str(self.folder / "b.session"), last_s=last_s
             )
             self.assertEqual((told["from_s"], told["inputs"]), (from_s, inputs), last_s)
-            done = subprocess.run(
-                [CAPSOC, "replay", "b.session"],
-                cwd=self.folder,
-                env=CLEAN,
-                capture_output=True,
-                check=False,
-                timeout=60,
-            )
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn(f"the same until 1.7 s: {inputs} inputs".encode(), done.stderr)
+            self.assertIn(f"the same until 1.7 s: {inputs} inputs", self.replay(name="b.session")[1])
             again = self.session("simulation.construct", session=str(self.folder / "b.session"))["simulation"]
             self.assertEqual(self.where(again)["now"]["time_s"], from_s)
             self.session("simulation.goto", simulation=again, time_s=1.7)
@@ -340,10 +338,7 @@ class Repeated(Past):
             self.session("history.keep", simulation=simulation)
         self.assertGreater(self.where(simulation)["beginning"]["time_s"], 0)
         self.parts(simulation, "a.session")
-        done = subprocess.run(
-            [CAPSOC, "replay", "a.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.replay()
 
     def test_the_last_seconds_of_a_run(self):
         words = [word for name, value in SHORT.items() for word in ("-C", f"{name}={value}")]
@@ -353,10 +348,7 @@ class Repeated(Past):
         self.assertIn(b"--keep-last is the end of a recorded session; add --record-session FILE", done.stderr)
         run += ["--record-session", "a.session"]
         subprocess.run(run, cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60)
-        done = subprocess.run(
-            [CAPSOC, "replay", "a.session"], cwd=self.folder, env=CLEAN, capture_output=True, check=False, timeout=60
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.replay()
 
     def test_a_state_that_is_none(self):
         self.original()
@@ -385,14 +377,7 @@ class Repeated(Past):
             text = json.dumps(header).encode()
             first = f"capsoc session 1 {len(text)} {hashlib.sha256(text).hexdigest()}\n".encode()
             (self.folder / "b.session").write_bytes(first + text + blobs[:begin] + other + log)
-            done = subprocess.run(
-                [CAPSOC, "replay", "b.session"],
-                cwd=self.folder,
-                env=CLEAN,
-                capture_output=True,
-                check=False,
-                timeout=60,
-            )
+            done = self.run_replay("b.session")
             with self.subTest(number=number):
                 self.assertIn(done.returncode, (2,) if number < refused_ones else (0, 1, 2), done.stderr)
                 self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)

@@ -97,6 +97,10 @@ bool is_own_device(const std::string& name) {
 
 }  // namespace
 
+nlohmann::ordered_json to_json(const ListedPlace& place) {
+  return {{"place", place.name}, {"bits", place.bits}, {"unit", place.unit}};
+}
+
 Error no_such_bit(const std::string& name, unsigned bit, uint64_t bits) {
   return Error{fmt::format("{} has no bit {}; its bits are 0 to {}", name, bit, bits - 1)};
 }

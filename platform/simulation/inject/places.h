@@ -2,6 +2,7 @@
 // coprocessor.au, model.au, rtl.u_datapath.angle_q.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct ListedPlace {
     archive("unit", unit);
   }
 };
+
+/// As lists of places have it: place, bits, unit.
+nlohmann::ordered_json to_json(const ListedPlace& place);
 
 /// The places of one system. Nothing passed in is owned, and all of it must outlive the places.
 class Places {
