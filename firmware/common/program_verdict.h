@@ -25,7 +25,7 @@ enum program_verdict_condition {
 // What a pass says. Angles in 2^-32 turn.
 struct verdict_claim {
   uint32_t bound;       // no angle is further from the truth at the instant of its sample
-  uint32_t samples;     // the last so many of them are meant; 0: all that the program used
+  uint32_t samples;     // the last N are covered, N this number; 0: all that the program used
   uint32_t motion;      // of the shaft from one sample to the next; 0: not known
   uint32_t unseen;      // see verdict_if_harmonics_are_small
   uint32_t conditions;  // enum program_verdict_condition, added up

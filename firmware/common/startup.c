@@ -21,8 +21,8 @@ void _fini(void) {}
 int main(void);
 void Reset_Handler(void);
 
-// A fault that nobody handles locks the core up: an undefined instruction inside HardFault cannot
-// be escalated further. That stops a simulator and a debugger at once, where an endless loop would
+// A fault without a handler locks the core up: an undefined instruction inside HardFault cannot be
+// escalated further. That stops a simulator and a debugger at once, where an endless loop would
 // only run into a time limit. No instruction before it touches the stacked frame or a register, so
 // the first fault can be read from them. In other handlers the instruction escalates to HardFault.
 __attribute__((naked, used)) void fault_lockup(void) {

@@ -77,9 +77,9 @@ static int32_t half(uint32_t word) {
   return (int32_t)word >> 1;
 }
 
-// (X, Y), the converter's sample without its offsets, beside (P, Q), the ellipse's point at the
-// angle: a1 sin(angle), a2 cos(angle + beta). At an error d of the angle
-// X Q - Y P = a1 a2 cos(beta) sin(d), times how far the sample is from the ellipse.
+// Compares (X, Y), the converter's sample without its offsets, with (P, Q), the ellipse's point at
+// the angle: a1 sin(angle), a2 cos(angle + beta). An error d of the angle gives X Q - Y P = a1 a2
+// cos(beta) sin(d), times the sample's distance from the centre in units of the ellipse's.
 static enum safe_angle_state compare(const struct safe_angle* state, uint32_t angle) {
   const uint32_t quarter = UINT32_C(1) << 30;
   const int32_t a1 = half(state->copy[copy_a1]), a2 = half(state->copy[copy_a2]);

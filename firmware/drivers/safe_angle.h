@@ -1,8 +1,12 @@
 // An angle that was checked in its own sample, or the reason why there is none; never a stale one.
 //
-// What is checked: the copy of the parameters against its complement; that exactly one more sample
-// was processed; the status and error flags; that the angle belongs to the sample of the converter,
-// computed here from the copy; its step against the speed. Formats as in coprocessor.h.
+// Checked are:
+// - the copy of the parameters against its complement
+// - that exactly one more sample was processed
+// - the status and error flags
+// - that the angle belongs to the converter's sample, computed here from the copy
+// - the step of the angle against the speed
+// Formats as in coprocessor.h.
 #ifndef CAPSOC_SAFE_ANGLE_H
 #define CAPSOC_SAFE_ANGLE_H
 

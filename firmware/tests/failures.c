@@ -37,7 +37,7 @@ static uint32_t process_stack[128];
 
 #define NEVER_INLINE __attribute__((noinline))
 
-// A list's end that nobody looks for: `next` is null, and the vector table is RAM.
+// A missing check for the end of a list: `next` is null, and the vector table is RAM.
 NEVER_INLINE static void set_key(struct node* node, uint32_t index, uint32_t key) {
   node->keys[index] = key;  // null write
 }

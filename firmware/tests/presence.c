@@ -1,4 +1,4 @@
-// "Stop here if somebody debugs", as many assert macros have it: DHCSR.C_DEBUGEN.
+// "Stop here if a debugger is attached", as many assert macros do: tests DHCSR.C_DEBUGEN.
 #include <stdint.h>
 
 #include "fixed_print.h"

@@ -1,5 +1,5 @@
-// Lies in the PSRAM, which no reset touches: brings the board into disorder and resets it, by
-// SYSRESETREQ and by the watchdog in turn, as often as the word at `plan` says; then starts the
+// Runs from the PSRAM, which no reset clears. Brings the board into disorder and resets it, by
+// SYSRESETREQ and by the watchdog in turn, as often as the word at `plan` says. Then it starts the
 // program whose vector table is at 0, as the reset would have.
 #include <stdbool.h>
 #include <stdint.h>
@@ -79,7 +79,7 @@ static void disturb(void) {
   WORD(0xE000E400u) = next_random();  // priorities
   WORD(0xE000ED14u) |= 0x18;          // traps on division by zero and on unaligned accesses
   WORD(0xE000ED24u) |= 7u << 16;      // fault handlers
-  WORD(0xE000ED98u) = 0;              // MPU: one region that nobody may enter
+  WORD(0xE000ED98u) = 0;              // MPU: one region without access
   WORD(0xE000ED9Cu) = 0x20100000u;
   WORD(0xE000EDA0u) = 0x27;
   WORD(0xE000ED94u) = 5;

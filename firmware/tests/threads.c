@@ -1,6 +1,6 @@
-// Two threads under a small kernel of the usual shape: SVC to start, PendSV to switch, each thread
-// on its process stack without privilege, its stack alone writable behind an MPU region, and a
-// system call to print. A thread that writes on the other one's stack is ended.
+// Two threads under a small kernel of the usual shape: SVC starts, PendSV switches, a system call
+// prints. Each thread runs unprivileged on its process stack; the MPU lets it write only there. A
+// thread that writes to the other thread's stack is ended.
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,8 +115,8 @@ static void prepare(struct thread* thread, void (*body)(uint32_t), uint32_t argu
   thread->stack_pointer = sp;
 }
 
-// Goes on as the first thread: its context is unstacked as PendSV would, then it is entered without
-// privilege. The main stack is left to the handlers.
+// Continues as the first thread: its context is unstacked as PendSV would, then it is entered
+// without privilege. The main stack is left to the handlers.
 __attribute__((naked)) static void start_first(void) {
   __asm volatile(
       "ldr r0, =current\n ldr r0, [r0]\n ldr r0, [r0]\n adds r0, #32\n ldm r0, {r0-r3}\n"

@@ -8,7 +8,7 @@
 // hold every part of the turn.
 //
 // Status: 0 pass, 1 a verdict of fail, 2 the ADC refuses the
-// settings, 3 no coprocessor on this board, 4 nobody wrote parameters in the program.
+// settings, 3 no coprocessor on this board, 4 the program image has no parameters.
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

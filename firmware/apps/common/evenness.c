@@ -64,9 +64,9 @@ void evenness_feed(struct evenness* state, uint32_t angle, uint32_t elapsed) {
   pass_marks(state, way);
 }
 
-// Of the places of the window that ended: behind (negative) or ahead of a steady turn, all by the
-// same as the place where it began, which their mean takes off. There may be little time in a
-// sample.
+// Adds how far the places of the window that ended are late (negative) or early, compared with a
+// steady turn. All have the error of the place where the window began; subtracting their mean
+// removes it. Runs within one sample period, which may be short.
 static void add_turn(struct evenness* state) {
   const int64_t first = first_mark(state);
   uint32_t place = (uint32_t)((origin(state) + first) / MARK) % evenness_marks;

@@ -17,7 +17,7 @@
 #define ZEROS_LIMIT 3
 // Chance repeats 1 of 250 samples of 12 bits at an amplitude of 0.02.
 #define REPEATS_LIMIT(samples) ((samples) / 64 + 2)
-// A drift that does not grow smaller may continue for so many turns and have continued before.
+// Turns for which a drift that does not get smaller may continue, and may have continued before.
 #define LONGEST_DRIFT 16
 #define HALF_TURN (UINT32_C(1) << 31)
 // Of phi in a settled loop, 2^-32 turn.

@@ -28,9 +28,9 @@ struct turn_evidence {
   uint32_t residue;  // largest |RESIDUE|
   uint32_t drift;    // largest change in the turn: amplitudes, offsets (relative), beta (radians)
   uint32_t zeros;    // samples of 0 in both channels, if they are counted
-  uint32_t repeats;  // samples that are bit for bit the one before, if they are counted
-  // Largest step of the angle beyond the mean one, if the angles are watched; beyond twice the mean
-  // length of all, if the shaft may have any motion
+  uint32_t repeats;  // samples identical to the previous one, if they are counted
+  // Largest step of the angle beyond the mean step, if the angles are watched. If the shaft may
+  // have any motion: beyond twice the mean length of all steps.
   uint32_t jump;
   bool whole;  // a turn, or a full window in any order; not cut short at either end
 };
@@ -43,10 +43,10 @@ struct judgement {
   // The harmonic correction works, so the radius is what the sensor has, and RESIDUE what is left:
   // the radius bounds nothing then. Numeric reference only.
   bool corrected;
-  // Keeps the numeric reference at the angle; null: its speed is somebody's word.
+  // Keeps the numeric reference at the angle; null: its speed is a setting.
   struct steering* steering;
   uint32_t idle_turns;  // without learning, between two turns with it; the least
-  bool shuffled;        // samples in random order: bit for bit the one before is a stale one
+  bool shuffled;        // samples in random order: one identical to the previous one is stale
   bool mirrored;  // the parameters that were loaded are those of a reversed rotation: no objection
   // The shaft may rest, turn back and change its speed: what says so is no objection. Nothing is
   // covered; the caller looks at every window.

@@ -11,13 +11,13 @@
 #define PARAMETER_BLOCK_VALID UINT32_C(0x43414C31)
 
 struct parameter_block {
-  uint32_t valid;  // PARAMETER_BLOCK_VALID: somebody wrote the parameters
+  uint32_t valid;  // PARAMETER_BLOCK_VALID: the parameters were written
   struct coprocessor_parameters parameters;
 };
 
 // Nodes of the coprocessor's harmonic correction (2^-24 turn), from `capsoc fit --use-angle`.
 struct parameter_table {
-  uint32_t valid;  // PARAMETER_BLOCK_VALID: somebody wrote the nodes
+  uint32_t valid;  // PARAMETER_BLOCK_VALID: the nodes were written
   int32_t nodes[128];
 };
 

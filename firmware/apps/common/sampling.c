@@ -37,7 +37,7 @@ static void keep_probe(void) {
   ++probes_kept;
 }
 
-// Runs once a sample, 100,000 times in a calibration: one access to the bus where nobody wants
+// Runs once a sample, 100,000 times in a calibration: makes one bus access where no option needs
 // more.
 void COPROCESSOR_Handler(void) {
   COPROCESSOR->FLAGS = COPROCESSOR_FLAGS_RESULT_Msk;

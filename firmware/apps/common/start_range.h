@@ -1,5 +1,6 @@
-// Parameters to start with, from the range of the first samples: from the reset's coefficients the
-// angle of a signal whose offset is above its amplitude does not go round, and is learnt as it is.
+// Parameters to start with, from the range of the first samples. With the reset's coefficients, the
+// angle of a signal whose offset exceeds its amplitude does not go round the turn, and that angle
+// would be learnt.
 #ifndef CAPSOC_START_RANGE_H
 #define CAPSOC_START_RANGE_H
 

@@ -16,7 +16,7 @@ static uint32_t limited(const struct follower* state, uint64_t samples) {
   return samples < state->longest ? (uint32_t)samples : state->longest;
 }
 
-// Samples of a turn at the speed at which so many of them took so much of it.
+// Samples of a turn, at the speed at which `samples` moved the shaft by `travel` (2^-32 turn).
 static uint32_t turn_at(const struct follower* state, uint32_t samples, int64_t travel) {
   return limited(state, ((uint64_t)samples << 32) / (uint64_t)travel);
 }

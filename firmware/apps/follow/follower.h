@@ -35,9 +35,9 @@ enum follower_task {
   follower_adjust,   // steps and watchdog for `turn`
 };
 
-// Steps, Q1.31, for a turn of so many samples and the angle as reference. Half of an offset's error
-// hides in that angle, so its block is taken twice. Of the amplitudes and the phase one part hides
-// by half and another not at all: 4/3 takes two thirds of either away.
+// Steps, Q1.31, for a turn of `turn` samples with the angle as reference. Half of an offset's error
+// is hidden in that angle, so its block is taken twice. Of the errors of amplitudes and phase, one
+// part is half hidden and the other not at all: 4/3 removes two thirds of either.
 uint32_t follower_step_of_amplitudes(uint32_t turn);
 uint32_t follower_step_of_offsets(uint32_t turn);
 // Of TURN_LIMIT: one and a half turns.
@@ -47,7 +47,7 @@ uint32_t follower_watchdog(uint32_t turn);
 void follower_begin(struct follower* state, uint32_t turn, uint32_t angle);
 // The next sample's angle, 2^-32 turn.
 enum follower_task follower_feed(struct follower* state, uint32_t angle);
-// A window of the turn judge has ended, of so many samples, by a turn or by the watchdog.
+// A window of the turn judge has ended after `samples`, by a turn or by the watchdog.
 enum follower_task follower_turn_ended(struct follower* state, uint32_t samples, bool timed_out);
 
 #endif

@@ -17,15 +17,15 @@ struct error_table {
 // ANGLE and RESIDUE of a sample, 2^-32 turn.
 void error_table_add(struct error_table* table, uint32_t angle, int32_t residue);
 
-// Nodes, 2^-24 turn: the orders 0 to 10 of the means, each enlarged by what the mean over a node's
-// width takes off it (z / sin z, z = pi h / 128) and by half of what a chord misses of an arc
-// (1 + z^2 / 4). Null, or a sentence if there are none: a node has fewer than four samples, or a
-// value does not fit.
+// Computes the nodes, 2^-24 turn, from the orders h = 0 to 10 of the means. Each order is scaled by
+// two factors, with z = pi h / 128: z / sin z undoes the mean over a node's width, and 1 + z^2 / 4
+// adds half of the error of a chord. Returns null, or a sentence if there are no nodes: one has
+// fewer than four samples, or a value does not fit.
 const char* error_table_nodes(const struct error_table* table, int32_t nodes[error_nodes]);
 
-// Of the tables of two speeds, `second` at sqrt(k) times the speed of `first`, with the same
-// coefficients: what is left of `second` without the shaft's uneven motion by inertia, which falls
-// with the square of the speed: (k second - first) / (k - 1). Null, or a sentence: it does not fit.
+// Removes from `second` the shaft's uneven motion by inertia, which falls with the square of the
+// speed: (k second - first) / (k - 1). `second` was learnt at sqrt(k) times the speed of `first`,
+// with the same coefficients. Returns null, or a sentence if a value does not fit.
 const char* error_table_without_inertia(const int32_t first[error_nodes],
                                         int32_t second[error_nodes], double k);
 

@@ -238,8 +238,9 @@ static uint32_t largest(const int32_t nodes[error_nodes]) {
   return most << 8;
 }
 
-// What of the table may be the shaft's: with nothing known of its motion all of it, and as much
-// again as the sensor's own harmonics may have hidden, of which the radius shows one half.
+// Largest error that the shaft's motion may have put into the table, 2^-32 turn. If the motion is
+// unknown, that is the whole table and what the sensor's own harmonics may have hidden. The radius
+// shows half of the latter.
 static uint32_t unseen(const struct judgement* judgement, uint32_t table) {
   uint64_t most = table;
   for (uint32_t i = 0; i < judgement_turns; ++i)

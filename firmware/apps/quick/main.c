@@ -72,9 +72,10 @@ static bool learnt(const struct judgement* judgement, uint32_t shown) {
   return judgement->before >= judgement->fewest || shown >= settings.turns + more_turns;
 }
 
-// Window by window, until so many were kept. From the first good turn on only good ones count, but
-// not before the third. The angle of coefficients that were never learned need not go round, and
-// the second turn has one more sample with those. False if the signal ended before.
+// Learns window by window until settings.turns windows were kept. From the third turn on, the first
+// good turn sets CTRL.GUARD, after which only good turns count. Not earlier: the angle of
+// coefficients that were never learned need not go round, and the second turn still has one sample
+// with those. False if the signal ended before.
 static bool learn(struct supervision* state, uint32_t control, uint32_t turn) {
   struct judgement* const judgement = &state->judgement;
   uint32_t shown = 0;

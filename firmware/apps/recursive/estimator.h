@@ -1,7 +1,7 @@
 // Recursive least squares of both channels' coefficients on one covariance, for
-// U = a_u sin + b_u cos + c_u and V alike (Eq (13) of the SoC paper). With `forgetting` f a sample
-// that is k samples old counts (1 - f)^k; with `drift` q it is the Kalman filter of coefficients
-// that walk at random, q the variance of a step in units of the noise's.
+// U = a_u sin + b_u cos + c_u and V alike (Eq (13) of the SoC paper). With `forgetting` f, a sample
+// that is k samples old has the weight (1 - f)^k. With `drift` q it is the Kalman filter of
+// coefficients that are random walks; q is the variance of a step divided by that of the noise.
 #ifndef CAPSOC_ESTIMATOR_H
 #define CAPSOC_ESTIMATOR_H
 

@@ -2,9 +2,13 @@
 // a watchdog and memory protection (protection.h). What is found ends the program at once, with a
 // pin that says so.
 //
-// Status: 0 pass, 1 a verdict of fail or an angle that was refused, 2 the ADC refuses the settings,
-// 3 no coprocessor on this board, 4 stopped by the watchdog, 5 by a fault or the memory
-// protection.
+// Status:
+// - 0 pass
+// - 1 a verdict of fail, or an angle that was refused
+// - 2 the ADC refuses the settings
+// - 3 no coprocessor on this board
+// - 4 stopped by the watchdog
+// - 5 stopped by a fault or the memory protection
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -14,8 +14,9 @@ enum { angle_good_pin = 1 };
 // Ends the program at once, from any state: pin down, one line, exit.
 _Noreturn void safe_stop(int status, const char* why);
 
-// Code and constants are read-only, data is not executed, the lowest 32 bytes of the stack belong
-// to nobody. `block`, 32 bytes to 4 GiB in a power of 2 and aligned to that, is read-only.
+// Programs the MPU: code and constants are read-only, data is not executable, and any access to the
+// lowest 32 bytes of the stack faults. `block` is read-only; its size is a power of 2 from 32 bytes
+// to 4 GiB, and it is aligned to its size.
 void protect_memory(const void* block, uint32_t bytes);
 
 // Stops the program unless watchdog_serve() comes within `cycles`.

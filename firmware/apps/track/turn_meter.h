@@ -1,8 +1,8 @@
 // Measures the length of one turn from the samples of one channel: the time between two rising
-// crossings of the middle of its range, with a hysteresis of an eighth of the range to both sides
-// and linear interpolation between samples. Any waveform that rises through its middle once a turn
-// will do, in at least 22 samples. As long as the range is below six times the largest step it may
-// be noise (that of a turn of 22 samples is seven times).
+// crossings of the middle of its range. The hysteresis is an eighth of the range to both sides;
+// crossings are interpolated linearly between samples. Any waveform works that rises through its
+// middle once a turn, in at least 22 samples. A range below six times the largest step counts as
+// noise; a turn of 22 samples has a range of seven times its largest step.
 #ifndef CAPSOC_TURN_METER_H
 #define CAPSOC_TURN_METER_H
 
