@@ -178,7 +178,7 @@ class Core {
   TranslatorLimits translator_limits_;
   std::unique_ptr<Translator> translator_;
   std::string no_translator_;
-  InstructionExecutor* executing_ = &blocks_;  // stepping while somebody sees each one
+  InstructionExecutor* executing_ = &blocks_;  // stepping while each instruction is observed
 };
 
 }  // namespace capsoc::armv7m

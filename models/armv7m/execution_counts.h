@@ -59,7 +59,7 @@ class ExecutionCounts {
     std::array<uint64_t, halfwords> skipped{};
     std::array<uint64_t, halfwords> taken{};  ///< at a conditional branch's first one
   };
-  /// What it comes to so far, between two runs of the core, by the page's number.
+  /// Totals so far, by page number. Call between two runs of the core.
   std::map<uint32_t, Totals> totals() const;
 
  private:

@@ -6,8 +6,7 @@
 
 namespace capsoc::armv7m {
 
-/// Several observers behind one. Each is notified of what it asked for, in the order in which they
-/// came.
+/// Forwards to several observers. Each is notified of what it asked for, in the order of add().
 class Observers final : private Observer {
  public:
   void add(Observer& observer, bool instructions, bool accesses);

@@ -27,8 +27,9 @@ class PendingExceptions {
   bool can_be_preempted() const;
 
   void pend(unsigned number);
-  /// A store that had left the instruction behind failed (B1.5.14): BusFault, or HardFault where
-  /// that is disabled, waits until its priority is sufficient. No register keeps the write.
+  /// A buffered store failed after its instruction had retired (B1.5.14). BusFault, or HardFault
+  /// where that is disabled, is pending until its priority is sufficient. No register keeps the
+  /// write.
   void imprecise_bus_fault(const LostWrite& write);
   /// An event of the DWT or a step (C1.6.1): ignored unless the DebugMonitor is enabled and of
   /// sufficient priority.

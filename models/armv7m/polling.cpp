@@ -67,8 +67,9 @@ std::optional<Turn> Core::measure_turn(uint64_t until_cycle) {
       if (length <= addresses.size()) known_turn_.keep(machine_, addresses, length, turn);
       return turn;
     }
-    // The way into a loop may leave other flags or registers behind than a turn of it does: once,
-    // the turn begins again. Not each time: a function that a turn calls twice is passed twice.
+    // The entry into a loop may leave other flags or registers than an iteration does, so the
+    // measurement may restart once. Not each time: an iteration that calls a function twice passes
+    // it twice.
     if (std::exchange(again, true)) continue;
     begin = place;
     before = {state.cycles, state.instructions};
@@ -83,7 +84,7 @@ std::optional<Turn> Core::known_turn() const {
   return known_turn_.at(machine_);
 }
 
-/// Somebody sees the single instructions or accesses, or they are not those of a running program.
+/// True if single instructions or accesses are observed, or the core runs no program normally.
 bool Core::turns_are_seen() const {
   const State& state = machine_.state;
   const Listeners& listeners = machine_.listeners;

@@ -17,7 +17,7 @@ enum Bit : uint8_t { nz = 1, c = 2, v = 4, all = 7 };
 struct FlagUse {
   uint8_t reads = flag::all;
   uint8_t sets = 0;   ///< may get another value
-  uint8_t kills = 0;  ///< get a value that does not depend on their old one, in every case
+  uint8_t kills = 0;  ///< get a value that does not depend on their old one, in every case.
   /// Execution may leave the block at the operation, in front of it or after it, so that all flags
   /// can be seen there.
   bool exits = true;

@@ -113,11 +113,11 @@ namespace timing {
 constexpr unsigned refill_immediate = 1, refill_register = 2, refill_loaded = 3;
 constexpr unsigned most_refill = 3;
 
-/// Most wait states that a memory may have: the time of any instruction with those of its fetch
-/// fits the byte that a decoded one has for it (an LDM of 16 registers takes 17 cycles).
+/// Most wait states that a memory may have. With them, the time of any instruction and its fetch
+/// fits the byte of a decoded instruction; an LDM of 16 registers takes 17 cycles.
 constexpr unsigned most_wait_states = 200;
 
-/// What a refill of one or two cycles takes longer because of the instruction it leads to.
+/// Cycles that a refill of one or two cycles takes longer because of its target instruction.
 inline unsigned refill_beyond(const DecodedOp& target) {
   return (target.size >> 2) & (target.address >> 1) & 1;
 }
@@ -187,8 +187,8 @@ inline Trail trail_of(const DecodedOp& op) {
 }
 
 /// IT can be folded onto a 16-bit instruction in front of it and takes no time then (Cortex-M4 TRM,
-/// ARM DDI 0439, table 3-1; of the M3 the TRM says that there is folding and that ACTLR.DISFOLD
-/// switches it off).
+/// ARM DDI 0439, table 3-1). The Cortex-M3 TRM only says that there is folding and that
+/// ACTLR.DISFOLD switches it off.
 inline bool folds(Trail before, const DecodedOp& op) {
   return op.operation == Operation::it && (before & trail_narrow) != 0;
 }

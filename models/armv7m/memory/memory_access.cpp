@@ -213,9 +213,9 @@ bool MemoryAccess::mpu_applies() const {
   return context_.state.mpu.applies(context_.state.at_negative_priority());
 }
 
-/// Nothing differs within 32 bytes, so what the MPU decided is kept for as many lines as a task's
-/// stack and data have; in a program whose regions share pages, as the stacks of an RTOS do, that
-/// is every access.
+/// MPU rights do not differ within 32 bytes, so they are cached by line, with enough lines for a
+/// task's stack and data. Where regions share pages, as the stacks of an RTOS do, every access is
+/// checked here.
 bool MemoryAccess::allows(uint32_t address, bool write, bool fetch, bool privileged) {
   if (!mpu_applies()) return true;
   Line& line = lines_[address >> 5 & (lines_.size() - 1)];
@@ -279,9 +279,9 @@ CodePage* MemoryAccess::executable_page(uint32_t address) {
   return code;
 }
 
-/// The host's bytes of an aligned access to a page that regions of the MPU share, or of a store to
-/// one that has code, but not there; nullptr if it has to go the whole way. Such pages are those of
-/// most tasks' stacks, and of data after code or a vector table.
+/// Host bytes of an aligned access to a page that MPU regions share, or of a store to a page with
+/// code on other lines. nullptr: the access must take the slow path. Such pages hold most tasks'
+/// stacks, and data after code or a vector table.
 uint8_t* MemoryAccess::shared_page(uint32_t address, bool write, bool user) {
   if (write && pages_ == memory_.table()) {
     uint8_t* bytes = memory_.beside_code(address, 1);  // aligned: in one line
@@ -406,9 +406,11 @@ Access MemoryAccess::failed(const Step& op, BusResult result, uint32_t address) 
 }
 
 /// Whether the write buffer takes a store, so that its bus error comes later, as IMPRECISERR.
-/// Accesses to Normal and Device memory are buffered. Not buffered are accesses to Strongly-ordered
-/// memory (the private peripheral bus, and regions of the MPU with TEX, C and B zero), to bit-band
-/// aliases (a locked read and write) and store-exclusives (they wait for the answer).
+/// Accesses to Normal and Device memory are buffered. Not buffered are:
+/// - accesses to Strongly-ordered memory: the private peripheral bus, and MPU regions with TEX, C
+///   and B zero
+/// - accesses to bit-band aliases (a locked read and write)
+/// - store-exclusives, which wait for the answer
 /// ACTLR.DISDEFWBUF ends the buffering where the default map decides. The model's bus answers at
 /// once, so the exception is taken after the instruction that stored, if its priority allows.
 bool MemoryAccess::buffered(const Step& op, uint32_t address) const {

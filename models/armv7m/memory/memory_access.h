@@ -90,7 +90,7 @@ class MemoryAccess {
   bool is_memory_behind_bus(uint32_t address) const;
   BusResult write_physical(uint32_t address, unsigned size, uint32_t value);
   BusResult observe(const DirectAccess& access, BusResult result) const;
-  /// observe(), if there is somebody.
+  /// observe(), if there is an observer.
   BusResult shown(const DirectAccess& access, BusResult result) const;
   /// In the vector table.
   bool is_vector(uint32_t address) const;

@@ -55,7 +55,7 @@ class Scb {
 
   /// The status bits of a fault; returns the exception that it raises. `address`: for MMFAR, BFAR.
   unsigned record(Cause cause, uint32_t address);
-  /// The bus error of a store that had left its instruction behind (B1.5.14).
+  /// The bus error of a buffered store whose instruction had retired (B1.5.14).
   void record_imprecise() { cfsr_ |= 1u << 10; }
   void record_forced() { hfsr_ |= 1u << 30; }
   void record_vector_table() { hfsr_ |= 1u << 1; }

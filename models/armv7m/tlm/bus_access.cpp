@@ -10,9 +10,9 @@ namespace {
 constexpr uint32_t code_region_end =
     0x20000000;  // ARMv7-M B3.1: the Code region is served by I-code and D-code
 
-/// The part of the address space around an address in which direct memory may lie: between the
-/// borders of the ports, the bit-band aliases and the private peripheral bus (ARMv7-M B3.1), all of
-/// which the core decodes itself. A port may grant more, up to all there is.
+/// The range around an address in which direct memory may lie. Its borders are those of the ports,
+/// the bit-band aliases and the private peripheral bus (ARMv7-M B3.1), which the core decodes
+/// itself. A port may grant more, up to the whole address space.
 struct Range {
   uint64_t first, last;
 };

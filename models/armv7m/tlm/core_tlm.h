@@ -78,26 +78,26 @@ class CoreTlm : public sc_core::sc_module,
   /// kernel waits for the host (Sleep::until_woken).
   EndReason end_reason() const { return sleep_.is_without_end() ? EndReason::asleep : end_reason_; }
 
-  /// What the access that is on a socket now is for; nothing: it is not the core's (a debugger's).
+  /// Kind of the access that is on a socket now; empty: it is not the core's (a debugger's).
   std::optional<AccessKind> accessing() const { return bus_.accessing(); }
 
-  /// Asked again and again while the core executes, hundreds of thousands of cycles apart at the
-  /// most, and soon after interrupt() whatever the core does: true ends the simulation (a limit of
-  /// the host's time, a signal).
+  /// Sets the callback that ends the simulation by returning true (a limit of host time, a signal).
+  /// An executing core calls it at least every few hundred thousand cycles, and soon after
+  /// interrupt() in any state.
   void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
-  /// Has that asked soon by a core that executes. A signal handler may call it.
+  /// Makes an executing core call that callback soon. Async-signal-safe.
   void interrupt() { called_.store(true, std::memory_order_relaxed); }
-  /// The same for a core that sleeps, which may be at any simulated time: for whoever runs the
-  /// kernel, while it is paused.
+  /// The same for a sleeping core, at any simulated time. Called by the owner of the kernel while
+  /// the kernel is paused.
   void wake_if_interrupted() {
     if (is_called()) sleep_.wake();
   }
 
-  /// After the end of the simulation: a core that sleeps has done so until now, whoever woke it
-  /// in between.
+  /// Call after the end of the simulation: counts the cycles of a sleeping core up to now, even if
+  /// an event woke it in between.
   void count_sleep() { horizon_.catch_up(); }
 
-  /// Ends the simulation when the program has been idle for so long (end_on_idle.h).
+  /// Ends the simulation when the program has been idle for the rule's time (end_on_idle.h).
   void set_end_on_idle(EndOnIdle rule) { sleep_.set_end_on_idle(std::move(rule)); }
   /// The program did something at this instant that is seen outside: it is not idle.
   void note_work() { sleep_.note_work(); }

@@ -61,7 +61,7 @@ class EndOnIdle {
   }
 
  private:
-  static constexpr uint64_t longest_awake = 10;  ///< one part in so many
+  static constexpr uint64_t longest_awake = 10;  ///< of the time, as one part in this number
 
   sc_core::sc_time limit_, since_, slept_, asleep_since_;
   Work work_;

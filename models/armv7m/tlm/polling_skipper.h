@@ -47,16 +47,18 @@ class PollingSkipper {
   /// Instead of made(), where that transfer was taken.
   void repeated(uint64_t limit) { note(*latest_, true, limit); }
 
-  /// Whether it is worth a look after this run of the core.
+  /// True if the program seems to poll, so that measure() is worth a call after this run of the
+  /// core.
   bool seems_to_poll() const { return seems_to_poll_; }
   void clear() { seems_to_poll_ = false; }
 
-  /// After a read that the kernel has not run since: skips whole iterations up to a cycle if the
-  /// read is the one of the iteration measured last and everything else is as it was there. False,
-  /// and nothing done: it is not.
+  /// Skips whole iterations up to the cycle `limit`. Call after a read since which the kernel has
+  /// not run. False, with nothing done, unless that read and the core's state are those of the
+  /// iteration measured last.
   bool skip_known(uint64_t limit);
-  /// Executes up to two iterations by single steps, below a cycle. Nothing: the program does not
-  /// only wait. The caller lets the kernel catch up, and calls skip() if nothing has changed.
+  /// Executes up to two iterations by single steps, before the cycle `until_cycle`. Empty: the
+  /// program does not only wait. The caller lets the kernel catch up, and calls skip() if nothing
+  /// has changed.
   std::optional<Turn> measure(uint64_t until_cycle);
   /// Skips whole iterations like the one measured, as long as its reads are stable.
   void skip(const Turn& turn) { core_.skip_turns(turn, steady_until_); }

@@ -20,8 +20,8 @@ class PollingWatch {
     // A loop that waited last time has the same answer to wait for.
     return steady && read == waited_for_ && patience_ == least_patience;
   }
-  /// What the look came to. Behind a skip less than a turn is left, so the next read is no reason
-  /// for another look.
+  /// Result of the measurement. After a skip less than an iteration is left, so the next read is no
+  /// reason for another measurement.
   void looked(bool polls) {
     times_ = polls ? -1 : 0;
     patience_ = polls ? least_patience : std::min(2 * patience_, most_patience);

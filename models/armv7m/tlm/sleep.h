@@ -50,8 +50,8 @@ class Sleep {
 
   /// Ends the simulation when the program has been idle for a time.
   void set_end_on_idle(EndOnIdle rule) { end_on_idle_.emplace(std::move(rule)); }
-  /// Somebody outside the simulation may wake the processor: while a pause is planned, it sleeps on
-  /// though nothing inside could.
+  /// The host may wake the processor from outside the simulation. While a pause is planned, the
+  /// processor stays asleep even if nothing inside can wake it.
   void expect_inputs() { expects_inputs_ = true; }
   bool ends_on_idle() const { return end_on_idle_.has_value(); }
   /// The program did something at the core's time that is seen outside: it is not idle.

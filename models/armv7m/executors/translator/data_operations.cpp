@@ -37,7 +37,7 @@ bool is_shifted(const DecodedOp& op) {
 
 }  // namespace
 
-/// True if C is the carry of the shifter and somebody may see it.
+/// True if C is the carry of the shifter and is live.
 bool DataOperations::store_shifter_carry(const Step& step) const {
   return shifter_sets_carry(step) && (plan_.wanted(step) & flag::c) != 0;
 }
@@ -397,7 +397,7 @@ void DataOperations::emit_sum(const Step& step) {
     a_.lea(to, sum_of(host_register(step.rn), host_register(step.rm), step.shift.amount));
     return;
   }
-  // What the second operand was, if that is gone after the addition and somebody may ask.
+  // The second operand, if the addition overwrites it and a live flag depends on it.
   FlagOperand other = m;
   const bool doubles = !immediate && writes && step.rn == step.rd && step.rm == step.rd;
   const bool asked = writes ? (want & (flag::c | flag::v)) != 0 : want != 0;

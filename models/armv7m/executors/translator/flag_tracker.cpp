@@ -86,7 +86,7 @@ bool FlagTracker::only_next_reads(uint8_t which) const {
   return takes && (plan_.visible(at) & ~flag_use(next).kills & which) == 0;
 }
 
-/// A carry that was only the host's and is no longer there was of no use to anybody.
+/// Drops carries that were only in the host's flags and are overwritten there: they were dead.
 void FlagTracker::forget_host_carries() {
   for (FlagSource* source : {&flags_.c, &flags_.v})
     if (source->of == Of::host && source->serial != host_serial_) *source = {};

@@ -18,8 +18,8 @@ class Machine;
 
 /// Where the guest's flags are at the point of the code that is being written, and the code that
 /// computes them. Flags are not computed where they are set but where they are needed: a comparison
-/// becomes code at its branch, or at an exit where somebody may see it. What an exit leaves
-/// uncomputed has a recipe, by which C++ computes it.
+/// becomes code at its branch, or at an exit where the flags are live. For flags that an exit
+/// leaves uncomputed there is a recipe, from which C++ computes them.
 ///
 /// The step's code announces what it sets (set_sources, in_host); the compiler calls begin_step()
 /// in front of it and end_step() after it. Sets of flags are those of flag::Bit.

@@ -130,7 +130,7 @@ const void* HostTranslator::heat(const Step* head, CodePage& page) {
   return entry;
 }
 
-/// Runs translated code for so many cycles, and perhaps those of a block more.
+/// Runs translated code for `left` cycles, and at most one block beyond.
 const Step* HostTranslator::execute(const void* entry, uint64_t left) {
   constexpr uint64_t most = 0x7FFFFFFF;  // what the counters hold
   State& state = machine_.state;

@@ -131,8 +131,8 @@ bool MemoryPaths::reaches_directly(const Address& address, const Access& access,
          (address.index == none || scaled) && window.fixed && window.base < furthest;
 }
 
-/// The place of such an access. Whoever waits for what is loaded waits for no more than the
-/// registers of its address: the comparison is made at the same time.
+/// The host address of such an access. The load depends only on the registers of its address, so
+/// the host computes the comparison in parallel with it.
 x86::Mem MemoryPaths::straight_through_window(const Address& address, const Access& access,
                                               int number, const Label& otherwise) {
   const MemoryWindow& window = this->window(access, number);
@@ -224,9 +224,10 @@ void MemoryPaths::look_up(const Address& address, const Access& access, const La
   transfer(access, x86::ptr(x86::rax, 0, access.size));
 }
 
-/// A store to a page that has no direct bytes for it (ZF): to those next to its code and whatever
-/// else is closed, or else an exit. rcx = the page, eax = the address; adds rdx = its bytes. What
-/// is closed is looked up in the record of the page each time: code may be decoded later.
+/// A store to a page without direct bytes for it (ZF). It is made here if its line has no code and
+/// is not closed for another reason; else the translated code exits. rcx = the page, eax = the
+/// address; adds rdx = its bytes. The page's record is read each time, since code may be decoded
+/// later.
 void MemoryPaths::emit_beside_code(const Address& address, const Access& access,
                                    const Label& exit) {
   const Label direct = a_.newLabel();
@@ -271,9 +272,9 @@ void MemoryPaths::emit_slow(const SlowAccess& slow) {
   a_.jmp(slow.back);
 }
 
-/// An access of one register that is not aligned, inside its window (which has no wait states):
-/// each part beyond the first takes a cycle (a halfword at an odd address two parts, a word two or
-/// three). Goes on after this if it is aligned; leaves where it may be a fault.
+/// An unaligned access of one register inside its window, which has no wait states. Each part
+/// beyond the first takes a cycle: a halfword at an odd address has two parts, a word two or three.
+/// Continues after this code if the access is aligned; exits where it may fault.
 void MemoryPaths::emit_unaligned(const SlowAccess& slow) {
   const MemoryWindow& window = this->window(slow.access, slow.window);
   const Label aligned = a_.newLabel();

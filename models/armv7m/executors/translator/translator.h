@@ -17,12 +17,12 @@ struct TranslatorLimits {
   static constexpr std::size_t least_buffer = 72u << 10;
 
   std::size_t buffer_bytes = 32u << 20;  ///< for host code; no less than least_buffer
-  /// See Translator::set_threshold(). A block of six instructions took 2.5 to 3.6 us to translate,
-  /// and each of them 2.3 to 2.8 ns less then: that pays after 180 to 250 executions (960 blocks in
-  /// random order, AMD EPYC). Long programs do not tell 10 from 254.
+  /// See Translator::set_threshold(). Translating a block of six instructions took 2.5 to 3.6 us
+  /// and saved 2.3 to 2.8 ns an instruction. That pays after 180 to 250 executions (960 blocks in
+  /// random order, AMD EPYC). Long programs run equally fast with 10 and with 254.
   uint8_t threshold = 200;
-  /// Instructions before the first look at what is hot: they take 0.3 ms, as much as the first
-  /// translations, so that a program which ends by then does not pay for these.
+  /// Instructions before the first search for hot blocks. They take 0.3 ms, as much as the first
+  /// translations, so a program that ends earlier does not pay for translations.
   uint64_t warm_up = 100'000;
   bool bit_manipulation = true;  ///< BMI1 and BMI2, where the host has them
 };
