@@ -14,9 +14,9 @@
 namespace capsoc::an385 {
 
 /// Board identification, eight LEDs and switches, and the channel to the board's configuration
-/// controller, behind which this model has the three oscillators and nothing else (function 1,
-/// devices 0 to 2, hertz). A transfer completes at once. CFG_REG0's remapping of block RAM to
-/// address 0 is not modelled and reported when asked for.
+/// controller. Of the controller this model has only the three oscillators (function 1, devices 0
+/// to 2, hertz). A transfer completes at once. CFG_REG0's remapping of block RAM to address 0 is
+/// not modelled and reported when asked for.
 class Scc : public kit::RegisterBank {
  public:
   explicit Scc(const sc_core::sc_module_name& name);

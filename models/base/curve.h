@@ -35,7 +35,8 @@ using Curves = std::vector<std::pair<std::string, Curve>>;
 /// keeps it as a point more.
 class Thinner {
  public:
-  /// For so many curves that get their points at the same x: half of the work of one for each.
+  /// Thins `curves` curves that get their points at the same x. One thinner for all takes half of
+  /// the time of one thinner each.
   explicit Thinner(std::size_t buckets, std::size_t curves = 1);
 
   void add(double x, double y) { add(x, &y); }
@@ -81,10 +82,10 @@ class Thinner {
   void begin_bucket();
   void halve();
 
-  std::size_t parts_;  // at the end, and half as many as there are buckets at most
+  std::size_t parts_;  // at the end; at most half the number of buckets
   std::size_t curves_;
   std::size_t width_ = 1;  // points of a bucket
-  std::size_t room_ = 0;   // for so many points in the last one
+  std::size_t room_ = 0;   // free places for points in the last bucket
   std::size_t points_ = 0;
   double last_x_ = 0;
   std::vector<double> last_y_;   // by curve
@@ -94,7 +95,7 @@ class Thinner {
 /// The same of a curve that is there.
 Curve thinned(const Curve& curve, std::size_t buckets);
 
-/// The number with so many significant digits that is nearest: what a plot needs, and fewer bytes.
+/// Rounds to `digits` significant digits: enough for a plot, and fewer bytes.
 double rounded(double value, int digits);
 
 /// `{name: {"x": [...], "y": [...]}}`, gaps as null.

@@ -16,7 +16,7 @@ namespace {
 /// Closed at the end of its scope.
 class OpenFile {
  public:
-  // Not waiting: a pipe that nobody writes to must not hold the program.
+  // Non-blocking: a pipe without a writer must not block the program.
   explicit OpenFile(const std::string& path)
       : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {}
   ~OpenFile() {

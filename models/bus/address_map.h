@@ -54,9 +54,13 @@ using AddressMap = std::vector<MapEntry>;
 /// The name under which the matrix knows the AHB-to-APB bridge.
 constexpr const char* apb_bridge_target = "apb_bridge";
 
-/// An empty string if the map is sound, else one sentence a fault: empty or duplicate names, zero
-/// sizes, ranges past 32 bits, boundaries off the 4-byte grid, windows that do not divide their
-/// range, overlaps, one target on two buses.
+/// Checks the map. Returns an empty string, or one sentence for each fault:
+/// - empty or duplicate names
+/// - zero sizes, or ranges past 32 bits
+/// - boundaries that are no multiple of 4 bytes
+/// - windows that do not divide their range
+/// - overlaps
+/// - one target on two buses
 std::string validate(const AddressMap& map);
 
 /// The entry of that name, or nullptr.

@@ -43,13 +43,14 @@ class AhbMatrix : public sc_core::sc_module {
 
   AhbMatrix(const sc_core::sc_module_name& name, AddressMap map, const kit::ClockDomain& clock);
 
-  /// The socket to bind to a target: a target name of the map's AHB entries, or
-  /// apb_bridge_target, through which every APB entry goes with its bus address unchanged.
-  /// nullptr if the map has no such target. Every existing port must be bound.
+  /// The socket to bind to a target: a target name of the map's AHB entries, or apb_bridge_target.
+  /// Accesses to all APB entries go through the latter, with the bus address unchanged. nullptr if
+  /// the map has no such target. Every existing port must be bound.
   InitiatorSocket* port(const std::string& target);
 
-  /// Transfers that were answered (debug access and direct memory excepted): the payload as it goes
-  /// back, with the address on the bus and no extensions, and when from now it began and ended.
+  /// Notifies of each transfer that was answered, except debug access and direct memory. Arguments:
+  /// the payload as it goes back, with the address on the bus and no extensions; begin and end of
+  /// the transfer, relative to now.
   kit::Probe<const tlm::tlm_generic_payload&, const sc_core::sc_time&, const sc_core::sc_time&>
       transfers;
 

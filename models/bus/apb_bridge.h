@@ -31,10 +31,11 @@ constexpr unsigned apb_transfer_cycles = 2;
 /// is not the device's response status, and an interconnect must not change the status of a payload
 /// that it has passed on (IEEE 1666-2011, 14.7).
 ///
-/// Answers: TLM_BURST_ERROR_RESPONSE for a length that no AHB transfer has or for streaming;
-/// TLM_ADDRESS_ERROR_RESPONSE if misaligned or nothing is selected; an error of the device is
-/// PSLVERR and becomes TLM_GENERIC_ERROR_RESPONSE, except that a device's address error stays one.
-/// TLM_IGNORE_COMMAND makes no transfer. No direct memory.
+/// Answers:
+/// - TLM_BURST_ERROR_RESPONSE: a length that no AHB transfer has, or streaming
+/// - TLM_ADDRESS_ERROR_RESPONSE: misaligned, or no device is selected, or the device's own answer
+/// - TLM_GENERIC_ERROR_RESPONSE: any other error of the device (PSLVERR)
+/// TLM_IGNORE_COMMAND makes no transfer. There is no direct memory.
 class ApbBridge : public sc_core::sc_module {
  public:
   using InitiatorSocket = tlm_utils::simple_initiator_socket<ApbBridge>;

@@ -151,7 +151,7 @@ uint16_t Gpio::sampled_at(uint64_t cycle) const {
   return levels;
 }
 
-/// Where nobody looks at the pins and none of them interrupts, they are seen by reads alone.
+/// If the pins have no observer and none of them interrupts, only reads see them.
 bool Gpio::takes_early(uint32_t offset, uint32_t value, uint32_t) const {
   return (offset == DATA.description().offset || offset == DATAOUT.description().offset) &&
          value <= pin_bits && !outputs.watched() && interrupt_enable_ == 0;

@@ -2,13 +2,14 @@
 // lockstep. Plain C++: time is a PCLK edge number that the caller hands in and that never decreases
 // from call to call.
 //
-// What is submitted or written "at edge c" is on the pins in the interval before it and acts at it;
-// what is read "at edge c" is on the pins in the interval after it and shows what it left. At one
-// edge things happen in the order of docs/reference/coprocessor.md: ends and starts of ticks, then
-// at most one submit(), then at most one write(). After a read(), or after next_event(),
-// interrupt(), idle(), nodes() or stage_nodes(), edge c is closed: the next submit() or write()
-// must name a later one. The bus carries one transfer an interval: after a read() that is not for
-// debugging at edge c the next read() is at c + 1 and the next write() at c + 2 at the earliest.
+// What is submitted or written "at edge c" is on the pins in the interval before edge c and acts at
+// that edge. What is read "at edge c" is on the pins in the interval after edge c and shows the
+// state after it. The order at one edge is that of docs/reference/coprocessor.md: ends and starts
+// of ticks, then at most one submit(), then at most one write(). After a read(), or after
+// next_event(), interrupt(), idle(), nodes() or stage_nodes(), edge c is closed: the next submit()
+// or write() must name a later one. The bus carries one transfer an interval: after a read() that
+// is not for debugging at edge c the next read() is at c + 1 and the next write() at c + 2 at the
+// earliest.
 #pragma once
 
 #include <cstdint>

@@ -19,10 +19,10 @@ double largest_angle_of(const Change& change);
 double largest_angle_of(const Eigen::Matrix<double, 5, 5>& covariance,
                         const std::function<bool(double)>& within = nullptr);
 
-/// Factor of the angle's standard deviation that the error stays within at all angles at once, but
-/// for a part `risk` of the records: the volume of the tube about the curve of the directions
-/// (Hotelling 1939; an upper bound: Naiman 1986), or Scheffe's factor where that is smaller.
-/// `freedom`: of the noise that the covariance was scaled with.
+/// Factor of the angle's standard deviation within which the error stays at all angles at once,
+/// except in a part `risk` of the records. It is the volume of the tube about the curve of the
+/// directions (Hotelling 1939; an upper bound: Naiman 1986), or Scheffe's factor where that is
+/// smaller. `freedom`: of the noise that the covariance was scaled with.
 double simultaneous_factor(const Eigen::Matrix<double, 5, 5>& covariance, double freedom,
                            double risk, const std::function<bool(double)>& within);
 

@@ -195,8 +195,8 @@ std::string reason_against_intervals(const Evidence& evidence, const Identificat
   return "";
 }
 
-/// Harmonics that could hide are the bound's affair; a record is refused for what it tells too
-/// little of.
+/// Refuses a record that determines the angle too poorly. Hidden harmonics are part of the bound
+/// and refuse no record.
 void check_bound(double limit, Identification& found) {
   const double turn = found.bound->parameters * 180 / pi;
   const double arc = found.bound->arc.parameters * 180 / pi;

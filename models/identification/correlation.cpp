@@ -26,9 +26,9 @@ constexpr double slow_part = 1.0 / 40;  ///< of the record
 /// Short and long memories, parts of the record, and the share of the variance that each has where
 /// noise is of all memories.
 constexpr double short_memory = 1.0 / 300, long_memory = 1.0 / 100, least_of_memories = 0.08;
-/// Where a record shows one long memory only, white noise may stand for the short ones, and
-/// memories longer than the record may hide behind the long one: this long, and this share of the
-/// variance.
+/// Least length and share of the variance of a single long memory, where a record shows no other.
+/// White noise may then stand for the short memories, and the long one may mask memories longer
+/// than the record.
 constexpr double lone_memory = 1.0 / 80, least_of_lone_memory = 0.25;
 constexpr int noise_rounds = 4;
 /// Samples of one stretch, at least, that the covariance of the sums is taken from.

@@ -7,7 +7,7 @@ namespace capsoc::identification {
 /// (0, 1): 0.95 gives 1.96.
 double normal_quantile(double share);
 
-/// The same for Student's distribution with so many degrees of freedom (positive): 0.95 and 15
+/// The same for Student's distribution with `freedom` degrees of freedom (positive): 0.95 and 15
 /// give 2.131.
 double student_quantile(double share, double freedom);
 

@@ -65,9 +65,9 @@ bool large_enough(Eigen::Index top, Eigen::Index count) {
   return top >= least_pile && 100 * top >= count;
 }
 
-/// A sine whose peak lies anywhere within its last step has at most 1/(sqrt 2 - 1) = 2.4 times as
-/// many samples in that step as in the one below; four times is a flat top. For samples that no
-/// converter rounded: equal values are rare among them.
+/// For samples that no converter rounded: equal values are rare among them. A sine whose peak lies
+/// anywhere within its last step has at most 1/(sqrt 2 - 1) = 2.4 times the samples of the step
+/// below in that step. Four times the samples mean a flat top.
 bool piled_up(const Pile& pile, Eigen::Index count) {
   return large_enough(pile.top, count) &&
          static_cast<double>(pile.top) >

@@ -86,7 +86,8 @@ Harmonics automatic(const Channel& u, const Channel& v, const Parameters& start,
   } else if (best.unbounded.empty()) {
     best.unbounded = unbounded_by(curve);
   }
-  // Orders 1 to 3 of the spread cannot be told from harmonics: somebody has to guarantee them.
+  // Orders 1 to 3 of the spread cannot be distinguished from harmonics: the user has to guarantee
+  // them.
   if (best.held && best.assumption == Assumption::even_coverage)
     best.unbounded =
         "samples that are not in order cover the turn evenly or do not, and the samples alone do "
@@ -94,7 +95,8 @@ Harmonics automatic(const Channel& u, const Channel& v, const Parameters& start,
   return best.held ? answer(best, failures) : fallen_back(best, failures, start);
 }
 
-/// An assumption that somebody guarantees still has to leave distances that noise explains.
+/// Even with an assumption that the user guarantees, noise has to explain the distances that
+/// remain.
 Harmonics as_asked(const Channel& u, const Channel& v, const Attempt& attempt, int highest) {
   Harmonics harmonics = answer(attempt, "");
   const double scale = std::min(attempt.model.fundamental.a1, attempt.model.fundamental.a2);

@@ -1,4 +1,4 @@
-// What an identification is asked for, and what it comes to.
+// Options and result of an identification.
 #pragma once
 
 #include <optional>

@@ -23,7 +23,7 @@ struct Positions {
 /// average. One pass over the samples and one for each group's sums.
 Positions positions_of(const Channel& u, const Channel& v, const DistanceFit& fit);
 
-/// The scores of as many samples as there are positions, each the mean of its own.
+/// One score for each position: the mean of its samples' scores.
 Scores of_means(const Scores& scores, const Positions& positions);
 
 }  // namespace capsoc::identification

@@ -72,11 +72,12 @@ Result<Parameters> closed_form(const Channel& u, const Channel& v) {
   return fit ? fit : fit_direct(u, v);
 }
 
-/// Cells of the plane in which the samples are counted, a side, and how many times as many as the
-/// average cell one may have.
+/// Cells of the plane in which the samples are counted, along each side; and the most samples that
+/// a cell may have, in units of the average cell's.
 constexpr int cells = 64;
 constexpr double fullest = 8;
-/// Samples that a start is looked for in; of longer records, so many spread over it.
+/// Most samples in which a start is looked for; of longer records, this many are taken from all
+/// over the record.
 constexpr Eigen::Index most_for_start = 1 << 17;
 constexpr double golden_step = 0.61803398874989484820;
 
@@ -110,7 +111,7 @@ std::vector<Eigen::Index> evenly_placed(const Channel& u, const Channel& v) {
   if (even && stride == 1) return places;
   for (Eigen::Index k = 0; k < steps; ++k) {
     const std::size_t cell = cell_of(place_of(k));
-    // Every so many of a full cell's, spread over the record.
+    // Of a full cell every N-th sample, spread over the record.
     const Eigen::Index every = (samples[cell] - 1) / limit + 1;
     if (used[cell]++ % every == 0) places.push_back(place_of(k));
   }
@@ -141,8 +142,8 @@ std::optional<Parameters> best_draw(const Channel& u, const Channel& v) {
 }
 
 /// How far noise reaches in a record of that many samples. A sample is never farther from the
-/// ellipse than from where it would be without noise, and that distance exceeds k in exp(-k^2/2) of
-/// all cases; Student's distribution has the uncertainty of the noise itself.
+/// ellipse than from its place without noise. That distance exceeds k in exp(-k^2/2) of all cases.
+/// Student's distribution adds the uncertainty of the noise itself.
 double reach_of(Eigen::Index count, Eigen::Index kept) {
   const double tail = false_alarms / static_cast<double>(count);
   const double freedom = std::max(static_cast<double>(kept) - 6, 1.0);
@@ -227,8 +228,9 @@ std::optional<RobustStart> robust_start(const Channel& u, const Channel& v) {
 RobustFit fit_robustly(const Channel& u, const Channel& v, const RobustStart& start,
                        double resolution) {
   RobustFit robust;
-  // What is evenly distorted, by harmonics for instance, is near no ellipse as a whole, and the
-  // median follows a part of it: nothing is an outlier when nothing is far from the fit of all.
+  // Evenly distorted signals, by harmonics for instance, are near no ellipse as a whole, and the
+  // median follows a part of them. So the fit of all samples comes first: if no sample is far from
+  // it, there are no outliers.
   robust.fit = fit_distances(u, v, start.parameters);
   if (robust.fit.converged) {
     const double noise = std::max(robust.fit.noise, resolution / 10);

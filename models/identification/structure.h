@@ -18,7 +18,7 @@ struct Structure {
   /// Probability that noise alone gives a test value as extreme as the largest one; found: below
   /// structure_false_alarms.
   double probability = 1;
-  int last_order = 0;  ///< the highest that the samples suffice for; below 3: nothing was tested
+  int last_order = 0;  ///< the highest that the samples suffice for; below 3: nothing was tested.
   /// Combinations of the orders' terms that were tested: all of them when the samples cover the
   /// turn, fewer on an arc or at few angles, where the ellipse takes the others up.
   int directions = 0;

@@ -93,8 +93,8 @@ Result<Training> finish(const Channel& u, const Channel& v, const Nodes& nodes, 
     return Error{
         "the training diverged: start from an ellipse fit, or use a smaller rate or decay it"};
   }
-  // A small arc of a huge ellipse passes for a point: its loss is near 0 wherever the samples are,
-  // and a start too far from the answer (|beta| from about 1.3 on) can run away along that valley.
+  // A small arc of a huge ellipse looks like a point: its loss is near 0 wherever the samples are.
+  // A start too far from the answer (|beta| from about 1.3 on) can run away along that valley.
   const bool too_large_u = training.parameters.a1 > largest_magnification * half_range(u);
   const bool too_large_v = training.parameters.a2 > largest_magnification * half_range(v);
   if (too_large_u || too_large_v) {

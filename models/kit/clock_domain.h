@@ -12,9 +12,9 @@ namespace capsoc::kit {
 
 /// A clock that is never toggled: it converts between simulated time and edge numbers, exactly.
 ///
-/// Edge n of an epoch lies at epoch_time + ceil(n / f) in units of the time resolution, so every
-/// edge is at or after its ideal place and edge numbers survive a change of frequency without a
-/// jump. Edge 0 is the start of simulated time.
+/// Edge n of an epoch lies at epoch_time + ceil(n / f) in units of the time resolution. So every
+/// edge is at or after its ideal time, and edge numbers continue without a jump over a change of
+/// frequency. Edge 0 is the start of simulated time.
 class ClockDomain {
  public:
   /// `hz` must not be 0; 0 counts as 1.
@@ -32,7 +32,7 @@ class ClockDomain {
   /// before the latest change of frequency yields the instant of that change.
   sc_core::sc_time time_of(uint64_t cycle) const;
 
-  /// What so many cycles take from the last edge at or before `time`.
+  /// Time that `cycles` cycles take, from the last edge at or before `time`.
   sc_core::sc_time duration(uint64_t cycles, const sc_core::sc_time& time) const;
   /// The same if it is few cycles and does not depend on the time, else null.
   const sc_core::sc_time* fixed_duration(uint64_t cycles) const {

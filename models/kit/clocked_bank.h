@@ -10,9 +10,10 @@
 
 namespace capsoc::kit {
 
-/// State is a function of the edge number. advance() brings it to an edge. next_change() names the
-/// edge at which something becomes visible outside (an interrupt, a byte on the line), and exactly
-/// one event is kept for that edge. A change of frequency moves the event, not the edge number.
+/// Registers whose state is a function of the edge number. advance() brings it to an edge.
+/// next_change() returns the edge at which something becomes visible outside: an interrupt, a byte
+/// on the line. Exactly one event is kept for that edge. A change of frequency moves the event, not
+/// the edge number.
 ///
 /// Registers that are computed are functions of the edge, too (now()), so that reads may be made
 /// ahead of the kernel. Every access first advances, so the order of an event and an access in one

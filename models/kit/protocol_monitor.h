@@ -19,8 +19,8 @@ namespace capsoc::kit {
 ///     initiator.socket.bind(monitor.from_initiator);
 ///     monitor.to_target.bind(target.socket);
 ///
-/// Monitors of one system share a watch. An interconnect between two monitors is checked as well,
-/// as far as it passes a payload on and does not make one of its own.
+/// Monitors of one system share a watch. An interconnect between two monitors is checked as well
+/// where it passes a payload on; not where it makes a separate payload.
 template <unsigned BUSWIDTH = 32>
 class ProtocolMonitor : public sc_core::sc_module,
                         private tlm::tlm_fw_transport_if<>,

@@ -20,10 +20,12 @@ enum class AccessRule {
 /// The bus side of a device made of 32-bit registers, little-endian: takes any payload apart and
 /// answers it, however wrong it is. What a register does is up to the derived class.
 ///
-/// Answers: TLM_COMMAND_ERROR_RESPONSE no read or write; TLM_BURST_ERROR_RESPONSE length not 1, 2,
-/// 4 or streaming; TLM_BYTE_ENABLE_ERROR_RESPONSE enables that are empty or neither 0x00 nor 0xff;
-/// TLM_ADDRESS_ERROR_RESPONSE beyond the device, unaligned, against the AccessRule, or refused by
-/// the register (PSLVERR on an APB).
+/// Answers:
+/// - TLM_COMMAND_ERROR_RESPONSE: no read or write
+/// - TLM_BURST_ERROR_RESPONSE: a length other than 1, 2 or 4, or streaming
+/// - TLM_BYTE_ENABLE_ERROR_RESPONSE: byte enables that are empty, or neither 0x00 nor 0xff
+/// - TLM_ADDRESS_ERROR_RESPONSE: beyond the device, unaligned, against the AccessRule, or refused
+/// by the register (PSLVERR on an APB)
 class RegisterTarget : public sc_core::sc_module, public Component {
  public:
   tlm_utils::simple_target_socket<RegisterTarget> socket{"socket"};

@@ -43,8 +43,9 @@ struct ColumnChoice {
 Result<ColumnChoice> choose_columns(const std::vector<ColumnName>& names,
                                     const std::string& wanted);
 
-/// The same for columns without names, of which the first rows are known (`rows[k][column]`): two
-/// are u and v, three t, u and v, four t, u, v and the angle, if the first one rises.
+/// The same for columns without names, of which the first rows are known (`rows[k][column]`). Two
+/// columns are u and v. If the first one rises, three are t, u and v, and four are t, u, v and the
+/// angle.
 Result<ColumnChoice> choose_nameless(std::size_t columns,
                                      const std::vector<std::vector<double>>& rows,
                                      const std::string& wanted);

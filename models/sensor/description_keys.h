@@ -1,4 +1,4 @@
-// The keys of a description by name, for those who set one from outside its file.
+// The keys of a description by name, for callers that set one from outside its file.
 #pragma once
 
 #include <optional>

@@ -40,8 +40,8 @@ Error RecordingBuilder::error(const std::string& message) const {
   return Error{file_ + ": " + message};
 }
 
-/// Full scale becomes 1. Whoever gives a unit has the last word; without one the values must be in
-/// that of a converter's full scale already.
+/// Scales full scale to 1. A unit that the user gives takes precedence; without one the values must
+/// already be in units of a converter's full scale.
 std::optional<Error> RecordingBuilder::scale() {
   UnitGuess unit{"", options_.full_scale.value_or(1), options_.zero.value_or(0)};
   if (options_.automatic_scale) unit = guess_unit(range_, choice_.value_unit);

@@ -53,9 +53,9 @@ struct NoiseConfig {
   uint64_t seed = 0;
 };
 
-/// The SoC paper's Eq (22): each channel's frequency is off by its own random amount at every
-/// sample, normalised to its peak within the record: f (1 + scale g(k) / max|g|), times the time in
-/// seconds. So the phase error grows with time, and the two channels see different angles.
+/// The SoC paper's Eq (22): each channel's frequency has a separate random error at every sample,
+/// normalised to its peak within the record. The phase is f (1 + scale g(k) / max|g|) times the
+/// time in seconds. So the phase error grows with time, and the two channels see different angles.
 struct SpeedDisturbanceConfig {
   double scale = 0.0;
   uint64_t record_samples = 100000;

@@ -18,8 +18,8 @@
 
 namespace capsoc::coprocessor {
 
-/// The coprocessor on the bus: gives the device behind it (model, RTL or both) its cycle numbers
-/// and turns its next event into one notification. Registers: models/registers/capsoc.svd,
+/// The coprocessor on the bus: gives its device (model, RTL or both) the cycle numbers and turns
+/// the device's next event into one notification. Registers: models/registers/capsoc.svd,
 /// peripheral COPROCESSOR; words only, anything else is an address error.
 ///
 /// A sample or a write that arrives in the interval after edge n waits in a latch and acts at edge
@@ -30,7 +30,7 @@ class CoprocessorTlm : public kit::RegisterTarget {
   /// `clock` is PCLK and must outlive the coprocessor.
   CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock,
                  std::unique_ptr<Device> device);
-  /// With the model behind it.
+  /// With the model as its device.
   CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDomain& clock, Options options = {})
       : CoprocessorTlm(name, clock, std::make_unique<Coprocessor>(options)) {}
 
