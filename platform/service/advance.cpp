@@ -69,10 +69,10 @@ bool Advance::after_run(armv7m::StopReason reason, bool advanced) {
   const armv7m::Core& core = board_.soc().cpu.core();
   const bool stays = watcher_.on_run && watcher_.on_run(reason, advanced);
   if (stays) stop("debugger");
-  // In front of a BKPT it would stand for good.
+  // In front of a BKPT the processor would not advance any more.
   if (reason == armv7m::StopReason::breakpoint && is_at_bkpt()) {
     board_.stood_at_bkpt();
-    // Somebody had helped it over.
+    // If the history has an input here, a client moved the processor past the BKPT.
     const Input* const input = board_.history().next();
     if (input != nullptr && input->at == board_.position())
       board_.simulation().stop_soon();
@@ -247,7 +247,7 @@ std::optional<Error> Advance::advance_to(const sc_core::sc_time& time) {
     const auto more = board_.simulation().advance_to(waits ? time_of(input->at) : until);
     if (!more) return Error{more.error()};
     is_over_ = !more.value();
-    // Before its time, and nobody here had asked for it: a client had, or the history.
+    // An early return without a request from this advance: a client interrupted, or the history.
     const bool called = board_.simulation().take_interruption();
     is_cut_ = called && board_.is_interrupted();
     if (is_over_ || is_cut_ || hit_ != nullptr || clock_changed_) break;
@@ -358,7 +358,7 @@ std::optional<Error> Advance::kill() {
   return advance_to(limit_);
 }
 
-/// Time stands still until somebody outside does something.
+/// Nothing inside the simulation can wake the processor: time stops until a client acts.
 bool Advance::asleep_for_good() {
   if (!waits_asleep_) return false;
   stop("asleep");

@@ -86,7 +86,7 @@ class Board {
   /// Begins a history with the state that the board was constructed in, unless its settings allow
   /// none.
   void begin_history(const Snapshot& from);
-  /// Goes on in one, from a snapshot of it, in whose state the board was constructed.
+  /// Continues a history from one of its snapshots, in whose state the board was constructed.
   void continue_history(History history, std::size_t snapshot);
   /// Adds a snapshot to the history if one is due. Between two instructions.
   void remember();

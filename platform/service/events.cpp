@@ -119,7 +119,7 @@ void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry
 
 /// `line`: bytes of a text in it.
 void Events::add(Json event, std::size_t line) {
-  // By the event's own time: the kernel may be behind the processor.
+  // By the event's own time: the kernel may lag the processor.
   if (event.at("time_s").get<double>() < told_.to_seconds()) return;
   constexpr std::size_t of_an_event = 120, of_a_byte = 6;
   const std::size_t bytes = of_an_event + of_a_byte * line;

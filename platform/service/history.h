@@ -2,9 +2,9 @@
 // position in the past is reached again.
 //
 // A worker records its history while it advances. To go back, the session takes the history from
-// the worker, starts another worker from the last snapshot before the position and hands the
-// history to it; that worker advances to the position and applies the logged inputs on the way.
-// Nothing here knows of sockets, processes or SystemC.
+// the worker. It starts another worker from the last snapshot before the position and passes the
+// history to it. That worker advances to the position and applies the logged inputs on the way.
+// This code does not depend on sockets, processes or SystemC.
 #pragma once
 
 #include <cstddef>

@@ -65,8 +65,8 @@ bool is_recorded(const run::RunSettings& settings, const Setting& setting) {
          std::find(std::begin(ends), std::end(ends), setting.path) != std::end(ends);
 }
 
-/// Whether a setting names a file that is recorded by content. A library would be code of whoever
-/// wrote the session.
+/// Whether a setting names a file that is recorded by content. A library is not: replaying a
+/// session from another user would execute its code.
 bool is_recorded_file(const run::RunSettings& settings, const Setting& setting) {
   return setting.kind == SettingKind::input &&
          setting.path != settings.coprocessor.rtl_library.about().path &&

@@ -14,7 +14,7 @@
 namespace capsoc::service {
 namespace {
 
-/// Whoever ended the simulation's process: it did not end well.
+/// Result of a run whose simulation process is gone, for any reason.
 Json ended_badly(const Answer& refusal) {
   return {{"code", run::exit_code::internal}, {"lost", {refusal.sentence}}};
 }

@@ -31,7 +31,7 @@ class RunSession {
 
   SessionClient& client() { return session_.client(); }
   uint64_t simulation() const { return simulation_; }
-  /// Whoever ended the simulation's process before it was constructed: it did not end well.
+  /// The simulation's process ended before the simulation was constructed, for any reason.
   bool is_gone() const { return !gone_.is_null(); }
 
   /// Asks about the simulation, and waits for the answer.

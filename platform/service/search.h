@@ -29,12 +29,14 @@ class Search final : private armv7m::Observer {
   Search(const Search&) = delete;
   Search& operator=(const Search&) = delete;
 
-  /// {"points"}: the last instant at which debugger.resume would have stopped. {"write": [address,
-  /// size]}: the last write to one of these bytes. {"register": index}: the last instruction that
-  /// changed it. {"expression", "every_ps"}: the last instant of the grid at which it was not 0.
-  /// {"name" or "signal", "every_ps"}: the last change of a register or field of a device, or of a
-  /// signal of the coprocessor. The result: {"hit": null}, or {"hit": position} and what else is
-  /// known.
+  /// Searches for:
+  /// - {"points"}: the last instant at which debugger.resume would have stopped
+  /// - {"write": [address, size]}: the last write to one of these bytes
+  /// - {"register": index}: the last instruction that changed it
+  /// - {"expression", "every_ps"}: the last instant of the grid at which it was not 0
+  /// - {"name" or "signal", "every_ps"}: the last change of a register or field of a device, or of
+  ///   a signal of the coprocessor
+  /// The result: {"hit": null}, or {"hit": position} and what else is known.
   Answer perform(const Json& what);
 
  private:

@@ -78,13 +78,13 @@ void Session::serve() {
   for (auto& [number, client] : clients_) client->outbox.write_to(client->write_descriptor());
 }
 
-/// Waits until somebody has something to say, or to hear, and sees to all of them.
+/// Waits until a client or worker has sent data or can take some, and serves all that are ready.
 void Session::wait() {
   std::vector<pollfd> all;
   std::vector<std::function<void(short)>> then;
   const auto watch = [&](int descriptor, int wanted, std::function<void(short)> what) {
     if (wanted == 0) return;
-    // That nobody reads a pipe is told though nothing is asked for.
+    // poll() reports a pipe without a reader even if no event is asked for.
     const auto events = static_cast<short>(wanted == POLLERR ? 0 : wanted);
     all.push_back({descriptor, events, 0});
     then.push_back(std::move(what));
@@ -171,7 +171,7 @@ void Session::take(Client& client, Message message) {
                          refuse(R"(write {"jsonrpc": "2.0", "id": 1, "method": "...", )"
                                 R"("params": {...}})",
                                 Code::invalid_request));
-  // Without an id nobody waits for an answer.
+  // A request without an id gets no answer (JSON-RPC notification).
   Request request{client.number, id == body.end() ? Json(Json::value_t::discarded) : *id,
                   method->get<std::string>(), Json::object(), std::move(message.frames)};
   if (const auto parameters = body.find("params"); parameters != body.end())

@@ -99,8 +99,8 @@ class SessionRun final : private debug::Clients::Processor {
     return parameters;
   }
 
-  /// The answer to a request, which is interrupted when somebody wants something, or when what the
-  /// program says is due to be shown.
+  /// Asks, and returns the answer. Interrupts the request when a debugger has sent a packet, or
+  /// when output of the program is due to be shown.
   Answer ask_until_wanted(const std::string& method, Json parameters) {
     const uint64_t number = session_.client().send(method, std::move(parameters));
     const bool back = goes_back();

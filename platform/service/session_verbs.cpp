@@ -211,7 +211,7 @@ Session::Simulation* Session::simulation_of(const Request& request) {
   }
   const auto number = given->get<uint64_t>();
   const auto found = simulations_.find(number);
-  // Whoever asked for it need not wait until it is there.
+  // The client that created it need not wait for the construction.
   if (found != simulations_.end() &&
       (found->second->is_constructed || found->second->client == request.client))
     return found->second.get();

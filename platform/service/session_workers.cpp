@@ -137,7 +137,7 @@ void Session::refuse_pending(Simulation& simulation, const std::string& sentence
   }
   for (const Request& request : std::exchange(simulation.waiting, {}))
     settle(request, refuse(sentence, Code::no_simulation));
-  // The worker that looks into the past for it has nobody left to tell.
+  // The worker that searches its past has no simulation left to report to.
   const uint64_t seeker = std::exchange(simulation.seeker, 0);
   if (const auto found = simulations_.find(seeker); found != simulations_.end()) {
     refuse_pending(*found->second, sentence);

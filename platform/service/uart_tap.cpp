@@ -8,8 +8,8 @@
 namespace capsoc::service {
 namespace {
 
-constexpr std::size_t longest_line = 4096;    // longer ones are told in pieces
-constexpr std::size_t searched_back = 65536;  // a match lies within so many bytes
+constexpr std::size_t longest_line = 4096;    // longer ones are reported in pieces
+constexpr std::size_t searched_back = 65536;  // bytes within which a match lies
 
 }  // namespace
 

@@ -39,8 +39,8 @@ class UartTap {
   /// After output().set_told().
   void search_what_is_sent_again();
 
-  /// Looks for a pattern in what is unread, now and at the end of each line and of each burst;
-  /// `on_match` is called once, and everything up to the end of the match counts as read.
+  /// Searches the unread text for a pattern, now and at the end of each line and of each burst.
+  /// Calls `on_match` once; everything up to the end of the match then counts as read.
   void expect(const re2::RE2* pattern, std::function<void()> on_match);
   void forget_pattern() { pattern_ = nullptr; }
   /// Of the last match: the text up to its end, and its groups, the whole match first.

@@ -114,7 +114,7 @@ Json read(const Variable& variable, const std::string& bytes, std::size_t at) {
 std::optional<Error> write(const Variable& variable, const Json& value, std::string& bytes,
                            std::size_t at);
 
-/// A whole number of so many bits.
+/// True if the value is an integer that fits in `bits` bits.
 bool fits_in(const Json& value, unsigned bits, bool is_signed) {
   if (!value.is_number_integer()) return false;
   const bool is_negative = !value.is_number_unsigned() && value.get<int64_t>() < 0;

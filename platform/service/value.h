@@ -9,13 +9,15 @@
 
 namespace capsoc::service {
 
-/// `bytes` has at least the type's size. A structure is an object, an array a list, an array of
-/// characters a text up to its first 0, an enumerator its name (a number where it has none), a
-/// pointer a number, what is not known a list of bytes. Of a bit-field its value.
+/// `bytes` has at least the type's size. In JSON
+/// - a structure is an object, an array a list, a pointer a number, a bit-field its value
+/// - an array of characters is a text up to its first 0
+/// - an enumerator is its name, or a number where it has none
+/// - a value of unknown type is a list of bytes
 Json value_of(const source::Variable& variable, const std::string& bytes);
 
-/// The bytes of a value that is laid over `old`: an object names those members that change, a list
-/// begins with the first element. An Error says which part does not fit its type.
+/// `old` with the value written over it: an object names the members that change, a list begins
+/// with the first element. An Error says which part does not fit its type.
 Result<std::string> bytes_of(const source::Variable& variable, const Json& value, std::string old);
 
 }  // namespace capsoc::service

@@ -1,5 +1,4 @@
-// Where a simulation is in its history. What goes back is the session's affair
-// (session_history.cpp).
+// Where a simulation is in its history. Going back is done by the session (session_history.cpp).
 #include <utility>
 #include <vector>
 

@@ -133,7 +133,7 @@ class Worker {
     send(bytes_of(call, answer));
   }
 
-  /// What nobody foresaw is an answer, too.
+  /// An unforeseen exception also becomes an answer.
   Answer perform(Message& message) {
     try {
       return perform_method(message);

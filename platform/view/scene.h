@@ -1,4 +1,4 @@
-// What the pages are told of a run, asked of its session.
+// The data of a run that the pages show, requested from its session.
 #pragma once
 
 #include <chrono>

@@ -18,14 +18,15 @@ using Speeds = std::vector<sensor::SpeedPoint>;
 
 constexpr double rate_hz = 5000;  // 50 samples in a turn of 10 ms
 constexpr double drift_per_s = 1e-3;
-/// With every parameter drifting by 1 and the signs against each other an angle goes by [|cos(theta
-/// + beta)| (|sin theta| + 1) + |sin theta| (|cos(theta + beta)| + 1 + |sin(theta + beta)|)] /
-/// cos(beta): at most 3.12 for the sensor of Eq (21), 5.75 for a beta of 0.8.
+/// Worst error of an angle if every parameter drifts by 1, with opposing signs:
+/// [|cos(theta + beta)| (|sin theta| + 1) +
+///  |sin theta| (|cos(theta + beta)| + 1 + |sin(theta + beta)|)] / cos(beta).
+/// It is at most 3.12 for the sensor of Eq (21), and 5.75 for a beta of 0.8.
 constexpr double worst_of_all = 3.12;
 constexpr double worst_of_all_drawn = 5.75;
 constexpr double drawn_settled_deg = 0.05;  // they start further off
-/// Times sigma / a1: a sample's own angle is off by sqrt(1 + (a1 / a2)^2) / cos(beta) of it, and
-/// five sigma.
+/// In units of sigma / a1: the angle of a single sample is off by sqrt(1 + (a1 / a2)^2) / cos(beta)
+/// times it, for five sigma.
 constexpr double worst_noise = 5 * 3.2;
 
 /// A course of the shaft. Steps of speed take half a second.
@@ -107,8 +108,8 @@ void add(Report& report, const std::string& name, const FollowingOutcome& outcom
               compared, row.verdict == Row::Verdict::holds ? "holds" : "MISSES ITS BOUND");
 }
 
-/// LMS on the same record, with a step that fits one turn a second, which nobody changes: the
-/// second half, since it starts from the reset's coefficients.
+/// LMS on the same record, with a constant step that fits one turn a second. The second half is
+/// compared, since LMS starts from the reset's coefficients.
 Comparison lms_on(const Case& one_case) {
   Experiment e;
   e.signal = sensor_on(one_case.speeds);
@@ -120,9 +121,9 @@ Comparison lms_on(const Case& one_case) {
   return compare(e);
 }
 
-/// The worst of random sensors on one course: amplitudes 0.05 .. 0.85 and their ratio up to 2,
-/// offsets to 0.5, beta to 0.8 rad, phi all round, every rate between -0.1 and 0.1 % a second; and
-/// noise of so much of a1 behind a converter of 14 bits.
+/// The worst of random sensors on one course. Amplitudes are 0.05 .. 0.85 and their ratio up to 2,
+/// offsets to 0.5, beta to 0.8 rad, phi anywhere, every drift rate between -0.1 and 0.1 % a second.
+/// `noise` is in units of a1, and the converter has 14 bits.
 FollowingOutcome worst_drawn(const Case& one_case, double noise) {
   constexpr int sensors = 20, numbers = 12;
   const RandomSequence random(1, 0);

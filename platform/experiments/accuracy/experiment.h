@@ -22,7 +22,7 @@ struct Experiment {
 };
 
 struct Outcome {
-  double error_deg = 0.0;  ///< largest |ANGLE - true angle| within the window
+  double error_deg = 0.0;  ///< largest |ANGLE - true angle| within the window.
   /// From here on a1, a2, b1, b2 and beta stay within 1 %; absent: not at the end. phi is left out:
   /// with the angle source it is not observable.
   std::optional<double> settled_s;

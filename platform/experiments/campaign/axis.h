@@ -30,17 +30,17 @@ struct Axis {
   std::vector<std::string> values;
   double a = 0, b = 0;
   double least, greatest;  ///< of normal; may be infinite
-  uint64_t count = 0;      ///< how many values it has by itself; 0: drawn, as many as are asked for
+  uint64_t count = 0;      ///< number of its values; 0: random, without a fixed number
 
   bool is_drawn() const { return kind >= Kind::uniform; }
-  /// Value number `index` of its own, below `count`. Drawn ones depend on the seed, the setting's
-  /// name and the index alone: other axes and a greater count change none.
+  /// Value number `index`, below `count`. Random values depend only on the seed, the setting's name
+  /// and the index: other axes and a greater count do not change them.
   std::string value(uint64_t index, uint64_t seed) const;
   /// The value below which the share `quantile` of all values lies, 0 <= quantile < 1.
   std::string at_quantile(double quantile, uint64_t seed, uint64_t index) const;
 };
 
-/// A number for draw `index` of what `name` names, 0 <= number < 1.
+/// Random number `index` of the setting `name`, 0 <= number < 1.
 double draw(uint64_t seed, const std::string& name, uint64_t index);
 uint64_t draw_word(uint64_t seed, const std::string& name, uint64_t index);
 /// A seed for a setting: what an integer of TOML holds.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int patience_ms = 20'000;  // for another process that writes
 
-/// What somebody does about it.
+/// What the user can do about it.
 const char* advice(int code) {
   switch (code) {
     case SQLITE_IOERR_SHMOPEN:
@@ -179,7 +179,7 @@ Result<Transaction> Transaction::begin(const Database& database) {
 }
 
 Transaction::~Transaction() {
-  // An error may have undone it already; then this is one more that nobody waits for.
+  // SQLite may have rolled back after an error; the second rollback's own error is ignored.
   if (database_ != nullptr) database_->execute("ROLLBACK");
 }
 

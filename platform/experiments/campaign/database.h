@@ -49,7 +49,7 @@ class Statement {
 class Database {
  public:
   enum class Mode {
-    read,   ///< changes nothing; a reader cleans up behind a writer that was killed, as SQLite does
+    read,   ///< changes nothing, except that SQLite cleans up after a writer that was killed
     as_is,  ///< reads the file alone, without locks; no process may write to it meanwhile
     write,
     alone,  ///< as write, without shared memory: no other process may use the file meanwhile

@@ -37,12 +37,12 @@ std::optional<Summary> summarise(std::vector<double> values);
 
 /// How much a metric depends on an axis alone.
 struct Sensitivity {
-  /// Share of the variance of the metric's ranks that the axis explains, by its values or, where
-  /// there are more than 12 or fewer than 10 runs of each, by equal parts: epsilon squared of
-  /// Kruskal and Wallis's test, 0 .. 1. About 0 where there is no dependence; catches others than
-  /// rising and falling ones, too.
+  /// Share of the variance of the metric's ranks that the axis explains: epsilon squared of Kruskal
+  /// and Wallis's test, 0 .. 1. The groups are the axis's values; or equal parts, where there are
+  /// more than 12 values or fewer than 10 runs of each. About 0 without a dependence; it also finds
+  /// dependences that are not monotonic.
   double share = 0;
-  /// Spearman's rank correlation, -1 .. 1; nothing for an axis of texts.
+  /// Spearman's rank correlation, -1 .. 1; empty for an axis of texts.
   std::optional<double> correlation;
 };
 

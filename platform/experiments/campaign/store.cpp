@@ -16,7 +16,7 @@ namespace {
 constexpr int64_t application = 0x63617073;  // "caps", in the file's head
 constexpr int64_t store_version = 1;
 
-/// Written at the first row and read by everybody; each column's name stands here.
+/// Written before the first row and read by all processes; has the name of each column.
 constexpr const char* schema = R"(
   CREATE TABLE about(name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
   CREATE TABLE plan(number INTEGER PRIMARY KEY, key TEXT NOT NULL, axes TEXT NOT NULL);

@@ -139,7 +139,7 @@ DrawnRecord indexed(Random& random, Eigen::Index positions, Eigen::Index each, i
   return record;
 }
 
-/// A swing over so many degrees, noise 1e-4 to 1e-3.
+/// A swing over `degrees`, noise 1e-4 to 1e-3.
 DrawnRecord arc(Random& random, double degrees) {
   DrawnRecord record = draw_good_record(random, 1, 1);
   record.noise *= 1e-4 * std::pow(10.0, random.uniform());

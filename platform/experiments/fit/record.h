@@ -17,7 +17,7 @@ namespace capsoc::fit {
 
 struct RecordOptions {
   unsigned adc_bits = 0;  ///< width of the converter, 12 to 32; 0: as the trace says, else 32
-  uint64_t samples = 0;   ///< at most so many; 0: all, of a trace without an end 100,000
+  uint64_t samples = 0;   ///< at most; 0: all, or 100,000 of a trace without an end
   std::vector<sensor::KeyValue> keys = {};  ///< laid over a description
   sensor::RecordingOptions recording = {};  ///< what a recording's columns and numbers mean
 };

@@ -66,14 +66,14 @@ void write_nodes(Bench& bench) {
                 node << coprocessor::description::CORRECTION_NODE_shift);
 }
 
-/// How long a run takes beside others, in samples.
+/// Estimated length of a run, in samples, to schedule it among the others.
 double work_of(const Run& run) {
   constexpr double directed = 1000;  // what a scenario does whatever its budget is
   return directed + static_cast<double>(run.budget.samples + run.budget.accesses);
 }
 
-/// What a process said of its own end in the last lines of its log: Verilator's first error, or the
-/// last line, which is where an exception or a script's traceback has it; "" if it said nothing.
+/// Why a process ended, from its log: Verilator's first error, else the last line, where an
+/// exception or a script's traceback has its cause. "" for an empty log.
 std::string last_words(const std::string& log) {
   const std::size_t error = log.find("%Error");
   if (error != std::string::npos) return log.substr(error, log.find('\n', error) - error);

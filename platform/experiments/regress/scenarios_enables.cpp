@@ -23,9 +23,9 @@ void from_reset(Bench& bench) {
   bench.write(reg_ctrl, ctrl_srst);
 }
 
-/// Every flag that an arithmetic can raise, with all interrupts masked: LOCK gained, diverged, lost
-/// samples, an alarm of clipped ones if asked for (LOCK falls with it), mirrored, saturated,
-/// without an angle, a refused write.
+/// Raises every flag that an arithmetic can raise, with all interrupts masked. These are: LOCK
+/// gained, diverged, lost samples, mirrored, saturated, without an angle, a refused write. With
+/// `alarm` also an alarm of clipped samples, which clears LOCK.
 void raise_all(Bench& bench, Random& random, bool alarm) {
   from_reset(bench);
   bench.write(reg_judge, 0);       // LOCK by the average alone
@@ -65,13 +65,13 @@ void look_through(Bench& bench) {
 }  // namespace
 
 void run_enables(Bench& bench, Random& random, const Budget&) {
-  // One flag left of all, raised behind a mask.
+  // One flag left of all, raised while masked.
   for (uint32_t bit = 0; bit < flag_count && !bench.failed(); ++bit) {
     raise_all(bench, random, true);
     bench.write(reg_flags, flags_all & ~(1u << bit));
     bench.interrupt();
     look_through(bench);
-    // Taken back and let through while it stands; cleared under its enable and raised no more.
+    // Masked and unmasked while it is set; cleared while enabled, and not raised again.
     for (uint32_t enable : interrupts) {
       bench.write(reg_ctrl, learning_on | enable);
       bench.write(reg_ctrl, learning_on | (every_interrupt & ~enable));
@@ -80,7 +80,8 @@ void run_enables(Bench& bench, Random& random, const Budget&) {
     bench.write(reg_flags, 1u << bit);
     look_through(bench);
   }
-  // The enable comes and goes at the edge of the commit that raises the flag, and beside it.
+  // The enable comes and goes at the edge of the commit that raises the flag, and one edge before
+  // and after it.
   for (uint32_t enable : interrupts)
     for (bool comes : {true, false})
       // One edge before the result, at it, one after it.

@@ -50,7 +50,7 @@ void read_results(Bench& bench) {
   bench.write(reg_flags, flags_all);
 }
 
-// A node's write so many edges after a sample: while the sample waits, in each stage, at the edge
+// Writes nodes `distance` edges after a sample: while the sample waits, in each stage, at the edge
 // of its commit and after it.
 void write_beside_a_sample(Bench& bench, Random& random, unsigned distance) {
   bench.drain();

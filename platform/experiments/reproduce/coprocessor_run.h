@@ -9,10 +9,12 @@
 namespace capsoc::reproduce {
 
 /// The coprocessor model as the SoC paper's, sample after sample, without a simulation: the paper's
-/// arithmetic and steps of sections 4.2 and 4.3, the reference at 0.05 Hz / 250 Hz. The four
-/// settings that the paper does not state and that give its Table 8: a frequency word truncated to
-/// 31 bits (858,992), two samples of latency between reference and data, steps scaled by 2^-7,
-/// 16-bit multipliers in the PI arctangent.
+/// arithmetic and steps of sections 4.2 and 4.3, the reference at 0.05 Hz / 250 Hz. Four settings
+/// that the paper does not state give its Table 8:
+/// - a frequency word truncated to 31 bits (858,992)
+/// - two samples of latency between reference and data
+/// - steps scaled by 2^-7
+/// - 16-bit multipliers in the PI arctangent
 class CoprocessorRun {
  public:
   static constexpr int operand_bits = 16;

@@ -21,7 +21,7 @@ namespace {
 using SixFigures = std::array<double, 6>;
 
 /// One learning curve: the six parameters at some times. The last point lies within 1 % of
-/// `target`, phi of the RTL within 3 %: it is two samples behind (Table 8).
+/// `target`, phi of the RTL within 3 %: it is two samples late (Table 8).
 void curve_rows(Report& report, const std::vector<double>& times_s,
                 const std::vector<SixFigures>& curve, const SixFigures& target, double phi_part) {
   for (std::size_t i = 0; i < target.size(); ++i) {

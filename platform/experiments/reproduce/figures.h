@@ -10,9 +10,10 @@
 
 namespace capsoc::reproduce {
 
-/// The SoC paper's figures that have no numbers: learning curves (7, 9 and 12), the gain that a
-/// speed disturbance leaves (10) and the spectra of the experiment (19), on the trace that was
-/// rebuilt from it. Nothing if the table was not chosen. `traces`: the folder of the traces.
+/// Reproduces the SoC paper's figures that have no numbers: learning curves (7, 9 and 12), the gain
+/// under a speed disturbance (10), and the spectra of the experiment (19). The latter use the trace
+/// that was rebuilt from that figure. Prints nothing if the table was not chosen. `traces`: the
+/// folder of the traces.
 void figure_7(Report& report);
 void figure_9(Report& report);
 void figure_10(Report& report);

@@ -24,7 +24,7 @@ struct Figure {
       : text(std::move(printed)), least(low), greatest(high) {}
 };
 
-/// A value with so many decimals, as 0.60 or 6.0e-1.
+/// A value with `decimals` decimals, as 0.60 or 6.0e-1.
 Figure fixed(double value, int decimals);
 Figure scientific(double value, int decimals);
 

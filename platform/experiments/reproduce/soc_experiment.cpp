@@ -147,8 +147,8 @@ constexpr Words table_9_words = {1308364580, 1336685245, 274228330,
 constexpr Errors papers_demodulation = {1.7189, 0.9814}, papers_calibration = {1.8683, 1.1630},
                  papers_csfn = {3.0617, 1.7284};
 
-/// The reference is 2 % slow: at 400 s it is 0.4 turns behind, a turn of the shaft earlier 0.38.
-/// A hundredth of a turn for the coefficients, which follow late.
+/// The reference is 2 % slow: at 400 s it lags by 0.4 turns, a turn of the shaft earlier by 0.38.
+/// The tolerance is a hundredth of a turn, since the coefficients lag.
 Bound drifted_phi() {
   constexpr double turn_words = 0x1p32, drift_least = 0.38 - 0.01, drift_greatest = 0.40 + 0.01;
   const double start = table_9_words[5] - turn_words;

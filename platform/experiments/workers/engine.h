@@ -1,6 +1,7 @@
-// Worker processes: each run in one of its own, which may crash, hang and eat without harm to the
-// others. A process is a fork of this one, made before there is a simulation, since SystemC's
-// kernel starts once in a process; it costs a millisecond where a new program would cost ten.
+// Worker processes: each run has a separate one, which may crash, hang and use memory without harm
+// to the others. A process is a fork of this one, made before there is a simulation, since
+// SystemC's kernel starts once in a process; it costs a millisecond where a new program would cost
+// ten.
 #pragma once
 
 #include <sys/types.h>

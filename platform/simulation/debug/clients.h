@@ -31,7 +31,7 @@ class Clients {
     virtual void resumed() = 0;
   };
 
-  /// `connections`: null, nobody can connect. `halted`: it stands before anybody has.
+  /// `connections`: null: no client can connect. `halted`: the processor is halted from the start.
   Clients(Target& target, Processor& processor, std::unique_ptr<Connections> connections,
           bool halted);
   Clients(const Clients&) = delete;

@@ -78,7 +78,8 @@ Verdict verdict_of(const End& end, const soc::Soc& soc) {
 
 void conclude(const End& end, const soc::Soc& soc, RunResult& result) {
   Verdict verdict = verdict_of(end, soc);
-  // Whoever stopped it on the way did not want the rest of the script.
+  // Only where the run could not continue: a user who stopped it did not want the rest of the
+  // script.
   if (!end.unfinished.empty() && !end.could_go_on &&
       (verdict.code == exit_code::pass || verdict.code == exit_code::limit)) {
     if (verdict.code == exit_code::pass) verdict.code = exit_code::failed;

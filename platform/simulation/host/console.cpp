@@ -63,10 +63,10 @@ void reserve_standard_streams() {
 namespace {
 
 constexpr int patience_ms = 10;
-/// Of all that is said after a signal or a limit, to a pipe that is full.
+/// For all output after a signal or a limit, to a pipe that is full.
 constexpr int longest_farewell_ms = 200;
 
-/// False: nobody reads, and the program is to end.
+/// False: the pipe's reader does not read, and the program is to end.
 bool wait_for_standard_error() {
   static std::atomic<int> waited_ms{0};
   pollfd polled{STDERR_FILENO, POLLOUT, 0};

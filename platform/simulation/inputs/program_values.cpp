@@ -35,7 +35,7 @@ Error unknown(const Setting& wanted, const std::string& name, const std::string&
 Result<ProgramSettings> change_program(const FirmwareSettings& settings, loader::ElfImage& image) {
   const std::vector<Setting> wanted = settings.all.of_group(program_prefix);
   auto read = ProgramSettings::read(image);
-  // Nobody asked: a table that nobody can read keeps no program from running.
+  // Without a setting of the program, an unreadable table is no reason to refuse the program.
   if (!read && wanted.empty()) return ProgramSettings();
   if (!read) return Error{read.error()};
   ProgramSettings& program = read.value();

@@ -29,7 +29,7 @@ std::optional<metrics::Parameters> truth_of(const sensor::Description& d) {
   return metrics::Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
 }
 
-/// A program that nobody named and that is not there: the binary was copied without its files.
+/// The default program is missing: the binary was copied without its files.
 std::optional<Error> missing_default(const FirmwareSettings& settings, const std::string& program) {
   std::error_code ignored;
   if (!settings.elf.is_built_in() || std::filesystem::exists(program, ignored)) return std::nullopt;

@@ -13,21 +13,21 @@
 
 namespace capsoc::metrics {
 
-/// The verdict of a program, and what came of holding it against the truth.
+/// The verdict of a program, and the result of its comparison with the truth.
 struct ProgramVerdict {
   bool pass = false;
   double bound_deg = 0;  ///< with pass: no angle is said to be further from the truth
-  /// With pass, only if it says so: the last so many samples are meant.
+  /// With pass, if the program limits it: the number of last samples that the verdict covers.
   std::optional<uint64_t> samples;
   std::optional<double> motion_deg;     ///< with pass: of the shaft from sample to sample
-  std::vector<std::string> conditions;  ///< with pass: what it takes for granted, for a reader
+  std::vector<std::string> conditions;  ///< with pass: what it assumes, for a reader
   std::string reason;                   ///< with fail
-  /// Largest error of the angles that the bound speaks of, degrees: those of `samples`, else those
-  /// of calibration mode, without any those of the last turn of demodulation. Nothing where the
-  /// truth is not known.
+  /// Largest error of the angles that the bound covers, degrees: those of `samples`, else those of
+  /// calibration mode, else those of the last turn of demodulation. Empty if the truth is not
+  /// known.
   std::optional<double> largest_error_deg;
 
-  /// Nothing where there is no bound or no truth.
+  /// Empty without a bound or without the truth.
   std::optional<bool> bound_holds() const {
     if (!pass || !largest_error_deg) return std::nullopt;
     return *largest_error_deg <= bound_deg;
@@ -37,8 +37,7 @@ struct ProgramVerdict {
 /// Reads memory of the guest as it is; false where there is none.
 using ReadMemory = std::function<bool(uint32_t address, void* bytes, uint32_t size)>;
 
-/// Nothing if the program has no such object, or has not come to a verdict, or what is there is
-/// none.
+/// Empty if the program has no such object, has no verdict yet, or the object is not valid.
 std::optional<ProgramVerdict> read_verdict(const loader::ElfImage& program, const ReadMemory& read,
                                            const Metrics& metrics);
 

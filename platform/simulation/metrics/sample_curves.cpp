@@ -83,7 +83,8 @@ Curve shown(Curve few, int digits = plot_digits) {
   return few;
 }
 
-/// So many points, evenly taken: a figure that is no function of x has no least and greatest.
+/// At most 2 * buckets points, evenly taken: a curve that is no function of x has no least and
+/// greatest value in a bucket.
 Curve some_of(const Curve& curve) {
   Curve few;
   const std::size_t step = curve.x.size() / (2 * buckets) + 1;

@@ -41,7 +41,7 @@ std::optional<Error> Schedule::open() {
   return std::nullopt;
 }
 
-/// Asleep, the core is behind the time at which a line rises.
+/// The time of a sleeping core lags the time at which a line rises.
 void Schedule::pended(unsigned exception) {
   const soc::Soc& soc = view_.soc();
   pended_at_[exception] =

@@ -18,7 +18,7 @@
 
 namespace capsoc::run {
 
-/// Is told of exceptions alone, so it costs next to nothing.
+/// Is notified only of exceptions, so it costs next to nothing.
 class Schedule final : public RunObserver, private armv7m::Observer {
  public:
   Schedule(const ProgramView& view, const ScheduleSettings& settings)
@@ -40,7 +40,7 @@ class Schedule final : public RunObserver, private armv7m::Observer {
   };
   struct Waits {
     uint64_t count = 0, sum = 0, least = UINT64_MAX, most = 0;
-    std::array<uint64_t, 64> by_size{};  ///< of so many binary digits
+    std::array<uint64_t, 64> by_size{};  ///< by the wait's number of binary digits
     void visit(Archive& archive);
   };
   struct Entry {

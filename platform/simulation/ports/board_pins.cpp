@@ -112,7 +112,7 @@ void BoardPins::listen_to_leds() {
       }));
 }
 
-/// One line that is drawn over itself where nobody writes between.
+/// Shows the pins in one line, which overwrites itself unless other output came in between.
 void BoardPins::draw() {
   std::string text = fmt::format("[{:.6f} s]  LEDs ", sc_core::sc_time_stamp().to_seconds());
   for (unsigned led = 0; led < all_leds; ++led)
@@ -138,7 +138,7 @@ void BoardPins::look() {
   if (live) next_trigger(client_interval);
 }
 
-/// What the scripts say for this time; a restored board has it behind it already.
+/// Applies what the scripts say for this time. A restored board has this already.
 void BoardPins::play() {
   const uint64_t now = trace::picoseconds(sc_core::sc_time_stamp());
   uint64_t next = UINT64_MAX;

@@ -41,9 +41,9 @@ struct UartSettings {
 };
 
 /// All lines, and the one place where bytes of the host enter the simulation. A byte is fetched
-/// when the receiver is ready for it: by the UART as soon as it gets ready, when a script has sent
-/// some, and once a simulated millisecond while the host decides when bytes come. Looking costs no
-/// simulated time.
+/// when the receiver is ready for it: as soon as the UART gets ready, or when a script has sent
+/// bytes. While the host decides when bytes come, it is also asked once a simulated millisecond. A
+/// look costs no simulated time.
 class UartLines : public sc_core::sc_module {
  public:
   UartLines(const sc_core::sc_module_name& name, soc::Soc& soc, serial::GiveUp give_up);
@@ -51,11 +51,11 @@ class UartLines : public sc_core::sc_module {
   /// Opens what the settings name. An Error is a wrong setting; nothing was sent.
   std::optional<Error> open(const UartSettings& settings);
 
-  /// Called once a simulated millisecond while the host decides when bytes come, before it is asked
-  /// for them: then it is who decides how fast simulated time goes.
+  /// Sets the callback that paces simulated time. Called once a simulated millisecond while the
+  /// host decides when bytes come, before it is asked for them.
   void pace_by(std::function<void()> pace) { pace_ = std::move(pace); }
 
-  /// What the UARTs sent is with the host, as far as the host takes it.
+  /// Passes what the UARTs sent to the host, as far as the host takes it.
   void flush();
   /// At the end of the run: what is on the lines, too, and everything delivered.
   void finish();

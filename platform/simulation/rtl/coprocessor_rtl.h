@@ -1,4 +1,4 @@
-// The Verilated coprocessor behind the interface of the model.
+// The Verilated coprocessor with the interface of the model.
 #pragma once
 
 #include <cstddef>

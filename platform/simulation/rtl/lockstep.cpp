@@ -302,7 +302,7 @@ class Lockstep::Pair {
     return true;
   }
 
-  /// Somebody is going to change a side: what was recorded cannot be replayed over that.
+  /// Call before a side is changed from outside: the recording cannot be replayed over that.
   void open_sides() {
     close();
     forget();

@@ -1,5 +1,5 @@
 /* The C interface between capsoc and a shared library that holds a Verilated coprocessor: ours
- * (rtl/verification/coprocessor_probe.sv around rtl/coprocessor.sv), or somebody else's design of
+ * (rtl/verification/coprocessor_probe.sv around rtl/coprocessor.sv), or a user's design of
  * which only the pins are known (rtl_library.cmake). One function is looked up by name; the rest is
  * a table after it. Plain C, so that library and program need not agree on a C++ runtime, and the
  * library may be built again without the program. */

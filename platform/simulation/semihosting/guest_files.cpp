@@ -45,7 +45,7 @@ Result<GuestFiles> GuestFiles::in(const std::string& directory) {
                            directory, std::strerror(errno))};
 }
 
-/// Goes down folder by folder, so that no link is followed even if somebody changes the tree.
+/// Descends folder by folder, so that no link is followed even if another process changes the tree.
 int GuestFiles::find(const std::string& name, Place& place) const {
   if (!directory_.valid() || name.empty() || name[0] == '/') return -EACCES;
   std::vector<std::string> parts = parts_of(name);

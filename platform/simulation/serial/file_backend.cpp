@@ -106,7 +106,7 @@ void FileBackend::write(std::string_view bytes) {
     } else if (done < 0 && errno != EINTR && errno != EAGAIN) {
       const int error = errno;
       failure_ = fmt::format("{}: takes no more bytes ({})", name_, std::strerror(error));
-      // As any program of a pipe ends when nobody reads its standard output any more.
+      // Any program in a pipe ends when the reader of its standard output is gone.
       if (error == EPIPE && output_ == STDOUT_FILENO) host::note_signal(SIGPIPE);
       return;
     }

@@ -58,7 +58,8 @@ class KeptStream {
     said_ = std::move(told.said);
     lost_ = told.lost;
   }
-  /// The guest continues from a state in which it had sent so many, the last of which are `said`.
+  /// The guest continues from a state in which it had sent `sent` bytes, the last of which are
+  /// `said`.
   void go_on_from(uint64_t sent, std::string said) {
     sent_ = sent;
     set_told({sent, std::move(said), 0});
@@ -94,7 +95,7 @@ class KeptBackend final : public CharacterBackend {
   KeptStream& stream_;
 };
 
-/// For a run that belongs to somebody who has other uses for the standard streams.
+/// For a run whose client uses the standard streams for something else.
 struct KeptStreams {
   KeptStream itm, console;
 };

@@ -62,7 +62,7 @@ Result<std::unique_ptr<CharacterBackend>> PtyBackend::open(const std::string& li
     return failed("there is no pseudo-terminal");
   std::array<char, 128> name{};
   if (ptsname_r(master.get(), name.data(), name.size()) != 0) return failed("it has no name");
-  // Opened and closed once, the terminal reports a hang-up while nobody is there.
+  // Once it was opened and closed, the terminal reports a hang-up while it has no client.
   const host::Descriptor terminal(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (!terminal.valid() || !make_raw(terminal.get())) return failed("it cannot be opened");
   if (!link.empty())

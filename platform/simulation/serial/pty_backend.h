@@ -10,8 +10,8 @@
 
 namespace capsoc::serial {
 
-/// In raw mode: every byte passes as it is. Whoever opens the terminal is the client; closing it is
-/// leaving.
+/// A pseudo-terminal in raw mode: every byte passes unchanged. The process that opens the terminal
+/// is the client, until it closes it.
 class PtyBackend : public StreamBackend {
  public:
   /// `link`: a symbolic link to the terminal, there as long as the backend; empty: none. A stale

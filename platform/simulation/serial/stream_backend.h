@@ -20,9 +20,9 @@ class StreamBackend : public CharacterBackend {
   bool has_listener() override { return client() >= 0; }
 
  protected:
-  /// The descriptor of whoever is there, -1 if nobody is. Never blocks.
+  /// The descriptor of the connected client, -1 without one. Never blocks.
   virtual int client() = 0;
-  /// Where bytes that a client left behind can still be read.
+  /// Where bytes that a client sent before it left can still be read.
   virtual int source() { return client(); }
   /// Writes some bytes without blocking; as write(2).
   virtual ssize_t put(int descriptor, std::string_view bytes) = 0;

@@ -34,14 +34,14 @@ struct UartStep {
 /// An Error names the line.
 Result<std::vector<UartStep>> parse_uart_script(const std::string& file, const std::string& text);
 
-/// Plays a script. Knows no kernel: whoever owns it says what time it is, in picoseconds.
+/// Plays a script. Independent of the kernel: the owner passes the time, in picoseconds.
 class UartScript {
  public:
   static constexpr std::size_t most_unheard = 65536;  ///< bytes kept for an expectation to come
 
   /// `option` ("--uart0") is named where the file cannot be read.
   static Result<UartScript> open(const std::string& file, const std::string& option);
-  /// Without a step: nobody is there.
+  /// An empty script: sends and expects nothing.
   UartScript() = default;
   UartScript(std::string file, std::vector<UartStep> steps);
 

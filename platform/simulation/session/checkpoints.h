@@ -27,9 +27,9 @@ struct SavePoint {
 };
 Result<std::vector<SavePoint>> save_points(const RunSettings& settings);
 
-/// What a run must have in common with the one that it continues from: the program, the sensor and
-/// every setting that does not only say where something goes, how fast it runs or when it ends.
-/// Reads all inputs. An Error: one that is no file.
+/// What a run must have in common with the run that it continues: the program, the sensor and most
+/// settings. Settings that only say where output goes, how fast the run is or when it ends are left
+/// out. Reads all inputs. An Error: an input is no file.
 Result<checkpoint::Identity> identity_of(const RunSettings& settings, const RunInputs& inputs);
 
 /// The checkpoint that the settings name, or nothing. An Error: damaged, of another program or
@@ -63,10 +63,10 @@ class Checkpoints {
   /// Saves what is due, with the processor between two instructions. Returns when it is wanted
   /// again.
   sc_core::sc_time pause(const sc_core::sc_time& now);
-  /// To be asked now and then: somebody sent SIGUSR1.
+  /// Handles a SIGUSR1 that was sent. Call it regularly.
   void look_for_signal();
-  /// At this instant, to a file that nobody named before the run: a debugger that holds the
-  /// processor (`by` begins the sentence of an error). An Error: a file of the run, or one that
+  /// Saves at this instant to a file that no setting names, for a debugger that halts the
+  /// processor. `by` begins the sentence of an error. An Error: a file of the run, or one that
   /// cannot be written.
   std::optional<Error> save_beside(const std::string& file, const char* by);
 

@@ -5,8 +5,8 @@
 
 namespace capsoc::run {
 
-/// Lets the processor end the simulation after so many simulated seconds, 0: never;
-/// docs/guide/bringup.md has the rule.
+/// Lets the processor end the simulation after it was idle for `seconds` of simulated time; 0:
+/// never. docs/guide/bringup.md has the rule.
 void end_on_idle(double seconds, soc::Soc& soc);
 
 }  // namespace capsoc::run

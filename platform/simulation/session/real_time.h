@@ -16,12 +16,12 @@ class RealTime {
   explicit RealTime(double factor) : factor_(factor) {}
 
   bool on() const { return factor_ > 0; }
-  /// Simulated time between two calls of pace() that nobody notices: 10 ms of the host.
+  /// Simulated time between two calls of pace(): 10 ms of the host, too short to notice.
   sc_core::sc_time slice() const;
 
   /// Returns when the host's time has come for the simulated one, or when `give_up` says so.
-  /// Simulated time that is behind catches up, but for no more than a second of the host: what a
-  /// stopped process or a slow host has lost beyond that stays lost.
+  /// Simulated time that is late catches up, but by at most a second of the host. What a stopped
+  /// process or a slow host has lost beyond that stays lost.
   void pace(const sc_core::sc_time& now, const std::function<bool()>& give_up);
 
   /// Seconds of the host that were lost so.

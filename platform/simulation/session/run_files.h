@@ -19,8 +19,8 @@ Result<RunInputs> read_inputs(const RunSettings& settings);
 /// Every file that a run reads and that counts, with its hash.
 std::vector<Input> input_files(const RunSettings& settings, const RunInputs& inputs);
 
-/// Every file that these settings make a run read or write, for host::check_uses(). What the
-/// semihosting directory holds is the program's affair.
+/// Every file that these settings make a run read or write, for host::check_uses(). The contents of
+/// the semihosting directory are not checked: the program alone uses them.
 std::vector<host::FileUse> files_of(const RunSettings& settings);
 
 }  // namespace capsoc::run

@@ -194,8 +194,7 @@ CallStack Program::call_stack(const armv7m::InterruptedRegisters& registers, con
         stack.end += "; LR is of " + describe(before[link], true);
       return stack;
     }
-    // The outermost function: nobody saved an address to return to, so LR has that of its own last
-    // call.
+    // The outermost function: no return address was saved, so LR has that of its last call.
     const bool same_frame = context.r[stack_pointer] == before[stack_pointer];
     if (!exact && same_frame && context.r[program_counter] == before[program_counter]) return stack;
     if (context.r[stack_pointer] < before[stack_pointer]) {

@@ -114,7 +114,7 @@ class Scopes {
   static constexpr unsigned most_entries = 1U << 20U;
   static constexpr std::size_t deepest = 256;  // far beyond what compilers nest
 
-  /// Goes on to the entry that follows: inside this one, or next to it.
+  /// Moves to the next entry: inside this one, or its sibling.
   int enter(Dwarf_Die& entry) {
     const int found = has_addresses(&entry) ? dwarf_haspc(&entry, address_) : 0;
     if (found < 0) damage_ = why();

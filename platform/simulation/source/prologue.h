@@ -5,10 +5,10 @@
 
 namespace capsoc::source {
 
-/// From a frame to its caller's, for a function that begins at `function`: what it has pushed and
-/// reserved on its way to `address` is given back (PUSH, STMDB, SUB SP, a frame pointer in r7 or
-/// r11). A guess: an epilogue, or a stack that is moved in the midst of a function, misleads it.
-/// False, and nothing changed, where the stack cannot be read.
+/// Unwinds from a frame to its caller's, for a function that begins at `function`. Undoes what the
+/// function has pushed and reserved up to `address`: PUSH, STMDB, SUB SP, a frame pointer in r7 or
+/// r11. This is a guess: an epilogue, or a stack pointer that moves in the middle of a function,
+/// misleads it. False, with nothing changed, if the stack cannot be read.
 bool unwind_by_prologue(uint32_t function, uint32_t address, Registers& registers,
                         const ReadWord& read);
 

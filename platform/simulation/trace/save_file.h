@@ -23,7 +23,7 @@ class SaveText {
   void add(Radix radix, const std::string& path);
   /// The same as a curve, three lines high.
   void add_curve(Radix radix, const std::string& path);
-  /// A marker at `time`, in units of the file, with so many of these around it to be seen.
+  /// A marker at `time`, in units of the file; `units` of these around it are visible.
   void show_around(uint64_t time, uint64_t units);
 
   const std::string& text() const { return text_; }

@@ -1,4 +1,4 @@
-// All observers of a run, behind one object.
+// One object for all observers of a run.
 #pragma once
 
 #include <cstddef>

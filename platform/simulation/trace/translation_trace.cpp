@@ -24,7 +24,7 @@ Result<std::unique_ptr<TranslationTrace>> TranslationTrace::open(const std::stri
   return trace;
 }
 
-/// In a folder that everybody writes to: never through a link, never over another's file.
+/// In a world-writable folder: never follows a link, never overwrites another user's file.
 std::optional<Error> TranslationTrace::open_map() {
   map_path_ = fmt::format("/tmp/perf-{}.map", getpid());
   unlink(map_path_.c_str());  // of an earlier process of this number

@@ -2,18 +2,18 @@
 
 usage: specialise.py VERILATED_DIRECTORY OUTPUT.cpp
 
-Verilator evaluates the whole design at every edge, though one sample in flight keeps one stage of five busy, and of
-that stage what its cycle needs. Which those are follows from a few registers of the sequencer. So the code that
-Verilator made is written again with these registers as constants and compiled for each of their values; the
-compiler drops what they rule out. docs/explanation/architecture.md, "RTL that skips idle logic", says why the result
+Verilator evaluates the whole design at every edge. But one sample in flight keeps only one stage of five busy, and in
+that stage only the logic of the present cycle. A few registers of the sequencer determine which logic that is. So this
+script writes Verilator's code again, with these registers as constants, once for each of their values. The compiler
+removes the logic that they rule out. docs/explanation/architecture.md, "RTL that skips idle logic", says why the result
 is the same.
 
 A specialised edge is what Verilator evaluates at it, rising and falling, after all combinational logic computed from
 the registers (Verilator's settling, `stl`). What settling assigns is a function of registers and inputs, so it is a
 local variable here, and what no register needs of it is not computed.
 
-The output has what edges.h declares. Its tables are empty, with a warning, if the code has not the form that
-the Verilator has for which this was written (5.006): then RTL runs as it did, only slower.
+The output defines what edges.h declares. If the code does not have the form of Verilator 5.006, for which this script
+was written, the tables are empty, with a warning: RTL then runs without specialised edges, only slower.
 """
 
 import re
@@ -23,7 +23,7 @@ from pathlib import Path
 TOP = "Vcoprocessor_probe___024root"
 PROBE = "coprocessor_probe__DOT__"
 SEQUENCER = PROBE + "dut__DOT__u_sequencer__DOT__"
-# The compiler holds them against the numbers of models/coprocessor/sequencer.h.
+# The compiler compares them with the numbers of models/coprocessor/sequencer.h.
 CYCLES = 32
 STAGES = 5
 
