@@ -3,13 +3,13 @@
 // docs/reference/coprocessor.md has their formats. A register whose fields go to several units has the type that the register
 // description makes for it, and its reserved bits are 0.
 //
-// The types belong to no package, and this file is read before the modules: Icarus Verilog 11 aborts at a port of a struct
-// that is named with its package (package::type), and yosys 0.23 reads no import. Icarus assigns to a member of a member in
-// processes only, so a unit fills the inner bundle and assigns it as a whole.
+// The types belong to no package, and this file is read before the modules. Icarus Verilog 11 aborts at a port of a
+// struct type with a package prefix (package::type), and yosys 0.23 does not read imports. Icarus assigns to a member
+// of a member only in processes, so a unit fills the inner bundle and assigns it as a whole.
 //
-// A process reads a member of a wide bundle through its own wire. Verilator then follows every member to its source
-// and the bundle is gone; one that a process or a path from outside looks into is packed into words in every cycle, which
-// made a run 8.5 % slower when state_t was.
+// A process reads a member of a wide bundle through its own wire. Verilator then traces every member to its source and
+// removes the bundle. A bundle that a process or a path from outside accesses directly is packed into words in every
+// cycle. For state_t that made a run 8.5 % slower.
 
 // The six coefficients: s48, Q2.46
 typedef struct packed {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact product of a 48-bit and a 32-bit signed word, combinational: s48 * s32 = s80.
 //
-// Split by hand into digits of 17 bits: each partial product is one 18x18 signed block, and no tool
-// has to net a larger one (yosys 0.23 and 0.55 lose the sign of a split product for this family).
+// Split by hand into digits of 17 bits, so that each partial product is one 18x18 signed block. A tool that splits a
+// larger product may be wrong: yosys 0.23 and 0.55 lose its sign for this family.
 module multiplier_48x32 (
   input  logic signed [47:0] a_i,
   input  logic signed [31:0] b_i,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arctangent by the paper's PI loop, Eq (11), P = 0, I = 1.9 rad per unit error, from 0, 30 times:
-// error = y cos(angle) - x sin(angle), angle += I error. The loop needs amplitudes of about 0.3 to
-// 0.9 and stays at 0 for an input at half a turn: the vector is shifted until the larger word is in
-// [0.25, 0.5), and negated if x < 0, unless Plain.
+// error = y cos(angle) - x sin(angle), angle += I error. The loop needs amplitudes of about 0.3 to 0.9, and stays at 0
+// for an input at half a turn. So, unless Plain, the vector is shifted until the larger word is in [0.25, 0.5), and
+// negated if x < 0.
 //
 // Latency: one tick. cycle 0 clears the angle, cycles 1..30 iterate, the outputs are valid in cycle
 // 31. Inputs stable in cycles 1..31. State changes only if run_i.

@@ -102,8 +102,9 @@ module register_bank #(
   assign correction_o.value = correction.VALUE;
   assign unused_correction  = ^correction;
 
-  // The word of a LO is its stage, the one of a HI its read latch: a write of LO and a read of HI fill
-  // their own word, a write of HI and a read of LO take the other's, which the write leaves at 0.
+  // Each pair has two words. LO's word stages a written low half; HI's word latches the low half at a read of HI. A
+  // write of LO fills LO's word; a write of HI takes it and clears it to 0. A read of HI fills HI's word; a read of LO
+  // takes it.
   logic        word_we, word_valid;
   logic [4:0]  word_source;
   logic [31:0] word_data, word_read, pair_high, pair_low;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a sample leaves behind on its way through the stages, until software reads it: written once
-// per word, in the cycle in which it is computed, under the sample's slot number.
+// Keeps the results of a sample from all stages until software reads them. Each word is written once, in the cycle in
+// which it is computed, under the sample's slot number.
 //
 // All words are s32 or u32 and pass through unchanged. Eight slots: five samples in flight, the
-// committed one, and a power of two. Reads are combinational. Three memories, so that no two
-// writes meet: sample and calibrated words of T0; residue and reference phase of T2 (cycles 0, 1)
-// and errors of T3 (later cycles); and the words of turn_judge.sv, which says where they stand.
+// committed one, and a power of two. Reads are combinational. There are three memories, so that no two writes collide.
+// One has the sample and calibrated words of T0. One has the residue and reference phase of T2 (cycles 0, 1) and the
+// errors of T3 (later cycles). One has the words of turn_judge.sv, which lists their addresses.
 module results_memory (
   input  logic        clk_i,
   input  logic        sample_we_i,

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What travels with a sample beside its words: slot, clip, saturation, zero, mirror, turn and unsettled
-// bits; and the
-// bits of STATUS, which change when a sample is committed at the end of T4.
+// The tags that travel with a sample: slot, clip, saturation, zero, mirror, turn and unsettled bits. Also the bits of
+// STATUS, which change when a sample is committed at the end of T4.
 //
-// Each input belongs to the stage that makes it and is valid at that stage's last cycle, but for
-// saturated_i[s]: stage s lost high bits in this cycle, whichever cycle that is.
+// Each input belongs to the stage that makes it and is valid at that stage's last cycle, except saturated_i[s]: stage s
+// lost high bits in this cycle, which may be any.
 module sample_tags (
   input  logic       clk_i,
   input  logic       rst_ni,

@@ -96,7 +96,7 @@ module sequencer (
   end
 `endif
 
-  // Data of the held sample; nobody looks at them while held_q is 0, so a soft reset leaves them.
+  // Data of the held sample. They are not used while held_q is 0, so a soft reset keeps them.
   logic [31:0] held_u_d, held_v_d, held_u_q, held_v_q;
   logic        held_clip_d, held_clip_q;
   assign held_u_d    = stream_valid_i ? stream_i.u : soft_u_i;

@@ -7,8 +7,8 @@
 // Memory, words by sample slot: 0..7 amplitude, 8..11 average, 12..15 DET, 16..19 residue; 21 deviation;
 // record of bank b: 22 + b DET, 24 + 4 b radius, residue, winding, samples.
 // Two banks take turns: one is the window under way, the other the window that ended last.
-// Other stages write in cycles that T4 leaves free: T2 its residue in cycle 0, T0 DET in 6, T1 (precise) or T2 (paper)
-// the amplitude in 11, T3 the average in 26. cycle_e is T4's schedule.
+// Other stages write in cycles that T4 leaves free: T2 the residue in cycle 0, T0 DET in 6, T3 the average in 26. T1
+// (precise) or T2 (paper) writes the amplitude in 11. cycle_e is T4's schedule.
 module turn_judge (
   input  logic        clk_i,
   input  logic        rst_ni,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Magnitude of a vector behind the vectoring CORDIC: takes its gain away and its normalisation back.
+// Magnitude of a vector after the vectoring CORDIC: removes the CORDIC's gain and undoes the normalisation.
 //
 //   x_i          s39, not negative; the CORDIC's last x
 //   shift_i      0..127, used one cycle after x_i

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tick's own copy of the six weights, as a ring: whoever needs a weight waits until it comes
-// past a tap, which costs one multiplexer in place of one for each reader.
+// The tick's copy of the six weights, as a ring. A unit that needs a weight waits until the weight passes a tap. That
+// costs one multiplexer instead of one for each reader.
 //
 // Formats: weights s48, Q2.46; offsets s32, Q1.31.
 // At home (cycles 0 and 26 to 31) place 0..5 holds a_u, b_u, c_u, a_v, b_v, c_v. The ring turns by

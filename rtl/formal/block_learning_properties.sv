@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// block_learning.sv against docs/reference/coprocessor.md, "Block learning": the three cases of T3's start, and one of the six
-// sums, any, from the cycle in which T3 writes it to the one in which the ring takes it.
+// Checks block_learning.sv against docs/reference/coprocessor.md, "Block learning". Covers the three cases of T3's
+// start, and any one of the six sums, from the cycle in which T3 writes it to the one in which the ring takes it.
 module block_learning_properties (
   input logic        clk_i, clear_i, boundary_i, active_i,
   input logic [4:0]  cycle_i,

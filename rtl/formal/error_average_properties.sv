@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error average by its definition (error_average.sv), for every sum and error: its arithmetic, the sums of both channels in
-// turn, what a reset makes of them, and LOCK and DIVERGED from the 63rd sample on.
+// Checks the error average against its definition (error_average.sv), for every sum and error.
+// Covers its arithmetic, the sums of both channels in turn, a reset, and LOCK and DIVERGED from the 63rd sample on.
 module error_average_properties (
   input logic               clk_i, rst_ni, clear_i, boundary_i, commit_i, error_valid_i,
   input logic signed [31:0] error_i,
@@ -35,7 +35,8 @@ module error_average_properties (
   logic [63:0] due;
   assign due = sum + size - ((sum + 64'd32) >> 6);
 
-  // Behind this cycle. The sums of before a reset are gone with the first boundary behind it, before an error comes.
+  // Values after this cycle. The sums from before a reset are gone with the first boundary after it, before an error
+  // comes.
   logic [37:0] sum_due, other_due;
   logic        empty_due, begins;
   logic [ 5:0] settled_due;

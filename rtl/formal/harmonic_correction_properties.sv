@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// harmonic_correction.sv against docs/reference/coprocessor.md, "Harmonic correction", for one node and its neighbour, any: what T1 takes off
-// is floor(S / 2^16), S the exact sum of T[j] and of the node that each bit of f chooses, times the bit's weight. What is left to
-// trust is that such a sum is T[j] (2^16 - f) + T[j + 1] f. Nodes are not written in T1's tick, and its angle stands from cycle 11 on.
+// Checks harmonic_correction.sv against docs/reference/coprocessor.md, "Harmonic correction", for any node and its
+// neighbour.
+// T1 subtracts floor(S / 2^16). S is the exact sum of T[j] and of the node that each bit of f chooses, times the bit's
+// weight.
+// Not proven is that such a sum is T[j] (2^16 - f) + T[j + 1] f.
+// Assumed: nodes are not written in T1's tick, and its angle is stable from cycle 11 on.
 module harmonic_correction_properties (
   input logic        clk_i, start_i, correct_i, write_i,
   input logic [31:0] phi_i, relative_i,

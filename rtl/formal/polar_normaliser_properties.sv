@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One vector through polar_normaliser.sv, from its load in cycle 0 or 10 to the cycle in which it is
-// taken: no place is lost, the shift counts them, and the larger word is left-aligned.
+// Follows one vector through polar_normaliser.sv, from its load in cycle 0 or 10 to the cycle in which it is taken. No
+// bit is lost, the shift counts the places, and the larger word is left-aligned.
 module polar_normaliser_properties (
   input logic        clk_i,
   input logic [47:0] weight3_i, weight4_i, weight5_i

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tick of polar_unit.sv by docs/reference/coprocessor.md, from any state: which vector goes into the CORDIC and how it is prepared, that
-// ten times three micro-rotations follow in their order, and what becomes of the angles and magnitudes. What is inside, the
-// normaliser, the micro-rotation and the gain, is any (polar_stand_ins.sv) and has its own proofs.
+// Checks a tick of polar_unit.sv against docs/reference/coprocessor.md, from any state:
+// - which vector goes into the CORDIC, and how it is prepared
+// - that ten times three micro-rotations follow in their order
+// - the resulting angles and magnitudes
+// The units inside (normaliser, micro-rotation, gain) are arbitrary here (polar_stand_ins.sv) and have separate proofs.
 module polar_unit_properties (
   input logic        clk_i,
   input logic [36:0] s_i, c_i,
@@ -72,7 +74,7 @@ module polar_unit_properties (
   (* hierconn *) logic [31:0] \dut.u_gain.magnitude_o ;
   (* hierconn *) logic        \dut.u_gain.saturated_o ;
 
-  // The vector that begins in the next cycle: >>r to 35 bits beside the sign, in the half plane of positive x.
+  // The vector that begins in the next cycle: >>r to 35 bits and the sign, in the half plane of positive x.
   logic signed [38:0] x_word, y_word, x_rounded, y_rounded;
   logic               turned;
   assign x_word    = $signed(boundary ? c_i : \dut.u_normaliser.x_o );

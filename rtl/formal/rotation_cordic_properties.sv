@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A micro-rotation of rotation_cordic.sv by its definition, in words wide enough for everything:
-// x - d (y >>r i), y + d (x >>r i), z - d A[i] with d = +1 if z >= 0, else -1 (paper: shifts are
-// truncated), and the rounded, clamped output.
+// Checks a micro-rotation of rotation_cordic.sv against its definition, in words wide enough for all values.
+// The results are x - d (y >>r i), y + d (x >>r i) and z - d A[i], with d = +1 if z >= 0, else -1 (paper: shifts are
+// truncated).
+// The output is rounded and clamped.
 module rotation_cordic_properties #(
   parameter int Paper = 0
 ) (

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each cycle of the turn judge's schedule by its definition (turn_judge.sv, docs/reference/coprocessor.md): from any
-// state and with any word read, what it writes and says at the commit; and what each register is behind it, behind SRST and
-// behind the pin's reset.
+// Checks each cycle of the turn judge's schedule against its definition (turn_judge.sv, docs/reference/coprocessor.md).
+// Covers, from any state and with any word read, what it writes and reports at the commit.
+// Also covers each register's value after the cycle, after SRST and after the pin's reset.
 module turn_judge_properties (
   input logic        clk_i, rst_ni, clear_i, boundary_i,
   input logic [ 4:0] cycle_i, stage_i,
@@ -177,7 +177,7 @@ module turn_judge_properties (
     if (alarm_next) turns = 2'd0;
   end
 
-  // What the registers are behind this cycle: the settings of a tick, what a commit leaves, and what a reset does.
+  // Register values after this cycle: the settings of a tick, the state after a commit, and after a reset.
   logic [51:0] settings, settings_was;
   assign settings = {\dut.count_q , \dut.by_angle_q , \dut.turns_q , \dut.alarm_limit_q , \dut.radius_limit_q ,
                      \dut.turn_limit_q };

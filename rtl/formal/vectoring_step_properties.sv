@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A micro-rotation of vectoring_step.sv by its definition, in words wide enough for everything:
-// x + d (y >>r i), y - d (x >>r i), z + d A[i], with i = 3 n + Offset and d = +1 if y >= 0, else -1.
+// Checks a micro-rotation of vectoring_step.sv against its definition, in words wide enough for all values.
+// The results are x + d (y >>r i), y - d (x >>r i) and z + d A[i], with i = 3 n + Offset and d = +1 if y >= 0, else -1.
 module vectoring_step_properties #(
   parameter int Offset = 0
 ) (
