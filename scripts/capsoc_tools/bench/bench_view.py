@@ -1,7 +1,7 @@
 """What the live page costs: a long main job by itself, in a session, and with a page that reads every frame.
 
-The three alternate in one run. The time is that of the simulation from its first to its last instant; of the page, with
-all that is done between its slices. Then what a paced run costs beside the simulation.
+The three alternate in one run. The time is that of the simulation from its first to its last instant. With the page it
+includes everything between the simulation's slices. Then follows what a paced run costs in addition to the simulation.
 
     scripts/tool bench_view [--repeat N] [--samples N] [--capsoc FILE]
 """

@@ -5,10 +5,10 @@ usage: checkpoint_cuts [--count N] [--seed S] [--programs A,B] [--pairs tlm-tlm,
        [--build FOLDER] [--keep FOLDER]
 
 Every cut has a program, the coprocessor before and after it, its arithmetic, a time, and for the second part another
-quantum and executor, all drawn from the seed. Compared are: the output of the run that was saved (nothing may
-change), and of the one that continued every UART's remaining bytes, exit code, cycles, instructions, samples,
-parameters, angle errors, verdict and the checksum of all that UART 0 sent. Status 0: all the same; 1: a difference,
-with its commands; 2: usage.
+quantum and executor, all random from the seed. Saving must not change the output of the saved run. Of the run that
+continued, these are compared: every UART's remaining bytes, exit code, cycles, instructions, samples, parameters, angle
+errors, verdict and the checksum of all that UART 0 sent. Status 0: all the same; 1: a difference, with its commands; 2:
+usage.
 """
 
 import argparse

@@ -4,11 +4,11 @@ usage: foreign_firmware [--match TEXT] [--level -O2] [--build FOLDER] [--work FO
 
 tests/foreign/programs.toml lists them: interpreters, crypto, signal processing, a compiler to Thumb code, GCC's
 torture tests, and MicroPython in its own port to this board with its own tests. Their sources are Debian's source
-packages, fetched with apt-get from the places this machine already uses into FOLDER (default build/foreign, some
-200 MB, kept), compiled with arm-none-eabi-gcc, and run on both simulators: programs against newlib over semihosting,
-a board's tests through the UART on a pseudo-terminal. MIPS are millions of simulated instructions in a second, start
-of the simulator included; the ratio is QEMU's time to ours. The last table is that of
-docs/reference/processor.md; benchmarks have a table of scores after it.
+packages. apt-get fetches them from this machine's configured servers into FOLDER (default build/foreign, some 200 MB,
+kept). They are compiled with arm-none-eabi-gcc and run on both simulators: programs with newlib over semihosting, a
+board's tests through the UART on a pseudo-terminal. MIPS are millions of simulated instructions in a second, start of
+the simulator included; the ratio is QEMU's time to ours. The last table is that of docs/reference/processor.md;
+benchmarks have a table of scores after it.
 
 Status 0: the same everywhere; 1: a difference, or a program that does not say what it should; 2: something is missing.
 """

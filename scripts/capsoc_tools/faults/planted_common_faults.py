@@ -2,14 +2,14 @@
 
 usage: planted_common_faults [--match TEXT] [--drawn N [--seed N]] [--jobs N] [--work FOLDER]
 
-A fault in the model stands for the same one in model and RTL, which lockstep cannot see: tests/third_reading shares
-nothing with either. Copies the tree's sources to FOLDER (default build/common_faults), and for each fault of
-tests/faults/third_reading.toml exchanges the text, builds record_answers, and lets check_answers.py judge the
-first scenario that it records otherwise than the whole model, with which the checker agrees: of both arithmetics, and
-of `paper` with the options of Table 8. With --drawn, N faults are drawn from all places of the model instead
-(mutation/model_faults.py). Not counted are those that do not build, those of which the compiler makes the
-same program, and those that tests/third_reading/equivalent_faults.toml lists with a reason; each that is not noticed
-is listed with its place. Without a fault everything has to agree.
+A fault in the model stands for the same fault in model and RTL, which lockstep cannot see. tests/third_reading shares
+no code with either. Copies the tree's sources to FOLDER (default build/common_faults). For each fault of
+tests/faults/third_reading.toml it replaces the text and builds record_answers. check_answers.py then judges the first
+scenario whose record differs from that of the model without the fault, with which the checker agrees. Scenarios are
+those of both arithmetics, and of `paper` with the options of Table 8. With --drawn, N random faults from all places of
+the model are used instead (mutation/model_faults.py). Not counted are faults that do not build, faults that compile to
+the same program, and faults that tests/third_reading/equivalent_faults.toml lists with a reason. Each fault that is not
+noticed is listed with its place. Without a fault everything has to agree.
 
 Status 0: every fault of the list (97 % of the drawn ones that count) was noticed; 1: not so; 2: a fault's place is
 not there exactly once, or something does not build.

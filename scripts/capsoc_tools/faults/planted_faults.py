@@ -8,8 +8,8 @@ fault names). The run has to end with exit code 4 and its report has to name wha
 columns: samples that the coprocessor had taken when it was seen, and cycles from the newest of them to the report
 (a sample's way through the pipeline is 161 cycles). At the end the unbroken tree has to agree.
 
---at-pins: only the RTL's faults, in a design of which nothing but the pins is known (tests/rtl/own_design); the
-regression has to end with exit code 4, whatever it names, since there is no node to name.
+--at-pins: only the RTL's faults, in a design of which only the pins are known (tests/rtl/own_design). The regression
+has to end with exit code 4, whatever it names, since there is no node to name.
 
 --number N: the N-th fault of the list alone, and what came of it as a JSON object, for a campaign that shares them out
 (campaigns/planted_faults.toml).
@@ -83,7 +83,7 @@ def design_sources(tree):
 
 
 def compare_at_pins(tree, fault, jobs, logs):
-    """The same design behind other names, built by capsoc's CMake function as somebody else would."""
+    """The same design with other names, built by capsoc's CMake function as a user would build it."""
     arithmetic = fault.get("arithmetic", "precise")
     folder = logs.parent / f"pins-{arithmetic}"
     options = [

@@ -8,9 +8,9 @@ induction step (ind), or both; induction without an assertion that fails proves 
 proof to fail: a proof that cannot fail proves nothing.
 
 Prints proof, engine, result and seconds. A proof that fails names its assertions and writes its counterexample as
-waves, FOLDER/NAME.vcd, in formal_waves if no folder is named; the line behind says in which cycle it fails. The waves
-of faults that were found are written if a folder is named. Status 0: as expected; 1: a proof failed, or missed its
-fault; 2: a tool is missing or the arguments are wrong.
+waves, FOLDER/NAME.vcd, in formal_waves if no folder is named; the next line says in which cycle it fails. The waves of
+faults that were found are written if a folder is named. Status 0: as expected; 1: a proof failed, or missed its fault;
+2: a tool is missing or the arguments are wrong.
 """
 
 import argparse

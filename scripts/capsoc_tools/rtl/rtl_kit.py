@@ -2,9 +2,13 @@
 
 usage: rtl_kit FOLDER
 
-FOLDER gets the SystemVerilog, with what scripts generate, and beside it capsoc_coprocessor.core (CAPI 2: the
-files in reading order, the parameters), capsoc_coprocessor.xml (IP-XACT, IEEE 1685-2014: bus interface, ports,
-registers as models/registers/capsoc.svd describes them) and coprocessor.sdc.
+Writes into FOLDER:
+- the SystemVerilog, with the generated files
+- capsoc_coprocessor.core (CAPI 2: the files in reading order, the parameters)
+- capsoc_coprocessor.xml (IP-XACT, IEEE 1685-2014: bus interface, ports, registers as models/registers/capsoc.svd
+  describes them)
+- coprocessor.sdc
+
 A file whose content would not change is left alone.
 
 Status 0: written; 2: something is missing, and one sentence says what.

@@ -50,9 +50,9 @@ endmodule
 """
 
 
-# The same for an adder that inverts one operand: one function of the adder's own LUTs, but yosys makes such
-# an adder only for a subtraction. rtl/add_subtract.sv is read as this; the netlist gate compares it with
-# the RTL as it stands.
+# The same for an adder that inverts one operand. The LUTs of the adder can do that, but yosys maps only a subtraction
+# so. Synthesis reads this in place of rtl/add_subtract.sv; the gate-level netlist check compares the result with the
+# unchanged RTL.
 ADD_SUBTRACT = """\
 module add_subtract #(parameter int Width = 32) (
   input logic [Width-1:0] a_i, b_i, input logic minus_i, carry_i, output logic [Width-1:0] sum_o);

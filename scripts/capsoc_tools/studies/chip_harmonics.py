@@ -3,18 +3,26 @@ not told.
 
 usage: chip_harmonics [--sensors N] [--seed S] [--jobs N] [--build FOLDER]
 
-Each sensor once with `quick`, six parameters by block learning, and once with `harmonics`, which adds the table: the
-rebuilt experiment of the SoC paper (traces/soc_experiment.toml), the CSFN paper's signal with its third harmonic
-(traces/csfn_h3.toml) on a shaft that turns steadily, and random sensors: amplitudes of 0.05 .. 0.95 of full scale
-(log-uniform), their ratio 0.5 .. 2, offsets to 0.5 without clipping, beta -1.2 .. 1.2 rad, phi all round, both
-directions, orders 2 to 5 in both channels, 0.1 to 2 % in sum, noise none or 1e-6 .. 1e-3 of the smaller amplitude, 16
-to 24 bits; 0.04 .. 0.06 Hz at 250 samples/s. Largest angle error in calibration mode, and the bound of a program that
-is told that the shaft turns evenly (-P ripple_deg=0.001), in degrees. Then what no table sees: the paper's sensor on
-a shaft with a ripple that repeats with each turn, told and not told; and the third harmonic with a ripple by inertia,
-a quarter of it at twice the speed, learnt at one speed and at both (-P second_speed_s=400).
+Each sensor runs once with `quick`, six parameters by block learning, and once with `harmonics`, which adds the table.
+The sensors are:
+- the rebuilt experiment of the SoC paper (traces/soc_experiment.toml)
+- the CSFN paper's signal with its third harmonic (traces/csfn_h3.toml) on a shaft that turns steadily
+- random sensors
 
-Status 0: every run passed, kept its bound, and came below 0.03 (the experiment), 0.01 (the CSFN paper's), a tenth of
-what it was without the table or four times its noise's share (drawn); 1: one did not, with its command; 2: usage.
+Random sensors have amplitudes of 0.05 .. 0.95 of full scale (log-uniform), their ratio 0.5 .. 2, offsets to 0.5 without
+clipping, beta -1.2 .. 1.2 rad, any phi, and both directions. They have orders 2 to 5 in both channels, 0.1 to 2 % in
+sum, noise of 0 or 1e-6 .. 1e-3 of the smaller amplitude, and 16 to 24 bits. They turn at 0.04 .. 0.06 Hz, with 250
+samples/s.
+
+Prints the largest angle error in calibration mode and the bound of a program with the setting that the shaft turns
+evenly (-P ripple_deg=0.001), in degrees. Then follow cases that no table can correct:
+- the paper's sensor on a shaft with a ripple that repeats with each turn, with and without that setting
+- the third harmonic with a ripple by inertia, a quarter of it at twice the speed, learnt at one speed and at both
+  (-P second_speed_s=400)
+
+Status 0: every run passed, kept its bound, and its error stayed below a limit. The limit is 0.03 for the experiment and
+0.01 for the CSFN paper's signal. For random sensors it is a tenth of the error without the table, or four times the
+noise's share. Status 1: one did not, with its command; 2: usage.
 """
 
 import argparse

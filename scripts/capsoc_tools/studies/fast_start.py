@@ -2,13 +2,15 @@
 
 usage: fast_start [--sensors N] [--seed S] [--jobs N] [--turns N] [--build FOLDER]
 
-Drawn are amplitudes of 0.05 .. 0.95 of full scale (log-uniform), their ratio 0.5 .. 2, offsets to 0.5 without
-clipping, beta -1.2 .. 1.2 rad, phi all round and the direction; 0.05 Hz at 250 samples/s, 32 bits. Printed for each
-way: when all six parameters were within 1 % for good (speed known), when the angle was within 0.5 degrees and within
-1e-5 degrees for good, and the largest error in the turn of calibration after it: median, 95 % and the worst of all
-sensors.
+Random sensors have amplitudes of 0.05 .. 0.95 of full scale (log-uniform), their ratio 0.5 .. 2, offsets to 0.5 without
+clipping, beta -1.2 .. 1.2 rad, any phi and either direction. They turn at 0.05 Hz, with 250 samples/s and 32 bits.
 
-Status 0: every run passed, kept its bound and came to 1e-5 degrees; 1: one did not, with its command; 2: usage.
+Prints for each way, as median, 95 % and the worst of all sensors:
+- when all six parameters were within 1 % for good (speed known)
+- when the angle was within 0.5 degrees and within 1e-5 degrees for good
+- the largest error in the turn of calibration after that
+
+Status 0: every run passed, kept its bound and reached 1e-5 degrees; 1: one did not, with its command; 2: usage.
 """
 
 import argparse

@@ -4,8 +4,12 @@ least squares and a Kalman filter in software next to it.
 usage: learning_methods [--build FOLDER] [--arithmetic precise|paper]
 
 Each way gets each of the sensors below for 400 s (blocks: 8 turns) at 250 samples/s, and then one turn to calibrate.
-Printed are: when all six parameters were within 1 % for good, the largest error of a parameter afterwards (amplitudes
-and offsets in full scale, angles in rad), the largest error of an angle in calibration mode, and what a sample costs.
+Prints:
+- when all six parameters were within 1 % for good
+- the largest error of a parameter afterwards (amplitudes and offsets in full scale, angles in rad)
+- the largest error of an angle in calibration mode
+- the cost of a sample
+
 Status 0: every run passed and kept its bound; 1: one did not; 2: usage.
 """
 

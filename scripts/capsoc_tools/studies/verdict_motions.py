@@ -62,7 +62,7 @@ def back_and_forth(case):
 
 
 def speed_points(case, points, least, most):
-    """An angle whose speed runs straight between so many random points, as a share of the plan's speed."""
+    """An angle whose speed is linear between `points` random points, as a share of the plan's speed."""
     times = np.sort(case.arrays.uniform(0, case.n, points))
     shares = case.arrays.uniform(least, most, points)
     return case.sensor.phi + np.cumsum(np.interp(case.k, times, shares)) * case.sensor.speed / case.plan.rate
@@ -103,7 +103,7 @@ def turn_ripple(case):
 
 
 def indexed(case):
-    """The shaft moves in steps: it rests at so many positions of a turn."""
+    """The shaft moves in steps: it rests at a random number of positions of a turn."""
     positions = int(log_uniform(case.draw, 3, 2000))
     return (np.floor(case.steady() * positions) + case.draw.random()) / positions
 
@@ -116,7 +116,7 @@ def indexed_randomly(case):
 
 
 def rest_in_stretch(case):
-    """The shaft rests for a while and then turns on, behind its reference."""
+    """The shaft rests for a while and then turns again, so it lags its reference."""
     first, end = case.stretch(0.02, 2)
     moved = np.where(case.k < first, case.k, np.where(case.k < end, first, case.k - (end - first)))
     return case.sensor.angle(moved / case.plan.rate)
@@ -152,7 +152,7 @@ def reversing(case):
 
 
 def stale(case):
-    """Samples, some or every so many, are old ones; the age is fixed or random."""
+    """Some samples, random ones or every N-th, are old ones; the age is fixed or random."""
     draw, turn = case.draw, case.plan.turn
     age = max(1, int(turn * log_uniform(draw, 2e-3, 0.7)))
     chosen = case.inside(case.stretch(0.1, 5))
@@ -225,7 +225,7 @@ def reversed_blocks(case):
 
 
 def old_turn_again(case):
-    """A stretch is exactly what came so many samples before: a buffer that is sent twice."""
+    """A stretch repeats the samples before it exactly: a buffer that is sent twice."""
     first, end = case.stretch(0.02, 2)
     size = min(end - first, first)
     inside = (case.k >= first) & (case.k < first + size)

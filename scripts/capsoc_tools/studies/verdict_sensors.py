@@ -12,12 +12,12 @@ import random
 import numpy as np
 
 RATE, SPEED = 250, 0.05
-# The programs that count on the pace of the shaft: a numeric reference cannot tell its unevenness from the sensor's
-# error. A good shaft stays within so many degrees of a steady turn for them, and within fewer where the unevenness
+# Programs that depend on a steady speed, and the degrees within which a good shaft stays of a steady turn. A numeric
+# reference cannot distinguish the shaft's unevenness from the sensor's error. The limit is lower where the unevenness
 # becomes a part of what is learnt.
 STEADY_DEG = {"selfcal": 3, "track": 3, "quick_known": 3, "paper": 3, "recursive": 3, "harmonics": 1}
-# A sensor with more noise and harmonics than leave so much of an angle is no good one: of 6 degrees a bound of 30 says
-# nothing.
+# Degrees of angle error, by noise and harmonics, up to which a sensor counts as good. With an error of 6 degrees a
+# bound of 30 says nothing.
 CLEAN_DEG = 5
 TURN = 2 * np.pi
 
@@ -75,7 +75,7 @@ class Sensor:
         return 360 * abs(self.speed) * depth / (2 * math.pi * frequency)
 
     def steady_within(self, most):
-        """Makes the motion no more uneven than so many degrees."""
+        """Limits the unevenness of the motion to `most` degrees."""
         depth, frequency = self.ripple
         if self.ripple_deg() > most:
             self.ripple = (depth * most / self.ripple_deg(), frequency)
@@ -90,7 +90,7 @@ class Sensor:
         return math.degrees(math.hypot(*shares) / math.cos(self.beta))
 
     def clean_within(self, most):
-        """Makes noise and harmonics no larger than leaves so many degrees, or as the converter's steps do."""
+        """Limits noise and harmonics to an angle error of `most` degrees; the converter's steps may exceed that."""
         share = min(1.0, most / self.residual_deg())
         self.noise *= share
         self.harmonics = [(channel, order, share * size, phase) for channel, order, size, phase in self.harmonics]
@@ -210,7 +210,7 @@ def plan_recursive(draw, style):
 
 
 def plan_blocks(elf, turns, known):
-    """quick and harmonics: so many turns until they calibrate."""
+    """quick and harmonics: they calibrate after `turns` turns."""
 
     def plan(draw, style):
         speed = speed_for(draw, style)
@@ -341,7 +341,8 @@ class Case:
         return self.arrays.uniform(0, 1, self.n) if self.shuffled else self.sensor.angle(self.seconds)
 
     def stretch(self, shortest=0.02, longest=3.0):
-        """First sample and end of a stretch of so many turns, at places where a program may have ceased to judge.
+        """First sample and end of a stretch, whose length is in turns, at places where a program may have ceased to
+        judge.
 
         Anywhere; early in the judged time; its end, beyond the last whole turn; one of the program's phases; or all
         from one sample on.

@@ -18,12 +18,12 @@ answer as it comes, a line each; the same command with the same file continues w
 FILE (the records of another coprocessor) also counts where verdict, reason, bound or exit code differ from the
 other's on the same sensor; each such difference makes the status 1, too.
 
-Good: amplitudes 0.02 .. 0.95 of full scale (log-uniform), ratio 0.5 .. 2, offsets to 0.5 without clipping, beta -1.2
-.. 1.2 rad, noise none or 1e-6 .. 1e-2 of the amplitude, harmonics of orders 2 to 5 to 2 % in sum in 70 %, speed
-ripple of 1e-4 .. 2 % in half of them (at most 3 deg for the programs that count on the pace, 1 for harmonics), not
-more noise and harmonics than leave about 5 deg of an angle, 12 to 24 bits, both directions (random order for
-unordered). Half of the cases run with the usual settings (0.05 Hz at 250 Hz), the others with another speed and times
-that are no whole turns.
+Good: amplitudes 0.02 .. 0.95 of full scale (log-uniform), ratio 0.5 .. 2, offsets to 0.5 without clipping, beta from
+-1.2 to 1.2 rad. Noise is 0 or 1e-6 .. 1e-2 of the amplitude; 70 % have harmonics of orders 2 to 5, up to 2 % in sum.
+Half have a speed ripple of 1e-4 .. 2 %: at most 3 deg for programs that depend on a steady speed, 1 deg for harmonics.
+Noise and harmonics are limited to about 5 deg of angle error. Converters have 12 to 24 bits; both directions occur
+(random order for unordered). Half of the cases run with the usual settings (0.05 Hz at 250 Hz), the others with another
+speed and times that are no whole turns.
 Broken: a good one, and one thing that breaks it (verdict_motions.py and verdict_signals.py say what).
 """
 

@@ -69,7 +69,7 @@ class Prover:
         return found
 
     def statements(self, originals):
-        """What yosys-abc needs to be told of the registers, as one literal; `originals`: of all registers."""
+        """The facts on registers that yosys-abc needs, as one literal; `originals`: of all registers."""
         graph = self.graph
 
         def bits(name):

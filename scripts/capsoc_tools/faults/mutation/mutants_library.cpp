@@ -1,4 +1,4 @@
-// The mutants' netlist, Verilated, behind mutants_abi.h.
+// The Verilated netlist of the mutants, with the interface of mutants_abi.h.
 #include <new>
 
 #include "Vmutants.h"

@@ -1,10 +1,9 @@
 """Mutation score of the regression: how many faults in the RTL does it notice?
 
-Writes one netlist that holds every mutant (yosys mutate -ctrl), Verilates it, holds each mutant against
-the first edges of each of the regression's scenarios (run_mutants), what is left against the whole stimulus, looks
-for proofs that what is left then is equivalent to the RTL (equivalence.py), and prints killed,
-equivalent and survivors by source file. Ends with 0 if the score is at least 95 %, 1 if it is not, 2 if
-something is missing.
+Writes one netlist with all mutants (yosys mutate -ctrl) and Verilates it. Compares each mutant with the model over the
+first edges of each of the regression's scenarios (run_mutants), and the survivors over the whole stimulus. Looks for
+proofs that the remaining survivors are equivalent to the RTL (equivalence.py). Prints killed, equivalent and surviving
+mutants by source file. Ends with 0 if the score is at least 95 %, 1 if it is not, 2 if something is missing.
 """
 
 import argparse
@@ -23,7 +22,7 @@ from capsoc_tools.rtl import sources as rtl_sources
 
 HERE = Path(__file__).resolve().parent
 LEAST_PERCENT = 95.0
-KILLED_BETWEEN_CHECKS = 50  # every so many killed mutants one is shown to the prover, which must not prove it
+KILLED_BETWEEN_CHECKS = 50  # after this number of killed mutants the prover gets one, and must not prove it
 ENTRY_FLAGS = [
     "-std=c++17",
     "-O2",

@@ -1,4 +1,4 @@
-// Holds every mutant against what the model answers to the regression's stimulus.
+// Compares every mutant with the model's answers to the regression's stimulus.
 //
 // usage: run_mutants LIBRARY precise|paper COUNT [--samples N] [--accesses N] [--seed N] [--jobs N]
 //                    [--first N] [--edges N] [--known FILE] [--scenarios NAME,NAME...]
