@@ -1,7 +1,7 @@
-// Random programs that loop, so that their code becomes hot: data processing, IT blocks, transfers
-// through pointers that mostly lead to memory, branches, calls and returns, across the border of
-// two pages in flash or in RAM that the program writes. The fast executors against stepping. The
-// long run: CAPSOC_HOT_CODE=100000.
+// Random programs that loop, so that their code becomes hot. They have data processing, IT blocks,
+// transfers through pointers that mostly lead to memory, branches, calls and returns. Their code
+// crosses the border of two pages, in flash or in RAM that the program writes. Compares the fast
+// executors with stepping. The long run: CAPSOC_HOT_CODE=100000.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -193,7 +193,7 @@ void prepare_loops(Bench& b, uint32_t seed) {
   const auto write = [&b](uint32_t address, uint32_t value) {
     b.core.debug_write(address, &value, 4);
   };
-  write(0xE000ED98, 0);  // MPU: half of the RAM is read-only, the default map behind it
+  write(0xE000ED98, 0);  // MPU: half of the RAM is read-only, the default map elsewhere
   write(0xE000ED9C, Bench::ram_base);
   write(0xE000EDA0, 0x06000000 | 12 << 1 | 1);
   write(0xE000ED94, 5);
@@ -295,7 +295,7 @@ TEST_P(HotCode, CodeThatABranchLeadsToMayChangeBeforeItIsExecuted) {
   EXPECT_EQ(results[0], results[1]);
 }
 
-/// ... and that changes what they are made from before somebody looks.
+/// ... and that changes what the flags are computed from before they are read.
 TEST_P(HotCode, FlagsLeftToTheNextBlockAreSeenRightInIt) {
   std::vector<uint32_t> seen[2];
   for (const Executor executor : {Executor::stepping, GetParam()}) {

@@ -48,8 +48,8 @@ inline Outcome outcome_of(const Bench& b) {
   return o;
 }
 
-/// What the translator did while a program ran under stepping and translated at once, which have to
-/// come to the same.
+/// Runs a program under stepping and under the translator, and expects the same outcome. Returns
+/// the translator's counts.
 inline TranslationCounts translation_agrees(const Preparation& prepare_and_run,
                                             Outcome* outcome = nullptr) {
   Bench stepping, translated;

@@ -67,7 +67,7 @@ TEST(Flags, OfAComparisonSurviveConditionalMovesOfItsRegisters) {
   });
 }
 
-/// What nobody reads is still seen by a fault between.
+/// A fault in between stacks flags that no instruction reads.
 TEST(Flags, AreStackedByADivisionByZeroThatIsAFault) {
   const Outcome outcome = agreed([](Bench& b) {
     // cmp r0,r1; sdiv r2,r3,r4; cmp r5,r6; b

@@ -1,5 +1,5 @@
-// Stores next to and into what is watched: the vector table while somebody is notified of writes
-// there, and code. Each executor must do and tell the same.
+// Stores next to and into watched memory: code, and the vector table while a listener is notified
+// of writes there. Each executor must do and report the same.
 #include <gtest/gtest.h>
 
 #include <cstring>

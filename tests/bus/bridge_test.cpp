@@ -1,4 +1,4 @@
-// The AHB-to-APB bridge, seen by the processor through the matrix and by a device behind it.
+// The AHB-to-APB bridge, seen by the processor through the matrix and by a device on the bridge.
 #include <gtest/gtest.h>
 
 #include "bench.h"

@@ -728,7 +728,7 @@ offset = "abs(parameters.b2.true)"
 
 
 class Commands(CampaignCase):
-    """Somebody else's program as a run."""
+    """A user's program as a run."""
 
     def describe_command(self, line, results="", more="", axis="value.a = [1, 2, 3]"):
         self.describe(

@@ -199,7 +199,7 @@ TEST(CheckpointFile, NoDamagedOneIsAccepted) {
   EXPECT_GT(refused, count * 9 / 10);
 }
 
-/// Whoever writes wrong values with right checksums: refused, or a state that can be run.
+/// Wrong values with right checksums are refused, or give a state that can be run.
 TEST(CheckpointFile, AForgedStateDoesNoHarm) {
   const char* wanted = std::getenv("CAPSOC_DAMAGED");
   const int count = (wanted != nullptr ? std::atoi(wanted) : 2000) / 10;

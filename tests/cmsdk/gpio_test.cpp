@@ -265,7 +265,7 @@ TEST_F(GpioTest, AResetReleasesThePinsAndLowersTheInterrupts) {
   for (const auto& line : gpio.pin_interrupt) EXPECT_FALSE(line.level());
 }
 
-/// Accesses so many cycles ahead of the kernel.
+/// Accesses at given cycles ahead of the kernel.
 class GpioAhead : public GpioTest {
  protected:
   struct Access {

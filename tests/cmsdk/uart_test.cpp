@@ -383,7 +383,7 @@ TEST_F(UartTest, AResetDropsWhatIsOnTheLineAndLowersTheInterrupts) {
   EXPECT_EQ(get(state), 0u);
 }
 
-/// A write to DATA so many cycles ahead of the kernel.
+/// A write to DATA, `cycles` ahead of the kernel.
 class EarlyUartWrite : public UartTest {
  protected:
   /// Whether it was taken.

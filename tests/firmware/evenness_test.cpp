@@ -18,7 +18,7 @@ uint32_t word_of(double turns) {
       static_cast<int64_t>(std::llround((turns - std::floor(turns)) * 4294967296.0)));
 }
 
-/// Half the range, in turns, that is seen of `amplitude` turns of an order, after so many turns at
+/// Half the range, in turns, that is seen of `amplitude` turns of an order, after `turns` turns at
 /// a steady `step` a sample. A window ends with the first sample after a whole turn.
 double seen(unsigned order, double amplitude, double step, unsigned turns) {
   evenness state{};

@@ -26,7 +26,7 @@ struct Bench {
     follower_begin(&state, turn, 0);
   }
 
-  /// The tasks of so many samples at a speed in turns a sample, without those that are nothing.
+  /// The tasks of `samples` samples at a speed in turns a sample, without follower_nothing.
   std::vector<follower_task> run(double speed, int samples) {
     std::vector<follower_task> tasks;
     for (int i = 0; i < samples; ++i) {

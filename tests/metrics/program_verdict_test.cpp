@@ -50,7 +50,7 @@ metrics::SensorTruth sample(double turns) {
   return truth;
 }
 
-/// Results of calibration mode, each so many degrees off.
+/// Results of calibration mode, each with an error in degrees.
 metrics::Metrics off_by(const std::vector<double>& degrees) {
   metrics::Metrics metrics({}, 1);
   for (const double error : degrees) {

@@ -127,7 +127,7 @@ class Completion(Case):
         self.assertNotIn("--sensor", fish)
 
     def test_what_the_program_lists_is_completed(self):
-        """Nobody keeps a second list: every setting and every option of the help is there."""
+        """There is no second list to maintain: every setting and every option of the help is there."""
         settings = output_of(CAPSOC, "run", "--list-params").splitlines()
         # program.NAME and the like stand for what the program or the sensor has.
         paths = {line.split()[0] for line in settings if not line.split()[0].endswith(".NAME")}

@@ -134,7 +134,7 @@ class Errors(Pipes):
 
 
 class Damage(Pipes):
-    """Each ends the connection with a sentence, and whoever calls next gets it, too."""
+    """Each ends the connection with a sentence, and the next call gets that sentence, too."""
 
     CASES = {
         b"no json\n": "damaged answer",

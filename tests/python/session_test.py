@@ -333,7 +333,7 @@ class Ends(Real):
         return capsoc.Session(socket=path)
 
     def test_another_user_is_refused(self):
-        """Though the socket's mode lets everybody in."""
+        """Even if the socket's mode lets all users in."""
         if os.geteuid() != 0:
             self.skipTest("only root can become another user")
         path = self.folder / "socket"

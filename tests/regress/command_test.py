@@ -231,7 +231,7 @@ class Signals(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
         self.json = Path(temporary.name) / "r.json"
-        # Files, since nobody reads while it runs: a full pipe would hold it up.
+        # Files, since the test does not read while it runs: a full pipe would block it.
         self.printed = open(Path(temporary.name) / "printed", "w+", encoding="utf-8")
         self.addCleanup(self.printed.close)
         self.junit = Path(temporary.name) / "r.xml"

@@ -1,6 +1,7 @@
-// The Verilated coprocessor with something wrong, by CAPSOC_TEST_FAULT: "value", a bit of ANGLE, as
-// a bus sees it; "hang", "crash" and "loop" (a combinational one) at its first
-// sample; "node", a node of the reference generator.
+// The Verilated coprocessor with a fault, by CAPSOC_TEST_FAULT:
+// - "value": a wrong bit of ANGLE, as a bus sees it
+// - "hang", "crash" and "loop" (a combinational one): at its first sample
+// - "node": a wrong node of the reference generator
 #include <dlfcn.h>
 
 #include <cstdio>

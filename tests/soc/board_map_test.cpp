@@ -88,7 +88,7 @@ TEST_F(BoardMap, HasNoHoleInThePeripheralRegion) {
 }
 
 TEST_F(BoardMap, LeavesTheRestToTheBusError) {
-  EXPECT_EQ(target_at(0x22000000), "");  // the bit-band alias is the processor's affair
+  EXPECT_EQ(target_at(0x22000000), "");  // the processor decodes the bit-band alias
   EXPECT_EQ(target_at(0x40300000), "");
   EXPECT_EQ(target_at(0x60000000), "");
   EXPECT_EQ(target_at(0xe0000000), "");

@@ -89,7 +89,7 @@ TEST(SecondMaster, ReplacesCodeOfTheBoard) {
                 "new code");
 }
 
-/// Nobody listens to the matrix: direct memory is invalidated.
+/// The matrix has no listener: direct memory is invalidated.
 TEST(SecondMaster, ReplacesCodeOfASystemThatIsNotWiredForIt) {
   EXPECT_EQ(test::elsewhere([&] {
               kit::ClockDomain clock;

@@ -147,7 +147,7 @@ class Backends(EndlessCase):
             self.ends_by_signal(way, signal.SIGTERM, *options, **keywords)
 
     def full_pipe(self):
-        """Its writing end; nobody reads the other one."""
+        """Its writing end; the other end has no reader."""
         ends = os.pipe()
         for end in ends:
             self.addCleanup(os.close, end)

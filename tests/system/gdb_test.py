@@ -411,7 +411,7 @@ continue
 
 
 class Comparison:
-    """With a run of the debuggee that nobody looked at."""
+    """With a run of the debuggee without a debugger."""
 
     def plain(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -3,8 +3,7 @@
 
 A code block "```sh run" is run from a folder with the project's folders in it, the blocks of a page one after the
 other, each ending with 0. Every line of a block "```text printed" but for "..." is a line of what the block before it
-printed. The picture in the README is
-drawn again.
+printed. The test also plots the picture in the README.
 """
 
 import os

@@ -284,7 +284,7 @@ class LongRecords(RecordingCase):
     """How much memory a fit needs: the two numbers of a row, and little more."""
 
     def peak(self, rows):
-        """Largest resident size of a fit of so many rows, in bytes."""
+        """Largest resident size of a fit of `rows` rows, in bytes."""
         r = random.Random(2)
         with open(self.folder / "long.csv", "w", encoding="ascii") as file:
             file.write("u,v\n")

@@ -64,7 +64,7 @@ class Checks(SafeCase):
             with self.subTest(fault=fault):
                 said, result = self.run_safe("--inject", fault)
                 if sentence is None:
-                    # Written again by the next sample: nobody has read it.
+                    # Written again by the next sample before it was read.
                     self.assertEqual(result["exit"]["code"], 0, said)
                     continue
                 self.assertEqual(result["exit"]["code"], 1, said)

@@ -485,7 +485,7 @@ class Harmonics(unittest.TestCase):
         return r
 
     def test_the_papers_experiment_without_its_harmonics(self):
-        # The shaft turns backwards, at a speed that nobody told.
+        # The shaft turns backwards, at a speed that the program does not know.
         self.check("--sensor", TRACES / "soc_experiment.toml", "-P", "ripple_deg=0.001", angle=0.01, bound=0.1)
 
     def test_nothing_known_of_the_shaft_leaves_the_bound_as_wide_as_the_table(self):

@@ -768,7 +768,7 @@ class Inputs(UnluckyCase):
                 self.refuse(*(str(word).format(path) for word in command), saying=(path,))
 
     def test_an_empty_file(self):
-        # No bytes for a UART and no exceptions are what somebody may mean.
+        # No bytes for a UART and no exceptions are valid inputs.
         self.each(lambda path: path.write_bytes(b""), but=("uart input", "exceptions"))
 
     def test_bytes_that_are_zero(self):
@@ -776,7 +776,7 @@ class Inputs(UnluckyCase):
         self.each(lambda path: path.write_bytes(bytes(1000)), but=("uart input", "--load @"))
 
     def test_a_file_that_may_not_be_read(self):
-        """Root may read everything, so this is tried as somebody else."""
+        """Root may read everything, so this is tried as another user."""
         other = 65534
         self.folder.chmod(0o755)
 
@@ -786,7 +786,7 @@ class Inputs(UnluckyCase):
 
         if os.geteuid() != 0:
             return self.each(make, but=("semihosting",))
-        # The files of the build may lie where nobody else can go.
+        # Other users may have no access to the folder of the build.
         program = self.folder / "program"
         (program / "firmware").mkdir(parents=True)
         shutil.copy(CAPSOC, program / "capsoc")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds what a coprocessor answered against docs/reference/coprocessor.md as this folder reads it.
+"""Checks a coprocessor's recorded answers against docs/reference/coprocessor.md, as this folder implements it.
 
 usage: check_answers.py FILE...        (-: standard input)
 

@@ -1,4 +1,4 @@
-// The processor on a bus that somebody else wrote.
+// The processor on a user's bus, not on that of models/bus.
 #include <gtest/gtest.h>
 #include <tlm_utils/simple_target_socket.h>
 

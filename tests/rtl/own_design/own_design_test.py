@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""RTL of one's own: find_package(capsoc) from an install tree, capsoc_add_rtl_library(), capsoc regress."""
+"""A user's RTL: find_package(capsoc) from an install tree, capsoc_add_rtl_library(), capsoc regress."""
 
 import json
 import shutil

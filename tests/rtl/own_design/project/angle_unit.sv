@@ -1,5 +1,6 @@
-// The self-calibration coprocessor as another house might have it: its own names, a reset that is active high and synchronous, and a bus
-// port that takes address and direction in the setup phase and has neither waits nor errors nor byte strobes.
+// The self-calibration coprocessor as another company might have it. It has different names, and a reset that is active
+// high and synchronous. Its bus port takes address and direction in the setup phase and has no wait states, errors or
+// byte strobes.
 module angle_unit #(
   parameter int Paper    = 0,
   parameter int WrongBit = -1  // of the ANGLE that is read; -1: none
