@@ -23,7 +23,8 @@ struct GradientSums {
 };
 
 /// Sums over a batch of j j^T (rows of its lower triangle), (1 - Y) j and (1 - Y)^2.
-/// j is the derivative of Y by the nodes without the constants (-1/a1, -1/a2, -1/a1, -1/a2, 1/2).
+/// Here j is the derivative of Y by the nodes, without the constants (-1/a1, -1/a2, -1/a1, -1/a2,
+/// 1/2).
 struct NormalSums {
   double jj[15], rj[5], loss;
 };

@@ -25,7 +25,7 @@ enum class AccessRule {
 /// - TLM_BURST_ERROR_RESPONSE: a length other than 1, 2 or 4, or streaming
 /// - TLM_BYTE_ENABLE_ERROR_RESPONSE: byte enables that are empty, or neither 0x00 nor 0xff
 /// - TLM_ADDRESS_ERROR_RESPONSE: beyond the device, unaligned, against the AccessRule, or refused
-/// by the register (PSLVERR on an APB)
+///   by the register (PSLVERR on an APB)
 class RegisterTarget : public sc_core::sc_module, public Component {
  public:
   tlm_utils::simple_target_socket<RegisterTarget> socket{"socket"};
