@@ -175,7 +175,7 @@ std::string reason_against_intervals(const Evidence& evidence, const Identificat
   // What harmonics leave beyond the highest order looks like that as well; a warning names them.
   if (found.correlation.of_all_memories && !found.structure.found)
     return text(
-        "the noise is of short and long memory alike, as 1/f noise is (%.2g from one sample to the "
+        "the noise is of short and long memory alike, like 1/f noise (%.2g from one sample to the "
         "next), and may hide errors of offsets; record for ten "
         "times as long, or filter the supply",
         found.correlation.of_neighbours());

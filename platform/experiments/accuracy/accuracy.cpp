@@ -78,9 +78,8 @@ void print_sensors(Report& report) {
   // rows: 2.54 deg at beta = 0.9032, 18.8 deg at 1, 177.6 deg at a1 = a2 = 0.3.
   report.line(
       "  Precise is within {:.1e} deg for all {} sensors. Paper is off by more than {:g} deg for "
-      "{} "
-      "of them: Eq (12) gives its PI arctangent the amplitude a1 a2 cos(beta), which has to be "
-      "well above zero for 30 iterations to suffice.",
+      "{} of them: Eq (12) gives its PI arctangent the amplitude a1 a2 cos(beta). For 30 "
+      "iterations to suffice, that has to be well above zero.",
       worst, rows, paper_useful_deg, paper_fails);
 }
 

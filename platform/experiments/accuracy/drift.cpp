@@ -194,11 +194,9 @@ void print_drift(Report& report) {
           noise * worst_noise / radians_per_degree);
   report.line(
       "  The bound is {:g} times the drift in the longest time without a learnt turn ({:g} for "
-      "random sensors), and what the first turns leave: 5e-4 deg, 5e-3 of few "
-      "samples "
-      "a turn, {:g} of random sensors. LMS continues to learn at rest, which tells it half of what "
-      "moves "
-      "there; its one step is a compromise everywhere else.",
+      "random sensors), plus what the first turns leave. They leave 5e-4 deg, 5e-3 with few "
+      "samples a turn, and {:g} for random sensors. LMS continues to learn at rest, which tells it "
+      "half of what moves there; its one step is a compromise everywhere else.",
       worst_of_all, worst_of_all_drawn, drawn_settled_deg);
 }
 

@@ -140,7 +140,7 @@ void SensorMatch::judge_rate() {
   if (!differ(state_.rate_hz, recorded_rate(), tolerance)) return;
   say(fmt::format(
       "the trace was sampled at {} Hz and the program samples at {} Hz: to the program "
-      "the sensor turns {} times as fast as it did; give the program the trace's rate, "
+      "the sensor turns {} times as fast as it did. Give the program the trace's rate, "
       "or resample the trace",
       figure(recorded_rate()), figure(state_.rate_hz), figure(state_.rate_hz / recorded_rate())));
 }
