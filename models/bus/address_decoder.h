@@ -8,7 +8,7 @@
 
 namespace capsoc::bus {
 
-/// Where an address leads. `entry` is nullptr where nothing answers.
+/// Result of decoding an address. `entry` is nullptr if no target answers.
 struct Decoded {
   const MapEntry* entry = nullptr;
   std::size_t index = 0;     ///< of the entry in the map given to the decoder
@@ -17,7 +17,7 @@ struct Decoded {
   uint64_t window_last = 0;  ///< bus address of its last byte, inclusive
 };
 
-/// Binary search over a sound map; an unsound one decodes nothing and leaves a sentence in error().
+/// Binary search over a valid map. With an invalid map no address is decoded, and error() says why.
 class AddressDecoder {
  public:
   explicit AddressDecoder(AddressMap map);

@@ -1,5 +1,5 @@
-// An address map as data: what answers where, how slowly, and on which interrupt lines. The board
-// gives matrix and bridge its own.
+// An address map as data: the target of each address range, its wait states and its interrupt
+// lines. The board passes its map to matrix and bridge.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace capsoc::bus {
 
-/// What stands at an entry.
+/// Kind of an entry's target.
 enum class TargetKind : uint8_t {
   memory,         ///< RAM: direct memory pointers are granted
   device,         ///< a modelled device

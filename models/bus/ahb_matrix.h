@@ -18,20 +18,20 @@
 
 namespace capsoc::bus {
 
-/// Decodes by the map, translates the address into the target's own, and forwards. The payload
-/// keeps that address (IEEE 1666-2011, 14.7: an interconnect must not put it back). After the
-/// target has answered, the map's wait states are added to the delay. All three target sockets see
-/// the whole map: which bus carries which address is the processor's decision (Cortex-M3 manual,
-/// bus interfaces). Arbitration is not modelled: what masters do at one time costs none of them
-/// cycles.
+/// Decodes the address by the map, translates it into an address within the target, and forwards
+/// the payload. The payload keeps that address (IEEE 1666-2011, 14.7: an interconnect must not
+/// restore it). After the target has answered, the map's wait states are added to the delay. All
+/// three target sockets see the whole map: the processor decides which bus carries which address
+/// (Cortex-M3 manual, bus interfaces). Arbitration is not modelled: masters that access at the same
+/// time cost each other no cycles.
 ///
-/// Further masters (a DMA controller) get their own sockets by add_master(). They are granted no
-/// direct memory, so the matrix sees all that they write, and code that they replace never runs
-/// stale. Listeners of `replaced` are notified. If there are none, direct memory of the written
-/// range is invalidated at the other sockets, which is always right and slow.
+/// Further masters (a DMA controller) get their own sockets by add_master(). They get no direct
+/// memory, so the matrix sees all their writes and stale code never runs. Listeners of `replaced`
+/// are notified. Without listeners, direct memory of the written range is invalidated at the other
+/// sockets, which is always correct, but slow.
 ///
-/// An address where nothing answers, or a transfer that leaves its window, gets
-/// TLM_ADDRESS_ERROR_RESPONSE. With an unsound map (see error()) nothing answers anywhere.
+/// An address without a target, or a transfer that leaves its window, gets
+/// TLM_ADDRESS_ERROR_RESPONSE. With an invalid map (see error()) no address has a target.
 class AhbMatrix : public sc_core::sc_module {
  public:
   using TargetSocket = tlm_utils::simple_target_socket_tagged<AhbMatrix>;
@@ -54,12 +54,12 @@ class AhbMatrix : public sc_core::sc_module {
   kit::Probe<const tlm::tlm_generic_payload&, const sc_core::sc_time&, const sc_core::sc_time&>
       transfers;
 
-  /// A target socket for a further master, to be bound like the three of the processor; in a module
-  /// of that name, which belongs to whatever is under construction. Before the elaboration ends.
-  /// Owned by the matrix.
+  /// Adds a target socket for a further master, to be bound like the three of the processor. It is
+  /// in a module of that name, a child of the module under construction. Call before the
+  /// elaboration ends. Owned by the matrix.
   TargetSocket& add_master(const std::string& name);
 
-  /// A further master has written memory: the first and last bus address, for each alias of it.
+  /// Notifies of memory written by a further master: first and last bus address, for each alias.
   kit::Probe<uint64_t, uint64_t> replaced;
 
   /// The names that port() knows, in the order of the map.

@@ -21,15 +21,15 @@ constexpr unsigned apb_transfer_cycles = 2;
 
 /// Serves the APB entries of a map, addressed by bus address.
 ///
-/// The APB knows aligned 32-bit transfers only. A read of a byte or half-word becomes a read of the
-/// whole word (there are no read strobes, so its side effects happen whole). A partial write
-/// becomes one word with byte enables (PSTRB). A longer burst becomes word after word. Each
+/// The APB has only aligned 32-bit transfers. A read of a byte or half-word becomes a read of the
+/// whole word; without read strobes, it has the side effects of the whole word. A partial write
+/// becomes one word with byte enables (PSTRB). A longer burst becomes a sequence of words. Each
 /// transfer costs apb_transfer_cycles, plus the map's wait states, plus what the device adds to the
 /// delay (PREADY).
 ///
-/// Each is a separate transaction of the bridge, with the initiator's extensions of ours. PSLVERR
-/// is not the device's response status, and an interconnect must not change the status of a payload
-/// that it has passed on (IEEE 1666-2011, 14.7).
+/// Each transfer is a separate transaction of the bridge, with capsoc's extensions copied from the
+/// initiator's payload. A payload that was only passed on could not report PSLVERR: an interconnect
+/// must not change the device's response status (IEEE 1666-2011, 14.7).
 ///
 /// Answers:
 /// - TLM_BURST_ERROR_RESPONSE: a length that no AHB transfer has, or streaming
@@ -76,7 +76,7 @@ class ApbBridge : public sc_core::sc_module {
   const kit::ClockDomain& clock_;
   std::vector<Port> ports_;
   std::vector<std::size_t> port_of_entry_;
-  /// Payloads for further transfers: making one costs as much as a transfer.
+  /// Reused payloads: constructing one takes as long as a transfer.
   std::vector<std::unique_ptr<tlm::tlm_generic_payload>> spare_;
 };
 

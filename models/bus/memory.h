@@ -13,13 +13,12 @@ namespace capsoc::bus {
 
 /// Random-access memory of any transfer length and alignment, with byte enables, streaming width,
 /// direct memory pointers and debug access. Wait states and aliases belong to the address map.
-/// Zero when made, so that a run never depends on what the host left in its memory.
+/// Initially zero, so that a run never depends on contents of the host's memory.
 class Memory : public sc_core::sc_module,
                public kit::Component,
                private tlm::tlm_fw_transport_if<> {
  public:
-  /// For one initiator socket or several: ports of one memory, whose accesses cost each other no
-  /// time.
+  /// Takes one or several initiator sockets: ports of one memory, which do not delay each other.
   tlm::tlm_target_socket<32, tlm::tlm_base_protocol_types, 0> socket;
 
   /// `size` in bytes.

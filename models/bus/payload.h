@@ -1,4 +1,4 @@
-// What every bus component checks of a generic payload.
+// Checks of a generic payload that all bus components share.
 #pragma once
 
 #include <algorithm>
@@ -7,26 +7,27 @@
 
 namespace capsoc::bus {
 
-/// The transfer stays at or below `last`: with its streaming width, over which its addresses
-/// repeat, or its length if that is less. A length or a width of 0 fits: the target rejects it.
+/// True if the transfer stays at or below `last`. Its addresses span its length, or its streaming
+/// width if that is less. A length or a width of 0 fits: the target rejects it.
 inline bool fits(const tlm::tlm_generic_payload& payload, uint64_t address, uint64_t last) {
   const uint64_t length = std::min(payload.get_data_length(), payload.get_streaming_width());
   return length == 0 || length - 1 <= last - address;
 }
 
-/// Beats of a 32-bit bus that the payload stands for.
+/// Number of beats of a 32-bit bus that the payload represents.
 inline uint64_t word_count(const tlm::tlm_generic_payload& payload) {
   return (uint64_t{payload.get_data_length()} + 3) / 4;
 }
 
-/// Byte i takes part: no byte enables, or enabled (the enable array repeats).
+/// True if byte i is transferred: there are no byte enables, or it is enabled (the enable array
+/// repeats).
 inline bool byte_enabled(const tlm::tlm_generic_payload& payload, unsigned i) {
   const unsigned char* enables = payload.get_byte_enable_ptr();
   return enables == nullptr || enables[i % payload.get_byte_enable_length()] == TLM_BYTE_ENABLED;
 }
 
-/// The attributes that every target needs sound before it touches data. TLM_OK_RESPONSE if they
-/// are; streaming is judged by the target.
+/// Checks the attributes that must be valid before a target accesses data. TLM_OK_RESPONSE if they
+/// are; the target checks streaming.
 inline tlm::tlm_response_status check_attributes(const tlm::tlm_generic_payload& payload) {
   if (payload.get_data_length() == 0) return tlm::TLM_BURST_ERROR_RESPONSE;
   if (payload.get_streaming_width() == 0) return tlm::TLM_BURST_ERROR_RESPONSE;
@@ -36,7 +37,7 @@ inline tlm::tlm_response_status check_attributes(const tlm::tlm_generic_payload&
   return tlm::TLM_OK_RESPONSE;
 }
 
-/// All attributes, and no extensions.
+/// Copies all attributes, but no extensions.
 inline void copy_attributes(const tlm::tlm_generic_payload& from, tlm::tlm_generic_payload& to) {
   to.set_command(from.get_command());
   to.set_address(from.get_address());

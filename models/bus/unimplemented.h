@@ -31,7 +31,7 @@ class Unimplemented : public sc_core::sc_module, public kit::Component {
   /// The report of the first access, empty before it.
   const std::string& report() const { return report_; }
 
-  /// A system reset changes nothing here; what was logged once stays logged.
+  /// A system reset changes nothing: the first access is still reported only once.
   void reset() override {}
   const char* component_name() const override { return basename(); }
   void visit(Archive& archive) override {

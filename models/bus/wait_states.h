@@ -11,8 +11,8 @@ namespace capsoc::bus {
 /// AHB and APB both answer an error over two cycles (AHB-Lite specification, ERROR response).
 constexpr unsigned error_response_cycles = 1;
 
-/// Moves `delay` on by that many clock cycles. Measured between edges, not as a multiple of a
-/// rounded period, so that a sum of wait states never drifts off the edges.
+/// Adds `cycles` clock cycles to `delay`. They are measured between edges, not as a multiple of a
+/// rounded period, so that a sum of wait states never drifts from the edges.
 inline void add_cycles(const kit::ClockDomain& clock, uint64_t cycles, sc_core::sc_time& delay) {
   if (cycles == 0) return;
   if (const sc_core::sc_time* const fixed = clock.fixed_duration(cycles)) {
