@@ -34,7 +34,7 @@ class ClockDomain {
 
   /// Time that `cycles` cycles take, from the last edge at or before `time`.
   sc_core::sc_time duration(uint64_t cycles, const sc_core::sc_time& time) const;
-  /// The same if it is few cycles and does not depend on the time, else null.
+  /// The same, if it does not depend on the time and `cycles` is small; else null.
   const sc_core::sc_time* fixed_duration(uint64_t cycles) const {
     return whole_period_ != 0 && cycles < durations_.size() ? &durations_[cycles] : nullptr;
   }
@@ -43,11 +43,11 @@ class ClockDomain {
   uint64_t next_edge(const sc_core::sc_time& time) const;
 
   /// Changes the frequency at the present simulated time: the present edge number stays, the next
-  /// edge comes one new period from now. Then tells the listeners, in the order of their
+  /// edge comes one new period from now. Then notifies the listeners, in the order of their
   /// registration.
   void set_frequency(uint64_t hz);
 
-  /// There is no notification: parts that plan by edge numbers plan again after a restore.
+  /// Does not notify listeners: parts that plan by edge numbers plan again after a restore.
   void visit(Archive& archive);
 
   /// `listener` runs after every change; it reschedules what it had planned by edge number.
@@ -67,7 +67,7 @@ class ClockDomain {
   std::vector<std::function<void()>> listeners_;
 };
 
-// A part of every access to a device, several times.
+// Inline, since every access to a device calls it several times.
 
 inline uint64_t ClockDomain::edge_at(uint64_t ticks) const {
   if (ticks <= epoch_ticks_) return epoch_cycle_;
@@ -82,7 +82,7 @@ inline uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
   return edge_at(time.value());
 }
 
-/// The one after the last edge before it.
+/// The edge after the last edge before `time`.
 inline uint64_t ClockDomain::next_edge(const sc_core::sc_time& time) const {
   if (time.value() <= epoch_ticks_) return epoch_cycle_;
   const uint64_t before = edge_at(time.value() - 1);

@@ -12,18 +12,19 @@ class Component {
  public:
   virtual ~Component() = default;
 
-  /// Of the part in its system; names a section of saved state.
+  /// Name of the part in its system, and of its section of saved state.
   virtual const char* component_name() const = 0;
 
-  /// System reset. What a reset does not reach (RAM, what waits outside the chip) stays.
+  /// System reset. State that a reset does not reach stays: RAM, and data that waits outside the
+  /// chip.
   virtual void reset() = 0;
 
-  /// Everything that the future of this part depends on and that is not wired or chosen when the
-  /// system is built. Called between two instants of simulated time only.
+  /// Saves or loads all state on which this part's behaviour depends, without wiring and
+  /// construction parameters. Called only between two instants of simulated time.
   virtual void visit(Archive& archive) = 0;
 
-  /// After every part has its state again, at the simulated time at which it was saved: events are
-  /// planned again. Must not notify other components.
+  /// Called after all parts have loaded their state, at the simulated time at which it was saved.
+  /// Schedules events again. Must not notify other components.
   virtual void restored() {}
 
   /// The interrupt outputs by their names, in the order in which the part declares them.
@@ -33,7 +34,7 @@ class Component {
   };
   const std::vector<Output>& outputs() const { return outputs_; }
 
-  /// visit() and the levels of all outputs: all that is to be saved of this part.
+  /// visit() and the levels of all outputs: the complete saved state of this part.
   void visit_all(Archive& archive) {
     visit(archive);
     for (const Output& output : outputs_) archive(output.name, *output.line);

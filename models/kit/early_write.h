@@ -1,19 +1,20 @@
-// What an initiator and a device agree on about a write ahead of the kernel.
+// TLM extension: a write that a device takes ahead of the kernel.
 #pragma once
 
 #include <tlm>
 
 namespace capsoc::kit {
 
-/// On a write's payload. An initiator that is ahead of the kernel, and knows that the kernel has
-/// nothing to do before, need not wait for it where a device takes the write early. The lead is the
-/// delay of the write. The device acts at that time, and until then no other component notices.
-/// Devices that do not know of this never say so, and are never tried.
+/// On a write's payload. An initiator that is ahead of the kernel need not synchronise before the
+/// write, if the device takes it early and the kernel has no activity before it. The initiator's
+/// lead is the delay of the write. The device acts at that time, and no other component notices
+/// before. Devices without support never set `taken`, so no early write reaches them.
 struct EarlyWrite : tlm::tlm_extension<EarlyWrite> {
-  /// The initiator's: made ahead of the kernel. Only to an address whose last write was `taken`.
+  /// Set by the initiator: the write is ahead of the kernel. Only to an address whose last write
+  /// was `taken`.
   bool early = false;
-  /// The device's: such a write, now, is or would be taken early. One that is early and not taken
-  /// has done nothing: the initiator makes it again at its time.
+  /// Set by the device: this write is, or would be, taken early in the present state. A write that
+  /// is early and not taken has no effect: the initiator repeats it at its time.
   bool taken = false;
 
   bool refused() const { return early && !taken; }

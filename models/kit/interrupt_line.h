@@ -10,30 +10,30 @@ namespace capsoc::kit {
 
 class Component;
 
-/// A level that a device drives and others follow. Low at the start.
+/// A level that a device drives and its sinks receive. Initially low.
 class InterruptLine {
  public:
   InterruptLine() = default;
-  /// An output of a part by its name, which the part knows from then on (component.h).
+  /// Registers the line as a named output of its part (component.h).
   InterruptLine(Component& owner, const char* name);
   InterruptLine(const InterruptLine&) = delete;
   InterruptLine& operator=(const InterruptLine&) = delete;
 
   bool level() const { return level_; }
 
-  /// Sinks run on a change only, so a device may set its line as often as it likes.
+  /// Sinks are called only on a change, so a device may set its line at any time.
   void set(bool level) {
     if (level == level_) return;
     level_ = level;
     for (const auto& sink : sinks_) sink(level);
   }
 
-  /// A sink that comes late to a line already high hears it at once.
+  /// Connects a sink. If the line is high, the sink is called at once.
   void connect(std::function<void(bool)> sink) {
     if (level_) sink(true);
     sinks_.push_back(std::move(sink));
   }
-  /// The level alone: what the sinks made of it is their own state.
+  /// Only the level: sinks save their state themselves.
   void visit(Archive& archive) { archive("level", level_); }
 
  private:

@@ -7,7 +7,7 @@
 
 namespace capsoc::kit {
 
-/// A listener is registered with a probe for as long as this lives. It may outlive the probe.
+/// Registration of a listener with a probe; its destruction ends it. It may outlive the probe.
 class [[nodiscard]] Listening {
  public:
   Listening() = default;
@@ -25,9 +25,9 @@ class [[nodiscard]] Listening {
   std::function<void()> end_;
 };
 
-/// What happens inside a part, told to any number of listeners in the order in which they came: a
-/// public member of the part. Without a listener it costs one comparison. A listener may end its
-/// own listening; it observes and changes nothing of the part.
+/// Event source inside a part, a public member of the part. Notifies its listeners in the order of
+/// their registration. Without a listener it costs one comparison. A listener may end its
+/// registration in a call; it must not change the part.
 template <typename... Values>
 class Probe {
  public:

@@ -11,14 +11,14 @@
 
 namespace capsoc::kit {
 
-/// What a monitor's other side is.
+/// Kind of the component downstream of a monitor.
 enum class Downstream {
   unknown,  ///< an interconnect or a target
-  target,   ///< a target: it passes nothing on and leaves the address alone
+  target,   ///< a target: it forwards nothing and does not change the address
 };
 
-/// One hop's view of the base protocol: passes each call on, unchanged, and compares what goes in
-/// with what comes back. Belongs to a ProtocolMonitor; it has no sockets.
+/// Checks the base protocol on one hop: forwards each call unchanged and compares the request with
+/// the response. Owned by a ProtocolMonitor; it has no sockets.
 class ProtocolChecker {
  public:
   using Payload = tlm::tlm_generic_payload;
@@ -42,7 +42,7 @@ class ProtocolChecker {
   using Kind = ProtocolWatch::Kind;
   using Passage = ProtocolWatch::Passage;
 
-  /// The instant at which a call began: a callee that waits leaves it.
+  /// The instant at which a call began, to detect a callee that waits.
   class Instant {
    public:
     bool is_now() const {
@@ -53,7 +53,7 @@ class ProtocolChecker {
     sc_core::sc_time time_ = sc_core::sc_time_stamp();
     sc_dt::uint64 delta_ = sc_core::sc_delta_count();
   };
-  /// Ends a passage with its call, though a process that is killed leaves it by an exception.
+  /// Ends a passage with its call, also when the process is killed, which throws an exception.
   struct Ending {
     ProtocolWatch& watch;
     const Payload& payload;

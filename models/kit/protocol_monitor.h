@@ -9,10 +9,10 @@
 
 namespace capsoc::kit {
 
-/// Lies between an initiator socket and a target socket and reports what breaks the rules of the
-/// base protocol (protocol_rules.def). It is a transparent component (IEEE 1666-2011, 15.2.5): it
-/// takes no time, changes nothing and answers nothing by itself. Blocking, non-blocking, direct
-/// memory and debug calls.
+/// Is bound between an initiator socket and a target socket and reports violations of the base
+/// protocol's rules (protocol_rules.def). It is a transparent component (IEEE 1666-2011, 15.2.5):
+/// it takes no time, changes nothing and answers no call itself. It checks blocking, non-blocking,
+/// direct memory and debug calls.
 ///
 ///     kit::ProtocolWatch watch;
 ///     kit::ProtocolMonitor<> monitor("monitor", watch);

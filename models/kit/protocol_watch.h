@@ -1,4 +1,4 @@
-// What the protocol monitors of one system share.
+// State that the protocol monitors of one system share.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct ProtocolViolation {
   std::string text;     ///< monitor, rule, clause, what holds and the transaction, in one line
 };
 
-/// The violations that a system's monitors find, and the transactions under way: from one monitor
-/// to the next it shows what an interconnect between them does to a payload.
+/// The violations that a system's monitors find, and the transactions under way. With these, two
+/// monitors check what an interconnect between them does to a payload.
 class ProtocolWatch {
  public:
   /// Notified of each violation. Without a listener a violation is an sc_report of severity
@@ -36,7 +36,7 @@ class ProtocolWatch {
   /// Calls that monitors have passed on, each monitor counted.
   uint64_t calls() const { return calls_; }
 
-  /// Drops the transactions under way. For a system whose initiators have dropped theirs.
+  /// Drops the transactions under way. Call after the system's initiators have dropped theirs.
   void forget_transactions() { under_way_.clear(); }
 
  private:

@@ -23,8 +23,8 @@ struct FieldDescription {
   unsigned low, bits;
 };
 
-/// What a register that held `old` holds after a write of the bytes in `lanes` (a mask): bits that
-/// can be written take it, those that a 1 clears are cleared.
+/// Value of a register with the value `old` after a write to the bytes in `lanes` (a mask).
+/// Writable bits take the written value; write-1-to-clear bits are cleared by a 1.
 constexpr uint32_t stored(const RegisterDescription& about, uint32_t old, uint32_t written,
                           uint32_t lanes) {
   const uint32_t takes = about.writable_mask & lanes;

@@ -8,8 +8,8 @@ namespace capsoc::registers {
 
 inline constexpr unsigned no_pair = ~0u;
 
-/// What the description says of one word of a peripheral: its register, the values that a write may
-/// have, and the number of which the register is a half.
+/// The description of one word of a peripheral: its register, the values that a write may have, and
+/// the 48-bit pair that the register belongs to.
 struct RegisterRule {
   const RegisterDescription* about = nullptr;  ///< null: no register at this word
   uint32_t lowest = 0, highest = 0;            ///< a write outside is refused

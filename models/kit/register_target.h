@@ -11,14 +11,14 @@
 
 namespace capsoc::kit {
 
-/// Which accesses a device takes.
+/// Access widths that a device accepts.
 enum class AccessRule {
   any_width,  ///< bytes, halfwords and words, aligned
   word_only,  ///< 32-bit words with all byte lanes; others are answered like PSLVERR
 };
 
-/// The bus side of a device made of 32-bit registers, little-endian: takes any payload apart and
-/// answers it, however wrong it is. What a register does is up to the derived class.
+/// The bus interface of a device with 32-bit little-endian registers. It accepts any payload and
+/// answers invalid ones with an error. The derived class implements the registers.
 ///
 /// Answers:
 /// - TLM_COMMAND_ERROR_RESPONSE: no read or write
@@ -37,7 +37,7 @@ class RegisterTarget : public sc_core::sc_module, public Component {
 
   const char* component_name() const override { return basename(); }
 
-  /// The word at `offset` as a debugger reads it, not by way of the bus; 0 where there is none.
+  /// The word at `offset` as a debugger reads it, without the bus; 0 if there is none.
   uint32_t peek(uint32_t offset);
 
  protected:

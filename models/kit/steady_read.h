@@ -5,15 +5,15 @@
 
 namespace capsoc::kit {
 
-/// On a read's payload: a device says by it that the same read gives the same answer, and does
-/// nothing, until something else happens: a write, an event of the kernel, another device's turn.
-/// So an initiator that only waits there need not ask again before, and may ask ahead of the
-/// kernel, with its lead as the delay. Belongs to the initiator, who takes it off the payload
-/// before the payload ends. Devices that do not know it are right, too.
+/// On a read's payload. The device declares that the same read has no side effect and gives the
+/// same answer until a write, an event of the kernel or another device's activity. An initiator
+/// that only polls need not repeat the read before that. It may also read ahead of the kernel, with
+/// its lead as the delay. The initiator owns the extension and removes it before the payload's end
+/// of life. Targets may ignore it.
 struct SteadyRead : tlm::tlm_extension<SteadyRead> {
   bool steady = false;
-  /// It does nothing, and its answer is that of its own time, also where the kernel is not there
-  /// yet and has nothing to do before: it may be made ahead, but not left out.
+  /// The read has no side effect and answers for its time (now plus delay), even if the kernel is
+  /// not there yet and has no activity before. It may be made ahead of the kernel, but not omitted.
   bool ahead = false;
 
   tlm::tlm_extension_base* clone() const override { return new SteadyRead(*this); }
