@@ -40,7 +40,7 @@ class Core {
   explicit Core(Bus& bus, const Profile& profile = cortex_m3)
       : machine_(*this, bus, profile), stepping_(machine_), blocks_(machine_, stepping_) {}
 
-  // How it is built. Before reset().
+  // Construction parameters. Set before reset().
   /// Where reset() finds the vector table, and VTOR's reset value (B3.2.5): 0 unless set.
   void set_vector_table(uint32_t address) { vector_table_ = address; }
   /// Implemented bits of each priority (B1.5.4), 3 to 8 from the most significant one down; others
@@ -65,7 +65,7 @@ class Core {
   }
   /// Drops all decoded code. Call after writing guest memory from outside the core.
   void memory_changed() { machine_.memory.invalidate_all_code(); }
-  /// Access without side effects or time, for debuggers; false where nothing can be shown.
+  /// Access without side effects or time, for debuggers; false if the memory is not accessible.
   bool debug_read(uint32_t address, void* data, uint32_t size) const {
     return machine_.memory.debug_read(address, data, size);
   }
@@ -78,22 +78,21 @@ class Core {
   StopReason run(uint64_t until_cycle);
   /// One instruction (or the entry of one exception).
   StopReason step_instruction();
-  /// Executes one iteration of the loop that the program is in, by single steps, while cycles() is
-  /// below `until_cycle` and attention() is not requested. Where the first iteration leaves other
-  /// registers or flags, it executes a second one. Nothing: the program does not come back soon, or
-  /// not to the same registers and flags, or the iteration does anything but compute and load. The
-  /// executed instructions count as by run(). The caller must check the effects of its loads from
-  /// the bus.
+  /// Executes one iteration of the program's present loop, by single steps, while cycles() is below
+  /// `until_cycle` and attention() is not requested. If the first iteration leaves other registers
+  /// or flags, it executes a second one. Empty: the program does not return soon, or with other
+  /// registers or flags, or the iteration does more than compute and load. The executed
+  /// instructions count as in run(). The caller must check the effects of the loads from the bus.
   std::optional<Turn> repeat_turn(uint64_t until_cycle);
-  /// The turn that repeat_turn() found last, if it would find the same from here provided that the
-  /// one load in it gave the same in the same time. Executes nothing.
+  /// The iteration that repeat_turn() found last, if it would find the same now. Assumes that its
+  /// one load gives the same value in the same time. Executes nothing.
   std::optional<Turn> known_turn() const;
-  /// Executes as many whole turns, each like the one before, as end until `until_cycle`.
+  /// Skips all whole iterations that end before or at `until_cycle`, each like `turn`.
   void skip_turns(const Turn& turn, uint64_t until_cycle);
   /// Cycles since construction; inside a bus access the cycle at which it happens.
   uint64_t cycles() const { return machine_.cycles(); }
   uint64_t instructions() const { return machine_.state.instructions; }
-  /// While sleeping: time passes, SysTick counts.
+  /// Advances a sleeping core to `cycle`; SysTick counts.
   void skip_to(uint64_t cycle);
   /// Cycle of SysTick's next wrap that pends its exception, else `never`.
   uint64_t next_internal_event() const { return machine_.state.systick.event(); }
@@ -103,9 +102,9 @@ class Core {
   }
   /// Before set_executor().
   void limit_translator(const TranslatorLimits& limits) { translator_limits_ = limits; }
-  /// Where there can be no translator, it is blocks instead: see no_translator().
+  /// Without a translator on this host, `blocks` is used instead: see no_translator().
   void set_executor(Executor executor);
-  /// Why there is no translator though it was asked for; empty: nothing is missing, so far.
+  /// Why a requested translator is not available; empty: it is, or none was requested.
   const std::string& no_translator() const {
     return translator_ != nullptr ? translator_->refusal() : no_translator_;
   }
@@ -131,13 +130,13 @@ class Core {
 
   // State, between two instructions
   const State& state() const { return machine_.state; }
-  /// To be changed, registers above all; what follows from it is looked at again.
+  /// The state, to be changed, registers above all. The core then re-evaluates what depends on it.
   State& edit();
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
   uint32_t reg(unsigned n) const { return machine_.state.reg(n); }
   void set_reg(unsigned n, uint32_t value) { edit().set_reg(n, value); }
-  /// After loading, whatever was made from another state is dropped; memory_changed() says that
-  /// memory was loaded, too.
+  /// Loading drops everything derived from the previous state. If memory was loaded too, call
+  /// memory_changed().
   void visit(Archive& archive);
   const FaultReport& last_fault() const { return machine_.state.last_fault; }
   /// The fault that began the present chain: no other fault was being handled when it happened.
@@ -146,14 +145,14 @@ class Core {
 
   // Observers
   Listeners& listeners() { return machine_.listeners; }
-  /// Registers an observer, called after those already registered. Not owned. `instructions`: at
-  /// each one, the executor is stepping meanwhile. `accesses`: at each data access, direct memory
-  /// is reached the slow way meanwhile. Exceptions are told either way. An observer that was added
-  /// before is added again.
+  /// Registers an observer, called after those already registered. Not owned. `instructions`:
+  /// notified of each one; meanwhile the core steps. `accesses`: notified of each data access;
+  /// meanwhile direct memory takes the slow path. Exceptions are always notified. An observer that
+  /// was added before is added again.
   void add_observer(Observer& observer, bool instructions, bool accesses);
   void remove_observer(Observer& observer);
   Debugging& debugging() { return machine_.debugging; }
-  /// Counts from now on; call between two runs. Null stops counting. Not owned.
+  /// Starts counting executions; call between two runs. Null stops counting. Not owned.
   void count_executions(ExecutionCounts* counts);
 
  private:

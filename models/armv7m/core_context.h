@@ -13,11 +13,11 @@ namespace capsoc::armv7m {
 
 class ExecutionCounts;
 
-/// What all parts of the processor share, and know each other by no more than that: the state, what
-/// an instruction leaves for the run loop, and the listeners. The lowest part of a Machine.
+/// The context that all parts of the processor share, and their only connection: the state, results
+/// of an instruction for the run loop, and the listeners. Base of a Machine.
 class CoreContext {
  public:
-  /// `core`: what observers and listeners are given. Neither is owned.
+  /// `core`: passed to observers and listeners. Neither is owned.
   explicit CoreContext(Core& core, const Profile& core_profile = cortex_m3)
       : profile(core_profile), core_(core) {}
   CoreContext(const CoreContext&) = delete;
@@ -30,9 +30,9 @@ class CoreContext {
   HaltingDebug halting;
   Listeners listeners;
   ExecutionCounts* counts = nullptr;  // null: executions are not counted
-  /// Cycles of the present block that count already, within an access.
+  /// During an access: cycles of the present block that precede it and are not yet in state.cycles.
   uint64_t cycle_offset = 0;
-  /// Accesses to the private peripherals so far; of this program's run, no state.
+  /// Accesses to the private peripherals since construction; not part of the saved state.
   uint64_t private_accesses = 0;
   const Profile& profile;
 
@@ -41,7 +41,7 @@ class CoreContext {
   /// Inside an access the cycle at which it happens.
   uint64_t cycles() const { return state.cycles + cycle_offset; }
 
-  // What an instruction results in. False: the block is left.
+  // Outcomes of an instruction. All return false: the block is left.
   /// The next instruction is the one after it.
   bool leave(const DecodedOp& op) {
     state.pc = next_address(op);
@@ -63,14 +63,14 @@ class CoreContext {
   }
   /// BXWritePC (A2.3.1).
   bool interwork_to(uint32_t target);
-  /// The time a branch takes beyond its own.
+  /// Adds the pipeline refill of a taken branch.
   void refill(unsigned cycles) {
     state.cycles += cycles;
     state.refilling = cycles < timing::most_refill;
   }
   void sleep(bool for_event);
-  /// Notifies the listener of each case once. Inside a block state.pc is after what is executed,
-  /// so it is the instruction's address for that long.
+  /// Notifies the listener of each case once. Inside a block state.pc is past the instruction, so
+  /// it is set to the instruction's address during the call.
   void report(Unpredictable which, uint32_t instruction);
 
  private:

@@ -10,8 +10,8 @@
 
 namespace capsoc::armv7m {
 
-/// What a debugger lets the processor stop at. Nothing here is reached while no breakpoint and no
-/// watchpoint is set, neither by a debugger nor by the program in the DWT.
+/// Breakpoints and watchpoints of a debugger. Not on the execution path while neither a debugger
+/// nor the program (in the DWT) has set one.
 class Debugging {
  public:
   /// Nothing is owned.
@@ -19,7 +19,7 @@ class Debugging {
             SystemSpace& system)
       : context_(context), watchpoints_(watchpoints), memory_(memory), system_(system) {}
 
-  /// Whether a debugger is attached, and holds the processor.
+  /// Sets whether a debugger is attached, and whether it halts the processor.
   void set_halting(bool enabled) { context_.halting.set_enabled(enabled); }
   bool halting() const { return context_.halting.enabled(); }
   void set_halted(bool halted) { context_.halting.set_halted(halted); }

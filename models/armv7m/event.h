@@ -22,7 +22,8 @@ enum class Cause : uint8_t {
   unstacking_access
 };
 
-/// What an instruction leaves behind for the exception model: taken care of before the next one.
+/// What an instruction raises for the exception model, which handles it before the next
+/// instruction.
 struct Event {
   enum class Kind : uint8_t { none, fault, svc, bkpt, exception_return };
   Kind kind = Kind::none;
@@ -31,11 +32,11 @@ struct Event {
   uint32_t return_address = 0;  ///< of BKPT, and the instruction that returned
 };
 
-/// What the run loop is to look at between two instructions, in one word, so that it asks once.
+/// Reasons for the run loop to act between two instructions, in one word that costs one test.
 class Requests {
  public:
   enum Reason : uint32_t {
-    changed = 1 << 0,    ///< something that decides on exceptions, sleep, memory or mode
+    changed = 1 << 0,    ///< state that exceptions, sleep, memory or mode depend on
     attention = 1 << 1,  ///< a caller from outside wants run() to end
     stuck = 1 << 2,
     watchpoint = 1 << 3,

@@ -8,8 +8,8 @@
 
 namespace capsoc::armv7m {
 
-/// The exception model, under the manual's names (ARM DDI 0403, B1.5): how an exception is
-/// entered and left, faults, and lockup. PendingExceptions says which one.
+/// The exception model, with the manual's names (ARM DDI 0403, B1.5): exception entry and return,
+/// faults, and lockup. PendingExceptions selects the exception.
 class Exceptions {
  public:
   /// Nothing is owned.
@@ -18,7 +18,7 @@ class Exceptions {
 
   /// Takes a synchronous exception: a fault or SVC.
   void raise(unsigned number, uint32_t return_address);
-  /// The frame is stacked and the handler entered.
+  /// Stacks the frame and enters the handler.
   void enter(unsigned number, uint32_t return_address);
   /// B1.5.12: an exception of higher priority that arrives before the first instruction of a
   /// handler takes its place on the frame already stacked; the displaced one stays pending.

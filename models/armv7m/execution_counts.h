@@ -12,10 +12,10 @@
 
 namespace capsoc::armv7m {
 
-/// How often each instruction was executed, what conditional branches and IT blocks decided, for
-/// every executor alike. Counted is only where execution leaves the straight line: in between every
-/// instruction was executed as often as the one in front of it. An instruction that faults counts,
-/// one whose fetch fails does not.
+/// Counts executions of each instruction, and decisions of conditional branches and IT blocks, with
+/// every executor. Only departures from sequential execution are counted: in between, each
+/// instruction was executed as often as its predecessor. An instruction that faults counts; one
+/// whose fetch fails does not.
 class ExecutionCounts {
  public:
   ExecutionCounts();
@@ -33,15 +33,15 @@ class ExecutionCounts {
   void left(const DecodedOp& op, uint32_t pc);
   /// The condition that IT gave to an instruction failed.
   void skipped(const DecodedOp& op);
-  /// Where execution stands at the beginning of a run of the core, and at its end: changes in
-  /// between came from outside (a reset, a debugger).
+  /// The PC at the beginning and at the end of a run of the core. A change between two runs comes
+  /// from outside (a reset, a debugger).
   void begins(uint32_t pc);
   void ends(uint32_t pc) { standing_ = pc; }
-  /// What happens until it is called with false is what repeat() repeats.
+  /// Starts and ends the recording that repeat() counts again.
   void record(bool on);
   void repeat(uint64_t times);
 
-  // Counters that stay where they are, for code that counts by itself
+  // Counters at stable addresses, for translated code that counts by itself
   /// To be counted up each time that a branch leads to a known address.
   uint64_t* branch(const DecodedOp& op, uint32_t target);
   /// To be counted down at the address after an instruction that leads elsewhere, and up where it

@@ -10,8 +10,8 @@ class Archive;
 
 namespace capsoc::armv7m {
 
-/// A store that the write buffer took and the bus refused (B1.5.14): what IMPRECISERR is for. The
-/// processor keeps neither; the model does.
+/// A buffered store that the bus refused (B1.5.14), which IMPRECISERR reports. The processor keeps
+/// neither its address nor its value; the model does.
 struct LostWrite {
   bool known = false;
   uint32_t address = 0, value = 0;
@@ -21,7 +21,7 @@ struct LostWrite {
   void visit(Archive& archive);
 };
 
-/// The registers of code that was interrupted.
+/// Registers of the interrupted code.
 struct InterruptedRegisters {
   std::array<uint32_t, 16> r{};  ///< 13: the stack pointer in use, 15: the return address
   uint32_t msp = 0, psp = 0;
@@ -30,7 +30,7 @@ struct InterruptedRegisters {
   void visit(Archive& archive);
 };
 
-/// What was known when a fault handler was entered, or the core locked up.
+/// State at the entry of a fault handler, or at lockup.
 struct FaultReport {
   enum class Kind : uint8_t { none, hard_fault, mem_manage, bus_fault, usage_fault, lockup };
   Kind kind = Kind::none;

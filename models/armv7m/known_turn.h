@@ -1,4 +1,4 @@
-// A turn of a waiting loop that is known without being executed again.
+// An iteration of a polling loop whose outcome is known without execution.
 #pragma once
 
 #include <array>
@@ -11,24 +11,24 @@ namespace capsoc::armv7m {
 
 class Machine;
 
-/// What a turn of a loop takes.
+/// Cost of one iteration of a loop.
 struct Turn {
   uint64_t cycles = 0, instructions = 0;
 };
 
-/// The last turn that was measured, with all that decided on it: the code and its wait states, the
-/// place it began at, the registers that its instructions name, and one load. Where all of this is
-/// the same, and the load gives the same in the same time, the turn is the same. Only of short
-/// loops while all memory is direct.
+/// The iteration that was measured last, with everything it depends on: the code and its wait
+/// states, the state it began in, the registers that its instructions name, and one load. If all of
+/// this is unchanged, and the load gives the same value in the same time, the iteration is the
+/// same. Only for short loops while all memory is direct.
 class KnownTurn {
  public:
   static constexpr unsigned longest = 8;  // instructions
 
   void forget() { turn_.reset(); }
-  /// Of a turn that led from the present state back to it over `count` instructions.
+  /// Keeps an iteration of `count` instructions that led from the present state back to it.
   void keep(const Machine& machine, const std::array<uint32_t, longest>& addresses, unsigned count,
             const Turn& turn);
-  /// The turn that the present state begins; none if that is not known.
+  /// The iteration that begins in the present state; empty if it is not known.
   std::optional<Turn> at(const Machine& machine) const;
 
  private:

@@ -14,7 +14,7 @@ namespace capsoc::armv7m {
 struct DroppedPriority {
   uint32_t address = 0;   ///< of the NVIC's or SCB's word; 0: BASEPRI
   uint32_t value = 0;     ///< as written, at its place in the word
-  bool all_ones = false;  ///< they all are: the program means any number of bits (0xFF, 191)
+  bool all_ones = false;  ///< all are 1: the program works with any number of bits (0xFF, 191)
 };
 
 /// A block that was translated.
@@ -22,8 +22,8 @@ struct Translation {
   uint32_t address = 0;               ///< of its first instruction
   const void* code = nullptr;         ///< of the host, `bytes` long
   std::size_t offset = 0, bytes = 0;  ///< in the buffer for code
-  uint64_t evictions = 0;             ///< so far; what was translated before the last one is gone
-  std::string listing;                ///< each instruction with its host code below it
+  uint64_t evictions = 0;  ///< so far; translations from before the last eviction are gone
+  std::string listing;     ///< each instruction with its host code below it
 };
 
 /// A program's write to memory in its vector table, done already.
@@ -36,7 +36,7 @@ struct VectorWrite {
 struct Listeners {
   /// BKPT 0xAB, with PC after it; false ends run() with semihosting_exit.
   std::function<bool(Core&)> semihosting;
-  /// What the program writes to a stimulus port of the ITM: `size` bytes of `value`.
+  /// The program writes to a stimulus port of the ITM: `size` bytes of `value`.
   std::function<void(unsigned port, uint32_t value, unsigned size)> stimulus;
   /// The first time a program writes priority bits that are not implemented, and the first time it
   /// writes nothing but ones there. Meanwhile reg(15) is the instruction's address.
@@ -44,24 +44,23 @@ struct Listeners {
   /// The first time a program runs into each UNPREDICTABLE case (unpredictable.def), with the
   /// address of the instruction, which reg(15) is meanwhile.
   std::function<void(Unpredictable which, uint32_t address)> unpredictable;
-  /// Writes of a program into its vector table (VTOR), while reg(15) is the instruction's address;
-  /// false: no more of them are to be told, which unsets it. To be set before reset() or, again,
-  /// before a state is loaded.
+  /// The program writes into its vector table (VTOR); reg(15) is the instruction's address.
+  /// Returning false unsets the callback. Set it before reset(), and again before a state is
+  /// loaded.
   std::function<bool(const VectorWrite&)> vectors;
-  /// Asked when a program spins in HardFault, MemManage, BusFault or UsageFault (`b .`, the default
-  /// handlers of CMSIS) and no enabled exception can preempt: true if nothing outside can, either
-  /// (NMI, reset). Then run() ends with `stuck`. Empty: it never does.
+  /// Called when a program spins in HardFault, MemManage, BusFault or UsageFault (`b .`, the
+  /// default handlers of CMSIS) and no enabled exception can preempt. True: no NMI and no reset can
+  /// come either, and run() ends with `stuck`. Unset: it never does.
   std::function<bool()> hopeless;
 
-  /// Each time that an exception becomes pending which was not, but for faults.
+  /// An exception other than a fault becomes pending.
   std::function<void(unsigned exception)> pended;
-  /// WFI or WFE puts the processor to sleep (true), and it wakes, in front of the exception or the
-  /// instruction that continues.
+  /// WFI or WFE puts the processor to sleep (true), or it wakes (false), before the exception or
+  /// the next instruction.
   std::function<void(bool is_asleep)> sleeps;
-  /// Once, when the translator turns out to have no memory for its code: blocks continue without
-  /// it.
+  /// Called once, if the translator gets no memory for its code: the core continues with blocks.
   std::function<void(const std::string& reason)> untranslated;
-  /// Each block that is translated. Costs a text of each.
+  /// A block was translated. Setting it costs a listing for each block.
   std::function<void(const Translation&)> translated;
 
   /// Set by Core::add_observer.

@@ -12,9 +12,8 @@
 
 namespace capsoc::armv7m {
 
-/// The processor as its executors see it, and as no other component does (core.h): the shared
-/// context and the parts around it. Apart from the state it holds only caches, wires and a
-/// debugger's settings.
+/// The processor as its executors see it: the shared context and the parts around it. Other
+/// components use core.h. Apart from the state it has only caches, wires and a debugger's settings.
 class Machine : public CoreContext {
  public:
   Machine(Core& core, Bus& bus, const Profile& core_profile);
@@ -29,12 +28,13 @@ class Machine : public CoreContext {
   uint64_t block_limit = 0;
   BlockBuilder* block_builder = nullptr;  // of blocks that are not there yet; not owned
 
-  /// `b .` in a fault handler: how one that gives up ends.
+  /// `b .` in a fault handler: asks the listener whether the program is stuck.
   void spin_in_fault();
-  /// What both executors do after an operation that left: account for it, then see to its event.
+  /// After an operation that left its block: account() adds its cycles and state, conclude()
+  /// handles its event.
   void account(const Step& op);
   void conclude(const Step& op);
-  /// In between, while executions are counted.
+  /// Called between the two, while executions are counted.
   void count(const Step& op) {
     if (event.kind == Event::Kind::none) counts->left(op, state.pc);
   }

@@ -8,20 +8,20 @@ namespace capsoc::armv7m {
 
 class Core;
 
-/// How an exception came to be taken (B1.5): on top of what ran, straight after a handler that
-/// ended, or in the place of one that had not begun.
+/// How an exception was entered (B1.5): by preemption, by tail-chaining after a handler, or by late
+/// arrival in place of an exception whose handler had not begun.
 enum class Entry : uint8_t { preempts, tail_chains, displaces };
 
-/// A data access of the core that no bus sees: direct memory and the private peripheral bus.
+/// A data access of the core without a bus transaction: to direct memory or the private peripheral
+/// bus.
 struct DirectAccess {
   uint32_t address = 0, value = 0;
   unsigned size = 0;  ///< 1, 2 or 4 bytes
   bool write = false, ok = true;
 };
 
-/// Observes what the processor does, in the order in which it does it. It only looks: no call may
-/// change the core. A processor that is looked at executes the same instructions in the same
-/// cycles, more slowly.
+/// Observes the processor in execution order. No call may change the core. An observed processor
+/// executes the same instructions in the same cycles, but takes more host time.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -30,12 +30,12 @@ class Observer {
   virtual void issued(const Core& core, const DecodedOp& op) = 0;
   /// After it and before the exception that it raises, if it does.
   virtual void retired(const Core& core, const DecodedOp& op) = 0;
-  /// In front of a handler's first instruction. The entry began at cycle `since`.
+  /// Before a handler's first instruction. The entry began at cycle `since`.
   virtual void entered(const Core& core, unsigned exception, Entry how, uint64_t since) = 0;
-  /// In front of the first instruction after a handler, its frame unstacked.
+  /// Before the first instruction after a handler; its frame is unstacked.
   virtual void returned(const Core& core, unsigned exception) = 0;
   virtual void accessed(const Core& core, const DirectAccess& access) = 0;
-  /// Out of reset, in front of the first instruction.
+  /// After a reset, before the first instruction.
   virtual void started(const Core& core) = 0;
 };
 

@@ -6,8 +6,8 @@
 
 namespace capsoc::armv7m {
 
-/// Which exceptions are pending and which of them may be taken (ARM DDI 0403, B1.5.4): priorities,
-/// masks, and what makes an exception pending. Takes none: Exceptions does.
+/// Pends exceptions and decides which may be taken (ARM DDI 0403, B1.5.4), by priorities and masks.
+/// Exceptions enters them.
 class PendingExceptions {
  public:
   /// `context` is not owned.
@@ -23,7 +23,7 @@ class PendingExceptions {
   /// WFI wakes on an exception that would preempt were PRIMASK clear; WFE also on an event
   /// (B1.5.17).
   bool wake_pending() const;
-  /// Whether an exception that comes by itself, NMI aside, could preempt the present code.
+  /// Whether an asynchronous exception other than NMI could preempt the present code.
   bool can_be_preempted() const;
 
   void pend(unsigned number);

@@ -1,4 +1,4 @@
-// What tells one core of the architecture from another.
+// Properties that differ between cores of the architecture.
 #pragma once
 
 #include <array>
@@ -8,21 +8,21 @@
 
 namespace capsoc::armv7m {
 
-/// What software reads to learn which core it runs on (ARM DDI 0403, B3.2.3 and B4.1).
+/// The identification registers of a core (ARM DDI 0403, B3.2.3 and B4.1).
 struct Identity {
   uint32_t cpuid;
   /// ID_PFR0 at 0xE000ED40 and the words after it, up to ID_ISAR4; 0 where nothing is defined.
   std::array<uint32_t, 13> features;
 
-  /// The word of an address that registers.def gives to the identity.
+  /// The word at an address to which registers.def assigns the block `identity`.
   constexpr uint32_t word(uint32_t address) const {
     constexpr uint32_t first_feature = 0xE000ED40;
     return address < first_feature ? cpuid : features[(address - first_feature) / 4];
   }
 };
 
-/// A core of the ARMv7-M architecture. The processor takes one when it is built and never changes
-/// it; what is not in it is common to all cores (docs/reference/processor.md).
+/// A core of the ARMv7-M architecture. The processor gets it at construction and never changes it.
+/// Everything else is common to all cores (docs/reference/processor.md).
 struct Profile {
   const char* name;
   /// Kinds of operations (isa/op.h) that the core has. An instruction of another kind is UNDEFINED

@@ -1,5 +1,5 @@
-// The state of the processor: what its future depends on between two instructions, and nothing
-// else. Standard layout, so that generated code can address it; what executes most comes first.
+// The architectural and timing state of the processor between two instructions, and nothing else.
+// Standard layout, so that generated code can address it; the most used members come first.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ struct State {
   uint32_t pc = 0;
   uint64_t cycles = 0, instructions = 0;
   uint8_t it_state = 0;
-  bool stalled = false;    ///< a device was accessed: the next instruction overlaps with nothing
+  bool stalled = false;    ///< a device was accessed: the next instruction does not overlap
   bool refilling = false;  ///< a branch was taken: the target's width and place count, too
   uint16_t trail = timing::no_trail;  ///< of the instruction executed last
   /// instructions at the last exception entry, while it can be displaced
@@ -51,14 +51,14 @@ struct State {
 
   FaultReport last_fault, first_fault;
   uint64_t fault_count = 0;
-  LostWrite lost_write;  ///< the one that an imprecise fault is pending for, or was
-  // What was reported once.
+  LostWrite lost_write;  ///< the store of the latest imprecise fault
+  // Reports that are made only once.
   uint64_t unpredictable_seen = 0;      ///< bit n: case n of unpredictable.def
   std::array<bool, 2> priority_told{};  ///< of bits that were dropped, of nothing but ones
 
-  /// Refuses what no processor can be in.
+  /// Saves or loads; refuses a state that no processor can have.
   void visit(Archive& archive);
-  /// Power-on reset of all but the time; the vector table is not read yet.
+  /// Power-on reset of everything but the time; does not read the vector table.
   void reset();
 
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
@@ -73,7 +73,7 @@ struct State {
 
   bool in_fault_handler() const { return exception::is_fault(ipsr); }
   bool privileged() const { return ipsr != 0 || (control & 1) == 0; }
-  /// Where HFNMIENA lets the MPU look away (B3.5.5).
+  /// True at priorities where HFNMIENA may disable the MPU (B3.5.5).
   bool at_negative_priority() const {
     return faultmask != 0 || ipsr == exception::nmi || ipsr == exception::hard_fault;
   }
@@ -82,7 +82,7 @@ struct State {
   uint32_t psp() const { return uses_psp() ? r[13] : other_sp; }
   void set_msp(uint32_t value) { (uses_psp() ? other_sp : r[13]) = value & ~3u; }
   void set_psp(uint32_t value) { (uses_psp() ? r[13] : other_sp) = value & ~3u; }
-  /// The stack pointer in use sits in r[13], the other one aside; switching exchanges them.
+  /// The stack pointer in use is in r[13], the other one in other_sp. Switching exchanges them.
   void select_stack(bool process);
   /// SPSEL can be written in Thread mode only (B1.4.4).
   void set_control(uint32_t value);

@@ -8,7 +8,7 @@
 
 namespace capsoc::armv7m {
 
-/// Data accesses that a debugger wants to see: loads and stores of instructions to a range.
+/// A debugger's watchpoint: loads and stores of instructions to a range.
 struct Watchpoint {
   uint32_t address = 0, size = 0;
   bool on_read = false, on_write = false;
@@ -25,8 +25,8 @@ struct WatchHit {
 };
 
 /// The data accesses that end a run or raise a debug event: a debugger's watchpoints and the
-/// comparators of the DWT. Who changes them must have the views of memory made again
-/// (MemoryAccess::views_changed): accesses to a watched page take the slow path.
+/// comparators of the DWT. After a change the caller must call MemoryAccess::views_changed():
+/// accesses to a watched page take the slow path.
 class Watchpoints {
  public:
   /// Nothing is owned.
@@ -38,10 +38,10 @@ class Watchpoints {
   /// False: there is none like it.
   bool remove(const Watchpoint& watchpoint);
   const WatchHit& hit() const { return watch_hit_; }
-  /// The debugger or the program watches data anywhere, or in the page of an address.
+  /// True if the debugger or the program watches data: anywhere, or in the page of an address.
   bool watches_data() const;
   bool watches_page(uint32_t address) const;
-  /// Notes an access to a watched byte; the present instruction is the last one of the run then.
+  /// Records an access to a watched byte; the run then ends after the present instruction.
   bool watched(uint32_t address, unsigned size, bool write);
 
  private:

@@ -6,9 +6,8 @@ namespace capsoc::armv7m {
 
 enum class AccessKind : uint8_t { fetch, load, store };
 
-/// The slow path of the core: everything without a direct mapping. Addresses are aligned to the
-/// size of 1, 2 or 4 bytes; false is a bus error; `wait_cycles` is what the access took beyond its
-/// first cycle.
+/// The slow path of the core, for addresses without a direct mapping. Addresses are aligned to the
+/// size of 1, 2 or 4 bytes; false is a bus error; `wait_cycles` are the cycles beyond the first.
 class Bus {
  public:
   virtual ~Bus() = default;

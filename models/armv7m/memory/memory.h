@@ -10,9 +10,9 @@
 
 namespace capsoc::armv7m {
 
-/// Directly mapped memory: a flat table of 4 KiB pages with host pointers. A null pointer means the
-/// slow path: a device, the rest of a page that a region fills only in part, or a store into a page
-/// with decoded code. Guest and host are little-endian.
+/// Directly mapped memory: a flat table of 4 KiB pages with host pointers. A null pointer selects
+/// the slow path: for a device, for the rest of a page that a region fills only in part, or for a
+/// store into a page with decoded code. Guest and host are little-endian.
 class Memory {
  public:
   struct Page {
@@ -20,7 +20,7 @@ class Memory {
     uint8_t* write = nullptr;
     CodePage* code = nullptr;  // decoded blocks, if any
     uint32_t wait_states = 0;
-    bool mixed = false;  // of a view: borders run through the page, every access is looked at
+    bool mixed = false;  // of a view: region borders cross the page, so every access is checked
   };
   struct Region {
     uint32_t base, size;
@@ -45,9 +45,9 @@ class Memory {
   Page& page(uint32_t address) { return pages_[address >> page_bits]; }
   const Page& page(uint32_t address) const { return pages_[address >> page_bits]; }
   Page* table() const { return pages_; }
-  /// A further table with less in it: what the MPU lets the unprivileged or the privileged reach
-  /// without a further look, and what lies outside watched pages while no MPU applies. Filled page
-  /// by page, emptied as a whole.
+  /// A further table with a subset of the pages. For unprivileged and for privileged code: pages
+  /// that the MPU allows without a check. Without an MPU: pages that are not watched. Filled page
+  /// by page, cleared as a whole.
   enum class View : uint8_t { user, privileged, unprotected };
   Page* view(View which);
   /// A page of a view, to be filled.
@@ -57,11 +57,11 @@ class Memory {
   /// The decoded-code record of an address in mapped memory, created on demand; null elsewhere.
   CodePage* code_page(uint32_t address);
 
-  /// The host's bytes for a store in one page, which has code, next to that and what else is
-  /// closed; null for all others. No more than 64 bytes.
+  /// Host bytes for a store of at most 64 bytes into a page with code, if its lines have no code
+  /// and are not closed; else null.
   uint8_t* beside_code(uint32_t address, uint32_t size) const;
-  /// From now on this is the range of no more than a page that stores do not go to directly, in
-  /// place of the one before. To be said again where memory was mapped or all code dropped.
+  /// Closes a range of at most a page to direct stores, in place of the previous range. Call again
+  /// after memory was mapped or all code dropped.
   void guard(uint32_t address, uint32_t size);
 
   /// Drops decoded code that may contain any byte of the range; true if there was some.
@@ -76,11 +76,11 @@ class Memory {
   const std::vector<Region>& regions() const { return regions_; }
   /// The numbers of the pages with decoded code.
   const std::vector<uint32_t>& code_pages() const { return code_pages_; }
-  /// Counts what changes the answer of one of these two.
+  /// Counts the changes that may change the result of these two.
   uint64_t changes() const { return changes_; }
-  /// Counts what makes a view shorter.
+  /// Counts the changes that remove pages from a view.
   uint64_t view_changes() const { return view_changes_; }
-  /// Host code was dropped, all of it.
+  /// Call after all host code was dropped.
   void forget_entries();
 
  private:

@@ -15,8 +15,8 @@
 
 namespace capsoc::armv7m {
 
-/// What came of an access, for an instruction: continue, leave the block after this instruction, or
-/// a fault is noted and the instruction has done nothing.
+/// Outcome of an access for its instruction: continue, leave the block after the instruction, or
+/// fault: the fault is recorded and the instruction has no effect.
 enum class Access : uint8_t { ok, leave, fault };
 /// The processor's way to memory: direct pages, the MPU, bit-band aliases, the private peripheral
 /// bus and the bus (B2, B3.1).
@@ -40,15 +40,16 @@ class MemoryAccess {
                    bool user = false);
   Access store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
                     bool user = false);
-  /// A halfword of code; the cause of the fault where it cannot be had.
+  /// Fetches a halfword of code; returns the cause of the fault if that fails.
   std::optional<Cause> fetch(uint32_t address, uint16_t& halfword);
 
-  // For the exception model: aligned accesses, and those past the MPU and the system's registers.
+  // For the exception model: aligned accesses, and accesses that bypass the MPU and the system
+  // registers.
   BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged);
   BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged);
   BusResult read_physical(uint32_t address, unsigned size, uint32_t& value);
-  /// The host's bytes of words that may all be accessed directly, their wait states charged; null:
-  /// one by one, by read() and write(). No more than 16.
+  /// Host bytes of at most 16 words that may all be accessed directly; their wait states are
+  /// charged. Null: access them one by one, by read() and write().
   uint8_t* plain(uint32_t address, unsigned words, bool write);
 
   // For the executors.
@@ -61,20 +62,20 @@ class MemoryAccess {
   const Memory::Page* pages() const { return pages_; }
   /// All memory can be reached directly: no MPU, no watchpoint and no observer applies.
   bool is_whole_view() const { return pages_ == memory_.table(); }
-  /// An observer wants to see accesses that host code may make or leave out unseen.
+  /// True if an observer wants accesses that host code would make, or omit, unobserved.
   bool is_watched() const;
-  /// The record of a page that may be executed throughout, created on demand; null for the others.
+  /// The record of a page that is executable as a whole, created on demand; null for other pages.
   CodePage* executable_page(uint32_t address);
 
-  // What follows from the mode, the MPU, watchpoints and observers.
+  // Depends on the mode, the MPU, watchpoints and observers.
   /// The table of direct pages for the present privilege and MPU.
   void select_view();
-  /// The MPU's registers have changed, or all of the state.
+  /// Call after the MPU's registers, or all of the state, have changed.
   void regions_changed();
-  /// Something else that decides which pages are direct.
+  /// Call after another change that decides which pages are direct.
   void views_changed();
 
-  // Code that was decoded.
+  // Decoded code.
   void invalidate_code(uint32_t address, uint32_t size);
   void invalidate_all_code();
   /// Between two blocks: frees what was invalidated.

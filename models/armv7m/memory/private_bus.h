@@ -6,11 +6,11 @@
 
 namespace capsoc::armv7m {
 
-/// What came of an access to memory or a device, the better ones first.
+/// Outcome of an access to memory or a device, from best to worst.
 enum class BusResult : uint8_t { ok, device, bus_error, violation };
 
-/// The private peripheral bus as memory sees it: where an access to its addresses goes. Addresses
-/// are aligned to the size of 1, 2 or 4 bytes.
+/// The private peripheral bus as MemoryAccess uses it. Addresses are aligned to the size of 1, 2 or
+/// 4 bytes.
 class PrivateBus {
  public:
   virtual BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged) = 0;
@@ -21,7 +21,7 @@ class PrivateBus {
   // What is reported once, of an instruction's accesses.
   /// A size that the register does not take.
   virtual void check_access(const DecodedOp& op, uint32_t address, unsigned size) = 0;
-  /// Settings that are UNPREDICTABLE, and priority bits that are not there.
+  /// UNPREDICTABLE settings, and priority bits that are not implemented.
   virtual void check_write(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value,
                            bool done) = 0;
 

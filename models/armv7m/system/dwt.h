@@ -23,10 +23,9 @@ class Dwt {
   uint32_t cycle_count(uint64_t now, bool tracing) const;
   /// CYCCNT is `count` now.
   void set_cycle_count(uint64_t now, uint32_t count);
-  /// Finds out, from the registers, what has to be looked at from now on. `steps`: DEMCR wants
-  /// every step.
+  /// Derives from the registers what has to be checked. `steps`: DEMCR requests every step.
   void select(uint64_t now, bool tracing, bool steps);
-  /// The same for registers that were loaded: matches were looked for up to then.
+  /// The same for loaded registers: earlier cycles were already checked for matches.
   void restored(bool tracing, bool steps);
   /// Data accesses; their pages leave the direct tables.
   bool watches_data() const { return watches_data_; }

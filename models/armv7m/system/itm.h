@@ -10,8 +10,8 @@ class Archive;
 
 namespace capsoc::armv7m {
 
-/// The instrumentation trace macrocell's stimulus ports (C1.7): what a program writes there goes to
-/// the listener, at once, so that a port is always ready. `tracing` is DEMCR.TRCENA.
+/// The stimulus ports of the instrumentation trace macrocell (C1.7). A program's writes go to the
+/// listener at once, so a port is always ready. `tracing` is DEMCR.TRCENA.
 class Itm {
  public:
   static constexpr unsigned ports = 32;
@@ -19,7 +19,8 @@ class Itm {
   void reset() { *this = {}; }
   void visit(Archive& archive);
 
-  /// Ports can be open to the unprivileged, eight of them for each bit of TPR; the rest never is.
+  /// Each bit of TPR opens eight ports to unprivileged code; other registers are always closed to
+  /// it.
   bool open_to_user(uint32_t address) const;
   /// The port of an address; ports() or more: another register.
   static unsigned port_of(uint32_t address) { return (address - ppb::ITM_STIM) / 4; }

@@ -13,7 +13,7 @@ class Archive;
 
 namespace capsoc::armv7m {
 
-/// What an access wants, a number below 8.
+/// Rights that an access needs, a number below 8.
 struct Right {
   static constexpr unsigned privileged = 1, fetch = 2, write = 4;
   static constexpr unsigned kinds = 8;
@@ -33,11 +33,11 @@ class Mpu {
     if ((ctrl_ & ctrl_enable) == 0) return false;
     return (ctrl_ & ctrl_hfnmiena) != 0 || !at_negative_priority;
   }
-  /// ValidateAddress (B3.5.3): bit n tells whether an access of kind n (Right) is allowed. Nothing
-  /// differs within 32 bytes.
+  /// ValidateAddress (B3.5.3): bit n is set if an access of kind n (Right) is allowed. The result
+  /// is the same within 32 bytes.
   uint32_t rights(uint32_t address) const;
-  /// Normal or Device memory by the region's TEX, C and B, against Strongly-ordered; none where the
-  /// default map decides.
+  /// True for Normal or Device memory by the region's TEX, C and B, false for Strongly-ordered;
+  /// empty where the default map decides.
   std::optional<bool> buffers(uint32_t address) const;
   /// True when no border of a region or of its eighths runs through the page of the address.
   bool uniform_in_page(uint32_t address, unsigned page_bits) const;

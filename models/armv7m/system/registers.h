@@ -1,4 +1,4 @@
-// The private peripheral bus: which registers there are, and which part of the processor has them.
+// The registers of the private peripheral bus, and the block of the processor that has each.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ enum Address : uint32_t {
 };
 }  // namespace ppb
 
-/// The part that answers for a register; `constant`: it always reads as its reset value;
-/// `identity`: as the core's profile says.
+/// The block that has a register; `constant`: it always reads as its reset value; `identity`: its
+/// value is in the core's profile.
 enum class Room : uint8_t {
   constant,
   identity,
@@ -55,11 +55,11 @@ constexpr bool in_itm(uint32_t address) {
 
 /// A write of one word's byte lanes.
 struct LaneWrite {
-  uint32_t value = 0;  ///< at its place in the word; other lanes hold anything
+  uint32_t value = 0;  ///< at its place in the word; other lanes have any value
   uint32_t lanes = 0;  ///< mask of the bytes that are written
 
   uint32_t over(uint32_t old) const { return (old & ~lanes) | (value & lanes); }
-  /// What the register of that description holds after it.
+  /// The value of the described register after this write.
   uint32_t over(uint32_t old, const SystemRegister& target) const {
     return registers::stored(target.description, old, value, lanes);
   }

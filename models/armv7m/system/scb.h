@@ -12,8 +12,8 @@ class Archive;
 
 namespace capsoc::armv7m {
 
-/// The system control block (B3.2), with the debug monitor's DEMCR (C1.6.5): what is configured,
-/// and the status of faults. The registers' bits have names here and nowhere else.
+/// The system control block (B3.2), with the debug monitor's DEMCR (C1.6.5): configuration and
+/// fault status. The only place that names the bits of these registers.
 class Scb {
  public:
   void reset();
@@ -60,7 +60,7 @@ class Scb {
   void record_forced() { hfsr_ |= 1u << 30; }
   void record_vector_table() { hfsr_ |= 1u << 1; }
   void record_debug_event() { hfsr_ |= 1u << 31; }
-  /// What brought the debug monitor in (C1.6.1).
+  /// Cause of the DebugMonitor exception (C1.6.1).
   enum class DebugReason : uint32_t { halted = 1 << 0, bkpt = 1 << 1, dwttrap = 1 << 2 };
   void record(DebugReason reason) { dfsr_ |= static_cast<uint32_t>(reason); }
 

@@ -10,15 +10,15 @@
 
 namespace capsoc::armv7m {
 
-/// The private peripheral bus (B3.1, C1.2): takes each access to the room whose register it is, and
-/// what follows from it to the others.
+/// The private peripheral bus (B3.1, C1.2): passes each access to the block that has the register,
+/// and its consequences to the other blocks.
 class SystemSpace : public PrivateBus {
  public:
   /// Nothing is owned.
   SystemSpace(CoreContext& context, PendingExceptions& pending, MemoryAccess& memory)
       : context_(context), pending_(pending), memory_(memory) {}
 
-  /// Without privilege only STIR answers, if CCR.USERSETMPEND lets it, and open stimulus ports.
+  /// Unprivileged accesses reach only open stimulus ports, and STIR if CCR.USERSETMPEND is set.
   BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged) override;
   BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged) override;
   uint32_t peek(uint32_t address) const override;
@@ -30,7 +30,8 @@ class SystemSpace : public PrivateBus {
 
   /// A debugger's access: DEMCR.TRCENA is set.
   void enable_tracing();
-  /// What has to be looked at at each instruction or access, from DEMCR and the DWT's registers.
+  /// Derives from DEMCR and the DWT's registers what has to be checked at each instruction or
+  /// access.
   void select_observation();
 
  private:

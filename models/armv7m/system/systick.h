@@ -10,8 +10,8 @@ class Archive;
 
 namespace capsoc::armv7m {
 
-/// The system timer (B3.3). Its counter is a function of the cycle since it was started, so that
-/// nothing ticks. `now` is the processor's cycle.
+/// The system timer (B3.3). Its counter is a function of the cycles since its start, so no event
+/// per tick is needed. `now` is the processor's cycle.
 class Systick {
  public:
   static constexpr uint64_t never = ~uint64_t{0};
@@ -30,7 +30,7 @@ class Systick {
 
   uint32_t read(uint32_t address, uint64_t now) const;
   void write(uint32_t address, const LaneWrite& write, uint64_t now);
-  /// SYST_CSR has been read, and with it COUNTFLAG, which that clears.
+  /// Call after a read of SYST_CSR, which clears COUNTFLAG.
   void csr_read(uint64_t now, bool countflag);
 
  private:

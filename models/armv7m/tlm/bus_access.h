@@ -18,10 +18,10 @@
 
 namespace capsoc::armv7m {
 
-/// The core's accesses as transactions on the three AHB-Lite ports, each at its exact time. Before
-/// an access the kernel catches up with the core. The exception is a device that takes the time of
-/// the access as a delay (kit::SteadyRead, kit::EarlyWrite) while the kernel has nothing to do
-/// before. Maps memory that a port grants directly. Nothing passed in is owned.
+/// Turns the core's accesses into transactions on the three AHB-Lite ports, each at its exact time.
+/// Before an access the kernel catches up with the core. The exception is a device that takes the
+/// time of the access as a delay (kit::SteadyRead, kit::EarlyWrite), if the kernel has no activity
+/// before that time. Maps direct memory that a port grants. Nothing passed in is owned.
 class BusAccess {
  public:
   using Port = tlm::tlm_initiator_socket<32>;
@@ -33,7 +33,7 @@ class BusAccess {
   struct Result {
     bool ok = false;
     bool steady = false;  ///< side-effect-free and stable, as the device said
-    bool maps = false;    ///< the memory was mapped: it is not accessed over the bus any more
+    bool maps = false;    ///< the memory was mapped: later accesses do not use the bus
     unsigned wait_cycles = 0;
   };
 
@@ -46,12 +46,12 @@ class BusAccess {
   /// device takes early need not wait for the kernel.
   Result access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
                 AccessKind kind, bool may_write_early);
-  /// What the access that is on a socket now is for; nothing: there is none.
+  /// Kind of the access that is on a socket now; empty: there is none.
   std::optional<AccessKind> accessing() const { return accessing_; }
 
-  /// The port takes direct memory back.
+  /// The port revokes direct memory.
   void invalidate(uint64_t first, uint64_t last);
-  /// The memory that was granted; after a restore remap() maps it again.
+  /// Saves or loads the granted memory; after a restore remap() maps it again.
   void visit(Archive& archive) { archive.sequence("granted", granted_, 4096); }
   void remap();
 
@@ -101,7 +101,7 @@ class BusAccess {
   kit::ClockDomain& clock_;
   Core& core_;
   TimeHorizon& horizon_;
-  tlm::tlm_generic_payload payload_;  // of all accesses: making one costs as much as an access
+  tlm::tlm_generic_payload payload_;  // reused: constructing one takes as long as an access
   kit::SteadyRead steady_;            // on the payload: of the last read
   kit::EarlyWrite early_;             // on the payload: of the last write
   Places reads_ahead_;                // that may be made ahead

@@ -1,10 +1,10 @@
-// TLM-2.0 shell of the Cortex-M3: three AHB-Lite ports, interrupt lines, and the core's cycles tied
-// to simulated time.
+// TLM-2.0 wrapper of the Cortex-M3: three AHB-Lite ports, interrupt lines, and the relation of the
+// core's cycles to simulated time.
 //
-// The quantum is a speed knob and nothing else. The core never runs past the kernel's next pending
-// activity, and before an access to a device it synchronises, or is sure that the device may be
-// told the time of the access instead. So every model sees every access at its exact time, and
-// every interrupt reaches the core at the instruction it would reach without temporal decoupling.
+// The quantum only affects speed. The core never runs past the kernel's next pending activity.
+// Before an access to a device it synchronises, unless the device accepts the time of the access as
+// a delay. So every model sees every access at its exact time, and every interrupt reaches the core
+// at the instruction it would reach without temporal decoupling.
 #pragma once
 
 #include <tlm_utils/simple_initiator_socket.h>
@@ -28,8 +28,8 @@
 
 namespace capsoc::armv7m {
 
-/// The processor as a bus master: its SystemC process, and what that is made of: a TimeHorizon, its
-/// BusAccess, a PollingSkipper and its Sleep.
+/// The processor as a bus master: its SystemC process, which uses a TimeHorizon, a BusAccess, a
+/// PollingSkipper and a Sleep.
 class CoreTlm : public sc_core::sc_module,
                 public kit::Component,
                 private Bus,
@@ -47,35 +47,35 @@ class CoreTlm : public sc_core::sc_module,
 
   /// How far the core may run ahead of the kernel.
   void set_quantum(const sc_core::sc_time& quantum) { horizon_.set_quantum(quantum); }
-  /// Whether the turns of a loop that only waits for a device are skipped as far as nothing can
-  /// happen, and what such loops do otherwise is done without the kernel where it may be. It
-  /// changes nothing but the host's time.
+  /// Whether iterations of a loop that only polls a device are skipped while nothing can happen.
+  /// Other accesses of such loops are then made without the kernel where possible. Changes only the
+  /// host's time.
   void set_fast_forward(bool on) { polling_.set_enabled(on); }
   /// Called for SYSRESETREQ and request_reset(), at that time; resets the rest of the system.
   void on_reset_request(std::function<void()> callback) { reset_request_ = std::move(callback); }
-  /// A level on an interrupt line. A line whose change the gate stops keeps the level that it had.
+  /// Sets the level of an interrupt line. If the gate blocks the change, the line keeps its level.
   void set_interrupt(unsigned line, bool level);
-  /// Asked before each change of an interrupt line: false stops it. Unset: none is stopped.
+  /// Called before each change of an interrupt line: false blocks it. Unset: none is blocked.
   using InterruptGate = std::function<bool(unsigned line, bool level)>;
   void set_interrupt_gate(InterruptGate gate) { interrupt_gate_ = std::move(gate); }
   /// A rising edge of the NMI input.
   void pulse_nmi();
-  /// Another master has written memory from one address to another: what was decoded or translated
-  /// from there is dropped. For masters on a bus::AhbMatrix that is what its `replaced` is for.
+  /// Drops decoded and translated code of a range. Call after another master has written it; for
+  /// masters on a bus::AhbMatrix connect its `replaced`.
   void memory_replaced(uint64_t first, uint64_t last) {
     core_.invalidate_code(static_cast<uint32_t>(first), static_cast<uint32_t>(last - first + 1));
   }
   /// A system reset from outside (a watchdog, a pin), before the next instruction.
   void request_reset();
 
-  /// Called when the processor has ended, in its process, instead of sc_stop(): with several
-  /// processors in one kernel the others continue. Unset: the simulation stops.
+  /// Sets the callback for the end of the processor, called in its process instead of sc_stop().
+  /// With several processors in one kernel, the others continue. Unset: the simulation stops.
   void on_end(std::function<void(EndReason)> callback) { ended_ = std::move(callback); }
 
   Core& core() { return core_; }
   const Core& core() const { return core_; }
-  /// `asleep` is no end: what the host does may still wake it, if sc_start() is called again or the
-  /// kernel waits for the host (Sleep::until_woken).
+  /// `asleep` is no end: the host may still wake the processor, if sc_start() is called again or
+  /// the kernel waits for the host (Sleep::until_woken).
   EndReason end_reason() const { return sleep_.is_without_end() ? EndReason::asleep : end_reason_; }
 
   /// Kind of the access that is on a socket now; empty: it is not the core's (a debugger's).
@@ -99,38 +99,38 @@ class CoreTlm : public sc_core::sc_module,
 
   /// Ends the simulation when the program has been idle for the rule's time (end_on_idle.h).
   void set_end_on_idle(EndOnIdle rule) { sleep_.set_end_on_idle(std::move(rule)); }
-  /// The program did something at this instant that is seen outside: it is not idle.
+  /// Call when the program does something visible outside at this instant: it is not idle.
   void note_work() { sleep_.note_work(); }
 
-  /// Called between two instructions, with the core and the kernel at one instant, the first at or
-  /// after the time that was asked for; asleep counts as between. Returns when it wants to be
-  /// called again, sc_max_time(): never. It changes nothing in the simulation.
+  /// Called between two instructions (or asleep) at the first instant at or after the requested
+  /// time, with the core and the kernel at the same instant. Returns the time of the next call;
+  /// sc_max_time(): never. Must not change the simulation.
   using Pause = std::function<sc_core::sc_time(const sc_core::sc_time& now)>;
   void set_pause(const sc_core::sc_time& first, Pause pause);
-  /// The pause is wanted now, from within a call that the processor makes.
+  /// Requests the pause now, from within a call that the processor makes.
   void pause_now() { horizon_.set_pause(sc_core::SC_ZERO_TIME); }
   /// The same from anywhere in the simulation, whatever the processor does.
   void pause_soon() {
     pause_now();
     sleep_.wake();
   }
-  /// An external event may wake a processor that nothing inside could: then it sleeps until the
-  /// pause instead of ending the simulation.
+  /// The host may wake the processor. A processor that nothing inside can wake then sleeps until
+  /// the pause, instead of ending the simulation.
   void expect_inputs() { sleep_.expect_inputs(); }
-  /// Instead of a reset at time 0: nothing happens until `time`, when `load` gives the system its
-  /// state back. False ends the simulation.
+  /// Replaces the reset at time 0: nothing happens until `time`, when `load` restores the system's
+  /// state. If it returns false, the simulation ends.
   void resume_at(const sc_core::sc_time& time, std::function<bool()> load);
   bool waits_for_resume() const { return static_cast<bool>(load_); }
 
   const char* component_name() const override { return basename(); }
-  /// The processor's part of a system reset is the caller of on_reset_request()'s.
+  /// Does nothing: the processor resets its core itself, after the callback of on_reset_request().
   void reset() override {}
   void visit(Archive& archive) override;
   void restored() override;
 
   /// Asked before and notified after every run of the core. Null: none. Not owned.
   void set_debugger(Debugger* debugger) { debugger_ = debugger; }
-  /// A system reset at once; for the debugger, out of its calls.
+  /// Resets the system at once; for the debugger, from within its calls.
   void reset_now() { reset_system(); }
 
  private:

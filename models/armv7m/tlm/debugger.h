@@ -6,21 +6,21 @@
 
 namespace capsoc::armv7m {
 
-/// Who watches the processor. All calls come from the processor's own SystemC process, between two
-/// instructions, with the core and the kernel at the same instant. They may keep the host as long
-/// as they like: simulated time stands still meanwhile.
+/// A debugger of the processor. All calls come from the processor's SystemC process, between two
+/// instructions, with the core and the kernel at the same instant. They may block the host:
+/// simulated time does not advance meanwhile.
 class Debugger {
  public:
   virtual ~Debugger() = default;
 
-  /// Before the core continues. True: it is to execute one instruction.
+  /// Called before the core continues. True: it executes only one instruction.
   virtual bool before_run() = 0;
   /// After a run that ended with `reason`; `advanced`: something was executed. True: the
   /// simulation continues though the reason would end it.
   virtual bool after_run(StopReason reason, bool advanced) = 0;
   /// Nothing is left that could wake the processor. False: let the simulation end.
   virtual bool asleep_for_good() = 0;
-  /// True: before_run() is wanted soon. Asked during a sleep, each millisecond of it if
+  /// True: before_run() should be called soon. Called during a sleep, each simulated millisecond if
   /// looks_at_sleep().
   virtual bool wants_attention() const = 0;
   virtual bool looks_at_sleep() const { return true; }

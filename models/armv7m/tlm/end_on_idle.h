@@ -9,25 +9,24 @@
 
 namespace capsoc::armv7m {
 
-/// Recognises a program that has nothing left to do (run.end_on_idle). For a given time in a row
-/// neither it nor the hardware did anything that counts as work, and it slept through at least nine
-/// tenths of that time. All in simulated time, so that the end is at the same cycle whatever the
-/// quantum and the executor are.
+/// Detects a program that has nothing left to do (run.end_on_idle): for a given time neither
+/// program nor hardware did any work, and the program slept for at least nine tenths of that time.
+/// The time is simulated, so the run ends at the same cycle for every quantum and executor.
 class EndOnIdle {
  public:
   /// What counts as work on this board.
   struct Work {
-    /// Whether an access of the program to this address outside the memories does.
+    /// Whether a program's access to this address outside the memories is work.
     std::function<bool(uint32_t address)> is_access;
-    /// Whether the hardware works by itself now.
+    /// Whether the hardware is working now.
     std::function<bool()> is_running;
-    /// A number that changes whenever it did.
+    /// A number that changes with each work step of the hardware.
     std::function<uint64_t()> steps;
   };
   EndOnIdle(const sc_core::sc_time& limit, Work work) : limit_(limit), work_(std::move(work)) {}
 
   bool is_work(uint32_t address) const { return work_.is_access(address); }
-  /// Work was done: the time begins again.
+  /// Call when work was done: restarts the time.
   void begin(const sc_core::sc_time& now) {
     since_ = asleep_since_ = now;
     slept_ = sc_core::SC_ZERO_TIME;
@@ -48,8 +47,8 @@ class EndOnIdle {
   }
   /// When to ask is_over() again, if nothing happens.
   sc_core::sc_time deadline() const { return since_ + limit_; }
-  /// Asked while asleep: whether the program is idle. If the time is over and it was not, the time
-  /// begins again.
+  /// Whether the program is idle; called while asleep. If the time is over and the program was not
+  /// idle, the time restarts.
   bool is_over(const sc_core::sc_time& now) {
     if (now < deadline()) return false;
     wake_up(now);

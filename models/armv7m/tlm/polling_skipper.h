@@ -9,7 +9,7 @@
 
 namespace capsoc::armv7m {
 
-/// What an access to the bus resulted in.
+/// A completed bus access.
 struct BusTransfer {
   uint32_t address, size, value, wait_cycles;
   bool operator==(const BusTransfer& other) const {
@@ -18,33 +18,33 @@ struct BusTransfer {
   }
 };
 
-/// Executes loops that only wait for a device without host time: one iteration by single steps,
-/// then as many whole ones as end before anything can happen. And answers a repeated read of the
-/// same status without an access. Depends on no kernel: the caller passes in how far the core may
-/// go and whether the kernel has run. The core is not owned.
+/// Skips iterations of loops that only poll a device. Executes one iteration by single steps, then
+/// skips all whole iterations that end before anything can happen. Also answers a repeated read of
+/// the same status without an access. Independent of the kernel: the caller passes in how far the
+/// core may go and whether the kernel has run. The core is not owned.
 class PollingSkipper {
  public:
   explicit PollingSkipper(Core& core) : core_(core) {}
 
-  /// Off: it notices nothing, and every access is made. It is on at first.
+  /// Off: nothing is skipped, and every access is made. Initially on.
   void set_enabled(bool on) { enabled_ = on; }
   bool enabled() const { return enabled_; }
 
-  /// Before an access is made: the previous read no longer counts.
+  /// Call before an access: the previous read is no longer valid.
   void forget_read() { holds_ = false; }
-  /// After it. `is_read`: a successful load; `steady`: side-effect-free, and stable until the
-  /// kernel's next activity (kit::SteadyRead); `limit`: the cycle of that; `kernel_runs`: a number
-  /// that changes whenever the kernel runs.
+  /// Call after an access. `is_read`: a successful load; `steady`: side-effect-free, and stable
+  /// until the kernel's next activity (kit::SteadyRead); `limit`: the cycle of that activity;
+  /// `kernel_runs`: a number that changes whenever the kernel runs.
   void made(const BusTransfer& transfer, bool is_read, bool steady, uint64_t limit,
             uint64_t kernel_runs);
-  /// The latest transfer, if the same read need not be made again: the device said so, and neither
-  /// the kernel nor another access has run since. Else null.
+  /// The latest transfer, if the same read need not be repeated: the device declared it stable, and
+  /// since then neither the kernel has run nor another access was made. Else null.
   const BusTransfer* repeats(uint32_t address, unsigned size, uint64_t kernel_runs) const {
     const bool same = holds_ && kernel_runs == kernel_runs_ && latest_->address == address &&
                       latest_->size == size;
     return same ? &*latest_ : nullptr;
   }
-  /// Instead of made(), where that transfer was taken.
+  /// Call instead of made() if that transfer was reused.
   void repeated(uint64_t limit) { note(*latest_, true, limit); }
 
   /// True if the program seems to poll, so that measure() is worth a call after this run of the

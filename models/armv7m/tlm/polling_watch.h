@@ -1,4 +1,4 @@
-// Notices a program that reads the same status again and again.
+// Detects a program that reads the same status repeatedly.
 #pragma once
 
 #include <algorithm>
@@ -6,18 +6,18 @@
 
 namespace capsoc::armv7m {
 
-/// Asked after every access to the bus. That a program reads the same again is no proof that it
-/// polls; it says that it is worth looking (Core::repeat_turn). Where that was in vain, the watch
-/// is more patient the next time.
+/// Called after every bus access. A repeated read does not prove that a program polls, but makes a
+/// measurement worthwhile (Core::repeat_turn). After a failed measurement more repetitions are
+/// required.
 class PollingWatch {
  public:
-  /// `steady`: it was a read, and may be repeated for nothing (kit::SteadyRead).
+  /// `steady`: the access was a read that is side-effect-free and stable (kit::SteadyRead).
   bool is_worth_a_look(uint32_t address, uint32_t value, bool steady) {
     const Read read{steady, address, value};
     if (steady && read == latest_) return ++times_ >= patience_;
     latest_ = read;
     times_ = 0;
-    // A loop that waited last time has the same answer to wait for.
+    // A loop that polled last time waits for a change of the same answer.
     return steady && read == waited_for_ && patience_ == least_patience;
   }
   /// Result of the measurement. After a skip less than an iteration is left, so the next read is no

@@ -6,13 +6,14 @@
 
 namespace capsoc::armv7m {
 
-/// The place of one processor among those of its SystemC kernel that settle at an instant. Each
-/// lets everything else at the instant happen before its next instruction, by zero-time waits until
-/// the kernel has nothing pending. Two that did so at once would take each other's wait for
-/// activity and never end, so they take turns: one waits for the kernel, the others for it.
+/// Arbitrates between the processors of one SystemC kernel that settle at an instant. A processor
+/// settles by zero-time waits until the kernel has nothing pending, so that everything else at the
+/// instant happens before its next instruction. Two processors that settled at once would see each
+/// other's waits as activity and never end. So only one waits for the kernel, and the others wait
+/// for it.
 ///
-/// A processor whose turn is over executes; the next one gets its turn as soon as that processor
-/// waits for anything (give_way()). With one processor in the kernel nothing ever waits here.
+/// A processor whose turn is over executes. The next one gets its turn as soon as that processor
+/// waits (give_way()). With one processor in the kernel there is no waiting here.
 class SettlingTurn {
  public:
   SettlingTurn();
@@ -20,7 +21,7 @@ class SettlingTurn {
   SettlingTurn(const SettlingTurn&) = delete;
   SettlingTurn& operator=(const SettlingTurn&) = delete;
 
-  /// Holds the turn until the end of the scope; to be made in the processor's process, which
+  /// Holds the turn until the end of the scope. Construct it in the processor's process, which
   /// waits, without simulated time, until it has the turn.
   class Scope {
    public:

@@ -13,23 +13,24 @@
 
 namespace capsoc::armv7m {
 
-/// The processor asleep (WFI, WFE): waits in the kernel until an interrupt, an event of the core's
-/// own (SysTick) or a client wakes it, and notices a program that has nothing left to do. Nothing
+/// Sleep of the processor (WFI, WFE): waits in the kernel until an interrupt, an internal event of
+/// the core (SysTick) or a client wakes it. Detects a program that has nothing left to do. Nothing
 /// passed in is owned.
 class Sleep {
  public:
-  /// Who may end a sleep, or wants to run during it. All calls come from the processor's process.
+  /// A client that may end a sleep, or run during it. All calls come from the processor's process.
   class Client {
    public:
     virtual bool must_wake() const = 0;
-    /// True ends the simulation. Asked at each awakening.
+    /// True ends the simulation. Called at each awakening.
     virtual bool is_interrupted() = 0;
     virtual void pause_if_due() = 0;
     virtual bool has_debugger() const = 0;
-    /// It is asked now and then, so that it can interrupt the sleep.
+    /// True: debugger_wants_attention() is polled during the sleep, so that it can interrupt it.
     virtual bool debugger_looks() const = 0;
     virtual bool debugger_wants_attention() const = 0;
-    /// Nothing is left that could wake the processor. True: the sleep ends, and not the simulation.
+    /// Called when nothing is left that could wake the processor. True: the sleep ends, instead of
+    /// the simulation.
     virtual bool debugger_takes_over() = 0;
 
    protected:
@@ -40,12 +41,12 @@ class Sleep {
       : clock_(clock), core_(core), horizon_(horizon), client_(client) {}
 
   /// Sleeps. Anything but `none` ends the simulation. A sleep that nothing in the kernel or in the
-  /// core can end continues: sc_start() returns, unless the kernel waits for a channel of the
-  /// host's (sc_prim_channel::async_attach_suspending).
+  /// core can end continues: sc_start() returns, unless the kernel waits for a host channel
+  /// (sc_prim_channel::async_attach_suspending).
   EndReason until_woken();
   /// Nothing in the kernel or in the core can end the present sleep.
   bool is_without_end() const { return only_woken_ && !sc_core::sc_pending_activity(); }
-  /// Looks again whether there is a reason to wake up. From any process, at any time.
+  /// Checks again for a reason to wake up. Call from any process, at any time.
   void wake() { wake_.notify(sc_core::SC_ZERO_TIME); }
 
   /// Ends the simulation when the program has been idle for a time.
@@ -60,7 +61,8 @@ class Sleep {
   void note_access(uint32_t address) {
     if (end_on_idle_ && end_on_idle_->is_work(address)) note_work();
   }
-  /// A state of a run that ends on idle does not fit one that does not.
+  /// Saves or loads. The state of a run with end_on_idle does not fit a run without, and vice
+  /// versa.
   void visit(Archive& archive);
 
  private:

@@ -9,8 +9,8 @@
 
 namespace capsoc::armv7m {
 
-/// How far the core may run ahead of the kernel, and how the two come together again. The core
-/// never passes the kernel's next pending activity, a pause, or the end of the quantum.
+/// Lookahead of the core: how far it may run ahead of the kernel, and how the two synchronise. The
+/// core never passes the kernel's next pending activity, a pause, or the end of the quantum.
 ///
 /// Functions that wait must be called from the processor's SystemC process. Cycles are edge numbers
 /// of the clock. Clock and core are not owned.
@@ -25,7 +25,7 @@ class TimeHorizon {
   }
   /// The core stops at the first instant at or after `time`; sc_max_time(): no pause.
   void set_pause(const sc_core::sc_time& time);
-  /// The same, from the next look_ahead() on: between two runs of the core.
+  /// The same, effective from the next look_ahead(). Call between two runs of the core.
   void plan_pause(const sc_core::sc_time& time) {
     pause_at_ = time;
     has_bounds_ = false;
@@ -35,32 +35,33 @@ class TimeHorizon {
 
   /// Asks the kernel for its next activity. Call after anything that may have scheduled one.
   void look_ahead();
-  /// Computes the bounds again: the same times may be other cycles now.
+  /// Recomputes the bounds: the same times may be other cycles now.
   void clock_changed() { set_bounds(); }
-  /// Begins a run of the core: the first cycle that it may not reach. No later than `longest`
+  /// Begins a run of the core. Returns the first cycle that it may not reach, at most `longest`
   /// cycles from now.
   uint64_t begin_run(uint64_t longest);
-  /// Of the run that was begun.
+  /// End of the present run, as begin_run() returned it.
   uint64_t end_of_run() const { return end_of_run_; }
-  /// A bound has come nearer than it was when the run began.
+  /// True if a bound is nearer than at the beginning of the run.
   bool is_nearer() const { return limit_ < end_of_run_; }
   /// The first cycle that the core may not pass without the kernel.
   uint64_t limit() const { return limit_; }
-  /// Something happens in the kernel, or between it and the core, at or before the core's time; or
-  /// the kernel is to stop and waits for its processes.
+  /// True if the kernel has activity, or a pause is due, at or before the core's time; or if the
+  /// kernel is stopping and waits for its processes.
   bool is_late() const { return core_.cycles() >= late_from_ || is_stopping(); }
 
   /// Lets the kernel catch up with the core, and settles.
   void synchronise();
-  /// Lets the kernel do what is due up to the core's time and go no further, so that the core meets
-  /// what it waits for without its own instant. After a pause it synchronises.
+  /// Runs all kernel activity that is due up to the core's time, without a wait at the core's own
+  /// time. So the core sees what it polls for without an extra instant. If a pause is due, it
+  /// synchronises.
   void follow();
-  /// Everything else that happens at this instant happens before the processor's next instruction.
-  /// Of several processors in one kernel one executes after the other, each up to its next wait:
-  /// what they do to each other is exact to the quantum.
+  /// Lets everything else at this instant happen before the processor's next instruction. Several
+  /// processors in one kernel execute one after the other, each up to its next wait: their
+  /// interaction is exact to the quantum.
   void settle();
-  /// To be called before the processor's process waits other than by this object, or calls a
-  /// target that may wait in it.
+  /// Call before the processor's process waits other than by this object, or calls a target that
+  /// may wait.
   void give_way() { turn_.give_way(); }
   /// Advances the core to the kernel. After a change to a faster clock inside an instruction the
   /// clock domain is ahead of the core: the core stalls.
@@ -81,9 +82,9 @@ class TimeHorizon {
   Core& core_;
   sc_core::sc_time quantum_{1, sc_core::SC_MS};
   sc_core::sc_time pause_at_ = sc_core::sc_max_time();
-  sc_core::sc_time looked_at_;      // the kernel was asked last, after an access or a wait:
-  sc_core::sc_time next_activity_;  // its next one, which does not come nearer by itself
-  bool has_bounds_ = false;         // of these times
+  sc_core::sc_time looked_at_;      // time of the last look_ahead(), after an access or a wait
+  sc_core::sc_time next_activity_;  // of the kernel then; only a new event moves it nearer
+  bool has_bounds_ = false;         // limit_ and late_from_ match these times
   uint64_t late_from_ = 0;          // the first cycle at or after which the kernel has to run
   uint64_t limit_ = 0;
   uint64_t end_of_run_ = 0;
