@@ -1,4 +1,4 @@
-// One debugger's conversation: packets in, packets out. Knows nothing of sockets and threads.
+// One debugger's GDB remote protocol: packets in, packets out. Independent of sockets and threads.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,11 @@
 
 namespace capsoc::debug {
 
-/// What a packet asks of the part that runs the processor.
+/// Request of a packet to the component that runs the processor.
 struct Request {
   enum class Kind : uint8_t {
     none,
-    resume,  ///< and to tell when it stands again
+    resume,  ///< and send a stop reply when it halts again
     halt,
     detach,
     kill
@@ -26,8 +26,8 @@ struct Request {
   Resume resume = {};
 };
 
-/// The debugger's end of a connection. Whatever bytes it sends, it gets an answer or none, and
-/// nothing else happens than what the protocol says.
+/// State of one debugger's connection. Invalid packets have no effect beyond what the protocol
+/// says.
 class Client {
  public:
   explicit Client(Target& target) : target_(target) {}
@@ -37,11 +37,11 @@ class Client {
 
   /// Answers a packet. The bytes to send, acknowledgement included, are left in output().
   Request handle(const Arrival& arrival);
-  /// Sends the stop reply that a resume left open, if one is open.
+  /// Sends the stop reply to a resume, if one is outstanding.
   void stopped(const StopCause& cause);
   /// The program ended with this status.
   void exited(int status);
-  /// Text for the debugger's console, while a reply is open.
+  /// Sends text to the debugger's console, while a stop reply is outstanding.
   void print(const std::string& text);
 
   /// True while a resume has not been answered.

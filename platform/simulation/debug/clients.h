@@ -1,4 +1,5 @@
-// The debuggers that are connected: whose packets come, who has the processor, who is told.
+// The connected debuggers: receives their packets, keeps which controls the processor, and notifies
+// them.
 #pragma once
 
 #include <chrono>
@@ -12,22 +13,22 @@
 
 namespace capsoc::debug {
 
-/// Any number of GDBs on one processor, wherever that runs. Its first packet makes a client a
-/// debugger; before it, and if none ever comes (a probe of the port), a client changes nothing. The
-/// first debugger halts the processor; one that comes later observes without stopping it. The
-/// client that resumes or interrupts has it; when the last of these is gone, the run continues by
-/// itself.
+/// Any number of GDBs on one processor, in this or another process. A client becomes a debugger
+/// with its first packet; a connection without a packet (a probe of the port) changes nothing. The
+/// first debugger halts the processor; later ones observe without stopping it. A client that
+/// resumes or interrupts controls the processor; when the last such client has left, the run
+/// continues by itself.
 class Clients {
  public:
-  /// What the processor is told.
+  /// Callbacks to the processor.
   class Processor {
    public:
     virtual ~Processor() = default;
-    /// There is a debugger, or none any more.
+    /// The first debugger has come, or the last has left.
     virtual void debugged(bool on) = 0;
-    /// It stands from here on.
+    /// The processor is halted from now on.
     virtual void halted() = 0;
-    /// It continues from where it stood (or runs on, if it did).
+    /// The processor continues, or keeps running.
     virtual void resumed() = 0;
   };
 
@@ -41,15 +42,15 @@ class Clients {
   void open(std::unique_ptr<Connections> connections) { connections_ = std::move(connections); }
   /// Answers the packets that came.
   void serve();
-  /// Until there is something to serve, or the time is over.
+  /// Waits until there is something to serve, at most `longest`.
   void wait(std::chrono::milliseconds longest);
   bool any() const { return connections_ != nullptr && connections_->any(); }
 
-  /// Tells those who wait that the processor stands, and why.
+  /// Sends a stop reply to the debuggers that wait for one.
   void halt(const StopCause& cause);
-  /// Tells them that the run is over.
+  /// Sends them the exit code of the run.
   void finish(int exit_code);
-  /// Text for the consoles of those who wait.
+  /// Sends text to the consoles of the debuggers that wait.
   void print(const std::string& text);
 
   bool is_debugged() const;

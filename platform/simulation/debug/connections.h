@@ -24,24 +24,23 @@ class Socket {
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
   int get() const { return descriptor_; }
-  /// All of it, or false: the peer is gone or has not read for seconds.
+  /// Sends all bytes. False: the peer is gone, or has not read for seconds.
   bool send(std::string_view bytes) const;
-  /// Both directions; the receiving thread sees the end.
+  /// Shuts down both directions; the receiving thread sees the end.
   void shut_down() const;
 
  private:
   int descriptor_;
 };
 
-/// What happened on the line since it was last asked.
+/// An event of a connection since the last call.
 struct LineEvent {
   std::shared_ptr<Socket> socket;
   enum class Kind : uint8_t { connected, received, closed } kind;
   std::string bytes = {};
 };
 
-/// Listens on 127.0.0.1. Events wait until next() is called; asking whether there are any costs one
-/// load.
+/// Listens on 127.0.0.1. Events are queued until next() is called; any() costs one load.
 class Connections {
  public:
   /// Port 0 takes a free one.
@@ -53,7 +52,7 @@ class Connections {
   uint16_t port() const { return port_; }
   bool any() const { return any_.load(std::memory_order_relaxed); }
   bool next(LineEvent& event);
-  /// Until there are events or the time is over.
+  /// Waits until there are events, at most `longest`.
   void wait(std::chrono::milliseconds longest);
 
  private:

@@ -26,13 +26,13 @@ class SocTarget : public Target {
   void on_save(Saver saver) { saver_ = std::move(saver); }
   std::string save(const std::string& file) override;
   std::vector<MemoryRange> memory_ranges() override;
-  /// The run shows the text of this port; without it, that of none.
+  /// Sets the port whose text the run shows; unset: none.
   void show_stimulus_of(unsigned port) { shown_port_ = port; }
   std::string show_stimulus(uint32_t ports, bool on) override;
 
-  /// Why the processor stands after a run that ended so. Nothing: the run had its own end.
+  /// Why the processor is halted after a run that ended with `reason`. Empty: the run is over.
   std::optional<StopCause> stop_cause(armv7m::StopReason reason) const;
-  /// Whose breakpoint it is, of those at the address.
+  /// Kind of the breakpoint at the address.
   StopPoint breakpoint_kind(uint32_t address) const;
 
  private:

@@ -1,4 +1,4 @@
-// What the protocol needs of a processor and its memory, so that it can be tested without one.
+// Interface of the protocol to a processor and its memory, so that it can be tested without one.
 #pragma once
 
 #include <array>
@@ -18,12 +18,12 @@ enum class StopPoint : uint8_t {
   access_watchpoint = 4
 };
 
-/// It stops in front of an instruction; the others watch data.
+/// True if it stops before an instruction; the other kinds watch data.
 constexpr bool is_breakpoint(StopPoint point) {
   return point == StopPoint::software_breakpoint || point == StopPoint::hardware_breakpoint;
 }
 
-/// Why the processor stands.
+/// Why the processor is halted.
 struct StopCause {
   enum class Kind : uint8_t {
     attached,  ///< by a debugger that connected, or after a reset
@@ -33,8 +33,8 @@ struct StopCause {
     watchpoint,
     bkpt_instruction,
     lockup,
-    history_begin,  ///< nothing before this is known
-    history_end,    ///< it is where it was before it went back
+    history_begin,  ///< the beginning of the history
+    history_end,    ///< the present, from which it went back
     failure         ///< the run is over, and did not pass
   };
   Kind kind = Kind::attached;
@@ -55,7 +55,7 @@ constexpr std::array<Register, 23> registers = {
      {"r12", 32}, {"sp", 32},     {"lr", 32},     {"pc", 32},       {"xpsr", 32},  {"msp", 32},
      {"psp", 32}, {"primask", 8}, {"basepri", 8}, {"faultmask", 8}, {"control", 8}}};
 constexpr unsigned first_system_register = 17;
-/// The number that GDB gives xpsr (the fpa registers of old lie between pc and it).
+/// GDB's number of xpsr (the obsolete FPA registers are between pc and it).
 constexpr unsigned xpsr_number = 25;
 
 /// A range of addresses; its end may be that of the address space.
@@ -71,30 +71,31 @@ class Target {
   /// `index` into `registers`.
   virtual uint32_t read_register(unsigned index) = 0;
   virtual void write_register(unsigned index, uint32_t value) = 0;
-  /// Without side effects; as many bytes from `address` on as can be read, at most `size`.
+  /// Without side effects. Returns at most `size` bytes from `address`, up to the first unreadable
+  /// one.
   virtual std::string read_memory(uint32_t address, uint32_t size) = 0;
-  /// Devices take it as a write of their own bus. False if any byte has no place.
+  /// Devices get a bus write. False if any byte has no memory or device.
   virtual bool write_memory(uint32_t address, const std::string& bytes) = 0;
   /// False for what cannot be watched. The size of a breakpoint is 0.
   virtual bool set(StopPoint kind, uint32_t address, uint32_t size) = 0;
   virtual void clear(StopPoint kind, uint32_t address, uint32_t size) = 0;
-  /// Everything back to its reset state.
+  /// Resets the system.
   virtual void reset() = 0;
-  /// The whole state to a file; a line for the console says whether it is there.
+  /// Saves the whole state to a file. Returns a line for the console with the outcome.
   virtual std::string save(const std::string& /*file*/) { return "nothing can be saved here\n"; }
-  /// For the thread list: what the processor does, in words.
+  /// What the processor does, in words, for the thread list.
   virtual std::string state() = 0;
   /// Ranges that can be read and written, in any order and without overlap; what is between them
   /// is a hole.
   virtual std::vector<MemoryRange> memory_ranges() = 0;
-  /// Enables or disables stimulus ports of the ITM (bit n is port n). A line for the console says
-  /// where their text is, "" if it is shown.
+  /// Enables or disables stimulus ports of the ITM (bit n is port n). Returns a line for the
+  /// console that says where their text is, "" if it is shown.
   virtual std::string show_stimulus(uint32_t /*ports*/, bool /*on*/) {
     return "there is no ITM here\n";
   }
   /// Whether it can be resumed backwards.
   virtual bool has_history() const { return false; }
-  /// The console's answer to a `monitor` command of this target alone; nothing: it is none.
+  /// Answer to a `monitor` command that only this target has; empty: no such command.
   virtual std::optional<std::string> command(const std::string& /*line*/) { return std::nullopt; }
   /// Lines on these commands for `monitor help`.
   virtual std::string command_help() const { return ""; }

@@ -1,5 +1,4 @@
-// Signals that end the program, what must not be left behind then, and one that asks it for a
-// report.
+// Signals that end the program, cleanup on them, and a signal that requests a report.
 #pragma once
 
 #include <sys/types.h>
@@ -8,34 +7,34 @@
 
 namespace capsoc::host {
 
-/// Early in the program: SIGHUP, SIGINT, SIGQUIT and SIGTERM end it with exit code 128 + n, and
-/// what RemovedAtSignal and EndedAtSignal name is gone. A signal that was ignored when the program
-/// started (nohup, `&` of a shell) stays ignored. A file at its limit (SIGXFSZ) is an error of its
-/// write; one that a library has mapped and that lost its place (SIGBUS) ends the program with a
-/// sentence and `full_disk`.
+/// Call early in the program. SIGHUP, SIGINT, SIGQUIT and SIGTERM then end it with exit code 128 +
+/// n, after the cleanup of RemovedAtSignal and EndedAtSignal. A signal that was ignored when the
+/// program started (nohup, `&` of a shell) stays ignored. A file at its size limit (SIGXFSZ) is an
+/// error of its write. A lost page of a file that a library has mapped (SIGBUS, a full disk) ends
+/// the program with a sentence and the exit code `full_disk`.
 void catch_end_signals(int full_disk);
 
-/// From here on these signals are noted and nothing else, because the run asks noted_signal(): a
-/// run that writes its results. A wait of the kernel that one interrupts is not resumed. SIGPIPE is
-/// ignored from here on, and the writer decides what a reader that has gone means.
+/// From now on these signals are only recorded, and the run polls noted_signal(), so that it can
+/// write its results. An interrupted system call is not restarted. SIGPIPE is ignored from now on;
+/// the writer handles a reader that is gone.
 void note_end_signals();
 /// As if the signal had come.
 void note_signal(int number);
-/// The last one that came; 0: none.
+/// The latest signal; 0: none.
 int noted_signal();
 
 /// A limit of the host's time was reached.
 void note_end_of_time();
-/// Whether that was noted, or a signal: what still waits for a slow reader should give up.
+/// True after either, or after a signal: waits for a slow reader should give up.
 bool is_ending();
 
-/// From here on each of these signals calls this function, which may do what a signal handler may;
-/// null: none.
+/// From now on each of these signals calls this function, which must be async-signal-safe; null:
+/// none.
 void call_on_signals(void (*function)());
-/// For handlers of other signals: as if one of these had come.
+/// Calls that function, from handlers of other signals.
 void call_for_signal();
 
-/// From here on SIGUSR1 asks for a report of what is done so far, and ends nothing.
+/// From now on SIGUSR1 requests a report of the progress, and does not end the program.
 void note_report_signal();
 /// Whether it came since the last call.
 bool take_report_signal();

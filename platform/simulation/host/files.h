@@ -17,8 +17,7 @@ struct TextFile {
   std::string path, text;
 };
 
-/// What comes on standard input until its end. An Error: it cannot be read, or is longer than
-/// `largest`.
+/// Reads standard input to its end. An Error: it cannot be read, or is longer than `largest`.
 Result<std::string> read_standard_input(std::size_t largest);
 
 /// Writes the whole file or nothing: a temporary file next to it, renamed at the end. A symbolic
@@ -31,17 +30,18 @@ std::optional<Error> write_together(const std::vector<TextFile>& files);
 /// The sentence for what cannot be written; `error` as errno has it.
 Error cannot_write(const std::string& path, int error);
 
-/// Opens what exists for writing, with O_CLOEXEC and these flags. A pipe without a reader waits for
-/// its reader until the program is ending. A descriptor, or -1 with errno (EINTR: it was ending).
+/// Opens an existing file for writing, with O_CLOEXEC and these flags. For a pipe it waits for a
+/// reader until the program is ending. Returns a descriptor, or -1 with errno (EINTR: the program
+/// is ending).
 int open_to_write(const std::string& path, int flags);
 
-/// Where a file grows until it is whole: next to its place. A device, a pipe or a descriptor of
-/// this program (/dev/stdout) grows in its place.
+/// Name of the temporary file, next to `path`, in which a file is written until it is complete. A
+/// device, a pipe or a descriptor of this program (/dev/stdout) is written in place.
 std::string growing_name(const std::string& path);
 /// Opens that for writing; null with errno on failure.
 std::FILE* open_growing(const std::string& path);
-/// A file on its way to its name. Without name() it is removed in the end, and by a signal that
-/// ends the program.
+/// A temporary file that gets its name when it is complete. Without name() it is removed at
+/// destruction, or by a signal that ends the program.
 class GrowingFile {
  public:
   explicit GrowingFile(const std::string& path);
@@ -53,7 +53,7 @@ class GrowingFile {
 
   const std::string& path() const { return path_; }
   const std::string& growing() const { return growing_; }
-  /// Once it is complete and closed.
+  /// Renames the file. Call when it is complete and closed.
   std::optional<Error> name();
 
  private:
@@ -61,8 +61,7 @@ class GrowingFile {
   std::optional<RemovedAtSignal> removed_;
 };
 
-/// Whether write_whole() could write there, tried before a long run and not after it. Leaves
-/// nothing behind.
+/// Checks that write_whole() can write there, for a test before a long run. Leaves no file.
 std::optional<Error> check_writable(const std::string& path);
 
 }  // namespace capsoc::host

@@ -1,4 +1,4 @@
-// A file that grows piece by piece and is named when it is whole.
+// A file that is written in pieces and renamed when it is complete.
 #pragma once
 
 #include <cstdio>
@@ -13,10 +13,9 @@
 
 namespace capsoc::host {
 
-/// Written in memory that does not grow with it, next to its place (GrowingFile). Where it is
-/// written in place (a pipe, a device, a descriptor), it grows in a nameless temporary file that is
-/// copied there at the end. So a reader gets all of it at once, and no half of it where the run
-/// fails.
+/// Its memory does not grow with the file, which is a temporary file next to its place
+/// (GrowingFile). For a pipe, a device or a descriptor it is an unnamed temporary file, copied at
+/// the end. So a reader gets the complete file at once, and no part of it if the run fails.
 class GrowingStream {
  public:
   /// An Error: nothing can be written there.
@@ -25,17 +24,17 @@ class GrowingStream {
   /// The first failure is kept for finish(), and what comes after it is dropped.
   void write(std::string_view text);
 
-  /// Puts other bytes in the place of some that were written, `place` bytes after the first: a
-  /// head that has sizes. What is written next still goes to the end.
+  /// Overwrites bytes from offset `place`, such as a header with sizes. Later writes still append.
   void replace(long place, std::string_view bytes);
 
-  /// Appends to `out` what becomes of the next piece of the text; no more bytes than it had so far.
+  /// Appends the rewritten form of the next piece of text to `out`. The output may not be longer
+  /// than the input so far.
   using Rewrite = std::function<void(std::string_view piece, std::string& out)>;
-  /// Writes all that there is again, shorter.
+  /// Rewrites the whole file in a shorter form.
   void shrink(const Rewrite& rewrite);
 
-  /// The last call: the file has its name. An Error: the first failure; nothing has the name that
-  /// had it not before.
+  /// The last call: gives the file its name. An Error: the first failure; then no file gets the
+  /// name.
   std::optional<Error> finish();
 
  private:

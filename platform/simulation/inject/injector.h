@@ -29,10 +29,10 @@ namespace capsoc::inject {
 /// empty. Samples and interrupts are changed on their way, at their own instant.
 class Injector {
  public:
-  /// Without a fault, for add().
+  /// Without faults; they come by add().
   explicit Injector(soc::Soc& soc);
-  /// Faults of the settings; nothing: there are none, and nothing is to be done. `images`: the
-  /// programs, loaded. Nothing passed in is owned. An Error names the option, or file and line.
+  /// With the faults of the settings; null without any. `images`: the programs, loaded. Nothing
+  /// passed in is owned. An Error names the option, or file and line.
   static Result<std::unique_ptr<Injector>> make(const run::InjectSettings& settings, soc::Soc& soc,
                                                 const run::CoprocessorBackend& backend,
                                                 const std::vector<const loader::ElfImage*>& images);
@@ -43,23 +43,24 @@ class Injector {
   /// A loaded state begins at `time`, after `sample` samples. `is_snapshot`: faults before it are
   /// part of it and passed over; else they are an Error.
   std::optional<Error> begin_from(const sc_core::sc_time& time, uint64_t sample, bool is_snapshot);
-  /// The state was loaded: its time has come.
+  /// Call when the state was loaded, at its time.
   void restored();
 
-  /// One more, between two advances of the simulation; pause() is wanted then. `sample`: the number
-  /// of the newest one. No state can be saved until it is over: what resumes from one would not
-  /// have it. An Error is the end of a sentence, and nothing is added.
+  /// Adds a fault, between two advances of the simulation; call pause() after it. `sample`: the
+  /// number of the newest sample. No state can be saved until the fault is over: a run resumed from
+  /// it would not have the fault. An Error is the end of a sentence, and nothing is added.
   std::optional<Error> add(Fault fault, const Places& places, uint64_t sample);
-  /// What came so far of each that was added.
+  /// Outcome so far of each added fault.
   std::vector<run::FaultOutcome> added() const;
 
-  /// When pause() is wanted; sc_max_time(): not by time.
+  /// Time of the next pause(); sc_max_time(): none by time.
   sc_core::sc_time next() const;
-  /// With the processor between two instructions. Returns when it is wanted again.
+  /// Applies what is due, with the processor between two instructions. Returns the time of the next
+  /// call.
   sc_core::sc_time pause(const sc_core::sc_time& now);
 
-  /// Refuses to be saved while a fault holds something, or one that was added waits. Has no state
-  /// else: a restored run has the faults that it is given.
+  /// Refuses to save while a fault is active, or an added one waits. There is no other state: a
+  /// restored run has the faults of its settings.
   void visit(Archive& archive);
 
   /// Every fault has acted, and none acts any more.

@@ -9,7 +9,7 @@
 
 namespace capsoc::metrics {
 
-/// What the figures of a turn need of a sample.
+/// Values of a sample that the plots of a turn need.
 struct TurnSample {
   double angle_turns = 0;  ///< true angle; only with has_error
   int32_t u = 0, v = 0;    ///< Q1.31
@@ -20,8 +20,8 @@ struct TurnSample {
   void visit(Archive& archive);
 };
 
-/// A turn by the coprocessor's angle, or `least` samples where it is shorter: enough of them for a
-/// curve where they come in any order. Of a turn that is longer, or never comes, the newest `most`.
+/// Keeps the last turn by the coprocessor's angle, but at least the newest `least` samples, which
+/// are enough for a curve of samples in random order, and at most the newest `most`.
 class LastTurn {
  public:
   static constexpr std::size_t least = 2000;

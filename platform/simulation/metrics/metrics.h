@@ -1,5 +1,5 @@
-// What a run is judged by: the identified parameters and the angle error against the sensor's
-// truth.
+// The metrics of a run: the identified parameters, and the angle error compared with the sensor's
+// true angle.
 #pragma once
 
 #include <cmath>
@@ -37,16 +37,16 @@ inline Parameters to_values(const ParameterWords& words) {
           words.b2 / q31, radians(words.beta), radians(words.phi)};
 }
 
-/// From `b` to `a` the short way, turns in [-0.5, 0.5]; exact.
+/// Shortest difference from `b` to `a`, turns in [-0.5, 0.5]; exact.
 inline double turn_difference(double a, double b) {
   return (a - b) - std::nearbyint(a - b);
 }
 
-/// Numbers to words, rounded to the nearest. Nothing when an amplitude is not above 0 and below
-/// full scale, or an offset does not fit: the registers cannot hold it.
+/// Numbers to words, rounded to the nearest. Empty if an amplitude is not above 0 and below full
+/// scale, or an offset does not fit the registers.
 std::optional<ParameterWords> to_words(const Parameters& values);
 
-/// A sample as the coprocessor took it, with what the sensor knows about it.
+/// A sample that the coprocessor took, with the sensor's true values.
 struct SensorTruth {
   double time_s = 0;       ///< of the sensor, since its sample 0
   double u = 0, v = 0;     ///< before quantisation
@@ -56,7 +56,7 @@ struct SensorTruth {
   void visit(Archive& archive);
 };
 
-/// What the coprocessor made of a sample.
+/// The coprocessor's result for a sample.
 struct CoprocessorResult {
   uint32_t angle = 0;  ///< 2^-32 turn
   bool angle_valid = false;
@@ -77,8 +77,8 @@ struct Convergence {
   double since_s = 0;  ///< only with `reached`: the sensor's time from when on they stayed, seconds
 };
 
-/// Largest absolute angle errors, degrees; none where the sensor's angle is not known or the run
-/// did not come there.
+/// Largest absolute angle errors, degrees; empty if the sensor's angle is not known or the run did
+/// not reach that phase.
 struct AngleErrors {
   bool angle_known = false;  ///< of any sample
   /// atan2(U, V) against theta, in demodulation (before the first of it: in calibration mode)
@@ -92,7 +92,7 @@ struct AngleErrors {
   void visit(Archive& archive);
 };
 
-/// Follows a run sample by sample. Never influences the simulation.
+/// Computes the metrics sample by sample. Never influences the simulation.
 class Metrics {
  public:
   /// `truth`: the sensor's parameters where known. `revolution_s`: of one turn of the sensor, in
@@ -104,21 +104,22 @@ class Metrics {
   /// A sample that the coprocessor accepted; results arrive in the same order.
   void accepted(const SensorTruth& sample);
   void result(const CoprocessorResult& result);
-  /// The coprocessor was reset: samples on their way are gone.
+  /// Call when the coprocessor was reset: samples in flight are dropped.
   void dropped_all() { in_flight_.clear(); }
 
   uint64_t samples() const { return samples_; }
   Convergence convergence() const;
-  /// phi counts from where the reference was at the sensor's sample 0. So the sensor's phi is the
-  /// truth of a numeric reference that began there. It is not the truth of a program that measured
-  /// or tracked the speed, took the angle as its reference or never demodulated.
+  /// Whether phi can be compared with the sensor's. phi is relative to the reference's angle at the
+  /// sensor's sample 0, so the sensor's phi is the true one for a numeric reference that began
+  /// there. It is not for a program that measured or tracked the speed, took the angle as its
+  /// reference or never demodulated.
   bool phi_comparable() const { return has_demodulated_ && !phi_shifted_; }
   /// In the program's own direction: while its beta is beyond a quarter turn and the sensor's is
   /// not, or the other way round, its angle is half a turn less the sensor's.
   AngleErrors angle_errors() const;
-  /// Largest error of the last `samples` results, degrees; nothing if none is known.
+  /// Largest error of the last `samples` results, degrees; empty if none is known.
   std::optional<double> largest_error_of_last(uint64_t samples) const;
-  /// The parameters at the end of demodulation; without one, those that were preset.
+  /// The parameters at the end of demodulation; without demodulation, the preset ones.
   const ParameterWords& words() const { return words_; }
   void preset(const ParameterWords& words) { words_ = words; }
 

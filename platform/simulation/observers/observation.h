@@ -1,4 +1,4 @@
-// What a run sees of the sensor and of the coprocessor.
+// Observation of the sensor and of the coprocessor.
 #pragma once
 
 #include <cstddef>
@@ -28,12 +28,12 @@ class Observation final : public RunObserver {
   metrics::SampleProbe samples;
 
   const metrics::Metrics& metrics() const { return metrics_; }
-  /// Of the newest sample that the sensor gave, from 1; 0: none yet.
+  /// Number of the sensor's newest sample, from 1; 0: none yet.
   uint64_t sample_number() const { return number_; }
 
   std::optional<Error> open() override;
-  /// Samples on their way to their results are part of it, with or without listeners; what these
-  /// keep is on the host and is not.
+  /// Saves or loads samples on their way to their results, with or without listeners. Data that
+  /// listeners keep on the host is not part of it.
   void visit(Archive& archive) override;
   void close(RunResult& result) override;
   void finish(RunResult& result) override;

@@ -1,4 +1,4 @@
-// What watches a run: the one interface of all observers, and their list.
+// The interface of all observers of a run, and their list.
 #pragma once
 
 #include <memory>
@@ -14,8 +14,8 @@
 namespace capsoc::run {
 
 /// Observes a run from before its first instruction to its result, and changes nothing in the
-/// simulation. An observer takes its own settings and the objects that it looks at when it is made;
-/// all of them must outlive it. Calls come in the order of this declaration.
+/// simulation. Its constructor takes its settings and the objects that it observes; all of them
+/// must outlive it. Calls come in the order of this declaration.
 class RunObserver {
  public:
   RunObserver() = default;
@@ -27,13 +27,13 @@ class RunObserver {
   /// nothing is left behind.
   virtual std::optional<Error> open() { return std::nullopt; }
 
-  /// The state that a checkpoint holds. Names are unique among all observers. One without state
-  /// visits nothing, so that a restored run may have other observers.
+  /// Saves or loads the state for a checkpoint. Names are unique among all observers. An observer
+  /// without state visits nothing, so that a restored run may have other observers.
   virtual void visit(Archive&) {}
 
-  /// What it has gathered on the host and only a state in memory holds, from which a simulation
-  /// with the same settings continues: a name, unique among all observers; null: nothing. A
-  /// simulation restored from a file begins without it.
+  /// Name, unique among all observers, of data gathered on the host; null: none. Only a state in
+  /// memory has this data, for a simulation that continues with the same settings. A simulation
+  /// restored from a file begins without it.
   virtual const char* gathered() const { return nullptr; }
   virtual void visit_gathered(Archive&) {}
 
@@ -45,9 +45,9 @@ class RunObserver {
   /// into a failure.
   virtual void finish(RunResult&) {}
 
-  /// Why it stopped the simulation, as the reason of exit code `crashed`; empty if it did not.
+  /// Why it stopped the simulation (the reason for exit code `crashed`); empty if it did not.
   virtual std::string crash() const { return ""; }
-  /// What it kept for the report of a failure.
+  /// Its part of a failure report.
   virtual std::optional<Finding> finding() const { return std::nullopt; }
 };
 

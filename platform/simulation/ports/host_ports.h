@@ -1,4 +1,4 @@
-// Where the SoC meets the host in a run: UARTs, semihosting, ITM and the debugger.
+// The host interfaces of a run: UARTs, semihosting, ITM and the debugger.
 #pragma once
 
 #include <memory>
@@ -30,26 +30,26 @@ struct PortSettings {
 
 class HostPorts {
  public:
-  /// Opens what the settings ask for. `give_up` ends whatever waits for the host. An Error is a
-  /// wrong setting.
+  /// Opens what the settings ask for. `give_up` ends any wait for the host. An Error is a wrong
+  /// setting.
   static Result<std::unique_ptr<HostPorts>> open(const PortSettings& settings, soc::Soc& soc,
                                                  const loader::ElfImage& program,
                                                  const std::string& program_file,
                                                  const serial::GiveUp& give_up);
 
-  /// After the simulation: everything delivered. A sentence for each place that lost something.
+  /// Delivers all output after the simulation. Returns a sentence for each output that lost bytes.
   std::vector<std::string> finish();
-  /// What the program ended with goes to a debugger.
+  /// Sends the exit code to the debuggers.
   void tell_debugger(int code);
 
   void visit(Archive& archive);
-  /// Who saves the state when a debugger asks for it.
+  /// Sets the function that saves the state when a debugger asks for it.
   void on_save(debug::SocTarget::Saver saver) {
     if (gdb_ != nullptr) gdb_->on_save(std::move(saver));
   }
-  /// Called before the host is asked for bytes: it holds the host back (RealTime).
+  /// Sets a callback that runs before the host is asked for bytes, and paces the run (RealTime).
   void pace_by(std::function<void()> pace) { uarts_.pace_by(std::move(pace)); }
-  /// A restored simulation begins.
+  /// Call when a restored simulation begins.
   void restored() { semihosting_->restored(); }
 
   const UartLines& uarts() const { return uarts_; }

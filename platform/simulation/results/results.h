@@ -1,5 +1,5 @@
-// The one result file of a run, and the table that a person reads. Every other report is drawn from
-// it.
+// The result file of a run, and the table for the user. All other reports are made from the result
+// file.
 #pragma once
 
 #include <cstdint>
@@ -21,28 +21,28 @@
 
 namespace capsoc::run {
 
-/// What a report draws, beyond the figures that every run has.
+/// Data for the plots and texts of a report, beyond the figures that every run has.
 struct ReportData {
   Curves curves;  ///< of metrics::SampleCurves
   std::string uart0_text;
   uint64_t uart0_left_out = 0;  ///< bytes, in the middle
 };
 
-/// A setting of the program as the run had it.
+/// A setting of the program in the run.
 struct ProgramValue {
   std::string name, value;
 };
 
-/// A stack of the program's and how deep it has been (cpu.stack_marks).
+/// A stack of the program and its deepest use (cpu.stack_marks).
 struct StackUse {
   std::string name;
   uint32_t top, lowest;
 };
 
-/// What a task of the program's operating system had of the processor (tasks.current).
+/// Processor time of a task of the program's operating system (tasks.current).
 struct TaskTime {
   std::string name;
-  uint32_t address;  ///< 0: no task's, handlers and what ran before the first task
+  uint32_t address;  ///< 0: handlers, and code before the first task
   uint64_t cycles, switches;
 };
 
@@ -57,7 +57,7 @@ struct InterruptWait {
   std::vector<Bin> histogram;
 };
 
-/// A fault that the run injected, or was to (inject/injector.h).
+/// A fault of the run and its outcome (inject/injector.h).
 struct FaultOutcome {
   std::string fault;  ///< the line that repeats it
   bool applied = false;
@@ -83,7 +83,7 @@ struct FaultOutcome {
 /// As `faults` of a result has it.
 nlohmann::ordered_json to_json(const FaultOutcome& fault);
 
-/// Everything that a run has to say when it is over.
+/// The complete result of a run.
 struct RunResult {
   int code = exit_code::pass;
   std::string reason;
@@ -110,11 +110,11 @@ struct RunResult {
   std::vector<FaultOutcome> faults;            ///< those that were injected
   std::string command;                         ///< a command that reproduces the run
   std::vector<std::string> lost;               ///< a sentence for each output that is not whole
-  std::string divergence;                ///< "" unless model and RTL of the coprocessor differ
-  std::string fault_report;              ///< "" unless the firmware crashed
-  std::string place_report;              ///< "" unless it was ended where it should not have been
-  std::optional<golden::Golden> golden;  ///< only when it was asked for
-  std::optional<ReportData> report;      ///< only when it was asked for
+  std::string divergence;                    ///< "" unless model and RTL of the coprocessor differ
+  std::string fault_report;                  ///< "" unless the firmware crashed
+  std::string place_report;                  ///< "" unless the run ended where it should not
+  std::optional<golden::Golden> golden;      ///< only when it was asked for
+  std::optional<ReportData> report;          ///< only when it was asked for
   std::vector<trace::FunctionCost> profile;  ///< only with one: the functions that took the most
 };
 

@@ -14,7 +14,7 @@
 
 namespace capsoc::rtl {
 
-/// The first thing that was not the same on both sides.
+/// The first difference between the sides.
 struct Difference {
   uint64_t cycle = 0;      ///< PCLK edge
   std::string what;        ///< "read of 0x0c0 (ANGLE)", "interrupt", "node sine of T2", ...
@@ -32,7 +32,7 @@ struct Operation {
   uint8_t strobes = coprocessor::all_strobes;  ///< of a write
 };
 
-/// A node on both sides, clock after clock.
+/// Values of a node on both sides, one for each clock.
 struct NodeHistory {
   std::string name;
   std::vector<double> model, rtl;  ///< one value a clock, in the unit of the node's format
@@ -51,7 +51,7 @@ std::string describe(const Operation& operation);
 
 /// Compares read data, responses, interrupt edges with their cycle, next event, idle, every node at
 /// the end of its tick, every register at each commit and the coefficients that a LOAD writes.
-/// Answers with the model's values; after the first difference it compares no more.
+/// Answers with the model's values; stops comparing after the first difference.
 class Lockstep final : public coprocessor::Device {
  public:
   Lockstep(std::unique_ptr<Device> model, std::unique_ptr<Device> rtl);
@@ -71,11 +71,11 @@ class Lockstep final : public coprocessor::Device {
   void visit(Archive& archive) override;
   bool save_idle(coprocessor::IdleState& state) const override;
   bool load_idle(const coprocessor::IdleState& state) override;
-  /// Each side by itself: what differs still does.
+  /// Changes each side separately: a difference remains.
   bool change_idle(const IdleChange& change) override;
 
-  /// One side. The present edge is closed first; a change of its state is for the comparison to
-  /// find.
+  /// One side, for example to inject a fault that the comparison has to find. Closes the present
+  /// edge first.
   Device& model();
   Device& rtl();
 
@@ -83,11 +83,11 @@ class Lockstep final : public coprocessor::Device {
   /// Runs once, at the first difference.
   void on_difference(std::function<void()> callback);
 
-  /// What differed, where, and the last 16 accesses and samples before it, as text of several
-  /// lines. `command` reproduces it; `cycle_ns` turns cycles into time.
+  /// Report of the difference and of the last 16 accesses and samples before it, as several lines
+  /// of text. `command` reproduces it; `cycle_ns` turns cycles into time.
   std::string report(const std::string& command, double cycle_ns = 40) const;
-  /// The clocks around the difference again, both sides in one FST file. Nothing to do without a
-  /// difference or if the sides cannot be copied.
+  /// Simulates the clocks around the difference again and writes both sides into one FST file. Does
+  /// nothing without a difference, or if the sides cannot be copied.
   std::optional<Error> write_waves(const std::string& file) const;
 
   /// The same clocks as numbers, from `before` clocks ahead of the difference to `after` after it,

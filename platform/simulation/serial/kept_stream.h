@@ -1,4 +1,4 @@
-// A stream whose other end is in this process.
+// A character stream whose host end is in this process.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 
 namespace capsoc::serial {
 
-/// Keeps what the guest says until it is taken, and has for it what was given.
+/// Keeps the guest's output until it is taken, and has input for the guest.
 class KeptStream {
  public:
-  /// Bytes of the guest that were not taken; the oldest go.
+  /// Most bytes of output that are kept; beyond that the oldest are dropped.
   static constexpr std::size_t most_kept = std::size_t{2} << 20;
 
   void say(std::string_view bytes) {
@@ -31,27 +31,27 @@ class KeptStream {
     }
     said_ += bytes;
   }
-  /// `lost`: bytes before it that were too many to be kept.
+  /// Takes the kept output. `lost`: bytes before it that were dropped.
   std::string take(uint64_t& lost) {
     lost = std::exchange(lost_, 0);
     return std::exchange(said_, {});
   }
-  /// What was not taken.
+  /// Output that was not taken.
   const std::string& said() const { return said_; }
-  /// Its first bytes count as taken.
+  /// Drops its first bytes, as if taken.
   void pass(std::size_t bytes) { said_.erase(0, bytes); }
 
-  /// Bytes of the guest since the start. Of a guest that went back in time those before `told` are
+  /// Bytes of output since the start. After the guest went back in time, bytes before `told` are
   /// not kept again.
   uint64_t sent() const { return sent_; }
   struct Told {
     uint64_t told = 0;  ///< bytes since the start
-    std::string said;   ///< of these the last ones, which were not taken
+    std::string said;   ///< the last of these, which were not taken
     uint64_t lost = 0;
   };
   Told told() const { return {known(), said_, lost_}; }
   uint64_t known() const { return std::max(sent_, told_); }
-  /// What it says next was told before.
+  /// True if its next output was reported before.
   bool repeats() const { return sent_ < told_; }
   void set_told(Told told) {
     told_ = told.told;
@@ -64,13 +64,13 @@ class KeptStream {
     sent_ = sent;
     set_told({sent, std::move(said), 0});
   }
-  /// Nothing is kept until set_told().
+  /// Keeps no output until set_told().
   void mute() { told_ = UINT64_MAX; }
-  /// What follows was never sent before.
+  /// The output from now on is new, even if the guest went back in time.
   void forget_told() { told_ = sent_; }
 
   void give(std::string_view bytes) { given_ += bytes; }
-  /// A line, or what there is.
+  /// The next line of input, or the rest.
   std::string read() {
     const std::size_t end = given_.find('\n');
     std::string line = given_.substr(0, end == std::string::npos ? end : end + 1);
@@ -84,7 +84,7 @@ class KeptStream {
   uint64_t lost_ = 0, sent_ = 0, told_ = 0;
 };
 
-/// The guest's end. The stream must outlive it.
+/// The backend of such a stream. The stream must outlive it.
 class KeptBackend final : public CharacterBackend {
  public:
   explicit KeptBackend(KeptStream& stream) : stream_(stream) {}

@@ -1,4 +1,4 @@
-// Ends a run by what a UART says.
+// Ends a run on a line of a UART's output.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@ class RE2;
 
 namespace capsoc::serial {
 
-/// A regular expression in RE2 syntax over bytes, which are taken as they are. An Error: why it is
-/// none.
+/// Compiles a regular expression in RE2 syntax, over bytes without decoding. An Error says why it
+/// is invalid.
 Result<std::shared_ptr<const re2::RE2>> compile_pattern(const std::string& text);
 
 /// The regular expressions of --until-uart and --fail-uart (RE2 syntax: linear in the text,
-/// whatever the guest prints). Bytes are taken as they are.
+/// whatever the guest prints). Bytes are not decoded.
 struct Patterns {
   std::shared_ptr<const re2::RE2> until, fail;
 
@@ -29,9 +29,8 @@ struct Patterns {
   bool any() const { return until != nullptr || fail != nullptr; }
 };
 
-/// Looks at each line of one UART when its LF arrives, and at an unfinished one when the
-/// transmitter runs dry (a prompt). Looking at every byte would cost the square of the line's
-/// length.
+/// Matches each line of one UART when its LF arrives, and an unfinished one when the transmitter
+/// becomes empty (a prompt). Matching at every byte would cost the square of the line's length.
 class LineWatch {
  public:
   static constexpr std::size_t longest_line = 4096;  ///< longer ones are looked at in pieces

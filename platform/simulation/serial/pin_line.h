@@ -12,14 +12,14 @@
 
 namespace capsoc::serial {
 
-/// A level that the outside gives to a pin.
+/// A level applied to a pin from outside.
 struct PinEvent {
   uint64_t picoseconds = 0;  ///< of simulated time; of a script
   unsigned pin = 0;
   bool level = false;
 };
 
-/// For messages and help: what PinLine::open() takes.
+/// Values of PinLine::open()'s `spec`, for messages and help.
 constexpr const char* pin_backend_names = "null, file:PATH, pty[:LINK], tcp[:PORT] or script:FILE";
 
 /// Parses a script: a line for each event in the order of time, "0.5 3 1" (seconds, pin, level);
@@ -27,19 +27,18 @@ constexpr const char* pin_backend_names = "null, file:PATH, pty[:LINK], tcp[:POR
 Result<std::vector<PinEvent>> parse_pin_script(const std::string& file, const std::string& text,
                                                unsigned pins);
 
-/// Says what the pins do, and hears or reads what is done to them.
+/// Writes changes of the pins as text, and reads levels to apply, from a client or a script.
 class PinLine {
  public:
   /// `spec` as pin_backend_names says, `name` as in its option (--gpio0), `pins` their number.
   static Result<std::unique_ptr<PinLine>> open(const std::string& spec, const std::string& name,
                                                unsigned pins, const GiveUp& give_up);
 
-  /// These are driven low from the start.
+  /// Sets the pins that are driven (low) from the start.
   void begin(uint32_t driven) { driven_ = driven; }
   /// Levels of those pins that the chip drives, after a change.
   void changed(uint64_t picoseconds, uint32_t levels, uint32_t driven);
-  /// What has been said since the last call, by a client that is there; a line that says nothing
-  /// is answered.
+  /// Events from the client since the last call. An invalid line gets an answer.
   std::vector<PinEvent> heard();
   const std::vector<PinEvent>& script() const { return script_; }
 

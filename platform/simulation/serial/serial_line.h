@@ -16,7 +16,7 @@
 
 namespace capsoc::serial {
 
-/// What a line is made of. `input` and `log` are file names, empty: none.
+/// Configuration of a line. `input` and `log` are file names; empty: none.
 struct LineConfig {
   std::string name;     ///< "uart0"
   std::string backend;  ///< as open_backend() takes it
@@ -26,26 +26,26 @@ struct LineConfig {
   Patterns patterns;
 };
 
-/// Counts, checksums, logs and watches what the UART sends, hands it to the backend in pieces, and
-/// has the next byte for the receiver.
+/// Counts, hashes, logs and watches the UART's output, passes it to the backend in pieces, and has
+/// the next byte for the receiver.
 class SerialLine {
  public:
   static Result<std::unique_ptr<SerialLine>> open(LineConfig config, const GiveUp& give_up);
 
-  /// A byte left the UART; `dry`: nothing follows at once.
+  /// A byte was transmitted; `dry`: the transmitter is empty after it.
   void transmitted(uint8_t byte, bool dry);
   /// The next byte for the receiver, if there is one now.
   std::optional<uint8_t> next_input();
   /// Called for the first match of the patterns.
   void on_match(std::function<void()> callback) { on_match_ = std::move(callback); }
 
-  /// Hands on what was kept back to be sent in larger pieces.
+  /// Passes buffered output to the backend.
   void flush();
-  /// At the end of the run: everything is delivered.
+  /// Delivers everything, at the end of the run.
   void finish();
 
-  /// What was counted and taken. Bytes that the host delivered and the UART has not received yet
-  /// stay with the host: a run that continues gets them from its own backend.
+  /// Saves or loads the counters and the input position. Host bytes that the UART has not received
+  /// yet are not part of the state: a continued run gets input from its backend.
   void visit(Archive& archive);
 
   const std::string& name() const { return config_.name; }

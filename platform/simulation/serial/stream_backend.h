@@ -1,4 +1,5 @@
-// What pseudo-terminals and sockets have in common: a client that comes, may be slow, and goes.
+// Common part of the pseudo-terminal and socket backends: a client connects, may be slow, and
+// leaves.
 #pragma once
 
 #include <sys/types.h>
@@ -28,7 +29,7 @@ class StreamBackend : public CharacterBackend {
   virtual ssize_t put(int descriptor, std::string_view bytes) = 0;
   /// Reads some bytes without blocking; as read(2).
   virtual ssize_t get(int descriptor, std::string& bytes) = 0;
-  /// The client is gone, or has said its last word.
+  /// The client is gone, or its output has ended.
   virtual void lost() {}
   virtual void input_ended() {}
 

@@ -11,9 +11,9 @@
 
 namespace capsoc::run {
 
-/// A signal, or a limit of the host's time. Signals and a timer of the system call for the run's
-/// attention, so that it need not ask the clock, and none that sleeps or waits for the host is
-/// overlooked. One at a time in a process.
+/// Ends a run on a signal or at a limit of the host's time. Signals and a system timer interrupt
+/// the run, so that it need not poll the clock, and also ends while it sleeps or waits for the
+/// host. One instance at a time in a process.
 class HostLimit {
  public:
   /// `seconds` of the host from now on; 0: no limit.
@@ -22,19 +22,19 @@ class HostLimit {
   HostLimit(const HostLimit&) = delete;
   HostLimit& operator=(const HostLimit&) = delete;
 
-  /// From now on `call` is called in a signal handler: for each signal and at the limit, then every
-  /// 20 ms until answered(). The signal of the timer is SIGALRM: a system call that waits ends with
-  /// EINTR. An Error: the host has no timer for it.
+  /// From now on calls `call` in a signal handler: for each signal and at the limit, then every 20
+  /// ms until answered(). The timer's signal is SIGALRM; a blocking system call ends with EINTR. An
+  /// Error: the host has no timer.
   std::optional<Error> watch(std::function<void()> call);
-  /// The call has come where it should.
+  /// Call when the run has reacted to `call`.
   void answered();
-  /// No more calls: what is written after the run may wait for its reader.
+  /// Ends the calls, so that output after the run may wait for its reader.
   void stop_watching();
 
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
   /// Whether the run has to end.
   bool reached();
-  /// As it was when it was last asked.
+  /// Whether the time limit was exceeded, as of the last reached().
   bool out_of_time() const { return out_of_time_; }
 
  private:

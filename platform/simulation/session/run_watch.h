@@ -1,4 +1,4 @@
-// Which observers a run has.
+// The observers of a run.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,5 @@
-// One run of the SoC in the hands of its host: built, moved on in simulated time, saved, finished.
+// One run of the SoC, controlled by its caller: constructed, advanced in simulated time, saved,
+// finished.
 #pragma once
 
 #include <atomic>
@@ -27,19 +28,18 @@ namespace capsoc::run {
 
 class RunSettings;
 
-/// The platform with its program, its sensor, and everything that observes it. One of them a
-/// process: SystemC's kernel cannot be started twice. Where a run is cut into pieces, and whether
-/// it is saved between them, changes nothing in it.
+/// The platform with its program, its sensor and all observers. One instance a process: SystemC's
+/// kernel cannot be started twice. Splitting a run into advances, or saving it between them, does
+/// not change it.
 class Simulation {
  public:
-  /// Everything that the settings ask for, in the state that they name (checkpoint.restore) or in
-  /// reset. The settings must outlive it. An Error is a wrong input: nothing was simulated and
-  /// nothing written.
+  /// Constructs everything that the settings ask for, in the state that they name
+  /// (checkpoint.restore) or in reset. The settings must outlive it. An Error is a wrong input:
+  /// nothing was simulated and nothing written.
   static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings);
-  /// What a session adds to the settings.
+  /// Additions of a session to the settings.
   struct Additions {
-    std::function<void(RunInputs& inputs)>
-        inputs;         ///< lays something over them, once they are read
+    std::function<void(RunInputs& inputs)> inputs;  ///< changes them after they were read
     std::string state;  ///< of packed_state(), to continue from instead of reset; "": none
     serial::KeptStreams* kept = nullptr;  ///< for the ITM and the console of semihosting instead of
                                           ///< standard streams; it must outlive the simulation
@@ -57,43 +57,44 @@ class Simulation {
   /// From within the simulation (a probe's listener, a debugger): the advance under way ends at the
   /// first instant from now on at which the processor is between two instructions.
   void stop_soon();
-  /// The same from a signal handler, soon; when that is, the host decides.
+  /// The same from a signal handler, soon. The instant is not deterministic.
   void interrupt();
-  /// Whether that was, since this was asked last.
+  /// True if interrupt() was called since the last call of this function.
   bool take_interruption();
-  /// It cannot continue: the run ended by itself, or a limit ended it.
+  /// True if it cannot continue: the run ended by itself, or at a limit.
   bool is_over() const;
-  /// A processor that nothing inside could wake sleeps on to the end of an advance, since a session
-  /// may.
+  /// The session may wake the processor: one that nothing inside can wake sleeps until the end of
+  /// the advance, instead of ending the run.
   void expect_inputs() { soc_.cpu.expect_inputs(); }
-  /// To the end of the run, whatever ends it.
+  /// Simulates to the end of the run, whatever ends it.
   std::optional<Error> advance_to_end();
 
-  /// The state as it is now, between two advances, to a file that the settings do not name. An
-  /// Error: a file of the run, or one that cannot be written; nothing is half written.
+  /// Saves the present state, between two advances, to a file that the settings do not name. An
+  /// Error: a file of the run, or one that cannot be written. No partial file is left.
   std::optional<Error> save(const std::string& file);
 
   /// The same in memory, for additions to the same settings.
   Result<std::string> packed_state(bool with_gathered = false);
-  /// Of the chip's state, between two advances, without what is on the host (FNV-1a). Nothing: a
-  /// part is in the middle of something.
+  /// Hash (FNV-1a) of the chip's state without state on the host, between two advances. Empty: a
+  /// part has an operation under way.
   std::optional<uint64_t> state_hash();
 
-  /// Closes what was open and says what came of it. Nothing can be simulated after it.
+  /// Closes all outputs and returns the result. The last call: nothing can be simulated after it.
   RunResult finish();
 
-  /// To be looked at between two advances.
+  /// To be read between two advances.
   soc::Soc& soc() { return soc_; }
   const ProgramView& view() const { return view_; }
   Observation& observation() { return watch_.observation(); }
   HostPorts& ports() { return *ports_; }
   /// What a fault can change in this system.
   std::vector<inject::ListedPlace> fault_places();
-  /// Between two advances: injects one more fault, beginning at its time, now at the earliest.
-  /// What can happen now has happened then. No state can be saved until it is over. An Error is the
-  /// end of a sentence: no such place, or a time that is past.
+  /// Injects one more fault, between two advances. It begins at its time, now at the earliest; a
+  /// fault for now has acted on return. No state can be saved until it is over. An Error is the end
+  /// of a sentence: no such place, or a time in the past.
   std::optional<Error> inject(inject::Fault fault);
-  /// What came of these, in their order; those before a state that this one continues from, too.
+  /// Outcomes of these faults, in order, including those before the state that this run continues
+  /// from.
   std::vector<FaultOutcome> injected() const;
   /// Every fault has acted, and none acts any more.
   bool faults_are_over() const { return injector_ == nullptr || injector_->is_over(); }

@@ -23,7 +23,7 @@
 
 namespace capsoc::trace {
 
-/// What is traced and where it goes; an empty file: not at all.
+/// The traces and their files; an empty file name: no such trace.
 struct TraceOptions {
   std::string instructions, bus, profile, waves, translation, timeline;
   std::string start, stop;  ///< see Bound::parse()
@@ -37,8 +37,8 @@ struct TraceOptions {
   }
 };
 
-/// Attached before the simulation starts, detached by finish() or the end of its life. Changes the
-/// simulation's speed and nothing else.
+/// Attached before the simulation starts, detached by finish() or its destruction. Changes only the
+/// simulation's speed.
 class Tracer : private armv7m::Observer {
  public:
   /// `images`: where the symbols are; `line_of` is asked at the end, for the profile. An Error: a
