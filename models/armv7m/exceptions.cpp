@@ -9,7 +9,7 @@
 namespace capsoc::armv7m {
 namespace {
 
-/// EXC_RETURN (B1.5.8): all ones but for the low four bits, which say where to.
+/// EXC_RETURN (B1.5.8): all ones, except the low four bits, which select the return.
 constexpr uint32_t exc_return_ones = 0xFFFFFFF0;
 constexpr uint32_t to_handler = 0x1, to_thread_main = 0x9, to_thread_process = 0xD;
 uint32_t destination(uint32_t exc_return) {

@@ -8,7 +8,7 @@
 //
 // The path gives the key of the TOML file, the variable CAPSOC_CPU_QUANTUM_NS, -C and the line of
 // --list-params; by() gives the option. A text is parsed where it is set, and refused there;
-// quantum_ns() is the value that came of it. A wrong name does not compile.
+// quantum_ns() is the parsed value. A wrong name does not compile.
 #pragma once
 
 #include <cstddef>

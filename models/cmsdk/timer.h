@@ -16,7 +16,8 @@ namespace capsoc::cmsdk {
 /// another interrupt. Writing RELOAD also sets the counter. The first step happens one cycle after
 /// the access that enables.
 ///
-/// EXTIN is not connected: with SELEXTEN or SELEXTCLK the timer stands still and the guest is told.
+/// EXTIN is not connected: with SELEXTEN or SELEXTCLK the timer stands still, and a guest error is
+/// reported.
 class Timer : public kit::ClockedBank {
  public:
   static constexpr uint32_t ctrl_enable = 1u << 0;

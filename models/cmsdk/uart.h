@@ -17,7 +17,7 @@ namespace capsoc::cmsdk {
 /// 8 data bits, no parity, one stop bit; one byte of buffer in each direction. A byte occupies the
 /// line for ten bits of BAUDDIV PCLK cycles (one cycle a bit when transmitting with HSTEST), and
 /// back-to-back bytes follow one another without a gap. A byte under way keeps the rate it began
-/// with. BAUDDIV below 16 is no baud rate: nothing moves and the guest is told.
+/// with. BAUDDIV below 16 is no baud rate: nothing is transferred, and a guest error is reported.
 class Uart : public kit::ClockedBank {
  public:
   static constexpr uint32_t state_tx_full = 1u << 0;

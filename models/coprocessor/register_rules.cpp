@@ -17,7 +17,7 @@ constexpr bool is_split(unsigned pair) {
 constexpr uint32_t split_low = description::FREQ_LO_VALUE_mask;
 static_assert(split_low == 0xFFFF && description::PHASE_LO_VALUE_mask == split_low);
 
-// What a write of a value outside the range is told.
+// The report of a write of a value outside the range.
 std::string_view range_complaint(uint32_t offset) {
   if (offset == reg_a1 || offset == reg_a2)
     return "a negative amplitude is ignored: write less than 2^31";

@@ -29,8 +29,8 @@ struct GateLimits {
   double residual = 0.35;  ///< rms of 1 - Y, at most
   double noise = 0.25;     ///< in units of the ellipse's smaller half axis, at most
   double outliers = 0.2;   ///< part of the samples, at most
-  /// Of the angle's error but for harmonics, over the part of the turn that the samples cover, at
-  /// most, degrees.
+  /// Largest bound of the angle's error without harmonics, over the part of the turn that the
+  /// samples cover, degrees.
   double bound = 30;
   double phase = 1.5;          ///< |beta| at most, radians: beyond, the ellipse is nearly a line
   double magnification = 100;  ///< amplitude at most this many times half the channel's range

@@ -1,4 +1,4 @@
-// Which samples belong to the ellipse: outliers and clipped samples are told from the others.
+// Separates samples of the ellipse from outliers and clipped samples.
 #pragma once
 
 #include "identification/identification.h"

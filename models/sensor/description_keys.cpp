@@ -22,7 +22,7 @@ const std::vector<DescriptionKey>& description_keys() {
       {"signal", "phi_rad", Kind::number, "initial angle, rad, -2 pi .. 2 pi"},
       {"motion", "kind", Kind::text, "constant, ripple, shuffled, walk, swing or profile"},
       {"motion", "frequency_hz", Kind::number, "constant, ripple: speed, negative backwards"},
-      {"motion", "reference_hz", Kind::number, "constant, ripple: what firmware is told"},
+      {"motion", "reference_hz", Kind::number, "constant, ripple: what firmware assumes"},
       {"motion", "reverse_at_s", Kind::number, "constant, ripple: back from then on, s"},
       {"motion", "ripple_amplitude", Kind::number, "ripple: share of the speed, 0 .. 1"},
       {"motion", "ripple_hz", Kind::number, "ripple: frequency"},

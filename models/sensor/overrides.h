@@ -12,8 +12,8 @@
 
 namespace capsoc::sensor {
 
-/// Changes the table and remembers which nodes came from outside, so that what is wrong with one
-/// is told by its origin and not by a line of the file.
+/// Changes the table and remembers which nodes came from outside, so that an error in one names its
+/// origin and not a line of the file.
 class Overrides {
  public:
   /// A key of another kind of motion or of the other kind of noise goes when its kind goes.

@@ -19,7 +19,7 @@ struct SpeedPoint {
 struct MotionConfig {
   MotionKind kind = MotionKind::constant;
   double frequency_hz = 0.05;          ///< constant, ripple: mean speed; negative turns backwards
-  std::optional<double> reference_hz;  ///< what firmware is told; absent: frequency_hz
+  std::optional<double> reference_hz;  ///< the frequency that firmware gets; absent: frequency_hz
   std::optional<double> reverse_at_s;  ///< constant, ripple: from here on the direction is opposite
   double ripple_amplitude = 0.0;       ///< ripple: speed = frequency (1 + amplitude sin(2 pi hz t))
   double ripple_hz = 0.0;

@@ -32,7 +32,7 @@ struct Description {
   MotionKind motion = MotionKind::recorded;
   std::optional<double> a1, a2, b1, b2, beta, phi;
   std::optional<double> frequency_hz;    ///< mean rotation, negative: reverse
-  std::optional<double> reference_hz;    ///< the frequency that firmware is told
+  std::optional<double> reference_hz;    ///< the frequency that firmware gets
   std::optional<double> sample_rate_hz;  ///< rate that the signal is meant for, or was recorded at
   std::optional<int> adc_bits;           ///< converter width, 12 .. 32
   std::optional<uint64_t> samples;       ///< length of the record

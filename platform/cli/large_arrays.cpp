@@ -16,7 +16,7 @@ constexpr std::size_t large_page = std::size_t{1} << 21;
 
 }  // namespace
 
-/// As in the standard library, which frees with free(), but for the place of the large ones.
+/// As in the standard library, which frees with free(), except for the location of large arrays.
 void* operator new[](std::size_t size) {
   if (size < large_page || size > SIZE_MAX - large_page) return operator new(size);
   const std::size_t whole = (size + large_page - 1) & ~(large_page - 1);

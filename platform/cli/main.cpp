@@ -159,7 +159,7 @@ int sc_main(int argc, char* argv[]) {
   spdlog::set_level(spdlog::level::warn);
   sc_core::sc_report_handler::set_handler(report);
   const int code = perform(argc, argv);
-  // 74 says that all went well but for this; any other code says more.
+  // 74 says that only this failed; any other code says more.
   if (const auto error = host::finish_output())
     return cli::refuse(error->text, code == run::exit_code::pass ? run::exit_code::lost : code);
   return code;

@@ -96,7 +96,7 @@ std::optional<Error> make_directory(const std::string& directory) {
   return Error{fmt::format("the directory {} cannot be made: {}", directory, failure.message())};
 }
 
-/// What a build says but for its commands and progress.
+/// Output of a build without its commands and progress.
 std::string messages_of(const std::string& output) {
   std::string text;
   std::istringstream lines(output);

@@ -34,7 +34,7 @@ int replay_in_session(const ReplayArguments& arguments) {
     return refuse("--view: a debugger cannot steer the same run; leave out --gdb");
   if (arguments.until_s)
     return refuse(
-        fmt::format("--until: {}; leave it out", is_viewed ? "a page stops where it is told to"
+        fmt::format("--until: {}; leave it out", is_viewed ? "a page stops where the user says"
                                                            : "a debugger stops where it wants"));
   run::RunSettings settings;
   std::vector<std::pair<std::string, std::string>> values = {

@@ -107,7 +107,7 @@ class Board {
   /// What a client knows of the outputs, for a board that takes the place of this one.
   Json told(Frames& frames);
   std::optional<Error> set_told(const Json& told, const Frames& frames);
-  /// Nothing is told until set_told().
+  /// Reports nothing until set_told().
   void mute();
   /// An input has made another future: what comes now was never told.
   void forget_told();

@@ -46,7 +46,7 @@ class Events final : private armv7m::Observer {
   Json take();
   /// The kinds that are asked for.
   const std::vector<std::string>& subscribed() const { return subscribed_; }
-  /// Until when events are told already: after going back they are not told again.
+  /// Time until which events were already reported: after going back they are not reported again.
   sc_core::sc_time told() const;
   void set_told(const sc_core::sc_time& told) { told_ = told; }
 

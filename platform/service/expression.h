@@ -10,8 +10,8 @@
 namespace capsoc::service {
 
 /// `turns > 3 and COPROCESSOR.STATUS.LOCK == 1`: numbers (decimal, 0x..), names, + - * / %, & | ^ ~
-/// << >>, comparisons, and, or, not, and parentheses, as Python has them, but for its
-/// chains of comparisons; true is 1. Values
+/// << >>, comparisons, and, or, not, and parentheses, as in Python, but without chains of
+/// comparisons; true is 1. Values
 /// are double; the operators on bits take them as whole numbers.
 class Expression {
  public:

@@ -42,7 +42,7 @@ class Session {
  private:
   struct Client;
   struct Simulation;
-  /// What comes of a call: an answer of the worker, or that it is no more.
+  /// Outcome of a call: an answer of the worker, or the loss of the worker.
   using Take = std::function<void(Answer answer)>;
   struct Request {
     uint64_t client;

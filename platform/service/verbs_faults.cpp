@@ -51,7 +51,7 @@ std::vector<BoardVerb> fault_verbs() {
        inject,
        Effect::input},
       {{"fault.list",
-        "What came of the faults that were injected in this simulation.",
+        "Returns the outcomes of the faults that were injected in this simulation.",
         {},
         {{"faults", "list",
           "of objects, as `faults` of a result has them: fault, applied; of one that was applied "

@@ -1,4 +1,4 @@
-// The sensor, the converter's samples and what came of them.
+// The sensor, the converter's samples and their results.
 #include <fmt/format.h>
 
 #include <algorithm>

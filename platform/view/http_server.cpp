@@ -297,7 +297,7 @@ void HttpServer::Loop::news() {
   if (is_ending_ && !std::exchange(says_farewell_, true)) event_base_loopexit(base_, &farewell);
 }
 
-/// A page that does not read loses frames, and is told everything once it reads again.
+/// A page that does not read loses frames, and gets the complete state when it reads again.
 void HttpServer::Loop::send(Stream& stream, const Frame& frame) {
   if (stream.unread() > most_unread)
     stream.lacks_frames = true;

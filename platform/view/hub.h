@@ -21,7 +21,7 @@ namespace capsoc::view {
 using service::Json;
 using Text = std::shared_ptr<const std::string>;
 
-/// What a page is told at one time, as JSON.
+/// The data sent to a page at one time, as JSON.
 struct Frame {
   uint64_t number = 0;  ///< rises by 1; a gap: frames were dropped before a server took them
   Text update;          ///< what is new since the frame before

@@ -1,4 +1,4 @@
-// What an observer of the core is told, and that it changes nothing.
+// The notifications of an observer of the core, and that it changes nothing.
 #include <gtest/gtest.h>
 
 #include <sstream>

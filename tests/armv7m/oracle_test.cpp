@@ -182,7 +182,8 @@ TEST_F(Oracle, RandomThirtyTwoBitEncodingsAgree) {
   EXPECT_GT(compared, 10000u);
 }
 
-// A5.3: what no line of isa.def has is undefined to both, but for the oracle's known faults.
+// A5.3: an encoding without a line in isa.def is undefined to both, except for the oracle's known
+// faults.
 TEST_F(Oracle, WhatTheTableDoesNotHaveIsUndefined) {
   constexpr uint32_t count = 200000;
   for (uint32_t k = 0; k < count;) {

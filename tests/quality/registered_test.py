@@ -118,7 +118,7 @@ class Registered(unittest.TestCase):
                     self.assertTrue(len(programs[name]) >= written[name], "is in no run")
 
     def test_folders(self):
-        """A folder of tests is called like the folder of its sources (CONTRIBUTING.md), but for those of no folder."""
+        """A folder of tests has the name of its sources' folder (CONTRIBUTING.md), unless it tests no single one."""
         sources = {
             folder.name for top in ("models", "platform", "firmware", "rtl") for folder in (SOURCE / top).rglob("*/")
         }

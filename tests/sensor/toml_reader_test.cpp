@@ -271,7 +271,7 @@ TEST(TomlReader, ReportsTheLineOfInvalidToml) {
   EXPECT_EQ(error.find('\n'), std::string::npos);
 }
 
-/// What comes of the minimal description with keys laid over it.
+/// Result of the minimal description with additional keys.
 Result<SignalConfig> overlaid(const std::vector<KeyValue>& keys, const std::string& more = "") {
   return read_signal_toml(minimal + more, "s.toml", keys);
 }

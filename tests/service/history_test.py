@@ -563,7 +563,7 @@ class Questions(Past):
         self.assertEqual(answer["accessed"], "UART0.DATA")
 
     def test_what_happened_between(self):
-        """As a simulation is told that goes forward."""
+        """As reported by a simulation that goes forward."""
         kinds = ["exception", "sample", "uart", "pins"]
         self.call("events.subscribe", kinds=kinds)
         told = []

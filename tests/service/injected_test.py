@@ -45,7 +45,7 @@ class Injected(Past):
         return without_host_times(json.loads((self.folder / "r.json").read_text()))
 
     def check_same(self, one, other):
-        """But for how the faults were asked for."""
+        """Without the way in which the faults were requested."""
         for result in (one, other):
             result["configuration"] = {
                 name: value

@@ -1,4 +1,4 @@
-// Messages as bytes: what was written is read, in whatever pieces it comes; damage is told.
+// Messages as bytes: what was written is read, in whatever pieces it comes; damage is reported.
 #include "service/message.h"
 
 #include <gtest/gtest.h>

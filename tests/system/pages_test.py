@@ -2,7 +2,7 @@
 """The pages that have commands: the commands are run, and print what the pages say.
 
 A code block "```sh run" is run from a folder with the project's folders in it, the blocks of a page one after the
-other, each ending with 0. Every line of a block "```text printed" but for "..." is a line of what the block before it
+other, each ending with 0. Every line of a block "```text printed" except "..." is a line of what the block before it
 printed. The test also plots the picture in the README.
 """
 

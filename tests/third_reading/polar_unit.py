@@ -132,5 +132,5 @@ def find_parameters(arithmetic, sample, registers):
 
 
 def found_angle(arithmetic, sample, parameters):
-    """T4: the sensor's own angle, whatever may come of it."""
+    """T4: the sensor's own angle, in all cases."""
     return sample.arctangent if arithmetic.paper else (sample.relative + parameters.phi) % TURN_32

@@ -1,8 +1,8 @@
 // Writes down what the regression's scenarios do to the coprocessor and what it answers, as text
 // for check_answers.py. Of the model, or with --rtl-library of the RTL.
 //
-// One line each, numbers in hexadecimal but for edges; a run is one scenario on its own device:
-//   capsoc-answers 1
+// One line each, numbers in hexadecimal except edges; a run is one scenario on its own device:
+// capsoc-answers 1
 //   run ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT SCENARIO SEED  (decimal)
 //   s EDGE U V CLIP LATCHED      a sample of the ADC stream
 //   w EDGE OFFSET VALUE OK       a bus write; OK 0: PSLVERR

@@ -149,7 +149,7 @@ class Registers:
         return any(self.ctrl & enable and self.flags & flags for enable, flags in INTERRUPTS)
 
     def status(self):
-        """But for BUSY, which is the sequencer's."""
+        """Without BUSY, which is the sequencer's."""
         return (
             self.lock << 1
             | self.diverged << 2

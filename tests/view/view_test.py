@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The live page's server over plain sockets: who is let in, what a page is told, what it can do, and what it cannot.
+"""The live page's server over plain sockets: who is let in, what a page receives, what it can do, and what it cannot.
 
 The oracle is the same run without a page, and `capsoc replay` of what was recorded.
 """
@@ -159,7 +159,7 @@ class Door(ViewCase):
 
 
 class Told(ViewCase):
-    """What a page is told."""
+    """What a page receives."""
 
     def test_the_run_begins_with_the_page_and_is_told_whole(self):
         view = self.view("--json", "r.json")
@@ -220,7 +220,7 @@ class Told(ViewCase):
         status = Path(f"/proc/{view.process.pid}/status").read_text(encoding="ascii")
         resident = next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM"))
         self.assertLess(resident, 200_000)
-        # It reads again: what it missed is told as a whole.
+        # It reads again and gets the complete state.
         frames = []
         while not frames or frames[-1][1]["command"] != last:
             frames.append(slow[0].next())

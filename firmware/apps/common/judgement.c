@@ -428,7 +428,7 @@ static struct turn_evidence worst_of_all(const struct judgement* judgement) {
 }
 
 uint32_t judgement_covered(const struct judgement* judgement) {
-  uint32_t samples = judgement->samples - 1;  // but for the one that ended the last window
+  uint32_t samples = judgement->samples - 1;  // except the one that ended the last window
   for (uint32_t i = 0; i < needed_before(judgement); ++i) samples += judgement->turns[i].samples;
   return samples;
 }

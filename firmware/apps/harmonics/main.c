@@ -4,8 +4,8 @@
 //
 // The table is the mean residue of whole turns. A shaft that runs unevenly in a way that repeats
 // with each turn puts its own error into it, which the sensor's signals do not show: `ripple_deg`
-// is what the user knows about that. What comes of inertia falls with the square of the speed, and
-// a second table at another speed (`second_speed_s`) tells it from the sensor's error.
+// is what the user knows about that. The part of inertia falls with the square of the speed, and a
+// second table at another speed (`second_speed_s`) tells it from the sensor's error.
 //
 // Status: 0 pass, 1 no turn or a verdict of fail, 2 the ADC refuses the settings,
 // 3 no coprocessor on this board, or one without block learning or harmonic correction.

@@ -1,5 +1,5 @@
-// The SoC paper's own program, as far as it can be told: section 4.2 and its Table 8. The step
-// vectors W1 and W2, a clock of 25 MHz, 250 samples/s, a reference of 0.05 Hz, 400 s of
+// The SoC paper's own program, as far as the paper describes it: section 4.2 and its Table 8. The
+// step vectors W1 and W2, a clock of 25 MHz, 250 samples/s, a reference of 0.05 Hz, 400 s of
 // demodulation, then one revolution with the stored parameters.
 //
 // The paper does not state three things that give its words. The steps are 2^-step_shift times as

@@ -13,7 +13,7 @@ struct estimator {
   double covariance[estimator_terms][estimator_terms];
 };
 
-// Forgets what it knows, but for the weights.
+// Resets everything but the weights.
 void estimator_begin(struct estimator* state);
 
 // One sample, in full scale, at the reference's sine and cosine.

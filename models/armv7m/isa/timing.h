@@ -213,7 +213,7 @@ inline int pairing(Trail before, const DecodedOp& op) {
   return pipelines && op.cycles == 2 ? -1 : 0;
 }
 
-/// The bits of a trail that an instruction's time may depend on, but for its own refill.
+/// The bits of a trail that an instruction's time may depend on, except its refill.
 inline Trail minded_by(const DecodedOp& op) {
   if (is(op, kind::transfer | kind::table_branch)) return trail_pairs;
   return op.operation == Operation::it ? trail_narrow : no_trail;

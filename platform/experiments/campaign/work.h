@@ -12,7 +12,7 @@
 
 namespace capsoc::campaign {
 
-/// A run, described so that it can be told from every other and repeated.
+/// The description of a run, which identifies it and allows to repeat it.
 struct Job {
   std::string identity;  ///< settings and hashes of input files; not where these lie
   std::string command;

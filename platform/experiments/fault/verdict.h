@@ -56,7 +56,7 @@ class Judgement {
  public:
   explicit Judgement(const Tolerance& tolerance) : tolerance_(tolerance) {}
 
-  /// `result`: what came of the sample; null: nothing did.
+  /// `result`: the sample's result; null: it has none.
   void take(const SampleResult& golden, const SampleResult* result);
 
   /// The program ended, other than without the fault: that says so, in the newest sample.

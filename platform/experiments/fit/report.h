@@ -16,7 +16,7 @@ nlohmann::ordered_json to_json(const Fit& fit, const nlohmann::ordered_json& ver
 /// calibration.h: the words as C macros, for firmware/apps/common/parameter_block.h.
 std::string to_header(const Fit& fit);
 
-/// Iteration, loss and parameters, one row a point; empty but for the heading without a trace.
+/// Iteration, loss and parameters, one row a point; without a trace only the heading.
 std::string to_convergence(const Fit& fit);
 
 std::string to_table(const Fit& fit);

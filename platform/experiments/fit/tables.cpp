@@ -264,7 +264,7 @@ struct Bounded {
 /// Of the records in order.
 constexpr double recorded_turns = 7.3;
 
-/// The coprocessor's model, which is told the speed; 2 mu is half of omega, as its firmware has it.
+/// The coprocessor's model, with the known speed; 2 mu is half of omega, as its firmware has it.
 Result<Parameters> demodulated(coprocessor::Arithmetic arithmetic,
                                const identification::Samples& samples) {
   constexpr uint64_t cycles_a_sample = 200;  // more than the latency

@@ -80,7 +80,7 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
     look(bench);
     read_weights(bench);
   }
-  // With a stream around it, a LOAD in a LOAD, writes in the midst of it.
+  // With a stream around it, a LOAD in a LOAD, writes in the middle of it.
   for (unsigned i = 0; i < 40 && !bench.failed(); ++i) {
     start_again(bench);
     parameters(bench, random);
@@ -289,7 +289,7 @@ void run_overruns(Bench& bench, Random& random, const Budget&) {
     if (burst % 5 == 0) bench.write(reg_cmd, cmd_clear);
     bench.wait(random.below(20));
   }
-  // Software and the stream compete; the stream off in the midst of it.
+  // Software and the stream compete; the stream is switched off in the middle.
   for (unsigned i = 0; i < 60 && !bench.failed(); ++i) {
     bench.soft_sample(random.word32(), random.word32());
     bench.wait(random.below(30));

@@ -38,7 +38,7 @@ class Engine {
  public:
   /// What a worker does: the text of its result, or why there is none.
   using Perform = std::function<Result<std::string>(std::size_t task)>;
-  /// What comes of one; an Error ends the engine.
+  /// Takes the result of one; an Error ends the engine.
   using Take = std::function<std::optional<Error>(Ended ended)>;
   /// Called a few times a second.
   using Tick = std::function<void(std::size_t running)>;

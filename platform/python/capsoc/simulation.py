@@ -189,7 +189,7 @@ class Simulation(Past):
 
     @property
     def faults(self) -> list[Fault]:
-        """What came of the injected faults."""
+        """The outcomes of the injected faults."""
         return [Fault(**each) for each in self.call("fault.list")["faults"]]
 
     def fault_places(self) -> list[tuple[str, int, str]]:

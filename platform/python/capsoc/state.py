@@ -91,7 +91,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Fault:
-    """What came of an injected fault: where it was applied first, what the place held before and after.
+    """The outcome of an injected fault: where it was applied first, what the place held before and after.
 
     fault: the line that repeats it. changes: how often it changed something. note: why it changed nothing.
     """

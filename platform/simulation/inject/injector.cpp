@@ -208,7 +208,7 @@ sc_core::sc_time Injector::time_of(const Injected& injected) const {
     case When::Unit::cycle:
       return soc_.clock.time_of(when.value);
     case When::Unit::instruction:
-      // An instruction takes half a cycle at least, but for an IT that is folded.
+      // An instruction takes at least half a cycle, except a folded IT.
       if (when.value > done + stepped)
         return soc_.clock.time_of(soc_.cpu.core().cycles() + (when.value - done) / 2);
       return when.value > done ? sc_core::sc_max_time() : sc_core::SC_ZERO_TIME;

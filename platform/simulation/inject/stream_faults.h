@@ -15,7 +15,7 @@
 
 namespace capsoc::inject {
 
-/// A fault with what came of it so far.
+/// A fault with its outcome so far.
 struct Injected {
   Fault fault;
   run::FaultOutcome outcome;

@@ -10,11 +10,11 @@
 
 namespace capsoc::run {
 
-/// Warns once of priority bits that the program wrote and that do not exist. Where they are all
-/// ones the program means any width: 0xFF is the lowest priority of each, and how programs find out
-/// the width (B1.5.4); FreeRTOS's examples have 191 for 0xA0. These are told at level info, and as
-/// a warning only at the end of a run that failed, for a program may have refused the width it
-/// found.
+/// Warns once of priority bits that the program wrote and that are not implemented. If all of them
+/// are ones, the program works with any width: 0xFF is the lowest priority of each width, and is
+/// written to find out the width (B1.5.4). FreeRTOS's examples have 191 for 0xA0. These are
+/// reported at level info. They become a warning only at the end of a run that failed, since the
+/// program may have refused the width it found.
 class PriorityReport final : public RunObserver {
  public:
   /// `bits`: that the core implements, 3 to 8.

@@ -11,7 +11,7 @@
 namespace capsoc::run {
 
 /// On this board the table lies in RAM at 0, where every null pointer leads: no fault stops such a
-/// write. The first is told as the guest's error, the newest ones are kept for the report of a
+/// write. The first is reported as a guest error, the newest ones are kept for the report of a
 /// failure.
 class VectorReport final : public RunObserver {
  public:

@@ -122,7 +122,7 @@ bool may_drive(const Root& top, const capsoc_rtl_pins& pins) {
          (stages != 0) + REGISTER(u_sequencer, held_q) + pins.sample_valid <= 1;
 }
 
-/// What the probe does at the rising edge of drive_i, but for the reset.
+/// What the probe does at the rising edge of drive_i, except the reset.
 void put_on_design(Root& top, const capsoc_rtl_pins& pins) {
   ON_PIN(psel) = pins.psel;
   ON_PIN(penable) = pins.penable;

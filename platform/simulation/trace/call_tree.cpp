@@ -154,8 +154,8 @@ bool CallTree::leave_frames(uint32_t pc, uint32_t stack_pointer) {
   return true;
 }
 
-/// Ends the frames above one that continues in the midst of its function, after a call that it made
-/// with this stack pointer (longjmp); false: there is none.
+/// Ends the frames above one that continues in the middle of its function, after a call that it
+/// made with this stack pointer (longjmp); false: there is none.
 bool CallTree::go_back(uint32_t pc, uint32_t stack_pointer) {
   Stack& stack = nest_.back();
   const uint32_t function = functions_.at(pc);

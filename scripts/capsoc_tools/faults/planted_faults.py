@@ -11,7 +11,7 @@ columns: samples that the coprocessor had taken when it was seen, and cycles fro
 --at-pins: only the RTL's faults, in a design of which only the pins are known (tests/rtl/own_design). The regression
 has to end with exit code 4, whatever it names, since there is no node to name.
 
---number N: the N-th fault of the list alone, and what came of it as a JSON object, for a campaign that shares them out
+--number N: the N-th fault of the list alone, and its outcome as a JSON object, for a campaign that shares them out
 (campaigns/planted_faults.toml).
 
 Status 0: every fault was named; 1: one was not, or the unbroken tree differs; 2: a fault's place is not there exactly

@@ -6,7 +6,7 @@ Copies the tree's sources to FOLDER (default build/translator_faults), and for e
 tests/faults/translator.toml exchanges the text, builds armv7m_test, and runs its tests of the translator
 until the first one fails. A test that crashes or does not end has noticed it, too. Without a fault all have to pass.
 
---number N: the N-th fault of the list alone, and what came of it as a JSON object, for a campaign that shares them out
+--number N: the N-th fault of the list alone, and its outcome as a JSON object, for a campaign that shares them out
 (campaigns/translator_faults.toml).
 
 Status 0: every fault was noticed; 1: one was not, or the tests fail without; 2: a fault's place is not there exactly

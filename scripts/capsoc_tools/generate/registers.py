@@ -719,7 +719,7 @@ def sv_bits(target, width, registers, number):
 
 
 def sv_word_address(peripheral):
-    """A word's address is the low five bits of its number, but for those that the description puts elsewhere."""
+    """A word's address is the low five bits of its number, unless the description sets another one."""
     lines = []
     moved = [register for register in peripheral.registers if register.name in peripheral.words]
     for bit in range(5):

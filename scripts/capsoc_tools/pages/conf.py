@@ -1,4 +1,4 @@
-"""What Sphinx is told about the site and the book (scripts/tool site).
+"""Sphinx configuration of the site and the book (scripts/tool site).
 
 Sphinx rather than MkDocs Material, and its "Read the Docs" theme rather than furo: with Debian's packages these work
 in a browser that has opened a page as a file. Sphinx loads its search index as a script. MkDocs loads its own by a

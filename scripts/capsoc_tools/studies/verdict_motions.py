@@ -39,7 +39,7 @@ def walk(case):
 
 
 def other_speed(case):
-    """The speed is not the one that the program has been told."""
+    """The speed differs from the program's setting."""
     share = 1 + sign(case.draw) * log_uniform(case.draw, 1e-4, 0.3)
     return case.sensor.angle(case.seconds * share)
 

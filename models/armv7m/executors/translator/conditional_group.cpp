@@ -5,7 +5,8 @@ namespace capsoc::armv7m {
 
 using namespace asmjit;
 
-/// What a step writes to its register, if that can be told by the host without touching its flags.
+/// The value that a step writes to its register, if the host can compute it without changing its
+/// flags.
 std::optional<FlagOperand> BlockCompiler::moved_by(const Step& step) {
   const FlagOperand n = FlagOperand::reg(step.rn), m = FlagOperand::reg(step.rm);
   const bool whole = step.shift.amount == 0 && step.rm != literal_pc;

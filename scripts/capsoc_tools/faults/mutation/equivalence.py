@@ -1,4 +1,4 @@
-"""Proofs that a mutant can never be told from the RTL at the coprocessor's pins.
+"""Proofs that a mutant never differs from the RTL at the coprocessor's pins.
 
 All mutants stand in one and-inverter graph, so what a mutant leaves as it was is shared and needs no proof:
 
