@@ -14,6 +14,10 @@ void Observers::visit(Archive& archive) {
   for (const auto& observer : all_) observer->visit(archive);
 }
 
+void Observers::restored() {
+  for (const auto& observer : all_) observer->restored();
+}
+
 std::vector<RunObserver*> Observers::gatherers() const {
   std::vector<RunObserver*> gatherers;
   for (const auto& observer : all_)

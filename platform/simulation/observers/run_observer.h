@@ -37,6 +37,9 @@ class RunObserver {
   virtual const char* gathered() const { return nullptr; }
   virtual void visit_gathered(Archive&) {}
 
+  /// A state was restored and the simulation stands there, between two instructions.
+  virtual void restored() {}
+
   /// The simulation is over and its exit code not known yet: completes the outputs, with a sentence
   /// in `result.lost` for each that is not whole.
   virtual void close(RunResult&) {}
@@ -58,6 +61,7 @@ class Observers {
   std::optional<Error> add(std::unique_ptr<RunObserver> observer);
 
   void visit(Archive& archive);
+  void restored();
   /// Those that have gathered something.
   std::vector<RunObserver*> gatherers() const;
   void close(RunResult& result);

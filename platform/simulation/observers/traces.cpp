@@ -8,21 +8,26 @@
 
 namespace capsoc::run {
 
-trace::TraceOptions Traces::options() const {
+trace::TraceOptions options_of(const TraceSettings& settings) {
   trace::TraceOptions options;
-  options.instructions = settings_.instructions();
-  options.bus = settings_.bus();
-  options.profile = settings_.profile();
-  options.waves = settings_.waves();
-  options.timeline = settings_.timeline();
-  options.translation = settings_.translation();
-  options.perf_map = settings_.perf_map();
+  options.instructions = settings.instructions();
+  options.bus = settings.bus();
+  options.profile = settings.profile();
+  options.waves = settings.waves();
+  options.timeline = settings.timeline();
+  options.translation = settings.translation();
+  options.perf_map = settings.perf_map();
+  options.start = settings.start();
+  options.stop = settings.stop();
+  options.depth = static_cast<std::size_t>(settings.depth());
+  options.fetches = settings.fetches();
+  return options;
+}
+
+trace::TraceOptions Traces::options() const {
+  trace::TraceOptions options = options_of(settings_);
   if (options.waves.empty() && coprocessor_.backend() == Backend::model)
     options.waves = coprocessor_.waves();
-  options.start = settings_.start();
-  options.stop = settings_.stop();
-  options.depth = static_cast<std::size_t>(settings_.depth());
-  options.fetches = settings_.fetches();
   return options;
 }
 
@@ -53,6 +58,10 @@ std::optional<Error> Traces::attach_coverage() {
 std::optional<Error> Traces::open() {
   if (auto error = attach_tracer()) return error;
   return attach_coverage();
+}
+
+void Traces::restored() {
+  if (tracer_ != nullptr) tracer_->begin();
 }
 
 void Traces::close(RunResult& result) {

@@ -14,6 +14,9 @@
 
 namespace capsoc::run {
 
+/// What the settings ask of a tracer.
+trace::TraceOptions options_of(const TraceSettings& settings);
+
 /// Attaches what the settings ask for. The waves of a run with the model alone are the SoC's, so
 /// results.waves names them, too.
 class Traces final : public RunObserver {
@@ -24,6 +27,7 @@ class Traces final : public RunObserver {
 
   /// An Error as Tracer::attach() and Coverage::attach() have it.
   std::optional<Error> open() override;
+  void restored() override;
   /// Warns of each part of the debug information that could not be read.
   void close(RunResult& result) override;
   void finish(RunResult& result) override;

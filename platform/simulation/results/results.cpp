@@ -218,6 +218,12 @@ std::string fault_line(const FaultOutcome& fault) {
 
 }  // namespace
 
+nlohmann::ordered_json to_json(const trace::FunctionCost& function) {
+  return {{"function", function.name},
+          {"cycles", function.cost.cycles},
+          {"instructions", function.cost.instructions}};
+}
+
 nlohmann::ordered_json to_json(const FaultOutcome& fault) {
   ordered_json j = {{"fault", fault.fault}, {"applied", fault.applied}};
   if (fault.applied) {
@@ -269,9 +275,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
     j["curves"] = capsoc::to_json(result.report->curves);
   }
   for (const trace::FunctionCost& function : result.profile)
-    j["profile"].push_back({{"function", function.name},
-                            {"cycles", function.cost.cycles},
-                            {"instructions", function.cost.instructions}});
+    j["profile"].push_back(to_json(function));
   if (result.golden) j["golden"] = golden::to_json(*result.golden);
   if (!result.lost.empty()) j["lost"] = result.lost;
   if (!result.divergence.empty()) j["divergence"] = result.divergence;

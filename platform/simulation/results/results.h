@@ -82,6 +82,8 @@ struct FaultOutcome {
 };
 /// As `faults` of a result has it.
 nlohmann::ordered_json to_json(const FaultOutcome& fault);
+/// As an entry of `profile` of a result.
+nlohmann::ordered_json to_json(const trace::FunctionCost& function);
 
 /// The complete result of a run.
 struct RunResult {

@@ -211,6 +211,7 @@ bool Simulation::restore() {
   if (not_restored_) return false;
   checkpoints_->restored();
   ports_->restored();
+  watch_.all().restored();
   if (injector_ != nullptr) injector_->restored();
   return true;
 }

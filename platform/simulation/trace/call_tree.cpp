@@ -18,7 +18,8 @@ constexpr std::size_t most_nodes = 1U << 20, most_frames = 1U << 16, most_suspen
 /// A return address that is none: EXC_RETURN values lie above.
 constexpr uint32_t nowhere = 0xFFFFFFFF;
 constexpr uint32_t first_exc_return = 0xF0000000;
-constexpr uint32_t basic_frame = 0x20;  // bytes that an exception stacks (B1.5.6)
+constexpr uint32_t basic_frame = 0x20;      // bytes that an exception stacks (B1.5.6)
+constexpr uint32_t exception_bits = 0x1FF;  // of the xPSR
 
 bool jumps_directly(const DecodedOp& op) {
   return op.operation == Operation::b || op.operation == Operation::bcond ||
@@ -104,6 +105,24 @@ void CallTree::started(const Core& core) {
   nest_.clear();
   suspended_.clear();
   nest_.push_back(new_stack(functions_.at(core.reg(15))));
+}
+
+void CallTree::begin(const Core& core) {
+  cycle_ = core.cycles();
+  nest_.clear();
+  const unsigned exception = core.state().xpsr() & exception_bits;
+  nest_.push_back(new_stack(exception == 0 ? functions_.at(core.reg(15)) : Functions::unknown));
+  if (exception == 0) return;
+  nest_.push_back(new_stack(exception_function(exception)));
+  push_handler(core);
+}
+
+/// The handler's first frame, on the stack of its exception.
+void CallTree::push_handler(const Core& core) {
+  Frame handler;
+  handler.function = functions_.at(core.reg(15));
+  handler.return_address = handler.stack = nowhere;
+  push(nest_.back(), handler);
 }
 
 void CallTree::issued(const Core& core) {
@@ -208,10 +227,7 @@ void CallTree::entered(const Core& core, unsigned exception, Entry how, uint64_t
   cycle_ = core.cycles();
   charge_name(name, took);
   if (counting_) charge({took, 0});
-  Frame handler;
-  handler.function = functions_.at(core.reg(15));
-  handler.return_address = handler.stack = nowhere;
-  push(nest_.back(), handler);
+  push_handler(core);
 }
 
 void CallTree::returned(const Core& core, unsigned exception) {

@@ -53,6 +53,9 @@ class CallTree {
   void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how, uint64_t since);
   void returned(const armv7m::Core& core, unsigned exception);
   void started(const armv7m::Core& core);
+  /// The trace begins in the midst of a program, between two instructions. The callers of the
+  /// function under way are not known, nor what an exception under way interrupted.
+  void begin(const armv7m::Core& core);
   /// Ends every frame; nothing may follow.
   void finish(const armv7m::Core& core);
 
@@ -110,6 +113,7 @@ class CallTree {
   void resume_thread(const armv7m::Core& core);
   uint32_t child(uint32_t node, uint32_t function);
   uint32_t exception_function(unsigned number);
+  void push_handler(const armv7m::Core& core);
 
   Functions& functions_;
   uint32_t waiting_;

@@ -87,6 +87,7 @@ void Timeline::connect_interrupts() {
         Line added;
         added.track = {interrupts, static_cast<unsigned>(lines_.size()) + 1};
         added.name = fmt::format("{} {}", device, wire.output);
+        added.source = &source;
         name(added.track, added.name);
         lines_of_.emplace(exception_of(wire), lines_.size());
         source.connect([this, index = lines_.size()](bool level) { line(index, level); });
@@ -191,6 +192,22 @@ void Timeline::started(const armv7m::Core& core) {
   running_.reset();
   suspended_.clear();
   resume(core);
+}
+
+void Timeline::begin(const armv7m::Core& core) {
+  const uint64_t now = ps(core.cycles());
+  opened_ps_ = now;
+  for (Line& line : lines_) {
+    line.is_high = line.source->level();
+    line.since_ps = now;
+    line.since_cycle = core.cycles();
+  }
+  const unsigned exception = core.state().xpsr() & 0x1FFU;
+  if (exception == 0)
+    resume(core);
+  else
+    handlers_.push_back({exception_name(exception), "", now});
+  if (core.sleeping()) asleep_since_ps_ = now;
 }
 
 /// The thread that has the processor loses it.

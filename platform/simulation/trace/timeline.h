@@ -45,6 +45,8 @@ class Timeline {
   void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how, uint64_t since);
   void returned(const armv7m::Core& core);
   void started(const armv7m::Core& core);
+  /// The trace begins here, in the midst of a program, between two instructions.
+  void begin(const armv7m::Core& core);
   void sleeps(bool is_asleep);
   void transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& access);
 
@@ -68,6 +70,7 @@ class Timeline {
   struct Line {
     Track track;
     std::string name;
+    const kit::InterruptLine* source = nullptr;
     bool is_high = false;
     uint64_t since_ps = 0, since_cycle = 0;
     bool is_served = true;  ///< its handler began since it rose

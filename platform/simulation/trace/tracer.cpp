@@ -101,6 +101,15 @@ Tracer::~Tracer() {
   soc_.cpu.core().remove_observer(*this);
 }
 
+void Tracer::begin() {
+  const armv7m::Core& core = soc_.cpu.core();
+  const uint64_t now = picoseconds_of(core.cycles());
+  open_at(now);
+  if (calls_ != nullptr) calls_->begin(core);
+  if (waves_ != nullptr) waves_->begin(now, core.state().xpsr() & 0x1FFU);
+  if (timeline_ != nullptr) timeline_->begin(core);
+}
+
 uint64_t Tracer::picoseconds_of(uint64_t cycle) const {
   return picoseconds(soc_.clock.time_of(cycle));
 }

@@ -37,8 +37,8 @@ struct TraceOptions {
   }
 };
 
-/// Attached before the simulation starts, detached by finish() or its destruction. Changes only the
-/// simulation's speed.
+/// Attached before the simulation starts or between two instructions, detached by its destruction,
+/// after which nothing is simulated. Changes only the simulation's speed.
 class Tracer : private armv7m::Observer {
  public:
   /// `images`: where the symbols are; `line_of` is asked at the end, for the profile. An Error: a
@@ -47,6 +47,9 @@ class Tracer : private armv7m::Observer {
                                                 const std::vector<const loader::ElfImage*>& images,
                                                 LineOf line_of);
   ~Tracer() override;
+  /// The simulation stands in the midst of a program, between two instructions: the traces begin
+  /// with what is under way there. Not needed before a reset.
+  void begin();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 

@@ -46,6 +46,7 @@ void Waves::add_interrupts() {
       [this](kit::InterruptLine& source, const char* device, const bus::InterruptWire& wire) {
         Line added;
         added.name = fmt::format("{}_{}", device, wire.output);
+        added.source = &source;
         added.signal = file_->add_bits(added.name, 1);
         lines_.push_back(added);
         file_->set(0, added.signal, 0);
@@ -114,6 +115,13 @@ void Waves::open(bool on, uint64_t picoseconds) {
   if (!on) return;
   for (const Line& line : lines_) file_->set(picoseconds, line.signal, line.level ? 1 : 0);
   exception(picoseconds, exception_number_);
+}
+
+void Waves::begin(uint64_t picoseconds, unsigned exception) {
+  exception_number_ = exception;
+  for (Line& line : lines_) line.level = line.source->level();
+  if (!std::exchange(open_, false)) return;
+  open(true, picoseconds);
 }
 
 void Waves::transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& access) {

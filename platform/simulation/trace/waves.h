@@ -26,6 +26,10 @@ class Waves {
   /// A line's level goes to the file while this is true; what changed meanwhile follows at once.
   void open(bool on, uint64_t picoseconds);
 
+  /// The trace begins here, in the midst of a program that executes this exception's handler (0:
+  /// none).
+  void begin(uint64_t picoseconds, unsigned exception);
+
   void transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& access);
   void exception(uint64_t picoseconds, unsigned number);
   void result(uint64_t picoseconds, const coprocessor::Nodes& nodes);
@@ -35,6 +39,7 @@ class Waves {
   struct Line {
     FstFile::Signal signal = 0;
     std::string name;
+    const kit::InterruptLine* source = nullptr;
     bool level = false;
   };
   struct Node {
