@@ -10,9 +10,12 @@
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/session_end.h"
+#include "cli/setting_option.h"
 #include "host/console.h"
 #include "host/end_signals.h"
+#include "host/file_uses.h"
 #include "results/results.h"
+#include "service/part_traces.h"
 #include "service/recording.h"
 #include "service/session_run.h"
 #include "session/run_settings.h"
@@ -25,6 +28,8 @@ struct ReplayArguments {
   std::string file;
   std::optional<double> until_s;
   std::string gdb_port, view_port;  ///< "": no debugger, no page
+  service::PartTraceSettings traces;
+  std::optional<Error> wrong_trace;
 };
 
 /// A debugger or a page has it from its first instruction on, with a history.
@@ -36,6 +41,10 @@ int replay_in_session(const ReplayArguments& arguments) {
     return refuse(
         fmt::format("--until: {}; leave it out", is_viewed ? "a page stops where the user says"
                                                            : "a debugger stops where it wants"));
+  for (const Setting& trace : arguments.traces.all.all())
+    if (trace.source == SettingSource::command_line)
+      return refuse(fmt::format("{}: {} goes back and forth; trace a replay without it",
+                                trace.name(), is_viewed ? "a page" : "a debugger"));
   run::RunSettings settings;
   std::vector<std::pair<std::string, std::string>> values = {
       {settings.gdb.port.about().path, arguments.gdb_port},
@@ -56,17 +65,22 @@ int replay_in_session(const ReplayArguments& arguments) {
 }
 
 int replay(const ReplayArguments& arguments) {
+  if (arguments.wrong_trace) return refuse(arguments.wrong_trace->text);
+  std::vector<host::FileUse> uses = arguments.traces.outputs();
+  uses.push_back({host::FileUse::Kind::input, "the session", arguments.file});
+  if (auto error = host::check_uses(uses)) return refuse(error->text);
   if (!arguments.gdb_port.empty() || !arguments.view_port.empty())
     return replay_in_session(arguments);
   const auto session = service::read_session(arguments.file);
   if (!session) return refuse(session.error());
   host::note_end_signals();
-  const auto replayed = service::replay(session.value(), arguments.until_s,
+  const auto replayed = service::replay(session.value(), arguments.until_s, arguments.traces,
                                         [](const std::string& text) { host::print("{}", text); });
   if (!replayed) return refuse(replayed.error());
   const service::Replayed& outcome = replayed.value();
   if (const int signal = host::noted_signal(); signal != 0)
     return run::exit_code::signal_base + signal;
+  for (const std::string& sentence : outcome.lost) host::say("capsoc: {}\n", sentence);
   if (!outcome.difference.empty())
     return refuse(fmt::format("{}: {}", arguments.file, outcome.difference),
                   run::exit_code::failed);
@@ -74,7 +88,7 @@ int replay(const ReplayArguments& arguments) {
       "capsoc: {}: the same until {:.12g} s: {} inputs, {} states compared, and what "
       "each UART sent\n",
       arguments.file, outcome.end_s, outcome.inputs, outcome.marks);
-  return run::exit_code::pass;
+  return outcome.lost.empty() ? run::exit_code::pass : run::exit_code::lost;
 }
 
 }  // namespace
@@ -99,6 +113,15 @@ void add_replay(CLI::App& app, int& code) {
           "--view", arguments->view_port,
           "Show it live on a page for a browser, at this port of 127.0.0.1 (0: a free one)")
       ->type_name("PORT");
+  for (const Setting& trace : arguments->traces.all.all())
+    if (!trace.command.name.empty())
+      add_setting_option(*command, trace,
+                         [arguments](const std::string& path, const std::string& value,
+                                     const std::string& option) {
+                           auto error = arguments->traces.all.set(
+                               path, value, SettingSource::command_line, option);
+                           if (error) arguments->wrong_trace = std::move(error);
+                         });
   command->callback([arguments, &code] { code = replay(*arguments); });
 }
 

@@ -12,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/refuse.h"
 #include "cli/session_end.h"
+#include "cli/setting_option.h"
 #include "host/end_signals.h"
 #include "host/file_uses.h"
 #include "host/files.h"
@@ -188,39 +189,6 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
   return r.code;
 }
 
-/// The option that a setting declares.
-void add_setting_option(CLI::App& run, const Setting& setting,
-                        const std::shared_ptr<RunArguments>& arguments) {
-  using Form = SettingOption::Form;
-  const SettingOption& declared = setting.command;
-  const bool positional = declared.name.rfind('-', 0) != 0;
-  const std::string given = positional ? declared.argument : declared.name;
-  const auto set = [arguments, path = setting.path, given](const std::string& value) {
-    arguments->options.emplace_back(path, value, given);
-  };
-  if (declared.form == Form::flag) {
-    run.add_flag_callback(
-        declared.name, [set, implied = declared.implied] { set(implied); }, declared.help);
-    return;
-  }
-  if (declared.form == Form::list) {
-    const auto join = [set](const std::vector<std::string>& places) {
-      set(fmt::format("{}", fmt::join(places, ",")));
-    };
-    run.add_option_function<std::vector<std::string>>(declared.name, join, declared.help)
-        ->type_name(declared.argument)
-        ->allow_extra_args(false);
-    return;
-  }
-  const auto set_or_imply = [set, implied = declared.implied](const std::string& value) {
-    set(value.empty() && !implied.empty() ? implied : value);
-  };
-  CLI::Option* option =
-      run.add_option_function<std::string>(declared.name, set_or_imply, declared.help);
-  option->type_name(declared.argument);
-  if (declared.form == Form::optional_value) option->expected(0, 1);
-}
-
 /// True if the command line may set it: it is no option, or one of the words.
 bool may_be_set(const SettingOption& option, const std::vector<std::string>& words) {
   if (option.name.rfind('-', 0) != 0) return true;
@@ -253,7 +221,11 @@ void declare_run(CLI::App& app, int& code, const RunCommand& command,
   auto settings = std::make_shared<run::RunSettings>();
   for (const Setting& setting : settings->all())
     if (!setting.command.name.empty() && is_needed(setting.command))
-      add_setting_option(*run, setting, arguments);
+      add_setting_option(
+          *run, setting,
+          [arguments](const std::string& path, const std::string& value, const std::string& given) {
+            arguments->options.emplace_back(path, value, given);
+          });
   run->add_option("--config", arguments->config, "Settings from a TOML file")->type_name("FILE");
   run->add_option("-C", arguments->assignments, "Set any setting")
       ->type_name("PATH=VALUE")

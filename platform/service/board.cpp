@@ -20,13 +20,6 @@ namespace {
 
 constexpr const char* origin = "settings";
 
-/// As the command line would carry it.
-std::optional<std::string> text_of(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_boolean() || value.is_number()) return value.dump();
-  return std::nullopt;
-}
-
 /// A custom program, or one that comes with capsoc by its name alone.
 std::string program_named(const std::string& name) {
   std::error_code ignored;
@@ -47,6 +40,12 @@ std::vector<double> column(const std::deque<std::pair<double, double>>& pairs,
 }
 
 }  // namespace
+
+std::optional<std::string> setting_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean() || value.is_number()) return value.dump();
+  return std::nullopt;
+}
 
 Result<unsigned> processor_register(const std::string& name) {
   std::vector<std::string> names;
@@ -96,7 +95,7 @@ std::optional<Error> Board::set(const Json& settings) {
       history_budget_ = value.get<std::size_t>() << 20U;
       continue;
     }
-    std::optional<std::string> text = text_of(value);
+    std::optional<std::string> text = setting_text(value);
     if (!text)
       return Error{fmt::format("settings: '{}' has to be a text, a number, true or false",
                                printable(name, 80))};

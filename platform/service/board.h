@@ -29,6 +29,9 @@ namespace capsoc::service {
 
 class Ticker;
 
+/// The value of a setting as the command line would carry it; nothing: a value that it cannot be.
+std::optional<std::string> setting_text(const Json& value);
+
 /// The index in debug::registers of a register of the processor; an Error names the nearest ones.
 Result<unsigned> processor_register(const std::string& name);
 

@@ -324,6 +324,7 @@ Result<std::unique_ptr<Board>> construct(const Repetition& laid) {
 }
 
 Result<Replayed> replay(const SessionFile& session, std::optional<double> until_s,
+                        const PartTraceSettings& wanted,
                         const std::function<void(const std::string& text)>& on_text) {
   // As long as the simulation: sensor.set reads the sensor's file again.
   const auto laid = lay_out(session);
@@ -332,9 +333,17 @@ Result<Replayed> replay(const SessionFile& session, std::optional<double> until_
   if (!constructed) return Error{constructed.error()};
   Board& board = *constructed.value();
   board.history().expect(session.inputs, laid.value().end);
+  std::unique_ptr<PartTraces> traces;
+  if (wanted.any()) {
+    auto begun = PartTraces::begin(board, wanted);
+    if (!begun) return Error{begun.error()};
+    traces = std::move(begun.value());
+  }
   Replay again(session, board, on_text);
   if (auto error = again.run(until_s)) return *error;
-  return again.take();
+  Replayed replayed = again.take();
+  if (traces != nullptr) replayed.lost = traces->end();
+  return replayed;
 }
 
 }  // namespace capsoc::service

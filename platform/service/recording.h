@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "host/temporary_folder.h"
 #include "service/board.h"
+#include "service/part_traces.h"
 #include "service/session_file.h"
 
 namespace capsoc::service {
@@ -41,12 +42,14 @@ struct Replayed {
   uint64_t inputs = 0, marks = 0;  ///< that were applied, and that were compared
   double end_s = 0;                ///< simulated
   std::string difference;          ///< a sentence with the first one; "": there is none
+  std::vector<std::string> lost;   ///< a sentence for each trace that is not whole
 };
 
-/// Simulates a session again and compares. `until_s`: only so far. `on_text` gets what UART 0
-/// sends. The only simulation of its process. An Error: it cannot be built, or has an input that is
-/// none.
+/// Simulates a session again and compares, with these traces up to the end or the first
+/// difference. `until_s`: only so far. `on_text` gets what UART 0 sends. The only simulation of its
+/// process. An Error: it cannot be built, has an input that is none, or a trace cannot be written.
 Result<Replayed> replay(const SessionFile& session, std::optional<double> until_s,
+                        const PartTraceSettings& wanted,
                         const std::function<void(const std::string& text)>& on_text);
 
 }  // namespace capsoc::service

@@ -176,6 +176,22 @@ std::vector<Session::SessionVerb> Session::history_verbs() {
           "rest"}}},
        true,
        &Session::tell_past},
+      {{"history.trace",
+        "Traces what happened between two positions, whether it was traced then or not. The "
+        "simulation stays where it is.",
+        {need("one", Type::object,
+              "time_s, time_ps, cycles, instructions or sample, as in simulation.goto"),
+         may("other", Type::object, "as one; now"),
+         need("files", Type::object,
+              "which traces, and where they go: the settings `trace.NAME` of a run without "
+              "`trace.`, as {\"profile\": \"a.callgrind\", \"coverage\": \"a.info\"}")},
+        {{"one", "object", "its position"},
+         {"other", "object", "its position"},
+         {"functions", "list",
+          "with a profile: of those that took the most cycles function, cycles, instructions"},
+         {"lost", "list", "a sentence for each file that is not whole"}}},
+       true,
+       &Session::trace_past},
       {{"history.diff",
         "How two positions differ: registers of processor and devices, and memory by the program's "
         "variables. The simulation stays where it is.",
@@ -522,17 +538,26 @@ Json Session::goals_of(Request& request) {
   return nullptr;
 }
 
-void Session::tell_past(Request& request) {
+/// Asks a worker that goes from "one" to "other" of a request (now, without it).
+void Session::ask_between(Request& request, const char* method, Json parameters) {
   const Json goals = goals_of(request);
   if (goals.is_null()) return;
-  const Json kinds = request.parameters.value("kinds", Json::array());
   seek(request, {{"goals", goals}},
-       [this, goals, kinds](const Json&, const std::shared_ptr<Seek>& seek) {
-         Json end = goals.size() == 1 ? to_json(seek->now) : goals.at(1);
-         ask_past(seek, {{"goal", goals.at(0)}}, events_method,
-                  {{"end", std::move(end)}, {"kinds", kinds}}, {},
+       [this, goals, method, parameters = std::move(parameters)](
+           const Json&, const std::shared_ptr<Seek>& seek) mutable {
+         parameters["end"] = goals.size() == 1 ? to_json(seek->now) : goals.at(1);
+         ask_past(seek, {{"goal", goals.at(0)}}, method, std::move(parameters), {},
                   [this, seek](Answer answer) { end_seek(*seek, std::move(answer)); });
        });
+}
+
+void Session::tell_past(Request& request) {
+  ask_between(request, events_method,
+              {{"kinds", request.parameters.value("kinds", Json::array())}});
+}
+
+void Session::trace_past(Request& request) {
+  ask_between(request, trace_method, {{"files", request.parameters.at("files")}});
 }
 
 void Session::compare(Request& request) {

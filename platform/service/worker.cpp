@@ -25,6 +25,7 @@
 #include "service/board_verbs.h"
 #include "service/cause.h"
 #include "service/events.h"
+#include "service/part_traces.h"
 #include "service/picture.h"
 #include "service/recording.h"
 #include "service/search.h"
@@ -87,7 +88,8 @@ class Muted {
 
 bool is_of_history(const std::string& method) {
   static const std::set<std::string> all = {leave_method, search_method,  describe_method,
-                                            cause_method, picture_method, events_method};
+                                            cause_method, picture_method, events_method,
+                                            trace_method};
   return all.count(method) > 0;
 }
 
@@ -164,6 +166,7 @@ class Worker {
                                 position_in(parameters.at("end")).value_or(Position())});
     if (method == picture_method) return picture(parameters, message.frames);
     if (method == events_method) return events(parameters);
+    if (method == trace_method) return trace(parameters);
     if (const BoardVerb* const verb = board_verb(method))
       return perform(*verb, parameters, message.frames);
     return refuse("there is no method " + method, Code::unknown_method);
@@ -377,25 +380,52 @@ class Worker {
     return answer;
   }
 
-  /// What happens from here to an end.
-  Answer events(const Json& parameters) {
-    const Json& end = parameters.at("end");
+  /// The part of the history from here to an end, observed; the answer has both positions.
+  Answer observe_to(const Json& end, const std::string& method,
+                    const std::function<std::optional<Error>()>& begin_observing) {
     const auto at_end = position_in(end);
     const Position begin = board_->position();
     const bool is_behind =
         at_end ? *at_end < begin : target_in(end).value < coordinate(begin, target_in(end).unit);
-    if (is_behind) return refuse("history.timeline: other lies before one", Code::wrong_parameter);
-    auto kinds = parameters.at("kinds").get<std::vector<std::string>>();
-    if (kinds.empty()) kinds = Events::kinds();
-    if (auto error = board_->subscribe(kinds)) return refuse(error->text, Code::wrong_parameter);
+    if (is_behind) return refuse(method + ": other lies before one", Code::wrong_parameter);
+    if (auto error = begin_observing()) return refuse(error->text, Code::wrong_parameter);
     board_->forget_told();
     Advance advance(*board_);
     if (auto error = go(advance, end)) return refuse(error->text);
     if (advance.is_interrupted()) return refuse("the way there was interrupted");
     Answer answer;
-    answer.result = {{"one", to_json(begin)},
-                     {"other", to_json(board_->position())},
-                     {"events", board_->events().take()}};
+    answer.result = {{"one", to_json(begin)}, {"other", to_json(board_->position())}};
+    return answer;
+  }
+
+  /// What happens from here to an end.
+  Answer events(const Json& parameters) {
+    auto kinds = parameters.at("kinds").get<std::vector<std::string>>();
+    if (kinds.empty()) kinds = Events::kinds();
+    Answer answer = observe_to(parameters.at("end"), "history.timeline",
+                               [&] { return board_->subscribe(kinds); });
+    if (answer.ok()) answer.result["events"] = board_->events().take();
+    return answer;
+  }
+
+  /// Traces from here to an end.
+  Answer trace(const Json& parameters) {
+    PartTraceSettings wanted;
+    Answer answer =
+        observe_to(parameters.at("end"), "history.trace", [&]() -> std::optional<Error> {
+          if (auto error = wanted.set(parameters.at("files"))) return error;
+          if (!wanted.any())
+            return Error{"history.trace: files names no trace, for instance profile"};
+          auto traces = PartTraces::begin(*board_, wanted);
+          if (!traces) return Error{traces.error()};
+          traces_ = std::move(traces.value());
+          return std::nullopt;
+        });
+    if (!answer.ok()) return answer;
+    answer.result["lost"] = traces_->end();
+    Json& functions = answer.result["functions"] = Json::array();
+    for (const trace::FunctionCost& function : traces_->functions())
+      functions.push_back(run::to_json(function));
     return answer;
   }
 
@@ -412,6 +442,7 @@ class Worker {
   int connection_;
   MessageReader reader_;
   std::unique_ptr<Board> board_;
+  std::unique_ptr<PartTraces> traces_;  // null without
 };
 
 [[noreturn]] void work(int connection) {

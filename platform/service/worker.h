@@ -37,13 +37,15 @@ inline constexpr const char* snapshot_method = "worker.snapshot";
 /// `goal`, which may be a position, too; and `told`, unless the worker is there to look at the past
 /// and say nothing (`for_good`). In one of these search_method takes `what`, `end`, `now`,
 /// `is_first` (search.h), describe_method `what`, cause_method `name`, `since` and `end` (cause.h),
-/// picture_method `one`, another picture, and events_method `end` and `kinds` (none: all).
+/// picture_method `one`, another picture, events_method `end` and `kinds` (none: all), trace_method
+/// `end` and `files` (part_traces.h).
 inline constexpr const char* leave_method = "worker.leave";
 inline constexpr const char* search_method = "worker.search";
 inline constexpr const char* describe_method = "worker.describe";
 inline constexpr const char* cause_method = "worker.cause";
 inline constexpr const char* picture_method = "worker.picture";
 inline constexpr const char* events_method = "worker.events";
+inline constexpr const char* trace_method = "worker.trace";
 
 /// The session's end of a worker.
 struct WorkerProcess {

@@ -26,7 +26,7 @@ from .program import find_program
 from .sensor import Harmonic, Sensor
 from .session import Session, replay, run
 from .simulation import Simulation
-from .state import Change, Event, Fault, Position, Result, Snapshot, State, Stop, Write
+from .state import Change, Event, Fault, FunctionCost, Position, Result, Snapshot, State, Stop, Write
 
 __version__ = "0.1.0"
 
@@ -38,6 +38,7 @@ __all__ = [
     "Event",
     "ExpectationError",
     "Fault",
+    "FunctionCost",
     "Harmonic",
     "Position",
     "ProgramNotFound",

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union, cast
+import os
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Union, cast
 
-from .state import Change, Event, Position, State, Write, given
+from .errors import SimulationError
+from .state import Change, Event, FunctionCost, Position, State, Write, given
 
 if TYPE_CHECKING:
     from .arrays import Outgoing
     from .simulation import Simulation
+
+#: Traces that are files.
+TRACES = ("instructions", "bus", "profile", "coverage", "waves", "timeline", "translation")
 
 
 class Past:
@@ -144,6 +150,40 @@ class Past:
         asked: dict[str, Any] = {"one": {"time_s": one}, "other": None if other is None else {"time_s": other}}
         asked["kinds"] = None if kinds is None else list(kinds)
         return [Event.of(each) for each in self.call("history.timeline", **given(asked))["events"]]
+
+    def trace(self, one: float, other: Optional[float] = None, **files: Any) -> list[FunctionCost]:
+        """Traces what happened between two times (other: now), whether it was traced then or not. The simulation stays.
+
+        files: instructions, bus, profile, coverage, waves, timeline, each with its path, and what else a run has as
+        trace.NAME (depth=100). Returns the functions that took the most cycles, with a profile.
+        """
+        __tracebackhide__ = True
+        between: dict[str, Any] = {"one": {"time_s": one}, "other": None if other is None else {"time_s": other}}
+        return self._trace(between, files)
+
+    @contextmanager
+    def tracing(self, **files: Any) -> Iterator[list[FunctionCost]]:
+        """Traces what happens in a `with` block, as trace() does once the block is left; its list is filled then.
+
+        Simulates the block a second time, from the history. An exception in the block is traced up to there.
+        """
+        functions: list[FunctionCost] = []
+        began = self.when().time_ps
+        try:
+            yield functions
+        finally:
+            functions += self._trace({"one": {"time_ps": began}}, files)
+
+    def _trace(self, between: dict[str, Any], files: dict[str, Any]) -> list[FunctionCost]:
+        __tracebackhide__ = True
+        paths = {
+            name: os.path.abspath(path) if isinstance(path, (str, os.PathLike)) and name in TRACES else path
+            for name, path in files.items()
+        }
+        answer = self.call("history.trace", **given(between), files=paths)
+        if answer["lost"]:
+            raise SimulationError(" ".join(answer["lost"]), 1)
+        return [FunctionCost(**each) for each in answer["functions"]]
 
     def history_diff(self, one: float, other: Optional[float] = None) -> dict[str, Any]:
         """How two times differ (other: now): "processor", "devices" and "memory", with both values by name."""

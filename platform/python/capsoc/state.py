@@ -69,6 +69,15 @@ class Write:
 
 
 @dataclass(frozen=True)
+class FunctionCost:
+    """What a function took itself, without what it called."""
+
+    function: str
+    cycles: int
+    instructions: int
+
+
+@dataclass(frozen=True)
 class Change:
     """The last change of a register or field of a device, or of a signal of the coprocessor.
 
