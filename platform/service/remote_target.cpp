@@ -1,6 +1,7 @@
 #include "service/remote_target.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <sstream>
@@ -94,6 +95,19 @@ std::string what_happened(const Json& event) {
                        number("driven"));
   if (kind == "guest_error") return fmt::format("{}: {}", text("source"), text("text"));
   return kind + ' ' + event.value("count", Json()).dump();
+}
+
+/// "T1 relative = 12.5 deg, from s_high s_low"
+std::string text_of_step(const Json& step) {
+  std::string text = fmt::format("{} {} = ", step.at("stage").get<std::string>(),
+                                 step.at("name").get<std::string>());
+  if (step.contains("value"))
+    text += fmt::format("{:.9g}{}", step.at("value").get<double>(),
+                        step.at("is_angle").get<bool>() ? " deg" : "");
+  else
+    text += fmt::format("{:#x}", step.at("word").get<int64_t>());
+  const auto sources = step.at("made_from").get<std::vector<std::string>>();
+  return fmt::format("{}{}{}\n", text, sources.empty() ? "" : ", from ", fmt::join(sources, " "));
 }
 
 std::string text_of_event(const Json& event) {
@@ -206,6 +220,7 @@ std::string RemoteTarget::command_help() const {
          "last-change NAME the last change of PERIPHERAL.REGISTER[.FIELD] or of a signal\n"
          "who-set NAME     who made it: an instruction, the device, the debugger\n"
          "timeline POSITION [POSITION]  exceptions, samples, lines of UARTs, pins between them\n"
+         "why SIGNAL [SAMPLE]  the values of the coprocessor that made it, back to the sample\n"
          "diff POSITION [POSITION]  what differs between then and then, or now\n"
          "record FILE      the session until now, for capsoc replay\n";
 }
@@ -221,6 +236,7 @@ std::optional<std::string> RemoteTarget::command(const std::string& line) {
       {"last-change", &RemoteTarget::last_change},
       {"who-set", &RemoteTarget::last_change},
       {"timeline", &RemoteTarget::timeline},
+      {"why", &RemoteTarget::why},
       {"diff", &RemoteTarget::differences},
       {"record", &RemoteTarget::record}};
   if (words[0] == "when") return when();
@@ -307,6 +323,23 @@ std::string RemoteTarget::timeline(const Words& words) {
   for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += text_of_event(events[i]);
   if (events.size() > most) text += fmt::format("and {} more\n", events.size() - most);
   return text.empty() ? "nothing happened there\n" : text;
+}
+
+std::string RemoteTarget::why(const Words& words) {
+  const auto sample = words.size() == 3 ? whole_number(words[2]) : std::nullopt;
+  if (words.size() < 2 || words.size() > 3 || (words.size() == 3 && !sample))
+    return "why: write a signal of the coprocessor, and perhaps the number of a sample\n";
+  Json asked = {{"signal", words[1]}};
+  if (sample) asked["sample"] = *sample;
+  const Answer answer = ask("history.why", std::move(asked));
+  if (!answer.ok()) return answer.sentence + "\n";
+  const Json& found = answer.result;
+  std::string text = fmt::format("result {} at {}\n", found.at("sample").get<uint64_t>(),
+                                 text_of(found.at("position")));
+  for (const Json& step : found.at("steps")) text += text_of_step(step);
+  for (const auto& [name, value] : found.at("inputs").items())
+    text += fmt::format("{}{}\n", name, value.is_null() ? "" : " = " + value.dump());
+  return text;
 }
 
 std::string RemoteTarget::differences(const Words& words) {

@@ -52,6 +52,7 @@ class RemoteTarget final : public debug::Target {
   std::string last_write(const Words& words);
   std::string last_change(const Words& words);
   std::string timeline(const Words& words);
+  std::string why(const Words& words);
   std::string differences(const Words& words);
   std::string record(const Words& words);
 

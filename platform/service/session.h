@@ -117,6 +117,7 @@ class Session {
   void ask_between(Request& request, const char* method, Json parameters);
   void tell_past(Request& request);
   void trace_past(Request& request);
+  void explain(Request& request);
   void reverse(Request& request);
   void seek(Request& request, Json leave, std::function<void(Json, std::shared_ptr<Seek>)> then);
   void end_seek(const Seek& seek, Answer answer);

@@ -192,6 +192,23 @@ std::vector<Session::SessionVerb> Session::history_verbs() {
          {"lost", "list", "a sentence for each file that is not whole"}}},
        true,
        &Session::trace_past},
+      {{"history.why",
+        "Why a signal of the coprocessor has its value in a result: which values made it, back to "
+        "the sample and the registers. The simulation stays where it is.",
+        {need("signal", Type::text, "a node of the pipeline: angle, a_u, error_u, relative, ..."),
+         may("sample", Type::integer, "the number of the result, from 1; the newest")},
+        {{"signal", "text", "as asked"},
+         {"sample", "integer", "the number of the result"},
+         {"position", "object", "of the result"},
+         {"steps", "list",
+          "the signal first, each before those that it is made from: name, stage (T0 to T4, or "
+          "registers: as the commit leaves them), unit, word, value, made_from (names of steps and "
+          "inputs). A value is a fraction of full scale; degrees if is_angle is set"},
+         {"inputs", "object",
+          "by name: words of the sample (Q1.31), registers and fields as they were when the sample "
+          "was taken (a pair as NAME_HI and NAME_LO); null: state without a register"}}},
+       true,
+       &Session::explain},
       {{"history.diff",
         "How two positions differ: registers of processor and devices, and memory by the program's "
         "variables. The simulation stays where it is.",
@@ -558,6 +575,27 @@ void Session::tell_past(Request& request) {
 
 void Session::trace_past(Request& request) {
   ask_between(request, trace_method, {{"files", request.parameters.at("files")}});
+}
+
+void Session::explain(Request& request) {
+  const auto given = request.parameters.find("sample");
+  if (given != request.parameters.end() && *given == Json(0U))
+    return answer(request, refuse("history.why: sample counts from 1", Code::wrong_parameter));
+  Json goals = Json::array();
+  if (given != request.parameters.end())
+    goals.push_back(to_json(Target{Unit::samples, given->get<uint64_t>() - 1}));
+  seek(request, {{"goals", goals}},
+       [this, goals, signal = request.parameters.at("signal")](const Json&,
+                                                               const std::shared_ptr<Seek>& seek) {
+         const uint64_t now = seek->now.samples;
+         const Json before = goals.empty() && now > 0 ? to_json(Target{Unit::samples, now - 1})
+                             : goals.empty()          ? Json()
+                                                      : goals.at(0);
+         if (before.is_null() || target_in(before).value >= now)
+           return end_seek(*seek, refuse(fmt::format("history.why: there are {} results", now)));
+         ask_past(seek, {{"goal", before}}, why_method, {{"signal", signal}}, {},
+                  [this, seek](Answer answer) { end_seek(*seek, std::move(answer)); });
+       });
 }
 
 void Session::compare(Request& request) {

@@ -29,6 +29,7 @@
 #include "service/picture.h"
 #include "service/recording.h"
 #include "service/search.h"
+#include "service/why.h"
 
 namespace capsoc::service {
 namespace {
@@ -89,7 +90,7 @@ class Muted {
 bool is_of_history(const std::string& method) {
   static const std::set<std::string> all = {leave_method, search_method,  describe_method,
                                             cause_method, picture_method, events_method,
-                                            trace_method};
+                                            trace_method, why_method};
   return all.count(method) > 0;
 }
 
@@ -167,6 +168,8 @@ class Worker {
     if (method == picture_method) return picture(parameters, message.frames);
     if (method == events_method) return events(parameters);
     if (method == trace_method) return trace(parameters);
+    if (method == why_method)
+      return explain_next_result(*board_, parameters.at("signal").get<std::string>());
     if (const BoardVerb* const verb = board_verb(method))
       return perform(*verb, parameters, message.frames);
     return refuse("there is no method " + method, Code::unknown_method);

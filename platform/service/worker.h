@@ -35,10 +35,13 @@ inline constexpr const char* snapshot_method = "worker.snapshot";
 /// with `history`, `told` and frames, or, when the goal is ahead, goes there and answers with
 /// `state`. Construction takes settings, `history` and these frames, and `snapshot`, a number, or
 /// `goal`, which may be a position, too; and `told`, unless the worker is there to look at the past
-/// and say nothing (`for_good`). In one of these search_method takes `what`, `end`, `now`,
-/// `is_first` (search.h), describe_method `what`, cause_method `name`, `since` and `end` (cause.h),
-/// picture_method `one`, another picture, events_method `end` and `kinds` (none: all), trace_method
-/// `end` and `files` (part_traces.h).
+/// and say nothing (`for_good`). In one of these:
+/// - search_method takes `what`, `end`, `now`, `is_first` (search.h);
+/// - describe_method takes `what`, cause_method `name`, `since` and `end` (cause.h);
+/// - picture_method takes `one`, another picture;
+/// - events_method takes `end` and `kinds` (none: all);
+/// - trace_method takes `end` and `files` (part_traces.h);
+/// - why_method takes `signal` (why.h).
 inline constexpr const char* leave_method = "worker.leave";
 inline constexpr const char* search_method = "worker.search";
 inline constexpr const char* describe_method = "worker.describe";
@@ -46,6 +49,7 @@ inline constexpr const char* cause_method = "worker.cause";
 inline constexpr const char* picture_method = "worker.picture";
 inline constexpr const char* events_method = "worker.events";
 inline constexpr const char* trace_method = "worker.trace";
+inline constexpr const char* why_method = "worker.why";
 
 /// The session's end of a worker.
 struct WorkerProcess {

@@ -310,7 +310,7 @@ class Logged(Past):
         *("simulation.interrupt", "simulation.snapshot", "simulation.clone"),
         *("debugger.resume", "debugger.reverse", "debugger.kill"),
         *("history.back", "history.last_write", "history.last_change", "history.diff", "history.timeline"),
-        "history.trace",
+        *("history.trace", "history.why"),
     }
 
     def test_every_method(self):
@@ -418,6 +418,8 @@ class Branches(Past):
             ("history.timeline", {"one": {"time_s": 0}, "kinds": ["nothing"]}),
             ("history.timeline", {"one": {"cycles": 2}, "other": {"cycles": 1}}),
             ("history.trace", {"one": {"time_s": 0}}),
+            ("history.why", {}),
+            ("history.why", {"signal": "nothing"}),
         ):
             with self.subTest(method=method, params=params), self.assertRaises(Refused):
                 self.session(method, simulation=simulation, **params)

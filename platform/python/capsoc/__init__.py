@@ -26,7 +26,7 @@ from .program import find_program
 from .sensor import Harmonic, Sensor
 from .session import Session, replay, run
 from .simulation import Simulation
-from .state import Change, Event, Fault, FunctionCost, Position, Result, Snapshot, State, Stop, Write
+from .state import Change, Event, Fault, FunctionCost, Position, Result, Snapshot, State, Step, Stop, Why, Write
 
 __version__ = "0.1.0"
 
@@ -53,7 +53,9 @@ __all__ = [
     "SimulationOver",
     "Snapshot",
     "State",
+    "Step",
     "Stop",
+    "Why",
     "Write",
     "find_program",
     "replay",

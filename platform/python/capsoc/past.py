@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Union, cast
 
 from .errors import SimulationError
-from .state import Change, Event, FunctionCost, Position, State, Write, given
+from .state import Change, Event, FunctionCost, Position, State, Step, Why, Write, given
 
 if TYPE_CHECKING:
     from .arrays import Outgoing
@@ -150,6 +150,18 @@ class Past:
         asked: dict[str, Any] = {"one": {"time_s": one}, "other": None if other is None else {"time_s": other}}
         asked["kinds"] = None if kinds is None else list(kinds)
         return [Event.of(each) for each in self.call("history.timeline", **given(asked))["events"]]
+
+    def why(self, signal: str, sample: Optional[int] = None) -> Why:
+        """Which values made a signal of the coprocessor in a result, back to the sample and the registers; print it.
+
+        sample: the number of the result; the newest. The simulation stays where it is.
+        """
+        __tracebackhide__ = True
+        answer = self.call("history.why", **given({"signal": signal, "sample": sample}))
+        steps = [
+            Step(**{name: value for name, value in each.items() if name != "is_angle"}) for each in answer["steps"]
+        ]
+        return Why(answer["signal"], answer["sample"], Position.of(answer["position"]), steps, answer["inputs"])
 
     def trace(self, one: float, other: Optional[float] = None, **files: Any) -> list[FunctionCost]:
         """Traces what happened between two times (other: now), whether it was traced then or not. The simulation stays.

@@ -69,6 +69,46 @@ class Write:
 
 
 @dataclass(frozen=True)
+class Step:
+    """A signal of the coprocessor in one result. value: of full scale, degrees for angles, None for flags and counters;
+    word: as its format has it. made_from: other steps and inputs. stage: T0 to T4, or registers."""
+
+    name: str
+    stage: str
+    unit: str
+    word: int
+    made_from: list[str]
+    value: Optional[float] = None
+
+
+@dataclass(frozen=True)
+class Why:
+    """The values that made a signal. steps: the signal first, each before those that it is made from. inputs: the
+    sample's words, and registers as they were when it was taken; None for state without a register."""
+
+    signal: str
+    sample: int
+    position: Position
+    steps: list[Step]
+    inputs: dict[str, Optional[int]]
+
+    def __getitem__(self, name: str) -> Any:
+        """The value of a step, or of an input."""
+        for step in self.steps:
+            if step.name == name:
+                return step.word if step.value is None else step.value
+        return self.inputs[name]
+
+    def __str__(self) -> str:
+        lines = [f"{self.signal} of result {self.sample} at {self.position.time_s:.9g} s"]
+        for step in self.steps:
+            value = f"{step.word:#x}" if step.value is None else f"{step.value:.9g}"
+            lines.append(f"{step.stage:<9} {step.name} = {value}, from {' '.join(step.made_from) or 'nothing'}")
+        lines += [name if value is None else f"{name} = {value:.0f}" for name, value in self.inputs.items()]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
 class FunctionCost:
     """What a function took itself, without what it called."""
 

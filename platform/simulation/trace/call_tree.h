@@ -53,7 +53,7 @@ class CallTree {
   void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how, uint64_t since);
   void returned(const armv7m::Core& core, unsigned exception);
   void started(const armv7m::Core& core);
-  /// The trace begins in the midst of a program, between two instructions. The callers of the
+  /// The trace begins in the middle of a program, between two instructions. The callers of the
   /// function under way are not known, nor what an exception under way interrupted.
   void begin(const armv7m::Core& core);
   /// Ends every frame; nothing may follow.

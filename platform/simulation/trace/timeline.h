@@ -45,7 +45,7 @@ class Timeline {
   void entered(const armv7m::Core& core, unsigned exception, armv7m::Entry how, uint64_t since);
   void returned(const armv7m::Core& core);
   void started(const armv7m::Core& core);
-  /// The trace begins here, in the midst of a program, between two instructions.
+  /// The trace begins here, in the middle of a program, between two instructions.
   void begin(const armv7m::Core& core);
   void sleeps(bool is_asleep);
   void transfer(uint64_t begin_ps, uint64_t end_ps, const BusAccess& access);

@@ -47,7 +47,7 @@ class Tracer : private armv7m::Observer {
                                                 const std::vector<const loader::ElfImage*>& images,
                                                 LineOf line_of);
   ~Tracer() override;
-  /// The simulation stands in the midst of a program, between two instructions: the traces begin
+  /// The simulation stands in the middle of a program, between two instructions: the traces begin
   /// with what is under way there. Not needed before a reset.
   void begin();
   Tracer(const Tracer&) = delete;

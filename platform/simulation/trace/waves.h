@@ -26,7 +26,7 @@ class Waves {
   /// A line's level goes to the file while this is true; what changed meanwhile follows at once.
   void open(bool on, uint64_t picoseconds);
 
-  /// The trace begins here, in the midst of a program that executes this exception's handler (0:
+  /// The trace begins here, in the middle of a program that executes this exception's handler (0:
   /// none).
   void begin(uint64_t picoseconds, unsigned exception);
 
