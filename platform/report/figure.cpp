@@ -51,9 +51,14 @@ Data data_of(const Figure& figure, const std::vector<ResultFile>& results) {
     for (const Mark& mark : data.marks)
       if (!is_there(all.marks, mark)) all.marks.push_back(mark);
     if (data.labels.size() > all.labels.size()) all.labels = std::move(data.labels);
+    if (all.title.empty()) all.title = std::move(data.title);
     if (all.columns.all.empty()) all.columns = std::move(data.columns);
   }
   return all;
+}
+
+const std::string& title_of(const Figure& figure, const Data& data) {
+  return data.title.empty() ? figure.title : data.title;
 }
 
 std::string whole_caption(const Figure& figure) {

@@ -58,6 +58,7 @@ struct Data {
   std::vector<Mark> marks = {};
   std::vector<std::string> labels = {};  ///< of bars
   Columns columns = {};                  ///< the series are two of them, if there are some
+  std::string title = {};                ///< in place of the figure's; "": that is right
 };
 
 /// A declaration.
@@ -84,6 +85,9 @@ const Figure* figure_named(const std::string& name);
 /// What the results together have: with more than one each series is named after its result, too,
 /// and thinned so that the report stays small.
 Data data_of(const Figure& figure, const std::vector<ResultFile>& results);
+
+/// The title of this data.
+const std::string& title_of(const Figure& figure, const Data& data);
 
 /// The caption with the command and the papers' figures.
 std::string whole_caption(const Figure& figure);

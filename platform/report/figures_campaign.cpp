@@ -12,6 +12,34 @@ namespace {
 
 constexpr std::size_t most_metrics = 8;
 
+/// Shares of the runs that are done: those that met each criterion, then those that passed, with
+/// the interval.
+Data yield(const Figure&, const Json& result) {
+  const auto done = number_at(result, {"done"}), share = number_at(result, {"yield"});
+  if (!done || !share || *done <= 0) return {};
+  Data data;
+  Series series{"runs", {}};
+  const auto add = [&](const std::string& name, double value, double low, double high) {
+    series.curve.add(static_cast<double>(data.labels.size()), 100 * value);
+    series.low.push_back(100 * low);
+    series.high.push_back(100 * high);
+    data.labels.push_back(name);
+  };
+  for (const Json* each : elements_at(result, {"criteria"})) {
+    const double met = number_at(*each, {"met"}).value_or(0) / *done;
+    add(text_at(*each, {"name"}), met, met, met);
+  }
+  const auto ends = elements_at(result, {"yield_interval"});
+  const auto end = [&](std::size_t i) {
+    return i < ends.size() ? number_at(*ends[i], {}).value_or(*share) : *share;
+  };
+  add("all of them", *share, end(0), end(1));
+  data.series.push_back(std::move(series));
+  if (const auto wanted = number_at(result, {"least_yield"}))
+    data.marks.push_back({"wanted", 100 * *wanted});
+  return data;
+}
+
 /// "campaign-metric-3" is the third one.
 Data distribution(const Figure& figure, const Json& result) {
   const auto metrics = elements_at(result, {"metrics"});
@@ -25,6 +53,7 @@ Data distribution(const Figure& figure, const Json& result) {
   const bool wide = shown_at(metric, {"histogram", "logarithmic"}) == "true" && *least > 0;
   Data data;
   Series series{text_at(metric, {"name"}), {}};
+  data.title = series.name + ": distribution";
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(bins.size());
     const double from =
@@ -133,6 +162,10 @@ Data any_two(const Figure&, const Json& result) {
 }  // namespace
 
 void add_campaign_figures(std::vector<Figure>& list) {
+  list.push_back({"campaign-yield", "campaign", "Yield", "Runs that met the criteria",
+                  "Of the runs that are done; a line shows the 95 % interval of the yield by "
+                  "Wilson.",
+                  "", "criterion", "runs, %", Kind::bars, false, yield});
   for (std::size_t i = 1; i <= most_metrics; ++i)
     list.push_back({fmt::format("campaign-metric-{}", i), "campaign", "Distributions",
                     fmt::format("Metric {}: distribution", i),

@@ -15,8 +15,10 @@ constexpr const char* arithmetics[] = {"precise", "paper"};
 Data scenarios(const Figure&, const Json& result) {
   Data data;
   for (const char* arithmetic : arithmetics) {
+    const auto runs = elements_at(result, {"arithmetics", arithmetic, "runs"});
+    if (runs.empty()) continue;
     std::vector<double> cycles(data.labels.size(), 0);
-    for (const Json* run : elements_at(result, {"arithmetics", arithmetic, "runs"})) {
+    for (const Json* run : runs) {
       const std::string name = text_at(*run, {"scenario"});
       const auto found = std::find(data.labels.begin(), data.labels.end(), name);
       const auto place = static_cast<std::size_t>(found - data.labels.begin());
@@ -27,7 +29,7 @@ Data scenarios(const Figure&, const Json& result) {
     Series series{arithmetic, {}};
     for (std::size_t i = 0; i < cycles.size(); ++i)
       series.curve.add(static_cast<double>(i), cycles[i]);
-    if (!cycles.empty()) data.series.push_back(std::move(series));
+    data.series.push_back(std::move(series));
   }
   return data;
 }

@@ -2,7 +2,10 @@
 // numbers that the papers print.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 
 #include "report/figure.h"
 
@@ -48,6 +51,43 @@ Data data_of_paper(const Figure& figure, const Json& result) {
           data.marks.push_back(
               {fmt::format("paper{}: {}", mark.name, text_at(*row, {"paper"})), *value});
       }
+  return data;
+}
+
+/// How far a row is from what it should be, as a share of how far it may be; nothing for a row
+/// without a range.
+std::optional<double> part_of_range(const Json& row) {
+  const auto from = number_at(row, {"here_least"}), to = number_at(row, {"here_greatest"});
+  const auto least = number_at(row, {"bound_least"}), greatest = number_at(row, {"bound_greatest"});
+  const auto paper = number_at(row, {"paper_value"}), margin = number_at(row, {"tolerance"});
+  if (!from || !to) return std::nullopt;
+  const auto part = [](double distance, double allowed) {
+    return allowed > 0 ? std::make_optional(distance / allowed) : std::nullopt;
+  };
+  if (margin && paper) return part(std::max({*from - *paper, *paper - *to, 0.0}), *margin);
+  if (least && greatest) {
+    const double middle = (*least + *greatest) / 2;
+    return part(std::max(std::abs(*from - middle), std::abs(*to - middle)),
+                (*greatest - *least) / 2);
+  }
+  if (greatest) return part(std::abs(*to), *greatest);
+  return least && *from > 0 ? part(*least, *from) : std::nullopt;
+}
+
+Data all_rows(const Figure&, const Json& result) {
+  Data data;
+  Series series{"rows", {}};
+  for (const Json* table : elements_at(result, {"tables"}))
+    for (const Json* row : elements_at(*table, {"rows"})) {
+      const auto part = part_of_range(*row);
+      if (!part) continue;
+      series.curve.add(static_cast<double>(data.labels.size()), 100 * *part);
+      data.labels.push_back(
+          fmt::format("{}: {}", text_at(*table, {"id"}), text_at(*row, {"quantity"})));
+    }
+  if (series.curve.x.empty()) return {};
+  data.series.push_back(std::move(series));
+  data.marks.push_back({"allowed", 100});
   return data;
 }
 
@@ -229,6 +269,10 @@ void add_csfn(std::vector<Figure>& list) {
 }  // namespace
 
 void add_reproduce_figures(std::vector<Figure>& list) {
+  list.push_back({"reproduce-rows", "reproduce", "Result", "Every row within its range",
+                  "How far our figure is from the paper's, or from the middle of its range, as a "
+                  "share of how far it may be. Rows without a range are left out.",
+                  "", "row", "of what is allowed, %", Kind::bars, false, all_rows});
   add_soc_simulations(list);
   add_soc_rtl(list);
   add_csfn(list);

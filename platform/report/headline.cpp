@@ -18,10 +18,12 @@ void judge_run(Headline& headline, const Json& result) {
   if (pass == nullptr || !pass->is_boolean()) return;
   if (!pass->get<bool>()) {
     headline.style = "bad";
+    headline.verdict = "no pass";
     headline.sentence = "No pass: " + shown_at(result, {"verdict", "reason"});
     return;
   }
   headline.style = "good";
+  headline.verdict = "pass";
   const auto bound = number_at(result, {"verdict", "bound_deg"});
   headline.sentence =
       bound ? fmt::format("Pass: the angles of the last {} samples are within {:.3g} deg",
@@ -33,6 +35,7 @@ void judge_run(Headline& headline, const Json& result) {
   headline.sentence += conditions;
   if (shown_at(result, {"verdict", "bound_holds"}) != "false") return;
   headline.style = "bad";
+  headline.verdict = "a pass that does not hold";
   const auto error = number_at(result, {"verdict", "largest_error_deg"});
   headline.sentence +=
       fmt::format(". That does not hold: an angle is {:.3g} deg off", error.value_or(0));
@@ -58,6 +61,7 @@ Headline of_run(const Json& result) {
 Headline of_fit(const Json& result) {
   Headline headline;
   headline.style = "good";
+  headline.verdict = "identified";
   const auto bound = number_at(result, {"angle_bound_deg", "total"});
   const auto confidence = number_at(result, {"angle_bound_deg", "confidence"});
   headline.sentence = fmt::format("Identified from {} samples", shown_at(result, {"samples"}));
@@ -68,6 +72,7 @@ Headline of_fit(const Json& result) {
         *bound, 100 * *confidence);
   const std::string warning = text_at(result, {"warning"});
   if (!bound || !warning.empty()) headline.style = "odd";
+  if (!bound) headline.verdict += " without a bound";
   if (!bound)
     headline.sentence += ", without a bound" + (warning.empty() ? "" : ": " + warning);
   else if (!warning.empty())
@@ -75,6 +80,7 @@ Headline of_fit(const Json& result) {
   for (const Json* gate : elements_at(result, {"gates"}))
     if (shown_at(*gate, {"passed"}) == "false") {
       headline.style = "bad";
+      headline.verdict = "refused";
       headline.sentence = "Refused: the gate " + text_at(*gate, {"name"}) + " did not pass";
       break;
     }
@@ -92,6 +98,12 @@ Headline headline_of(const Json& result) {
   const std::string command = command_of(result);
   if (command == "run") return of_run(result);
   if (command == "fit") return of_fit(result);
+  if (command == "campaign") return headline_of_campaign(result);
+  if (command == "regress") return headline_of_regress(result);
+  if (command == "mutation") return headline_of_mutation(result);
+  if (command == "reproduce") return headline_of_reproduce(result);
+  if (command == "accuracy") return headline_of_accuracy(result);
+  if (command == "bench") return headline_of_bench(result);
   return {};
 }
 

@@ -7,32 +7,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <iterator>
+
+#include "report/number_text.h"
 
 namespace capsoc::report {
 namespace {
-
-bool is_number(const std::string& text) {
-  if (text.empty()) return false;
-  if (text == "-") return true;  // none, in a column of numbers
-  char* end = nullptr;
-  std::strtod(text.c_str(), &end);
-  return *end == '\0';
-}
-
-/// Five digits of a fraction that has more than six; whole numbers as they are.
-std::string rounded(const std::string& text) {
-  constexpr int many = 6;
-  const std::size_t mantissa = std::min(text.find_first_of("eE"), text.size());
-  const std::size_t first = text.find_first_of("123456789");
-  if (first == std::string::npos || text.find('.') >= mantissa) return text;
-  const auto digits =
-      std::count_if(text.begin() + static_cast<std::ptrdiff_t>(std::min(first, mantissa)),
-                    text.begin() + static_cast<std::ptrdiff_t>(mantissa),
-                    [](char c) { return c >= '0' && c <= '9'; });
-  return digits <= many ? text : fmt::format("{:.5g}", std::strtod(text.c_str(), nullptr));
-}
 
 void append_numbers(std::string& out, const std::vector<double>& values) {
   out += '[';
@@ -121,7 +101,7 @@ std::string html_of(const Table& table) {
       std::string style = row[column].style;
       if (column < numbers.size() && numbers[column]) style += style.empty() ? "n" : " n";
       const std::string& text = row[column].text;
-      const std::string shown = table.is_exact || !is_number(text) ? text : rounded(text);
+      const std::string shown = table.is_exact || !is_number(text) ? text : shortened(text);
       out += "<td";
       if (!style.empty()) out += " class=\"" + style + "\"";
       if (shown != text) out += " title=\"" + escaped(text) + "\"";
@@ -168,8 +148,8 @@ std::string html_of(const Figure& figure, const Data& data) {
       "read its points, + and - zoom, 0 shows all\" aria-describedby=\"caption-{0}\"></div>\n"
       "<p class=\"readout\" aria-hidden=\"true\"></p>\n{3}"
       "<figcaption id=\"caption-{0}\">{4}</figcaption>\n<div class=\"tools\"></div>\n</figure>\n",
-      figure.name, figure.kind == Kind::points ? " class=\"square\"" : "", escaped(figure.title),
-      legend, escaped(whole_caption(figure)));
+      figure.name, figure.kind == Kind::points ? " class=\"square\"" : "",
+      escaped(title_of(figure, data)), legend, escaped(whole_caption(figure)));
 }
 
 namespace {
@@ -198,8 +178,8 @@ std::string json_of(const Columns& columns) {
 std::string json_of(const Figure& figure, const Data& data) {
   std::string out =
       fmt::format("{{\"title\":{},\"kind\":\"{}\",\"log\":{},\"x\":{},\"y\":{},\"series\":[",
-                  json_text(figure.title), name_of(figure.kind), figure.log, json_text(figure.x),
-                  json_text(figure.y));
+                  json_text(title_of(figure, data)), name_of(figure.kind), figure.log,
+                  json_text(figure.x), json_text(figure.y));
   for (const Series& series : data.series) {
     if (out.back() != '[') out += ',';
     out += "{\"name\":" + json_text(series.name) + ",\"x\":";

@@ -76,6 +76,15 @@ std::string header_of(const std::vector<ResultFile>& results) {
   return out + "</header>\n";
 }
 
+/// Many links are folded, so that the first screen has room for the answer.
+std::string contents_of(const std::string& links, int sections) {
+  constexpr int most = 12;
+  const std::string list = "<ul>\n" + links + "</ul>\n";
+  if (sections <= most) return list;
+  return fmt::format("<details><summary>Contents: {} sections</summary>\n{}</details>\n", sections,
+                     list);
+}
+
 }  // namespace
 
 Page::Page(const std::vector<ResultFile>& results) : results_(results) {
@@ -137,7 +146,7 @@ std::string Page::text() const {
   out += "<title>" + escaped(title_of(results_)) + "</title>\n<style>\n";
   out.append(dygraphs_style).append("\n").append(page_style).append("</style>\n</head>\n");
   out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" + header_of(results_);
-  out += "<nav aria-label=\"Contents\">\n<ul>\n" + contents_ + "</ul>\n</nav>\n";
+  out += "<nav aria-label=\"Contents\">\n" + contents_of(contents_, sections_) + "</nav>\n";
   out += "<main id=\"main\">\n";
   out +=
       "<noscript><p>The plots need a browser with JavaScript; tables and texts do not.</p>"

@@ -110,8 +110,10 @@
       Object.assign(o, { plotter: (event) => bars(event, figure), dateWindow: [-0.6, figure.labels.length - 0.4], includeZero: !log });
       if (figure.series.some((s) => s.high) && !log)
         o.valueRange = [0, 1.05 * Math.max(...figure.series.flatMap((s) => s.high ?? s.y), ...figure.marks.map((m) => m.at))];
+      const room = Math.max(40, Math.min(150, 8 + 7 * Math.max(...figure.labels.map((label) => label.length))));
+      o.axes.x.axisLabelWidth = room;
       o.axes.x.ticker = (a, b, pixels) => {
-        const step = Math.ceil(figure.labels.length * 64 / pixels);
+        const step = Math.ceil(figure.labels.length * room / pixels);
         return figure.labels.flatMap((label, v) => v % step === 0 ? [{ v, label: escaped(label) }] : []);
       };
     }

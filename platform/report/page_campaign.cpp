@@ -2,14 +2,15 @@
 #include <fmt/format.h>
 
 #include "report/html.h"
+#include "report/number_text.h"
 #include "report/page.h"
 
 namespace capsoc::report {
 namespace {
 
-std::string percent(const Json& json, Path path) {
+std::string percent_at(const Json& json, Path path) {
   const auto value = number_at(json, path);
-  return value ? fmt::format("{:.2f} %", 100 * *value) : "-";
+  return value ? percent(*value) : "-";
 }
 
 std::string number(const Json& json, Path path) {
@@ -18,18 +19,12 @@ std::string number(const Json& json, Path path) {
 }
 
 std::string yield_of(const Json& result) {
-  const auto yield = number_at(result, {"yield"}), least = number_at(result, {"least_yield"});
+  std::string out;
   const auto interval = elements_at(result, {"yield_interval"});
-  const bool all = shown_at(result, {"done"}) == shown_at(result, {"runs"});
-  const bool good = all && yield && least && *yield >= *least;
-  std::string out = fmt::format(
-      "<p class=\"{}\">Yield {}: {} of {} runs that are done, of {} in all.</p>\n",
-      good ? "good" : "bad", percent(result, {"yield"}), escaped(shown_at(result, {"passed"})),
-      escaped(shown_at(result, {"done"})), escaped(shown_at(result, {"runs"})));
   if (interval.size() == 2)
     out += paragraph(fmt::format("95 % interval by Wilson: {} to {}; wanted are {}.",
-                                 percent(*interval[0], {}), percent(*interval[1], {}),
-                                 percent(result, {"least_yield"})));
+                                 percent_at(*interval[0], {}), percent_at(*interval[1], {}),
+                                 percent_at(result, {"least_yield"})));
   Table criteria{"Criteria, all of which a run has to meet", {"name", "runs", "expression"}, {}};
   for (const Json* each : elements_at(result, {"criteria"}))
     criteria.rows.push_back(
@@ -84,7 +79,7 @@ std::string dependence_of(const Json& result) {
     const Json* axes = find(*metric, {"sensitivity"});
     if (axes == nullptr || !axes->is_object()) continue;
     for (const auto& [axis, values] : axes->items())
-      table.rows.push_back({text_at(*metric, {"name"}), axis, percent(values, {"share"}),
+      table.rows.push_back({text_at(*metric, {"name"}), axis, percent_at(values, {"share"}),
                             number(values, {"correlation"})});
   }
   return html_of(table);
@@ -124,7 +119,7 @@ constexpr const char* heat_map =
 }  // namespace
 
 void add_campaign_sections(Page& page) {
-  page.add("Yield", page.of_each("campaign", yield_of));
+  page.add("Yield", page.figures_of("campaign", "Yield") + page.of_each("campaign", yield_of));
   if (const std::string groups = page.of_each("campaign", groups_of); !groups.empty())
     page.add("By what", groups);
   page.add("Distributions",

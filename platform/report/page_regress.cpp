@@ -9,12 +9,6 @@ namespace {
 
 constexpr const char* arithmetics[] = {"precise", "paper"};
 
-std::string outcome_of(const Json& result) {
-  const bool differs = shown_at(result, {"difference"}) == "true";
-  return fmt::format("<p class=\"{}\">{}</p>\n", differs ? "bad" : "good",
-                     differs ? "The model and the RTL differ." : "No difference.");
-}
-
 std::string runs_of(const Json& result) {
   std::string out;
   for (const char* arithmetic : arithmetics) {
@@ -117,8 +111,7 @@ void add_regress_sections(Page& page) {
     return page.of_each("regress", piece);
   };
   const auto figures = [&](const char* section) { return page.figures_of("regress", section); };
-  page.add("Result", each(outcome_of));
-  page.add("First difference", each(difference_of) + figures("First difference"));
+  page.add("First difference", figures("First difference") + each(difference_of));
   page.add("Scenarios", figures("Scenarios") + each(runs_of));
   page.add("Functional coverage", each(coverage_of));
   page.add("Coverage of the RTL", figures("Coverage of the RTL") + each(rtl_coverage_of));

@@ -62,6 +62,9 @@ std::string other_rows(const Json& table) {
   if (rows.empty() || !rows.front()->is_object()) return "";
   std::vector<std::string> fields;
   for (const auto& [name, value] : rows.front()->items()) fields.push_back(name);
+  // Next to the name, where it is in view on a narrow screen, too.
+  if (const auto at = std::find(fields.begin(), fields.end(), "verdict"); at != fields.end())
+    std::rotate(std::min(fields.begin() + 1, at), at, at + 1);
   out.head = fields;
   for (const Json* row : rows) {
     std::vector<Cell> cells;
@@ -118,8 +121,10 @@ std::string verdicts_of(const Json& result) {
     for (const Json* table : elements_at(result, {"tables"}))
       for (const Json* row : elements_at(*table, {"rows"}))
         if (text_at(*row, {"verdict"}) == verdict) ++count;
+    // Only what is there is good or bad.
     out.rows.push_back(
-        {{*verdict == '\0' ? "no comparison" : verdict, style_of(verdict)}, std::to_string(count)});
+        {{*verdict == '\0' ? "no comparison" : verdict, count > 0 ? style_of(verdict) : ""},
+         std::to_string(count)});
   }
   return html_of(out) +
          (find(result, {"curves"}) == nullptr
@@ -130,7 +135,8 @@ std::string verdicts_of(const Json& result) {
 }  // namespace
 
 void add_reproduce_sections(Page& page) {
-  page.add("Result", page.of_each("reproduce", verdicts_of));
+  page.add("Result",
+           page.figures_of("reproduce", "Result") + page.of_each("reproduce", verdicts_of));
   add_tables(page, "reproduce", papers_rows);
 }
 

@@ -117,7 +117,7 @@ class Drawing {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" "
         "height=\"{1:g}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\" role=\"img\">\n",
         width, height + legend_row * more_rows);
-    out += "<title>" + escaped(figure_.title) + "</title>\n<desc>" +
+    out += "<title>" + escaped(title_of(figure_, data_)) + "</title>\n<desc>" +
            escaped(whole_caption(figure_)) +
            "</desc>\n<rect width=\"100%\" height=\"100%\" "
            "fill=\"#fff\"/>\n";
@@ -166,7 +166,7 @@ class Drawing {
         "<text transform=\"translate(16 {}) rotate(-90)\" "
         "text-anchor=\"middle\">{}</text>\n",
         (top + height - bottom) / 2, escaped(figure_.y));
-    return out + text(left, 18, figure_.title, " font-size=\"14\" font-weight=\"bold\"");
+    return out + text(left, 18, title_of(figure_, data_), " font-size=\"14\" font-weight=\"bold\"");
   }
 
   std::string series(std::size_t number) const {

@@ -94,6 +94,17 @@ class Seen(ReportCase):
         self.assertEqual(self.browser.console(), [])
         self.assertLessEqual(set(self.browser.requests()), {page.resolve().as_uri()})
 
+    def answer(self):
+        """What the first screen says: the sentence and its style, the figures by label; the drawing is there, too."""
+        found = self.browser.run(
+            """const p = document.querySelector('.answer');
+            return {said: [p.textContent, p.firstChild.className], key: [...document.querySelectorAll('.key div')].map((d) =>
+              [d.querySelector('dt').textContent, d.querySelector('dd').textContent, d.querySelector('dd').title]),
+              plot: document.querySelector('figure .plot').getBoundingClientRect().bottom}"""
+        )
+        self.assertLess(found["plot"], 900)
+        return (*found["said"], {label: (text, exact) for label, text, exact in found["key"]})
+
     def figures(self):
         return self.browser.run("return JSON.parse(document.getElementById('figures').textContent)")
 
@@ -454,9 +465,39 @@ class Campaigns(Seen):
         self.assertEqual(figures["campaign-dependence"]["labels"], ["noise", "bits"])
         self.assertEqual([len(s["x"]) for s in figures["campaign-any-two"]["series"]], [370, 30])
         text = self.browser.run("return document.body.textContent")
-        self.assertIn("Yield 92.50 %: 370 of 400 runs that are done, of 400 in all.", text)
+        self.assertEqual(
+            self.answer(),
+            (
+                "Yield 92.50 %: 370 of 400 runs passed, wanted 50.00 %.",
+                "good",
+                {
+                    "yield": ("92.50 %", "0.925"),
+                    "95 % interval of the yield": ("90.00 to 95.00 %", "0.9 to 0.95"),
+                    "largest error": ("0.99", "0.99"),
+                },
+            ),
+        )
+        self.assertEqual(figures["campaign-yield"]["series"][0]["y"], [92.5, 92.5])
+        self.assertEqual(figures["campaign-yield"]["marks"], [{"label": "wanted", "at": 50}])
+        self.assertEqual(figures["campaign-metric-1"]["title"], "error: distribution")
         self.assertIn("95 % interval by Wilson: 90.00 % to 95.00 %; wanted are 50.00 %.", text)
         self.assertIn("capsoc run -C drawn", text)
+
+    def test_a_yield_that_is_not_reached_names_its_criterion(self):
+        """So does one that is not known, or not yet."""
+        whole = self.campaign(40)
+        for change, said, style in (
+            (
+                {"least_yield": 0.99},
+                "Yield 92.50 %: 37 of 40 runs passed, wanted 99.00 %. The fewest runs meet small: 92.50 %.",
+                "bad",
+            ),
+            ({"runs": 50}, "Yield 92.50 %: 37 of 40 runs passed, wanted 50.00 %. 40 of 50 runs are done.", "odd"),
+            ({"yield": None, "yield_interval": None}, "No run is done.", "odd"),
+        ):
+            with self.subTest(said=said):
+                self.open(self.report({**whole, **change}))
+                self.assertEqual(self.answer()[:2], (said, style))
 
     def test_any_two_columns_are_drawn(self):
         self.open(self.report(self.campaign()))
@@ -610,6 +651,35 @@ class Papers(OfACommand):
         self.check_page(self.html)
         self.assertEqual(self.report(self.json).read_bytes(), self.html.read_bytes())
 
+    def test_its_first_screen_is_the_answer(self):
+        self.open(self.html)
+        rows = [row["verdict"] for table in self.result["tables"] for row in table["rows"]]
+        agree, hold, known = (rows.count(verdict) for verdict in ("agrees", "holds", "known"))
+        said, style, key = self.answer()
+        self.assertEqual(
+            said,
+            f"0 rows differ that should agree: {agree} agree with the papers, {hold} hold, {known} differ for a reason "
+            "that is known.",
+        )
+        self.assertEqual((style, key["rows that hold"]), ("good", (str(hold), f"{hold} of {len(rows)} rows")))
+        parts = self.figures()["reproduce-rows"]["series"][0]["y"]
+        self.assertGreater(len(parts), 150)
+        self.assertLessEqual(max(parts), 100 + 1e-9)
+
+    def test_a_row_that_should_agree_is_named(self):
+        result = json.loads(self.json.read_text())
+        table = result["tables"][0]
+        table["rows"][0].update(verdict="unexpected", here="77", here_least=77, here_greatest=77)
+        del result["curves"]
+        self.open(self.report(result))
+        said, style, _ = self.answer()
+        self.assertIn("1 rows differ that should agree: ", said)
+        self.assertIn(
+            f". The first that should agree: {table['rows'][0]['quantity']} ({table['title']}), here 77.", said
+        )
+        self.assertEqual(style, "bad")
+        self.assertGreater(max(self.figures()["reproduce-rows"]["series"][0]["y"]), 100)
+
     def test_every_figure_with_data_is_there(self):
         self.open(self.html)
         here = set(self.figures())
@@ -721,6 +791,9 @@ class Others(Seen):
         self.done(capsoc("accuracy", "--table", "widths", "--html", page, "--json", result))
         self.check_page(page)
         rows = json.loads(result.read_text())["tables"][0]["rows"]
+        said, _, key = self.answer()
+        self.assertEqual(said, "Rows that miss their bound: 0; 0 of 5 rows have one.")
+        self.assertEqual(key["largest error, precise"][1], f"{rows[0]['precise']!r} deg")
         figure = self.figures()["accuracy-widths"]
         self.assertEqual(figure["labels"], [row["quantity"] for row in rows])
         self.assertEqual(figure["series"][0]["y"], [row["precise"] for row in rows])
@@ -729,7 +802,14 @@ class Others(Seen):
         page, result = self.folder / "b.html", self.folder / "b.json"
         self.done(capsoc("bench", "cpu", FIRMWARE / "bench_crc.elf", "--repeat", "2", "--html", page, "--json", result))
         self.check_page(page)
-        row = json.loads(result.read_text())["tables"][0]["rows"][0]
+        row, mean = json.loads(result.read_text())["tables"][0]["rows"]
+        said, _, key = self.answer()
+        self.assertIn(f"The translator executes {mean['translator_mips']:.0f} million instructions a second", said)
+        self.assertEqual(
+            key["translator, geometric mean"],
+            (f"{mean['translator_mips']:.0f} MIPS", f"{mean['translator_mips']!r} MIPS"),
+        )
+        self.assertIn("slowest run below the best, at most", key)
         blocks = self.figures()["bench-mips"]["series"][0]
         self.assertEqual(
             (blocks["y"][0], blocks["low"][0], blocks["high"][0]), (row["mips"], row["mips_least"], row["mips"])
@@ -758,6 +838,16 @@ class Others(Seen):
         self.check_page(page)
         data = json.loads(result.read_text())
         bins = [hits for group in data["arithmetics"]["precise"]["coverage"].values() for hits in group.values()]
+        runs = data["arithmetics"]["precise"]["runs"]
+        clocks, samples = (sum(run[key] for run in runs) for key in ("cycles", "samples"))
+        hit, all_bins = len(bins) - bins.count(0), len(bins)
+        said, style, key = self.answer()
+        self.assertIn("No difference between the model and the RTL: ", said)
+        self.assertIn(f": {len(runs)} runs, {clocks / 1e6:.2f} million clocks, {samples} samples.", said)
+        self.assertEqual(style, "good")
+        self.assertEqual(key["runs that differ"][0], f"0 of {len(runs)}")
+        self.assertEqual(key["clocks compared"][1], str(clocks))
+        self.assertEqual(key["functional coverage"][0], f"{hit} of {all_bins}")
         shown = self.browser.run(
             "return [document.querySelectorAll('.map li').length, document.querySelectorAll('.map li.bad').length]"
         )
@@ -803,6 +893,15 @@ class Others(Seen):
         rtl = figures["regress-wave-1"]["series"][1]
         self.assertEqual((rtl["x"][0], rtl["y"][rtl["x"].index(-1)], rtl["y"][rtl["x"].index(0)]), (-24, 0.5, 0.25))
         self.assertNotIn("regress-wave-3", figures)
+        said, style, key = self.answer()
+        self.assertEqual(
+            (said, style),
+            (
+                "Difference in scenario random (precise), seed 3, cycle 524: node sine of T2: model 1, RTL 2.",
+                "bad",
+            ),
+        )
+        self.assertEqual((key["runs that differ"][0], key["first difference at clock"][0]), ("1 of 1", "524"))
 
     def test_the_mutation_table(self):
         page = self.report(
@@ -818,6 +917,11 @@ class Others(Seen):
         )
         self.check_page(page)
         self.assertEqual(self.figures()["mutation-score"]["series"][0]["y"], [90])
+        said, style, key = self.answer()
+        self.assertEqual(
+            (said, style), ("The regression kills 90.00 % of the mutants: 9 of 10, wanted 95.00 %.", "bad")
+        )
+        self.assertEqual(key["equivalent mutants"][0], "2")
 
     def test_results_of_several_commands_in_one(self):
         run, fit = self.folder / "run.json", self.folder / "fit.json"
