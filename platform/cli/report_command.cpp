@@ -11,6 +11,7 @@
 #include "host/console.h"
 #include "host/file_uses.h"
 #include "host/files.h"
+#include "report/comparison.h"
 #include "report/page.h"
 #include "report/picture.h"
 #include "results/results.h"
@@ -84,15 +85,45 @@ std::optional<Error> check_data(const ReportArguments& arguments,
       figure.name, figure.command)};
 }
 
+/// What tells the results apart: the files' names, or the paths where these are the same.
+void set_labels(std::vector<report::ResultFile>& results, const std::vector<std::string>& paths) {
+  // Alone it needs no name: then the page is the one that the command itself writes.
+  if (results.size() == 1) results.front().label.clear();
+  if (results.size() != 2 || results[0].label != results[1].label) return;
+  for (std::size_t i = 0; i < 2; ++i)
+    results[i].label = paths[0] == paths[1] ? results[i].label + (i == 0 ? " (A)" : " (B)")
+                                            : printable(paths[i], 200);
+}
+
+/// Files, or two results to compare: one of them is asked for.
+std::optional<Error> check_wanted(const ReportArguments& arguments) {
+  if (arguments.results.empty())
+    return Error{"report needs a RESULT.json that a command wrote by --json; try --help"};
+  if (!arguments.html.empty() || !arguments.plot.empty() || arguments.results.size() == 2)
+    return std::nullopt;
+  return Error{
+      "report: name a place for the page, --html FILE, or for one figure, --figure NAME --plot "
+      "FILE.svg; only two results of one command are compared without these"};
+}
+
+/// What differs between two results of one command, on standard output.
+std::optional<Error> print_comparison(const ReportArguments& arguments,
+                                      const std::vector<report::ResultFile>& results) {
+  if (const auto comparison = report::compared(results)) {
+    host::print("{}", report::text_of(*comparison));
+    return std::nullopt;
+  }
+  if (!arguments.html.empty() || !arguments.plot.empty()) return std::nullopt;
+  return Error{"report: " + report::reason_not_compared(results) +
+               "; --html FILE makes one page of all"};
+}
+
 int report_command(const ReportArguments& arguments) {
   if (arguments.list) {
     list_figures();
     return run::exit_code::pass;
   }
-  if (arguments.results.empty())
-    return refuse("report needs a RESULT.json that a command wrote by --json; try --help");
-  if (arguments.html.empty() && arguments.plot.empty())
-    return refuse("report: name a place, --html FILE or --figure NAME --plot FILE.svg");
+  if (auto error = check_wanted(arguments)) return refuse(error->text);
   if (auto error = check_plot(arguments)) return refuse(error->text);
   if (auto error = check_files(arguments)) return refuse(error->text);
   std::vector<report::ResultFile> results;
@@ -101,9 +132,9 @@ int report_command(const ReportArguments& arguments) {
     if (!result) return refuse(result.error());
     results.push_back(std::move(result.value()));
   }
-  // Alone it needs no name: then the page is the one that the command itself writes.
-  if (results.size() == 1) results.front().label.clear();
+  set_labels(results, arguments.results);
   if (auto error = check_data(arguments, results)) return refuse(error->text);
+  if (auto error = print_comparison(arguments, results)) return refuse(error->text);
   if (!arguments.plot.empty())
     if (auto error = plot(arguments, results)) return refuse(error->text, run::exit_code::lost);
   if (!arguments.html.empty())
@@ -117,10 +148,13 @@ int report_command(const ReportArguments& arguments) {
 void add_report(CLI::App& app, int& code) {
   auto arguments = std::make_shared<ReportArguments>();
   CLI::App* report = app.add_subcommand(
-      "report", "Draw results as one HTML file that a browser shows without a network");
+      "report",
+      "Draw results as one HTML file that a browser shows without a network; of two results of one "
+      "command, print what differs");
   report
-      ->add_option("results", arguments->results,
-                   "Files that commands wrote by --json; several of one command side by side")
+      ->add_option(
+          "results", arguments->results,
+          "Files that commands wrote by --json; of two of one command what differs comes first")
       ->type_name("RESULT.json");
   report->add_option("--html", arguments->html, "Where the report goes")
       ->type_name("FILE")

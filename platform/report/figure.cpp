@@ -40,10 +40,14 @@ Data data_of(const Figure& figure, const std::vector<ResultFile>& results) {
   for (const ResultFile& result : results)
     if (command_of(result.json) == figure.command) having.push_back(&result);
   Data all;
+  std::size_t number = 0;
   for (const ResultFile* result : having) {
     Data data = figure.data(figure, result->json);
     if (having.size() == 1) return data;
+    ++number;
+    std::size_t variant = 0;
     for (Series& series : data.series) {
+      if (having.size() == 2) series.colour = number, series.variant = variant++;
       series.name = series.name + ", " + result->label;
       if (figure.kind == Kind::lines) series.curve = thinned(series.curve, buckets / having.size());
       all.series.push_back(std::move(series));
@@ -55,6 +59,11 @@ Data data_of(const Figure& figure, const std::vector<ResultFile>& results) {
     if (all.columns.all.empty()) all.columns = std::move(data.columns);
   }
   return all;
+}
+
+std::size_t colour_of(const Data& data, std::size_t series) {
+  const std::size_t colour = data.series[series].colour;
+  return (colour > 0 ? colour - 1 : series) % 6;
 }
 
 const std::string& title_of(const Figure& figure, const Data& data) {

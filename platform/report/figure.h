@@ -23,6 +23,8 @@ struct Series {
   std::string name;
   Curve curve;
   std::vector<double> low = {}, high = {};  ///< the spread of bars, one a point, or none
+  std::size_t colour = 0;                   ///< from 1; 0: by its place
+  std::size_t variant = 0;                  ///< tells series of one colour apart: solid, dashed...
 };
 
 /// A level to compare with: the sensor's own value, the number that a paper prints, a bound.
@@ -83,8 +85,11 @@ const std::vector<Figure>& figures();
 const Figure* figure_named(const std::string& name);
 
 /// What the results together have: with more than one each series is named after its result, too,
-/// and thinned so that the report stays small.
+/// and thinned so that the report stays small. Of two results each has one colour.
 Data data_of(const Figure& figure, const std::vector<ResultFile>& results);
+
+/// The number of a series' colour, from 0.
+std::size_t colour_of(const Data& data, std::size_t series);
 
 /// The title of this data.
 const std::string& title_of(const Figure& figure, const Data& data);

@@ -9,8 +9,6 @@ namespace capsoc::report {
 namespace {
 
 constexpr std::size_t most_waves = 8;
-constexpr const char* arithmetics[] = {"precise", "paper"};
-
 /// Clocks by scenario, over all seeds.
 Data scenarios(const Figure&, const Json& result) {
   Data data;

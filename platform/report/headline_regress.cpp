@@ -7,17 +7,15 @@
 namespace capsoc::report {
 namespace {
 
-constexpr const char* both_arithmetics[] = {"precise", "paper"};
-
 /// What all runs compared, and the bins of functional coverage.
-struct Compared {
+struct Totals {
   uint64_t runs = 0, different = 0, bins = 0, hit = 0;
   double cycles = 0, samples = 0;
   const Json* first_difference = nullptr;  ///< the run that has it
   std::string arithmetic;                  ///< of that run
 };
 
-void count_bins(Compared& all, const Json* groups) {
+void count_bins(Totals& all, const Json* groups) {
   if (groups == nullptr || !groups->is_object()) return;
   for (const Json& bins : *groups) {
     if (!bins.is_object()) continue;
@@ -28,9 +26,9 @@ void count_bins(Compared& all, const Json* groups) {
   }
 }
 
-Compared compared_in(const Json& result) {
-  Compared all;
-  for (const char* arithmetic : both_arithmetics) {
+Totals totals_of(const Json& result) {
+  Totals all;
+  for (const char* arithmetic : arithmetics) {
     for (const Json* run : elements_at(result, {"arithmetics", arithmetic, "runs"})) {
       ++all.runs;
       all.cycles += number_at(*run, {"cycles"}).value_or(0);
@@ -49,7 +47,7 @@ Compared compared_in(const Json& result) {
 /// Points of the RTL of one kind that are covered, of those that can be, over both arithmetics.
 void add_rtl_coverage(Headline& headline, const Json& result, const char* kind) {
   double covered = 0, points = 0;
-  for (const char* arithmetic : both_arithmetics)
+  for (const char* arithmetic : arithmetics)
     if (const Json* part = find(result, {"arithmetics", arithmetic, "rtl_coverage", kind})) {
       covered += number_at(*part, {"covered"}).value_or(0);
       points +=
@@ -60,7 +58,7 @@ void add_rtl_coverage(Headline& headline, const Json& result, const char* kind) 
                                 fmt::format("{:.0f} of {:.0f}", covered, points)});
 }
 
-void add_figures(Headline& headline, const Compared& all, const Json& result) {
+void add_figures(Headline& headline, const Totals& all, const Json& result) {
   headline.figures.push_back(
       {"clocks compared", three_digits(all.cycles), fmt::format("{:.0f}", all.cycles)});
   const std::string different = fmt::format("{} of {}", all.different, all.runs);
@@ -77,7 +75,7 @@ void add_figures(Headline& headline, const Compared& all, const Json& result) {
 }  // namespace
 
 Headline headline_of_regress(const Json& result) {
-  const Compared all = compared_in(result);
+  const Totals all = totals_of(result);
   const Json* partial = find(result, {"partial"});
   Headline headline;
   if (all.first_difference != nullptr) {
@@ -111,7 +109,7 @@ Headline headline_of_regress(const Json& result) {
 Headline headline_of_mutation(const Json& result) {
   constexpr double least_score = 0.95;
   double killed = 0, survived = 0, equivalent = 0;
-  for (const char* arithmetic : both_arithmetics) {
+  for (const char* arithmetic : arithmetics) {
     const Json* files = find(result, {"arithmetics", arithmetic, "files"});
     if (files == nullptr || !files->is_object()) continue;
     for (const Json& counts : *files) {

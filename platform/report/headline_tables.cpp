@@ -28,7 +28,7 @@ std::size_t count_of(const std::vector<TableRow>& rows, const std::string& verdi
       [&](const TableRow& each) { return text_at(*each.row, {"verdict"}) == verdict; }));
 }
 
-Headline::Figure counted(const std::string& label, std::size_t count, std::size_t all) {
+Headline::Figure row_count(const std::string& label, std::size_t count, std::size_t all) {
   return {label, fmt::format("{}", count), fmt::format("{} of {} rows", count, all)};
 }
 
@@ -122,9 +122,9 @@ Headline headline_of_reproduce(const Json& result) {
                   headline.verdict, agree, hold, known);
   if (const TableRow* first = first_with(rows, "unexpected"))
     headline.sentence += ". The first that should agree: " + reproduced_name(*first);
-  headline.figures = {counted("rows that agree with the papers", agree, rows.size()),
-                      counted("rows that hold", hold, rows.size()),
-                      counted("rows that differ and should agree", unexpected, rows.size())};
+  headline.figures = {row_count("rows that agree with the papers", agree, rows.size()),
+                      row_count("rows that hold", hold, rows.size()),
+                      row_count("rows that differ and should agree", unexpected, rows.size())};
   return headline;
 }
 
@@ -146,8 +146,8 @@ Headline headline_of_accuracy(const Json& result) {
     headline.sentence +=
         fmt::format(". The first: {} ({}), {:.3g} deg", text_at(*first->row, {"quantity"}),
                     first->table, number_at(*first->row, {"precise"}).value_or(0));
-  headline.figures = {counted("rows within their bound", hold, rows.size()),
-                      counted("rows that miss it", missed, rows.size())};
+  headline.figures = {row_count("rows within their bound", hold, rows.size()),
+                      row_count("rows that miss it", missed, rows.size())};
   add_nearest_bound(headline, rows);
   return headline;
 }

@@ -104,7 +104,8 @@ std::string html_of(const Table& table) {
       const std::string shown = table.is_exact || !is_number(text) ? text : shortened(text);
       out += "<td";
       if (!style.empty()) out += " class=\"" + style + "\"";
-      if (shown != text) out += " title=\"" + escaped(text) + "\"";
+      const std::string& exact = row[column].exact.empty() ? text : row[column].exact;
+      if (shown != exact) out += " title=\"" + escaped(exact) + "\"";
       out += ">" + escaped(shown) + "</td>";
     }
     out += "</tr>\n";
@@ -135,8 +136,8 @@ std::string html_of(const Figure& figure, const Data& data) {
   if (data.series.size() + data.marks.size() > 1 && figure.kind != Kind::lanes) {
     legend = "<ul class=\"legend\">";
     for (std::size_t i = 0; i < data.series.size(); ++i)
-      legend +=
-          fmt::format("<li class=\"line-{}\">{}</li>", i % 6 + 1, escaped(data.series[i].name));
+      legend += fmt::format("<li class=\"line-{} variant-{}\">{}</li>", colour_of(data, i) + 1,
+                            data.series[i].variant % 3, escaped(data.series[i].name));
     for (const Mark& mark : data.marks)
       legend += "<li class=\"mark\">" + escaped(mark.label) + "</li>";
     legend += "</ul>\n";
@@ -192,6 +193,8 @@ std::string json_of(const Figure& figure, const Data& data) {
       out += ",\"high\":";
       append_numbers(out, series.high);
     }
+    if (series.colour > 0)
+      out += fmt::format(",\"colour\":{},\"variant\":{}", series.colour, series.variant);
     out += '}';
   }
   out += "],\"marks\":[";

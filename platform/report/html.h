@@ -17,6 +17,7 @@ std::string escaped(std::string_view text);
 struct Cell {
   std::string text;
   const char* style = "";  ///< "good", "bad", "odd"
+  std::string exact = {};  ///< its title, where the text has not all digits
   Cell(std::string words) : text(std::move(words)) {}
   Cell(const char* words) : text(words) {}
   Cell(std::string words, const char* named) : text(std::move(words)), style(named) {}

@@ -41,12 +41,18 @@ std::string percent(double share) {
   return fmt::format("{:.2f} %", 100 * share);
 }
 
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 std::pair<std::string, std::string> told_apart(double a, double b, int digits) {
   constexpr int all = 17;
   std::pair<std::string, std::string> texts;
   for (; digits <= all; ++digits) {
     texts = {fmt::format("{:.{}g}", a, digits), fmt::format("{:.{}g}", b, digits)};
-    if (texts.first != texts.second) break;
+    const double shown =
+        std::strtod(texts.second.c_str(), nullptr) - std::strtod(texts.first.c_str(), nullptr);
+    if (std::abs(shown - (b - a)) <= std::abs(b - a) / 2) break;
   }
   return texts;
 }

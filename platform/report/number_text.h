@@ -1,6 +1,7 @@
 // Numbers as a reader needs them: the digits that mean something.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -18,7 +19,11 @@ std::string three_digits(double value);
 /// "92.50 %" of 0.925.
 std::string percent(double share);
 
-/// Two different numbers with at least `digits` digits, and with enough to tell them apart.
+/// "1 setting", "2 settings".
+std::string counted(std::size_t count, const char* what);
+
+/// Two different numbers with at least `digits` digits, and with enough for the difference of the
+/// texts to be theirs, give or take a half of it.
 std::pair<std::string, std::string> told_apart(double a, double b, int digits);
 
 }  // namespace capsoc::report

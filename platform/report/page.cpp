@@ -63,8 +63,11 @@ std::string html_of(const Headline& headline) {
   return out + "</dl>\n";
 }
 
-std::string header_of(const std::vector<ResultFile>& results) {
-  std::string out = "<header>\n<h1>" + escaped(title_of(results)) + "</h1>\n";
+std::string header_of(const std::vector<ResultFile>& results,
+                      const std::optional<Comparison>& comparison) {
+  std::string out = "<header>\n<h1>" + escaped(title_of(results)) +
+                    (comparison ? ": two results" : "") + "</h1>\n";
+  if (comparison) return out + html_of(*comparison) + "</header>\n";
   for (const ResultFile& result : results) {
     const auto [style, sentence] = verdict_of(result.json);
     if (results.size() == 1) out += html_of(headline_of(result.json));
@@ -87,22 +90,34 @@ std::string contents_of(const std::string& links, int sections) {
 
 }  // namespace
 
-Page::Page(const std::vector<ResultFile>& results) : results_(results) {
+Page::Page(const std::vector<ResultFile>& results)
+    : results_(results), comparison_(compared(results)) {
   // Room for a run's figures; what is not filled is not there, and growing would copy it.
   constexpr std::size_t much = std::size_t{1} << 20U;
   data_.reserve(much);
 }
 
+std::string Page::place(const Figure& figure) {
+  if (!done_.insert(figure.name).second) return "";
+  const Data data = data_of(figure, results_);
+  if (data.series.empty()) return "";
+  data_.append(data_.empty() ? "" : ",\n").append(json_text(figure.name)).append(":");
+  data_ += json_of(figure, data);
+  return html_of(figure, data);
+}
+
+std::string Page::figure(const std::string& name) {
+  return place(*figure_named(name));
+}
+
+void Page::leave_out(const std::vector<std::string>& figures) {
+  done_.insert(figures.begin(), figures.end());
+}
+
 std::string Page::figures_of(const std::string& command, const std::string& section) {
   std::string out;
-  for (const Figure& figure : figures()) {
-    if (figure.command != command || figure.section != section) continue;
-    const Data data = data_of(figure, results_);
-    if (data.series.empty()) continue;
-    out += html_of(figure, data);
-    data_.append(data_.empty() ? "" : ",\n").append(json_text(figure.name)).append(":");
-    data_ += json_of(figure, data);
-  }
+  for (const Figure& figure : figures())
+    if (figure.command == command && figure.section == section) out += place(figure);
   return out.empty() ? "" : columns(out);
 }
 
@@ -145,7 +160,8 @@ std::string Page::text() const {
   out += "<link rel=\"icon\" href=\"data:,\">\n";
   out += "<title>" + escaped(title_of(results_)) + "</title>\n<style>\n";
   out.append(dygraphs_style).append("\n").append(page_style).append("</style>\n</head>\n");
-  out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" + header_of(results_);
+  out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" +
+         header_of(results_, comparison_);
   out += "<nav aria-label=\"Contents\">\n" + contents_of(contents_, sections_) + "</nav>\n";
   out += "<main id=\"main\">\n";
   out +=
@@ -177,6 +193,7 @@ std::string origin_of(const Json& result) {
 
 std::string page_of(const std::vector<ResultFile>& results) {
   Page page(results);
+  if (page.comparison()) add_comparison_sections(page, *page.comparison());
   for (const Command& command : commands)
     if (any_of(results, command.name)) command.add_sections(page);
   return page.text();

@@ -16,7 +16,9 @@
     return ticks;
   }
   const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
-  const colours = (figure) => figure.series.map((_, i) => colour(`--line-${(i % 6) + 1}`))
+  const line = (s, i) => colour(`--line-${s.colour ?? (i % 6) + 1}`);
+  const dashes = [null, [7, 4], [2, 4]];  // tell lines of one colour apart
+  const colours = (figure) => figure.series.map(line)
     .concat(figure.marks.map(() => colour("--mark")));
 
   // The lines that are drawn: those of the data, then the marks from one end to the other.
@@ -70,12 +72,12 @@
     const zero = log ? bottom : Math.min(bottom, Math.max(area.y, plot.toDomYCoord(0)));
     const room = plot.toDomXCoord(1) - plot.toDomXCoord(0), many = figure.series.length, width = 0.8 * room / many;
     figure.series.forEach((s, i) => {
-      context.fillStyle = context.strokeStyle = colour(`--line-${(i % 6) + 1}`);
+      context.fillStyle = context.strokeStyle = line(s, i);
       s.x.forEach((x, k) => {
         if (s.y[k] === null || (log && s.y[k] === 0)) return;
         const left = plot.toDomXCoord(x) - 0.4 * room + i * width;
         const top = plot.toDomYCoord(log ? Math.abs(s.y[k]) : s.y[k]);
-        context.globalAlpha = s.low ? 0.5 : 1;
+        context.globalAlpha = s.low || s.variant ? 0.5 : 1;
         context.fillRect(left, Math.min(top, zero), Math.max(width - 1, 1), Math.abs(zero - top));
         context.globalAlpha = 1;
         if (s.low) context.fillRect(left + width / 2 - 1, plot.toDomYCoord(s.high[k]), 2,
@@ -98,6 +100,7 @@
     };
     o.axes.y.ticker = log ? decades : Dygraph.numericTicks;
     if (figure.wide) Object.assign(o.axes.x, { logscale: figure.wide[0], ticker: figure.wide[0] ? decades : Dygraph.numericTicks });
+    figure.series.forEach((s, i) => { if (s.variant) o.series[`${i}`] = { strokePattern: dashes[s.variant % 3] }; });
     all.forEach((_, i) => { if (i >= many) o.series[`${i}`] = { strokePattern: [6, 4], strokeWidth: 1.5 }; });
     if (figure.kind === "points") Object.assign(o, { drawPoints: true, strokeWidth: 0, pointSize: 1.3, highlightSeriesOpts: {} });
     if (figure.kind === "lanes") {
@@ -123,8 +126,8 @@
   function csv(figure) {
     const quoted = (text) => /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
     const head = ["series", figure.kind === "bars" ? "name" : figure.x, figure.y].map(quoted).join(",");
-    const line = (s, k) => [quoted(s.name), figure.kind === "bars" ? quoted(figure.labels[s.x[k]] ?? "") : s.x[k], s.y[k] ?? ""].join(",");
-    return [head, ...lines(figure).flatMap((s) => s.x.map((_, k) => line(s, k)))].join("\n") + "\n";
+    const row = (s, k) => [quoted(s.name), figure.kind === "bars" ? quoted(figure.labels[s.x[k]] ?? "") : s.x[k], s.y[k] ?? ""].join(",");
+    return [head, ...lines(figure).flatMap((s) => s.x.map((_, k) => row(s, k)))].join("\n") + "\n";
   }
 
   function element(kind, text, attributes = {}) {

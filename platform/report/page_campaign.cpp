@@ -13,7 +13,7 @@ std::string percent_at(const Json& json, Path path) {
   return value ? percent(*value) : "-";
 }
 
-std::string number(const Json& json, Path path) {
+std::string four_digits(const Json& json, Path path) {
   const auto value = number_at(json, path);
   return value ? fmt::format("{:.4g}", *value) : "-";
 }
@@ -64,9 +64,9 @@ std::string quantiles_of(const Json& result) {
               {}};
   for (const Json* metric : elements_at(result, {"metrics"})) {
     std::vector<Cell> row = {text_at(*metric, {"name"}), shown_at(*metric, {"count"}),
-                             number(*metric, {"summary", "mean"})};
+                             four_digits(*metric, {"summary", "mean"})};
     for (const char* quantile : quantiles)
-      row.emplace_back(number(*metric, {"summary", "quantiles", quantile}));
+      row.emplace_back(four_digits(*metric, {"summary", "quantiles", quantile}));
     row.emplace_back(text_at(*metric, {"expression"}));
     table.rows.push_back(std::move(row));
   }
@@ -80,7 +80,7 @@ std::string dependence_of(const Json& result) {
     if (axes == nullptr || !axes->is_object()) continue;
     for (const auto& [axis, values] : axes->items())
       table.rows.push_back({text_at(*metric, {"name"}), axis, percent_at(values, {"share"}),
-                            number(values, {"correlation"})});
+                            four_digits(values, {"correlation"})});
   }
   return html_of(table);
 }
@@ -90,7 +90,7 @@ std::string examples_of(const Json& result, const char* which) {
   for (const Json* each : elements_at(result, {which})) {
     const std::string name = fmt::format("run {}", shown_at(*each, {"run"}));
     out += paragraph(fmt::format("{}: {} = {}, {}", name, text_at(result, {"worst_metric"}),
-                                 number(*each, {"worst"}), text_at(*each, {"exit"})));
+                                 four_digits(*each, {"worst"}), text_at(*each, {"exit"})));
     out += preformatted("Command of " + name, text_at(*each, {"command"}));
   }
   return out;

@@ -7,8 +7,6 @@
 namespace capsoc::report {
 namespace {
 
-constexpr const char* arithmetics[] = {"precise", "paper"};
-
 std::string runs_of(const Json& result) {
   std::string out;
   for (const char* arithmetic : arithmetics) {

@@ -25,6 +25,13 @@ constexpr std::array<const char*, 6> colours = {"#0550ae", "#bc4c00", "#116329",
 constexpr double legend_row = 18;
 constexpr const char* mark_colour = "#6e7781";
 
+/// What tells lines of one colour apart.
+const char* dashes(const Series& series) {
+  static constexpr std::array<const char*, 3> all = {"", " stroke-dasharray=\"7 4\"",
+                                                     " stroke-dasharray=\"2 4\""};
+  return all.at(series.variant % all.size());
+}
+
 /// Values to places on the paper. Whatever the values, the places are finite.
 class Scale {
  public:
@@ -86,7 +93,7 @@ std::string text(double x, double y, const std::string& words, const char* more 
 }
 
 std::string line(double x1, double y1, double x2, double y2, const char* colour,
-                 const char* more = "") {
+                 const std::string& more = "") {
   return fmt::format(
       "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"{}\"{}/>\n", x1, y1,
       x2, y2, colour, more);
@@ -171,7 +178,7 @@ class Drawing {
 
   std::string series(std::size_t number) const {
     const Series& one = data_.series[number];
-    const char* colour = colours.at(number % colours.size());
+    const char* colour = colours.at(colour_of(data_, number));
     if (figure_.kind == Kind::bars) return bars(number, colour);
     const bool steps = figure_.kind == Kind::steps || figure_.kind == Kind::lanes;
     std::string path;
@@ -195,8 +202,8 @@ class Drawing {
     const bool points = figure_.kind == Kind::points || one.curve.x.size() == 1;
     return fmt::format(
         "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
-        "stroke-linecap=\"round\" stroke-linejoin=\"round\"/>\n",
-        path, colour, points ? "2.2" : "1.2");
+        "stroke-linecap=\"round\" stroke-linejoin=\"round\"{}/>\n",
+        path, colour, points ? "2.2" : "1.2", points ? "" : dashes(one));
   }
 
   std::string bars(std::size_t number, const char* colour) const {
@@ -214,7 +221,7 @@ class Drawing {
           "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
           "fill=\"{}\" fill-opacity=\"{}\"/>\n",
           at, std::min(y, zero), std::max(wide - 1, 0.5), std::abs(zero - y), colour,
-          one.low.empty() ? "1" : "0.5");
+          one.low.empty() && one.variant == 0 ? "1" : "0.5");
       if (i < one.low.size() && i < one.high.size())
         out += line(at + wide / 2, y_.place(one.low[i]), at + wide / 2, y_.place(one.high[i]),
                     colour, " stroke-width=\"2\"");
@@ -228,7 +235,7 @@ class Drawing {
     if (data_.series.size() + data_.marks.size() < 2 || figure_.kind == Kind::lanes) return "";
     std::string out;
     double x = left, y = height - 12;
-    const auto entry = [&](const std::string& name, const char* colour, const char* more) {
+    const auto entry = [&](const std::string& name, const char* colour, const std::string& more) {
       const double wide = 34 + 6.8 * static_cast<double>(name.size());
       if (x > left && x + wide > width) {
         x = left;
@@ -239,7 +246,8 @@ class Drawing {
       x += wide;
     };
     for (std::size_t i = 0; i < data_.series.size(); ++i)
-      entry(data_.series[i].name, colours.at(i % colours.size()), " stroke-width=\"3\"");
+      entry(data_.series[i].name, colours.at(colour_of(data_, i)),
+            std::string(" stroke-width=\"3\"") + dashes(data_.series[i]));
     for (const Mark& mark : data_.marks)
       entry(mark.label, mark_colour, " stroke-width=\"2\" stroke-dasharray=\"6 4\"");
     return out;

@@ -27,6 +27,9 @@ Result<ResultFile> read_result(const std::string& path);
 /// "regress", and "mutation" for what scripts/tool mutation wrote; "" if it is none of these.
 std::string command_of(const Json& json);
 
+/// Of a regression and of the mutation score, in the order of their results.
+inline constexpr const char* arithmetics[] = {"precise", "paper"};
+
 using Path = std::initializer_list<const char*>;
 
 /// What stands there; null if nothing does.

@@ -379,13 +379,6 @@ class Runs(OfACommand):
         again = self.report(self.json)
         self.assertEqual(again.read_bytes(), self.html.read_bytes())
 
-    def test_two_runs_side_by_side(self):
-        other = self.folder / "other.json"
-        self.done(capsoc("run", "-C", "sensor.a1=0.5", "--curves", "--json", other))
-        page = self.report(self.json, other)
-        self.check_page(page)
-        self.assertEqual([s["name"] for s in self.figures()["a1"]["series"]], ["a1, run.json", "a1, other.json"])
-
 
 class Campaigns(Seen):
     """The report of `capsoc campaign`."""
