@@ -23,6 +23,7 @@ constexpr double width = 720, height = 432, left = 82, right = 16, top = 40, bot
 constexpr std::array<const char*, 6> colours = {"#0550ae", "#bc4c00", "#116329",
                                                 "#8250df", "#a40e26", "#4d6a00"};
 constexpr double legend_row = 18;
+constexpr std::size_t longest_label = 18;
 constexpr const char* mark_colour = "#6e7781";
 
 /// What tells lines of one colour apart.
@@ -154,10 +155,11 @@ class Drawing {
         out += text(left - 6, y_.place(static_cast<double>(i) + 0.4) + 4, data_.series[i].name,
                     " text-anchor=\"end\" font-size=\"9\"");
     if (figure_.kind == Kind::bars) {
-      const std::size_t step = data_.labels.size() / 12 + 1;
+      const std::size_t step = label_step();
       for (std::size_t i = 0; i < data_.labels.size(); i += step)
         out += text(x_.place(static_cast<double>(i)), height - bottom + 18,
-                    data_.labels[i].substr(0, 14), " text-anchor=\"middle\" font-size=\"10\"");
+                    data_.labels[i].substr(0, longest_label),
+                    " text-anchor=\"middle\" font-size=\"10\"");
     } else {
       for (const auto& [at, label] : x_.ticks())
         out += line(at, top, at, height - bottom, grid) +
@@ -174,6 +176,16 @@ class Drawing {
         "text-anchor=\"middle\">{}</text>\n",
         (top + height - bottom) / 2, escaped(figure_.y));
     return out + text(left, 18, title_of(figure_, data_), " font-size=\"14\" font-weight=\"bold\"");
+  }
+
+  /// The distance of the labelled bars: no label touches the next one.
+  std::size_t label_step() const {
+    constexpr double letter = 6;
+    std::size_t longest = 0;
+    for (const std::string& label : data_.labels)
+      longest = std::max(longest, std::min(label.size(), longest_label));
+    const double fit = (width - left - right) / (letter * static_cast<double>(longest + 2));
+    return static_cast<std::size_t>(static_cast<double>(data_.labels.size()) / fit) + 1;
   }
 
   std::string series(std::size_t number) const {

@@ -213,7 +213,12 @@ TEST(Comparison, SaysTheSameInTextAndPage) {
 
 TEST(Comparison, OfDamagedResultsHasNoControlCharacters) {
   const Json whole = a_run();
-  const std::string text = whole.dump(2);
+  Json strange = whole;
+  strange["exit"]["reason"] = "\x1b]0;title\x07";
+  strange["exit"]["\x1b[31m"] = "\x1b[0m";
+  strange["configuration"]["cpu.executor"] = {{"unit", "\x1b[1m"}, {"n", 1}};
+  strange["uart0"]["text"] = "hello\npre\x1b[31mcise";
+  const std::string text = strange.dump(2);
   uint64_t compared_files = 0;
   const uint64_t count = test::file_count(1000);
   for (uint64_t number = 0; number < count; ++number) {
