@@ -168,9 +168,8 @@ Headline headline_of_bench(const Json& result) {
   else if (mips)
     headline.sentence = fmt::format(
         "The translator executes {} million instructions a second{}", three_digits(*mips),
-        alone || !ratio
-            ? ". QEMU did not run"
-            : fmt::format(", {:.2f} times as many as QEMU, with the same output", *ratio));
+        alone || !ratio ? ". QEMU did not run"
+                        : fmt::format(", {:.2f} times QEMU's speed, with the same output", *ratio));
   add_speed(headline, mean, "translator, geometric mean", "translator_mips", " MIPS");
   add_speed(headline, mean, "translator / QEMU", "translator_ratio", "");
   add_spread(headline, rows);
