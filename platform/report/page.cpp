@@ -82,7 +82,7 @@ std::string header_of(const std::vector<ResultFile>& results,
 /// Many links are folded, so that the first screen has room for the answer.
 std::string contents_of(const std::string& links, int sections) {
   constexpr int most = 12;
-  const std::string list = "<ul>\n" + links + "</ul>\n";
+  std::string list = "<ul>\n" + links + "</ul>\n";
   if (sections <= most) return list;
   return fmt::format("<details><summary>Contents: {} sections</summary>\n{}</details>\n", sections,
                      list);
