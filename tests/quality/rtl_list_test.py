@@ -1,4 +1,4 @@
-"""rtl/coprocessor.f lists the design: no file of rtl/ is forgotten, none is listed that is not there."""
+"""The lists of rtl/ (design, probe, tops for other buses): no file is forgotten, none is listed that is not there."""
 
 import subprocess
 import tempfile
@@ -31,12 +31,14 @@ class Lists(unittest.TestCase):
     def test_every_file_is_listed(self):
         files = {path.resolve() for path in RTL.rglob("*.sv")}
         self.assertGreater(len(files), 60)
-        known = {*listed(rtl_sources.DESIGN), *listed(rtl_sources.PROBE), *of_proofs()}
-        self.assertEqual(sorted(files - known), [], "in no list: add it to rtl/coprocessor.f, or to its probe or proof")
+        lists = (rtl_sources.DESIGN, rtl_sources.PROBE, rtl_sources.WRAPPERS)
+        known = {*(file for name in lists for file in listed(name)), *of_proofs()}
+        message = "in no list: add it to rtl/coprocessor.f, to rtl/wrappers.f, or to its probe or proof"
+        self.assertEqual(sorted(files - known), [], message)
         self.assertEqual(sorted(known - files), [], "in a list and not in rtl/")
 
     def test_no_file_is_listed_twice(self):
-        for name in (rtl_sources.DESIGN, rtl_sources.PROBE):
+        for name in (rtl_sources.DESIGN, rtl_sources.PROBE, rtl_sources.WRAPPERS):
             self.assertEqual(len(listed(name)), len(set(listed(name))), name)
 
     def test_the_design_is_the_top_folder(self):

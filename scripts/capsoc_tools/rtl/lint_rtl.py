@@ -3,7 +3,8 @@
 usage: lint_rtl [-h]
 
 verilator --lint-only -Wall and yosys for the top in both arithmetics, iverilog -g2012 -Wall (compile only); verilator
-for the probe with its nodes, too. Status 0: silence; 1: the messages are printed; 2: a tool is missing.
+for the probe with its nodes, too. The same three for the tops of rtl/wrappers; of these, yosys also says whether a path
+leads from an input to an output of the bus. Status 0: silence; 1: the messages are printed; 2: a tool is missing.
 """
 
 import re
@@ -13,11 +14,17 @@ import sys
 import tempfile
 from pathlib import Path
 
-from capsoc_tools.rtl.sources import DESIGN, PROBE, ROOT, RTL, RtlError, generate, read_list
+from capsoc_tools.rtl.sources import DESIGN, PROBE, ROOT, RTL, WRAPPERS, RtlError, generate, read_list
 
 WAIVERS = RTL / "lint" / "verilator.vlt"
 TOP = "coprocessor"
 PROBE_TOP = "coprocessor_probe"
+# The tops of rtl/wrappers, and their outputs that registers alone must determine: IHI 0022E, A3.1.1, allows no other
+# path in AXI; in AHB-Lite one to HREADYOUT would lead through HREADY of the bus.
+WRAPPER_TOPS = {
+    "capsoc_coprocessor_ahb_lite": (3, "o:hreadyout_o o:hresp_o o:hrdata_o"),
+    "capsoc_coprocessor_axi4_lite": (8, "o:awready_o o:wready_o o:b*_o o:arready_o o:r*_o"),
+}
 
 # Icarus 11 says so of every constant bit select in always_comb: the process is then sensitive to the
 # whole vector, which costs time and changes nothing.
@@ -80,6 +87,19 @@ def checks(files, probe, folder):
         )
 
 
+def wrapper_checks(files):
+    """The arithmetic is inside and read above: one of them is enough."""
+    names = [str(path) for path in files]
+    for top, (count, outputs) in WRAPPER_TOPS.items():
+        verilator = ["verilator", "--lint-only", "-Wall", "--top-module", top, str(WAIVERS), *names]
+        yield f"verilator, {top}", verilator, None
+        script = f"read_verilog -sv {' '.join(names)}; hierarchy -check -top {top}; proc; check -assert; flatten; "
+        script += f"opt_clean; select -set outputs {outputs}; select -assert-count {count} @outputs; "
+        script += "select -assert-none @outputs %ci*:-$dff,$adff i:* %i"
+        yield f"yosys, {top}", ["yosys", "-q", "-p", script], None
+        yield f"iverilog, {top}", ["iverilog", "-g2012", "-Wall", "-s", top, "-t", "null", *names], ICARUS_NOTE
+
+
 def main(arguments):
     if arguments:
         print(__doc__.strip(), file=sys.stderr if arguments != ["-h"] else sys.stdout)
@@ -96,7 +116,8 @@ def main(arguments):
         except RtlError as error:
             print(f"lint_rtl: {error}", file=sys.stderr)
             return 2
-        for name, command, ignore in checks(files, probe, folder):
+        wrapped = wrapper_checks([*files, *read_list(RTL / WRAPPERS)])
+        for name, command, ignore in (*checks(files, probe, folder), *wrapped):
             lines = said(command, ignore)
             print(f"{name}: {len(lines)} lines" if lines else f"{name}: clean")
             print("".join(f"  {line}\n" for line in lines), end="")

@@ -1,6 +1,7 @@
 """The coprocessor's SystemVerilog in the order in which tools read it.
 
-rtl/coprocessor.f lists the design, rtl/probe.f the probe around it. cmake/rtl_list.cmake is the reader for CMake.
+rtl/coprocessor.f lists the design, rtl/wrappers.f its tops for other buses, rtl/probe.f the probe around it.
+cmake/rtl_list.cmake is the reader for CMake.
 """
 
 import subprocess
@@ -12,6 +13,7 @@ RTL = ROOT / "rtl"
 TOOL = ROOT / "scripts" / "tool"
 DESIGN = "coprocessor.f"
 PROBE = "probe.f"
+WRAPPERS = "wrappers.f"
 REGISTERS = ROOT / "models" / "registers" / "capsoc.svd"
 NODES = ROOT / "models" / "coprocessor" / "nodes.def"
 

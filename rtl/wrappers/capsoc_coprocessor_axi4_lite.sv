@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The self-calibration coprocessor (coprocessor.sv) as an AXI4-Lite subordinate with a sample port. ACLK is its clock.
+//
+// Bus: capsoc_axi4_lite_to_apb.sv says latency, lanes and errors. Registers are written by whole words: fewer strobes are
+// SLVERR. A write acts at the edge that raises BVALID. A read shows what the edge before the one that raises RVALID left.
+module capsoc_coprocessor_axi4_lite #(
+  parameter int Paper         = 0,   // 0: arithmetic `precise`, 1: `paper`
+  parameter int OperandBits   = 32,  // paper: width of the arctangent's operands, 2..32
+  parameter int ReferenceLead = 0,   // paper: samples by which the reference leads the data
+  parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
+  parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
+  parameter int Harmonics     = 1    // precise: harmonic correction, CTRL.CORRECT and CORRECTION
+) (
+  input  logic        aclk_i,
+  input  logic        aresetn_i,
+  // AXI4-Lite
+  input  logic        awvalid_i,
+  output logic        awready_o,
+  input  logic [11:0] awaddr_i,
+  input  logic [2:0]  awprot_i,
+  input  logic        wvalid_i,
+  output logic        wready_o,
+  input  logic [31:0] wdata_i,
+  input  logic [3:0]  wstrb_i,
+  output logic        bvalid_o,
+  input  logic        bready_i,
+  output logic [1:0]  bresp_o,
+  input  logic        arvalid_i,
+  output logic        arready_o,
+  input  logic [11:0] araddr_i,
+  input  logic [2:0]  arprot_i,
+  output logic        rvalid_o,
+  input  logic        rready_i,
+  output logic [31:0] rdata_o,
+  output logic [1:0]  rresp_o,
+  // ADC stream
+  input  logic        sample_valid_i,
+  input  logic [31:0] sample_u_i,
+  input  logic [31:0] sample_v_i,
+  input  logic        sample_clip_i,
+  output logic        sample_ready_o,  // a sample of this interval will be latched
+  output logic        irq_o,
+  output logic        idle_o           // nothing changes at the coming edge of itself
+);
+
+  logic        psel, penable, pwrite, pready, pslverr;
+  logic [11:0] paddr;
+  logic [31:0] pwdata, prdata;
+  logic [3:0]  pstrb;
+
+  capsoc_axi4_lite_to_apb u_bus (
+    .aclk_i, .aresetn_i,
+    .awvalid_i, .awready_o, .awaddr_i, .awprot_i, .wvalid_i, .wready_o, .wdata_i, .wstrb_i, .bvalid_o, .bready_i, .bresp_o,
+    .arvalid_i, .arready_o, .araddr_i, .arprot_i, .rvalid_o, .rready_i, .rdata_o, .rresp_o,
+    .psel_o          (psel),
+    .penable_o       (penable),
+    .pwrite_o        (pwrite),
+    .paddr_o         (paddr),
+    .pwdata_o        (pwdata),
+    .pstrb_o         (pstrb),
+    .pready_i        (pready),
+    .prdata_i        (prdata),
+    .pslverr_i       (pslverr)
+  );
+
+  coprocessor #(
+    .Paper           (Paper),
+    .OperandBits     (OperandBits),
+    .ReferenceLead   (ReferenceLead),
+    .StepShift       (StepShift),
+    .PlainArctangent (PlainArctangent),
+    .Block           (Block),
+    .Harmonics       (Harmonics)
+  ) u_coprocessor (
+    .pclk_i          (aclk_i),
+    .presetn_i       (aresetn_i),
+    .psel_i          (psel),
+    .penable_i       (penable),
+    .pwrite_i        (pwrite),
+    .paddr_i         (paddr),
+    .pwdata_i        (pwdata),
+    .pstrb_i         (pstrb),
+    .pready_o        (pready),
+    .prdata_o        (prdata),
+    .pslverr_o       (pslverr),
+    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i, .sample_ready_o, .irq_o, .idle_o
+  );
+
+endmodule
