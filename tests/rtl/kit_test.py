@@ -13,6 +13,8 @@ from capsoc_tools.rtl.sources import REGISTERS
 from harness import CLEAN, SOURCE, Case
 
 CTEST = {"name": "rtl: kit", "whole": True, "timeout": 200}
+COMPONENTS = {"default": "capsoc_coprocessor", "ahb_lite": "capsoc_coprocessor_ahb_lite"}
+COMPONENTS["axi4_lite"] = "capsoc_coprocessor_axi4_lite"
 SPACE = {"x": "http://www.accellera.org/XMLSchema/IPXACT/1685-2014"}
 # The commands of the constraints, as a tool for timing has them, in the Tcl of yosys: what they name must be a port.
 READER = """
@@ -31,7 +33,7 @@ proc create_clock args {puts "clock [lindex $args end]"}
 proc set_false_path args {puts "false [lindex $args end]"}
 proc set_input_delay args {puts "input [lindex $args end]"}
 proc set_output_delay args {puts "output [lindex $args end]"}
-source coprocessor.sdc
+source %s.sdc
 """
 
 
@@ -41,29 +43,39 @@ class Kit(Case):
         done = self.run_tool(SOURCE / "scripts" / "tool", "rtl_kit", ".")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.core = yaml.safe_load((self.folder / "capsoc_coprocessor.core").read_text().split("\n", 1)[1])
-        self.component = ElementTree.parse(self.folder / "capsoc_coprocessor.xml").getroot()
+        self.components = {
+            target: ElementTree.parse(self.folder / f"{name}.xml").getroot() for target, name in COMPONENTS.items()
+        }
+        self.assertEqual(set(self.core["targets"]), set(COMPONENTS))
+
+    def each_target(self):
+        """(its part of the core file, its component of IP-XACT) of each target."""
+        return [(self.core["targets"][target], component) for target, component in self.components.items()]
+
+    def files_of(self, target):
+        return [name for part in target["filesets"] for name in self.core["filesets"][part]["files"]]
 
     def run_tool(self, *command):
         return subprocess.run(command, capture_output=True, text=True, check=False, cwd=self.folder, env=CLEAN)
 
-    def words(self, path):
-        return [each.text for each in self.component.iterfind(path, SPACE)]
+    @staticmethod
+    def words(component, path):
+        return [each.text for each in component.iterfind(path, SPACE)]
 
     def test_yosys_reads_the_core_files_list(self):
         first = (self.folder / "capsoc_coprocessor.core").read_text().split("\n", 1)[0]
         self.assertEqual(first, "CAPI=2:")
-        target = self.core["targets"]["default"]
-        files = [name for part in target["filesets"] for name in self.core["filesets"][part]["files"]]
-        self.assertTrue(all((self.folder / name).is_file() for name in files), files)
-        sources = " ".join(name for name in files if name.endswith(".sv"))
-        parameters = " ".join(
-            f"-set {name} {self.core['parameters'][name]['default']}" for name in target["parameters"]
-        )
-        top = target["toplevel"]
-        done = self.run_tool(
-            "yosys", "-q", "-p", f"read_verilog -sv {sources}; chparam {parameters} {top}; hierarchy -check -top {top}"
-        )
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        for target, _ in self.each_target():
+            files = self.files_of(target)
+            self.assertTrue(all((self.folder / name).is_file() for name in files), files)
+            sources = " ".join(name for name in files if name.endswith(".sv"))
+            parameters = " ".join(
+                f"-set {name} {self.core['parameters'][name]['default']}" for name in target["parameters"]
+            )
+            top = target["toplevel"]
+            read = f"read_verilog -sv {sources}; chparam {parameters} {top}; hierarchy -check -top {top}"
+            done = self.run_tool("yosys", "-q", "-p", read)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_every_file_names_its_licence(self):
         for file in self.folder.iterdir():
@@ -71,37 +83,51 @@ class Kit(Case):
                 self.assertIn("SPDX-License-Identifier: Apache-2.0", file.read_text()[:300], file.name)
 
     def test_ip_xact_is_of_the_one_description(self):
-        done = self.run_tool("xmllint", "--noout", "--nonet", "capsoc_coprocessor.xml")
-        self.assertEqual(done.returncode, 0, done.stderr)
         peripheral = next(each for each in read_device(REGISTERS).peripherals if each.name == "COPROCESSOR")
-        registers = self.component.findall(".//x:register", SPACE)
-        self.assertEqual(
-            [each.find("x:name", SPACE).text for each in registers], [r.name for r in peripheral.registers]
-        )
-        for register, described in zip(registers, peripheral.registers):
-            number = register.find("x:addressOffset", SPACE).text
-            self.assertEqual(int(number.removeprefix("'h"), 16), described.offset)
-            reset = 0
-            for part in register.iterfind("x:field", SPACE):
-                value = part.find("x:resets/x:reset/x:value", SPACE).text
-                reset |= int(value.removeprefix("'h"), 16) << int(part.find("x:bitOffset", SPACE).text)
-            self.assertEqual(reset, described.reset, described.name)
+        for target, component in self.each_target():
+            done = self.run_tool(
+                "xmllint", "--noout", "--nonet", f"capsoc_{target['toplevel'].removeprefix('capsoc_')}.xml"
+            )
+            self.assertEqual(done.returncode, 0, done.stderr)
+            registers = component.findall(".//x:register", SPACE)
+            self.assertEqual(
+                [each.find("x:name", SPACE).text for each in registers], [r.name for r in peripheral.registers]
+            )
+            for register, described in zip(registers, peripheral.registers):
+                number = register.find("x:addressOffset", SPACE).text
+                self.assertEqual(int(number.removeprefix("'h"), 16), described.offset)
+                reset = 0
+                for part in register.iterfind("x:field", SPACE):
+                    value = part.find("x:resets/x:reset/x:value", SPACE).text
+                    reset |= int(value.removeprefix("'h"), 16) << int(part.find("x:bitOffset", SPACE).text)
+                self.assertEqual(reset, described.reset, described.name)
 
     def test_bus_and_ports_are_the_top_modules(self):
-        names = self.words(".//x:model/x:ports/x:port/x:name")
-        text = (self.folder / "coprocessor.sv").read_text()
-        head = text[: text.index("\n);")]
-        self.assertEqual(names, re.findall(r"^  (?:input|output) +logic .*?(\w+_[io]),?(?: |$)", head, re.M))
-        self.assertTrue(set(self.words(".//x:physicalPort/x:name")) <= set(names))
-        self.assertEqual(self.words(".//x:parameters/x:parameter/x:name"), list(self.core["parameters"]))
+        for target, component in self.each_target():
+            names = self.words(component, ".//x:model/x:ports/x:port/x:name")
+            text = (self.folder / f"{target['toplevel']}.sv").read_text()
+            head = text[: text.index("\n);")]
+            self.assertEqual(names, re.findall(r"^  (?:input|output) +logic .*?(\w+_[io]),?(?: |$)", head, re.M))
+            # All ports but those of samples and interrupt are the bus's.
+            others = [name for name in names if name.startswith(("sample_", "irq_", "idle_"))]
+            mapped = self.words(component, ".//x:physicalPort/x:name")
+            self.assertEqual(sorted(mapped + others), sorted(names))
+            self.assertEqual(
+                [name.lower().removesuffix("x") for name in self.words(component, ".//x:logicalPort/x:name")],
+                [name[:-2] for name in mapped],
+            )
+            self.assertEqual(self.words(component, ".//x:parameters/x:parameter/x:name"), list(self.core["parameters"]))
+            listed = self.words(component, ".//x:fileSet/x:file/x:name")
+            self.assertEqual(listed, [name for name in self.files_of(target) if name.endswith(".sv")])
 
     def test_constraints_name_ports_of_the_design_and_leave_none_out(self):
-        ports = self.words(".//x:model/x:ports/x:port/x:name")
-        (self.folder / "check.tcl").write_text(READER % " ".join(ports))
-        done = self.run_tool("yosys", "-q", "-c", "check.tcl")
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        constrained = {name for line in done.stdout.splitlines() for name in line.split()[1:]}
-        self.assertEqual(constrained, set(ports))
+        for target, component in self.each_target():
+            ports = self.words(component, ".//x:model/x:ports/x:port/x:name")
+            (self.folder / "check.tcl").write_text(READER % (" ".join(ports), target["toplevel"]))
+            done = self.run_tool("yosys", "-q", "-c", "check.tcl")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            constrained = {name for line in done.stdout.splitlines() for name in line.split()[1:]}
+            self.assertEqual(constrained, set(ports))
 
 
 if __name__ == "__main__":

@@ -2,13 +2,12 @@
 
 usage: rtl_kit FOLDER
 
-Writes into FOLDER:
-- the SystemVerilog, with the generated files
-- capsoc_coprocessor.core (CAPI 2: the files in reading order, the parameters)
-- capsoc_coprocessor.xml (IP-XACT, IEEE 1685-2014: bus interface, ports, registers as models/registers/capsoc.svd
-  describes them)
-- coprocessor.sdc
-
+FOLDER gets the SystemVerilog, with what scripts generate, and next to it:
+- capsoc_coprocessor.core, CAPI 2: the files in reading order, the parameters, a target for each top:
+  default (APB), ahb_lite, axi4_lite
+- IP-XACT (IEEE 1685-2014) of each top, as capsoc_coprocessor.xml: bus interface, ports, registers as
+  models/registers/capsoc.svd describes them
+- constraints of each top, as coprocessor.sdc
 A file whose content would not change is left alone.
 
 Status 0: written; 2: something is missing, and one sentence says what.
@@ -19,15 +18,13 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
-from xml.sax.saxutils import escape
 
 from capsoc_tools.generate.output import SourceError, write_if_changed
 from capsoc_tools.generate.registers import read_device
-from capsoc_tools.rtl.sources import REGISTERS, RTL, RtlError, sources
+from capsoc_tools.rtl.ip_xact import LICENCE, PERIPHERAL, Bus, Top, ip_xact_text
+from capsoc_tools.rtl.sources import REGISTERS, RTL, WRAPPERS, RtlError, read_list, sources
 
-LICENCE = "SPDX-License-Identifier: Apache-2.0"
-CORE, IP_XACT, CONSTRAINTS = "capsoc_coprocessor.core", "capsoc_coprocessor.xml", "coprocessor.sdc"
-PERIPHERAL, TOP = "COPROCESSOR", "coprocessor"
+CORE = "capsoc_coprocessor.core"
 APB = {
     "PCLK": "pclk_i",
     "PRESETn": "presetn_i",
@@ -41,15 +38,63 @@ APB = {
     "PRDATA": "prdata_o",
     "PSLVERR": "pslverr_o",
 }
+AHB_LITE = {
+    "HCLK": "hclk_i",
+    "HRESETn": "hresetn_i",
+    "HSELx": "hsel_i",
+    "HADDR": "haddr_i",
+    "HWRITE": "hwrite_i",
+    "HTRANS": "htrans_i",
+    "HSIZE": "hsize_i",
+    "HREADY": "hready_i",
+    "HWDATA": "hwdata_i",
+    "HREADYOUT": "hreadyout_o",
+    "HRDATA": "hrdata_o",
+    "HRESP": "hresp_o",
+}
+AXI4_LITE = {
+    "ACLK": "aclk_i",
+    "ARESETn": "aresetn_i",
+    "AWVALID": "awvalid_i",
+    "AWREADY": "awready_o",
+    "AWADDR": "awaddr_i",
+    "AWPROT": "awprot_i",
+    "WVALID": "wvalid_i",
+    "WREADY": "wready_o",
+    "WDATA": "wdata_i",
+    "WSTRB": "wstrb_i",
+    "BVALID": "bvalid_o",
+    "BREADY": "bready_i",
+    "BRESP": "bresp_o",
+    "ARVALID": "arvalid_i",
+    "ARREADY": "arready_o",
+    "ARADDR": "araddr_i",
+    "ARPROT": "arprot_i",
+    "RVALID": "rvalid_o",
+    "RREADY": "rready_i",
+    "RDATA": "rdata_o",
+    "RRESP": "rresp_o",
+}
+# By target of the core file: the top's module, the folder of rtl/ that has it, its bus.
+TOPS = {
+    "default": ("coprocessor", "", Bus("apb", "AMBA4", "APB4", "r0p0_0", APB)),
+    "ahb_lite": ("capsoc_coprocessor_ahb_lite", "wrappers", Bus("ahb_lite", "AMBA3", "AHBLite", "r2p0_0", AHB_LITE)),
+    "axi4_lite": (
+        "capsoc_coprocessor_axi4_lite",
+        "wrappers",
+        Bus("axi4_lite", "AMBA4", "AXI4-Lite", "r0p0_0", AXI4_LITE),
+    ),
+}
 PORT = re.compile(r"^  (input|output)\s+logic\s+(?:\[(\d+):(\d+)\])?\s*(\w+),?\s*(?://.*)?$", re.M)
 PARAMETER = re.compile(r"^  parameter int (\w+)\s*= (\d+),?\s*//\s*(.*)$", re.M)
 
 
-def interface(text):
-    """(ports, parameters) of the top module: (direction, left, right, name) and (name, value, meaning)."""
-    head = text[: text.index(");", text.index(f"module {TOP}"))]
+def read_top(module, folder, bus):
+    """The top `module` as its file in `folder` of rtl/ declares it."""
+    text = (RTL / folder / f"{module}.sv").read_text(encoding="utf-8")
+    head = text[: text.index(");", text.index(f"module {module}"))]
     ports = [(direction, int(left or 0), int(right or 0), name) for direction, left, right, name in PORT.findall(head)]
-    return ports, PARAMETER.findall(head)
+    return Top(module, bus, ports, PARAMETER.findall(head))
 
 
 def version_of(peripheral):
@@ -57,157 +102,49 @@ def version_of(peripheral):
     return f"{word >> 16}.{word & 0xFFFF}"
 
 
-def core_text(names, parameters, version):
+def core_text(names, wrappers, tops, version):
+    """`names`, `wrappers`: files in reading order; `tops`: by target. All have the parameters of the first."""
+    parameters = tops["default"].parameters
     lines = [
         "CAPI=2:",
         f"# {LICENCE}",
         f"name: capsoc:ip:coprocessor:{version}.0",
-        "description: Self-calibration coprocessor for quadrature angle sensors (APB)",
+        "description: Self-calibration coprocessor for quadrature angle sensors (APB, AHB-Lite, AXI4-Lite)",
         "filesets:",
-        "  rtl:",
-        "    files:",
-        *(f"      - {name}" for name in names),
-        "    file_type: systemVerilogSource",
-        "  constraints:",
-        "    files:",
-        f"      - {CONSTRAINTS}",
-        "    file_type: SDC",
-        "parameters:",
     ]
+    sets = {"rtl": (names, "systemVerilogSource"), "wrappers": (wrappers, "systemVerilogSource")}
+    sets |= {f"constraints_{target}": ([f"{top.name}.sdc"], "SDC") for target, top in tops.items()}
+    for fileset, (files, kind) in sets.items():
+        lines += [f"  {fileset}:", "    files:", *(f"      - {name}" for name in files), f"    file_type: {kind}"]
+    lines.append("parameters:")
     for name, value, meaning in parameters:
         lines += [f"  {name}:", f"    datatype: int\n    default: {value}\n    paramtype: vlogparam"]
         lines.append(f'    description: "{meaning}"')
-    lines += ["targets:", "  default:", "    filesets: [rtl, constraints]", f"    toplevel: {TOP}"]
-    lines.append(f"    parameters: [{', '.join(name for name, _, _ in parameters)}]")
+    lines.append("targets:")
+    for target, top in tops.items():
+        filesets = ["rtl", *([] if target == "default" else ["wrappers"]), f"constraints_{target}"]
+        lines += [f"  {target}:", f"    filesets: [{', '.join(filesets)}]", f"    toplevel: {top.name}"]
+        lines.append(f"    parameters: [{', '.join(name for name, _, _ in parameters)}]")
     return "\n".join(lines) + "\n"
-
-
-def element(tag, *inside):
-    """A text of IP-XACT: what is inside is elements, or a word."""
-    tag = f"ipxact:{tag}"
-    if len(inside) == 1 and not inside[0].startswith("<"):
-        return f"<{tag}>{escape(inside[0])}</{tag}>"
-    return f"<{tag}>\n" + "\n".join(inside) + f"\n</{tag}>"
-
-
-def access_of(part):
-    return element("access", part.access)
-
-
-def field_text(part):
-    inside = [element("name", part.name), element("description", part.description)]
-    inside += [element("bitOffset", str(part.low)), element("bitWidth", str(part.high - part.low + 1)), access_of(part)]
-    if part.one_to_clear:
-        inside.append(element("modifiedWriteValue", "oneToClear"))
-    return element("field", *inside)
-
-
-def register_text(register):
-    inside = [element("name", register.name), element("description", register.description)]
-    inside += [element("addressOffset", f"'h{register.offset:X}"), element("size", "32"), access_of(register)]
-    if not register.fields:  # the standard wants one: the whole word
-        word = [element("name", "VALUE"), element("bitOffset", "0")]
-        word.append(element("resets", element("reset", element("value", f"'h{register.reset:X}"))))
-        inside.append(element("field", *word, element("bitWidth", "32"), access_of(register)))
-    for part in register.fields:
-        text = field_text(part)
-        reset = (register.reset >> part.low) & ((1 << (part.high - part.low + 1)) - 1)
-        resets = element("resets", element("reset", element("value", f"'h{reset:X}")))
-        inside.append(text.replace("<ipxact:bitWidth>", resets + "\n<ipxact:bitWidth>", 1))
-    return element("register", *inside)
-
-
-def port_text(port):
-    direction, left, right, name = port
-    wire = [element("direction", direction.removesuffix("put"))]
-    if left != right:
-        wire.append(element("vectors", element("vector", element("left", str(left)), element("right", str(right)))))
-    return element("port", element("name", name), element("wire", *wire))
-
-
-def bus_text():
-    maps = [
-        element(
-            "portMap",
-            element("logicalPort", element("name", logical)),
-            element("physicalPort", element("name", physical)),
-        )
-        for logical, physical in APB.items()
-    ]
-    kind = '{} vendor="amba.com" library="AMBA4" name="{}" version="r0p0_0"/>'
-    return element(
-        "busInterface",
-        element("name", "apb"),
-        kind.format("<ipxact:busType", "APB4"),
-        element(
-            "abstractionTypes",
-            element("abstractionType", kind.format("<ipxact:abstractionRef", "APB4_rtl"), element("portMaps", *maps)),
-        ),
-        element("slave", '<ipxact:memoryMapRef memoryMapRef="registers"/>'),
-    )
-
-
-def ip_xact_text(peripheral, names, ports, parameters):
-    block = [element("name", PERIPHERAL), element("baseAddress", "0"), element("range", f"'h{peripheral.size:X}")]
-    block += [element("width", "32"), element("usage", "register")]
-    block += [register_text(register) for register in peripheral.registers]
-    files = [element("file", element("name", name), element("fileType", "systemVerilogSource")) for name in names]
-    view = element("view", element("name", "rtl"), element("componentInstantiationRef", "rtl"))
-    instance = [element("name", "rtl"), element("language", "SystemVerilog"), element("moduleName", TOP)]
-    instance.append(element("fileSetRef", element("localName", "rtl")))
-    body = [
-        element("vendor", "capsoc"),
-        element("library", "ip"),
-        element("name", TOP),
-        element("version", version_of(peripheral)),
-        element("busInterfaces", bus_text()),
-        element(
-            "memoryMaps",
-            element(
-                "memoryMap",
-                element("name", "registers"),
-                element("addressBlock", *block),
-                element("addressUnitBits", "8"),
-            ),
-        ),
-        element(
-            "model",
-            element("views", view),
-            element("instantiations", element("componentInstantiation", *instance)),
-            element("ports", *(port_text(port) for port in ports)),
-        ),
-        element("fileSets", element("fileSet", element("name", "rtl"), *files)),
-        element("description", peripheral.description),
-        element(
-            "parameters",
-            *(
-                f'<ipxact:parameter parameterId="{name}" type="int">\n'
-                + "\n".join([element("name", name), element("description", meaning), element("value", value)])
-                + "\n</ipxact:parameter>"
-                for name, value, meaning in parameters
-            ),
-        ),
-    ]
-    return (
-        f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- {LICENCE} -->\n'
-        '<ipxact:component xmlns:ipxact="http://www.accellera.org/XMLSchema/IPXACT/1685-2014">\n'
-        + "\n".join(body)
-        + "\n</ipxact:component>\n"
-    )
 
 
 def write(folder):
     folder.mkdir(parents=True, exist_ok=True)
+    wrappers = read_list(RTL / WRAPPERS)
     with tempfile.TemporaryDirectory() as made:
         files = sources(Path(made))
-        for file in files:
+        for file in (*files, *wrappers):
             write_if_changed(folder / file.name, file.read_text(encoding="utf-8"))
-    names = [file.name for file in files]
+    names, wrapper_names = [file.name for file in files], [file.name for file in wrappers]
     peripheral = next(each for each in read_device(REGISTERS).peripherals if each.name == PERIPHERAL)
-    ports, parameters = interface((RTL / f"{TOP}.sv").read_text(encoding="utf-8"))
-    write_if_changed(folder / CORE, core_text(names, parameters, version_of(peripheral)))
-    write_if_changed(folder / IP_XACT, ip_xact_text(peripheral, names, ports, parameters))
-    shutil.copy(RTL / "constraints" / CONSTRAINTS, folder)
+    version = version_of(peripheral)
+    tops = {target: read_top(*about) for target, about in TOPS.items()}
+    write_if_changed(folder / CORE, core_text(names, wrapper_names, tops, version))
+    for target, top in tops.items():
+        needed = names if target == "default" else names + wrapper_names
+        text = ip_xact_text(peripheral, version, needed, top)
+        write_if_changed(folder / f"capsoc_{top.name.removeprefix('capsoc_')}.xml", text)
+        shutil.copy(RTL / "constraints" / f"{top.name}.sdc", folder)
 
 
 def main(arguments):
