@@ -1,6 +1,6 @@
 # cmake --install: a tree that may be moved as a whole.
 #   bin/capsoc
-#   lib/capsoc/        the Verilated coprocessor, if it was built
+#   lib/capsoc/        the Verilated coprocessor and the reference for test benches, if they were built
 #   share/capsoc/      firmware/ (what was built), traces/, template/, include/,
 #                      sources/ of the programs, svd/, gdb/, rtl/ for designs of one's own,
 #                      python/ with the package capsoc
@@ -33,6 +33,14 @@ install(FILES ${rtl}/rtl_library.cmake ${rtl}/include_all.cmake ${rtl}/hash_sour
               ${rtl}/rtl_abi.h ${rtl}/rtl_state.def ${rtl}/verilated_instance.h ${rtl}/verilated_pins.h
         DESTINATION ${data}/rtl COMPONENT rtl)
 install(FILES cmake/capsocConfig.cmake DESTINATION ${data} COMPONENT rtl)
+# The C interface to the reference, and a bench that uses it.
+if(TARGET capsoc_reference)
+  install(FILES $<TARGET_FILE:capsoc_reference> DESTINATION ${CMAKE_INSTALL_LIBDIR}/capsoc COMPONENT rtl OPTIONAL)
+endif()
+set(reference platform/reference)
+install(FILES ${reference}/capsoc_reference.h ${reference}/bench/capsoc_reference_vpi.c
+              ${reference}/bench/capsoc_reference_monitor.sv ${reference}/bench/capsoc_reference_bench.sv
+        DESTINATION ${data}/rtl/reference COMPONENT rtl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${data}/firmware COMPONENT data
         FILES_MATCHING PATTERN "*.elf" PATTERN objects EXCLUDE PATTERN CMakeFiles EXCLUDE)
 install(DIRECTORY platform/python DESTINATION ${data} COMPONENT python FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "*.toml" PATTERN "*.md"
