@@ -115,8 +115,8 @@ int32_t capsoc_reference_signal_count(void);
 int32_t capsoc_reference_signal_index(const char* name);
 /* Null: there is no signal of that index. */
 const char* capsoc_reference_signal_name(int32_t index);
-/* *bits: width of the word, 1 to 64; *is_signed: 0 or 1; *fraction: number of fraction bits;
- * *stage: 0 to 4, the tick T0 to T4 that makes it, 5 for a register as the commit leaves it. */
+/* *bits: width of the word, 1 to 64. *is_signed: 0 or 1. *fraction: number of fraction bits.
+ * *stage: 0 to 4 for the tick T0 to T4 that makes it, 5 for a register as the commit leaves it. */
 int32_t capsoc_reference_signal_format(int32_t index, int32_t* bits, int32_t* is_signed,
                                        int32_t* fraction, int32_t* stage);
 /* *value: the raw word of the sample that was committed last, sign-extended if it is signed; 0

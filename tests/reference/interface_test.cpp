@@ -1,4 +1,4 @@
-// libcapsoc_reference.so against the model behind its C++ interface, and its errors.
+// libcapsoc_reference.so against the model by its C++ interface, and its errors.
 #include <gtest/gtest.h>
 
 #include <cstdint>

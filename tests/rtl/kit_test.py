@@ -77,6 +77,12 @@ class Kit(Case):
             done = self.run_tool("yosys", "-q", "-p", read)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    def test_simulators_read_the_list(self):
+        for target, _ in self.each_target():
+            for command in (("iverilog", "-g2012", "-t", "null", "-s"), ("verilator", "--lint-only", "--top-module")):
+                done = self.run_tool(*command, target["toplevel"], "-f", "capsoc_coprocessor.f")
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
     def test_every_file_names_its_licence(self):
         for file in self.folder.iterdir():
             if not file.name.startswith(("capsoc_coprocessor_", "paper_sine")):  # generated from these

@@ -35,7 +35,7 @@ class Pages(unittest.TestCase):
         environment["PATH"] = f"{BUILD}:{environment['PATH']}"
         ran, printed = 0, None
         with tempfile.TemporaryDirectory() as folder:
-            for part in ("traces", "firmware", "tests", "models", "rtl"):
+            for part in ("traces", "firmware", "tests", "models", "rtl", "platform", "scripts"):
                 (Path(folder) / part).symlink_to(SOURCE / part)
             (Path(folder) / "build").symlink_to(BUILD)
             for kind, text, line in blocks(DOCS / name):

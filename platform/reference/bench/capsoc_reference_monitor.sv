@@ -122,3 +122,5 @@ module capsoc_reference_monitor #(
   end
 
 endmodule
+`undef CAPSOC_REFERENCE_HANDLE
+`undef CAPSOC_REFERENCE

@@ -5,6 +5,7 @@ usage: rtl_kit FOLDER
 FOLDER gets the SystemVerilog, with what scripts generate, and next to it:
 - capsoc_coprocessor.core, CAPI 2: the files in reading order, the parameters, a target for each top:
   default (APB), ahb_lite, axi4_lite
+- capsoc_coprocessor.f, the same files for simulators: -f in FOLDER
 - IP-XACT (IEEE 1685-2014) of each top, as capsoc_coprocessor.xml: bus interface, ports, registers as
   models/registers/capsoc.svd describes them
 - constraints of each top, as coprocessor.sdc
@@ -24,7 +25,7 @@ from capsoc_tools.generate.registers import read_device
 from capsoc_tools.rtl.ip_xact import LICENCE, PERIPHERAL, Bus, Top, ip_xact_text
 from capsoc_tools.rtl.sources import REGISTERS, RTL, WRAPPERS, RtlError, read_list, sources
 
-CORE = "capsoc_coprocessor.core"
+CORE, LIST = "capsoc_coprocessor.core", "capsoc_coprocessor.f"
 APB = {
     "PCLK": "pclk_i",
     "PRESETn": "presetn_i",
@@ -140,6 +141,7 @@ def write(folder):
     version = version_of(peripheral)
     tops = {target: read_top(*about) for target, about in TOPS.items()}
     write_if_changed(folder / CORE, core_text(names, wrapper_names, tops, version))
+    write_if_changed(folder / LIST, "\n".join([f"// {LICENCE}", *names, *wrapper_names]) + "\n")
     for target, top in tops.items():
         needed = names if target == "default" else names + wrapper_names
         text = ip_xact_text(peripheral, version, needed, top)
