@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The AHB-Lite side of capsoc_ahb_lite_to_apb.sv: the rules of Arm IHI 0033A for a subordinate, with the clause of each in
-// brackets and its content in our words. The manager may do what it likes, but for the two rules that are assumed below.
+// brackets and its content in our words. The manager may do anything except break the two rules assumed below.
 module ahb_lite_properties (
   input logic        clk_i,
   input logic        hsel_i, hwrite_i, other_ready_i,
