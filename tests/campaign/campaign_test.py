@@ -15,7 +15,7 @@ import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
-from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE, output_of
 
 CTEST = {"name": "campaign"}
 
@@ -432,6 +432,24 @@ firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
         self.campaign("run", "d.toml", code=1)
         keys = sorted(row[0] for row in rows_of(self.path("d.sqlite"))[1])
         self.assertEqual(sorted(os.listdir(self.path("kept"))), [key[:16] + ".csv" for key in keys])
+
+    def test_failures_are_sessions(self):
+        text = DRAWN.format(runs=2) + '[keep]\nfailures = "kept"\nsession_s = 0.2\n'
+        self.describe(text.replace("error_deg < 20", "error_deg < 1e-9").replace("least_yield = 0\n", ""))
+        self.campaign("run", "d.toml", code=1)
+        rows = rows_of(self.path("d.sqlite"))[1]
+        stems = sorted(row[0][:16] for row in rows)
+        kept = sorted(os.listdir(self.path("kept")))
+        self.assertEqual(kept, sorted(stem + ending for stem in stems for ending in (".csv", ".session")))
+        for stem in stems:
+            output_of(CAPSOC, "replay", self.path("kept") / (stem + ".session"), cwd=self.folder)
+
+    def test_sessions_of_other_kinds_are_refused(self):
+        self.describe(DRAWN.format(runs=2) + '[keep]\nfailures = "kept"\nsession_s = -1\n')
+        self.assertIn("session_s", self.campaign("check", "d.toml", code=2)[1])
+        kept = '[keep]\nfailures = "kept"\nsession_s = 1\n'
+        self.describe('name = "fits"\nkind = "fit"\n' + kept)
+        self.assertIn('[keep] session_s is for kind = "run"; remove it', self.campaign("check", "d.toml", code=2)[1])
 
 
 class Kills(CampaignCase):

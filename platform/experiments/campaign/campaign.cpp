@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <utility>
 
 #include "campaign/judge.h"
@@ -41,8 +42,10 @@ class Campaign {
     Progress progress(tasks_.size(), static_cast<double>(tasks_.size()));
     const Engine::Take take = [&](Ended ended) { return this->take(std::move(ended), progress); };
     const Engine::Tick tick = [&](std::size_t running) { progress.update(running); };
-    Engine engine(options_.jobs, plan_.description().limits,
-                  [this](std::size_t task) { return work(task, false); });
+    Engine engine(options_.jobs, plan_.description().limits, [this](std::size_t task) {
+      const PlannedRun& run = plan_.runs()[task];
+      return work(run, plan_.keep(run, false));
+    });
     auto error = engine.perform(tasks_, take, tick);
     progress.finish();
     if (error) return error;
@@ -82,11 +85,10 @@ class Campaign {
   }
 
   /// In a worker.
-  Result<std::string> work(std::size_t task, bool failed) const {
-    const PlannedRun& run = plan_.runs()[task];
+  Result<std::string> work(const PlannedRun& run, const Keep& keep) const {
     const auto assignments = plan_.assignments(run);
     if (!assignments) return Error{assignments.error()};
-    const auto result = plan_.work().perform(assignments.value(), plan_.keep(run, failed));
+    const auto result = plan_.work().perform(assignments.value(), keep);
     if (!result) return Error{result.error()};
     return text_of(result.value());
   }
@@ -115,10 +117,23 @@ class Campaign {
       return std::nullopt;
     host::say("recording {} failed runs in {}\n", failed_.size(),
               plan_.description().failures_folder);
-    Engine engine(options_.jobs, plan_.description().limits,
-                  [this](std::size_t task) { return work(task, true); });
-    return engine.perform(
-        failed_, [](const Ended&) { return std::nullopt; }, [](std::size_t) {});
+    if (auto error = repeat([this](const PlannedRun& run) { return plan_.keep(run, true); }))
+      return error;
+    if (!plan_.description().session_s || host::noted_signal() != 0) return std::nullopt;
+    return repeat([this](const PlannedRun& run) { return plan_.keep_session(run); });
+  }
+
+  std::optional<Error> repeat(const std::function<Keep(const PlannedRun& run)>& keep) {
+    Engine engine(options_.jobs, plan_.description().limits, [&](std::size_t task) {
+      const PlannedRun& run = plan_.runs()[task];
+      return work(run, keep(run));
+    });
+    const auto take = [&](const Ended& ended) -> std::optional<Error> {
+      if (ended.ending != workers::finished && host::noted_signal() == 0)
+        host::say("{}: not recorded: {}\n", keep(plan_.runs()[ended.task]).stem, ended.log);
+      return std::nullopt;
+    };
+    return engine.perform(failed_, take, [](std::size_t) {});
   }
 
   const Plan& plan_;

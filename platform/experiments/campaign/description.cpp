@@ -14,6 +14,7 @@ namespace {
 
 constexpr uint64_t largest_file = 1U << 20U;
 constexpr uint64_t most_seconds = 1'000'000;
+constexpr double longest_session_s = 1e6;
 
 /// It stands in reports, and in the names of a cluster's jobs.
 constexpr const char* name_letters =
@@ -357,9 +358,11 @@ class DescriptionReader {
   }
 
   void read_keep(const toml::table& table) {
-    TomlTable in(file_, table, "[keep]", {"failures", "waves"});
+    TomlTable in(file_, table, "[keep]", {"failures", "waves", "session_s"});
     in.text("failures", result_.failures_folder);
     in.flag("waves", result_.failures_waves);
+    if (table.contains("session_s"))
+      in.number("session_s", result_.session_s.emplace(), 0, longest_session_s);
     if (result_.failures_folder.empty())
       file_.fail(table, "[keep] needs failures = \"FOLDER\": where the files of failed runs go");
   }

@@ -53,6 +53,7 @@ struct Description {
   workers::Limits limits;
   std::string failures_folder;  ///< where the recordings of failed runs go; "": nowhere
   bool failures_waves = false;
+  std::optional<double> session_s;  ///< failed runs as sessions, too, of the last simulated seconds
   std::vector<Named> metrics, criteria;
   std::vector<Named> by;  ///< what the report tells apart
   double least_yield = 1;

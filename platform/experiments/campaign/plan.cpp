@@ -133,6 +133,12 @@ Keep Plan::keep(const PlannedRun& run, bool failed) const {
   return {d.failures_folder + "/" + run.key.substr(0, enough), failed, d.failures_waves};
 }
 
+Keep Plan::keep_session(const PlannedRun& run) const {
+  Keep session = keep(run, true);
+  session.session_s = description_->session_s;
+  return session;
+}
+
 std::optional<Error> Plan::add_runs() {
   const Design design(*description_);
   const uint64_t count = description_->runs();
@@ -157,6 +163,9 @@ std::optional<Error> Plan::add_runs() {
 }
 
 std::optional<Error> Plan::check_some() const {
+  if (description_->session_s && !work_->has_sessions())
+    return Error{
+        fmt::format("{}: [keep] session_s is for kind = \"run\"; remove it", description_->file)};
   const std::size_t step = std::max<std::size_t>(1, runs_.size() / checked_runs);
   for (std::size_t i = 0; i < runs_.size(); i += step) {
     const auto all = assignments(runs_[i]);

@@ -51,6 +51,8 @@ class Plan {
   Result<std::string> command(const PlannedRun& run) const;
   /// What a run leaves in addition to its result, as [keep] says.
   Keep keep(const PlannedRun& run, bool failed) const;
+  /// The session of a failed run; the description has to ask for it.
+  Keep keep_session(const PlannedRun& run) const;
 
  private:
   Plan() = default;

@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
 #include "inputs/run_inputs.h"
+#include "service/session_run.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
 #include "session/simulation.h"
@@ -26,8 +29,25 @@ std::optional<Error> set_places(const Keep& keep, run::RunSettings& settings) {
   return place(settings.coprocessor.waves, keep.stem + ".fst");
 }
 
+/// The run in a session, which is written.
+Result<nlohmann::ordered_json> write_session(const Keep& keep, run::RunSettings& settings) {
+  const std::pair<const Setting&, std::string> places[] = {
+      {settings.results.session.about(), keep.stem + ".session"},
+      {settings.results.keep_last_s.about(), fmt::format("{}", *keep.session_s)}};
+  for (const auto& [setting, value] : places)
+    if (auto error = settings.set(setting.path, value, SettingSource::command_line, "[keep]"))
+      return *error;
+  auto finished = service::run_in_session(settings);
+  if (!finished) return Error{finished.error()};
+  const auto& lost = finished.value().at("lost");
+  if (!lost.empty()) return Error{lost.front().get<std::string>()};
+  return nlohmann::ordered_json::object();
+}
+
 class RunWork final : public Work {
  public:
+  bool has_sessions() const override { return true; }
+
   Result<Job> prepare(const std::vector<Assignment>& assignments) override {
     settings_.forget_values();
     if (auto error = set_all(assignments, settings_)) return *error;
@@ -56,6 +76,7 @@ class RunWork final : public Work {
                                          const Keep& keep) override {
     run::RunSettings settings;
     if (auto error = set_all(assignments, settings)) return *error;
+    if (keep.session_s) return write_session(keep, settings);
     if (auto error = set_places(keep, settings)) return *error;
     spdlog::set_level(settings.log_level());
     auto result = run::run(settings);

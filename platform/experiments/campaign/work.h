@@ -23,6 +23,8 @@ struct Keep {
   std::string stem;     ///< folder and name without an ending; "": nowhere
   bool failed = false;  ///< the run is known to fail: it is repeated to be recorded
   bool waves = false;   ///< record these, too
+  std::optional<double> session_s = {};  ///< of a failed run: its session instead, of the last
+                                         ///< simulated seconds; 0: of all
 };
 
 class Work {
@@ -33,6 +35,8 @@ class Work {
 
   /// The cheap checks: every setting exists, is one of this kind and can have its value.
   virtual Result<Job> prepare(const std::vector<Assignment>& assignments) = 0;
+  /// Whether a failed run can be written as a session.
+  virtual bool has_sessions() const { return false; }
   /// The rest, with all input files read.
   virtual std::optional<Error> check(const std::vector<Assignment>& assignments,
                                      const Keep& keep) = 0;
