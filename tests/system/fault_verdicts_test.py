@@ -138,6 +138,24 @@ class BesideWholeRuns(FaultCase):
 
 
 class Rows(FaultCase):
+    def test_what_is_not_simulated_has_the_verdict_of_its_simulation(self):
+        pruned = self.results(40)
+        (self.folder / "2.sqlite").unlink()
+        simulated = self.results(40, "fault.prune = false")
+        reasons = {row.get("not_simulated") for row in pruned} - {None}
+        self.assertEqual(len(reasons), 1)
+        self.assertRegex(reasons.pop(), r"^CTRL.CORRECT is 0 from 402 s to 41\d.*, so nothing reads the table$")
+        left_out = 0
+        for one, other in zip(pruned, simulated):
+            is_of_table = one["fault.place"].startswith("coprocessor.corrections.")
+            self.assertEqual(one.get("not_simulated") is not None, is_of_table, one)
+            left_out += is_of_table
+            for row in (one, other):
+                for name in ("not_simulated", "simulated_s", *(name for name in row if name.startswith("time."))):
+                    row.pop(name, None)
+            self.assertEqual(one, other)
+        self.assertGreater(left_out, 10)
+
     def test_rows_do_not_depend_on_jobs(self):
         self.assertEqual(self.results(12, jobs=1), self.results(12, jobs=3))
 

@@ -98,8 +98,6 @@ class FaultWork final : public Work {
     auto drawn = draw(settings);
     if (!drawn) return Error{drawn.error()};
     const auto& [place, golden, chosen] = drawn.value();
-    auto state = fault::read_state(place, chosen.start);
-    if (!state) return Error{state.error()};
     const bool is_endless = golden.code == run::exit_code::limit;
     const double limit_s = golden.ended_s + (is_endless ? 0 : over_time_s);
     for (const auto& [path, value] :
@@ -108,8 +106,7 @@ class FaultWork final : public Work {
       if (auto error =
               settings.run.set(path, value, SettingSource::command_line, "the drawn fault"))
         return *error;
-    const auto outcome =
-        fault::try_fault(settings.run, settings.trial, chosen, golden, std::move(state.value()));
+    const auto outcome = outcome_of(settings, place, golden, chosen);
     if (!outcome) return Error{outcome.error()};
     return json_of(outcome.value(), chosen, run::reproducing_command(settings.run));
   }
@@ -118,6 +115,7 @@ class FaultWork final : public Work {
     fault::Outcome outcome;
     outcome.by = "some";
     outcome.after = 0;
+    outcome.not_simulated = "some";
     return json_of(outcome, {"some", "some", 0, "some", 0}, "");
   }
 
@@ -129,6 +127,20 @@ class FaultWork final : public Work {
  private:
   /// Simulated seconds after the end of the golden run: a program that is not over by then hangs.
   static constexpr double over_time_s = 1;
+
+  static Result<fault::Outcome> outcome_of(const FaultSettings& settings, const std::string& place,
+                                           const fault::Golden& golden,
+                                           const fault::Drawn& chosen) {
+    if (settings.trial.prune() && settings.trial.line.empty() &&
+        settings.trial.kind() == inject::Fault::Kind::flip) {
+      fault::Outcome latent;
+      latent.not_simulated = fault::reason_not_read(chosen.place, golden.unread);
+      if (!latent.not_simulated.empty()) return latent;
+    }
+    auto state = fault::read_state(place, chosen.start);
+    if (!state) return Error{state.error()};
+    return fault::try_fault(settings.run, settings.trial, chosen, golden, std::move(state.value()));
+  }
 
   static nlohmann::ordered_json json_of(const fault::Outcome& outcome, const fault::Drawn& drawn,
                                         const std::string& command) {
@@ -149,6 +161,7 @@ class FaultWork final : public Work {
     j["error_deg"] = outcome.largest_deg;
     j["trusted_wrong_samples"] = outcome.trusted;
     j["simulated_s"] = outcome.simulated_s;
+    if (!outcome.not_simulated.empty()) j["not_simulated"] = outcome.not_simulated;
     return j;
   }
 

@@ -40,8 +40,10 @@ class Recorder {
     if (auto error = advance(span_.from_s)) return *error;
     const SampleResults results(simulation_,
                                 [this](const SampleResult& r) { golden_.results.push_back(r); });
+    const UnreadWatch watch(simulation_);
     if (auto error = look_and_begin()) return *error;
     if (auto error = simulation_.advance_to_end()) return *error;
+    golden_.unread = watch.unread();
     golden_.ended_s = sc_core::sc_time_stamp().to_seconds();
     golden_.code = simulation_.finish().code;
     return std::move(golden_);
@@ -102,6 +104,7 @@ void Golden::visit(Archive& archive) {
   archive("ended_s", ended_s);
   archive("code", code);
   archive("places", places);
+  archive("unread", unread);
 }
 
 Result<Golden> record_golden(const run::RunSettings& settings, const Span& span,

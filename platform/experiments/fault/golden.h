@@ -8,6 +8,7 @@
 
 #include "base/archive.h"
 #include "base/result.h"
+#include "fault/unread.h"
 #include "fault/verdict.h"
 #include "inject/places.h"
 #include "session/run_settings.h"
@@ -31,6 +32,7 @@ struct Golden {
   double from_s = 0, ended_s = 0;
   int code = 0;  ///< the exit code
   std::vector<inject::ListedPlace> places;
+  std::vector<Unread> unread;  ///< since the first start
   void visit(Archive& archive);
 };
 

@@ -19,6 +19,7 @@ struct Outcome {
   double largest_deg = 0;         ///< the largest error until then
   uint64_t trusted = 0;           ///< wrong angles until then, with VALID and LOCK and no alarm
   double simulated_s = 0;         ///< how long the fault was looked at
+  std::string not_simulated;      ///< why no simulation was needed; "": there was one
 };
 
 /// From the state before the fault until the answer is known: something detected it, the state is

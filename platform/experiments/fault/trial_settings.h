@@ -26,6 +26,9 @@ class TrialSettings : public Settings {
                                     "pipeline takes for it, instead of any time")};
   TextField line{*this, setting("fault.line", SettingKind::text, "",
                                 "a fault to try instead of a drawn one (docs/guide/safety.md)")};
+  FlagField prune{*this, setting("fault.prune", SettingKind::flag, "true",
+                                 "flips of state that nothing reads are latent without a "
+                                 "simulation; the row says why")};
   NumberField from_s{*this,
                      seconds("fault.from_s", "402", "the first instant of a drawn fault, s")};
   NumberField to_s{*this, seconds("fault.to_s", "410", "the last one, s")};

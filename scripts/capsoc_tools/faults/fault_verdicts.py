@@ -39,6 +39,7 @@ KEYS = {
     "after": "detected.after_samples",
     "largest_deg": "error_deg",
     "trusted": "trusted_wrong_samples",
+    "not_simulated": "not_simulated",
 }
 LIMITS = {"seconds": 60}
 
@@ -120,6 +121,10 @@ def print_table(rows, options):
     if means:
         print("\ndetected by: " + ", ".join(f"{name} {count}" for name, count in sorted(means.items())))
     print_coverage(rows, options)
+    for reason, count in sorted(
+        collections.Counter(row["not_simulated"] for row in rows if row["not_simulated"]).items()
+    ):
+        print(f"\n{count} latent ones were not simulated: {reason}")
     for row in rows:
         if row["verdict"] == "silent":
             print(f"silent: {row['fault']}: {row['largest_deg']:.6g} deg, {row['trusted']} samples")
