@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "armv7m/exception_frame.h"
 #include "base/split.h"
 #include "observers/symbols.h"
 
@@ -12,7 +13,6 @@ namespace capsoc::run {
 namespace {
 
 constexpr std::size_t most_stacks = 256;  // what a guest can make us keep
-constexpr uint32_t basic_frame = 0x20;    // bytes that an exception stacks (B1.5.6)
 
 }  // namespace
 
@@ -45,8 +45,7 @@ StackMark& StackMarks::process_stack(uint32_t psp) {
   main_stack();
   const auto is_here = [psp](const StackMark& stack) {
     if (!stack.process) return false;
-    const uint32_t unstacked = psp - stack.suspended_at;
-    return unstacked == 0 || unstacked == basic_frame || unstacked == basic_frame + 4;
+    return psp == stack.suspended_at || armv7m::is_unstacked(psp, stack.suspended_at);
   };
   auto found = std::find_if(stacks_.begin(), stacks_.end(), is_here);
   if (found == stacks_.end()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "armv7m/exception_frame.h"
 #include "trace/exception_name.h"
 
 namespace capsoc::trace {
@@ -18,8 +19,6 @@ constexpr std::size_t most_nodes = 1U << 20, most_frames = 1U << 16, most_suspen
 /// A return address that is none: EXC_RETURN values lie above.
 constexpr uint32_t nowhere = 0xFFFFFFFF;
 constexpr uint32_t first_exc_return = 0xF0000000;
-constexpr uint32_t basic_frame = 0x20;      // bytes that an exception stacks (B1.5.6)
-constexpr uint32_t exception_bits = 0x1FF;  // of the xPSR
 
 bool jumps_directly(const DecodedOp& op) {
   return op.operation == Operation::b || op.operation == Operation::bcond ||
@@ -110,7 +109,7 @@ void CallTree::started(const Core& core) {
 void CallTree::begin(const Core& core) {
   cycle_ = core.cycles();
   nest_.clear();
-  const unsigned exception = core.state().xpsr() & exception_bits;
+  const unsigned exception = armv7m::active_exception(core);
   nest_.push_back(new_stack(exception == 0 ? functions_.at(core.reg(15)) : Functions::unknown));
   if (exception == 0) return;
   nest_.push_back(new_stack(exception_function(exception)));
@@ -218,8 +217,7 @@ void CallTree::entered(const Core& core, unsigned exception, Entry how, uint64_t
     end(nest_.back());
     nest_.pop_back();
   } else {
-    const bool psp = (core.reg(14) & 0xFU) == 0xD;
-    nest_.back().interrupted_at = psp ? core.state().psp() : core.state().msp();
+    nest_.back().interrupted_at = armv7m::stacked_frame(core);
   }
   const uint32_t name = exception_function(exception);
   nest_.push_back(new_stack(name));
@@ -242,9 +240,8 @@ void CallTree::returned(const Core& core, unsigned exception) {
 }
 
 void CallTree::resume_thread(const Core& core) {
-  const uint32_t frame = core.reg(13) - basic_frame;  // the aligner may have added a word (B1.5.7)
-  const auto here = [frame](const Stack& stack) {
-    return stack.interrupted_at == frame || stack.interrupted_at == frame - 4;
+  const auto here = [stack_pointer = core.reg(13)](const Stack& stack) {
+    return armv7m::is_unstacked(stack_pointer, stack.interrupted_at);
   };
   if (here(nest_.front())) return;
   suspended_.push_back(std::move(nest_.front()));

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "armv7m/exception_frame.h"
 #include "capsoc_registers.h"
 #include "coprocessor/sequencer.h"
 #include "trace/exception_name.h"
@@ -22,7 +23,6 @@ constexpr unsigned handlers_thread = 1, first_thread = 2;
 constexpr unsigned waiting_thread = 1, first_stage_thread = 2;
 
 constexpr std::size_t longest_line = 200, most_suspended = 1000;
-constexpr uint32_t basic_frame = 0x20;  // of an exception (B1.5.6)
 
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
@@ -202,7 +202,7 @@ void Timeline::begin(const armv7m::Core& core) {
     line.since_ps = now;
     line.since_cycle = core.cycles();
   }
-  const unsigned exception = core.state().xpsr() & 0x1FFU;
+  const unsigned exception = armv7m::active_exception(core);
   if (exception == 0)
     resume(core);
   else
@@ -240,8 +240,7 @@ void Timeline::entered(const armv7m::Core& core, unsigned exception, armv7m::Ent
     end_handler(begin);
   } else if (handlers_.empty()) {
     if (!running_) begin_thread("");  // after --restore
-    const bool is_process_stack = (core.reg(14) & 0xFU) == 0xD;
-    running_->stack = is_process_stack ? core.state().psp() : core.state().msp();
+    running_->stack = armv7m::stacked_frame(core);
     rest(begin);
   }
   handlers_.push_back({exception_name(exception), latency(exception, core.cycles()), begin});
@@ -275,9 +274,8 @@ void Timeline::returned(const armv7m::Core& core) {
 /// A thread has the processor: the one that was interrupted with this stack, or another one.
 void Timeline::resume(const armv7m::Core& core) {
   running_since_ps_ = ps(core.cycles());
-  const uint32_t frame = core.reg(13) - basic_frame;  // the aligner may have added a word (B1.5.7)
-  const auto is_here = [frame](const Thread& thread) {
-    return thread.stack == frame || thread.stack == frame - 4;
+  const auto is_here = [stack_pointer = core.reg(13)](const Thread& thread) {
+    return armv7m::is_unstacked(stack_pointer, thread.stack);
   };
   if (running_ && is_here(*running_)) return;
   if (running_) suspended_.push_back(*running_);

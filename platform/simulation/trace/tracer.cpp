@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "armv7m/exception_frame.h"
 #include "host/files.h"
 #include "trace/picoseconds.h"
 #include "trace/profile.h"
@@ -106,7 +107,7 @@ void Tracer::begin() {
   const uint64_t now = picoseconds_of(core.cycles());
   open_at(now);
   if (calls_ != nullptr) calls_->begin(core);
-  if (waves_ != nullptr) waves_->begin(now, core.state().xpsr() & 0x1FFU);
+  if (waves_ != nullptr) waves_->begin(now, armv7m::active_exception(core));
   if (timeline_ != nullptr) timeline_->begin(core);
 }
 
@@ -175,7 +176,7 @@ void Tracer::returned(const armv7m::Core& core, unsigned exception) {
   if (instructions_ != nullptr && open)
     instructions_->returned(core, exception, seconds_of(core.cycles()));
   if (waves_ != nullptr)
-    waves_->exception(picoseconds_of(core.cycles()), core.state().xpsr() & 0x1FFU);
+    waves_->exception(picoseconds_of(core.cycles()), armv7m::active_exception(core));
   if (timeline_ != nullptr) timeline_->returned(core);
 }
 
