@@ -17,7 +17,9 @@ struct Identity {
   /// The word at an address to which registers.def assigns the block `identity`.
   constexpr uint32_t word(uint32_t address) const {
     constexpr uint32_t first_feature = 0xE000ED40;
-    return address < first_feature ? cpuid : features[(address - first_feature) / 4];
+    if (address < first_feature) return cpuid;
+    const uint32_t number = (address - first_feature) / 4;
+    return number < features.size() ? features[number] : 0;
   }
 };
 
