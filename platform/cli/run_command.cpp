@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "base/printable.h"
@@ -37,12 +38,16 @@ struct Given {
       : setting(std::move(path)), value(std::move(text)), option(std::move(name)) {}
 };
 
+/// The command `view`, as the origin of what it sets.
+constexpr const char* viewed = "view";
+
 struct RunArguments {
   std::vector<Given> options;
   std::vector<std::string> assignments;
   std::string config;
   std::vector<std::string> program_assignments;
   bool list = false, list_program = false, list_places = false;
+  std::string story;  ///< of the page; "": none
 };
 
 void list_settings(const Settings& settings) {
@@ -75,15 +80,34 @@ std::string config_of(const RunArguments& arguments) {
   return arguments.config.empty() && named != nullptr ? named : arguments.config;
 }
 
-std::optional<Error> collect(const RunArguments& arguments, Settings& settings) {
+/// What a story sets, between what its command gives and what the user does.
+std::optional<Error> set_options(const RunArguments& arguments, const view::Story* story,
+                                 Settings& settings) {
+  const auto set = [&](const Given& given) {
+    return settings.set(given.setting, given.value, SettingSource::command_line, given.option);
+  };
+  const auto own = std::find_if(arguments.options.begin(), arguments.options.end(),
+                                [](const Given& given) { return given.option != viewed; });
+  for (auto given = arguments.options.begin(); given != own; ++given)
+    if (auto error = set(*given)) return error;
+  if (story != nullptr) {
+    if (auto error = set({"run.realtime", fmt::format("{}", story->speed), "--story"}))
+      return error;
+    for (const auto& [path, value] : story->settings)
+      if (auto error = set({path, value, "--story"})) return error;
+  }
+  for (auto given = own; given != arguments.options.end(); ++given)
+    if (auto error = set(*given)) return error;
+  return std::nullopt;
+}
+
+std::optional<Error> collect(const RunArguments& arguments, const view::Story* story,
+                             Settings& settings) {
   const std::string config = config_of(arguments);
   if (!config.empty())
     if (auto error = settings.read_file(config)) return error;
   if (auto error = settings.read_environment(environ)) return error;
-  for (const Given& given : arguments.options)
-    if (auto error =
-            settings.set(given.setting, given.value, SettingSource::command_line, given.option))
-      return error;
+  if (auto error = set_options(arguments, story, settings)) return error;
   for (const std::string& assignment : arguments.assignments)
     if (auto error = settings.set_assignment(assignment)) return error;
   for (const std::string& assignment : arguments.program_assignments)
@@ -118,7 +142,7 @@ std::optional<Error> write_results(nlohmann::ordered_json result,
 }
 
 /// With a page, a debugger that can go back, or a session that can be simulated again.
-int run_in_session(const run::RunSettings& settings) {
+int run_in_session(const run::RunSettings& settings, const view::Story* story) {
   const bool is_on_failure = settings.gdb.on_failure() >= 0;
   if (is_on_failure && (settings.gdb.port() >= 0 || settings.view.port() >= 0))
     return refuse(fmt::format("{} waits where the run fails: leave {} out",
@@ -129,7 +153,8 @@ int run_in_session(const run::RunSettings& settings) {
     return refuse(
         fmt::format("{} is for a debugger: add --gdb", settings.gdb.history_mb.about().name()));
   const bool is_viewed = settings.view.port() >= 0;
-  const auto finished = is_viewed ? view::run_in_view(settings) : service::run_in_session(settings);
+  const auto finished =
+      is_viewed ? view::run_in_view(settings, "", story) : service::run_in_session(settings);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   service::Json answer = finished.value();
   const int code = tell_end(answer);
@@ -154,7 +179,13 @@ int list_fault_places(const run::RunSettings& settings) {
 }
 
 int run_command(const RunArguments& arguments, run::RunSettings& settings) {
-  if (auto error = collect(arguments, settings)) return refuse(error->text);
+  const view::Story* story = nullptr;
+  if (!arguments.story.empty()) {
+    const auto found = view::find_story(arguments.story);
+    if (!found) return refuse("--story: " + found.error());
+    story = found.value();
+  }
+  if (auto error = collect(arguments, story, settings)) return refuse(error->text);
   if (arguments.list) {
     list_settings(settings);
     return run::exit_code::pass;
@@ -175,7 +206,7 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
                               settings.results.session.about().command.name));
   if (settings.view.port() >= 0 || settings.gdb.memory_mb() > 0 ||
       !settings.results.session.empty())
-    return run_in_session(settings);
+    return run_in_session(settings, story);
   auto result = run::run(settings);
   if (!result) return refuse(result.error(), code_of_refusal());
   const run::RunResult& r = result.value();
@@ -208,9 +239,9 @@ const RunCommand plain_run = {
 
 /// Ten times as fast as the shaft turns: a person sees it learn, and the main job takes 42 s.
 const RunCommand viewed_run = {
-    "view",
+    viewed,
     "As run --view --realtime 10: show the run live on a page for a browser",
-    {{"view.port", "0", "view"}, {"run.realtime", "10", "view"}}};
+    {{"view.port", "0", viewed}, {"run.realtime", "10", viewed}}};
 
 /// Declares the command with the options of those settings that `is_needed`.
 void declare_run(CLI::App& app, int& code, const RunCommand& command,
@@ -234,6 +265,10 @@ void declare_run(CLI::App& app, int& code, const RunCommand& command,
                   "Change a setting of the program in its image; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+  if (std::string_view(command.name) == viewed)
+    run->add_option("--story", arguments->story,
+                    "Tell a story: text at some times of a run (docs/guide/view.md lists them)")
+        ->type_name("NAME");
   run->add_flag("--list-program-settings", arguments->list_program,
                 "List the settings that the program has, with units and ranges");
   run->add_flag("--list-fault-places", arguments->list_places,

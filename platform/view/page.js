@@ -257,8 +257,19 @@ function write_texts() {
   set("where", seen.place || (stands ? "" : "Pause the run to see the line and who called it."));
 }
 
+function write_story() {
+  const story = seen.story, stands = seen.mode === "paused";
+  $("story").hidden = !story;
+  if (!story) return;
+  set("chapter", `${story.title} (${story.step} of ${story.steps})`);
+  set("tale", story.text);
+  $("next").hidden = story.step >= story.steps;
+  $("next").disabled = !stands;
+}
+
 function draw() {
   dirty = false;
+  write_story();
   write_texts(); write_verdict(); draw_signals(); draw_curves();
   document.documentElement.dataset.mode = seen.mode || "";
   document.documentElement.dataset.command = seen.command || 0;
@@ -270,6 +281,7 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw_soon)
 // ---- controls ----
 
 $("play").onclick = () => tell(seen.mode === "running" || seen.mode === "waiting" ? "pause" : "run");
+$("next").onclick = () => tell("run");
 $("sample").onclick = () => tell("sample");
 $("turn").onclick = () => tell("turn");
 $("end").onclick = () => tell("end");

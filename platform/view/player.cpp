@@ -29,8 +29,8 @@ milliseconds since(std::chrono::steady_clock::time_point begin) {
 
 }  // namespace
 
-Player::Player(service::RunSession session, Hub& hub, double speed)
-    : session_(std::move(session)), hub_(hub), scene_(session_) {
+Player::Player(service::RunSession session, Hub& hub, double speed, const Story* story)
+    : session_(std::move(session)), hub_(hub), scene_(session_), story_(story) {
   status_.mode = "waiting";
   status_.speed = speed;
 }
@@ -70,6 +70,7 @@ milliseconds Player::slice() const {
 
 void Player::publish() {
   const auto begin = Clock::now();
+  status_.story = story_.shown();
   scene_.publish(hub_, status_);
   published_ = Clock::now();
   looked_for_ = since(begin) + milliseconds(1);
@@ -80,6 +81,19 @@ void Player::stop(const char* mode, const std::string& reason) {
   status_.mode = mode;
   status_.reason = reason;
   has_news_ = true;
+}
+
+/// At a step of the story the run stops, so that its text can be read.
+void Player::tell_story() {
+  const Story::Step* const step = story_.reach(scene_.time_s(), status_.mode == "running");
+  if (step == nullptr) return;
+  // Of a past that the run has gone back to, the command is in the history.
+  if (story_.is_due(*step)) {
+    const auto refusal = carry_out(session_, step->command);
+    if (refusal && !refusal->empty()) scene_.say(*refusal);
+    scene_.moved();
+  }
+  stop("paused", "");
 }
 
 void Player::stand() {
@@ -101,17 +115,22 @@ void Player::play() {
   else
     play_at_once();
   status_.host_s += std::chrono::duration<double>(Clock::now() - begin).count();
+  tell_story();
 }
 
 void Player::play_at_once() {
-  const bool runs = advance("debugger.resume", {{"kind", "run"}, {"stopped", false}}, slice());
+  const auto next_s = story_.next_s(scene_.time_s());
+  const bool runs =
+      next_s ? advance("simulation.advance", {{"until_s", *next_s}}, slice())
+             : advance("debugger.resume", {{"kind", "run"}, {"stopped", false}}, slice());
   if (runs || has_news_) publish();
 }
 
 void Player::play_paced() {
   const auto begin = Clock::now();
   const double host_s = std::chrono::duration<double>(begin - pace_begin_).count();
-  const double target = pace_begin_s_ + status_.speed * host_s;
+  double target = pace_begin_s_ + status_.speed * host_s;
+  if (const auto next_s = story_.next_s(scene_.time_s())) target = std::min(target, *next_s);
   is_cut_ = false;
   if (target > scene_.time_s()) advance("simulation.advance", {{"until_s", target}}, slice());
   publish();
@@ -170,6 +189,7 @@ std::string Player::obey_goto(const Json& body) {
   const Answer answer = session_.ask("simulation.goto", {{"time_s", *time}});
   if (!answer.ok()) return answer.sentence;
   scene_.moved();
+  story_.reach(answer.result.at("state").at("time_s").get<double>(), false);
   const bool is_over = answer.result.at("state").at("over").get<bool>();
   stop(is_over ? "over" : "paused", is_over ? "the run is over" : "");
   return "";
@@ -218,6 +238,7 @@ void Player::obey(const Command& command) {
   } else if (std::find(std::begin(transport), std::end(transport), what) != std::end(transport)) {
     refusal = obey_transport(what, command.body);
   } else if ((refusal = carry_out(session_, command.body))) {
+    if (refusal->empty() && scene_.is_past()) story_.forget_after(scene_.time_s());
     scene_.moved();
     if (status_.mode == "asleep") stop("running", "");
   }

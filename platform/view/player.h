@@ -9,13 +9,14 @@
 #include "service/run_session.h"
 #include "view/hub.h"
 #include "view/scene.h"
+#include "view/story.h"
 
 namespace capsoc::view {
 
 class Player {
  public:
-  /// `speed`: as Status::speed. The run begins when a page is open.
-  Player(service::RunSession session, Hub& hub, double speed);
+  /// `speed`: as Status::speed. The run begins when a page is open. `story`: null for none.
+  Player(service::RunSession session, Hub& hub, double speed, const Story* story);
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
 
@@ -42,11 +43,13 @@ class Player {
   std::chrono::milliseconds slice() const;
   void begin_pace();
   void publish();
+  void tell_story();
 
   service::RunSession session_;
   Hub& hub_;
   Scene scene_;
   Status status_;
+  StoryCourse story_;
   std::chrono::milliseconds looked_for_{0};  ///< what the last frame cost
   Clock::time_point published_, pace_begin_;
   double pace_begin_s_ = 0;

@@ -126,7 +126,7 @@ Json Scene::update(const Status& status) {
       {"history", history_},        {"sensor", sensor_},        {"coprocessor", coprocessor_},
       {"status", status_register_}, {"flags", flags_register_}, {"place", place_},
       {"peripheral", peripheral_},  {"registers", registers_},  {"said", said_},
-      {"text", new_text_}};
+      {"text", new_text_},          {"story", status.story}};
   return object;
 }
 

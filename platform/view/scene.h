@@ -20,6 +20,7 @@ struct Status {
   std::string reason;    ///< why it stands; "": nothing to say
   uint64_t command = 0;  ///< the last one that was carried out
   double host_s = 0;     ///< that it has been played for, frames included
+  Json story;            ///< StoryCourse::shown()
 };
 
 /// Collects a frame from the session's answers. Asks only what has no side effect on the run.
@@ -42,6 +43,8 @@ class Scene {
   /// Where the simulation is, as simulation.state answered last.
   const Json& state() const { return state_; }
   double time_s() const { return state_.value("time_s", 0.0); }
+  /// The history goes on after the present.
+  bool is_past() const { return history_.value("end_s", 0.0) > time_s(); }
   /// Of the shaft, turns a second; 0: not known, or not one value.
   double frequency_hz() const;
 

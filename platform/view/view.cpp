@@ -11,7 +11,8 @@
 
 namespace capsoc::view {
 
-Result<service::Json> run_in_view(const run::RunSettings& settings, const std::string& recorded) {
+Result<service::Json> run_in_view(const run::RunSettings& settings, const std::string& recorded,
+                                  const Story* story) {
   const std::string option = settings.view.port.about().name();
   if (settings.gdb.port() >= 0)
     return Error{option + ": a debugger cannot steer the same run; leave out --gdb"};
@@ -23,7 +24,7 @@ Result<service::Json> run_in_view(const run::RunSettings& settings, const std::s
   auto server = HttpServer::start(static_cast<uint16_t>(settings.view.port()), hub);
   if (!server) return Error{server.error()};
   host::say("view: {}\n", server.value()->url());
-  return Player(std::move(session.value()), hub, settings.limits.realtime()).perform();
+  return Player(std::move(session.value()), hub, settings.limits.realtime(), story).perform();
 }
 
 }  // namespace capsoc::view
