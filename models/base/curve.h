@@ -39,7 +39,10 @@ class Thinner {
   /// the time of one thinner each.
   explicit Thinner(std::size_t buckets, std::size_t curves = 1);
 
-  void add(double x, double y) { add(x, &y); }
+  /// Of one curve.
+  void add(double x, double y) {
+    if (curves_ == 1) add(x, &y);
+  }
   /// A point of each curve.
   void add(double x, const double* y) {
     const std::size_t at = points_++;

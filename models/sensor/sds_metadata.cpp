@@ -102,7 +102,7 @@ class MetadataReader {
   std::optional<Error> frequencies(const yaml_node_t& sds) {
     constexpr double least = 1e-9;
     std::optional<double> tick, old;
-    for (const auto& [key, value] :
+    for (const auto [key, value] :
          {std::make_pair("tick-frequency", &tick), std::make_pair("frequency", &old),
           std::make_pair("sample-frequency", &metadata_.rate_hz),
           std::make_pair("block-frequency", &metadata_.block_hz)})
@@ -148,7 +148,7 @@ class MetadataReader {
 
   std::optional<Error> audio(const yaml_node_t& node) {
     std::optional<double> rate, bits, channels;
-    for (const auto& [key, value] :
+    for (const auto [key, value] :
          {std::make_pair("sample-frequency", &rate), std::make_pair("bit-depth", &bits),
           std::make_pair("audio-channels", &channels), std::make_pair("channels", &channels)})
       if (auto wrong = number(node, key, 1, *value)) return wrong;

@@ -24,7 +24,7 @@ Json to_json(const Position& position) {
 std::optional<Position> position_in(const Json& value) {
   if (!value.is_object()) return std::nullopt;
   Position position;
-  for (const auto& [name, member] :
+  for (const auto [name, member] :
        {std::make_pair("time_ps", &position.time_ps), std::make_pair("cycles", &position.cycles),
         std::make_pair("instructions", &position.instructions),
         std::make_pair("samples", &position.samples)}) {
