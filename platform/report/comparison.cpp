@@ -81,11 +81,17 @@ bool is_list(const Json* json) {
   return json != nullptr && json->is_structured();
 }
 
-/// A list as text: itself if it is short.
+constexpr std::size_t short_list = 4;
+
+/// A list as text: its elements if they are few.
 std::string list_text(const Json& list) {
-  constexpr std::size_t few = 4;
-  if (list.size() > few) return fmt::format("{} entries", list.size());
-  return list.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (list.size() > short_list) return fmt::format("{} entries", list.size());
+  std::string text;
+  for (const Json& element : list) {
+    const std::string one = shown_at(element, {});
+    text += (text.empty() ? "" : ", ") + (is_number(one) ? shortened(one) : one);
+  }
+  return "[" + text + "]";
 }
 
 std::string plain_text(const Json* json) {
@@ -128,7 +134,8 @@ std::string relative_text(double a, double b) {
   constexpr double many = 10;
   if (a == 0 || !std::isfinite(b / a)) return "";
   const double times = b / a;
-  if (std::abs(times) >= many || std::abs(times) <= 1 / many) return "x " + three_digits(times);
+  if (std::abs(times) >= many || (times != 0 && std::abs(times) <= 1 / many))
+    return "x " + three_digits(times);
   return fmt::format("{:+.3g} %", 100 * (b - a) / std::abs(a));
 }
 
@@ -154,9 +161,13 @@ void shorten_checksum(Compared& both, const std::string& key) {
 }
 
 /// Values that are the same, or have nothing in common.
-void set_whole(Compared& both, bool are_other_lists) {
-  both.exact_a = both.a;
-  both.exact_b = both.b;
+void set_whole(Compared& both, const Json* a, const Json* b, bool are_other_lists) {
+  const auto exact = [](const Json* json, const std::string& text) {
+    if (!is_list(json) || json->size() > short_list) return text;
+    return json->dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  both.exact_a = exact(a, both.a);
+  both.exact_b = exact(b, both.b);
   for (std::string* text : {&both.a, &both.b})
     *text = is_number(*text) ? shortened(*text) : printable(*text, longest_text);
   if (are_other_lists && both.a == both.b) both.b += ", others";
@@ -170,7 +181,7 @@ Compared compared_values(const Value& value, const Json* a, const Json* b) {
   else if (differ && a->is_string() && b->is_string())
     set_texts(both, text_at(*a, {}), text_at(*b, {}));
   else
-    set_whole(both, differ && is_list(a) && is_list(b));
+    set_whole(both, a, b, differ && is_list(a) && is_list(b));
   shorten_checksum(both, value.keys.back());
   return both;
 }
@@ -229,6 +240,7 @@ class Comparer {
 
   /// A table that only one result has is one difference, with the count of its values.
   void add_missing(const Value& value, const Names& others, bool in_a) {
+    if (value.json->is_null()) return;  // neither has it
     const std::size_t depth = others.depth_of_missing(value);
     if (depth == value.keys.size()) {
       part_of(value).different.push_back(
@@ -273,6 +285,7 @@ void compare_plots(Comparison& c, const Json& a, const Json& b) {
     if (figure.command != command) continue;
     const Data left = figure.data(figure, a), right = figure.data(figure, b);
     if (left.series.empty() && right.series.empty()) continue;
+    if (!left.columns.all.empty() || !right.columns.all.empty()) continue;  // of one result each
     (same_plot(left, right) ? c.same_plots : c.different_plots).push_back(figure.name);
   }
 }

@@ -85,7 +85,8 @@ const std::vector<Figure>& figures();
 const Figure* figure_named(const std::string& name);
 
 /// What the results together have: with more than one each series is named after its result, too,
-/// and thinned so that the report stays small. Of two results each has one colour.
+/// and thinned so that the report stays small. Of two results each has one colour; bars are
+/// paired by their labels. Nothing for columns, which are chosen of one result.
 Data data_of(const Figure& figure, const std::vector<ResultFile>& results);
 
 /// The number of a series' colour, from 0.

@@ -45,11 +45,24 @@ std::string counted(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+namespace {
+
+/// Without an exponent from 1 to a million.
+std::string with_digits(double value, int digits) {
+  constexpr double million = 1e6;
+  const double size = std::abs(value);
+  if (size >= 1 && size < million)
+    digits = std::max(digits, 1 + static_cast<int>(std::log10(size)));
+  return fmt::format("{:.{}g}", value, digits);
+}
+
+}  // namespace
+
 std::pair<std::string, std::string> told_apart(double a, double b, int digits) {
   constexpr int all = 17;
   std::pair<std::string, std::string> texts;
   for (; digits <= all; ++digits) {
-    texts = {fmt::format("{:.{}g}", a, digits), fmt::format("{:.{}g}", b, digits)};
+    texts = {with_digits(a, digits), with_digits(b, digits)};
     const double shown =
         std::strtod(texts.second.c_str(), nullptr) - std::strtod(texts.first.c_str(), nullptr);
     if (std::abs(shown - (b - a)) <= std::abs(b - a) / 2) break;

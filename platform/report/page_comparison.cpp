@@ -51,6 +51,7 @@ std::string different_in(const ComparedPart& part) {
   Table texts{title, {"name", "A", "B"}, {}, true};
   const std::size_t shown = std::min(most_rows, part.different.size());
   for (std::size_t i = 0; i < shown; ++i) add_row(numbers, texts, part.different[i]);
+  if (!numbers.rows.empty()) texts.caption += "; texts, lists, and what one has alone";
   const std::size_t more = part.different.size() - shown;
   return html_of(numbers) + html_of(texts) +
          (more > 0 ? paragraph(fmt::format("And {} more.", more)) : "");

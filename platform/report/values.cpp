@@ -12,7 +12,11 @@ constexpr const char* left_out[] = {"curves", "time.wall_s", "cpu.mips", "wall_s
 /// By these an element of a list is found again, the first that it has.
 constexpr const char* names_of_elements[] = {
     "id",     "name", "role",  "quantity", "program", "scenario", "function",
-    "method", "node", "fault", "exit",     "value",   "run",      "number"};
+    "method", "node", "fault", "run",      "exit",    "value",    "number"};
+
+/// These have no unit, whatever they are of.
+constexpr const char* plain_numbers[] = {"count", "missing",    "share", "correlation",
+                                         "runs",  "confidence", "met",   "samples"};
 
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -20,9 +24,12 @@ bool ends_with(const std::string& text, const std::string& end) {
 
 /// By the end of a key, the innermost first.
 std::string unit_by_key(const std::vector<std::string>& keys) {
-  static constexpr std::pair<const char*, const char*> units[] = {{"_deg", "deg"},  {"_rad", "rad"},
-                                                                  {"_hz", "Hz"},    {"_ns", "ns"},
-                                                                  {"mips", "MIPS"}, {"_s", "s"}};
+  if (std::find(std::begin(plain_numbers), std::end(plain_numbers), keys.back()) !=
+      std::end(plain_numbers))
+    return "";
+  static constexpr std::pair<const char*, const char*> units[] = {
+      {"_deg", "deg"},  {"_rad", "rad"},        {"_hz", "Hz"}, {"_ns", "ns"},
+      {"mips", "MIPS"}, {"mips_least", "MIPS"}, {"_s", "s"}};
   for (auto key = keys.rbegin(); key != keys.rend(); ++key)
     for (const auto& [end, unit] : units)
       if (ends_with(*key, end)) return unit;
@@ -69,7 +76,9 @@ class Walk {
       const Json* found = find(element, {field});
       if (found == nullptr || found->is_structured() || found->is_null()) continue;
       const std::string seed = shown_at(element, {"seed"});
-      return shown_at(*found, {}) + (seed == "-" ? "" : " seed " + seed);
+      // A number alone would not say what it is of.
+      return (found->is_string() ? "" : std::string(field) + " ") + shown_at(*found, {}) +
+             (seed == "-" ? "" : " seed " + seed);
     }
     return std::to_string(place);
   }

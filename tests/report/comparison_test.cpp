@@ -100,7 +100,7 @@ TEST(Comparison, NumbersHaveUnitsAndBothDifferences) {
   const Compared* const error = value_named(values, "angle_error_deg.uncalibrated_max");
   ASSERT_NE(error, nullptr);
   EXPECT_EQ(error->a + " " + error->b + " " + error->relative + " " + error->unit,
-            "25.4 2.54e+03 x 100 deg");
+            "25.4 2536 x 100 deg");
   EXPECT_EQ(error->exact_a, "25.363720166172588");
   const Compared* const time = value_named(values, "time.simulated_s");
   ASSERT_NE(time, nullptr);
@@ -142,6 +142,30 @@ TEST(Comparison, ElementsAreFoundByWhatTheyAreCalled) {
   EXPECT_EQ(more.values.different_count(), 2U);
 }
 
+TEST(Comparison, ARunOfACampaignGoesByItsNumberAndCountsHaveNoUnit) {
+  const auto result = [](int run, int count) {
+    return Json{{"command", "capsoc campaign"},
+                {"worst", {{{"run", run}, {"exit", "0: well"}, {"worst", 2}}}},
+                {"metrics", {{{"name", "convergence_s"}, {"count", count}, {"least", count}}}}};
+  };
+  const Comparison c = comparison_of(result(3, 4), result(5, 0));
+  ASSERT_EQ(c.values.different.size(), 4U);
+  EXPECT_EQ(c.values.different[0].name + ": " + c.values.different[0].a, "worst.run 3: 3 values");
+  EXPECT_EQ(c.values.different[1].name + c.values.different[1].unit, "metrics.convergence_s.count");
+  EXPECT_EQ(c.values.different[2].name + " " + c.values.different[2].unit,
+            "metrics.convergence_s.least s");
+  EXPECT_EQ(c.values.different[1].relative, "-100 %");
+}
+
+TEST(Comparison, NullIsWhatIsNotThere) {
+  const auto result = [](const Json& summary) {
+    return Json{{"command", "capsoc campaign"}, {"summary", summary}};
+  };
+  const Comparison c = comparison_of(result({{"mean", 1}}), result(nullptr));
+  ASSERT_EQ(c.values.different.size(), 1U);
+  EXPECT_EQ(c.values.different[0].name + ": " + c.values.different[0].a, "summary.mean: 1");
+}
+
 TEST(Comparison, OfAListTellsHowManyValues) {
   const auto result = [](const Json& list) {
     return Json{{"command", "capsoc campaign"}, {"sample", {{"runs", list}}}};
@@ -150,6 +174,11 @@ TEST(Comparison, OfAListTellsHowManyValues) {
   ASSERT_EQ(c.values.different.size(), 1U);
   EXPECT_EQ(c.values.different[0].a + " / " + c.values.different[0].b,
             "5 entries / 5 entries, others");
+  const Comparison few = comparison_of(result({0.5716504419378943, 1}), result({0.25, "x"}));
+  ASSERT_EQ(few.values.different.size(), 1U);
+  EXPECT_EQ(few.values.different[0].a + " / " + few.values.different[0].b,
+            "[0.57165, 1] / [0.25, x]");
+  EXPECT_EQ(few.values.different[0].exact_a, "[0.5716504419378943,1]");
 }
 
 TEST(Comparison, PlotsShareTheirPlacesInTwoColours) {
@@ -182,6 +211,27 @@ TEST(Comparison, PlotsShareTheirPlacesInTwoColours) {
   EXPECT_LT(page.find("data-figure=\"angle-error\""), page.find("data-figure=\"a1\""));
   EXPECT_EQ(count("The same in both: 9 settings, 11 values and 1 plot"), 1U);
   EXPECT_EQ(page, page_of(results));
+}
+
+TEST(Comparison, BarsArePairedByTheirLabels) {
+  const auto result = [](const std::vector<std::pair<std::string, double>>& rows) {
+    Json j = {{"command", "capsoc accuracy"}, {"tables", {{{"id", "widths"}}}}};
+    for (const auto& [name, error] : rows)
+      j["tables"][0]["rows"].push_back({{"quantity", name}, {"precise", error}});
+    return j;
+  };
+  const auto data = [&](const Json& a, const Json& b) {
+    return data_of(*figure_named("accuracy-widths"), {{"a", a}, {"b", b}});
+  };
+  using Numbers = std::vector<double>;
+  const Data words = data(result({{"x", 1}, {"y", 2}, {"y", 3}}), result({{"z", 4}, {"y", 5}}));
+  EXPECT_EQ(words.labels, (std::vector<std::string>{"x", "y", "y", "z"}));
+  EXPECT_EQ(words.series[0].curve.x, (Numbers{0, 1, 2}));
+  EXPECT_EQ(words.series[1].curve.x, (Numbers{3, 1}));
+  const Data numbers = data(result({{"12", 1}, {"24", 2}}), result({{"8", 3}, {"16", 4}}));
+  EXPECT_EQ(numbers.labels, (std::vector<std::string>{"8", "12", "16", "24"}));
+  EXPECT_EQ(numbers.series[0].curve.x, (Numbers{1, 3}));
+  EXPECT_EQ(numbers.series[1].curve.x, (Numbers{0, 2}));
 }
 
 TEST(Comparison, NeedsTwoResultsOfOneCommand) {

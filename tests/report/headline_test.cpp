@@ -30,6 +30,7 @@ TEST(Numbers, HaveTheDigitsThatMeanSomething) {
 TEST(Numbers, ThatDifferAreToldApart) {
   using Texts = std::pair<std::string, std::string>;
   EXPECT_EQ(told_apart(1, 2, 3), Texts("1", "2"));
+  EXPECT_EQ(told_apart(3337.9, 3282.1, 3), Texts("3338", "3282"));
   EXPECT_EQ(told_apart(0.6079, 0.607898, 3), Texts("0.6079", "0.607898"));
   EXPECT_EQ(told_apart(420.5, 420.50001, 3), Texts("420.5", "420.50001"));
   const double next = std::nextafter(1.0, 2.0);

@@ -87,7 +87,7 @@ class Pages(Seen):
         self.assertEqual(names[0], "verdict.bound_deg")
         self.assertIn("configuration.coprocessor.arithmetic", names)
         for caption, rows in tables:
-            self.assertIn(f"\n{caption}\n", self.said)
+            self.assertIn("\n" + caption.partition(";")[0] + "\n", self.said)
             for name in rows:
                 self.assertRegex(self.said, rf"(?m)^  {re.escape(name)} ")
 
