@@ -89,6 +89,21 @@ class Page(ViewCase):
         view.process.communicate(timeout=60)
         self.assertEqual(view.process.returncode, 0)
 
+    def test_a_story(self):
+        view = self.view("--story", "flipped-bit", "--realtime", "0", command="view")
+        self.open(view)
+        self.browser.wait("return document.getElementById('chapter').textContent.includes('(1 of 4)')", "its beginning")
+        for step in (2, 3, 4):
+            self.mode("paused")
+            self.press("next", "Enter")
+            wanted = f"return document.getElementById('chapter').textContent.includes('({step} of 4)')"
+            self.browser.wait(wanted, f"step {step}")
+        self.assertIn("bound of 1.44 degrees", self.text("tale"))
+        self.assertFalse(self.browser.run("return document.getElementById('next').checkVisibility()"))
+        self.check_clean(view)
+        self.press("end", "Enter")
+        view.process.communicate(timeout=60)
+
     def test_by_keyboard(self):
         view = self.view("--uart0", "null", "--realtime", "10", "--record-session", "a.session")
         self.open(view)
