@@ -102,10 +102,10 @@ class MetadataReader {
   std::optional<Error> frequencies(const yaml_node_t& sds) {
     constexpr double least = 1e-9;
     std::optional<double> tick, old;
-    for (const auto [key, value] :
-         {std::make_pair("tick-frequency", &tick), std::make_pair("frequency", &old),
-          std::make_pair("sample-frequency", &metadata_.rate_hz),
-          std::make_pair("block-frequency", &metadata_.block_hz)})
+    for (const auto& [key, value] :
+         {std::pair("tick-frequency", &tick), std::pair("frequency", &old),
+          std::pair("sample-frequency", &metadata_.rate_hz),
+          std::pair("block-frequency", &metadata_.block_hz)})
       if (auto wrong = number(sds, key, least, *value)) return wrong;
     if (tick) metadata_.tick_hz = *tick;
     if (!metadata_.rate_hz) metadata_.rate_hz = old;
@@ -148,9 +148,9 @@ class MetadataReader {
 
   std::optional<Error> audio(const yaml_node_t& node) {
     std::optional<double> rate, bits, channels;
-    for (const auto [key, value] :
-         {std::make_pair("sample-frequency", &rate), std::make_pair("bit-depth", &bits),
-          std::make_pair("audio-channels", &channels), std::make_pair("channels", &channels)})
+    for (const auto& [key, value] :
+         {std::pair("sample-frequency", &rate), std::pair("bit-depth", &bits),
+          std::pair("audio-channels", &channels), std::pair("channels", &channels)})
       if (auto wrong = number(node, key, 1, *value)) return wrong;
     if (!rate || !bits || !channels || *channels > 64 || (*bits != 16 && *bits != 32))
       return error(node, "audio needs sample-frequency, bit-depth (16 or 32) and audio-channels");

@@ -62,8 +62,8 @@ void add_nearest_bound(Headline& headline, const std::vector<TableRow>& rows) {
 
 /// Where no row has a bound.
 void add_largest_errors(Headline& headline, const std::vector<TableRow>& rows) {
-  for (const auto [field, label] : {std::pair{"precise", "largest error, precise"},
-                                    std::pair{"paper", "largest error, paper's arithmetic"}}) {
+  for (const auto& [field, label] : {std::pair{"precise", "largest error, precise"},
+                                     std::pair{"paper", "largest error, paper's arithmetic"}}) {
     double largest = -1;
     for (const TableRow& each : rows)
       largest = std::max(largest, number_at(*each.row, {field}).value_or(-1));

@@ -24,10 +24,10 @@ Json to_json(const Position& position) {
 std::optional<Position> position_in(const Json& value) {
   if (!value.is_object()) return std::nullopt;
   Position position;
-  for (const auto [name, member] :
-       {std::make_pair("time_ps", &position.time_ps), std::make_pair("cycles", &position.cycles),
-        std::make_pair("instructions", &position.instructions),
-        std::make_pair("samples", &position.samples)}) {
+  for (const auto& [name, member] :
+       {std::pair("time_ps", &position.time_ps), std::pair("cycles", &position.cycles),
+        std::pair("instructions", &position.instructions),
+        std::pair("samples", &position.samples)}) {
     const auto found = value.find(name);
     if (found == value.end() || !found->is_number_unsigned()) return std::nullopt;
     *member = found->get<uint64_t>();

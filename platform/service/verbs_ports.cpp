@@ -104,8 +104,8 @@ Answer read_pins(Board& board, const Call& call) {
   if (!gpio) return refuse(gpio.error());
   const cmsdk::Gpio& port = *board.soc().gpios()[gpio.value()];
   Answer answer;
-  for (const auto [name, bits] :
-       {std::make_pair("pins", port.pins()), std::make_pair("driven", port.driven())}) {
+  for (const auto& [name, bits] :
+       {std::pair("pins", port.pins()), std::pair("driven", port.driven())}) {
     Json& list = answer.result[name] = Json::array();
     for (unsigned pin = 0; pin < cmsdk::Gpio::pin_count; ++pin)
       list.push_back((bits >> pin & 1U) != 0);

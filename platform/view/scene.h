@@ -43,7 +43,7 @@ class Scene {
   /// Where the simulation is, as simulation.state answered last.
   const Json& state() const { return state_; }
   double time_s() const { return state_.value("time_s", 0.0); }
-  /// The history goes on after the present.
+  /// The history continues after the present.
   bool is_past() const { return history_.value("end_s", 0.0) > time_s(); }
   /// Of the shaft, turns a second; 0: not known, or not one value.
   double frequency_hz() const;

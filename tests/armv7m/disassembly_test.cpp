@@ -37,7 +37,7 @@ std::string alike(const std::string& text) {
   }
   replace_all(plain, ".w", "");
   replace_all(plain, ", 0]", "]");
-  for (const auto [name, number] :
+  for (const auto& [name, number] :
        {std::pair{"sb", "r9"}, {"sl", "r10"}, {"fp", "r11"}, {"ip", "r12"}}) {
     for (const char* before : {" ", "[", "{"}) {
       for (const char* after : {",", "]", "}", "!", "\n"})

@@ -97,11 +97,11 @@ TEST(Exceptions, BreakpointsWithoutADebuggerAreHardFaults) {
 TEST(Exceptions, WhatCannotBeFetchedFaultsSoAtAnEvenAddress) {
   constexpr uint32_t iaccviol = 1, ibuserr = 1U << 8, invstate = 1U << 17;
   for (const Executor executor : all_executors)
-    for (const auto [target, cfsr] : {std::pair{0x40000000U, iaccviol},
-                                      {0xE0000000U, iaccviol},
-                                      {0x60000000U, ibuserr},
-                                      {0x20000000U, invstate},
-                                      {0x20000002U, invstate}})
+    for (const auto& [target, cfsr] : {std::pair{0x40000000U, iaccviol},
+                                       {0xE0000000U, iaccviol},
+                                       {0x60000000U, ibuserr},
+                                       {0x20000000U, invstate},
+                                       {0x20000002U, invstate}})
       for (const uint16_t branch : {uint16_t{0x4700}, uint16_t{0x4780}}) {  // bx r0, blx r0
         Bench b;
         choose(b.core, executor);

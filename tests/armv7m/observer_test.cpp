@@ -101,7 +101,7 @@ TEST(Observer, SeesEveryDirectAccess) {
 TEST(Observer, ChangesNoCycle) {
   for (const Executor executor : all_executors) {
     std::vector<std::string> states;
-    for (const auto [instructions, accesses] :
+    for (const auto& [instructions, accesses] :
          {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
       Bench b(2);
       Notes notes;

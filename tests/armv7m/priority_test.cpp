@@ -88,7 +88,7 @@ TEST_P(Priorities, BasepriReadsBackTheImplementedBits) {
 TEST_P(Priorities, BasepriMaxOnlyRaises) {
   start();
   // msr basepri_max: 0xA0, 0xC0 (lower), 0x60 (higher), 0
-  for (const auto [value, expected] :
+  for (const auto& [value, expected] :
        {std::pair{0xA0U, 0xA0U}, {0xC0U, 0xA0U}, {0x60U, 0x60U}, {0U, 0x60U}}) {
     run({0xF381, 0x8812}, 0, value);
     EXPECT_EQ(b.core.state().basepri, expected);
@@ -205,7 +205,7 @@ INSTANTIATE_TEST_SUITE_P(Both, Priorities,
                          });
 
 TEST(PriorityBits, OtherNumbersCountAsTheNearest) {
-  for (const auto [bits, mask] : {std::pair{0U, 0xE0U}, {2U, 0xE0U}, {9U, 0xFFU}, {99U, 0xFFU}}) {
+  for (const auto& [bits, mask] : {std::pair{0U, 0xE0U}, {2U, 0xE0U}, {9U, 0xFFU}, {99U, 0xFFU}}) {
     Bench b;
     b.core.set_priority_bits(bits);
     b.core.edit().set_basepri(0xFF);

@@ -77,9 +77,9 @@ TEST_F(Registers, EveryComplaintAboutAWriteNamesWhatIsIgnored) {
   EXPECT_EQ(complaint(reg_a2, 1u << 31), "a negative amplitude is ignored: write less than 2^31");
   EXPECT_EQ(complaint(reg_ctrl, 3u << ctrl_ref_shift),
             "CTRL.REF 3 is reserved: the reference source stays as it was");
-  for (const auto [offset, name] : {std::pair{reg_ctrl, "CTRL"}, std::pair{reg_cmd, "CMD"},
-                                    std::pair{reg_correction, "CORRECTION"},
-                                    std::pair{reg_loop, "LOOP"}, std::pair{reg_judge, "JUDGE"}})
+  for (const auto& [offset, name] : {std::pair{reg_ctrl, "CTRL"}, std::pair{reg_cmd, "CMD"},
+                                     std::pair{reg_correction, "CORRECTION"},
+                                     std::pair{reg_loop, "LOOP"}, std::pair{reg_judge, "JUDGE"}})
     EXPECT_EQ(complaint(offset, offset == reg_correction ? 1u << 31 : 1u << 30),
               std::string("reserved bits of ") + name + " are ignored");
   EXPECT_EQ(complaint(reg_ctrl, ctrl_srst | 1u << 30), "") << "a reset looks at no other bit";

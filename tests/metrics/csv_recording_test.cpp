@@ -72,7 +72,7 @@ TEST_F(CsvRecordingTest, NoSamplesAreAHeading) {
 
 TEST_F(CsvRecordingTest, TheAngleIsLeftOutUnlessAllSamplesHaveIt) {
   for (const bool first : {true, false}) {
-    for (const auto [columns, expected] :
+    for (const auto& [columns, expected] :
          {std::pair("t,u,angle_deg", "# a test\nt,u\n0.25,0.125\n0.5,0.25\n"),
           std::pair("angle_deg,t,u", "# a test\nt,u\n0.25,0.125\n0.5,0.25\n"),
           std::pair("t,angle_deg,u", "# a test\nt,u\n0.25,0.125\n0.5,0.25\n"),

@@ -22,7 +22,7 @@ struct LineFiles : testing::Test {
 };
 
 TEST_F(LineFiles, AllLinesOrTheLast) {
-  for (const auto [depth, expected] :
+  for (const auto& [depth, expected] :
        {std::pair{0U, "head\n1\n2\n3\n"}, {2U, "head\n2\n3\n"}, {9U, "head\n1\n2\n3\n"}}) {
     auto file = LineFile::open(path, depth);
     ASSERT_TRUE(file) << file.error();

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The stories of the live page: each is told to its end, is an ordinary run, and says figures that the run shows."""
+"""The stories of the live page: each has its end, is an ordinary run, and says figures that the run shows."""
 
 import re
 import tomllib

@@ -100,7 +100,7 @@ class FaultWork final : public Work {
     const auto& [place, golden, chosen] = drawn.value();
     const bool is_endless = golden.code == run::exit_code::limit;
     const double limit_s = golden.ended_s + (is_endless ? 0 : over_time_s);
-    for (const auto [path, value] :
+    for (const auto& [path, value] :
          {std::pair<const char*, std::string>("inject.faults", chosen.line),
           {"run.simlimit_s", fmt::format("{}", limit_s)}})
       if (auto error =

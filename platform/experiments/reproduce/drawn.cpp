@@ -246,7 +246,7 @@ struct CsfnNames {
 
 void csfn_signals(Drawing& drawing, const fit::Record& record, const CsfnNames& called) {
   const identification::Samples& samples = record.samples;
-  for (const auto [name, signal] : {std::pair{"U", &samples.u}, std::pair{"V", &samples.v}}) {
+  for (const auto& [name, signal] : {std::pair{"U", &samples.u}, std::pair{"V", &samples.v}}) {
     Curve by_sample;
     Points by_angle;
     for (Eigen::Index k = 0; k < signal->size(); ++k) {
@@ -319,7 +319,7 @@ std::optional<Error> csfn_spectrum(Drawing& drawing, const std::string& traces) 
   if (!record) return Error{record.error()};
   // By least squares at the true angles: the record is shuffled, so there is no time.
   const identification::Samples& samples = record.value().samples;
-  for (const auto [name, signal] : {std::pair{"U", &samples.u}, std::pair{"V", &samples.v}}) {
+  for (const auto& [name, signal] : {std::pair{"U", &samples.u}, std::pair{"V", &samples.v}}) {
     const std::vector<double> amplitudes = order_amplitudes(record.value().angle, *signal, 8);
     Curve orders;
     for (std::size_t h = 0; h < amplitudes.size(); ++h)

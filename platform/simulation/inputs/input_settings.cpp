@@ -69,8 +69,8 @@ Result<sensor::RecordingOptions> SensorSettings::recording() const {
   if (!scale.empty() && !options.automatic_scale)
     return Error{fmt::format("{} cannot be '{}'; give auto, or a unit by --full-scale and --zero",
                              scale.name(), printable(scale()))};
-  for (const auto [field, number] :
-       {std::make_pair(&full_scale, &options.full_scale), std::make_pair(&zero, &options.zero)}) {
+  for (const auto& [field, number] :
+       {std::pair(&full_scale, &options.full_scale), std::pair(&zero, &options.zero)}) {
     if (field->empty()) continue;
     *number = finite_number(field->text());
     if (!*number)

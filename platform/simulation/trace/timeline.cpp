@@ -63,12 +63,12 @@ Timeline::Timeline(host::GrowingStream file, soc::Soc& soc, Functions& functions
 }
 
 void Timeline::name_tracks() {
-  for (const auto [process, text] : {std::make_pair(run, "run"),
-                                     {processor, "processor"},
-                                     {interrupts, "interrupts"},
-                                     {coprocessor_, "coprocessor"},
-                                     {uarts, "UARTs"},
-                                     {bus_, "bus"}}) {
+  for (const auto& [process, text] : {std::pair(run, "run"),
+                                      {processor, "processor"},
+                                      {interrupts, "interrupts"},
+                                      {coprocessor_, "coprocessor"},
+                                      {uarts, "UARTs"},
+                                      {bus_, "bus"}}) {
     name(process, text);
     event(
         fmt::format(R"("ph":"M","pid":{0},"name":"process_sort_index","args":{{"sort_index":{0}}})",

@@ -121,8 +121,8 @@ bool FlagTracker::put_aside(uint8_t which, uint32_t registers, const unsigned* w
     operand = FlagOperand::aside(words[i]);
     return true;
   };
-  for (const auto [bit, source] : {std::pair{flag::nz, &sources.nz}, std::pair{flag::c, &sources.c},
-                                   std::pair{flag::v, &sources.v}})
+  for (const auto& [bit, source] : {std::pair{flag::nz, &sources.nz},
+                                    std::pair{flag::c, &sources.c}, std::pair{flag::v, &sources.v}})
     if ((which & bit) != 0 && source->pending() && !(keep(source->x) && keep(source->y)))
       return false;
   for (std::size_t i = 0; i < found; ++i) {
