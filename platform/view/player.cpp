@@ -44,6 +44,7 @@ Json Player::perform() {
       publish();  // the beginning
       stop("running", "");
       begin_pace();
+      tell_story();  // it may begin with a step
     }
     if (is_ended_) break;
     if (status_.mode == "running")
