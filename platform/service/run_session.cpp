@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -181,7 +182,9 @@ Json RunSession::finish(const std::function<void()>& before) {
   if (bytes_lost_ > 0)
     lost_.push_back(
         fmt::format("{} bytes that the program said were too many to be shown", bytes_lost_));
-  for (const std::string& sentence : lost_) finished["lost"].push_back(sentence);
+  Json& lost = finished["lost"];
+  for (const std::string& sentence : lost_)
+    if (std::find(lost.begin(), lost.end(), Json(sentence)) == lost.end()) lost.push_back(sentence);
   if (!lost_.empty() && finished["code"] == Json(run::exit_code::pass))
     finished["code"] = run::exit_code::lost;
   return finished;

@@ -286,7 +286,7 @@ void Session::client_is_gone(Client& client) {
       continue;
     }
     end_worker(*at->second);
-    ended_[at->first] = "its client has gone";
+    ended_[at->first] = "was closed: its client has gone";
     ending_.push_back(std::move(at->second));
     at = simulations_.erase(at);
   }

@@ -217,9 +217,8 @@ Session::Simulation* Session::simulation_of(const Request& request) {
     return found->second.get();
   const auto ended = ended_.find(number);
   answer(request,
-         refuse(ended == ended_.end()
-                    ? fmt::format("there is no simulation {}", number)
-                    : fmt::format("there is no simulation {} any more: {}", number, ended->second),
+         refuse(ended == ended_.end() ? fmt::format("there is no simulation {}", number)
+                                      : fmt::format("simulation {} {}", number, ended->second),
                 Code::no_simulation));
   return nullptr;
 }
@@ -255,7 +254,7 @@ void Session::close(Request& request) {
   if (simulation == nullptr) return;
   const uint64_t number = simulation->number;
   end_worker(*simulation);
-  ended_[number] = "it was closed";
+  ended_[number] = "was closed";
   refuse_pending(*simulation, fmt::format("simulation {} was closed", number));
   ending_.push_back(std::move(simulations_.at(number)));
   simulations_.erase(number);

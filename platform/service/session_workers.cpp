@@ -59,7 +59,7 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
          if (answer.ok() && found != simulations_.end()) {
            found->second->is_constructed = true;
          } else if (found != simulations_.end()) {
-           ended_[number] = "it was not constructed";
+           ended_[number] = "was not constructed";
            end_worker(*found->second);
            refuse_pending(*found->second, fmt::format("simulation {} was not constructed", number));
            ending_.push_back(std::move(found->second));
