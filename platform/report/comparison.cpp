@@ -366,7 +366,8 @@ std::string reason_not_compared(const std::vector<ResultFile>& results) {
 std::optional<Comparison> compared(const std::vector<ResultFile>& results) {
   if (!reason_not_compared(results).empty()) return std::nullopt;
   const Json &a = results[0].json, &b = results[1].json;
-  const Patterns& patterns = patterns_of(command_of(a));
+  const std::string command = command_of(a);
+  const Patterns& patterns = patterns_of(command);
   const Headline of_a = headline_of(a), of_b = headline_of(b);
   Comparison c;
   c.label_a = results[0].label;
