@@ -1,12 +1,28 @@
-# capsoc_link_archives(TARGET LIBRARY...)
+# Sets `result` to whether a program links with all that is in the archives. Remembered for the build.
+function(capsoc_archives_link result)
+  string(MD5 key "${ARGN}")
+  set(known CAPSOC_ARCHIVES_LINK_${key})
+  if(NOT DEFINED ${known})
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/archives_link.cpp)
+    file(WRITE ${source} "int main() { return 0; }\n")
+    try_compile(${known} ${CMAKE_CURRENT_BINARY_DIR}/archives_link ${source}
+                LINK_LIBRARIES -Wl,--whole-archive ${ARGN} -Wl,--no-whole-archive -pthread ${CMAKE_DL_LIBS} m)
+  endif()
+  set(${result} ${${known}} PARENT_SCOPE)
+endfunction()
+
+# capsoc_link_archives(TARGET LIBRARY... [BESIDE LIBRARY...])
 # Links an imported library, and those that it needs, as archives where all of them are there. Each shared library, with its
 # relocations, costs every start of the program time, and a campaign starts it thousands of times.
+# BESIDE: further archives that are linked by the same programs; without them none of these is taken.
+# A distribution may ship an archive without what it needs (Debian 13's libdw.a and libre2.a): all that is in the archives has to link.
 function(capsoc_link_archives target)
   if(NOT PROJECT_IS_TOP_LEVEL)
     return() # its imported libraries are the project's around
   endif()
+  cmake_parse_arguments(PARSE_ARGV 1 "" "" "" BESIDE)
   set(archives "")
-  foreach(library ${ARGN})
+  foreach(library ${_BESIDE} ${_UNPARSED_ARGUMENTS})
     find_library(CAPSOC_ARCHIVE_${library} lib${library}.a)
     mark_as_advanced(CAPSOC_ARCHIVE_${library})
     if(NOT CAPSOC_ARCHIVE_${library})
@@ -14,6 +30,12 @@ function(capsoc_link_archives target)
     endif()
     list(APPEND archives ${CAPSOC_ARCHIVE_${library}})
   endforeach()
+  capsoc_archives_link(links ${archives})
+  if(NOT links)
+    return()
+  endif()
+  list(LENGTH _BESIDE beside)
+  list(SUBLIST archives ${beside} -1 archives)
   foreach(property IMPORTED_LOCATION_RELEASE IMPORTED_LOCATION)
     get_target_property(location ${target} ${property})
     if(location)
