@@ -155,6 +155,18 @@ class Rows(FaultCase):
                     self.assertEqual(one[name], other[name], name)
         self.assertGreater(left_out, 10)
 
+    def test_a_table_that_is_read_later_is_simulated(self):
+        """The program sets CTRL.CORRECT after the last look at the state."""
+        settings = f'firmware.elf = "{FIRMWARE}/harmonics.elf"\nfault.from_s = 300\n'
+        text = DESCRIPTION.replace("404", "302").replace("406", "304").format(count=12, settings=settings)
+        (self.folder / "d.toml").write_text(text)
+        done = self.campaign("run", "d.toml", "--store", "r.sqlite")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.campaign("export", "r.sqlite", "--json", "columns.json", "--all")
+        columns = json.loads((self.folder / "columns.json").read_text())
+        self.assertGreater(sum(place.startswith("coprocessor.corrections.") for place in columns["fault.place"]), 3)
+        self.assertNotIn("not_simulated", columns)
+
     def test_rows_do_not_depend_on_jobs(self):
         self.assertEqual(self.results(12, jobs=1), self.results(12, jobs=3))
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <systemc>
 
 #include "coprocessor/register_map.h"
@@ -23,19 +21,6 @@ std::vector<std::string> places_of_table() {
   for (const inject::CoprocessorWord& word : inject::coprocessor_words())
     if (word.name.find(table) == 0) places.push_back("rtl." + word.flip_flop);
   return places;
-}
-
-/// Of a register, without side effects; nothing: it cannot be read.
-std::optional<uint32_t> read_word(soc::Soc& soc, uint32_t address) {
-  std::array<uint8_t, 4> bytes{};
-  tlm::tlm_generic_payload payload;
-  payload.set_command(tlm::TLM_READ_COMMAND);
-  payload.set_address(address);
-  payload.set_data_ptr(bytes.data());
-  payload.set_data_length(bytes.size());
-  payload.set_streaming_width(bytes.size());
-  if (soc.cpu.system->transport_dbg(payload) != bytes.size()) return std::nullopt;
-  return trace::data_word(payload);
 }
 
 double now_s() {
@@ -64,8 +49,7 @@ UnreadWatch::UnreadWatch(run::Simulation& simulation) : from_s_(now_s()) {
     return;
   }
   ctrl_address_ = ctrl.value().reg->address;
-  const auto word = read_word(soc, ctrl_address_);
-  corrects_ = !word || (*word & coprocessor::ctrl_correct) != 0;
+  written(soc.peek(ctrl_address_));
   listening_ = soc.ahb.transfers.listen([this](const tlm::tlm_generic_payload& payload,
                                                const sc_core::sc_time&, const sc_core::sc_time&) {
     if (payload.is_write() && payload.get_address() / 4 == ctrl_address_ / 4)
