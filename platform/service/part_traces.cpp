@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "base/printable.h"
-#include "observers/traces.h"
 #include "session/run_files.h"
 #include "trace/save_file.h"
 
@@ -46,29 +45,17 @@ Result<std::unique_ptr<PartTraces>> PartTraces::begin(Board& board,
   std::vector<host::FileUse> uses = run::files_of(board.settings());
   for (host::FileUse& use : wanted.outputs()) uses.push_back(std::move(use));
   if (auto error = host::check_uses(uses)) return *error;
-  std::unique_ptr<PartTraces> traces(new PartTraces);
-  const source::Program& program = board.simulation().view().program();
-  auto tracer =
-      trace::Tracer::attach(board.soc(), run::options_of(wanted.trace), program.images(),
-                            [&program](uint32_t address) { return program.line_at(address); });
-  if (!tracer) return Error{tracer.error()};
-  traces->tracer_ = std::move(tracer.value());
-  if (!wanted.trace.coverage.empty()) {
-    auto coverage = trace::Coverage::attach(board.soc(), program, wanted.trace.coverage());
-    if (!coverage) return Error{coverage.error()};
-    traces->coverage_ = std::move(coverage.value());
-  }
-  traces->tracer_->begin();
+  std::unique_ptr<PartTraces> traces(new PartTraces(board, wanted));
+  if (auto error = traces->traces_.open()) return *error;
+  traces->traces_.restored();
   return traces;
 }
 
-std::vector<std::string> PartTraces::end() {
-  std::vector<std::string> lost;
-  for (const Error& error : tracer_->finish()) lost.push_back(error.text);
-  if (const auto error = tracer_->finish_timeline("end of the trace")) lost.push_back(error->text);
-  if (coverage_ != nullptr)
-    if (const auto error = coverage_->finish()) lost.push_back(error->text);
-  return lost;
+run::RunResult PartTraces::end() {
+  run::RunResult result;
+  traces_.close(result);
+  traces_.finish(result, "end of the trace");
+  return result;
 }
 
 }  // namespace capsoc::service

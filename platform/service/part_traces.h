@@ -9,10 +9,9 @@
 #include "base/result.h"
 #include "host/file_uses.h"
 #include "observers/trace_settings.h"
+#include "observers/traces.h"
+#include "results/results.h"
 #include "service/board.h"
-#include "trace/coverage.h"
-#include "trace/profile.h"
-#include "trace/tracer.h"
 
 namespace capsoc::service {
 
@@ -29,23 +28,22 @@ struct PartTraceSettings {
   std::vector<host::FileUse> outputs() const;
 };
 
-/// Traces a simulation from where it stands, between two instructions. Changes its speed and
-/// nothing else. The board must outlive it, and is not advanced after the end of its life.
+/// Traces a simulation from where it stands, between two instructions: what the observer of a run
+/// does, for a part. Changes its speed and nothing else. Board and settings must outlive it; the
+/// board is not advanced after the end of its life.
 class PartTraces {
  public:
   /// An Error: an output that is a file of the simulation or cannot be written, or a wrong bound.
   static Result<std::unique_ptr<PartTraces>> begin(Board& board, const PartTraceSettings& wanted);
 
-  /// Completes the files. A sentence for each that is not whole.
-  std::vector<std::string> end();
-  /// After end(): those that took the most cycles; none without a profile.
-  std::vector<trace::FunctionCost> functions() { return tracer_->top_functions(); }
+  /// Completes the files. Of the result: `lost`, and `profile` if there is one.
+  run::RunResult end();
 
  private:
-  PartTraces() = default;
+  PartTraces(Board& board, const PartTraceSettings& wanted)
+      : traces_(board.simulation().view(), wanted.trace, board.settings().coprocessor) {}
 
-  std::unique_ptr<trace::Tracer> tracer_;
-  std::unique_ptr<trace::Coverage> coverage_;  // null without
+  run::Traces traces_;
 };
 
 }  // namespace capsoc::service

@@ -342,7 +342,7 @@ Result<Replayed> replay(const SessionFile& session, std::optional<double> until_
   Replay again(session, board, on_text);
   if (auto error = again.run(until_s)) return *error;
   Replayed replayed = again.take();
-  if (traces != nullptr) replayed.lost = traces->end();
+  if (traces != nullptr) replayed.lost = traces->end().lost;
   return replayed;
 }
 

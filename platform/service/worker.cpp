@@ -414,20 +414,22 @@ class Worker {
   /// Traces from here to an end.
   Answer trace(const Json& parameters) {
     PartTraceSettings wanted;
+    std::unique_ptr<PartTraces> traces;
     Answer answer =
         observe_to(parameters.at("end"), "history.trace", [&]() -> std::optional<Error> {
           if (auto error = wanted.set(parameters.at("files"))) return error;
           if (!wanted.any())
             return Error{"history.trace: files names no trace, for instance profile"};
-          auto traces = PartTraces::begin(*board_, wanted);
-          if (!traces) return Error{traces.error()};
-          traces_ = std::move(traces.value());
+          auto begun = PartTraces::begin(*board_, wanted);
+          if (!begun) return Error{begun.error()};
+          traces = std::move(begun.value());
           return std::nullopt;
         });
     if (!answer.ok()) return answer;
-    answer.result["lost"] = traces_->end();
+    const run::RunResult traced = traces->end();
+    answer.result["lost"] = traced.lost;
     Json& functions = answer.result["functions"] = Json::array();
-    for (const trace::FunctionCost& function : traces_->functions())
+    for (const trace::FunctionCost& function : traced.profile)
       functions.push_back(run::to_json(function));
     return answer;
   }
@@ -445,7 +447,6 @@ class Worker {
   int connection_;
   MessageReader reader_;
   std::unique_ptr<Board> board_;
-  std::unique_ptr<PartTraces> traces_;  // null without
 };
 
 [[noreturn]] void work(int connection) {

@@ -74,9 +74,12 @@ void Traces::close(RunResult& result) {
 }
 
 void Traces::finish(RunResult& result) {
+  finish(result, fmt::format("exit {}: {}", result.code, result.reason));
+}
+
+void Traces::finish(RunResult& result, const std::string& end) {
   if (tracer_ == nullptr) return;
   result.profile = tracer_->top_functions();
-  const std::string end = fmt::format("exit {}: {}", result.code, result.reason);
   if (const auto error = tracer_->finish_timeline(end)) result.lost.push_back(error->text);
 }
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "backend/coprocessor_settings.h"
 #include "base/result.h"
@@ -31,6 +32,8 @@ class Traces final : public RunObserver {
   /// Warns of each part of the debug information that could not be read.
   void close(RunResult& result) override;
   void finish(RunResult& result) override;
+  /// The same, with what the timeline says at its end.
+  void finish(RunResult& result, const std::string& end);
 
  private:
   trace::TraceOptions options() const;
