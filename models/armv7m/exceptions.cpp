@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "armv7m/exception_frame.h"
 #include "armv7m/isa/timing.h"
 
 namespace capsoc::armv7m {
@@ -17,7 +18,7 @@ uint32_t destination(uint32_t exc_return) {
 }
 
 constexpr uint32_t lockup_address = 0xFFFFFFFE;
-constexpr uint32_t frame_size = 0x20, stacked_alignment = 1u << 9, stacked_exception = 0x1FF;
+constexpr uint32_t stacked_alignment = 1u << 9;
 
 /// Of a fault's exception; 0: a lockup.
 FaultReport::Kind kind_of(unsigned number) {
@@ -109,7 +110,7 @@ bool Exceptions::push_stack(uint32_t return_address, Cause& cause) {
   State& state = context_.state;
   const uint32_t sp = state.r[13];
   const bool aligns = state.scb.aligns_stack(), moved = aligns && (sp & 4) != 0;
-  const uint32_t frame = (sp - frame_size) & ~(aligns ? 4u : 0u);
+  const uint32_t frame = (sp - exception_frame_bytes) & ~(aligns ? 4u : 0u);
   const uint32_t words[8] = {
       state.r[0],  state.r[1],  state.r[2],     state.r[3],
       state.r[12], state.r[14], return_address, state.xpsr() | (moved ? stacked_alignment : 0)};
@@ -289,14 +290,14 @@ bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cau
     return false;
   }
   const uint32_t psr = words[7];
-  if (((psr & stacked_exception) == 0) != to_thread) {
+  if (((psr & exception_number_mask) == 0) != to_thread) {
     cause = Cause::invalid_pc;
     return false;
   }
   const bool aligned = (psr & stacked_alignment) != 0 && state.scb.aligns_stack();
-  const uint32_t sp = (frame + frame_size) | (aligned ? 4u : 0u);
+  const uint32_t sp = (frame + exception_frame_bytes) | (aligned ? 4u : 0u);
   (psp ? state.other_sp : state.r[13]) = sp;
-  state.ipsr = psr & stacked_exception;
+  state.ipsr = psr & exception_number_mask;
   // Handler mode had MSP in r[13]; Thread mode takes what the return value names.
   state.control = (state.control & 1) | (psp ? 2u : 0u);
   if (psp) std::swap(state.r[13], state.other_sp);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "armv7m/exception_frame.h"
 #include "bus/address_map.h"
 #include "debug/description.h"
 
@@ -203,7 +204,7 @@ void SocTarget::reset() {
 std::string SocTarget::state() {
   const armv7m::Core& core = soc_.cpu.core();
   if (core.locked_up()) return "lockup";
-  const uint32_t exception = core.state().xpsr() & 0x1FFU;
+  const uint32_t exception = armv7m::active_exception(core);
   const std::string mode =
       exception == 0
           ? (core.state().control & 1U) != 0 ? "Thread mode, unprivileged" : "Thread mode"

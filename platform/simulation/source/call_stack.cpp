@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "armv7m/exception_frame.h"
 #include "base/printable.h"
 #include "source/prologue.h"
 #include "source/register_numbers.h"
@@ -10,7 +11,7 @@ namespace capsoc::source {
 namespace {
 
 constexpr uint32_t first_exc_return = 0xFFFFFFE0;
-constexpr uint32_t frame_size = 0x20, stacked_alignment = 1u << 9, exception_number = 0x1FF;
+constexpr uint32_t stacked_alignment = 1u << 9;
 
 bool is_exc_return(uint32_t address) {
   return address >= first_exc_return && address != 0xFFFFFFFF;
@@ -45,8 +46,9 @@ bool leave_exception(uint32_t exc_return, Context& context, const ReadWord& read
   const auto psr = read(frame + 28);
   if (!psr) return false;
   before.r[program_counter] &= ~1u;
-  before.r[stack_pointer] = frame + frame_size + ((*psr & stacked_alignment) != 0 ? 4 : 0);
-  before.exception = *psr & exception_number;
+  before.r[stack_pointer] =
+      frame + armv7m::exception_frame_bytes + ((*psr & stacked_alignment) != 0 ? 4 : 0);
+  before.exception = *psr & armv7m::exception_number_mask;
   context = before;
   return true;
 }
