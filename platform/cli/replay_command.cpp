@@ -120,7 +120,7 @@ void add_replay(CLI::App& app, int& code) {
                                      const std::string& option) {
                            auto error = arguments->traces.all.set(
                                path, value, SettingSource::command_line, option);
-                           if (error) arguments->wrong_trace = std::move(error);
+                           if (!arguments->wrong_trace) arguments->wrong_trace = std::move(error);
                          });
   command->callback([arguments, &code] { code = replay(*arguments); });
 }

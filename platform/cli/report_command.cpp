@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/ends_with.h"
 #include "base/nearest.h"
 #include "base/printable.h"
 #include "cli/commands.h"
@@ -43,10 +44,6 @@ std::optional<Error> check_files(const ReportArguments& arguments) {
     if (!place.empty())
       if (auto error = host::check_writable(place)) return error;
   return std::nullopt;
-}
-
-bool ends_with(const std::string& text, std::string_view end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 /// What is wrong with --figure and --plot, before anything is read.

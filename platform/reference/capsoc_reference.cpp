@@ -1,13 +1,13 @@
 // The functions of capsoc_reference.h, on coprocessor::Coprocessor. No exception leaves them.
 #include "capsoc_reference.h"
 
-#include <cstring>
 #include <new>
 #include <optional>
 #include <string>
 
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/register_map.h"
+#include "coprocessor/signal_flow.h"
 
 namespace cop = capsoc::coprocessor;
 
@@ -221,10 +221,8 @@ int32_t capsoc_reference_signal_count(void) {
 }
 
 int32_t capsoc_reference_signal_index(const char* name) {
-  if (name == nullptr) return -1;
-  for (int32_t index = 0; const cop::NamedNode* signal = signal_at(index); ++index)
-    if (std::strcmp(signal->name, name) == 0) return index;
-  return -1;
+  const auto index = name == nullptr ? std::nullopt : cop::node_index(name);
+  return index ? static_cast<int32_t>(*index) : -1;
 }
 
 const char* capsoc_reference_signal_name(int32_t index) {

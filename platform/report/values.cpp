@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "base/ends_with.h"
+
 namespace capsoc::report {
 namespace {
 
@@ -17,10 +19,6 @@ constexpr const char* names_of_elements[] = {
 /// These have no unit, whatever they are of.
 constexpr const char* plain_numbers[] = {"count", "missing",    "share", "correlation",
                                          "runs",  "confidence", "met",   "samples"};
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 /// By the end of a key, the innermost first.
 std::string unit_by_key(const std::vector<std::string>& keys) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 #include <string_view>
 
 #include "base/nearest.h"
@@ -15,18 +16,10 @@ extern const std::string_view page_stories;  // embedded at build time
 
 namespace {
 
-/// Tables of texts, numbers and truth values, as JSON.
-Json json_of(const toml::node& node) {
-  if (const auto* const table = node.as_table()) {
-    Json object = Json::object();
-    for (const auto& [key, value] : *table) object[std::string(key)] = json_of(value);
-    return object;
-  }
-  if (const auto* const text = node.as_string()) return text->get();
-  if (const auto* const flag = node.as_boolean()) return flag->get();
-  if (const auto* const whole = node.as_integer()) return whole->get();
-  if (const auto* const number = node.as_floating_point()) return number->get();
-  return nullptr;
+Json json_of(const toml::table& table) {
+  std::ostringstream text;
+  text << toml::json_formatter(table);
+  return Json::parse(text.str());
 }
 
 /// One line of the page: the file breaks its lines where they are full.
@@ -47,7 +40,7 @@ Story story_of(const toml::table& table) {
   if (const auto* const steps = table["step"].as_array())
     for (const auto& each : *steps) {
       const toml::table& step = *each.as_table();
-      const auto* const command = step.get("do");
+      const auto* const command = step["do"].as_table();
       story.steps.push_back({step["at_s"].value_or(0.0),
                              joined(step["text"].value_or(std::string())),
                              command == nullptr ? Json() : json_of(*command)});

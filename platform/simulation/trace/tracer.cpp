@@ -5,20 +5,13 @@
 #include <utility>
 
 #include "armv7m/exception_frame.h"
+#include "base/ends_with.h"
 #include "host/files.h"
 #include "trace/picoseconds.h"
 #include "trace/profile.h"
 #include "trace/save_file.h"
 
 namespace capsoc::trace {
-namespace {
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-}  // namespace
-
 Result<std::unique_ptr<Tracer>> Tracer::attach(soc::Soc& soc, const TraceOptions& options,
                                                const std::vector<const loader::ElfImage*>& images,
                                                LineOf line_of) {
