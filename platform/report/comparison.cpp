@@ -325,6 +325,14 @@ std::string bound_text(const Json& a, const Json& b, const Patterns& patterns) {
                      text_b, unit);
 }
 
+/// A pass is one under its conditions.
+std::string conditions_text(const ComparedPart& answers) {
+  const bool differ =
+      std::any_of(answers.different.begin(), answers.different.end(),
+                  [](const Compared& each) { return each.name == "verdict.conditions"; });
+  return differ ? "; under other conditions in A than in B" : "";
+}
+
 std::string sentence_of(const Comparison& c, const std::string& bound) {
   const std::size_t all = c.answers.count() + c.settings.count() + c.values.count();
   const bool agree = c.verdict_a == c.verdict_b;
@@ -334,10 +342,11 @@ std::string sentence_of(const Comparison& c, const std::string& bound) {
   std::string text = agree ? fmt::format("The answers agree: {}", verdict)
                            : fmt::format("The answers differ: {} in A, {} in B", verdict,
                                          c.verdict_b.empty() ? "no verdict" : c.verdict_b);
-  text += bound + fmt::format(". {} of {} and {} of {} differ", c.settings.different_count(),
-                              counted(c.settings.count(), "setting"),
-                              c.answers.different_count() + c.values.different_count(),
-                              counted(c.answers.count() + c.values.count(), "value"));
+  text += bound + conditions_text(c.answers) +
+          fmt::format(". {} of {} and {} of {} differ", c.settings.different_count(),
+                      counted(c.settings.count(), "setting"),
+                      c.answers.different_count() + c.values.different_count(),
+                      counted(c.answers.count() + c.values.count(), "value"));
   return text;
 }
 

@@ -69,6 +69,10 @@ TEST(Comparison, SaysFirstWhetherTheAnswersAgree) {
             "1 of 9 settings and 1 of 11 values differ");
   EXPECT_EQ(agree.style, std::string("good"));
   other = a_run();
+  other["verdict"]["conditions"] = {"no sample is stale"};
+  EXPECT_NE(comparison_of(a_run(), other).sentence.find("; under other conditions in A than in B."),
+            std::string::npos);
+  other = a_run();
   other["verdict"] = {{"pass", false}, {"reason", "no lock"}};
   other["exit"]["code"] = 1;
   const Comparison differ = comparison_of(a_run(), other);
