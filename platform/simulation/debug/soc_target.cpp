@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "armv7m/exception_frame.h"
+#include "armv7m/active_exception.h"
 #include "bus/address_map.h"
 #include "debug/description.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "armv7m/active_exception.h"
 #include "armv7m/exception_frame.h"
 #include "trace/exception_name.h"
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "armv7m/active_exception.h"
 #include "armv7m/exception_frame.h"
 #include "capsoc_registers.h"
 #include "coprocessor/sequencer.h"

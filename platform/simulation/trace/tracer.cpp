@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "armv7m/exception_frame.h"
+#include "armv7m/active_exception.h"
 #include "base/ends_with.h"
 #include "host/files.h"
 #include "trace/picoseconds.h"
