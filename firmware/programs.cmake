@@ -28,7 +28,7 @@ capsoc_firmware_objects(error_table OPTIMISE -O2 SOURCES apps/harmonics/error_ta
 capsoc_firmware_objects(estimator OPTIMISE -O2 SOURCES apps/recursive/estimator.c)
 
 capsoc_firmware(selfcal SOURCES apps/selfcal/main.c OBJECTS shared runtime)
-capsoc_firmware(safe SOURCES apps/safe/main.c apps/safe/protection.c drivers/safe_angle.c OBJECTS shared runtime)
+capsoc_firmware(safe SOURCES apps/safe/main.c apps/safe/protection.c drivers/safe_angle.c drivers/coprocessor_safety.c OBJECTS shared runtime)
 capsoc_firmware(paper SOURCES apps/paper/main.c OBJECTS shared runtime)
 capsoc_firmware(track SOURCES apps/track/main.c OBJECTS shared turn_meter runtime)
 capsoc_firmware(calibrate SOURCES apps/calibrate/main.c OBJECTS shared calibration runtime)

@@ -33,6 +33,7 @@ reference_generator.sv
 register_bank.sv
 results_memory.sv
 rotation_cordic.sv
+safety_monitor.sv
 sample_counters.sv
 sample_tags.sv
 sequencer.sv

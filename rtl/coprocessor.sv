@@ -12,7 +12,8 @@ module coprocessor #(
   parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
   parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
-  parameter int Harmonics     = 1    // precise: harmonic correction, CTRL.CORRECT and CORRECTION
+  parameter int Harmonics     = 1,   // precise: harmonic correction, CTRL.CORRECT and CORRECTION
+  parameter int Safety        = 1    // safety mechanisms, SAFETY and parity bits
 ) (
   input  logic        pclk_i,
   input  logic        presetn_i,
@@ -50,7 +51,7 @@ module coprocessor #(
   correction_t correction;
   state_t      state, state_next;
   state_we_t   state_we;
-  logic        frozen, commit;
+  logic        frozen, commit, pending, distrust, bad_parity, bad_safety;
   flags_t      flags_next;
   status_t     status;
   logic [31:0] turn_flags, result;
@@ -88,7 +89,8 @@ module coprocessor #(
     .StepShift       (StepShift),
     .PlainArctangent (PlainArctangent),
     .Block           (Block),
-    .Harmonics       (Harmonics)
+    .Harmonics       (Harmonics),
+    .Safety          (Safety)
   ) u_datapath (
     .clk_i           (pclk_i),
     .rst_ni          (presetn_i),
@@ -98,6 +100,10 @@ module coprocessor #(
     .settings_i      (settings),
     .correction_i    (correction),
     .frozen_i        (frozen),
+    .pending_i       (pending),
+    .distrust_i      (distrust),
+    .bad_parity_i    (bad_parity),
+    .bad_safety_i    (bad_safety),
     .state_i         (state),
     .state_we_o      (state_we),
     .state_o         (state_next),
@@ -112,7 +118,8 @@ module coprocessor #(
   register_bank #(
     .Paper (Paper),
     .Block (Block),
-    .Harmonics (Harmonics)
+    .Harmonics (Harmonics),
+    .Safety (Safety)
   ) u_register_bank (
     .clk_i           (pclk_i),
     .rst_ni          (presetn_i),
@@ -129,6 +136,10 @@ module coprocessor #(
     .settings_o      (settings),
     .correction_o    (correction),
     .frozen_o        (frozen),
+    .pending_o       (pending),
+    .distrust_o      (distrust),
+    .bad_parity_o    (bad_parity),
+    .bad_safety_o    (bad_safety),
     .state_o         (state),
     .boundary_i      (tick.boundary),
     .state_we_i      (state_we),

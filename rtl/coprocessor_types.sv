@@ -50,6 +50,7 @@ typedef struct packed {
   logic [31:0] diverge_threshold;
   capsoc_coprocessor_judge_t judge;
   logic [31:0] turn_limit;         // samples
+  capsoc_coprocessor_safety_t safety;
 } settings_t;
 
 // What becomes of T3's updates: the coefficients, the sums of a block, or nothing
@@ -67,7 +68,7 @@ typedef struct packed {
 
 // Interrupt enables, in CTRL's order
 typedef struct packed {
-  logic alarm, turn, error, lock, result;
+  logic safety, alarm, turn, error, lock, result;
 } enables_t;
 
 // The running tick, and the edge that ends the interval if that is a tick's boundary
@@ -88,6 +89,7 @@ typedef struct packed {
 
 // What a commit sets in FLAGS in addition to RESULT
 typedef struct packed {
+  logic [3:0] safety;  // MISSED, JUMP, MISFIT, PARITY
   logic unsettled, alarm, turn, mirrorchg, diverged, lockchg, zero, sat, clip;
 } flags_t;
 

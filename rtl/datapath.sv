@@ -16,7 +16,8 @@ module datapath #(
   parameter int StepShift = 0,       // paper: right shift of the step after its register
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
   parameter int Block = 1,           // precise: with block learning
-  parameter int Harmonics = 1        // precise: with the harmonic correction
+  parameter int Harmonics = 1,       // precise: with the harmonic correction
+  parameter int Safety = 1           // with the safety mechanisms
 ) (
   input  logic        clk_i, rst_ni, clear_i,
   input  tick_t       tick_i,
@@ -24,6 +25,10 @@ module datapath #(
   input  settings_t   settings_i,
   input  correction_t correction_i,
   input  logic        frozen_i,
+  input  logic        pending_i,        // FLAGS.RESULT
+  input  logic        distrust_i,       // FLAGS: one of the safety mechanisms' flags
+  input  logic        bad_parity_i,     // with a boundary: a register does not fit its parity bit
+  input  logic        bad_safety_i,     // likewise: SAFETY does not
   input  state_t      state_i,
   output state_we_t   state_we_o,
   output state_t      state_o,
@@ -201,6 +206,8 @@ module datapath #(
     .diverged_o   (diverged)
   );
 
+  logic [3:0] findings;
+  logic [29:0] step;
   logic valid, result_any, angle_any, mirror4, turn4, permits;
   logic [2:0] slot0, slot1, slot2, slot3, slot4, result_slot;
   sample_tags u_sample_tags (
@@ -219,6 +226,7 @@ module datapath #(
     .unsettled4_i (core.unsettled4 && demod4_q),
     .permits_i    (permits),
     .calib_i      (settings_i.calib),
+    .distrust_i   (distrust_i || |findings),
     .slot0_o      (slot0),
     .slot1_o      (slot1),
     .slot2_o      (slot2),
@@ -287,8 +295,24 @@ module datapath #(
     .last_good_o      (last_good),
     .last_timeout_o   (last_timeout),
     .alarm_next_o     (flags_o.alarm),
-    .permits_o        (permits)
+    .permits_o        (permits),
+    .step_o           (step)
   );
+
+  safety_monitor #(
+    .Present(Safety)
+  ) u_safety_monitor (
+    .clk_i,
+    .boundary_i   (boundary),
+    .safety_i     (settings_i.safety),
+    .bad_parity_i, .bad_safety_i,
+    .error_valid_i(core.error_valid),
+    .error_i      (core.error),
+    .step_i       (step),
+    .pending_i,
+    .findings_o   (findings)
+  );
+  assign flags_o.safety = findings;
 
   assign flags_o.turn = ended;
 

@@ -7,15 +7,15 @@ module flag_register (
   input  logic        clk_i,
   input  logic        rst_ni,
   input  logic        clear_i,      // soft reset
-  input  logic [11:0] set_i,        // events of this edge, in FLAGS' order
+  input  logic [15:0] set_i,        // events of this edge, in FLAGS' order
   input  logic        write_i,      // bus write: ones clear
-  input  logic [11:0] write_data_i,
+  input  logic [15:0] write_data_i,
   input  enables_t    enables_i,
-  output logic [11:0] flags_o,
+  output logic [15:0] flags_o,
   output logic        irq_o
 );
 
-  logic [11:0] flags_q, flags_d;
+  logic [15:0] flags_q, flags_d;
 
   always_comb begin
     flags_d = flags_q | set_i;
@@ -28,16 +28,17 @@ module flag_register (
     else flags_q <= flags_d;
   end
 
-  localparam logic [11:0] Result  = 12'd1 << capsoc_coprocessor_pkg::FLAGS_RESULT_LSB;
-  localparam logic [11:0] Lock    = 12'd1 << capsoc_coprocessor_pkg::FLAGS_LOCKCHG_LSB;
-  localparam logic [11:0] Mirror  = 12'd1 << capsoc_coprocessor_pkg::FLAGS_MIRRORCHG_LSB;
-  localparam logic [11:0] Turn    = 12'd1 << capsoc_coprocessor_pkg::FLAGS_TURN_LSB;
-  localparam logic [11:0] Alarm   = 12'd1 << capsoc_coprocessor_pkg::FLAGS_ALARM_LSB;
-  localparam logic [11:0] Trouble = ~(Result | Lock | Mirror | Turn | Alarm);
+  localparam logic [15:0] Result  = 16'd1 << capsoc_coprocessor_pkg::FLAGS_RESULT_LSB;
+  localparam logic [15:0] Lock    = 16'd1 << capsoc_coprocessor_pkg::FLAGS_LOCKCHG_LSB;
+  localparam logic [15:0] Mirror  = 16'd1 << capsoc_coprocessor_pkg::FLAGS_MIRRORCHG_LSB;
+  localparam logic [15:0] Turn    = 16'd1 << capsoc_coprocessor_pkg::FLAGS_TURN_LSB;
+  localparam logic [15:0] Alarm   = 16'd1 << capsoc_coprocessor_pkg::FLAGS_ALARM_LSB;
+  localparam logic [15:0] Safety  = 16'hF << capsoc_coprocessor_pkg::FLAGS_PARITY_LSB;
+  localparam logic [15:0] Trouble = ~(Result | Lock | Mirror | Turn | Alarm | Safety);
 
   assign flags_o = flags_q;
   assign irq_o   = (enables_i.result & (|(flags_q & Result))) | (enables_i.lock & (|(flags_q & Lock))) |
                    (enables_i.error & (|(flags_q & Trouble))) | (enables_i.turn & (|(flags_q & Turn))) |
-                   (enables_i.alarm & (|(flags_q & Alarm)));
+                   (enables_i.alarm & (|(flags_q & Alarm))) | (enables_i.safety & (|(flags_q & Safety)));
 
 endmodule

@@ -9,7 +9,8 @@
 module register_bank #(
   parameter int Paper = 0,
   parameter int Block = 1,
-  parameter int Harmonics = 1
+  parameter int Harmonics = 1,
+  parameter int Safety = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -38,6 +39,10 @@ module register_bank #(
   output settings_t   settings_o,
   output correction_t correction_o,
   output logic        frozen_o,      // with what this edge commits
+  output logic        pending_o,     // FLAGS.RESULT
+  output logic        distrust_o,    // one of the safety mechanisms' flags
+  output logic        bad_parity_o,  // with boundary_i: a register does not fit its parity bit
+  output logic        bad_safety_o,  // likewise: SAFETY does not
   // State, and what the pipeline writes at a tick's boundary
   output state_t      state_o,
   input  logic        boundary_i,
@@ -102,6 +107,9 @@ module register_bank #(
   assign correction_o.value = correction.VALUE;
   assign unused_correction  = ^correction;
 
+  logic safety_refused;
+  assign safety_refused = write & select.SAFETY & Safety == 0;
+
   // Each pair has two words. LO's word stages a written low half; HI's word latches the low half at a read of HI. A
   // write of LO fills LO's word; a write of HI takes it and clears it to 0. A read of HI fills HI's word; a read of LO
   // takes it.
@@ -110,7 +118,7 @@ module register_bank #(
   logic [31:0] word_data, word_read, pair_high, pair_low;
   assign word_source  = word_address ^ {4'd0, group.pair};
   assign word_we      = (read & group.high) |
-                        (write & group.stored & ~soft_valid_o & ~refused);
+                        (write & group.stored & ~soft_valid_o & ~refused & ~safety_refused);
   word_memory #(
     .Used (capsoc_coprocessor_pkg::WORDS)
   ) u_words (
@@ -130,9 +138,12 @@ module register_bank #(
   logic      freeze, reserved_ref;
   enables_t  enables;
   settings_t settings;
+  logic      settings_fault, state_fault;
+  assign bad_parity_o = settings_fault | state_fault;
   setting_registers #(
     .Block (Paper == 0 && Block != 0 ? 1 : 0),
-    .Harmonics (HasHarmonics)
+    .Harmonics (HasHarmonics),
+    .Safety (Safety)
   ) u_settings (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
@@ -143,12 +154,16 @@ module register_bank #(
     .freeze_o      (freeze),
     .enables_o     (enables),
     .adc_enable_o,
-    .settings_o    (settings)
+    .settings_o    (settings),
+    .boundary_i,
+    .fault_o       (settings_fault),
+    .safety_fault_o(bad_safety_o)
   );
   assign settings_o = settings;
 
   state_registers #(
-    .Paper (Paper)
+    .Paper (Paper),
+    .Safety (Safety)
   ) u_state (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
@@ -156,17 +171,20 @@ module register_bank #(
     .zero_phase_i  (zero_phase),
     .select_i      (select),
     .pwdata_i,
+    .bad_parity_i  (settings.safety.BAD_PARITY),
     .staged_low_i  (word_data),
     .pair_high_o   (pair_high),
     .pair_low_o    (pair_low),
-    .boundary_i, .state_we_i, .state_i, .state_o
+    .boundary_i, .state_we_i, .state_i, .state_o,
+    .fault_o       (state_fault)
   );
 
   logic       commit;
-  logic [11:0] events, flags;
+  logic [15:0] events, flags;
   assign commit = commit_i & boundary_i;
-  assign events = {{flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit}},
-                   (write & refused) | reserved_ref | correction_refused,
+  assign events = {flags_i.safety & {4{commit}},
+                   {flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit}},
+                   (write & refused) | reserved_ref | correction_refused | safety_refused,
                    {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit}},
                    stream_early_i | soft_early_i,
                    {flags_i.zero, flags_i.sat, flags_i.clip} & {3{commit}}, commit};
@@ -175,12 +193,15 @@ module register_bank #(
     .clear_i      (clear_o),
     .set_i        (events),
     .write_i      (write & select.FLAGS),
-    .write_data_i (pwdata_i[11:0]),
+    .write_data_i (pwdata_i[15:0]),
     .enables_i    (enables),
     .flags_o      (flags),
     .irq_o
   );
 
+  localparam int ParityFlag = capsoc_coprocessor_pkg::FLAGS_PARITY_LSB;
+  assign pending_o  = flags[capsoc_coprocessor_pkg::FLAGS_RESULT_LSB];
+  assign distrust_o = |flags[ParityFlag+:4];
   localparam int AlarmFlag = capsoc_coprocessor_pkg::FLAGS_ALARM_LSB;
   assign frozen_o = freeze & (flags[AlarmFlag] | events[AlarmFlag]);
 
@@ -205,7 +226,8 @@ module register_bank #(
 
   capsoc_coprocessor_ctrl_t ctrl;
   assign ctrl.SRST           = 1'b0;
-  assign ctrl.RESERVED_30_14 = '0;
+  assign ctrl.RESERVED_30_15 = '0;
+  assign ctrl.IE_SAFETY      = enables.safety;
   assign ctrl.CORRECT        = settings.correct;
   assign ctrl.IE_ALARM       = enables.alarm;
   assign ctrl.IE_TURN        = enables.turn;
@@ -271,7 +293,7 @@ module register_bank #(
   assign narrow = (capsoc_coprocessor_pkg::ID_RESET & {32{shown.ID}}) |
                   (capsoc_coprocessor_pkg::VERSION_RESET & {32{shown.VERSION}}) |
                   (ctrl & {32{shown.CTRL}}) | (status & {32{shown.STATUS}}) |
-                  ({20'd0, flags} & {32{shown.FLAGS}}) | (loop & {32{shown.LOOP}}) |
+                  ({16'd0, flags} & {32{shown.FLAGS}}) | (loop & {32{shown.LOOP}}) |
                   (capsoc_coprocessor_pkg::LATENCY_RESET & {32{shown.LATENCY}}) |
                   (turn_flags_i & {32{shown.TURN_FLAGS}});
 

@@ -22,6 +22,7 @@ module sample_tags (
   input  logic       diverged_i,
   input  logic       permits_i,      // LOCK of the sample in T4, as far as the turn judge is concerned
   input  logic       calib_i,        // register
+  input  logic       distrust_i,     // a safety mechanism has found something, now or before
   output logic [2:0] slot0_o,        // slot numbers of the samples in the stages
   output logic [2:0] slot1_o,
   output logic [2:0] slot2_o,
@@ -110,7 +111,7 @@ module sample_tags (
   assign mirror4_o = mirror_q[3];
   assign turn4_o = turn_q[1];
   assign commit_o = boundary_i && stage_i[4];
-  assign valid_o = calib4_q && !zero_q[2] && !unsettled;
+  assign valid_o = calib4_q && !zero_q[2] && !unsettled && !distrust_i;
   assign result_slot_o = result_slot_q;
   assign result_any_o = result_any_q;
   assign angle_any_o = angle_any_q;

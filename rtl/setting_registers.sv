@@ -5,7 +5,8 @@
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
 module setting_registers #(
   parameter int Block = 1,     // CTRL.BLOCK and GUARD are there
-  parameter int Harmonics = 1  // CTRL.CORRECT is there
+  parameter int Harmonics = 1, // CTRL.CORRECT is there
+  parameter int Safety = 1     // the registers have parity bits
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -17,7 +18,11 @@ module setting_registers #(
   output logic        adc_enable_o,
   output logic        freeze_o,
   output enables_t    enables_o,
-  output settings_t   settings_o
+  output settings_t   settings_o,
+  input  logic        boundary_i,
+  // With boundary_i: a register, SAFETY does not fit its parity bit
+  output logic        fault_o,
+  output logic        safety_fault_o
 );
 
   localparam logic [31:0] CtrlReset = capsoc_coprocessor_pkg::CTRL_RESET;
@@ -25,7 +30,7 @@ module setting_registers #(
   localparam int RefHigh = capsoc_coprocessor_pkg::CTRL_REF_MSB;
 
   logic       demod_q, calib_q, adc_q, ie_result_q, ie_lock_q, ie_error_q;
-  logic       ie_turn_q, ie_alarm_q, freeze_q, block_q, guard_q, correct_q;
+  logic       ie_turn_q, ie_alarm_q, ie_safety_q, freeze_q, block_q, guard_q, correct_q;
   logic [1:0] ref_q;
 
   logic write_ctrl;
@@ -51,6 +56,7 @@ module setting_registers #(
       ie_error_q  <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB];
       ie_turn_q   <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
       ie_alarm_q  <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
+      ie_safety_q <= CtrlReset[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB];
       freeze_q    <= CtrlReset[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
       block_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB];
       guard_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_GUARD_LSB];
@@ -65,6 +71,7 @@ module setting_registers #(
       ie_error_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB];
       ie_turn_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
       ie_alarm_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
+      ie_safety_q <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB];
       freeze_q    <= ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
       block_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0;
       guard_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0;
@@ -73,6 +80,7 @@ module setting_registers #(
   end
   assign adc_enable_o = adc_q;
   assign freeze_o     = freeze_q;
+  assign enables_o.safety = ie_safety_q;
   assign enables_o.alarm  = ie_alarm_q;
   assign enables_o.turn   = ie_turn_q;
   assign enables_o.error  = ie_error_q;
@@ -149,6 +157,75 @@ module setting_registers #(
       if (clear_i | write_limit) turn_limit_q <= clear_i ? LimitReset : pwdata_i;
     end
   end
+
+  // SAFETY
+  capsoc_coprocessor_safety_t safety_data, safety;
+  logic       write_safety, unused_safety, bad_parity_q;
+  logic [3:0] mechanisms_q;  // MISSED, JUMP, MISFIT, PARITY
+  logic [4:0] error_limit_q, step_limit_q;
+  assign safety_data   = pwdata_i;
+  assign write_safety  = write_i & select_i.SAFETY & Safety != 0;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      {mechanisms_q, bad_parity_q, error_limit_q, step_limit_q} <= '0;
+    end else if (clear_i) begin
+      {mechanisms_q, bad_parity_q, error_limit_q, step_limit_q} <= '0;
+    end else if (write_safety) begin
+      mechanisms_q  <= {safety_data.MISSED, safety_data.JUMP, safety_data.MISFIT, safety_data.PARITY};
+      bad_parity_q  <= safety_data.BAD_PARITY;
+      error_limit_q <= safety_data.ERROR_LIMIT;
+      step_limit_q  <= safety_data.STEP_LIMIT;
+    end
+  end
+  assign unused_safety = ^safety_data;
+  assign safety.RESERVED_31_29 = '0;
+  assign safety.STEP_LIMIT     = step_limit_q;
+  assign safety.RESERVED_23_21 = '0;
+  assign safety.ERROR_LIMIT    = error_limit_q;
+  assign safety.RESERVED_15_9  = '0;
+  assign safety.BAD_PARITY     = bad_parity_q;
+  assign safety.RESERVED_7_4   = '0;
+  assign {safety.MISSED, safety.JUMP, safety.MISFIT, safety.PARITY} = mechanisms_q;
+
+  // A parity bit for each register: SAFETY, TURN_LIMIT, JUDGE, DIVERGE_THRESHOLD, LOCK_THRESHOLD, LOOP, steps (CV to AU), CTRL.
+  logic [12:0] parity_q, written, next_parity, parity;
+  logic        word_parity;
+  logic [1:0]  ref_d;
+  assign ref_d       = clear_i | ~reserved_ref ? ctrl_data[RefHigh:RefLow] : ref_q;
+  assign word_parity = ^pwdata_i;  // a step's upper bit is 0
+  assign written     = {write_safety, write_limit, write_judge, write_diverge, write_lock, write_loop, write_step, write_ctrl};
+  assign next_parity = {^{safety_data.MISSED, safety_data.JUMP, safety_data.MISFIT, safety_data.PARITY,
+                          safety_data.BAD_PARITY, safety_data.ERROR_LIMIT, safety_data.STEP_LIMIT},
+                        word_parity, ^pwdata_i[21:0], word_parity, word_parity,
+                        ^{pwdata_i[KpHigh:KpLow], pwdata_i[KiHigh:KiLow]}, {6{word_parity}},
+                        ^{ctrl_data[capsoc_coprocessor_pkg::CTRL_DEMOD_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_CALIB_LSB], ref_d,
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_ADC_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_RESULT_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_LOCK_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0,
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0,
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB] & Harmonics != 0}} ^ {13{bad_parity_q}};
+  localparam logic [12:0] ResetParity = {13{Safety != 0}} &
+      {1'b0, ^LimitReset, ^JudgeReset, ^DivergeReset, ^LockReset, ^LoopReset, {6{^StepReset}}, ^CtrlReset};
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) parity_q <= ResetParity;
+    else if (clear_i) parity_q <= ResetParity;
+    else if (|written) parity_q <= ((parity_q & ~written) | (next_parity & written)) & {13{Safety != 0}};
+  end
+  assign parity = {^{mechanisms_q, bad_parity_q, error_limit_q, step_limit_q},
+                   ^turn_limit_q, ^judge_q, ^diverge_threshold_q, ^lock_threshold_q, ^{kp_q, ki_q},
+                   ^step_cv_q, ^step_bv_q, ^step_av_q, ^step_cu_q, ^step_bu_q, ^step_au_q,
+                   ^{demod_q, calib_q, ref_q, adc_q, ie_result_q, ie_lock_q, ie_error_q, ie_turn_q, ie_alarm_q,
+                     ie_safety_q, freeze_q, block_q, guard_q, correct_q}};
+  assign fault_o        = boundary_i ? Safety != 0 & (|(parity ^ parity_q)) : 1'b0;
+  assign safety_fault_o = boundary_i ? Safety != 0 & (parity[12] ^ parity_q[12]) : 1'b0;
+
   assign settings_o.demod             = demod_q;
   assign settings_o.calib             = calib_q;
   assign settings_o.block             = block_q;
@@ -162,6 +239,7 @@ module setting_registers #(
   assign settings_o.diverge_threshold = diverge_threshold_q;
   assign settings_o.judge             = 32'(judge_q);
   assign settings_o.turn_limit        = turn_limit_q;
+  assign settings_o.safety            = safety;
 
   logic unused_selects;  // of the other registers
   assign unused_selects = ^select_i;

@@ -5,7 +5,8 @@
 // Latency: a write counts from its edge on. Formats: phase, freq 2^-48 turn; au .. cv s48, Q2.46;
 // a1, a2, b1, b2 Q1.31; beta, phi 2^-32 turn.
 module state_registers #(
-  parameter int Paper = 0
+  parameter int Paper = 0,
+  parameter int Safety = 1            // the registers have parity bits
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -15,6 +16,7 @@ module state_registers #(
   input  logic        zero_phase_i,   // CMD.PHASE0
   input  capsoc_coprocessor_selects_t select_i,  // of the access
   input  logic [31:0] pwdata_i,
+  input  logic        bad_parity_i,   // a write of the bus stores the wrong parity bit
   input  logic [31:0] staged_low_i,   // what a write of HI takes as LO
   output logic [31:0] pair_high_o,    // of the 48-bit register of the access, now
   output logic [31:0] pair_low_o,
@@ -22,7 +24,8 @@ module state_registers #(
   input  logic        boundary_i,
   input  state_we_t   state_we_i,
   input  state_t      state_i,
-  output state_t      state_o
+  output state_t      state_o,
+  output logic        fault_o         // with boundary_i: a register does not fit its parity bit
 );
 
   localparam logic [47:0] Half = 48'd1 << 45;  // 0.5, the reset value of a_u and b_v
@@ -83,62 +86,98 @@ module state_registers #(
   state_we_t pipeline_we;
   assign pipeline_we = state_we_i & {5{boundary_i}};
 
-  shared_register #(.Width(48), .ResetValue('0)) u_freq (
+  // What the bus writes, as parity. PHASE0 writes 0.
+  logic word_parity, coefficient_parity, phase_parity;
+  logic [13:0] fault;
+  assign word_parity        = bad_parity_i ^ (^pwdata_i);
+  assign coefficient_parity = bad_parity_i ^ (^coefficient);
+  assign phase_parity       = bad_parity_i ^ (^phase_word);
+  assign fault_o            = |fault;
+
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_freq (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.FREQ_HI), .bus_i (phase_word),
-    .pipeline_we_i (pipeline_we.freq), .pipeline_i (state_i.freq), .q_o (freq)
+    .bus_parity_i (phase_parity),
+    .pipeline_we_i (pipeline_we.freq), .pipeline_i (state_i.freq), .q_o (freq),
+    .boundary_i, .fault_o (fault[0])
   );
-  shared_register #(.Width(48), .ResetValue('0)) u_phase (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_phase (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (zero_phase_i | (write_i & select_i.PHASE_HI)),
     .bus_i (phase_word & {48{~zero_phase_i}}),
-    .pipeline_we_i (pipeline_we.phase), .pipeline_i (state_i.phase), .q_o (phase)
+    .bus_parity_i (phase_parity & ~zero_phase_i ^ zero_phase_i & bad_parity_i),
+    .pipeline_we_i (pipeline_we.phase), .pipeline_i (state_i.phase), .q_o (phase),
+    .boundary_i, .fault_o (fault[1])
   );
-  shared_register #(.Width(48), .ResetValue(Half)) u_au (
+  shared_register #(.Width(48), .ResetValue(Half), .Safety(Safety)) u_au (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.AU_HI), .bus_i (coefficient),
-    .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.au), .q_o (au)
+    .bus_parity_i (coefficient_parity),
+    .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.au), .q_o (au),
+    .boundary_i, .fault_o (fault[2])
   );
-  shared_register #(.Width(48), .ResetValue('0)) u_bu (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_bu (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.BU_HI), .bus_i (coefficient),
-    .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.bu), .q_o (bu)
+    .bus_parity_i (coefficient_parity),
+    .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.bu), .q_o (bu),
+    .boundary_i, .fault_o (fault[3])
   );
-  shared_register #(.Width(48), .ResetValue('0)) u_cu (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_cu (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.CU_HI), .bus_i (coefficient),
-    .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.cu), .q_o (cu)
+    .bus_parity_i (coefficient_parity),
+    .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.cu), .q_o (cu),
+    .boundary_i, .fault_o (fault[4])
   );
-  shared_register #(.Width(48), .ResetValue('0)) u_av (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_av (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.AV_HI), .bus_i (coefficient),
-    .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.av), .q_o (av)
+    .bus_parity_i (coefficient_parity),
+    .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.av), .q_o (av),
+    .boundary_i, .fault_o (fault[5])
   );
-  shared_register #(.Width(48), .ResetValue(Half)) u_bv (
+  shared_register #(.Width(48), .ResetValue(Half), .Safety(Safety)) u_bv (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.BV_HI), .bus_i (coefficient),
-    .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.bv), .q_o (bv)
+    .bus_parity_i (coefficient_parity),
+    .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.bv), .q_o (bv),
+    .boundary_i, .fault_o (fault[6])
   );
-  shared_register #(.Width(48), .ResetValue('0)) u_cv (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_cv (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.CV_HI), .bus_i (coefficient),
-    .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.cv), .q_o (cv)
+    .bus_parity_i (coefficient_parity),
+    .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.cv), .q_o (cv),
+    .boundary_i, .fault_o (fault[7])
   );
-  shared_register #(.Width(32), .ResetValue(A1Reset)) u_a1 (
+  shared_register #(.Width(32), .ResetValue(A1Reset), .Safety(Safety)) u_a1 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.A1), .bus_i (pwdata_i),
-    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.a1), .q_o (a1)
+    .bus_parity_i (word_parity),
+    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.a1), .q_o (a1),
+    .boundary_i, .fault_o (fault[8])
   );
-  shared_register #(.Width(32), .ResetValue(A2Reset)) u_a2 (
+  shared_register #(.Width(32), .ResetValue(A2Reset), .Safety(Safety)) u_a2 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.A2), .bus_i (pwdata_i),
-    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.a2), .q_o (a2)
+    .bus_parity_i (word_parity),
+    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.a2), .q_o (a2),
+    .boundary_i, .fault_o (fault[9])
   );
-  shared_register #(.Width(32), .ResetValue('0)) u_b1 (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_b1 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.B1), .bus_i (pwdata_i),
-    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.b1), .q_o (b1)
+    .bus_parity_i (word_parity),
+    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.b1), .q_o (b1),
+    .boundary_i, .fault_o (fault[10])
   );
-  shared_register #(.Width(32), .ResetValue('0)) u_b2 (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_b2 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.B2), .bus_i (pwdata_i),
-    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.b2), .q_o (b2)
+    .bus_parity_i (word_parity),
+    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.b2), .q_o (b2),
+    .boundary_i, .fault_o (fault[11])
   );
-  shared_register #(.Width(32), .ResetValue('0)) u_beta (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_beta (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.BETA), .bus_i (pwdata_i),
-    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.beta), .q_o (beta)
+    .bus_parity_i (word_parity),
+    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.beta), .q_o (beta),
+    .boundary_i, .fault_o (fault[12])
   );
-  shared_register #(.Width(32), .ResetValue('0)) u_phi (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_phi (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.PHI), .bus_i (pwdata_i),
-    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.phi), .q_o (phi)
+    .bus_parity_i (word_parity),
+    .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.phi), .q_o (phi),
+    .boundary_i, .fault_o (fault[13])
   );
   logic unused_selects;  // of the other registers
   assign unused_selects = ^select_i;

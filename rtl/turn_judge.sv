@@ -56,7 +56,8 @@ module turn_judge (
   output logic        last_good_o,        // the window that ended last, this one included
   output logic        last_timeout_o,
   output logic        alarm_next_o,
-  output logic        permits_o           // LOCK, as far as the judge is concerned
+  output logic        permits_o,          // LOCK, as far as the judge is concerned
+  output logic [29:0] step_o              // from the angle of the sample before; 0 for the first one
 );
 
   // The schedule of T4. P is product_q, T is word_q, M the word read from the memory.
@@ -281,6 +282,8 @@ module turn_judge (
     if (active && cycle_i == TakeStep) step_q <= step_d;
     if (commit_i) last_angle_q <= angle_i;
   end
+
+  assign step_o = step_q & {30{any_sample_q}};
 
   // The window's flags with this sample.
   logic [7:0] octants_q, octants, clipped_q, clipped;

@@ -3,12 +3,13 @@
 #include <stddef.h>
 
 #include "capsoc_device.h"
+#include "coprocessor_safety.h"
 
 #define ERROR_FLAGS                                                                      \
   (COPROCESSOR_FLAGS_CLIP_Msk | COPROCESSOR_FLAGS_SAT_Msk | COPROCESSOR_FLAGS_ZERO_Msk | \
    COPROCESSOR_FLAGS_EARLY_Msk | COPROCESSOR_FLAGS_CONFIG_Msk | COPROCESSOR_FLAGS_UNSETTLED_Msk)
 
-enum { copied = 9 };
+enum { copied = 10 };
 enum copied_word {
   copy_a1,
   copy_a2,
@@ -18,7 +19,8 @@ enum copied_word {
   copy_phi,
   copy_step,
   copy_limit,
-  copy_step_limit
+  copy_step_limit,
+  copy_computes
 };
 
 static int32_t product(int32_t a, int32_t b, unsigned shift) {
@@ -43,7 +45,7 @@ int32_t safe_angle_sine(uint32_t angle) {
 }
 
 void safe_angle_begin(struct safe_angle* state, const struct coprocessor_parameters* parameters,
-                      uint32_t limit, uint32_t step_limit) {
+                      uint32_t limit, uint32_t step_limit, bool computes) {
   const uint32_t words[copied] = {(uint32_t)parameters->a1,
                                   (uint32_t)parameters->a2,
                                   (uint32_t)parameters->b1,
@@ -52,7 +54,8 @@ void safe_angle_begin(struct safe_angle* state, const struct coprocessor_paramet
                                   parameters->phi,
                                   (uint32_t)(coprocessor_frequency() >> 16),
                                   limit,
-                                  step_limit};
+                                  step_limit,
+                                  computes};
   for (unsigned i = 0; i < copied; ++i) {
     state->copy[i] = words[i];
     state->complement[i] = ~words[i];
@@ -98,7 +101,17 @@ static enum safe_angle_state compare(const struct safe_angle* state, uint32_t an
   return size > (int64_t)magnitude(largest) + 3 ? safe_angle_inverse : safe_angle_good;
 }
 
+static enum safe_angle_state found_by_coprocessor(void) {
+  const uint32_t found = coprocessor_safety_found();
+  if ((found & COPROCESSOR_FLAGS_PARITY_Msk) != 0) return safe_angle_parity;
+  if ((found & COPROCESSOR_FLAGS_MISFIT_Msk) != 0) return safe_angle_misfit;
+  if ((found & COPROCESSOR_FLAGS_JUMP_Msk) != 0) return safe_angle_jump;
+  return found != 0 ? safe_angle_missed : safe_angle_good;
+}
+
 enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle) {
+  const enum safe_angle_state its_own = found_by_coprocessor();
+  if (its_own != safe_angle_good) return its_own;
   if (!copy_is_whole(state)) return safe_angle_copy;
   const uint32_t samples = COPROCESSOR->SAMPLES;
   if (samples != state->samples + 1) return safe_angle_samples;
@@ -107,10 +120,12 @@ enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle)
   if ((COPROCESSOR->STATUS & (wanted | unwanted)) != wanted) return safe_angle_status;
   if ((COPROCESSOR->FLAGS & ERROR_FLAGS) != 0) return safe_angle_flags;
   const uint32_t found = COPROCESSOR->ANGLE;
-  const enum safe_angle_state compared = compare(state, found);
-  if (compared != safe_angle_good) return compared;
-  const uint32_t step = found - state->angle - state->copy[copy_step];
-  if (magnitude((int32_t)step) > state->copy[copy_step_limit]) return safe_angle_step;
+  if (state->copy[copy_computes] != 0) {
+    const enum safe_angle_state compared = compare(state, found);
+    if (compared != safe_angle_good) return compared;
+    const uint32_t step = found - state->angle - state->copy[copy_step];
+    if (magnitude((int32_t)step) > state->copy[copy_step_limit]) return safe_angle_step;
+  }
   state->samples = samples;
   *angle = state->angle = found;
   return safe_angle_good;
@@ -119,6 +134,10 @@ enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle)
 const char* safe_angle_sentence(enum safe_angle_state state) {
   static const char* const sentences[] = {
       NULL,
+      "a register of the coprocessor has lost a bit",
+      "the coprocessor's error is beyond its limit",
+      "the coprocessor's angle moved beyond its limit",
+      "a result of the coprocessor was not taken",
       "the copy of the parameters has changed",
       "a sample is missing, or there is one too many",
       "no valid angle, no lock, or an alarm",

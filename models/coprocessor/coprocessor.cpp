@@ -20,6 +20,26 @@ constexpr int64_t start_weight(uint32_t high, uint32_t low) {
   return (int64_t{static_cast<int32_t>(high)} << 15) + static_cast<int32_t>(low);
 }
 
+// Parity bits of registers that the pipeline writes together.
+constexpr uint64_t weights_u_parity =
+    parity_bit(reg_au_lo) | parity_bit(reg_bu_lo) | parity_bit(reg_cu_lo);
+constexpr uint64_t weights_v_parity =
+    parity_bit(reg_av_lo) | parity_bit(reg_bv_lo) | parity_bit(reg_cv_lo);
+constexpr uint64_t parameters_parity = parity_bit(reg_a1) | parity_bit(reg_a2) |
+                                       parity_bit(reg_b1) | parity_bit(reg_b2) |
+                                       parity_bit(reg_beta) | parity_bit(reg_phi);
+
+// Whether a word of `width` bits keeps its value without its upper `n` bits; the sign stays.
+bool fits(int32_t value, unsigned width, unsigned n) {
+  const unsigned kept = width - std::min(n, width - 1);
+  const int32_t upper = value >> (kept - 1);
+  return upper == 0 || upper == -1;
+}
+
+uint32_t error_limit(uint32_t safety) {
+  return field(safety, safety_error_limit_mask);
+}
+
 // Weights as the arithmetic keeps them.
 Weights stored(const Weights& weights, bool paper) {
   if (!paper) return weights;
@@ -76,9 +96,10 @@ void Coprocessor::soft_reset() {
 void Coprocessor::advance(uint64_t cycle) {
   arch_.cycle = std::max(arch_.cycle, cycle);
   while (sequencer_.due(cycle)) {
+    const uint64_t unfit = arch_.unfit;
     commit_tick();
     sequencer_.turn();
-    start_tick();
+    start_tick(unfit);
   }
 }
 
@@ -104,7 +125,7 @@ bool Coprocessor::latch(uint64_t cycle, int32_t u, int32_t v, bool clip) {
 
 // Everything below computes from the state at the tick's start, so that the order in which the
 // stages are computed does not matter; commit_tick() writes it all at the tick's end.
-void Coprocessor::start_tick() {
+void Coprocessor::start_tick(uint64_t unfit) {
   for (unsigned stage = stage_count - 1; stage > 0; --stage)
     if (sequencer_.occupied(stage)) pipe_[stage] = pipe_[stage - 1];
   if (sequencer_.entered()) {
@@ -135,7 +156,16 @@ void Coprocessor::start_tick() {
         plan.update || plan.sum ? pending_.learning.coefficients : Coefficients{};
     pipe_[3].next_average =
         error_average(std::max(pending_.learning.error_sum_u, pending_.learning.error_sum_v));
+    pipe_[3].misfit = !fits(pipe_[3].error_u, 32, error_limit(arch_.safety)) ||
+                      !fits(pipe_[3].error_v, 32, error_limit(arch_.safety));
     pipe_[3].saturated_after[3] = pipe_[3].saturated;
+  }
+  if (unfit != 0) {
+    for (unsigned stage = 0; stage < stage_count; ++stage) {
+      if (!sequencer_.occupied(stage)) continue;
+      pipe_[stage].bad_parity = true;
+      if ((unfit & parity_bit(reg_safety)) != 0) pipe_[stage].bad_safety = true;
+    }
   }
   if (sequencer_.occupied(4)) start_results(pipe_[4]);
   if (const auto stage = sequencer_.load_stage()) start_load(*stage);
@@ -144,12 +174,19 @@ void Coprocessor::start_tick() {
 void Coprocessor::commit_tick() {
   if (sequencer_.occupied(2)) {
     arch_.state.reference.phase = pending_.reference.phase;
+    written(parity_bit(reg_phase_lo));
     // Only the tracking source owns the frequency: otherwise a word that software wrote in the
     // course of this tick would be lost.
-    if (pending_.steer_frequency) arch_.state.reference.frequency = pending_.reference.frequency;
+    if (pending_.steer_frequency) {
+      arch_.state.reference.frequency = pending_.reference.frequency;
+      written(parity_bit(reg_freq_lo));
+    }
   }
   if (sequencer_.occupied(3)) {
-    if (pending_.learning.update) arch_.state.coefficients = pending_.learning.coefficients;
+    if (pending_.learning.update) {
+      arch_.state.coefficients = pending_.learning.coefficients;
+      written(weights_u_parity | weights_v_parity);
+    }
     if (pending_.learning.sum) arch_.state.block.sums = pending_.learning.coefficients;
     if (!arch_.state.block.begun) arch_.state.block.sums = {};
     arch_.state.error_sum_u = pending_.learning.error_sum_u;
@@ -173,8 +210,14 @@ void Coprocessor::start_load(unsigned stage) {
 
 void Coprocessor::commit_load(unsigned stage) {
   if (stage < 2) load_rotation_ = pending_.load_rotation;
-  if (stage == 1) arch_.state.coefficients.u = pending_.load_weights;
-  if (stage == 2) arch_.state.coefficients.v = pending_.load_weights;
+  if (stage == 1) {
+    arch_.state.coefficients.u = pending_.load_weights;
+    written(weights_u_parity);
+  }
+  if (stage == 2) {
+    arch_.state.coefficients.v = pending_.load_weights;
+    written(weights_v_parity);
+  }
 }
 
 void Coprocessor::start_results(Packet& packet) {
@@ -195,13 +238,24 @@ void Coprocessor::start_results(Packet& packet) {
                                packet.turn};
   pending_.judge = judge(arch_.judge, judged, arch_.judge_settings,
                          arch_.settings.source != ReferenceSource::numeric);
+  pending_.findings = findings(packet, angle_step(arch_.judge, pending_.polar.angle));
   pending_.lock = settled && pending_.error_average < arch_.lock_threshold &&
                   pending_.judge.permits_lock(arch_.judge_settings.turns);
   pending_.diverged = settled && pending_.error_average > arch_.diverge_threshold;
 }
 
+uint32_t Coprocessor::findings(const Packet& packet, int32_t step) const {
+  const uint32_t found =
+      (packet.bad_parity ? safety_parity : 0) | (packet.misfit ? safety_misfit : 0) |
+      (fits(step, 30, field(arch_.safety, safety_step_limit_mask)) ? 0 : safety_jump) |
+      safety_missed;  // unless software takes the last result before this one comes
+  return (found & arch_.safety) | (packet.bad_safety ? safety_parity : 0);
+}
+
 void Coprocessor::commit_results(const Packet& packet) {
   Results& r = arch_.results;
+  const uint32_t taken = (arch_.flags & flag_result) != 0 ? 0 : safety_missed;
+  arch_.flags |= (pending_.findings & ~taken) << flags_safety_shift;
   arch_.flags |= flag_result;
   if (packet.clip) arch_.flags |= flag_clip;
   if (packet.saturated) arch_.flags |= flag_sat;
@@ -227,9 +281,13 @@ void Coprocessor::commit_results(const Packet& packet) {
   r.lock = pending_.lock;
   r.diverged = pending_.diverged;
   r.mirror = packet.mirror;
-  r.valid = pending_.calibrate && !packet.zero && !packet.unsettled;
+  r.valid =
+      pending_.calibrate && !packet.zero && !packet.unsettled && (arch_.flags & flags_safety) == 0;
   if (r.valid) r.angle = pending_.polar.angle;
-  if (!pending_.keep_parameters) arch_.state.parameters = pending_.polar.parameters;
+  if (!pending_.keep_parameters) {
+    arch_.state.parameters = pending_.polar.parameters;
+    written(parameters_parity);
+  }
   ++arch_.samples;
   arch_.settled = std::min(arch_.settled + 1, settling_samples);
   record_nodes(packet);
@@ -264,7 +322,8 @@ bool Coprocessor::interrupt() const {
          ((arch_.flags & flag_lockchg) && (arch_.ctrl & ctrl_ie_lock)) ||
          ((arch_.flags & flags_error) && (arch_.ctrl & ctrl_ie_error)) ||
          ((arch_.flags & flag_turn) && (arch_.ctrl & ctrl_ie_turn)) ||
-         ((arch_.flags & flag_alarm) && (arch_.ctrl & ctrl_ie_alarm));
+         ((arch_.flags & flag_alarm) && (arch_.ctrl & ctrl_ie_alarm)) ||
+         ((arch_.flags & flags_safety) && (arch_.ctrl & ctrl_ie_safety));
 }
 
 }  // namespace capsoc::coprocessor

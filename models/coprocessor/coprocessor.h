@@ -49,6 +49,7 @@ class Coprocessor final : public Device {
     bool keep_parameters = false, calibrate = false, lock = false, diverged = false;
     TurnJudge judge;
     uint32_t error_average = 0;
+    uint32_t findings = 0;  // of the safety mechanisms that are on: places of SAFETY's enables
     Rotation load_rotation;
     Weights load_weights;
 
@@ -57,7 +58,8 @@ class Coprocessor final : public Device {
 
   // coprocessor.cpp
   void commit_tick();
-  void start_tick();
+  // unfit: registers that do not fit their parity bit, before what the tick before has written.
+  void start_tick(uint64_t unfit);
   void start_load(unsigned stage);
   void start_results(Packet& packet);
   void commit_load(unsigned stage);
@@ -70,6 +72,7 @@ class Coprocessor final : public Device {
   struct Registers;
   void write_pair(const registers::RegisterRule& rule, uint32_t value);
   void write_ctrl(uint32_t value);
+  void write_safety(uint32_t value);
   void write_correction(uint32_t value);
   void write_command(uint64_t cycle, uint32_t value);
   void write_loop(uint32_t value);
@@ -79,6 +82,9 @@ class Coprocessor final : public Device {
   uint32_t loop() const;
   uint32_t judge_word() const;
   bool frozen() const;
+  // Registers were written, and their parity bits (parity_bit()) with them.
+  void written(uint64_t bits) { arch_.unfit &= ~bits; }
+  uint32_t findings(const Packet& packet, int32_t step) const;
 
   Options options_;
   Datapath datapath_;

@@ -19,6 +19,9 @@ struct Packet {
   int32_t v = 0;
   bool clip = false;
   bool saturated = false;
+  // As a tick began with it, a register did not fit its parity bit; SAFETY did not.
+  bool bad_parity = false;
+  bool bad_safety = false;
   // T0
   fixed::int128 s = 0;  // Q62 (paper: Q31)
   fixed::int128 c = 0;
@@ -43,6 +46,7 @@ struct Packet {
   // T3
   int32_t error_u = 0;  // Q1.31
   int32_t error_v = 0;
+  bool misfit = false;             // an error is beyond SAFETY.ERROR_LIMIT
   Coefficients next_coefficients;  // or a block's sums; 0 without an update
   uint32_t next_average = 0;       // Q1.31
   // `saturated` as the stages left it

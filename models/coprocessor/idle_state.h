@@ -35,6 +35,10 @@ struct IdleState {
   uint32_t lock_threshold = 0;     // Q1.31
   uint32_t diverge_threshold = 0;  // Q1.31
   uint32_t soft_u = 0;
+  uint32_t safety = 0;  // the register
+  // Registers that do not fit their parity bit (register_map.h, parity_bit). The bits themselves
+  // follow from it and from the registers.
+  uint64_t unfit = 0;
   uint32_t samples = 0;
   uint32_t early_count = 0;
   unsigned settled = 0;  // samples since reset, up to 64: below that the averages mean nothing

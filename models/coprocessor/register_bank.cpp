@@ -134,13 +134,21 @@ bool Coprocessor::write(uint64_t cycle, uint32_t offset, uint32_t value) {
   const auto* rule = find_rule(offset);
   if (rule == nullptr) return false;
   if (rule->read_only()) return true;
+  const bool bad_parity = (arch_.safety & safety_bad_parity) != 0;
+  uint64_t parity = parity_bit(offset) & parity_bits;
   if (!rule->in_range(value)) {
     arch_.flags |= flag_config;
-  } else if (rule->pair != registers::no_pair) {
+    return true;
+  }
+  if (rule->pair != registers::no_pair) {
     write_pair(*rule, value);
+    parity = rule->high ? parity_bit(offset - 4) : 0;
   } else {
     Registers::at(offset).write(*this, cycle, value);
+    if (offset == reg_ctrl && (value & ctrl_srst) != 0) return true;
+    if (offset == reg_cmd && (value & cmd_phase0) != 0) parity = parity_bit(reg_phase_lo);
   }
+  arch_.unfit = bad_parity ? arch_.unfit | parity : arch_.unfit & ~parity;
   return true;
 }
 
@@ -189,6 +197,13 @@ void Coprocessor::write_correction(uint32_t value) {
   const uint32_t word = field(value, correction_value_mask);
   arch_.corrections[field(value, correction_node_mask)] =
       static_cast<int32_t>(fixed::sign_extend<20>(word));
+}
+
+void Coprocessor::write_safety(uint32_t value) {
+  if (options_.safety)
+    arch_.safety = value & safety_writable;
+  else
+    arch_.flags |= flag_config;
 }
 
 void Coprocessor::write_command(uint64_t cycle, uint32_t value) {

@@ -11,11 +11,54 @@
 namespace capsoc::coprocessor {
 
 inline constexpr uint32_t flags_all = flag_writable;
-inline constexpr unsigned flag_count = 12;
+inline constexpr unsigned flag_count = 16;
 static_assert(flags_all == (1u << flag_count) - 1);
 // Those that raise the interrupt of CTRL.IE_ERROR.
 inline constexpr uint32_t flags_error =
     flag_clip | flag_sat | flag_zero | flag_early | flag_diverged | flag_config | flag_unsettled;
+// Those of the safety mechanisms, in the order of SAFETY's enables, from bit `flags_safety_shift`
+// on.
+inline constexpr uint32_t flags_safety = flag_parity | flag_misfit | flag_jump | flag_missed;
+inline constexpr unsigned flags_safety_shift = 12;
+static_assert(flags_safety == (safety_parity | safety_misfit | safety_jump | safety_missed)
+                                  << flags_safety_shift);
+
+// Registers with a parity bit: all that the datapath reads. A pair has one, at its LO.
+constexpr uint64_t parity_bit(uint32_t offset) {
+  return uint64_t{1} << offset / 4;
+}
+inline constexpr auto parity_registers = {reg_ctrl,
+                                          reg_freq_lo,
+                                          reg_phase_lo,
+                                          reg_step_au,
+                                          reg_step_bu,
+                                          reg_step_cu,
+                                          reg_step_av,
+                                          reg_step_bv,
+                                          reg_step_cv,
+                                          reg_loop,
+                                          reg_au_lo,
+                                          reg_bu_lo,
+                                          reg_cu_lo,
+                                          reg_av_lo,
+                                          reg_bv_lo,
+                                          reg_cv_lo,
+                                          reg_a1,
+                                          reg_a2,
+                                          reg_b1,
+                                          reg_b2,
+                                          reg_beta,
+                                          reg_phi,
+                                          reg_judge,
+                                          reg_lock_threshold,
+                                          reg_diverge_threshold,
+                                          reg_turn_limit,
+                                          reg_safety};
+inline constexpr uint64_t parity_bits = [] {
+  uint64_t bits = 0;
+  for (const uint32_t offset : parity_registers) bits |= parity_bit(offset);
+  return bits;
+}();
 
 // What a word has in the field at a mask.
 constexpr uint32_t field(uint32_t word, uint32_t mask) {

@@ -18,8 +18,8 @@ struct MadeFrom {
   std::vector<std::string> sources;  ///< nodes of the same sample, and inputs (signal_flow.def)
 };
 
-/// In the order of node_names().
-const std::vector<MadeFrom>& signal_flow(Arithmetic arithmetic);
+/// In the order of node_names(). `is_watched`: a safety mechanism is on, or its flag is set.
+const std::vector<MadeFrom>& signal_flow(Arithmetic arithmetic, bool is_watched);
 
 /// The index of a node in node_names(); nothing: there is none of that name.
 std::optional<std::size_t> node_index(std::string_view name);
@@ -29,6 +29,6 @@ struct Origin {
   std::vector<std::size_t> nodes;   ///< of the same sample, each before its sources
   std::vector<std::string> inputs;  ///< in the order in which the nodes name them
 };
-Origin origin_of(std::size_t node, Arithmetic arithmetic);
+Origin origin_of(std::size_t node, Arithmetic arithmetic, bool is_watched);
 
 }  // namespace capsoc::coprocessor

@@ -92,6 +92,8 @@ void Packet::visit(Archive& archive) {
   archive("v", v);
   archive("clip", clip);
   archive("saturated", saturated);
+  archive("bad_parity", bad_parity);
+  archive("bad_safety", bad_safety);
   archive("s", s);
   archive("c", c);
   archive("cal_s", cal_s);
@@ -112,6 +114,7 @@ void Packet::visit(Archive& archive) {
   archive("turn", turn);
   archive("error_u", error_u);
   archive("error_v", error_v);
+  archive("misfit", misfit);
   archive("next_coefficients", next_coefficients);
   archive("next_average", next_average);
   archive("saturated_after", saturated_after);
@@ -187,6 +190,7 @@ void Coprocessor::Pending::visit(Archive& archive) {
   archive("polar", polar);
   archive("keep_parameters", keep_parameters);
   archive("calibrate", calibrate);
+  archive("findings", findings);
   archive("lock", lock);
   archive("diverged", diverged);
   archive("judge", judge);
@@ -207,6 +211,9 @@ void IdleState::visit(Archive& archive) {
   archive("lock_threshold", lock_threshold);
   archive("diverge_threshold", diverge_threshold);
   archive("soft_u", soft_u);
+  archive("safety", safety);
+  archive("unfit", unfit);
+  if ((unfit & ~parity_bits) != 0) archive.refuse("has a parity bit of no such register");
   archive("samples", samples);
   archive("early_count", early_count);
   archive.at_most("settled", settled, 64u);

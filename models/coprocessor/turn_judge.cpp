@@ -80,6 +80,10 @@ bool TurnJudge::permits_lock(unsigned turns) const {
   return !alarm && good_turns >= turns && (turns == 0 || !fault);
 }
 
+int32_t angle_step(const TurnJudge& state, uint32_t angle) {
+  return state.any ? step(angle, state.last_angle) : 0;
+}
+
 TurnJudge judge(const TurnJudge& state, const JudgedSample& sample, const JudgeSettings& settings,
                 bool by_angle) {
   TurnJudge next = state;
@@ -92,7 +96,7 @@ TurnJudge judge(const TurnJudge& state, const JudgedSample& sample, const JudgeS
   w.flags |= sample_flags(sample, beyond);
   if (sample.clip) count_clipped(w);
   ++w.samples;
-  const int32_t moved = state.any ? step(sample.angle, state.last_angle) : 0;
+  const int32_t moved = angle_step(state, sample.angle);
   w.winding = static_cast<int32_t>(static_cast<uint32_t>(w.winding) + static_cast<uint32_t>(moved));
   next.any = true;
   next.last_angle = sample.angle;

@@ -72,6 +72,9 @@ struct TurnJudge {
 // Whether a deviation is at |DET| n / 256 (rounded down) or beyond; never with n = 0.
 bool is_beyond(uint32_t deviation, int32_t det, uint32_t n);
 
+// From the angle of the sample before to `angle`, 2^-30 turn; 0 for the first sample.
+int32_t angle_step(const TurnJudge& state, uint32_t angle);
+
 // The judge one sample on. by_angle: tracking or angle source, windows are turns of the angle.
 TurnJudge judge(const TurnJudge& state, const JudgedSample& sample, const JudgeSettings& settings,
                 bool by_angle);

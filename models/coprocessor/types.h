@@ -23,6 +23,7 @@ struct Options {
   bool block_learning = true;
   // CTRL.CORRECT and CORRECTION exist; never in `paper`.
   bool harmonic_correction = true;
+  bool safety = true;  // SAFETY exists
 };
 
 // One channel's weights of Eq (7): sine, cosine and constant, Q2.46 in 48 bits.

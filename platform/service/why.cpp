@@ -9,6 +9,7 @@
 
 #include "base/nearest.h"
 #include "base/printable.h"
+#include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
 #include "coprocessor/signal_flow.h"
 #include "service/advance.h"
@@ -79,7 +80,17 @@ class Watch {
   kit::Listening samples_, results_;
 };
 
-Json steps_of(const Origin& origin, const Nodes& nodes, coprocessor::Arithmetic arithmetic) {
+/// Whether a safety mechanism of the coprocessor is on, or its flag is set.
+bool is_watched(Board& board) {
+  const auto word = [&](const char* name) {
+    const auto value = board.number_of(device + name);
+    return value ? static_cast<uint64_t>(value.value()) : 0;
+  };
+  return word("SAFETY") != 0 || (word("FLAGS") & coprocessor::flags_safety) != 0;
+}
+
+Json steps_of(const Origin& origin, const Nodes& nodes,
+              const std::vector<coprocessor::MadeFrom>& flow) {
   Json steps = Json::array();
   for (const std::size_t index : origin.nodes) {
     const NamedNode& node = coprocessor::node_names()[index];
@@ -90,7 +101,7 @@ Json steps_of(const Origin& origin, const Nodes& nodes, coprocessor::Arithmetic 
                  {"word", word}};
     if (node.format.meaning != coprocessor::Meaning::word) step["value"] = node.format.value(word);
     step["is_angle"] = node.format.meaning == coprocessor::Meaning::turns;
-    step["made_from"] = coprocessor::signal_flow(arithmetic)[index].sources;
+    step["made_from"] = flow[index].sources;
     steps.push_back(std::move(step));
   }
   return steps;
@@ -123,7 +134,8 @@ Answer explain_next_result(Board& board, const std::string& signal) {
                   Code::wrong_parameter);
   }
   const coprocessor::Arithmetic arithmetic = board.settings().coprocessor.arithmetic();
-  const Origin origin = coprocessor::origin_of(*index, arithmetic);
+  const bool watched = is_watched(board);
+  const Origin origin = coprocessor::origin_of(*index, arithmetic, watched);
   const Watch watch(board, origin);
   const uint64_t result = board.sample_count() + 1;
   Advance advance(board);
@@ -132,11 +144,12 @@ Answer explain_next_result(Board& board, const std::string& signal) {
   if (!watch.result()) return refuse("history.why: the coprocessor had no such result");
   const auto& [nodes, number] = *watch.result();
   Answer answer;
-  answer.result = {{"signal", signal},
-                   {"sample", result},
-                   {"position", to_json(board.position())},
-                   {"steps", steps_of(origin, nodes, arithmetic)},
-                   {"inputs", inputs_of(board, origin, nodes, watch.registers())}};
+  answer.result = {
+      {"signal", signal},
+      {"sample", result},
+      {"position", to_json(board.position())},
+      {"steps", steps_of(origin, nodes, coprocessor::signal_flow(arithmetic, watched))},
+      {"inputs", inputs_of(board, origin, nodes, watch.registers())}};
   return answer;
 }
 

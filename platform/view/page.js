@@ -10,7 +10,7 @@ const PARAMETERS = [["a1", "a1"], ["a2", "a2"], ["b1", "b1"], ["b2", "b2"], ["be
 const FIELDS = [["a1", "amplitude of U", 0.01], ["a2", "amplitude of V", 0.01], ["b1", "offset of U", 0.01], ["b2", "offset of V", 0.01],
   ["beta_rad", "phase shift, rad", 0.01], ["noise.sigma", "noise, full scale", 0.0001], ["harmonics.u3_amplitude", "third harmonic of U", 0.001],
   ["speed", "speed, times the described one", 0.1]];
-const BAD = new Set(["DIVERGED", "ALARM", "MIRROR", "FROZEN", "CLIP", "SAT", "ZERO", "EARLY", "CONFIG", "UNSETTLED"]);
+const BAD = new Set(["DIVERGED", "ALARM", "MIRROR", "FROZEN", "CLIP", "SAT", "ZERO", "EARLY", "CONFIG", "UNSETTLED", "PARITY", "MISFIT", "JUMP", "MISSED"]);
 
 let seen = {samples: {}, text: {}};   // the newest frame, with all curves and texts
 let dirty = false, asked = 0;

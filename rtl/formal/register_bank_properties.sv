@@ -21,7 +21,7 @@ module register_bank_properties (
   logic in_reset = 1'b1;
   always @(posedge clk_i) in_reset <= 1'b0;
 
-  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, frozen;
+  logic        pready, pslverr, irq, clear, adc_enable, soft_valid, load, frozen, pending, distrust, bad_parity, bad_safety;
   logic [31:0] prdata, soft_u;
   logic [3:0]  result_select;
   settings_t   settings;
@@ -34,6 +34,7 @@ module register_bank_properties (
     .clear_o (clear), .adc_enable_o (adc_enable), .soft_valid_o (soft_valid), .soft_u_o (soft_u),
     .load_o (load), .busy_i, .busy_next_i, .stream_early_i, .soft_early_i,
     .settings_o (settings), .correction_o (correction), .frozen_o (frozen),
+    .pending_o (pending), .distrust_o (distrust), .bad_parity_o (bad_parity), .bad_safety_o (bad_safety),
     .state_o (state), .boundary_i, .state_we_i, .state_i,
     .commit_i, .flags_i, .status_i, .turn_flags_i,
     .result_select_o (result_select), .result_i
@@ -42,14 +43,15 @@ module register_bank_properties (
   (* hierconn *) logic [31:0] \dut.u_words.valid_q ;
   (* hierconn *) logic [4:0]  \dut.u_words.probe ;
   (* hierconn *) logic [31:0] \dut.u_words.probed ;
-  (* hierconn *) logic [11:0] \dut.flags ;
+  (* hierconn *) logic [15:0] \dut.flags ;
   (* hierconn *) logic [31:0] \dut.samples ;
   (* hierconn *) logic [31:0] \dut.early_count ;
-  (* hierconn *) logic [4:0] \dut.enables ;
+  (* hierconn *) logic [5:0] \dut.enables ;
+  (* hierconn *) logic [12:0] \dut.u_settings.parity_q ;
   (* hierconn *) logic \dut.freeze ;
   logic [31:0] valids, probed;
   enables_t    enables;
-  logic [11:0] flags;
+  logic [15:0] flags;
   assign valids = \dut.u_words.valid_q ;
   assign probed = \dut.u_words.probed ;
   assign flags  = \dut.flags ;
@@ -91,9 +93,9 @@ module register_bank_properties (
     start = 48'd0;
     gives = 1'b0;
     case (watched)
-      6'h02: now = {34'd0, settings.correct, enables, settings.guard, settings.block, \dut.freeze , adc_enable, settings.source, settings.calib,
+      6'h02: now = {33'd0, enables[5], settings.correct, enables[4:0], settings.guard, settings.block, \dut.freeze , adc_enable, settings.source, settings.calib,
                     settings.demod};
-      6'h04: now = {36'd0, flags};
+      6'h04: now = {32'd0, flags};
       6'h06, 6'h07: begin now = state.freq; given = state_i.freq; gives = state_we_i.freq; end
       6'h08, 6'h09: begin now = state.phase; given = state_i.phase; gives = state_we_i.phase; end
       6'h0A: begin now = {17'd0, steps.au}; start = {16'd0, capsoc_coprocessor_pkg::STEP_AU_RESET}; end
@@ -119,6 +121,7 @@ module register_bank_properties (
       6'h25: begin now = {16'd0, parameters.phi}; given = {16'd0, parameters_in.phi}; end
       6'h26: begin now = {16'd0, settings.judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
       6'h27: now = {16'd0, settings.turn_limit};
+      6'h2B: now = {16'd0, settings.safety};
       default: now = 48'd0;
     endcase
     if (is_parameter) gives = state_we_i.parameters;
@@ -138,13 +141,14 @@ module register_bank_properties (
   assign stage = held ? kept : 32'd0;
 
   // Set at this edge: RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG, TURN, ALARM,
-  // UNSETTLED.
+  // UNSETTLED, PARITY, MISFIT, JUMP, MISSED.
   logic       refused;
-  logic [11:0] set;
+  logic [15:0] set;
   assign refused = write & ((pwdata_i[31] & (word >= 6'h0A & word <= 6'h0F | word[5:1] == 5'h10)) |
                             (word == 6'h02 & ~pwdata_i[31] & pwdata_i[3:2] == 2'd3) |
                             (word == 6'h2A & busy_next_i));
-  assign set = {{flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit_i & boundary_i}},
+  assign set = {flags_i.safety & {4{commit_i & boundary_i}},
+                {flags_i.unsettled, flags_i.alarm, flags_i.turn} & {3{commit_i & boundary_i}},
                 refused,
                 {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit_i & boundary_i}},
                 stream_early_i | soft_early_i,
@@ -152,7 +156,7 @@ module register_bank_properties (
 
   logic now_exists;
   assign now_exists = watched == 6'h02 | watched == 6'h10 | is_step | is_threshold | is_judge |
-                      is_parameter;
+                      is_parameter | watched == 6'h2B;
 
   // The value that the register has to have after the edge.
   logic [47:0] due, plain;
@@ -162,13 +166,14 @@ module register_bank_properties (
   always @* begin
     plain = {16'd0, pwdata_i};
     if (watched == 6'h02) begin
-      plain = {34'd0, pwdata_i[13:0]};
+      plain = {33'd0, pwdata_i[14:0]};
       if (pwdata_i[3:2] == 2'd3) plain[3:2] = now[3:2];
     end
     if (watched == 6'h26) plain = {26'd0, pwdata_i[21:0]};
     if (watched == 6'h10) plain = {35'd0, pwdata_i[12:8], 3'd0, pwdata_i[4:0]};
+    if (watched == 6'h2B) plain = {16'd0, pwdata_i & capsoc_coprocessor_pkg::SAFETY_READABLE};
     due = boundary_i & gives ? given : now;
-    if (watched == 6'h04) due = {36'd0, (now[11:0] | set) & ~(pwdata_i[11:0] & {12{hit}})};
+    if (watched == 6'h04) due = {32'd0, (now[15:0] | set) & ~(pwdata_i[15:0] & {16{hit}})};
     else if (is_pair) begin
       // Only a watched LO knows the stage; a watched HI is followed without its writes.
       if (~watched[0] & write & word == {watched[5:1], 1'b1}) begin
@@ -183,9 +188,9 @@ module register_bank_properties (
 
   // The memory's word.
   logic memory_word, fills, clears;
-  assign memory_word = is_pair | is_step | is_threshold | is_judge | watched == 6'h28;
+  assign memory_word = is_pair | is_step | is_threshold | is_judge | watched == 6'h28 | watched == 6'h2B;
   assign fills       = (is_pair & watched[0] & read & word == watched) |
-                       (((is_pair & ~watched[0]) | is_threshold | is_judge | watched == 6'h28) & hit) |
+                       (((is_pair & ~watched[0]) | is_threshold | is_judge | watched == 6'h28 | watched == 6'h2B) & hit) |
                        (is_step & hit & ~pwdata_i[31]);
   assign clears      = is_pair & ~watched[0] & write & word == {watched[5:1], 1'b1};
 
@@ -199,6 +204,64 @@ module register_bank_properties (
     else held <= fills | clears | held;
     if (fills) kept <= pwrite_i ? pwdata_i : low;
     if (clears) kept <= 32'd0;
+  end
+
+  // Parity: a write of the bus while BAD_PARITY is set leaves the wrong bit; the pipeline and a reset the right one.
+  logic guarded, rewritten, wrong, parity;
+  assign guarded   = now_exists | is_pair;
+  assign rewritten = (hit & now_exists & ~((is_step | is_amplitude) & pwdata_i[31])) |
+                     (is_pair & write & word == {watched[5:1], 1'b1}) |
+                     (write & word == 6'h05 & pwdata_i[2] & watched[5:1] == 5'h04);
+  always @(posedge clk_i) begin
+    if (in_reset | soft_reset) wrong <= 1'b0;
+    else if (rewritten) wrong <= settings.safety.BAD_PARITY;
+    else if (boundary_i & gives) wrong <= 1'b0;
+  end
+  (* hierconn *) logic \dut.u_state.u_freq.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_phase.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_au.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_bu.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_cu.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_av.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_bv.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_cv.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_a1.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_a2.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_b1.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_b2.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_beta.parity_q ;
+  (* hierconn *) logic \dut.u_state.u_phi.parity_q ;
+  always @* begin
+    case (watched)
+      6'h06, 6'h07: parity = \dut.u_state.u_freq.parity_q ;
+      6'h08, 6'h09: parity = \dut.u_state.u_phase.parity_q ;
+      6'h14, 6'h15: parity = \dut.u_state.u_au.parity_q ;
+      6'h16, 6'h17: parity = \dut.u_state.u_bu.parity_q ;
+      6'h18, 6'h19: parity = \dut.u_state.u_cu.parity_q ;
+      6'h1A, 6'h1B: parity = \dut.u_state.u_av.parity_q ;
+      6'h1C, 6'h1D: parity = \dut.u_state.u_bv.parity_q ;
+      6'h1E, 6'h1F: parity = \dut.u_state.u_cv.parity_q ;
+      6'h20: parity = \dut.u_state.u_a1.parity_q ;
+      6'h21: parity = \dut.u_state.u_a2.parity_q ;
+      6'h22: parity = \dut.u_state.u_b1.parity_q ;
+      6'h23: parity = \dut.u_state.u_b2.parity_q ;
+      6'h24: parity = \dut.u_state.u_beta.parity_q ;
+      6'h25: parity = \dut.u_state.u_phi.parity_q ;
+      6'h02: parity = \dut.u_settings.parity_q [0];
+      6'h0A: parity = \dut.u_settings.parity_q [1];
+      6'h0B: parity = \dut.u_settings.parity_q [2];
+      6'h0C: parity = \dut.u_settings.parity_q [3];
+      6'h0D: parity = \dut.u_settings.parity_q [4];
+      6'h0E: parity = \dut.u_settings.parity_q [5];
+      6'h0F: parity = \dut.u_settings.parity_q [6];
+      6'h10: parity = \dut.u_settings.parity_q [7];
+      6'h11: parity = \dut.u_settings.parity_q [8];
+      6'h12: parity = \dut.u_settings.parity_q [9];
+      6'h26: parity = \dut.u_settings.parity_q [10];
+      6'h27: parity = \dut.u_settings.parity_q [11];
+      6'h2B: parity = \dut.u_settings.parity_q [12];
+      default: parity = 1'b0;
+    endcase
   end
 
   // Reading
@@ -223,7 +286,7 @@ module register_bank_properties (
                      watched == 6'h36 | watched == 6'h37 | watched >= 6'h3B;
 
   always @* begin
-    assume (\dut.u_words.probe == (watched == 6'h28 ? 5'd0 : is_judge ? {4'd1, watched[0]}
+    assume (\dut.u_words.probe == (watched == 6'h28 ? 5'd0 : watched == 6'h2B ? 5'd1 : is_judge ? {4'd1, watched[0]}
                                                                         : watched[4:0]));
     if (~in_reset) begin
       if (~blind) assert (now == expected);
@@ -231,6 +294,7 @@ module register_bank_properties (
       if (memory_word & held) assert (probed == kept);
       // The settings' copy in the memory is the setting.
       if (is_judge & ~watched[0]) assert (now == (held ? {26'd0, kept[21:0]} : start));
+      if (watched == 6'h2B) assert (now == (held ? {16'd0, kept & capsoc_coprocessor_pkg::SAFETY_READABLE} : start));
       if (is_step | is_threshold | (is_judge & watched[0])) assert (now == (held ? {16'd0, kept} : start));
       if (read & word == watched & ~is_result & ~(is_pair & ~watched[0])) assert (prdata == seen);
       if (read & word == watched & is_result) assert (prdata == result_i);
@@ -238,8 +302,14 @@ module register_bank_properties (
       if (read & is_pair & watched[0] & word == {watched[5:1], 1'b0}) assert (prdata == stage);
       if (soft_valid & watched == 6'h28) assert (soft_u == stage);
       assert (irq == ((flags[0] & enables.result) | (flags[5] & enables.lock) |
-                      (|(flags & 12'h95E) & enables.error) | (flags[9] & enables.turn) |
-                      (flags[10] & enables.alarm)));
+                      (|(flags & 16'h095E) & enables.error) | (flags[9] & enables.turn) |
+                      (flags[10] & enables.alarm) | (|flags[15:12] & enables.safety)));
+      assert (pending == flags[0] & distrust == |flags[15:12]);
+      // The watched register's parity bit, and that it is looked at.
+      if (guarded) assert (parity == ((^now) ^ wrong));
+      if (guarded & wrong & boundary_i) assert (bad_parity);
+      if (~boundary_i) assert (~bad_parity & ~bad_safety);
+      if (watched == 6'h2B & boundary_i) assert (bad_safety == wrong);
       // A node's write.
       assert (correction.write == (write & word == 6'h2A & ~busy_next_i));
       if (correction.write) assert (correction.node == pwdata_i[30:24] & correction.value == pwdata_i[19:0]);

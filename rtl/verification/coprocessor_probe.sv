@@ -148,10 +148,10 @@ module coprocessor_probe #(
   endfunction
 
   // EARLY and CONFIG are not a commit's.
-  localparam logic [11:0] Others = 12'd1 << capsoc_coprocessor_pkg::FLAGS_EARLY_LSB |
-                                   12'd1 << capsoc_coprocessor_pkg::FLAGS_CONFIG_LSB;
+  localparam logic [15:0] Others = 16'd1 << capsoc_coprocessor_pkg::FLAGS_EARLY_LSB |
+                                   16'd1 << capsoc_coprocessor_pkg::FLAGS_CONFIG_LSB;
   function automatic logic [31:0] next_flags();
-    next_flags = {20'd0, dut.u_register_bank.flags | (dut.u_register_bank.events & ~Others)};
+    next_flags = {16'd0, dut.u_register_bank.flags | (dut.u_register_bank.events & ~Others)};
   endfunction
 
   function automatic logic [31:0] next_turn_flags();

@@ -10,7 +10,8 @@ module capsoc_coprocessor_axi4_lite #(
   parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
   parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
-  parameter int Harmonics     = 1    // precise: harmonic correction, CTRL.CORRECT and CORRECTION
+  parameter int Harmonics     = 1,   // precise: harmonic correction, CTRL.CORRECT and CORRECTION
+  parameter int Safety        = 1    // safety mechanisms, SAFETY and parity bits
 ) (
   input  logic        aclk_i,
   input  logic        aresetn_i,
@@ -71,7 +72,8 @@ module capsoc_coprocessor_axi4_lite #(
     .StepShift       (StepShift),
     .PlainArctangent (PlainArctangent),
     .Block           (Block),
-    .Harmonics       (Harmonics)
+    .Harmonics       (Harmonics),
+    .Safety          (Safety)
   ) u_coprocessor (
     .pclk_i          (aclk_i),
     .presetn_i       (aresetn_i),

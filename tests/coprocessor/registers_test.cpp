@@ -28,7 +28,7 @@ class Registers : public testing::Test {
 
 TEST_F(Registers, HaveTheirResetValues) {
   EXPECT_EQ(read(reg_id), 0x43415053u);
-  EXPECT_EQ(read(reg_version), 0x00010004u);
+  EXPECT_EQ(read(reg_version), 0x00010005u);
   for (uint32_t r = reg_step_au; r <= reg_step_cv; r += 4) EXPECT_EQ(read(r), 1349307u);
   EXPECT_EQ(read(reg_loop), 0xA04u);
   EXPECT_EQ(read(reg_lock_threshold), 1u << 21);
@@ -37,15 +37,16 @@ TEST_F(Registers, HaveTheirResetValues) {
   EXPECT_EQ(read(reg_au_lo + 0x24), 1u << 30);
   EXPECT_EQ(read(reg_a1), 1u << 30);
   EXPECT_EQ(read(reg_latency), 161u);
-  for (uint32_t r : {reg_ctrl, reg_status, reg_flags, reg_cmd, reg_freq_hi, reg_phase_hi,
-                     reg_error_average, reg_b1, reg_beta, reg_phi, reg_angle, reg_samples})
+  for (uint32_t r :
+       {reg_ctrl, reg_status, reg_flags, reg_cmd, reg_safety, reg_freq_hi, reg_phase_hi,
+        reg_error_average, reg_b1, reg_beta, reg_phi, reg_angle, reg_samples})
     EXPECT_EQ(read(r), 0u) << r;
 }
 
 TEST_F(Registers, AreMappedAsListedAndNowhereElse) {
   std::set<uint32_t> mapped;
   for (uint32_t r = 0x000; r <= 0x09C; r += 4) mapped.insert(r);
-  for (uint32_t r = 0x0B0; r <= 0x0E4; r += 4) mapped.insert(r);
+  for (uint32_t r = 0x0AC; r <= 0x0E4; r += 4) mapped.insert(r);
   for (uint32_t r = 0x0EC; r <= 0x0FC; r += 4) mapped.insert(r);
   mapped.insert({0x0A0u, 0x0A4u, 0x0A8u});
   for (uint32_t r = 0; r < 0x1000; ++r) {

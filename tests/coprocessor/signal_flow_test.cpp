@@ -64,19 +64,24 @@ class SignalFlow : public testing::TestWithParam<Arithmetic> {
 
   /// A state that software can bring about, mostly near a locked one: elsewhere everything is
   /// saturated.
-  Case draw() {
+  Case draw(bool is_watched) {
     Coprocessor fresh({GetParam()});
     Case drawn;
     EXPECT_TRUE(fresh.save_idle(drawn.state));
     IdleState& s = drawn.state;
-    s.ctrl = static_cast<uint32_t>(random_.pick(ctrl_ie_alarm << 1)) &
+    s.ctrl = static_cast<uint32_t>(random_.pick(ctrl_ie_safety << 1)) &
              ~uint32_t{ctrl_block | ctrl_correct};
     if (!is_paper())
       s.ctrl |= static_cast<uint32_t>(random_.pick(2)) * ctrl_block |
                 static_cast<uint32_t>(random_.pick(2)) * ctrl_correct;
     s.ctrl = (s.ctrl & ~uint32_t{ctrl_ref_mask}) | ctrl_adc |
              static_cast<uint32_t>(random_.pick(3)) << ctrl_ref_shift;
-    s.flags = static_cast<uint32_t>(random_.pick(1U << 12));
+    s.flags = static_cast<uint32_t>(random_.pick(1U << flags_safety_shift));
+    if (is_watched) {
+      s.safety = static_cast<uint32_t>(random_.word(32)) & safety_writable;
+      if (random_.pick(2) == 0) s.flags |= static_cast<uint32_t>(random_.pick(2)) * flag_misfit;
+      s.unfit = random_.pick(2) * parity_bit(reg_loop);
+    }
     const bool is_wild = random_.pick(3) == 0;
     auto& c = s.state.coefficients;
     if (is_wild) {
@@ -179,7 +184,7 @@ class SignalFlow : public testing::TestWithParam<Arithmetic> {
   }
 
   /// Input -> how to change it.
-  std::map<std::string, Change> changes() {
+  std::map<std::string, Change> changes(bool is_watched) {
     std::map<std::string, Change> all;
     const auto weight = [&](const char* name, auto member) {
       all[name] = [this, member](Case& c) {
@@ -257,7 +262,8 @@ class SignalFlow : public testing::TestWithParam<Arithmetic> {
       c.state.diverge_threshold = static_cast<uint32_t>(random_.word(31));
     };
     word(
-        "FLAGS", [](Case& c) -> uint32_t& { return c.state.flags; }, 12);
+        "FLAGS", [](Case& c) -> uint32_t& { return c.state.flags; },
+        is_watched ? flag_count : flags_safety_shift);
     all["STATUS"] = [this](Case& c) {
       (random_.pick(2) == 0 ? c.state.results.lock : c.state.results.mirror) ^= true;
     };
@@ -291,6 +297,12 @@ class SignalFlow : public testing::TestWithParam<Arithmetic> {
       c.state.judge.turn_count = turn_count;
       c.state.judge.last.flags = last_flags;
     };
+    if (is_watched) {
+      all["SAFETY"] = [this](Case& c) {
+        c.state.safety ^= safety_writable & static_cast<uint32_t>(random_.word(32));
+      };
+      all["state.parity"] = [](Case& c) { c.state.unfit ^= parity_bit(reg_loop); };
+    }
     if (is_paper())
       for (const char* name :
            {"CTRL.BLOCK", "CTRL.GUARD", "CTRL.CORRECT", "state.block", "state.corrections"})
@@ -298,27 +310,30 @@ class SignalFlow : public testing::TestWithParam<Arithmetic> {
     return all;
   }
 
+  void compare_with_model(bool is_watched);
+
   Random random_{20261127};
 };
 
 TEST_P(SignalFlow, EveryNodeHasALineAndNoneIsMadeFromItself) {
   for (std::size_t i = 0; i < node_count; ++i) {
-    const MadeFrom& made = signal_flow(GetParam())[i];
+    const MadeFrom& made = signal_flow(GetParam(), true)[i];
     ASSERT_EQ(made.node, &node_names()[i]) << node_names()[i].name;
     for (const std::string& source : made.sources) {
       const auto index = node_index(source);
       if (!index) continue;
-      const auto nodes = origin_of(*index, GetParam()).nodes;
+      const auto nodes = origin_of(*index, GetParam(), true).nodes;
       EXPECT_EQ(std::find(nodes.begin(), nodes.end(), i), nodes.end()) << source;
     }
   }
 }
 
 TEST_P(SignalFlow, NamesEachNodeBeforeWhatItIsMadeFrom) {
-  const std::vector<std::size_t> nodes = origin_of(node_index("status").value(), GetParam()).nodes;
+  const std::vector<std::size_t> nodes =
+      origin_of(node_index("status").value(), GetParam(), true).nodes;
   for (std::size_t at = 0; at < nodes.size(); ++at) {
     const auto later = nodes.begin() + static_cast<std::ptrdiff_t>(at);
-    for (const std::string& source : signal_flow(GetParam())[nodes[at]].sources) {
+    for (const std::string& source : signal_flow(GetParam(), true)[nodes[at]].sources) {
       const auto index = node_index(source);
       if (!index) continue;
       EXPECT_NE(std::find(later, nodes.end(), *index), nodes.end()) << source;
@@ -326,20 +341,21 @@ TEST_P(SignalFlow, NamesEachNodeBeforeWhatItIsMadeFrom) {
   }
 }
 
-TEST_P(SignalFlow, IsWhatTheModelDoes) {
-  const auto all = changes();
+void SignalFlow::compare_with_model(bool is_watched) {
+  const auto all = changes(is_watched);
   std::set<std::string> inputs;
   std::map<std::string, std::set<std::size_t>> reached;  // by an input
   std::set<std::pair<std::string, std::size_t>> direct, seen;
   for (std::size_t i = 0; i < node_count; ++i) {
-    for (const std::string& input : origin_of(i, GetParam()).inputs) reached[input].insert(i);
-    for (const std::string& source : signal_flow(GetParam())[i].sources)
+    for (const std::string& input : origin_of(i, GetParam(), is_watched).inputs)
+      reached[input].insert(i);
+    for (const std::string& source : signal_flow(GetParam(), is_watched)[i].sources)
       if (!node_index(source)) direct.emplace(source, i);
   }
   for (const auto& [input, nodes] : reached) ASSERT_TRUE(all.count(input) == 1) << input;
   constexpr int rounds = 3000;
   for (int round = 0; round < rounds; ++round) {
-    const Case given = draw();
+    const Case given = draw(is_watched);
     const Nodes before = nodes_of(given);
     for (const auto& [input, change] : all) {
       Case changed = given;
@@ -361,6 +377,14 @@ TEST_P(SignalFlow, IsWhatTheModelDoes) {
         << input << " never changes " << node_names()[node].name;
 }
 
+TEST_P(SignalFlow, IsWhatTheModelDoes) {
+  compare_with_model(false);
+}
+
+TEST_P(SignalFlow, IsWhatTheModelDoesWithItsSafetyMechanisms) {
+  compare_with_model(true);
+}
+
 INSTANTIATE_TEST_SUITE_P(Coprocessor, SignalFlow,
                          testing::Values(Arithmetic::precise, Arithmetic::paper),
                          [](const auto& suite) {
@@ -368,13 +392,17 @@ INSTANTIATE_TEST_SUITE_P(Coprocessor, SignalFlow,
                          });
 
 TEST(Origin, LeadsFromTheAngleToTheSample) {
-  const Origin origin = origin_of(node_index("angle").value(), Arithmetic::precise);
+  const Origin origin = origin_of(node_index("angle").value(), Arithmetic::precise, false);
   EXPECT_EQ(node_names()[origin.nodes.front()].name, std::string("angle"));
   for (const char* input : {"sample.sin", "sample.cos", "AU", "CV", "CTRL.CALIB"})
     EXPECT_NE(std::find(origin.inputs.begin(), origin.inputs.end(), input), origin.inputs.end())
         << input;
-  for (const char* input : {"LOCK_THRESHOLD", "state.judge"})
+  for (const char* input : {"LOCK_THRESHOLD", "state.judge", "SAFETY", "state.parity"})
     EXPECT_EQ(std::find(origin.inputs.begin(), origin.inputs.end(), input), origin.inputs.end())
+        << input;
+  const Origin watched = origin_of(node_index("angle").value(), Arithmetic::precise, true);
+  for (const char* input : {"SAFETY", "state.parity", "state.judge"})
+    EXPECT_NE(std::find(watched.inputs.begin(), watched.inputs.end(), input), watched.inputs.end())
         << input;
 }
 

@@ -35,8 +35,8 @@ module register_bench #(
   input  logic        write_all_i,
   input  logic [47:0] phase_i, freq_i, au_i, bu_i, cu_i, av_i, bv_i, cv_i,
   input  logic [31:0] a1_i, a2_i, b1_i, b2_i, beta_i, phi_i,
-  // CLIP, SAT, ZERO, DIVERGED, LOCKCHG, MIRRORCHG, TURN, ALARM, UNSETTLED from bit 0
-  input  logic [8:0]  flags_i,
+  // CLIP, SAT, ZERO, DIVERGED, LOCKCHG, MIRRORCHG, TURN, ALARM, UNSETTLED, PARITY, MISFIT, JUMP, MISSED from bit 0
+  input  logic [12:0] flags_i,
   input  logic [6:0]  status_i,  // LOCK, DIVERGED, MIRROR, VALID, ALARM, GOOD_TURNS from bit 0
   input  logic [31:0] turn_flags_i,
   output logic [3:0]  result_select_o,
@@ -69,7 +69,7 @@ module register_bench #(
   assign judge_o = settings.judge;
   assign turn_limit_o = settings.turn_limit;
 
-  logic busy_next;
+  logic busy_next, pending, distrust, bad_parity, bad_safety;
   sequencer u_sequencer (
     .clk_i, .rst_ni,
     .clear_i        (clear),
@@ -114,12 +114,16 @@ module register_bench #(
     .settings_o       (settings),
     .correction_o     (unused_correction),
     .frozen_o,
+    .pending_o        (pending),
+    .distrust_o       (distrust),
+    .bad_parity_o     (bad_parity),
+    .bad_safety_o     (bad_safety),
     .state_o          (unused_state),
     .boundary_i       (boundary_o),
     .state_we_i       ({5{write_all_i}}),
     .state_i          (state),
     .commit_i         (stage_o[4]),
-    .flags_i          ({flags_i[8:6], flags_i[5], flags_i[3], flags_i[4], flags_i[2:0]}),
+    .flags_i          ({flags_i[12:9], flags_i[8:6], flags_i[5], flags_i[3], flags_i[4], flags_i[2:0]}),
     .status_i,
     .turn_flags_i,
     .result_select_o, .result_i

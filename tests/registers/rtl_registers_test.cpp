@@ -165,7 +165,7 @@ class Bench {
     rtl_->turn_flags_i = peek(model_, cycle_, table::TURN_FLAGS_offset);
     if (!rtl_->boundary_o) {
       rtl_->write_all_i = noise_() & 1;
-      rtl_->flags_i = noise_() & 0x1FF;
+      rtl_->flags_i = noise_() & 0x1FFF;
       rtl_->phase_i = rtl_->freq_i = rtl_->au_i = rtl_->cv_i = noise_() & mask48;
       rtl_->a1_i = rtl_->phi_i = static_cast<uint32_t>(noise_());
       return;
@@ -197,7 +197,9 @@ class Bench {
         bit(table::FLAGS_ZERO_mask, 2) | bit(table::FLAGS_DIVERGED_mask, 3) |
         bit(table::FLAGS_LOCKCHG_mask, 4) | bit(table::FLAGS_MIRRORCHG_mask, 5) |
         bit(table::FLAGS_TURN_mask, 6) | bit(table::FLAGS_ALARM_mask, 7) |
-        bit(table::FLAGS_UNSETTLED_mask, 8));
+        bit(table::FLAGS_UNSETTLED_mask, 8) | bit(table::FLAGS_PARITY_mask, 9) |
+        bit(table::FLAGS_MISFIT_mask, 10) | bit(table::FLAGS_JUMP_mask, 11) |
+        bit(table::FLAGS_MISSED_mask, 12));
   }
 
   void give_result() {

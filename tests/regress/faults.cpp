@@ -71,11 +71,9 @@ std::vector<Fault> make() {
   low_bit.sample = [](int32_t&, int32_t& v, bool&) { v &= ~1; };
   list.push_back(low_bit);
   // A line that follows the event and not the flag: one interrupt of each enable.
-  constexpr std::pair<uint32_t, uint32_t> interrupts[] = {{flag_result, ctrl_ie_result},
-                                                          {flag_lockchg, ctrl_ie_lock},
-                                                          {flag_config, ctrl_ie_error},
-                                                          {flag_turn, ctrl_ie_turn},
-                                                          {flag_alarm, ctrl_ie_alarm}};
+  constexpr std::pair<uint32_t, uint32_t> interrupts[] = {
+      {flag_result, ctrl_ie_result}, {flag_lockchg, ctrl_ie_lock}, {flag_config, ctrl_ie_error},
+      {flag_turn, ctrl_ie_turn},     {flag_alarm, ctrl_ie_alarm},  {flag_parity, ctrl_ie_safety}};
   for (const auto& [flag, enable] : interrupts) {
     Fault lost{"an interrupt that is enabled late is lost", "", "interrupt line"};
     lost.lost_flag = flag;

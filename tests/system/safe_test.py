@@ -32,14 +32,22 @@ class SafeCase(Case):
         return done.stdout, json.loads((self.folder / "r.json").read_text())
 
 
+#: Without those of the coprocessor, and without those that the program computes.
+PROGRAM = (*SHORT, "-P", "coprocessor_checks=0")
+COPROCESSOR = (*SHORT, "-P", "program_checks=0")
+
+
 class Checks(SafeCase):
     def test_without_a_fault(self):
-        said, result = self.run_safe()
-        self.assertEqual(result["exit"]["code"], 0, said)
-        self.assertTrue(result["verdict"]["bound_holds"])
         _, selfcal = self.run_safe(program="selfcal")
-        for key in ("parameters", "angle_error_deg"):
-            self.assertEqual(result[key], selfcal[key], key)
+        for settings in (tuple(SHORT), PROGRAM, COPROCESSOR):
+            said, result = self.run_safe(settings=settings)
+            self.assertEqual(result["exit"]["code"], 0, said)
+            self.assertTrue(result["verdict"]["bound_holds"])
+            # The test of the coprocessor comes first, so that sampling begins a little later.
+            if settings == PROGRAM:
+                for key in ("parameters", "angle_error_deg"):
+                    self.assertEqual(result[key], selfcal[key], key)
 
     def test_each_check_by_a_fault(self):
         at, then = f"at sample {SAMPLE}", f"at {WHEN}"
@@ -62,7 +70,7 @@ class Checks(SafeCase):
             (f"flip coprocessor.angle[31] {then}", None, None),
         ):
             with self.subTest(fault=fault):
-                said, result = self.run_safe("--inject", fault)
+                said, result = self.run_safe("--inject", fault, settings=PROGRAM)
                 if sentence is None:
                     # Written again by the next sample before it was read.
                     self.assertEqual(result["exit"]["code"], 0, said)
@@ -72,6 +80,51 @@ class Checks(SafeCase):
                 sample = int(re.search(r"no angle for sample (\d+)", said)[1])
                 self.assertLessEqual(sample, SAMPLE + late)
                 self.assertLess(result["angle_error_deg"]["calibration_mode_max"] or 0, 95)
+
+    def test_each_mechanism_of_the_coprocessor_by_a_fault(self):
+        at, then = f"at sample {SAMPLE}", f"at {WHEN}"
+        lost, misfit = "a register of the coprocessor has lost a bit", "the coprocessor's error is beyond its limit"
+        jumped = "the coprocessor's angle moved beyond its limit"
+        for fault, sentences, late in (
+            (f"flip coprocessor.cv[39] {then}", (lost,), 3),
+            (f"flip coprocessor.au[43] {then}", (lost,), 3),
+            # Too small for any other check.
+            (f"flip coprocessor.au[5] {then}", (lost,), 3),
+            (f"flip coprocessor.beta[31] {then}", (lost,), 3),
+            (f"flip coprocessor.step_au[3] {then}", (lost,), 3),
+            (f"flip coprocessor.mechanisms[0] {then}", (lost,), 3),
+            (f"flip coprocessor.settings_parity[4] {then}", (lost,), 3),
+            (f"flip COPROCESSOR.CTRL.CALIB[0] {then}", (lost,), 3),
+            (f"flip sin[25] {at}", (misfit,), 0),
+            (f"flip cos[25] {at}", (misfit,), 0),
+            (f"freeze sin {at}", (misfit, jumped), 60),
+            (f"double sample {at}", ("a result of the coprocessor was not taken", misfit), 1),
+        ):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", fault, settings=COPROCESSOR)
+                self.assertEqual(result["exit"]["code"], 1, said)
+                self.assertIn(re.search("safe: fail: (.*)", said)[1], sentences)
+                sample = int(re.search(r"no angle for sample (\d+)", said)[1])
+                self.assertLessEqual(sample, SAMPLE + late)
+
+    def test_the_start_finds_a_mechanism_that_does_not_work(self):
+        monitor, settings = "rtl.u_datapath.u_safety_monitor.", "rtl.u_register_bank.u_settings."
+        for fault, sentence in (
+            (f"stuck0 {monitor}bad_parity_q[4]", "the test of the parity bits"),
+            (f"stuck1 {monitor}bad_safety_q[4]", "the coprocessor has no safety mechanisms, or finds a fault"),
+            (f"stuck1 {settings}parity_q[7]", "the coprocessor has no safety mechanisms, or finds a fault"),
+            ("stuck0 rtl.u_register_bank.u_state.u_bv.parity_q[0]", "the test of the parity bits"),
+            (f"stuck0 {monitor}misfit3_q[0]", "the test of the limit of the error"),
+            (f"stuck0 {monitor}error_limit_q[3]", "the test of the limit of the error"),
+            (f"stuck0 {monitor}step_limit_q[0]", "the test of the limit of the step"),
+            (f"stuck0 {monitor}enables_q[2]", "the test of the limit of the step"),
+            (f"stuck0 {monitor}enables_q[3]", "the test of results that nobody takes"),
+        ):
+            with self.subTest(fault=fault):
+                words = ("--coprocessor", "rtl", "--inject", f"{fault} at 0s")
+                said, result = self.run_safe(*words, settings=COPROCESSOR)
+                self.assertEqual(result["exit"]["code"], 1, said)
+                self.assertIn(f"safe: fail: {sentence}", said)
 
     def test_the_watchdog(self):
         for fault in (

@@ -27,6 +27,8 @@ SETTINGS = (
     "turns",
     "count",
     "turn_limit",
+    "safety",
+    "step_limit",
 )
 
 
@@ -36,6 +38,8 @@ class Sample:
     def __init__(self, u, v, clip):
         self.u, self.v, self.clip = u, v, clip
         self.sat = False
+        # A register did not fit its parity bit as one of its ticks began; SAFETY did not.
+        self.bad_parity = self.bad_safety = False
 
     def saturated(self, value, bits=32):
         """sat(value)"""
@@ -76,8 +80,13 @@ class Coprocessor:
         """Ends and starts of ticks up to and with `edge`. Yields each edge at which there were any."""
         while self.boundary is not None and self.boundary <= edge:
             at = self.boundary
+            unfit = set(self.registers.unfit)
             self.end_tick()
             self.start_tick()
+            for sample in self.stages:
+                if sample is not None:
+                    sample.bad_parity |= bool(unfit)
+                    sample.bad_safety |= "SAFETY" in unfit
             yield at
 
     def end_tick(self):
@@ -121,16 +130,21 @@ class Coprocessor:
 
     def end_t2(self, sample):
         self.registers.phase = sample.next_phase
+        self.registers.unfit.discard("PHASE")
         if sample.next_freq is not None:
             self.registers.freq = sample.next_freq
+            self.registers.unfit.discard("FREQ")
 
     def start_t3(self, sample):
         demodulate(self.arithmetic, sample, self.registers)
+        largest = 1 << 31 - self.registers.error_limit
+        sample.misfit = any(not -largest <= error < largest for error in sample.errors)
 
     def end_t3(self, sample):
         self.registers.error_sums = sample.next_sums
         if sample.next_weights is not None:
             self.registers.weights = sample.next_weights
+            self.registers.unfit.difference_update(names.WEIGHTS)
         if sample.next_sums_of_block is not None:
             self.registers.blocks.sums = sample.next_sums_of_block
 
@@ -144,13 +158,20 @@ class Coprocessor:
     def commit(self, sample):
         """The end of T4."""
         r, settings = self.registers, sample.settings
+        pending = bool(r.flags & names.RESULT)
         turn_ended = r.judge.take(sample, settings)
         r.blocks.ended = turn_ended
         r.since_reset += 1
         settled_in = r.since_reset >= 64
         lock = settled_in and sample.average < settings.lock_threshold and r.judge.permits_lock(settings.turns)
         r.diverged = settled_in and sample.average > settings.diverge_threshold
+        largest = 1 << 29 - settings.step_limit
+        jump = not -largest <= r.judge.step < largest
         for holds, flag in (
+            (settings.safety & 1 and sample.bad_parity or sample.bad_safety, names.PARITY),
+            (settings.safety & 2 and sample.misfit, names.MISFIT),
+            (settings.safety & 4 and jump, names.JUMP),
+            (settings.safety & 8 and pending, names.MISSED),
             (True, names.RESULT),
             (sample.clip, names.CLIP),
             (sample.sat, names.SAT),
@@ -168,7 +189,9 @@ class Coprocessor:
         if settings.demod:
             p = sample.parameters
             r.a1, r.a2, r.b1, r.b2, r.beta, r.phi = p.a1, p.a2, p.b1, p.b2, p.beta, p.phi
-        r.valid = settings.calib and not sample.zero and not sample.unsettled
+            r.unfit.difference_update(names.PARAMETERS)
+        distrusted = any(r.flags & flag for flag in names.SAFETY_FLAGS)
+        r.valid = settings.calib and not sample.zero and not sample.unsettled and not distrusted
         if r.valid:
             r.angle = sample.angle
         r.raw_u, r.raw_v, r.cal_s, r.cal_c = sample.u, sample.v, sample.cal_s, sample.cal_c
@@ -203,6 +226,7 @@ class Coprocessor:
             weights = [rounded(w, 15) for w in weights]
         first = 3 * (self.load_stage - 1)
         self.registers.weights[first : first + 3] = weights
+        self.registers.unfit.difference_update(names.WEIGHTS[first : first + 3])
 
     # Samples and accesses, after the ticks of their edge
 

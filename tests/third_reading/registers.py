@@ -50,6 +50,7 @@ NAMES = {
     0x0A0: "SOFT_U",
     0x0A4: "SOFT_V",
     0x0A8: "CORRECTION",
+    0x0AC: "SAFETY",
     0x0B0: "RAW_U",
     0x0B4: "RAW_V",
     0x0B8: "CAL_S",
@@ -80,17 +81,19 @@ PAIRS = (FREQ_LO, PHASE_LO, *range(AU_LO, CV_HI, 8))
 (RESULT, CLIP, SAT, ZERO, EARLY, LOCKCHG, DIVERGED, MIRRORCHG, CONFIG, TURN, ALARM, UNSETTLED) = (
     1 << bit for bit in range(12)
 )
-FLAGS_ALL = (1 << 12) - 1
+PARITY, MISFIT, JUMP, MISSED = SAFETY_FLAGS = tuple(1 << bit for bit in range(12, 16))
+FLAGS_ALL = (1 << 16) - 1
 # CTRL
 IE_RESULT, IE_LOCK, IE_ERROR, IE_TURN, IE_ALARM = (1 << bit for bit in range(8, 13))
 SRST = 1 << 31
-CTRL_BITS = 0x3FFF
-BLOCK, GUARD, CORRECT = 1 << 6, 1 << 7, 1 << 13
+CTRL_BITS = 0x7FFF
+BLOCK, GUARD, CORRECT, IE_SAFETY = 1 << 6, 1 << 7, 1 << 13, 1 << 14
 INTERRUPTS = (
     (IE_RESULT, RESULT),
     (IE_LOCK, LOCKCHG),
     (IE_TURN, TURN),
     (IE_ALARM, ALARM),
+    (IE_SAFETY, sum(SAFETY_FLAGS)),
     (IE_ERROR, CLIP | SAT | ZERO | EARLY | DIVERGED | CONFIG | UNSETTLED),
 )
 # CMD
@@ -116,6 +119,8 @@ class Registers:
         self.judge_word = 51 | 51 << 8 | 1 << 16
         self.turn_limit = 0
         self.soft_u = 0
+        self.safety = 0
+        self.unfit = set()  # registers whose parity bit is wrong
         self.stages = dict.fromkeys(PAIRS, 0)
         self.latches = dict.fromkeys(PAIRS, 0)
         # Results
@@ -144,6 +149,13 @@ class Registers:
     turns = property(lambda self: self.judge_word >> 16 & 3)
     count = property(lambda self: bool(self.judge_word >> 18 & 1))
     slew = property(lambda self: self.judge_word >> 19 & 7)
+
+    def finds(self, flag):
+        """Whether the mechanism of a flag is on."""
+        return bool(self.safety & flag >> 12)
+
+    error_limit = property(lambda self: self.safety >> 16 & 31)
+    step_limit = property(lambda self: min(29, self.safety >> 24 & 31))
 
     def interrupt(self):
         return any(self.ctrl & enable and self.flags & flags for enable, flags in INTERRUPTS)
@@ -201,6 +213,10 @@ class Registers:
     def write(self, offset, value):
         """All but what CMD.LOAD, CTRL.SRST and SOFT_V do to the pipeline."""
         name = NAMES[offset]
+        bad_parity = self.safety & 1 << 8
+        word = self.word_written(name, value)
+        if word is not None:
+            (self.unfit.add if bad_parity else self.unfit.discard)(word)
         if offset in self.stages:
             self.stages[offset] = value
         elif offset - 4 in self.stages:
@@ -222,6 +238,16 @@ class Registers:
         elif name in ("B1", "B2"):
             setattr(self, name.lower(), signed(value))
 
+    @staticmethod
+    def word_written(name, value):
+        """The register with a parity bit that a write changes; none: there is none."""
+        if name == "CMD" and value & PHASE0:
+            return "PHASE"
+        if name.endswith("_HI"):
+            return name[:-3]
+        reserved = (name.startswith("STEP_") or name in ("A1", "A2")) and value >= ONE_31
+        return name if name in SINGLE_WORDS and not reserved else None
+
     def write_control(self, value):
         if value >> 2 & 3 == 3:
             self.flags |= CONFIG
@@ -242,7 +268,7 @@ class Registers:
             setattr(self, name.lower(), value)
 
 
-CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010004, "LATENCY": 161, "CMD": 0, "SOFT_V": 0, "CORRECTION": 0}
+CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010005, "LATENCY": 161, "CMD": 0, "SOFT_V": 0, "CORRECTION": 0}
 JUDGE_RECORD = ("TURN_FLAGS", "RADIUS_MAX", "RESIDUE_MAX", "WINDING", "TURN_SAMPLES", "TURN_DET")
 MASKS = {
     "LOOP": 0x1F1F,
@@ -253,7 +279,15 @@ MASKS = {
     "JUDGE": 0x3FFFFF,
     "TURN_LIMIT": TURN_32 - 1,
     "SOFT_U": TURN_32 - 1,
+    "SAFETY": 0x1F1F010F,
 }
+# Words with a parity bit, but the 48-bit registers.
+SINGLE_WORDS = {name for name in NAMES.values() if name.startswith("STEP_")} | {
+    *("CTRL", "LOOP", "LOCK_THRESHOLD", "DIVERGE_THRESHOLD", "JUDGE", "TURN_LIMIT", "SAFETY"),
+    *("A1", "A2", "B1", "B2", "BETA", "PHI"),
+}
+WEIGHTS = ("AU", "BU", "CU", "AV", "BV", "CV")
+PARAMETERS = ("A1", "A2", "B1", "B2", "BETA", "PHI")
 
 
 def value_of(offset, name):

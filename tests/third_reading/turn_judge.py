@@ -58,7 +58,7 @@ class TurnJudge:
 
     def add(self, sample, deviation, beyond):
         angle = sample.angle >> 2
-        step = 0 if self.angle_before is None else signed(angle - self.angle_before, 30)
+        step = self.step = 0 if self.angle_before is None else signed(angle - self.angle_before, 30)
         self.angle_before = angle
         self.travel = signed(self.travel + step)
         self.samples = (self.samples + 1) % TURN_32

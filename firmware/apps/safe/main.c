@@ -20,6 +20,7 @@
 #include "common_settings.h"
 #include "console.h"
 #include "coprocessor.h"
+#include "coprocessor_safety.h"
 #include "fixed_print.h"
 #include "gpio.h"
 #include "parameter_report.h"
@@ -31,22 +32,26 @@
 #include "supervision.h"
 
 // frequency_hz is kept in 2^-48 Hz, step as Q1.31.
-#define SETTINGS(NUMBER, TEXT)                                               \
-  BAUD_SETTING(NUMBER)                                                       \
-  RATE_SETTING(NUMBER)                                                       \
-  SPEED_SETTING(NUMBER)                                                      \
-  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",               \
-         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it") \
-  DEMODULATION_SETTING(NUMBER)                                               \
-  CALIBRATION_SETTING(NUMBER)                                                \
-  PROGRESS_SETTING(NUMBER)                                                   \
-  MIRROR_SETTING(NUMBER)                                                     \
-  LIMIT_SETTING(NUMBER)                                                      \
-  ANGLE_STRIDE_SETTING(NUMBER)                                               \
-  NUMBER(uint32_t, check_deg, 0.05, 0.001, 20, WORDS_PER_DEGREE, "deg",      \
-         "by which an angle may differ from its sample's")                   \
-  NUMBER(uint32_t, step_deg, 1, 0.001, 20, WORDS_PER_DEGREE, "deg",          \
-         "by which a step may differ from the speed's, apart from noise")
+#define SETTINGS(NUMBER, TEXT)                                                \
+  BAUD_SETTING(NUMBER)                                                        \
+  RATE_SETTING(NUMBER)                                                        \
+  SPEED_SETTING(NUMBER)                                                       \
+  NUMBER(uint32_t, step, 0.00062832, 0, 0.9999999, 0x1p31, "",                \
+         "2 mu; omega / 2 is the fastest that settles, and 0 stands for it")  \
+  DEMODULATION_SETTING(NUMBER)                                                \
+  CALIBRATION_SETTING(NUMBER)                                                 \
+  PROGRESS_SETTING(NUMBER)                                                    \
+  MIRROR_SETTING(NUMBER)                                                      \
+  LIMIT_SETTING(NUMBER)                                                       \
+  ANGLE_STRIDE_SETTING(NUMBER)                                                \
+  NUMBER(uint32_t, check_deg, 0.05, 0.001, 20, WORDS_PER_DEGREE, "deg",       \
+         "by which an angle may differ from its sample's")                    \
+  NUMBER(uint32_t, step_deg, 1, 0.001, 20, WORDS_PER_DEGREE, "deg",           \
+         "by which a step may differ from the speed's, apart from noise")     \
+  NUMBER(uint32_t, coprocessor_checks, 1, 0, 1, 1, "",                        \
+         "1: the coprocessor's safety mechanisms are tested and switched on") \
+  NUMBER(uint32_t, program_checks, 1, 0, 1, 1, "",                            \
+         "1: the program computes what each angle's sample should be")
 PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
@@ -101,6 +106,19 @@ static uint32_t step_noise(const struct judgement* judgement) {
   return residue < largest ? 3 * residue : 3 * largest;
 }
 
+// The coprocessor's limits, from those of the program: an error of the angle moves a signal by no
+// more than its amplitude times the error's sine; four times the noise comes on top.
+static void watch_coprocessor(uint32_t noise) {
+  const struct coprocessor_parameters* p = &parameters.stored;
+  const int32_t smaller = p->a1 < p->a2 ? p->a1 : p->a2;
+  const int32_t sine = safe_angle_sine(settings.check_deg);
+  const uint32_t error = (uint32_t)(((int64_t)smaller * sine) >> 30);
+  const int32_t speed = (int32_t)(coprocessor_frequency() >> 16);
+  const uint32_t step = speed < 0 ? 0 - (uint32_t)speed : (uint32_t)speed;
+  coprocessor_safety_begin(error + 4 * COPROCESSOR->ERROR_AVERAGE,
+                           step + settings.step_deg + noise);
+}
+
 // Every angle of the calibration. True, or the program's status in `*status`.
 static bool calibrate(struct supervision* state, uint32_t first, int* status) {
   const uint32_t last = first + settings.calibration_samples;
@@ -133,6 +151,8 @@ int main(void) {
   print_banner(clock_hz);
   console_start_buffering();
 
+  const char* const failed = settings.coprocessor_checks != 0 ? coprocessor_safety_test() : NULL;
+  if (failed != NULL) return fail_because("safe", failed);
   if (!set_up_coprocessor(clock_hz)) {
     print_text("safe: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
     return status_refused;
@@ -161,7 +181,8 @@ int main(void) {
   coprocessor_load_parameters(&parameters.stored);
   judgement_cover(&state.judgement);
   safe_angle_begin(&safe, &parameters.stored, settings.check_deg,
-                   settings.step_deg + step_noise(&state.judgement));
+                   settings.step_deg + step_noise(&state.judgement), settings.program_checks != 0);
+  if (settings.coprocessor_checks != 0) watch_coprocessor(step_noise(&state.judgement));
   protect_memory(&parameters, sizeof parameters);
   // Two sample periods: one until the sample, one for what handles it.
   watchdog_start(2 * (clock_hz / settings.rate_hz));

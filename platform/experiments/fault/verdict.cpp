@@ -27,8 +27,15 @@ constexpr Bit flag_comes[] = {
     {coprocessor::flag_zero, "ZERO"},          {coprocessor::flag_early, "EARLY"},
     {coprocessor::flag_lockchg, "LOCKCHG"},    {coprocessor::flag_config, "CONFIG"},
     {coprocessor::flag_unsettled, "UNSETTLED"}};
+/// Those of the safety mechanisms; with one of them VALID goes, too.
+constexpr Bit mechanism_comes[] = {{coprocessor::flag_parity, "PARITY"},
+                                   {coprocessor::flag_misfit, "MISFIT"},
+                                   {coprocessor::flag_jump, "JUMP"},
+                                   {coprocessor::flag_missed, "MISSED"}};
 
 std::string detection(const SampleResult& golden, const SampleResult& result) {
+  for (const Bit& bit : mechanism_comes)
+    if ((result.flags & ~golden.flags & bit.mask) != 0) return bit.name;
   for (const Bit& bit : status_goes)
     if ((golden.status & ~result.status & bit.mask) != 0) return fmt::format("no {}", bit.name);
   for (const Bit& bit : status_comes)

@@ -78,6 +78,10 @@ void Bench::shadow_reset() {
   turn_flags_ = 0;
   glitches_ = 0;
   judge_ = description::JUDGE_reset;
+  safety_ = 0;
+  unfit_ = 0;
+  distrusted_ = false;
+  last_angle_.reset();
 }
 
 std::optional<uint64_t> Bench::boundary() const {

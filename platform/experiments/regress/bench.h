@@ -90,6 +90,8 @@ class Bench {
   void cover_flags(uint32_t flags);
   void cover_judge(const coprocessor::Nodes& n);
   void cover_slew(const coprocessor::Nodes& n);
+  void cover_safety(const coprocessor::Nodes& n, uint32_t flags_before);
+  void cover_parity(uint32_t offset, uint32_t value);
   void cover_interrupt(bool level);
   void cover_enables(uint32_t value);
   void cover_spacing();
@@ -139,6 +141,11 @@ class Bench {
   int64_t glitches_ = 0;
   uint32_t judge_ = 0x13333;
   uint64_t judge_at_ = 0;  // samples before it may have used another
+  uint32_t safety_ = 0;
+  uint64_t safety_at_ = 0;
+  uint64_t unfit_ = 0;       // registers that were last written with the wrong parity bit
+  bool distrusted_ = false;  // the last sample
+  std::optional<uint32_t> last_angle_;  // of the judge, 2^-32 turn
 };
 
 }  // namespace capsoc::regress

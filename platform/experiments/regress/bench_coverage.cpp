@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "base/fixed.h"
 #include "capsoc_registers.h"
 #include "coprocessor/register_map.h"
 #include "regress/bench.h"
@@ -62,6 +63,7 @@ void Bench::cover_commit() {
   coverage_.hit_if(relative < near, Group::seam, 3);
   cover_saturation(n);
   cover_ties(n);
+  cover_safety(n, flags_);
   cover_flags(static_cast<uint32_t>(n.flags));
   cover_judge(n);
   cover_slew(n);
@@ -232,13 +234,74 @@ void Bench::cover_slew(const Nodes& n) {
   coverage_.hit_if((limited[0] || limited[1]) && (ctrl_ & ctrl_demod) == 0, Group::slew, 38);
 }
 
+void Bench::cover_safety(const Nodes& n, uint32_t flags_before) {
+  const auto flags = static_cast<uint32_t>(n.flags), status = static_cast<uint32_t>(n.status);
+  const bool valid = (status & status_valid) != 0;
+  coverage_.hit_if((flags_before & flags_safety) != 0 && !valid && (ctrl_ & ctrl_calib) != 0,
+                   Group::safety, 8);
+  coverage_.hit_if((flags & flags_safety) == 0 && valid && distrusted_, Group::safety, 9);
+  distrusted_ = (flags & flags_safety) != 0;
+  const auto angle = static_cast<uint32_t>(n.found_angle);
+  const uint32_t moved = (angle >> 2) - (last_angle_.value_or(angle) >> 2);
+  const int64_t step = fixed::sign_extend<30>(moved);
+  last_angle_ = angle;
+  // This edge is in the last tick of the sample's way.
+  if (edge_ + tick_cycles <= std::max(safety_at_, settled_at_) + latency_cycles) return;
+  const uint32_t found = (flags & ~flags_before & flags_safety) >> flags_safety_shift;
+  if (found == safety_parity && (unfit_ & (unfit_ - 1)) == 0)
+    for (size_t i = 0; i < parity_registers.size(); ++i)
+      coverage_.hit_if(unfit_ == parity_bit(parity_registers.begin()[i]), Group::parity, i);
+
+  const unsigned error_limit = field(safety_, safety_error_limit_mask),
+                 step_limit = std::min(29u, field(safety_, safety_step_limit_mask));
+  const auto most = [](unsigned bits) { return (int64_t{1} << bits) - 1; };
+  const int64_t error_most = most(31 - error_limit), step_most = most(29 - step_limit);
+  const auto beyond = [](int64_t value, int64_t largest) {
+    return value > largest || value < -largest - 1;
+  };
+  const std::array<bool, 4> there = {unfit_ != 0,
+                                     beyond(n.error_u, error_most) || beyond(n.error_v, error_most),
+                                     beyond(step, step_most), (flags_before & flag_result) != 0};
+  for (size_t i = 0; i < there.size(); ++i) {
+    coverage_.hit_if(found == 1u << i, Group::safety, 2 * i);
+    coverage_.hit_if(there[i] && (safety_ >> i & 1) == 0 && (found >> i & 1) == 0, Group::safety,
+                     2 * i + 1);
+  }
+  constexpr size_t errors_at = 10, steps_at = errors_at + size_t{31} * 4;
+  if (error_limit != 0 && (safety_ & safety_misfit) != 0)
+    for (const int64_t error : {n.error_u, n.error_v}) {
+      const size_t first = errors_at + (error_limit - 1) * 4;
+      coverage_.hit_if(error == error_most, Group::safety, first);
+      coverage_.hit_if(error == error_most + 1, Group::safety, first + 1);
+      coverage_.hit_if(error == -error_most - 1, Group::safety, first + 2);
+      coverage_.hit_if(error == -error_most - 2, Group::safety, first + 3);
+    }
+  if (step_limit != 0 && (safety_ & safety_jump) != 0)
+    coverage_.hit(Group::safety,
+                  steps_at + size_t{step_limit - 1} * 2 + (beyond(step, step_most) ? 1 : 0));
+}
+
+void Bench::cover_parity(uint32_t offset, uint32_t value) {
+  const bool bad = (safety_ & safety_bad_parity) != 0;
+  uint64_t bit = parity_bit(offset) & parity_bits;
+  if (is_pair(offset)) bit = is_pair_high(offset) ? parity_bit(offset - 4) : 0;
+  if (offset == reg_cmd && (value & cmd_phase0) != 0) bit = parity_bit(reg_phase_lo);
+  unfit_ = bad ? unfit_ | bit : unfit_ & ~bit;
+  if (offset != reg_safety) return;
+  safety_ = value & safety_writable;
+  safety_at_ = edge_;
+}
+
 void Bench::cover_interrupt(bool level) {
   const bool result = (flags_ & flag_result) != 0 && (ctrl_ & ctrl_ie_result) != 0;
   const bool lock = (flags_ & flag_lockchg) != 0 && (ctrl_ & ctrl_ie_lock) != 0;
   const bool error = (flags_ & flags_error) != 0 && (ctrl_ & ctrl_ie_error) != 0;
   const bool turn = (flags_ & flag_turn) != 0 && (ctrl_ & ctrl_ie_turn) != 0;
   const bool alarm = (flags_ & flag_alarm) != 0 && (ctrl_ & ctrl_ie_alarm) != 0;
-  const bool others = result || lock || error;
+  const bool safety = (flags_ & flags_safety) != 0 && (ctrl_ & ctrl_ie_safety) != 0;
+  const bool others = result || lock || error || safety;
+  coverage_.hit_if(level && safety && !result && !lock && !error && !turn && !alarm,
+                   Group::interrupt, 17);
   coverage_.hit_if(level && turn && !others && !alarm, Group::interrupt, 5);
   coverage_.hit_if(level && alarm && !others && !turn, Group::interrupt, 6);
   coverage_.hit_if(level && result && !lock && !error, Group::interrupt, 0);
@@ -251,11 +314,12 @@ void Bench::cover_interrupt(bool level) {
 /// A write of CTRL that lets a flag through which was raised while it was masked or handled, and
 /// one that takes it away: the line follows flag and enable, not the event.
 void Bench::cover_enables(uint32_t value) {
-  constexpr std::array<std::pair<uint32_t, uint32_t>, 5> kinds = {{{flag_result, ctrl_ie_result},
+  constexpr std::array<std::pair<uint32_t, uint32_t>, 6> kinds = {{{flag_result, ctrl_ie_result},
                                                                    {flag_lockchg, ctrl_ie_lock},
                                                                    {flags_error, ctrl_ie_error},
                                                                    {flag_turn, ctrl_ie_turn},
-                                                                   {flag_alarm, ctrl_ie_alarm}}};
+                                                                   {flag_alarm, ctrl_ie_alarm},
+                                                                   {flags_safety, ctrl_ie_safety}}};
   const auto level = [&](uint32_t ctrl) {
     return std::any_of(kinds.begin(), kinds.end(), [&](const auto& kind) {
       return (flags_ & kind.first) != 0 && (ctrl & kind.second) != 0;
@@ -265,8 +329,10 @@ void Bench::cover_enables(uint32_t value) {
   for (size_t i = 0; i < kinds.size(); ++i) {
     const auto& [flag, enable] = kinds[i];
     if ((flags_ & flag) == 0 || ((ctrl_ ^ value) & enable) == 0) continue;
-    coverage_.hit_if(!level(ctrl_) && !level(value & ~enable), Group::interrupt, 7 + i);
-    coverage_.hit_if(!level(value) && !level(ctrl_ & ~enable), Group::interrupt, 12 + i);
+    coverage_.hit_if(!level(ctrl_) && !level(value & ~enable), Group::interrupt,
+                     i < 5 ? 7 + i : 18);
+    coverage_.hit_if(!level(value) && !level(ctrl_ & ~enable), Group::interrupt,
+                     i < 5 ? 12 + i : 19);
   }
 }
 
@@ -310,6 +376,7 @@ void Bench::cover_write(uint32_t offset, uint32_t value) {
     flags_ &= ~value;
   }
   if (is_pair(offset)) cover_pair_write(offset);
+  if (!rejected || reserved_source) cover_parity(offset, value);
   if (!rejected || reserved_source) cover_mode_change(offset, value);
 }
 

@@ -38,8 +38,11 @@ std::vector<std::string> quadrants() {
 }
 
 std::vector<std::string> flags() {
-  return {"RESULT",   "CLIP",      "SAT",    "ZERO", "EARLY", "LOCKCHG",
-          "DIVERGED", "MIRRORCHG", "CONFIG", "TURN", "ALARM", "UNSETTLED"};
+  static constexpr const char* names[] = {
+      "RESULT", "CLIP", "SAT",   "ZERO",      "EARLY",  "LOCKCHG", "DIVERGED", "MIRRORCHG",
+      "CONFIG", "TURN", "ALARM", "UNSETTLED", "PARITY", "MISFIT",  "JUMP",     "MISSED"};
+  static_assert(std::size(names) == coprocessor::flag_count);
+  return {std::begin(names), std::end(names)};
 }
 
 std::vector<std::string> modes() {
@@ -90,6 +93,27 @@ std::vector<std::string> slews() {
   return names;
 }
 
+std::vector<std::string> parities() {
+  std::vector<std::string> names;
+  for (const uint32_t offset : coprocessor::parity_registers)
+    names.emplace_back(coprocessor::find_rule(offset)->about->name);
+  return names;
+}
+
+std::vector<std::string> safety() {
+  std::vector<std::string> names;
+  for (const char* what : {"PARITY", "MISFIT", "JUMP", "MISSED"})
+    for (const char* how : {" alone", " switched off"}) names.push_back(std::string(what) + how);
+  for (const char* name : {"ANGLE kept after a flag", "trusted again"}) names.emplace_back(name);
+  for (unsigned n = 1; n < 32; ++n)
+    for (const char* where : {" top", " above", " bottom", " below"})
+      names.push_back(fmt::format("error limit {}{}", n, where));
+  for (unsigned n = 1; n < 30; ++n)
+    for (const char* where : {" within", " beyond"})
+      names.push_back(fmt::format("step limit {}{}", n, where));
+  return names;
+}
+
 const std::vector<GroupNames>& groups() {
   static const std::vector<GroupNames> table = {
       {"sample quadrant", quadrants()},
@@ -109,10 +133,11 @@ const std::vector<GroupNames>& groups() {
       {"flag set", flags()},
       {"flag cleared", flags()},
       {"interrupt",
-       {"high by result", "high by lock", "high by error", "low with a flag masked",
-        "low without a flag", "high by turn", "high by alarm", "result unmasked", "lock unmasked",
-        "error unmasked", "turn unmasked", "alarm unmasked", "result masked", "lock masked",
-        "error masked", "turn masked", "alarm masked"}},
+       {"high by result",     "high by lock",   "high by error",   "low with a flag masked",
+        "low without a flag", "high by turn",   "high by alarm",   "result unmasked",
+        "lock unmasked",      "error unmasked", "turn unmasked",   "alarm unmasked",
+        "result masked",      "lock masked",    "error masked",    "turn masked",
+        "alarm masked",       "high by safety", "safety unmasked", "safety masked"}},
       {"mode", modes()},
       {"mode change", mode_changes()},
       {"LOAD at", moments()},
@@ -185,6 +210,8 @@ const std::vector<GroupNames>& groups() {
        {"glitches and back", "raised", "fallen", "frozen", "lock lost with it",
         "flag cleared while it stands"}},
       {"slew", slews()},
+      {"parity", parities()},
+      {"safety", safety()},
       {"magnitude",
        {"a1 0", "a1 below 2^-20", "a1 below 0.01", "a1 0.01..0.5", "a1 0.5..0.99", "a1 above"}},
   };

@@ -42,6 +42,8 @@ enum class Group : uint8_t {
   turn,  // windows of the turn judge
   alarm,
   slew,       // errors against their limit
+  parity,     // registers whose parity bit was wrong
+  safety,     // what the safety mechanisms find, at their limits
   magnitude,  // of a1
   count
 };

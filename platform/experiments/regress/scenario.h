@@ -103,6 +103,10 @@ void run_lone_clamps(Bench& bench, Random& random, const Budget&);
 // scenarios_settings.cpp
 void run_settings(Bench& bench, Random& random, const Budget&);
 
+// scenarios_safety.cpp
+void run_parity(Bench& bench, Random& random, const Budget&);
+void run_safety(Bench& bench, Random& random, const Budget&);
+
 // scenarios_slew.cpp
 void run_slew(Bench& bench, Random& random, const Budget&);
 

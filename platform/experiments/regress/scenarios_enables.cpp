@@ -12,10 +12,10 @@ using namespace coprocessor;
 namespace {
 
 constexpr uint32_t learning_on = ctrl_adc | ctrl_demod | ctrl_calib;
-constexpr uint32_t interrupts[] = {ctrl_ie_result, ctrl_ie_lock, ctrl_ie_error, ctrl_ie_turn,
-                                   ctrl_ie_alarm};
+constexpr uint32_t interrupts[] = {ctrl_ie_result, ctrl_ie_lock,  ctrl_ie_error,
+                                   ctrl_ie_turn,   ctrl_ie_alarm, ctrl_ie_safety};
 constexpr uint32_t every_interrupt =
-    ctrl_ie_result | ctrl_ie_lock | ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm;
+    ctrl_ie_result | ctrl_ie_lock | ctrl_ie_error | ctrl_ie_turn | ctrl_ie_alarm | ctrl_ie_safety;
 
 void from_reset(Bench& bench) {
   bench.drain();
@@ -47,6 +47,12 @@ void raise_all(Bench& bench, Random& random, bool alarm) {
   for (uint32_t pair = reg_au_lo; pair < reg_cv_hi; pair += 8) bench.write_pair(pair, 0);
   bench.write(reg_a1, 0);
   bench.write(reg_a2, 0);
+  // LOOP, and SAFETY itself, with the wrong parity bit.
+  bench.write(reg_safety, safety_bad_parity);
+  bench.write(reg_loop, description::LOOP_reset);
+  bench.write(reg_safety, safety_parity | safety_misfit | safety_jump | safety_missed |
+                              safety_error_limit_mask | safety_step_limit_mask);
+  bench.sample(0x40000000u, 0x20000000u);
   bench.sample(0, 0);
   bench.drain();
   bench.read(reg_flags);

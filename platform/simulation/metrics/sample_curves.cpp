@@ -36,7 +36,7 @@ struct Bit {
   uint32_t mask;
   uint32_t RecordedResult::*word;
 };
-constexpr std::array<Bit, 17> bits = {{
+constexpr std::array<Bit, 21> bits = {{
     {"status.LOCK", cop::STATUS_LOCK_mask, &RecordedResult::status},
     {"status.DIVERGED", cop::STATUS_DIVERGED_mask, &RecordedResult::status},
     {"status.MIRROR", cop::STATUS_MIRROR_mask, &RecordedResult::status},
@@ -54,6 +54,10 @@ constexpr std::array<Bit, 17> bits = {{
     {"flags.TURN", cop::FLAGS_TURN_mask, &RecordedResult::flags},
     {"flags.ALARM", cop::FLAGS_ALARM_mask, &RecordedResult::flags},
     {"flags.UNSETTLED", cop::FLAGS_UNSETTLED_mask, &RecordedResult::flags},
+    {"flags.PARITY", cop::FLAGS_PARITY_mask, &RecordedResult::flags},
+    {"flags.MISFIT", cop::FLAGS_MISFIT_mask, &RecordedResult::flags},
+    {"flags.JUMP", cop::FLAGS_JUMP_mask, &RecordedResult::flags},
+    {"flags.MISSED", cop::FLAGS_MISSED_mask, &RecordedResult::flags},
 }};
 
 /// Those of a word that are drawn.

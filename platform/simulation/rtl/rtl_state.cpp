@@ -45,7 +45,7 @@ struct Bit {
   uint32_t mask;
   uint64_t capsoc_rtl_state::*value;
 };
-constexpr std::array<Bit, 12> ctrl_bits = {
+constexpr std::array<Bit, 13> ctrl_bits = {
     {{coprocessor::ctrl_demod, &capsoc_rtl_state::demod},
      {coprocessor::ctrl_calib, &capsoc_rtl_state::calib},
      {coprocessor::ctrl_adc, &capsoc_rtl_state::adc},
@@ -57,7 +57,8 @@ constexpr std::array<Bit, 12> ctrl_bits = {
      {coprocessor::ctrl_ie_lock, &capsoc_rtl_state::ie_lock},
      {coprocessor::ctrl_ie_error, &capsoc_rtl_state::ie_error},
      {coprocessor::ctrl_ie_turn, &capsoc_rtl_state::ie_turn},
-     {coprocessor::ctrl_ie_alarm, &capsoc_rtl_state::ie_alarm}}};
+     {coprocessor::ctrl_ie_alarm, &capsoc_rtl_state::ie_alarm},
+     {coprocessor::ctrl_ie_safety, &capsoc_rtl_state::ie_safety}}};
 constexpr std::array<Bit, 5> window_bits = {
     {{coprocessor::turn_radius, &capsoc_rtl_state::window_radius},
      {coprocessor::turn_mirror, &capsoc_rtl_state::window_mirror},
@@ -65,8 +66,20 @@ constexpr std::array<Bit, 5> window_bits = {
      {coprocessor::turn_sat, &capsoc_rtl_state::window_saturated},
      {coprocessor::turn_residue, &capsoc_rtl_state::window_residue}}};
 
-int64_t extended(uint64_t word48) {
-  return static_cast<int64_t>(word48 << 16) >> 16;
+constexpr std::array<Bit, 4> safety_fields = {
+    {{coprocessor::safety_parity | coprocessor::safety_misfit | coprocessor::safety_jump |
+          coprocessor::safety_missed,
+      &capsoc_rtl_state::mechanisms},
+     {coprocessor::safety_bad_parity, &capsoc_rtl_state::bad_parity},
+     {coprocessor::safety_error_limit_mask, &capsoc_rtl_state::error_limit},
+     {coprocessor::safety_step_limit_mask, &capsoc_rtl_state::step_limit}}};
+
+uint64_t word48(uint64_t word) {
+  return word & coprocessor::phase_mask;
+}
+
+int64_t extended(uint64_t word) {
+  return static_cast<int64_t>(word << 16) >> 16;
 }
 
 uint32_t low32(uint64_t word) {
@@ -127,6 +140,8 @@ void set_settings(capsoc_rtl_state& r, const IdleState& state) {
     r.*setting.value = read(setting.offset);
     put(setting.word, r.*setting.value);
   }
+  put(coprocessor::word_safety, state.safety);
+  for (const Bit& part : safety_fields) r.*part.value = coprocessor::field(state.safety, part.mask);
   put(coprocessor::word_soft_u, state.soft_u);
   for (std::size_t pair = 0; pair < pair_words.size(); ++pair) {
     put(pair_words[pair], state.staged_low[pair]);
@@ -142,6 +157,10 @@ void get_settings(const capsoc_rtl_state& r, IdleState& state) {
   model.write(0, coprocessor::reg_loop,
               low32(r.kp | r.ki << coprocessor::description::LOOP_KI_shift));
   for (const Setting& setting : settings) model.write(0, setting.offset, low32(r.*setting.value));
+  uint32_t safety = 0;
+  for (const Bit& part : safety_fields)
+    safety |= low32(r.*part.value) * (part.mask & (0 - part.mask));
+  model.write(0, coprocessor::reg_safety, safety);
   model.save_idle(state);
   const auto at = [&](uint32_t address) {
     return (r.bank_valid >> address & 1) != 0 ? low32(r.bank_words[address]) : 0;
@@ -235,6 +254,79 @@ Results results_in(const capsoc_rtl_state& r) {
   return results;
 }
 
+// A register of rtl/state_registers.sv: its word, its parity bit.
+struct SharedRegister {
+  uint32_t offset;
+  uint64_t capsoc_rtl_state::*value;
+  uint64_t capsoc_rtl_state::*parity;
+};
+constexpr std::array<SharedRegister, 14> shared_registers = {
+    {{coprocessor::reg_freq_lo, &capsoc_rtl_state::freq, &capsoc_rtl_state::freq_parity},
+     {coprocessor::reg_phase_lo, &capsoc_rtl_state::phase, &capsoc_rtl_state::phase_parity},
+     {coprocessor::reg_au_lo, &capsoc_rtl_state::au, &capsoc_rtl_state::au_parity},
+     {coprocessor::reg_bu_lo, &capsoc_rtl_state::bu, &capsoc_rtl_state::bu_parity},
+     {coprocessor::reg_cu_lo, &capsoc_rtl_state::cu, &capsoc_rtl_state::cu_parity},
+     {coprocessor::reg_av_lo, &capsoc_rtl_state::av, &capsoc_rtl_state::av_parity},
+     {coprocessor::reg_bv_lo, &capsoc_rtl_state::bv, &capsoc_rtl_state::bv_parity},
+     {coprocessor::reg_cv_lo, &capsoc_rtl_state::cv, &capsoc_rtl_state::cv_parity},
+     {coprocessor::reg_a1, &capsoc_rtl_state::a1, &capsoc_rtl_state::a1_parity},
+     {coprocessor::reg_a2, &capsoc_rtl_state::a2, &capsoc_rtl_state::a2_parity},
+     {coprocessor::reg_b1, &capsoc_rtl_state::b1, &capsoc_rtl_state::b1_parity},
+     {coprocessor::reg_b2, &capsoc_rtl_state::b2, &capsoc_rtl_state::b2_parity},
+     {coprocessor::reg_beta, &capsoc_rtl_state::beta, &capsoc_rtl_state::beta_parity},
+     {coprocessor::reg_phi, &capsoc_rtl_state::phi, &capsoc_rtl_state::phi_parity}}};
+
+bool odd(uint64_t word) {
+  return __builtin_parityll(word) != 0;
+}
+
+// Registers of rtl/setting_registers.sv in the order of its parity bits, and what each bit should
+// be.
+struct SettingParity {
+  uint32_t offset;
+  bool odd;
+};
+std::array<SettingParity, 13> setting_parities(const capsoc_rtl_state& r) {
+  using namespace coprocessor;
+  bool ctrl = odd(r.ref);
+  for (const Bit& bit : ctrl_bits) ctrl ^= odd(r.*bit.value);
+  bool safety = false;
+  for (const Bit& part : safety_fields) safety ^= odd(r.*part.value);
+  return {{{reg_ctrl, ctrl},
+           {reg_step_au, odd(r.step_au)},
+           {reg_step_bu, odd(r.step_bu)},
+           {reg_step_cu, odd(r.step_cu)},
+           {reg_step_av, odd(r.step_av)},
+           {reg_step_bv, odd(r.step_bv)},
+           {reg_step_cv, odd(r.step_cv)},
+           {reg_loop, odd(r.kp) != odd(r.ki)},
+           {reg_lock_threshold, odd(r.lock_threshold)},
+           {reg_diverge_threshold, odd(r.diverge_threshold)},
+           {reg_judge, odd(r.judge)},
+           {reg_turn_limit, odd(r.turn_limit)},
+           {reg_safety, safety}}};
+}
+
+void set_parity(capsoc_rtl_state& r, uint64_t unfit) {
+  const auto bad = [&](uint32_t offset) { return (unfit & coprocessor::parity_bit(offset)) != 0; };
+  for (const SharedRegister& it : shared_registers)
+    r.*it.parity = odd(word48(r.*it.value)) != bad(it.offset) ? 1 : 0;
+  unsigned place = 0;
+  for (const SettingParity& it : setting_parities(r))
+    r.settings_parity |= uint64_t{it.odd != bad(it.offset)} << place++;
+}
+
+uint64_t unfit_in(const capsoc_rtl_state& r) {
+  uint64_t unfit = 0;
+  for (const SharedRegister& it : shared_registers)
+    if (odd(word48(r.*it.value)) != odd(r.*it.parity)) unfit |= coprocessor::parity_bit(it.offset);
+  unsigned place = 0;
+  for (const SettingParity& it : setting_parities(r))
+    if (it.odd != odd(r.settings_parity >> place++ & 1))
+      unfit |= coprocessor::parity_bit(it.offset);
+  return unfit;
+}
+
 // Every sample sets an octant, so a window without flags has none.
 void set_judge(capsoc_rtl_state& r, const TurnJudge& judge) {
   const uint32_t flags = judge.window.flags;
@@ -294,6 +386,7 @@ capsoc_rtl_state to_rtl(const IdleState& state) {
   r.samples = state.samples;
   r.early = state.early_count;
   r.settled = std::min(state.settled, 63u);
+  set_parity(r, state.unfit);
   for (std::size_t i = 0; i < state.corrections.size(); ++i)
     r.corrections[i] = word(state.corrections[i]);
   return r;
@@ -313,6 +406,7 @@ IdleState to_model(const capsoc_rtl_state& registers, const Nodes& nodes) {
                   (registers.settled == 63 && nodes.commits > 63 ? 1 : 0);
   for (std::size_t i = 0; i < state.corrections.size(); ++i)
     state.corrections[i] = static_cast<int32_t>(fixed::sign_extend<20>(registers.corrections[i]));
+  state.unfit = unfit_in(registers);
   state.nodes = nodes;
   return state;
 }

@@ -30,7 +30,7 @@ class CoprocessorTlm : public capsoc::test::DeviceTest {
 
 TEST_F(CoprocessorTlm, SaysWhoItIs) {
   EXPECT_EQ(bus.value_at(ID_offset), 0x43415053u);
-  EXPECT_EQ(bus.value_at(VERSION_offset), 0x00010004u);
+  EXPECT_EQ(bus.value_at(VERSION_offset), 0x00010005u);
 }
 
 TEST_F(CoprocessorTlm, InterruptsExactlyLatencyCyclesAfterTheSample) {
@@ -122,7 +122,7 @@ TEST_F(CoprocessorTlm, AFrequencySwitchKeepsTheLatencyInCycles) {
 
 TEST_F(CoprocessorTlm, AnythingButAWordAtARegisterIsABusError) {
   uint32_t value = 0;
-  EXPECT_ADDRESS_ERROR(bus.read(0x0AC, value));
+  EXPECT_ADDRESS_ERROR(bus.read(0x0E8, value));
   EXPECT_ADDRESS_ERROR(bus.write(0x0E8, 0));
   EXPECT_ADDRESS_ERROR(bus.read(0xFFC, value));
   EXPECT_ADDRESS_ERROR(bus.read(0x1000, value));

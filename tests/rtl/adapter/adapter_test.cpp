@@ -94,7 +94,7 @@ TEST_P(Adapter, ACopyGoesOnAlone) {
 TEST_P(Adapter, AnInputActsAtItsEdgeAndAReadShowsTheStateBeforeTheNext) {
   CoprocessorRtl rtl(library);
   EXPECT_TRUE(rtl.write(10, reg_ctrl, ctrl_adc));
-  EXPECT_FALSE(rtl.write(12, 0x0AC, 0)) << "no register";
+  EXPECT_FALSE(rtl.write(12, 0x0E8, 0)) << "no register";
   EXPECT_TRUE(rtl.submit(20, 1 << 20, 1 << 20, false));
   EXPECT_EQ(rtl.read(19 + 1, reg_status, false).value & status_busy, status_busy);
   EXPECT_EQ(rtl.next_event(), 181u);

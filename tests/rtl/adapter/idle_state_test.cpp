@@ -56,6 +56,10 @@ uint64_t turn(Device& device, std::mt19937_64& random, uint64_t cycle, int sampl
   device.write(cycle += 2, reg_lock_threshold, 0x7fffffff);
   device.write(cycle += 2, reg_turn_limit, static_cast<uint32_t>(pick(2) * (10 + pick(100))));
   device.write(cycle += 2, reg_judge, static_cast<uint32_t>(pick(8)) << judge_slew_shift | 0x13333);
+  // Of both, most limits; with BAD_PARITY some registers keep a wrong bit.
+  device.write(cycle += 2, reg_safety, static_cast<uint32_t>(random()));
+  if (pick(2) == 0) device.write(cycle += 2, reg_loop, static_cast<uint32_t>(random()));
+  if (pick(2) == 0) device.write(cycle += 2, reg_av_hi, static_cast<uint32_t>(random()));
   for (int i = 0; i < samples; ++i) {
     const double angle = i * step;
     const auto word = [](double value) { return static_cast<int32_t>(value * 2147483647.0); };

@@ -55,7 +55,7 @@ module datapath_bench #(
   assign tick = {boundary_i, enter_i, cycle_i, stage_i, load_i, load_start_i};
   assign steps = {step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i};
   assign settings = {demod_i, calib_i, block_i, guard_i, correct_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
-                     32'(judge_i), turn_limit_i};
+                     32'(judge_i), turn_limit_i, 32'd0};
   assign weights = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
   assign parameters = {a1_i, a2_i, b1_i, b2_i, beta_i, phi_i};
   assign state = {phase_i, freq_i, weights, parameters};
@@ -64,7 +64,7 @@ module datapath_bench #(
     .Paper(Paper), .OperandBits(OperandBits), .ReferenceLead(ReferenceLead), .StepShift(StepShift),
     .PlainArctangent(PlainArctangent)
   ) dut (
-    .clk_i, .rst_ni, .clear_i, .frozen_i,
+    .clk_i, .rst_ni, .clear_i, .frozen_i, .pending_i(1'b0), .distrust_i(1'b0), .bad_parity_i(1'b0), .bad_safety_i(1'b0),
     .tick_i(tick), .held_i({held_u_i, held_v_i, held_clip_i}), .settings_i(settings),
     .correction_i({correction_write_i, correction_node_i, correction_value_i}), .state_i(state),
     .state_we_o(state_we), .state_o(state_next), .commit_o, .flags_o(flags), .status_o(status),
@@ -75,7 +75,8 @@ module datapath_bench #(
   assign {phase_o, freq_o, weights_next, parameters_next} = state_next;
   assign {au_o, bu_o, cu_o, av_o, bv_o, cv_o} = weights_next;
   assign {a1_o, a2_o, b1_o, b2_o, beta_o, phi_o} = parameters_next;
-  assign {flag_unsettled_o, flag_alarm_o, flag_turn_o, flag_mirrorchg_o, flag_diverged_o, flag_lockchg_o,
+  logic [3:0] flag_safety;
+  assign {flag_safety, flag_unsettled_o, flag_alarm_o, flag_turn_o, flag_mirrorchg_o, flag_diverged_o, flag_lockchg_o,
           flag_zero_o, flag_sat_o, flag_clip_o} = flags;
   assign {status_good_turns_o, status_alarm_o, status_valid_o, status_mirror_o, status_diverged_o,
           status_lock_o} = status;

@@ -1,0 +1,22 @@
+// The coprocessor's safety mechanisms (SAFETY, docs/reference/coprocessor.md): a test of each at
+// the start of a program, and their use while it runs.
+#ifndef CAPSOC_COPROCESSOR_SAFETY_H
+#define CAPSOC_COPROCESSOR_SAFETY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+// What they have found since FLAGS was cleared: COPROCESSOR_FLAGS_PARITY_Msk, MISFIT, JUMP, MISSED.
+uint32_t coprocessor_safety_found(void);
+
+// Lets each mechanism find what it is for, and see that it finds nothing else: the parity bit of
+// every register, each limit of the error in both channels, steps, and a result that nobody takes.
+// Uses samples of its own, so the converter must be off; leaves the coprocessor as after a reset.
+// Null, or a sentence about the first one that fails.
+const char* coprocessor_safety_test(void);
+
+// Switches all on. Errors up to `error` (Q1.31) and steps up to `step` (2^-32 turn) are good; the
+// limits are the next powers of two. Clears their flags. To be called between two samples.
+void coprocessor_safety_begin(uint32_t error, uint32_t step);
+
+#endif
