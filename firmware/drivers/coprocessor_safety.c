@@ -22,7 +22,7 @@ static uint32_t limits(uint32_t error, uint32_t step) {
   return error << COPROCESSOR_SAFETY_ERROR_LIMIT_Pos | step << COPROCESSOR_SAFETY_STEP_LIMIT_Pos;
 }
 
-// What is found in a sample whose result nobody has taken.
+// What is found in a sample. Its result is not taken.
 static uint32_t submit(int32_t u, int32_t v) {
   coprocessor_submit(u, v);
   while ((COPROCESSOR->STATUS & COPROCESSOR_STATUS_BUSY_Msk) != 0) {
@@ -120,7 +120,7 @@ const char* coprocessor_safety_test(void) {
   else if (!test_step_limits())
     failed = "the test of the limit of the step";
   else if (!test_missed())
-    failed = "the test of results that nobody takes";
+    failed = "the test of results that software does not take";
   coprocessor_reset();
   return failed;
 }

@@ -9,9 +9,10 @@
 // What they have found since FLAGS was cleared: COPROCESSOR_FLAGS_PARITY_Msk, MISFIT, JUMP, MISSED.
 uint32_t coprocessor_safety_found(void);
 
-// Lets each mechanism find what it is for, and see that it finds nothing else: the parity bit of
-// every register, each limit of the error in both channels, steps, and a result that nobody takes.
-// Uses samples of its own, so the converter must be off; leaves the coprocessor as after a reset.
+// Makes each mechanism find what it is for, and checks that it finds nothing else. Tested are the
+// parity bit of every register, each limit of the error in both channels, steps, and a result that
+// software does not take. The samples come from software, so the converter must be off. Leaves the
+// coprocessor as after a reset.
 // Null, or a sentence about the first one that fails.
 const char* coprocessor_safety_test(void);
 

@@ -1,5 +1,5 @@
 // The safety mechanisms (docs/reference/coprocessor.md): what each finds and what it does not, and
-// that a coprocessor without them is the same but for their registers.
+// that a coprocessor without them is the same except for their registers.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -80,8 +80,8 @@ const std::vector<Scenario>& scenarios() {
        0, 0, run_enables},
       {"parity", "every register with a wrong parity bit, which comes or goes at every edge", 0, 0,
        run_parity},
-      {"safety", "errors, steps and results that nobody takes, at and next to their limits", 0, 0,
-       run_safety},
+      {"safety", "errors and steps at and next to their limits, and results that are not taken", 0,
+       0, run_safety},
       {"strobes", "writes that lack some of the word's bytes, of every register", 0, 0,
        run_strobes},
   };

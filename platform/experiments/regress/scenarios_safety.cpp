@@ -1,5 +1,5 @@
 // Safety mechanisms: parity bits of every register, errors and steps at and next to each limit,
-// results that nobody takes, and the settings at every edge of a sample's way.
+// results that are not taken, and the settings at every edge of a sample's way.
 #include <array>
 #include <cmath>
 

@@ -91,8 +91,8 @@ def design_sources(folder):
         raise ToolError(str(error)) from error
 
 
-def synthesise(sources, paper, folder, flatten, top=TOP):
-    """Runs yosys; gives the cell counts of each module and the log's `sta` part."""
+def synthesise(sources, parameters, folder, flatten, top=TOP):
+    """Runs yosys with these parameters of the top; gives the cell counts of each module and the log's `sta` part."""
     (folder / "flip_flop.v").write_text(FLIP_FLOP)
     (folder / "dsp_map.v").write_text("".join(DSP_CELL.format(width=width) for width, _ in DSP_RULES))
     (folder / "add_subtract.sv").write_text(ADD_SUBTRACT)
@@ -102,7 +102,7 @@ def synthesise(sources, paper, folder, flatten, top=TOP):
     script = [
         f"read_verilog -sv {' '.join(mapped)}",
         f"read_verilog -sv -icells {folder}/add_subtract.sv",
-        f"chparam -set Paper {int(paper)} {TOP}" if top == TOP else "",
+        *(f"chparam -set {parameter} {value} {top}" for parameter, value in parameters.items()),
         f"{flow} -run begin:coarse",
         "proc",
         *(["flatten"] if flatten else []),

@@ -63,10 +63,10 @@ def verilate(name, sources, folder, options):
     )
 
 
-def gate(sources, paper, folder, samples, seed):
-    """Netlist against RTL; the program's last lines and its verdict."""
+def gate(sources, parameters, folder, samples, seed):
+    """Netlist against RTL with these parameters; the program's last lines and its verdict."""
     verilate(f"{TOP}_netlist", [str(folder / "netlist.v"), *techlib_cells(folder)], folder, [])
-    verilate(TOP, sources, folder, [f"-GPaper={int(paper)}"])
+    verilate(TOP, sources, folder, [f"-G{name}={value}" for name, value in parameters.items()])
     root = subprocess.run(
         [find("verilator", "verilator"), "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=True
     ).stdout.strip()

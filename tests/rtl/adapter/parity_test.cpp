@@ -116,7 +116,7 @@ TEST_P(Parity, EachFlippedBitIsFoundInTheNextSample) {
   EXPECT_GT(bits, 800u);
 }
 
-// While no mechanism is on, a flip is seen by none, but for one in SAFETY itself.
+// While no mechanism is on, a flip is seen by none, except one in SAFETY itself.
 TEST_P(Parity, IsLookedAtIfItIsOnAndOfSafetyAlways) {
   write(reg_safety, 0);
   unsigned seen = 0;
