@@ -6,7 +6,7 @@ usage: synth [--arithmetic precise|safety|paper|both] [--json FILE] [--no-units]
 Prints, for each arithmetic (default: both): area next to Table 7 of the SoC paper, area of every unit,
 the longest path, and the result of the netlist simulation. Both are without the safety mechanisms;
 `safety` is `precise` with them, and part of both. The limits (a third of the ALMs, a tenth of the DSP
-blocks, half of the registers) are for `precise`, 15 % more ALMs for `safety`; `paper` is shown without.
+blocks, half of the registers) are for `precise`, 1.15 times 4,024 ALMs for `safety`; `paper` is shown without.
 
 --no-units   leaves out the second synthesis, which keeps the hierarchy
 --no-gate    leaves out the netlist simulation
