@@ -3,7 +3,9 @@
 //
 // Latency: a flag is set at the edge of its event. Clearing wins over setting at one edge, because
 // the register access is the last thing that happens there.
-module flag_register (
+module flag_register #(
+  parameter int Safety = 1          // the flags of the safety mechanisms are there
+) (
   input  logic        clk_i,
   input  logic        rst_ni,
   input  logic        clear_i,      // soft reset
@@ -15,12 +17,14 @@ module flag_register (
   output logic        irq_o
 );
 
+  localparam logic [15:0] SafetyFlags = 16'hF << capsoc_coprocessor_pkg::FLAGS_PARITY_LSB;
   logic [15:0] flags_q, flags_d;
 
   always_comb begin
     flags_d = flags_q | set_i;
     if (write_i) flags_d = flags_d & ~write_data_i;
     if (clear_i) flags_d = '0;
+    flags_d = flags_d & ~(Safety != 0 ? 16'd0 : SafetyFlags);
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -33,12 +37,11 @@ module flag_register (
   localparam logic [15:0] Mirror  = 16'd1 << capsoc_coprocessor_pkg::FLAGS_MIRRORCHG_LSB;
   localparam logic [15:0] Turn    = 16'd1 << capsoc_coprocessor_pkg::FLAGS_TURN_LSB;
   localparam logic [15:0] Alarm   = 16'd1 << capsoc_coprocessor_pkg::FLAGS_ALARM_LSB;
-  localparam logic [15:0] Safety  = 16'hF << capsoc_coprocessor_pkg::FLAGS_PARITY_LSB;
-  localparam logic [15:0] Trouble = ~(Result | Lock | Mirror | Turn | Alarm | Safety);
+  localparam logic [15:0] Trouble = ~(Result | Lock | Mirror | Turn | Alarm | SafetyFlags);
 
   assign flags_o = flags_q;
   assign irq_o   = (enables_i.result & (|(flags_q & Result))) | (enables_i.lock & (|(flags_q & Lock))) |
                    (enables_i.error & (|(flags_q & Trouble))) | (enables_i.turn & (|(flags_q & Turn))) |
-                   (enables_i.alarm & (|(flags_q & Alarm))) | (enables_i.safety & (|(flags_q & Safety)));
+                   (enables_i.alarm & (|(flags_q & Alarm))) | (enables_i.safety & (|(flags_q & SafetyFlags)));
 
 endmodule

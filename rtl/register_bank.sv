@@ -120,7 +120,7 @@ module register_bank #(
   assign word_we      = (read & group.high) |
                         (write & group.stored & ~soft_valid_o & ~refused & ~safety_refused);
   word_memory #(
-    .Used (capsoc_coprocessor_pkg::WORDS)
+    .Used (capsoc_coprocessor_pkg::WORDS & ~(Safety != 0 ? 32'd0 : 32'd1 << capsoc_coprocessor_pkg::SAFETY_WORD))
   ) u_words (
     .clk_i, .rst_ni,
     .clear_i (clear_o),
@@ -188,7 +188,9 @@ module register_bank #(
                    {flags_i.mirrorchg, flags_i.diverged, flags_i.lockchg} & {3{commit}},
                    stream_early_i | soft_early_i,
                    {flags_i.zero, flags_i.sat, flags_i.clip} & {3{commit}}, commit};
-  flag_register u_flags (
+  flag_register #(
+    .Safety (Safety)
+  ) u_flags (
     .clk_i, .rst_ni,
     .clear_i      (clear_o),
     .set_i        (events),

@@ -6,7 +6,7 @@
 module setting_registers #(
   parameter int Block = 1,     // CTRL.BLOCK and GUARD are there
   parameter int Harmonics = 1, // CTRL.CORRECT is there
-  parameter int Safety = 1     // the registers have parity bits
+  parameter int Safety = 1     // SAFETY, CTRL.IE_SAFETY and parity bits are there
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -71,7 +71,7 @@ module setting_registers #(
       ie_error_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB];
       ie_turn_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB];
       ie_alarm_q  <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB];
-      ie_safety_q <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB];
+      ie_safety_q <= ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB] & Safety != 0;
       freeze_q    <= ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB];
       block_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0;
       guard_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0;
@@ -206,7 +206,7 @@ module setting_registers #(
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ERROR_LSB],
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_TURN_LSB],
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_ALARM_LSB],
-                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB],
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_IE_SAFETY_LSB] & Safety != 0,
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB],
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0,
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0,

@@ -181,6 +181,7 @@ void Coprocessor::write_ctrl(uint32_t value) {
   if (!options_.block_learning) value &= ~(ctrl_block | ctrl_guard);
   if ((value & ctrl_correct) != 0 && !options_.harmonic_correction) arch_.flags |= flag_config;
   if (!options_.harmonic_correction) value &= ~ctrl_correct;
+  if (!options_.safety) value &= ~ctrl_ie_safety;
   arch_.ctrl = (value & ctrl_writable & ~ctrl_ref_mask) | (source << ctrl_ref_shift);
   arch_.settings.block = (arch_.ctrl & ctrl_block) != 0;
   arch_.settings.guard = (arch_.ctrl & ctrl_guard) != 0;

@@ -668,6 +668,8 @@ def sv_package(peripheral, source):
             f"  localparam logic [31:0] {prefix}_WRITABLE = "
             f"32'h{register.writable_mask | register.one_to_clear_mask:08X};",
         ]
+        if (word := peripheral.words.get(register.name)) is not None:
+            lines.append(f"  localparam int {prefix}_WORD = {word};")
         for part in register.fields:
             if part.reserved:
                 continue
