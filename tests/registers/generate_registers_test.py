@@ -99,9 +99,7 @@ class Generator(unittest.TestCase):
             ],
         )
         self.assertIn("assign word = address_i[7:2];", decoder)
-        self.assertIn(
-            "assign mapped_o = address_i[11:8] == '0 & address_i[1:0] == '0 & word != 6'h3A;", decoder
-        )
+        self.assertIn("assign mapped_o = address_i[11:8] == '0 & address_i[1:0] == '0 & word != 6'h3A;", decoder)
 
     def test_the_decoder_has_numbers_words_and_ranges(self):
         self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)
