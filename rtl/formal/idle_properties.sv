@@ -3,7 +3,8 @@
 // changes. It is what allows a simulation to skip the clock edges between samples. scripts/tool formal
 // asserts of every register that it keeps its value while `quiet` is 1.
 module idle_properties #(
-  parameter int Paper = 0
+  parameter int Paper = 0,
+  parameter int Safety = 1
 ) (
   input logic        clk_i,
   input logic        psel_i, penable_i, pwrite_i,
@@ -19,7 +20,7 @@ module idle_properties #(
 
   logic        pready, pslverr, sample_ready, irq, idle;
   logic [31:0] prdata;
-  coprocessor #(.Paper (Paper)) dut (
+  coprocessor #(.Paper (Paper), .Safety (Safety)) dut (
     .pclk_i (clk_i), .presetn_i (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr),

@@ -112,13 +112,17 @@ class Checks(SafeCase):
         for fault, sentence in (
             (f"stuck0 {monitor}bad_parity_q[4]", "the test of the parity bits"),
             (f"stuck1 {monitor}bad_safety_q[4]", "the coprocessor has no safety mechanisms, or finds a fault"),
-            (f"stuck1 {settings}parity_q[7]", "the coprocessor has no safety mechanisms, or finds a fault"),
-            ("stuck0 rtl.u_register_bank.u_state.u_bv.parity_q[0]", "the test of the parity bits"),
+            # The bits of LOOP and BV are 1 after a reset.
+            (f"stuck1 {settings}parity_q[7]", "the test of the parity bits"),
+            (
+                "stuck0 rtl.u_register_bank.u_state.u_bv.parity_q[0]",
+                "the coprocessor has no safety mechanisms, or finds a fault",
+            ),
             (f"stuck0 {monitor}misfit3_q[0]", "the test of the limit of the error"),
             (f"stuck0 {monitor}error_limit_q[3]", "the test of the limit of the error"),
             (f"stuck0 {monitor}step_limit_q[0]", "the test of the limit of the step"),
             (f"stuck0 {monitor}enables_q[2]", "the test of the limit of the step"),
-            (f"stuck0 {monitor}enables_q[3]", "the test of results that nobody takes"),
+            (f"stuck0 {monitor}enables_q[3]", "the test of results that software does not take"),
         ):
             with self.subTest(fault=fault):
                 words = ("--coprocessor", "rtl", "--inject", f"{fault} at 0s")
@@ -133,7 +137,7 @@ class Checks(SafeCase):
             f"flip cpu.pc[28] at {WHEN}",
         ):
             with self.subTest(fault=fault):
-                said, result = self.run_safe("--inject", fault)
+                said, result = self.run_safe("--inject", fault, settings=PROGRAM)
                 self.assertEqual(result["exit"]["reason"], "the firmware ended with status 4", said)
                 self.assertIn("safe: stopped by the watchdog", said)
                 self.assertLess(result["time"]["simulated_s"], 50.42)

@@ -82,6 +82,19 @@ void each_parity(Bench& bench, Random& random, uint32_t ctrl) {
   }
 }
 
+// A wrong bit that no enabled mechanism looks at.
+void unwatched_parity(Bench& bench, Random& random) {
+  for (const uint32_t offset : {reg_loop, reg_bv_lo}) {
+    if (bench.failed()) return;
+    begin(bench, calibrating, safety_bad_parity);
+    write_word(bench, offset, random.word32() >> 4);
+    bench.write(reg_safety, 0);
+    bench.write(reg_safety, 0);
+    bench.sample(random.word32(), random.word32());
+    take(bench);
+  }
+}
+
 // A wrong bit that comes, or goes, at each edge of the way of two samples; by the bus or as the
 // pipeline writes the register.
 void parity_at_every_edge(Bench& bench, Random& random, uint32_t ctrl) {
@@ -219,6 +232,7 @@ void distrust(Bench& bench, Random& random) {
 void run_parity(Bench& bench, Random& random, const Budget&) {
   each_parity(bench, random, calibrating);
   each_parity(bench, random, calibrating | ctrl_demod | 1u << ctrl_ref_shift | ctrl_ie_safety);
+  unwatched_parity(bench, random);
   parity_at_every_edge(bench, random, calibrating);
   parity_at_every_edge(bench, random, calibrating | ctrl_demod | 1u << ctrl_ref_shift);
   bench.drain();
