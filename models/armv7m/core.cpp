@@ -10,7 +10,7 @@ namespace capsoc::armv7m {
 void Core::reset() {
   State& state = machine_.state;
   MemoryAccess& memory = machine_.memory;
-  state.reset();
+  state.reset(*machine_.profile.registers);
   memory.regions_changed();
   machine_.requests.drop_stops();
   machine_.debugging.forget_arrival();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -43,9 +44,13 @@ class Core {
   // Construction parameters. Set before reset().
   /// Where reset() finds the vector table, and VTOR's reset value (B3.2.5): 0 unless set.
   void set_vector_table(uint32_t address) { vector_table_ = address; }
-  /// Implemented bits of each priority (B1.5.4), 3 to 8 from the most significant one down; others
-  /// count as the nearest of these.
-  void set_priority_bits(unsigned bits) { machine_.state.nvic.set_priority_bits(bits); }
+  /// Implemented bits of each priority (B1.5.4) from the most significant one down, the profile's
+  /// least unless set; numbers that the profile does not allow count as the nearest of those.
+  void set_priority_bits(unsigned bits) {
+    const Profile& of = profile();
+    machine_.state.nvic.set_priority_bits(
+        std::clamp(bits, of.least_priority_bits, of.most_priority_bits));
+  }
 
   /// Power-on reset: reads the vector table; cycles continue, so that time does not jump.
   void reset();

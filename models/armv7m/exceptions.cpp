@@ -81,6 +81,7 @@ void Exceptions::capture_fault(unsigned number, uint32_t return_address,
   f.registers = registers;
   constexpr uint32_t imprecise = 1u << 10;
   f.lost_write = (f.cfsr & imprecise) != 0 ? state.lost_write : LostWrite{};
+  if (!context_.profile.has_fault_status) state.scb.forget_faults();
   ++state.fault_count;
   constexpr uint64_t fault_exceptions = uint64_t{0xF} << exception::hard_fault;
   if ((state.nvic.active() & fault_exceptions) == 0) state.first_fault = f;
@@ -139,6 +140,7 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
                                                                     : to_thread_main);
   const int before = pending_.execution_priority();
   const uint32_t sp = state.r[13];
+  bool ends_in_lockup = false;
   Cause cause{};
   if (!push_stack(return_address, cause)) {
     InterruptedRegisters before_stacking = interrupted(return_address);
@@ -146,10 +148,10 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
     (state.uses_psp() ? before_stacking.psp : before_stacking.msp) = sp;
     // A derived exception: the better of the two is taken, the other one stays pending.
     const unsigned derived = escalate(state.scb.record(cause, 0), before);
-    if (derived == 0 && number != exception::nmi) {
+    ends_in_lockup = derived == 0 && context_.profile.locks_up_before_nmi;
+    if (derived == 0 && (number != exception::nmi || ends_in_lockup))
       capture_fault(0, return_address, before_stacking);
-      return lock_up();
-    }
+    if (derived == 0 && number != exception::nmi) return lock_up();
     if (derived != 0 && state.nvic.priority(derived) <= state.nvic.priority(number)) {
       if (derived != number) state.nvic.set_pending(number, true);
       capture_fault(derived, return_address, before_stacking);
@@ -159,6 +161,7 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
     }
   }
   take(number, exc_return, Entry::preempts, since);
+  if (ends_in_lockup) lock_up();
 }
 
 void Exceptions::late_arrival(unsigned number) {
@@ -290,14 +293,15 @@ bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cau
     return false;
   }
   const uint32_t psr = words[7];
-  if (((psr & exception_number_mask) == 0) != to_thread) {
+  const uint32_t existing = psr & context_.profile.xpsr_bits;
+  if (((existing & exception_number_mask) == 0) != to_thread) {
     cause = Cause::invalid_pc;
     return false;
   }
   const bool aligned = (psr & stacked_alignment) != 0 && state.scb.aligns_stack();
   const uint32_t sp = (frame + exception_frame_bytes) | (aligned ? 4u : 0u);
   (psp ? state.other_sp : state.r[13]) = sp;
-  state.ipsr = psr & exception_number_mask;
+  state.ipsr = existing & exception_number_mask;
   // Handler mode had MSP in r[13]; Thread mode takes what the return value names.
   state.control = (state.control & 1) | (psp ? 2u : 0u);
   if (psp) std::swap(state.r[13], state.other_sp);
@@ -306,7 +310,7 @@ bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cau
   state.r[14] = words[5];
   if ((words[6] & 1) != 0) context_.report(Unpredictable::return_address, instruction);
   state.pc = words[6] & ~1u;
-  state.set_xpsr(psr);
+  state.set_xpsr(existing);
   return true;
 }
 

@@ -13,7 +13,8 @@ Machine::Machine(Core& core, Bus& bus, const Profile& core_profile)
       exceptions(*this, pending, memory),
       system(*this, pending, memory),
       debugging(*this, watchpoints, memory, system) {
-  state.reset();
+  state.nvic.set_priority_bits(profile.least_priority_bits);
+  state.reset(*profile.registers);
   memory.select_view();
 }
 

@@ -1,12 +1,17 @@
-// Properties that differ between cores of the architecture.
+// Properties that differ between cores of the M-profile.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "armv7m/isa/op.h"
 #include "armv7m/isa/timing.h"
 
 namespace capsoc::armv7m {
+
+class SystemRegisters;
+/// Of Armv7-M (ARM DDI 0403, B3 and C1), of Armv6-M (ARM DDI 0419, B3).
+extern const SystemRegisters armv7m_registers, armv6m_registers;
 
 /// The identification registers of a core (ARM DDI 0403, B3.2.3 and B4.1).
 struct Identity {
@@ -23,22 +28,69 @@ struct Identity {
   }
 };
 
-/// A core of the ARMv7-M architecture. The processor gets it at construction and never changes it.
-/// Everything else is common to all cores (docs/reference/processor.md).
+/// Numbers of the special registers in MRS and MSR (ARM DDI 0403, B5.1.1).
+namespace special {
+enum Name : unsigned { primask = 16, basepri = 17, basepri_max = 18, faultmask = 19, control = 20 };
+}  // namespace special
+
+/// A core of the M-profile. The processor gets it at construction and never changes it. Everything
+/// else is common to all cores (docs/reference/processor.md). The parts of the processor ask for
+/// a property, never which core it is.
 struct Profile {
   const char* name;
-  /// Kinds of operations (isa/op.h) that the core has. An instruction of another kind is UNDEFINED
-  /// to the decoder and thus to all executors.
-  uint32_t instructions;
+  /// Sets of encodings (isa.def) that the core has. An instruction of another set is UNDEFINED to
+  /// the decoder and thus to all executors.
+  uint8_t instruction_sets;
+  /// Of the private peripheral bus. What a program cannot switch on because its register is not
+  /// there stays off: configurable faults, the DebugMonitor, the MPU, the DWT.
+  const SystemRegisters* registers;
+  uint32_t special_registers;  ///< bit n: MRS and MSR know the one with number n
+  uint32_t xpsr_bits;          ///< those that exist
+  /// Implemented bits of each priority: what there can be.
+  unsigned least_priority_bits, most_priority_bits;
+  bool has_bit_bands;     ///< aliases of single bits at 0x22000000 and 0x42000000
+  bool has_write_buffer;  ///< the bus error of a store comes after its instruction
+  bool
+      has_fault_status;  ///< CFSR and HFSR collect the causes of faults until a program clears them
+  /// A fault of stacking on the way from HardFault to NMI ends in lockup, else NMI begins.
+  bool locks_up_before_nmi;
   Timing timing;
   Identity identity;
+
+  constexpr bool has_special(unsigned number) const {
+    return number < 32 && (special_registers >> number & 1) != 0;
+  }
 };
 
 inline constexpr Profile cortex_m3{"Cortex-M3 r2p1",
-                                   0xFFFFFFFF,
+                                   instruction_set::v6m | instruction_set::v7m,
+                                   &armv7m_registers,
+                                   0x1F03EF,    // and BASEPRI, BASEPRI_MAX, FAULTMASK
+                                   0xFF00FDFF,  // N Z C V Q, ICI/IT, T, nine bits of IPSR
+                                   3,
+                                   8,
+                                   true,
+                                   true,
+                                   true,
+                                   false,
                                    cortex_m3_timing,
                                    {0x412FC231,
                                     {0x30, 0x200, 0x00100000, 0, 0x30, 0, 0, 0, 0x01141110,
                                      0x02111000, 0x21112231, 0x01111110, 0x01310102}}};
+
+/// With the options of the fast multiplier, privilege levels, VTOR and SysTick; without an MPU.
+inline constexpr Profile cortex_m0plus{"Cortex-M0+ r0p1",
+                                       instruction_set::v6m,
+                                       &armv6m_registers,
+                                       0x1103EF,
+                                       0xF100003F,  // N Z C V, T, six bits of IPSR
+                                       2,
+                                       2,
+                                       false,
+                                       false,
+                                       false,
+                                       true,  // DDI 0484C, 3.6.1
+                                       cortex_m0plus_timing,
+                                       {0x410CC601, {}}};
 
 }  // namespace capsoc::armv7m

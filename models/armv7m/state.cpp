@@ -86,7 +86,7 @@ void State::visit(Archive& archive) {
   if ((pc & 1) != 0) archive.refuse("has an odd program counter");
 }
 
-void State::reset() {
+void State::reset(const SystemRegisters& registers) {
   r.fill(0);
   n = 0;
   z = 1;
@@ -101,7 +101,7 @@ void State::reset() {
   first_fault = {};
   lost_write = {};
   nvic.reset();
-  scb.reset();
+  scb.reset(registers);
   systick.reset(cycles);
   dwt.reset();
   itm.reset();

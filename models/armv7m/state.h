@@ -59,13 +59,14 @@ struct State {
   /// Saves or loads; refuses a state that no processor can have.
   void visit(Archive& archive);
   /// Power-on reset of everything but the time; does not read the vector table.
-  void reset();
+  void reset(const SystemRegisters& registers);
 
   /// r0-r12, 13 the stack pointer in use, 14 LR, 15 the address of the next instruction.
   uint32_t reg(unsigned number) const { return number == 15 ? pc : r[number & 15]; }
   /// Writing 15 lets a processor that sleeps or is locked up continue there.
   void set_reg(unsigned number, uint32_t value);
   uint32_t xpsr() const;
+  /// `value` without bits that the core does not have (Profile::xpsr_bits).
   void set_xpsr(uint32_t value);
   /// N, Z, C, V and Q from their places in APSR.
   void set_apsr(uint32_t value);

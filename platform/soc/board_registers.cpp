@@ -180,9 +180,10 @@ std::string word_name(const armv7m::SystemRegister& row, unsigned word, const st
   }
 }
 
-void add_core_registers(const CorePlace& place, BoardPeripheral& peripheral) {
+void add_core_registers(const armv7m::SystemRegisters& registers, const CorePlace& place,
+                        BoardPeripheral& peripheral) {
   for (uint32_t address = place.base; address < place.base + place.size; address += 4) {
-    const armv7m::SystemRegister* const row = armv7m::find_system_register(address);
+    const armv7m::SystemRegister* const row = registers.find(address);
     if (row == nullptr) continue;
     const std::string name = word_name(*row, (address - row->address()) / 4, place.prefix);
     // Reading CSR clears COUNTFLAG.
@@ -257,7 +258,7 @@ std::vector<BoardPeripheral> board_peripherals(const Soc& soc) {
       found = all.end() - 1;
     }
     found->blocks.push_back({place.base, place.size});
-    add_core_registers(place, *found);
+    add_core_registers(*soc.cpu.core().profile().registers, place, *found);
   }
   return all;
 }

@@ -18,7 +18,7 @@ struct Parts {
   PendingExceptions pending{context};
   Watchpoints watchpoints{context, pending};
 
-  Parts() { context.state.reset(); }
+  Parts() { context.state.reset(armv7m_registers); }
 };
 
 }  // namespace

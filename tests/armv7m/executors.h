@@ -43,4 +43,19 @@ inline std::string executor_name(const testing::TestParamInfo<Executor>& executo
                                               : "Translator";
 }
 
+/// The same with each core.
+struct FastCore {
+  Executor executor;
+  const Profile* profile;
+};
+inline constexpr FastCore fast_cores[] = {{Executor::blocks, &cortex_m3},
+                                          {Executor::translator, &cortex_m3},
+                                          {Executor::blocks, &cortex_m0plus},
+                                          {Executor::translator, &cortex_m0plus}};
+inline std::string core_name(const testing::TestParamInfo<FastCore>& tested) {
+  const std::string executor =
+      executor_name(testing::TestParamInfo<Executor>(tested.param.executor, 0));
+  return executor + (tested.param.profile == &cortex_m0plus ? "CortexM0plus" : "");
+}
+
 }  // namespace capsoc::armv7m::test

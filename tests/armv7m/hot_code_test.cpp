@@ -28,8 +28,8 @@ bool keeps(unsigned n) {
 
 class Program {
  public:
-  Program(std::mt19937& random, uint32_t address)
-      : random_(random), address_(address), start_(address) {}
+  Program(std::mt19937& random, uint32_t address, const Profile& profile)
+      : random_(random), profile_(profile), address_(address), start_(address) {}
 
   const std::vector<uint16_t>& build(uint32_t stack) {
     set(0, stack);
@@ -49,7 +49,17 @@ class Program {
     if (op.size == 4) put(op.encoding >> 16);
     put(op.encoding);
   }
+  bool is_small() const { return (profile_.instruction_sets & instruction_set::v7m) == 0; }
+  /// A low register by its bytes: movs, and three times lsls and adds.
+  void set_small(unsigned n, uint32_t value) {
+    put(0x2000u | n << 8 | value >> 24);
+    for (const unsigned shift : {16u, 8u, 0u}) {
+      put(0x0200u | n << 3 | n);
+      put(0x3000u | n << 8 | (value >> shift & 0xFF));
+    }
+  }
   void set(unsigned n, uint32_t value) {  // movw, movt
+    if (is_small()) return set_small(n, value);
     for (const uint32_t base : {0xF240u, 0xF2C0u}) {
       const uint32_t half = base == 0xF240u ? value & 0xFFFF : value >> 16;
       put(base | half >> 12 | (half >> 11 & 1) << 10);
@@ -93,11 +103,12 @@ class Program {
     while (true) {
       const Encoding& e = encodings()[random_() % encoding_count()];
       if (is(e.operation, kind::any_branch | kind::system | kind::none)) continue;
+      if ((e.set & profile_.instruction_sets) == 0) continue;
       uint32_t bits = (random_() & ~e.mask) | e.value;
       bits = (bits | e.ones) & ~e.zeros;
       const bool wide = e.length == 32;
       const auto first = static_cast<uint16_t>(wide ? bits >> 16 : bits);
-      const DecodedOp op = decode(address_, first, static_cast<uint16_t>(bits), it);
+      const DecodedOp op = decode(address_, first, static_cast<uint16_t>(bits), it, profile_);
       if (op.size == (wide ? 4 : 2) && fits(op)) return op;
     }
   }
@@ -106,6 +117,7 @@ class Program {
     put(op);
   }
   void it_block() {
+    if (is_small()) return one();
     const uint32_t condition = random_() % 14, mask = 1 + random_() % 15;
     uint8_t it = static_cast<uint8_t>(condition << 4 | mask);
     put(0xBF00u | it);
@@ -121,9 +133,10 @@ class Program {
     put(0);
     for (unsigned n = 1 + random_() % 4; n > 0; --n) one();
     const auto distance = static_cast<uint32_t>(code_.size() - at - 2);
-    const uint32_t over = random_() % 3 == 0 ? 0xB100u | (random_() % 2) << 11 |
-                                                   (distance & 0x1F) << 3 | random_() % 4
-                                             : 0xD000u | (random_() % 14) << 8 | distance;
+    const uint32_t over =
+        !is_small() && random_() % 3 == 0
+            ? 0xB100u | (random_() % 2) << 11 | (distance & 0x1F) << 3 | random_() % 4
+            : 0xD000u | (random_() % 14) << 8 | distance;
     code_[at] = static_cast<uint16_t>(over);
   }
   /// BL over a function that stands here.
@@ -162,6 +175,11 @@ class Program {
       }
     }
     put(0x3E01);  // subs r6,#1
+    if (is_small()) {
+      put(0xD000);  // beq over the branch: b top
+      const auto small_back = static_cast<uint32_t>(code_.size() - top + 2);
+      return put(0xE000u | ((0u - small_back) & 0x7FF));
+    }
     const auto back = static_cast<uint32_t>(code_.size() - top + 2);
     const uint32_t offset = 0u - 2 * back;  // bne.w top
     put(0xF000u | (offset >> 20 & 1) << 10 | 1u << 6 | (offset >> 12 & 0x3F));
@@ -169,6 +187,7 @@ class Program {
   }
 
   std::mt19937& random_;
+  const Profile& profile_;
   uint32_t address_, start_;
   std::vector<uint16_t> code_;
 };
@@ -181,7 +200,8 @@ void prepare_loops(Bench& b, uint32_t seed) {
   const uint32_t start = page - 2 * (random() % 160);
   for (uint8_t& byte : b.ram) byte = static_cast<uint8_t>(random());
   for (std::size_t i = 0x8000; i < b.flash.size(); ++i) b.flash[i] = static_cast<uint8_t>(random());
-  const std::vector<uint16_t> code = Program(random, start).build(Bench::stack - 256);
+  const std::vector<uint16_t> code =
+      Program(random, start, b.core.profile()).build(Bench::stack - 256);
   std::memcpy(in_ram ? &b.ram[start - Bench::ram_base] : &b.flash[start], code.data(),
               2 * code.size());
   // HardFault steps over the faulting halfword: ldr r0,[sp,#24]; adds r0,#2; str r0,[sp,#24]; bx lr
@@ -210,15 +230,18 @@ void expect_equal_at(const Core& a, const Core& b, uint32_t seed, unsigned slice
 }  // namespace
 
 class HotCode : public testing::TestWithParam<Executor> {};
+class HotLoops : public testing::TestWithParam<FastCore> {};
 
-TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
+TEST_P(HotLoops, AgreeWithSteppingOnRandomPrograms) {
+  const Executor executor = GetParam().executor;
+  const Profile& profile = *GetParam().profile;
   const unsigned long programs = repetitions("CAPSOC_HOT_CODE", 1000);
   const unsigned long first = repetitions("CAPSOC_HOT_CODE_SEED", 1);
   uint64_t instructions = 0, translated = 0, evictions = 0, faults = 0;
   for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
-    Bench a(seed % 3), b(seed % 3);
+    Bench a(seed % 3, profile), b(seed % 3, profile);
     a.core.set_executor(Executor::stepping);
-    choose(b.core, GetParam(), seed % 11 == 0 ? smallest_translator() : TranslatorLimits{});
+    choose(b.core, executor, seed % 11 == 0 ? smallest_translator() : TranslatorLimits{});
     if (seed % 7 == 0) b.core.set_translation_threshold(20);
     prepare_loops(a, seed);
     prepare_loops(b, seed);
@@ -262,7 +285,7 @@ TEST_P(HotCode, AgreesWithSteppingOnRandomLoops) {
       static_cast<unsigned long long>(translated), static_cast<unsigned long long>(evictions),
       static_cast<unsigned long long>(faults));
   EXPECT_GT(instructions, programs * 1000);
-  if (GetParam() == Executor::translator && has_translator()) {
+  if (executor == Executor::translator && has_translator()) {
     EXPECT_GT(translated, instructions / 3);
     if (programs >= 1000) {
       EXPECT_GT(evictions, programs / 100);
@@ -315,5 +338,6 @@ TEST_P(HotCode, FlagsLeftToTheNextBlockAreSeenRightInIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Executors, HotCode, testing::ValuesIn(fast_executors), executor_name);
+INSTANTIATE_TEST_SUITE_P(HotCode, HotLoops, testing::ValuesIn(fast_cores), core_name);
 
 }  // namespace capsoc::armv7m::test

@@ -29,7 +29,7 @@ class Sequence {
   uint64_t instructions = 0, sequences = 0, faults = 0;
   std::string difference;
 
-  Sequence() {
+  explicit Sequence(const OracleCore& core) : core_(core) {
     open_oracle();
     bench_.core.unmap_memory(Bench::ram_base, 65536);
     bench_.core.map_memory(Bench::ram_base, sequence_ram_size, bench_.ram.data(), true, 0);
@@ -82,7 +82,7 @@ class Sequence {
  private:
   void open_oracle() {
     uc_open(UC_ARCH_ARM, UC_MODE_THUMB, &uc_);
-    uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M3);
+    uc_ctl_set_cpu_model(uc_, core_.model);
     // Not writable: the oracle sees a change of its own block late.
     uc_mem_map_ptr(uc_, code_base, code.size(), UC_PROT_READ | UC_PROT_EXEC, code.data());
     uc_mem_map_ptr(uc_, Bench::ram_base, sequence_ram_size, UC_PROT_ALL, uc_ram_.data());
@@ -116,10 +116,12 @@ class Sequence {
     };
     unsigned guarded = 0;  // instructions left of an IT block
     uint8_t it = 0;
-    put(0xF3BF);  // CLREX: the oracle's monitor outlives a sequence
-    put(0x8F2F);
+    if (is_main_) {
+      put(0xF3BF);  // CLREX: the oracle's monitor outlives a sequence
+      put(0x8F2F);
+    }
     while (offset < end) {
-      if (guarded == 0 && offset + 12 < end && random_() % 10 == 0) {
+      if (is_main_ && guarded == 0 && offset + 12 < end && random_() % 10 == 0) {
         const uint32_t condition = random_() % 14, mask = 1 + random_() % 15;
         it = static_cast<uint8_t>(condition << 4 | mask);
         guarded = 4 - static_cast<unsigned>(__builtin_ctz(mask));
@@ -127,14 +129,14 @@ class Sequence {
         continue;
       }
       const Encoding& e = encodings()[random_() % encoding_count()];
+      if ((e.set & core_.profile->instruction_sets) == 0 && random_() % 64 != 0) continue;
       uint32_t bits = with_should_be_bits(e, (random_() & ~e.mask) | e.value);
       if (offset + e.length / 8 > end) {
         put(0xBF00);
         continue;
       }
-      const DecodedOp op = e.length == 32 ? decode(0, static_cast<uint16_t>(bits >> 16),
-                                                   static_cast<uint16_t>(bits), it)
-                                          : decode(0, static_cast<uint16_t>(bits), 0, it);
+      const DecodedOp op = decode(0, static_cast<uint16_t>(e.length == 32 ? bits >> 16 : bits),
+                                  static_cast<uint16_t>(bits), it, *core_.profile);
       if (outside_the_oracle(op) || unpredictable(op) || known_fault(op)) continue;
       const bool transfer = is(op, kind::transfer);
       // More of what continues than of what ends a sequence.
@@ -165,8 +167,9 @@ class Sequence {
       uint16_t first = 0, second = 0;
       std::memcpy(&first, &code[pc - code_base], 2);
       std::memcpy(&second, &code[pc - code_base + 2], 2);
-      last_ = decode(pc, first, second, 0);
-      if (const Encoding* e = find_encoding(last_.encoding, last_.size))
+      last_ = decode(pc, first, second, 0, *core_.profile);
+      const Encoding* e = find_encoding(last_.encoding, last_.size);
+      if (e != nullptr && (e->set & core_.profile->instruction_sets) != 0)
         ++reached[static_cast<std::size_t>(e - encodings())];
       // A branch may have led into the middle of an instruction.
       if (!comparable(last_, in_it_block(bench_.core.state().xpsr()))) return true;
@@ -243,21 +246,25 @@ class Sequence {
     return false;
   }
 
+  const OracleCore core_;
+  const bool is_main_ = (core_.profile->instruction_sets & instruction_set::v7m) != 0;
   uc_engine* uc_ = nullptr;
   std::vector<uint8_t> uc_ram_ = std::vector<uint8_t>(sequence_ram_size),
                        initial_ = std::vector<uint8_t>(sequence_ram_size);
   uint32_t exclusive_address_ = ~0u;
   unsigned exclusive_size_ = 0;
-  Bench bench_;
+  Bench bench_{0, *core_.profile};
   std::mt19937 random_;
   std::vector<Registers> trace_;
   DecodedOp last_;
   uc_err error_ = UC_ERR_OK;
 };
 
-TEST(Sequences, RandomSequencesAgreeWithUnicornInstructionByInstruction) {
+class Sequences : public testing::TestWithParam<OracleCore> {};
+
+TEST_P(Sequences, RandomSequencesAgreeWithUnicornInstructionByInstruction) {
   const unsigned long goal = repetitions("CAPSOC_FUZZ", 60000);
-  Sequence fuzz;
+  Sequence fuzz(GetParam());
   unsigned differences = 0;
   for (uint32_t seed = 1; fuzz.instructions < goal && differences < 10; ++seed) {
     if (fuzz.run(seed)) continue;
@@ -269,7 +276,7 @@ TEST(Sequences, RandomSequencesAgreeWithUnicornInstructionByInstruction) {
     const Encoding& e = encodings()[i];
     DecodedOp op;
     op.operation = e.operation;
-    if (outside_the_oracle(op)) continue;
+    if (outside_the_oracle(op) || (e.set & GetParam().profile->instruction_sets) == 0) continue;
     ++known;
     if (fuzz.reached[i] != 0) {
       ++lines;
@@ -285,6 +292,9 @@ TEST(Sequences, RandomSequencesAgreeWithUnicornInstructionByInstruction) {
       static_cast<unsigned long long>(fuzz.faults), lines, known, encoding_count());
   EXPECT_EQ(lines, known);
 }
+
+INSTANTIATE_TEST_SUITE_P(Cores, Sequences, testing::ValuesIn(oracle_cores),
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace capsoc::armv7m::test

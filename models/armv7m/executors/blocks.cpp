@@ -65,7 +65,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     const bool depends =
         it != 0 || (trail & timing::trail_pairs) != 0 || timing::folds(trail, step);
     if (steps.size() >= (branches ? usual_length : straight_length) && !depends) break;
-    Execute::add_cycles(machine_.state.scb, step, trail, wait);
+    Execute::add_cycles(machine_, step, trail, wait);
     uint32_t bound =
         step.cycles + Execute::most_extra_cycles(step, machine_.memory.map().largest_wait());
     if (most + bound > largest_bound) break;

@@ -39,7 +39,8 @@ struct Execute {
   }
 
   /// Completes the time of a decoded step by its predecessor and the wait states of its fetch.
-  static void add_cycles(const Scb& scb, Step& step, uint16_t before, uint32_t wait_states);
+  static void add_cycles(const CoreContext& context, Step& step, uint16_t before,
+                         uint32_t wait_states);
   /// Most cycles the step can take beyond DecodedOp::cycles, without device accesses.
   static uint32_t most_extra_cycles(const DecodedOp& op, uint32_t largest_wait);
 

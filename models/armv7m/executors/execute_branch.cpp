@@ -119,7 +119,7 @@ bool Execute::bl(Machine& cpu, const Step& op) {
 }
 
 bool Execute::bx(Machine& cpu, const Step& op) {
-  cpu.refill(timing::refill_register);
+  cpu.refill(cpu.profile.timing.refill_register);
   return cpu.interwork_to(read(cpu, op, op.rm));
 }
 
@@ -129,7 +129,7 @@ bool Execute::blx(Machine& cpu, const Step& op) {
   cpu.state.r[14] = next_address(op) | 1;
   cpu.state.thumb = (target & 1) != 0;
   if (!cpu.state.thumb) cpu.requests.raise(Requests::changed);
-  return take_branch(cpu, target, timing::refill_register);
+  return take_branch(cpu, target, cpu.profile.timing.refill_register);
 }
 
 bool Execute::cbz(Machine& cpu, const Step& op) {
@@ -155,7 +155,7 @@ bool Execute::tbh(Machine& cpu, const Step& op) {
 
 bool Execute::table_branch(Machine& cpu, const Step& op, uint32_t offset, Access access) {
   if (access == Access::fault) return false;
-  return take_branch(cpu, pc_of(op) + 2 * offset, timing::refill_loaded);
+  return take_branch(cpu, pc_of(op) + 2 * offset, cpu.profile.timing.refill_loaded);
 }
 
 }  // namespace capsoc::armv7m

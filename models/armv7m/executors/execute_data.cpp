@@ -225,7 +225,7 @@ static bool write_high(Machine& cpu, const Step& op, uint32_t value) {
     cpu.state.r[op.rd] = value;
     return true;
   }
-  cpu.refill(timing::refill_register);
+  cpu.refill(cpu.profile.timing.refill_register);
   return cpu.branch_to(value);
 }
 

@@ -35,7 +35,7 @@ bool Execute::load_one(Machine& cpu, const Step& op) {
   }
   if constexpr (sizeof(T) == 4) {
     if (__builtin_expect(op.rd == 15, 0)) {
-      cpu.refill(timing::refill_loaded);
+      cpu.refill(cpu.profile.timing.refill_loaded);
       return cpu.interwork_to(value);
     }
   }
@@ -204,7 +204,7 @@ bool Execute::load_multiple(Machine& cpu, const Step& op, uint32_t address, uint
   cpu.state.r[13] &= ~3u;
   if (op.writeback && !op.list.has(op.rn)) cpu.state.r[op.rn] = written_back;
   if (op.list.has(15)) {
-    cpu.refill(timing::refill_loaded);
+    cpu.refill(cpu.profile.timing.refill_loaded);
     return cpu.interwork_to(loaded[15]);
   }
   return stay || cpu.leave(op);

@@ -115,12 +115,13 @@ void Execute::bind_in_block(Step& step, bool flags_dead, const Step* next) {
   }
 }
 
-void Execute::add_cycles(const Scb& scb, Step& step, uint16_t before, uint32_t wait_states) {
-  const bool folded = timing::folds(before, step) && scb.folds_it();
+void Execute::add_cycles(const CoreContext& context, Step& step, uint16_t before,
+                         uint32_t wait_states) {
+  const bool folded = timing::folds(before, step) && context.state.scb.folds_it();
   const int paired = folded ? 0 : step.cycles + timing::pairing(before, step);
   const uint32_t fetch = wait_states * timing::words_fetched(step.address, step.size);
   step.cycles = static_cast<uint8_t>(static_cast<uint32_t>(paired) + fetch);
-  step.trail = timing::trail_of(step);
+  step.trail = context.profile.timing.three_stages ? timing::trail_of(step) : timing::no_trail;
 }
 
 uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) {
@@ -164,12 +165,13 @@ bool Execute::bkpt(Machine& cpu, const Step& op) {
   return cpu.leave(op);
 }
 
-// imm: bit 4 disables, I is PRIMASK, F is FAULTMASK; nothing happens without privilege (B5.2.1).
+// imm: bit 2 disables, bit 1 is PRIMASK, bit 0 FAULTMASK; nothing happens without privilege
+// (B5.2.1).
 bool Execute::cps(Machine& cpu, const Step& op) {
-  bool disable = (op.encoding & 0x10) != 0;
+  bool disable = (op.imm & 4) != 0;
   if (cpu.state.privileged()) {
-    if (op.encoding & 2) cpu.state.primask = disable ? 1 : 0;
-    if ((op.encoding & 1) && (!disable || cpu.pending.execution_priority() > -1))
+    if (op.imm & 2) cpu.state.primask = disable ? 1 : 0;
+    if ((op.imm & 1) && (!disable || cpu.pending.execution_priority() > -1))
       cpu.state.faultmask = disable ? 1 : 0;
     cpu.requests.raise(Requests::changed);
   }
@@ -177,8 +179,10 @@ bool Execute::cps(Machine& cpu, const Step& op) {
 }
 
 namespace {
+/// The special register; one that the core lacks is as one that no core has.
 uint32_t sysm(const DecodedOp& op) {
-  return op.encoding & 0xFF;
+  constexpr uint32_t none = 0xFF;
+  return op.unallocated ? none : op.encoding & 0xFF;
 }
 }  // namespace
 
@@ -223,7 +227,7 @@ bool Execute::msr(Machine& cpu, const Step& op) {
   uint32_t value = cpu.state.r[op.rn];
   unsigned which = sysm(op);
   if (which <= 3 && (op.encoding & 0x800)) {
-    cpu.state.set_apsr(value);
+    cpu.state.set_apsr(value & cpu.profile.xpsr_bits);
   } else if (which > 7 && cpu.state.privileged()) {
     switch (which) {
       case 8:

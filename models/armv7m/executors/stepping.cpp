@@ -54,7 +54,7 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
     return true;
   }
   if (permits != nullptr && !permits(step)) return false;
-  Execute::add_cycles(state.scb, step, state.trail, machine_.memory.map().wait_states(address));
+  Execute::add_cycles(machine_, step, state.trail, machine_.memory.map().wait_states(address));
   BlockLinks::arrive(state, step);
   const Listeners& listeners = machine_.listeners;
   if (listeners.sees_instructions) listeners.observer->issued(machine_.core(), step);

@@ -7,9 +7,10 @@
 namespace capsoc::armv7m {
 namespace {
 
-constexpr Encoding parse(const char* name, const char* pattern, Operation operation, Form form,
-                         FlagRule flags, CycleClass cycle_class, const char* assembly) {
-  Encoding e{name, pattern, operation, form, flags, cycle_class, assembly, 0, 0, 0, 0, 0, 0, 0};
+constexpr Encoding parse(const char* name, uint8_t set, const char* pattern, Operation operation,
+                         Form form, FlagRule flags, CycleClass cycle_class, const char* assembly) {
+  Encoding e{name, set, pattern, operation, form, flags, cycle_class, assembly, 0,
+             0,    0,   0,       0,         0,    0};
   for (const char* p = pattern; *p != 0; ++p, ++e.length) {
     bool fixed = *p == '0' || *p == '1';
     e.mask = e.mask << 1 | (fixed ? 1u : 0u);
@@ -26,9 +27,9 @@ constexpr Encoding parse(const char* name, const char* pattern, Operation operat
 }
 
 constexpr Encoding table[] = {
-#define ENCODING(name, pattern, operation, form, flags, cycles, assembly)                      \
-  parse(#name, pattern, Operation::operation, Form::form, FlagRule::flags, CycleClass::cycles, \
-        assembly),
+#define ENCODING(name, set, pattern, operation, form, flags, cycles, assembly)                   \
+  parse(#name, instruction_set::set, pattern, Operation::operation, Form::form, FlagRule::flags, \
+        CycleClass::cycles, assembly),
 #include "armv7m/isa/isa.def"
 #undef ENCODING
 };
@@ -324,6 +325,15 @@ uint8_t flags_set(FlagRule rule, const Fields& f, uint8_t it_state) {
   }
 }
 
+/// What an instruction names and the core does not have.
+void leave_out(DecodedOp& op, const Profile& profile) {
+  constexpr uint32_t faultmask_of_cps = 1;
+  const bool names_one = op.operation == Operation::mrs || op.operation == Operation::msr;
+  if (names_one) op.unallocated = !profile.has_special(op.encoding & 0xFF);
+  if (op.operation == Operation::cps && !profile.has_special(special::faultmask))
+    op.imm &= ~faultmask_of_cps;
+}
+
 }  // namespace
 
 const Encoding* encodings() {
@@ -356,6 +366,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   op.address = address;
   op.size = is_wide(first) ? 4 : 2;
   op.encoding = op.size == 4 ? static_cast<uint32_t>(first) << 16 | second : first;
+  op.refills_late = profile.timing.three_stages && op.size == 4 && (address & 2) != 0;
   op.it_before = it_state;
   op.it_after = it_advance(it_state);
   if ((it_state & 0xF) != 0) op.condition = it_state >> 4;
@@ -363,7 +374,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   op.operation = Operation::undefined;
   op.cycles = 1;
   const Encoding* e = find_encoding(op.encoding, op.size);
-  if (e == nullptr || is(e->operation, ~profile.instructions)) return op;
+  if (e == nullptr || (e->set & profile.instruction_sets) == 0) return op;
   op.row = static_cast<uint16_t>(e - table);
   Fields f(*e, op.encoding);
   op.operation = e->operation;
@@ -377,6 +388,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   resolve(op, f, e->form);
   if (e->form == Form::it) op.it_after = static_cast<uint8_t>(op.imm);
   simplify(op);
+  leave_out(op, profile);
   op.cycles = static_cycles(op, e->cycle_class, profile.timing);
   return op;
 }

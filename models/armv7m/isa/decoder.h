@@ -57,6 +57,7 @@ enum class FlagRule : uint8_t { never, always, it, s };
 /// One line of isa.def, its pattern parsed.
 struct Encoding {
   const char* name;
+  uint8_t set;  ///< instruction_set::Set
   const char* pattern;
   Operation operation;
   Form form;

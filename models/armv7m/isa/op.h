@@ -109,6 +109,14 @@ struct BitField {
   int8_t width = 0;  ///< below 1: an msb below the lsb, UNPREDICTABLE
 };
 
+/// Sets of encodings, a bit each: the second column of isa.def.
+namespace instruction_set {
+enum Set : uint8_t {
+  v6m = 1 << 0,  ///< Armv6-M, which Armv7-M contains
+  v7m = 1 << 1,  ///< Armv7-M beyond that
+};
+}  // namespace instruction_set
+
 constexpr uint8_t condition_always = 14;
 
 /// One instruction after decoding: operands resolved as far as the encoding, its address and the
@@ -135,8 +143,15 @@ struct DecodedOp {
   bool set_flags : 1;
   bool writeback : 1;
   bool carry_from_imm : 1;  // an immediate that was rotated gives its bit 31 to C
+  bool unallocated : 1;     // MRS or MSR of a special register that the core does not have
+  bool refills_late : 1;    // a refill of one or two cycles takes one more to it
 
-  DecodedOp() : set_flags(false), writeback(false), carry_from_imm(false) {}
+  DecodedOp()
+      : set_flags(false),
+        writeback(false),
+        carry_from_imm(false),
+        unallocated(false),
+        refills_late(false) {}
 };
 static_assert(sizeof(DecodedOp) <= 32);
 

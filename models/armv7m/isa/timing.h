@@ -8,8 +8,8 @@
 
 namespace capsoc::armv7m {
 
-/// Groups of instructions that take the same time, in the order of the instruction set summary of
-/// the Cortex-M3 TRM (ARM DDI 0337I, table 3-1).
+/// Groups of instructions that take the same time on every core, in the order of the instruction
+/// set summary of the Cortex-M3 TRM (ARM DDI 0337I, table 3-1).
 enum class CycleClass : uint8_t {
   alu,
   multiply_add,
@@ -22,7 +22,10 @@ enum class CycleClass : uint8_t {
   dual,
   multiple,
   branch,
+  call,
   table,
+  sleep,
+  special,  ///< MRS, MSR
   barrier,
   system
 };
@@ -37,6 +40,11 @@ struct Timing {
   uint8_t exception_return;  ///< back to the interrupted program
   uint8_t tail_chain;        ///< from one handler to the next
   uint8_t late_arrival;      ///< a higher priority takes over the stacking that is under way
+  // Beyond the branch itself: the target is in a register, or is loaded.
+  uint8_t refill_register, refill_loaded;
+  /// Refills, pairing and folding of the three-stage pipeline: the time of an instruction depends
+  /// on the one before it.
+  bool three_stages;
 
   constexpr unsigned of(CycleClass kind) const { return cycles[static_cast<std::size_t>(kind)]; }
 };
@@ -54,14 +62,20 @@ inline constexpr Timing cortex_m3_timing{{
                                              3,  // dual
                                              1,  // multiple
                                              1,  // branch
+                                             1,  // call
                                              3,  // table
+                                             1,  // sleep
+                                             2,  // special
                                              2,  // barrier
                                              2,  // system
                                          },
                                          12,
                                          10,
                                          6,
-                                         0};
+                                         0,
+                                         2,
+                                         3,
+                                         true};
 
 /// The times of all instructions, to be compared with the TRM. It depends on the instruction, its
 /// operands, whether it branches, and the instruction executed right before it; never on how the
@@ -107,10 +121,65 @@ inline constexpr Timing cortex_m3_timing{{
 /// wait states of fetches, and what rows of unaligned 32-bit instructions cost in it. When a full
 /// write buffer delays a store. After which instructions IT does not fold.
 ///
-/// What follows belongs to the three-stage pipeline, not to a profile: refills, pairing, folding
+/// Of the Cortex-M0+, with the fast multiplier and without the single-cycle I/O port: instructions
+/// by its TRM (ARM DDI 0484C, table 3-1). A pipeline of two stages: nothing depends on neighbours,
+/// and every taken branch takes one cycle beyond its own.
+///
+/// | TRM, table 3-1            | there   | here                            |
+/// |---------------------------|---------|---------------------------------|
+/// | move, add, shift, logical | 1       | 1                               |
+/// | MOV PC, ADD PC            | 2       | 1 + 1                           |
+/// | MULS                      | 1 or 32 | 1                               |
+/// | LDR, STR and their like   | 2 or 1  | 2; 1 is of the I/O port         |
+/// | LDM, STM, PUSH, POP       | 1 + N   | 1 + N                           |
+/// | POP with the PC           | 3 + N   | 1 + N + 2, N counts the PC      |
+/// | B<c>                      | 1 or 2  | 1, 1 + 1 when taken             |
+/// | B                         | 2       | 1 + 1                           |
+/// | BL                        | 3       | 2 + 1                           |
+/// | BX, BLX                   | 2       | 1 + 1                           |
+/// | CPS                       | 1       | 1                               |
+/// | MRS, MSR                  | 3       | 3                               |
+/// | DMB, DSB, ISB             | 3       | 3                               |
+/// | NOP, SEV, YIELD           | 1       | 1                               |
+/// | WFI, WFE                  | 2       | 2 + the sleep                   |
+/// | SVC, BKPT                 | depends | 1 + the exception               |
+///
+/// Exception entry takes 15 cycles (3.6.1). The TRM does not say what the rest takes: a return
+/// counts as POP of the eight words with the PC, 3 + 8, and the way from one handler to the next as
+/// an entry without its eight words, 15 - 8. LDM and STM end before an interrupt is taken; the chip
+/// abandons them, and begins them again.
+inline constexpr Timing cortex_m0plus_timing{{
+                                                 1,  // alu
+                                                 0,  // multiply_add: none, as divide and table
+                                                 0,  // multiply_long: none
+                                                 0,  // multiply_accumulate_long: none
+                                                 0,  // divide: none
+                                                 2,  // load
+                                                 2,  // store
+                                                 2,  // store_reg
+                                                 0,  // dual: none
+                                                 1,  // multiple
+                                                 1,  // branch
+                                                 2,  // call
+                                                 0,  // table: none
+                                                 2,  // sleep
+                                                 3,  // special
+                                                 3,  // barrier
+                                                 1,  // system
+                                             },
+                                             15,
+                                             11,
+                                             7,
+                                             0,
+                                             1,
+                                             2,
+                                             false};
+
+/// What follows is common to the cores with three stages (Timing::three_stages): pairing, folding
 /// and what operands add.
 namespace timing {
-constexpr unsigned refill_immediate = 1, refill_register = 2, refill_loaded = 3;
+/// Of every core: the branch holds its target as a number.
+constexpr unsigned refill_immediate = 1;
 constexpr unsigned most_refill = 3;
 
 /// Most wait states that a memory may have. With them, the time of any instruction and its fetch
@@ -119,7 +188,7 @@ constexpr unsigned most_wait_states = 200;
 
 /// Cycles that a refill of one or two cycles takes longer because of its target instruction.
 inline unsigned refill_beyond(const DecodedOp& target) {
-  return (target.size >> 2) & (target.address >> 1) & 1;
+  return target.refills_late ? 1 : 0;
 }
 
 /// Beyond the cycles of the table: operands that need more than half of the multiplier's width.

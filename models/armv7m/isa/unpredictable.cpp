@@ -149,9 +149,13 @@ std::optional<Unpredictable> narrow(const DecodedOp& op, const Encoding& line) {
 }
 
 bool special_name_is_allocated(const DecodedOp& op) {
-  const uint32_t name = op.encoding & 0xFF, mask = op.encoding >> 10 & 3;
-  const bool allocated = (name <= 9 && name != 4) || (name >= 16 && name <= 20);
-  return allocated && (op.operation == O::mrs || mask == 2);
+  const uint32_t mask = op.encoding >> 10 & 3;
+  return !op.unallocated && (op.operation == O::mrs || mask == 2);
+}
+
+/// CPS that names FAULTMASK where there is none.
+bool names_missing_mask(const DecodedOp& op) {
+  return op.operation == O::cps && ((op.imm ^ op.encoding) & 1) != 0;
 }
 
 std::optional<Unpredictable> in_it_block(const DecodedOp& op) {
@@ -183,7 +187,8 @@ const UnpredictableCase& describe(Unpredictable which) {
 std::optional<Unpredictable> unpredictable_encoding(const DecodedOp& op) {
   if (op.operation == O::undefined || op.operation == O::fall_through) return std::nullopt;
   const Encoding& line = line_of(op);
-  if ((op.encoding & line.ones) != line.ones || (op.encoding & line.zeros) != 0)
+  if ((op.encoding & line.ones) != line.ones || (op.encoding & line.zeros) != 0 ||
+      names_missing_mask(op))
     return Unpredictable::should_be_bits;
   const bool special = op.operation == O::mrs || op.operation == O::msr;
   if (special && !special_name_is_allocated(op)) return Unpredictable::special_name;

@@ -7,11 +7,6 @@
 namespace capsoc::armv7m {
 namespace {
 
-/// The bit-band aliases of SRAM and peripherals (B3.1): 32 MiB of words for 1 MiB of bits.
-bool in_bit_band_alias(uint32_t address) {
-  return (address & 0xFE000000u) == 0x22000000u || (address & 0xFE000000u) == 0x42000000u;
-}
-
 struct BitBand {
   uint32_t address;  // of the unit of the access's size that holds the bit
   unsigned bit;
@@ -57,6 +52,12 @@ bool succeeded(BusResult result) {
 }
 
 }  // namespace
+
+/// The bit-band aliases of SRAM and peripherals (B3.1): 32 MiB of words for 1 MiB of bits.
+bool MemoryAccess::in_bit_band_alias(uint32_t address) const {
+  const uint32_t alias = address & 0xFE000000u;
+  return (alias == 0x22000000u || alias == 0x42000000u) && context_.profile.has_bit_bands;
+}
 
 void MemoryAccess::add_cycles(uint64_t cycles) {
   context_.state.cycles += cycles;
@@ -414,8 +415,8 @@ Access MemoryAccess::failed(const Step& op, BusResult result, uint32_t address) 
 /// ACTLR.DISDEFWBUF ends the buffering where the default map decides. The model's bus answers at
 /// once, so the exception is taken after the instruction that stored, if its priority allows.
 bool MemoryAccess::buffered(const Step& op, uint32_t address) const {
-  if (is(op, kind::exclusive_store) || in_private_peripherals(address) ||
-      in_bit_band_alias(address))
+  if (!context_.profile.has_write_buffer || is(op, kind::exclusive_store) ||
+      in_private_peripherals(address) || in_bit_band_alias(address))
     return false;
   const State& state = context_.state;
   const auto by_region = mpu_applies() ? state.mpu.buffers(address) : std::nullopt;

@@ -88,6 +88,7 @@ class MemoryAccess {
   bool debug_write(uint32_t address, const void* data, uint32_t size);
 
  private:
+  bool in_bit_band_alias(uint32_t address) const;
   bool is_memory_behind_bus(uint32_t address) const;
   BusResult write_physical(uint32_t address, unsigned size, uint32_t value);
   BusResult observe(const DirectAccess& access, BusResult result) const;

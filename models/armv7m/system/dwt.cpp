@@ -3,6 +3,7 @@
 // stepping executor do the work. A match is taken after the instruction that made it.
 #include "armv7m/system/dwt.h"
 
+#include "armv7m/profile.h"
 #include "base/archive.h"
 
 namespace capsoc::armv7m {
@@ -115,7 +116,7 @@ bool Dwt::watches_page(uint32_t page, uint32_t page_size) const {
 }
 
 uint32_t Dwt::read(uint32_t address, uint64_t now, bool tracing) const {
-  if (address == ppb::DWT_CTRL) return find_system_register(address)->description.reset | ctrl_;
+  if (address == ppb::DWT_CTRL) return armv7m_registers.at(address).description.reset | ctrl_;
   if (address == ppb::DWT_CYCCNT) return cycle_count(now, tracing);
   const uint32_t n = comparator_at(address);
   switch (address & 0xC) {
@@ -138,7 +139,7 @@ void Dwt::write(uint32_t address, const LaneWrite& write, uint64_t now, bool tra
   if (!in_comparators(address)) {
     const uint32_t count = cycle_count(now, tracing);
     const bool counter = address == ppb::DWT_CYCCNT;
-    if (!counter) ctrl_ = write.over(ctrl_, *find_system_register(address));
+    if (!counter) ctrl_ = write.over(ctrl_, armv7m_registers.at(address));
     return set_cycle_count(now, counter ? write.over(count) : count);
   }
   const uint32_t n = comparator_at(address);

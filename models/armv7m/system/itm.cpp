@@ -1,5 +1,6 @@
 #include "armv7m/system/itm.h"
 
+#include "armv7m/profile.h"
 #include "base/archive.h"
 
 namespace capsoc::armv7m {
@@ -50,7 +51,7 @@ void Itm::write(uint32_t address, unsigned size, uint32_t value) {
   if (address == ppb::ITM_LAR) unlocked_ = value == unlock_key;
   if (!unlocked_ || size != 4) return;
   const auto stored = [&](uint32_t old) {
-    return LaneWrite{value, 0xFFFFFFFF}.over(old, *find_system_register(address));
+    return LaneWrite{value, 0xFFFFFFFF}.over(old, armv7m_registers.at(address));
   };
   switch (address) {
     case ppb::ITM_TER:

@@ -73,7 +73,7 @@ bool Nvic::line_is_high(unsigned number) const {
 }
 
 void Nvic::set_priority_bits(unsigned bits) {
-  priority_mask_ = 0xFF00u >> std::clamp(bits, 3u, 8u) & 0xFF;
+  priority_mask_ = 0xFF00u >> bits & 0xFF;
 }
 
 uint32_t Nvic::read(uint32_t address) const {
@@ -96,12 +96,13 @@ uint32_t Nvic::read(uint32_t address) const {
   }
 }
 
-void Nvic::write(uint32_t address, const LaneWrite& write) {
+void Nvic::write(const SystemRegister& target, uint32_t address, const LaneWrite& write) {
   if (has_priorities(address)) {
     const unsigned first = exception_at(address);
+    const uint32_t value = write.value & target.description.writable_mask;
     for (unsigned i = 0; i < 4; ++i)
       if ((write.lanes >> (8 * i) & 0xFF) != 0)
-        priority_[first + i] = static_cast<uint8_t>((write.value >> (8 * i)) & priority_mask_);
+        priority_[first + i] = static_cast<uint8_t>((value >> (8 * i)) & priority_mask_);
     for (const unsigned reserved : reserved_exceptions) priority_[reserved] = 0;
     return;
   }

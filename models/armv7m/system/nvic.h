@@ -41,8 +41,7 @@ class Nvic {
   /// Of the input after an exception's number; low for those that have none.
   bool line_is_high(unsigned number) const;
 
-  /// Implemented bits of each priority (B1.5.4), 3 to 8 from the most significant one down; others
-  /// count as the nearest of these.
+  /// Implemented bits of each priority (B1.5.4), up to 8 from the most significant one down.
   void set_priority_bits(unsigned bits);
   uint32_t priority_mask() const { return priority_mask_; }
   /// Reset, NMI and HardFault have fixed ones below 0 (B1.5.4).
@@ -51,7 +50,8 @@ class Nvic {
   }
 
   uint32_t read(uint32_t address) const;
-  void write(uint32_t address, const LaneWrite& write);
+  /// `address`: of the word, in `target`.
+  void write(const SystemRegister& target, uint32_t address, const LaneWrite& write);
 
  private:
   uint64_t pending_ = 0, active_ = 0, enabled_ = 0;

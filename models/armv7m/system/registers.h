@@ -1,6 +1,7 @@
 // The registers of the private peripheral bus, and the block of the processor that has each.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "kit/register_description.h"
@@ -43,8 +44,39 @@ struct SystemRegister {
   static constexpr uint32_t private_peripherals = 0xE0000000;
 };
 
-/// The register that holds the word of an address; null where there is none.
-const SystemRegister* find_system_register(uint32_t address);
+/// The registers that the cores of one architecture have.
+class SystemRegisters {
+ public:
+  static constexpr unsigned words_in_page = 1024;
+  using Page = std::array<uint8_t, words_in_page>;  // 0: none, else 1 + row
+
+  constexpr SystemRegisters(const SystemRegister* rows, unsigned count)
+      : rows_(rows),
+        itm_(page_of(ppb::ITM_STIM, count)),
+        dwt_(page_of(ppb::DWT_CTRL, count)),
+        control_(page_of(ppb::CPUID, count)) {}
+
+  /// The register that holds the word of an address; null where there is none.
+  const SystemRegister* find(uint32_t address) const;
+  /// One that is there.
+  const SystemRegister& at(uint32_t address) const { return *find(address); }
+  /// Whether an address has one.
+  bool has(uint32_t address) const { return find(address) != nullptr; }
+
+ private:
+  constexpr Page page_of(uint32_t page_address, unsigned count) const {
+    Page places{};
+    for (unsigned row = 0; row < count; ++row) {
+      if (rows_[row].address() >> 12 != page_address >> 12) continue;
+      for (unsigned word = 0; word < rows_[row].words; ++word)
+        places[((rows_[row].address() & 0xFFF) >> 2) + word] = static_cast<uint8_t>(row + 1);
+    }
+    return places;
+  }
+
+  const SystemRegister* rows_;
+  Page itm_, dwt_, control_;
+};
 
 constexpr bool in_private_peripherals(uint32_t address) {
   return address >> 20 == SystemRegister::private_peripherals >> 20;

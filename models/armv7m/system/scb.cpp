@@ -1,5 +1,6 @@
 #include "armv7m/system/scb.h"
 
+#include "armv7m/profile.h"
 #include "base/archive.h"
 
 namespace capsoc::armv7m {
@@ -20,10 +21,6 @@ constexpr ShcsrBit shcsr_bits[] = {
     {11, exception::systick, false},      {12, exception::usage_fault, true},
     {13, exception::mem_manage, true},    {14, exception::bus_fault, true},
     {15, exception::svcall, true}};
-
-uint32_t merged(uint32_t old, uint32_t address, const LaneWrite& write) {
-  return write.over(old, *find_system_register(address));
-}
 
 /// The bit of CFSR, and the exception.
 struct Fault {
@@ -65,9 +62,9 @@ Fault fault_of(Cause cause) {
 
 }  // namespace
 
-void Scb::reset() {
+void Scb::reset(const SystemRegisters& registers) {
   *this = {};
-  ccr_ = find_system_register(ppb::CCR)->description.reset;
+  ccr_ = registers.at(ppb::CCR).description.reset;
 }
 
 void Scb::visit(Archive& archive) {
@@ -87,7 +84,7 @@ void Scb::visit(Archive& archive) {
 
 void Scb::set_demcr(uint32_t value) {
   constexpr uint32_t mon_pend = 1u << 17;  // the pending state itself, which the NVIC has
-  demcr_ = value & find_system_register(ppb::DEMCR)->description.writable_mask & ~mon_pend;
+  demcr_ = value & armv7m_registers.at(ppb::DEMCR).description.writable_mask & ~mon_pend;
 }
 
 unsigned Scb::record(Cause cause, uint32_t address) {
@@ -115,7 +112,7 @@ uint32_t Scb::read(uint32_t address, const Nvic& nvic) const {
     case ppb::VTOR:
       return vtor_;
     case ppb::AIRCR:
-      return find_system_register(ppb::AIRCR)->description.reset | prigroup_ << 8;
+      return armv7m_registers.at(ppb::AIRCR).description.reset | prigroup_ << 8;
     case ppb::SCR:
       return scr_;
     case ppb::CCR:
@@ -143,28 +140,28 @@ uint32_t Scb::read(uint32_t address, const Nvic& nvic) const {
   }
 }
 
-bool Scb::write(uint32_t address, const LaneWrite& write, Nvic& nvic) {
+bool Scb::write(const SystemRegister& target, const LaneWrite& write, Nvic& nvic) {
   constexpr uint32_t vectkey = 0x05FA, sysresetreq = 4;
-  switch (address) {
+  switch (target.address()) {
     case ppb::ACTLR:
-      actlr_ = merged(actlr_, address, write);
+      actlr_ = write.over(actlr_, target);
       break;
     case ppb::VTOR:
-      vtor_ = merged(vtor_, address, write);
+      vtor_ = write.over(vtor_, target);
       break;
     case ppb::AIRCR:
       if (write.over(0) >> 16 != vectkey) break;
-      prigroup_ = (write.value >> 8) & 7;
+      prigroup_ = (write.value & target.description.writable_mask) >> 8 & 7;
       return (write.value & sysresetreq) != 0;
     case ppb::SCR:
-      scr_ = merged(scr_, address, write);
+      scr_ = write.over(scr_, target);
       break;
     case ppb::CCR:
-      ccr_ = merged(ccr_, address, write);
+      ccr_ = write.over(ccr_, target);
       break;
     case ppb::SHCSR: {
-      const uint32_t value = write.over(read(address, nvic));
-      shcsr_ = value & find_system_register(address)->description.writable_mask;
+      const uint32_t value = write.over(read(ppb::SHCSR, nvic));
+      shcsr_ = value & target.description.writable_mask;
       for (const ShcsrBit& b : shcsr_bits) {
         const bool set = (value >> b.position & 1) != 0;
         b.pending ? nvic.set_pending(b.exception, set) : nvic.set_active(b.exception, set);
@@ -172,19 +169,19 @@ bool Scb::write(uint32_t address, const LaneWrite& write, Nvic& nvic) {
       break;
     }
     case ppb::CFSR:
-      cfsr_ = merged(cfsr_, address, write);
+      cfsr_ = write.over(cfsr_, target);
       break;
     case ppb::HFSR:
-      hfsr_ = merged(hfsr_, address, write);
+      hfsr_ = write.over(hfsr_, target);
       break;
     case ppb::DFSR:
-      dfsr_ = merged(dfsr_, address, write);
+      dfsr_ = write.over(dfsr_, target);
       break;
     case ppb::MMFAR:
-      mmfar_ = merged(mmfar_, address, write);
+      mmfar_ = write.over(mmfar_, target);
       break;
     case ppb::BFAR:
-      bfar_ = merged(bfar_, address, write);
+      bfar_ = write.over(bfar_, target);
       break;
     default:
       break;

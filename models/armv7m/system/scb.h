@@ -16,7 +16,7 @@ namespace capsoc::armv7m {
 /// fault status. The only place that names the bits of these registers.
 class Scb {
  public:
-  void reset();
+  void reset(const SystemRegisters& registers);
   void visit(Archive& archive);
 
   uint32_t vector(unsigned number) const { return vtor_ + 4 * number; }
@@ -60,6 +60,8 @@ class Scb {
   void record_forced() { hfsr_ |= 1u << 30; }
   void record_vector_table() { hfsr_ |= 1u << 1; }
   void record_debug_event() { hfsr_ |= 1u << 31; }
+  /// No fault has happened.
+  void forget_faults() { cfsr_ = hfsr_ = mmfar_ = bfar_ = dfsr_ = 0; }
   /// Cause of the DebugMonitor exception (C1.6.1).
   enum class DebugReason : uint32_t { halted = 1 << 0, bkpt = 1 << 1, dwttrap = 1 << 2 };
   void record(DebugReason reason) { dfsr_ |= static_cast<uint32_t>(reason); }
@@ -73,7 +75,7 @@ class Scb {
 
   uint32_t read(uint32_t address, const Nvic& nvic) const;
   /// True: the program asks for a reset (AIRCR.SYSRESETREQ).
-  bool write(uint32_t address, const LaneWrite& write, Nvic& nvic);
+  bool write(const SystemRegister& target, const LaneWrite& write, Nvic& nvic);
 
  private:
   uint32_t vtor_ = 0, prigroup_ = 0, scr_ = 0, ccr_ = 0, shcsr_ = 0, cfsr_ = 0, hfsr_ = 0,

@@ -18,16 +18,24 @@ uint32_t word_of(uint32_t address) {
 
 }  // namespace
 
+const SystemRegister* SystemSpace::find(uint32_t address) const {
+  return context_.profile.registers->find(address);
+}
+
+bool SystemSpace::is_itm(uint32_t address) const {
+  return in_itm(address) && find(ppb::ITM_TCR) != nullptr;
+}
+
 bool SystemSpace::open_to_user(uint32_t address, bool write) const {
   const State& state = context_.state;
-  if (in_itm(address)) return state.itm.open_to_user(address);
+  if (is_itm(address)) return state.itm.open_to_user(address);
   return write && address == ppb::STIR && state.scb.user_may_pend();
 }
 
 uint32_t SystemSpace::icsr() const {
   const Nvic& nvic = context_.state.nvic;
   uint32_t value = context_.state.ipsr;
-  if (nvic.active_count() <= 1) value |= icsr_rettobase;
+  if (nvic.active_count() <= 1) value |= find(ppb::ICSR)->description.reset & icsr_rettobase;
   value |= pending_.highest_pending(257) << icsr_vectpending;
   if (nvic.pending() >> exception::first_interrupt != 0) value |= icsr_isrpending;
   if (nvic.is_pending(exception::systick)) value |= icsr_pendstset;
@@ -38,7 +46,7 @@ uint32_t SystemSpace::icsr() const {
 
 uint32_t SystemSpace::peek(uint32_t address) const {
   const State& state = context_.state;
-  const SystemRegister* target = find_system_register(address);
+  const SystemRegister* target = find(address);
   if (target == nullptr) return 0;
   switch (target->room) {
     case Room::itm:
@@ -86,13 +94,13 @@ BusResult SystemSpace::write(uint32_t address, unsigned size, uint32_t value, bo
   if (!privileged && !open_to_user(address, true)) return BusResult::bus_error;
   ++context_.private_accesses;
   context_.state.stalled = true;
-  if (in_itm(address)) {
+  if (is_itm(address)) {
     write_itm(word_of(address), size, value);
     return BusResult::device;
   }
   const unsigned shift = 8 * (address & 3);
   const uint32_t lanes = (size == 4 ? ~0u : (1u << (8 * size)) - 1) << shift;
-  if (const SystemRegister* target = find_system_register(address))
+  if (const SystemRegister* target = find(address))
     write_word(*target, word_of(address), {value << shift, lanes});
   context_.requests.raise(Requests::changed);
   return BusResult::device;
@@ -107,14 +115,14 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
       select_observation();
       break;
     case Room::systick:
-      state.systick.write(address, write, context_.cycles());
+      state.systick.write(target, write, context_.cycles());
       break;
     case Room::nvic:
-      write_interrupts(address, write);
+      write_interrupts(target, address, write);
       break;
     case Room::scb: {
       const bool folded = state.scb.folds_it();
-      if (state.scb.write(address, write, state.nvic)) state.reset_request = true;
+      if (state.scb.write(target, write, state.nvic)) state.reset_request = true;
       // Blocks hold the time of each instruction.
       if (state.scb.folds_it() != folded) memory_.invalidate_all_code();
       memory_.watch_vectors();  // VTOR
@@ -140,10 +148,11 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
   }
 }
 
-void SystemSpace::write_interrupts(uint32_t address, const LaneWrite& write) {
+void SystemSpace::write_interrupts(const SystemRegister& target, uint32_t address,
+                                   const LaneWrite& write) {
   State& state = context_.state;
   const uint64_t before = state.nvic.pending();
-  state.nvic.write(address, write);
+  state.nvic.write(target, address, write);
   const uint64_t newly = address == ppb::NVIC_ISPR ? state.nvic.pending() & ~before : 0;
   if (newly != 0 && state.scb.sends_event_on_pend()) state.event_register = true;
   if (!context_.listeners.pended) return;
@@ -195,8 +204,8 @@ void SystemSpace::write_itm(uint32_t address, unsigned size, uint32_t value) {
 }
 
 void SystemSpace::check_access(const DecodedOp& op, uint32_t address, unsigned size) {
-  const SystemRegister* target = find_system_register(address);
-  const bool takes_parts = in_itm(address) || (target != nullptr && target->byte_accesses);
+  const SystemRegister* target = find(address);
+  const bool takes_parts = is_itm(address) || (target != nullptr && target->byte_accesses);
   if (size != 4 && !takes_parts) context_.report(Unpredictable::register_size, op.address);
 }
 
@@ -205,9 +214,10 @@ void SystemSpace::check_write(const DecodedOp& op, uint32_t address, unsigned si
   constexpr uint32_t for_debuggers = 3, key = 0x05FA;
   if (address == ppb::AIRCR && value >> 16 == key && (value & for_debuggers) != 0)
     context_.report(Unpredictable::aircr_for_debuggers, op.address);
-  const SystemRegister* target = find_system_register(address);
+  const SystemRegister* target = find(address);
   if (target != nullptr && target->room == Room::mpu) check_mpu(op, address, value);
-  if (done) check_priorities(op, address, size, value);
+  if (done && target != nullptr && has_priorities(address))
+    check_priorities(op, *target, address, size, value);
 }
 
 void SystemSpace::check_mpu(const DecodedOp& op, uint32_t address, uint32_t value) {
@@ -235,14 +245,15 @@ void SystemSpace::dropped_priority(const DecodedOp& op, const DroppedPriority& d
 }
 
 /// Priority bits that a program has written and that are not implemented.
-void SystemSpace::check_priorities(const DecodedOp& op, uint32_t address, unsigned size,
-                                   uint32_t value) {
-  if (!has_priorities(address)) return;
+void SystemSpace::check_priorities(const DecodedOp& op, const SystemRegister& target,
+                                   uint32_t address, unsigned size, uint32_t value) {
+  const uint32_t writable = target.description.writable_mask >> (8 * (address & 3));
   const uint32_t implemented = context_.state.nvic.priority_mask();
   bool any = false, all_ones = true;
   for (unsigned i = 0; i < size; ++i) {
     const uint32_t field = value >> (8 * i) & 0xFF;
-    if (is_reserved_priority(address + i) || (field & ~implemented) == 0) continue;
+    const bool reserved = is_reserved_priority(address + i) || (writable >> (8 * i) & 0xFF) == 0;
+    if (reserved || (field & ~implemented) == 0) continue;
     any = true;
     all_ones = all_ones && (field | implemented) == 0xFF;
   }

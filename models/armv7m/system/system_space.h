@@ -35,15 +35,18 @@ class SystemSpace : public PrivateBus {
   void select_observation();
 
  private:
+  const SystemRegister* find(uint32_t address) const;
+  bool is_itm(uint32_t address) const;
   bool open_to_user(uint32_t address, bool write) const;
   uint32_t icsr() const;
   void write_word(const SystemRegister& target, uint32_t address, const LaneWrite& write);
   void write_icsr(uint32_t value);
-  void write_interrupts(uint32_t address, const LaneWrite& write);
+  void write_interrupts(const SystemRegister& target, uint32_t address, const LaneWrite& write);
   void write_demcr(uint32_t value);
   void write_itm(uint32_t address, unsigned size, uint32_t value);
   void check_mpu(const DecodedOp& op, uint32_t address, uint32_t value);
-  void check_priorities(const DecodedOp& op, uint32_t address, unsigned size, uint32_t value);
+  void check_priorities(const DecodedOp& op, const SystemRegister& target, uint32_t address,
+                        unsigned size, uint32_t value);
   void dropped_priority(const DecodedOp& op, const DroppedPriority& dropped);
 
   CoreContext& context_;

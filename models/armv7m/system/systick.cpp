@@ -101,14 +101,14 @@ uint32_t Systick::read(uint32_t address, uint64_t now) const {
   }
 }
 
-void Systick::write(uint32_t address, const LaneWrite& write, uint64_t now) {
+void Systick::write(const SystemRegister& target, const LaneWrite& write, uint64_t now) {
   fix(now);
-  switch (address) {
+  switch (target.address()) {
     case ppb::SYST_CSR:
-      csr_ = write.over(csr_, *find_system_register(address));
+      csr_ = write.over(csr_, target);
       break;
     case ppb::SYST_RVR:
-      rvr_ = write.over(rvr_, *find_system_register(address));
+      rvr_ = write.over(rvr_, target);
       break;
     case ppb::SYST_CVR:  // any write clears it
       start_ = 0;

@@ -29,7 +29,7 @@ class Systick {
   bool may_pend() const;
 
   uint32_t read(uint32_t address, uint64_t now) const;
-  void write(uint32_t address, const LaneWrite& write, uint64_t now);
+  void write(const SystemRegister& target, const LaneWrite& write, uint64_t now);
   /// Call after a read of SYST_CSR, which clears COUNTFLAG.
   void csr_read(uint64_t now, bool countflag);
 

@@ -182,7 +182,7 @@ void BlockEdges::emit_indirect(const Step& step) {
   if (!interworks) a_.or_(x86::eax, 1);
   find_entry(step);
   if (step.operation == Operation::blx) a_.mov(host_register(14), next_address(step) | 1);
-  go_to_entry(step, timing::refill_register);
+  go_to_entry(step, machine_.profile.timing.refill_register);
 }
 
 void BlockEdges::find_entry(const Step& step) {

@@ -91,7 +91,7 @@ void Transfers::emit_single(const Step& step) {
   }
   if (indexed && (step.rn != step.rd || access.store))
     a_.emit(x86::Inst::kIdAdd, registers_.at(step.rn), Imm(static_cast<int32_t>(step.imm)));
-  if (to_pc) edges_.go_to_entry(step, timing::refill_loaded);
+  if (to_pc) edges_.go_to_entry(step, machine_.profile.timing.refill_loaded);
 }
 
 /// LDRD, STRD.
@@ -148,7 +148,7 @@ void Transfers::emit_return(const Step& step, const Access& access, const Addres
   a_.mov(x86::rax, code_.context(&context_.place));
   memory_.transfer(access, x86::ptr(x86::rax, 0, 4));
   if (step.writeback) a_.emit(x86::Inst::kIdAdd, registers_.at(step.rn), moved);
-  edges_.go_to_entry(step, timing::refill_loaded);
+  edges_.go_to_entry(step, machine_.profile.timing.refill_loaded);
 }
 
 void Transfers::emit_table_branch(const Step& step) {
@@ -170,7 +170,7 @@ void Transfers::emit_table_branch(const Step& step) {
   a_.lea(x86::eax, x86::ptr(x86::rax, x86::rax, 0, static_cast<int32_t>(pc_of(step) | 1)));
   edges_.find_entry(step);
   memory_.charge_waits(access, window);
-  edges_.go_to_entry(step, timing::refill_loaded);
+  edges_.go_to_entry(step, machine_.profile.timing.refill_loaded);
 }
 
 }  // namespace capsoc::armv7m
