@@ -49,7 +49,12 @@ endforeach()
 capsoc_firmware(hello_psram SOURCES tests/hello.c OBJECTS runtime LINK_OPTIONS -Wl,--defsym=code_origin=0x21000000)
 capsoc_firmware(hello_sram SOURCES tests/hello.c OBJECTS runtime
                 LINK_OPTIONS -Wl,--defsym=code_origin=0x20000000 -Wl,--defsym=data_origin=0x20200000)
+# For the Cortex-M0+ (-C cpu.profile=m0plus).
+capsoc_firmware_objects(runtime_m0plus PROCESSOR cortex-m0plus SOURCES ${runtime})
+capsoc_firmware(hello_m0plus SOURCES tests/hello.c OBJECTS runtime_m0plus PROCESSOR cortex-m0plus)
+capsoc_firmware(selfcal_m0plus SOURCES apps/selfcal/main.c ${shared} OBJECTS runtime_m0plus PROCESSOR cortex-m0plus)
 # Without our start-up.
+capsoc_firmware(armv6m SOURCES tests/armv6m.c LINKER_SCRIPT tests/armv6m.ld PROCESSOR cortex-m0plus)
 capsoc_firmware(rdimon SOURCES tests/rdimon.c NEWLIB_START LINKER_SCRIPT tests/rdimon.ld LINK_OPTIONS --specs=rdimon.specs)
 capsoc_firmware(resets SOURCES tests/resets.c drivers/clock.c LINKER_SCRIPT tests/psram.ld)
 # What the compiler emits differs from level to level.

@@ -25,6 +25,33 @@ __asm(
     ".text\n");
 
 // The stacked return address is the seventh word of the frame.
+#ifdef __ARM_ARCH_6M__
+// Every fault is a HardFault.
+__attribute__((naked)) void HardFault_Handler(void) {
+  __asm volatile(
+      ".syntax unified\n"
+      "  mov r1, lr\n"
+      "  movs r0, #4\n"
+      "  tst r0, r1\n"
+      "  bne 1f\n"
+      "  mrs r0, msp\n"
+      "  b 2f\n"
+      "1:mrs r0, psp\n"
+      "2:ldr r1, [r0, #24]\n"
+      "  ldr r2, =bus_probe_load_instruction\n"
+      "  cmp r1, r2\n"
+      "  bne 3f\n"
+      "  ldr r2, =bus_probe_fixup\n"
+      "  str r2, [r0, #24]\n"
+      "  bx lr\n"
+      "3:udf #0\n"
+      "  .ltorg\n");
+}
+
+bool bus_probe(uint32_t address, uint32_t* value) {
+  return bus_probe_load(address, value);
+}
+#else
 __attribute__((naked)) void BusFault_Handler(void) {
   __asm volatile(
       "  tst lr, #4\n"
@@ -52,3 +79,4 @@ bool bus_probe(uint32_t address, uint32_t* value) {
   __DSB();
   return answered;
 }
+#endif

@@ -124,9 +124,16 @@ static inline void NVIC_ClearPendingIRQ(int irq) {
   NVIC->ICPR[(uint32_t)irq >> 5] = 1u << ((uint32_t)irq & 31u);
 }
 
-// priority: 0 (most urgent) to 7.
+// priority: 0 (most urgent) to 7; with Armv6-M to 3.
 static inline void NVIC_SetPriority(int irq, uint32_t priority) {
+#ifdef __ARM_ARCH_6M__
+  // It takes words only.
+  __IO uint32_t* const word = (__IO uint32_t*)(uintptr_t)&NVIC->IPR[irq & ~3];
+  const uint32_t shift = 8u * ((uint32_t)irq & 3u);
+  *word = (*word & ~(0xFFu << shift)) | priority << (shift + 6u);
+#else
   NVIC->IPR[irq] = (uint8_t)(priority << (8u - __NVIC_PRIO_BITS));
+#endif
 }
 
 #endif

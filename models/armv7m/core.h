@@ -29,8 +29,8 @@ enum class StopReason {
 };
 enum class Executor { stepping, blocks, translator };
 
-/// A core of the ARMv7-M architecture (ARM DDI 0403), of the Cortex-M3's profile by default, with
-/// 32 interrupts of 8 to 256 priorities. The executors agree bit for bit and cycle for cycle.
+/// A core of the M-profile with 32 interrupts, the Cortex-M3 by default (ARM DDI 0403; profile.h
+/// has the cores that there are). The executors agree bit for bit and cycle for cycle.
 /// Nothing a guest does ends the host program.
 class Core {
  public:

@@ -47,9 +47,10 @@ std::optional<std::string> setting_text(const Json& value) {
   return std::nullopt;
 }
 
-Result<unsigned> processor_register(const std::string& name) {
+Result<unsigned> processor_register(debug::Target& target, const std::string& name) {
   std::vector<std::string> names;
   for (unsigned i = 0; i < debug::registers.size(); ++i) {
+    if (!target.has_register(i)) continue;
     names.emplace_back(debug::registers[i].name);
     if (names.back() == name) return i;
   }
@@ -151,7 +152,7 @@ std::optional<uint32_t> Board::read_word(uint32_t address) {
 
 Result<double> Board::number_of(const std::string& name) {
   if (name.front() == '$') {
-    const auto index = processor_register(name.substr(1));
+    const auto index = processor_register(*target_, name.substr(1));
     if (!index) return Error{index.error()};
     return static_cast<double>(target_->read_register(index.value()));
   }

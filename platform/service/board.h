@@ -33,7 +33,7 @@ class Ticker;
 std::optional<std::string> setting_text(const Json& value);
 
 /// The index in debug::registers of a register of the processor; an Error names the nearest ones.
-Result<unsigned> processor_register(const std::string& name);
+Result<unsigned> processor_register(debug::Target& target, const std::string& name);
 
 class Board {
  public:

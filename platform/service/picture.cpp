@@ -137,7 +137,8 @@ Picture Picture::of(Board& board) {
   Picture picture;
   picture.position = board.position();
   for (unsigned i = 0; i < debug::registers.size(); ++i)
-    picture.processor[debug::registers[i].name] = board.target().read_register(i);
+    if (board.target().has_register(i))
+      picture.processor[debug::registers[i].name] = board.target().read_register(i);
   for (const soc::BoardPeripheral& peripheral : board.registers().all())
     for (const soc::BoardRegister& reg : peripheral.registers)
       if (const auto word = board.read_word(reg.address))

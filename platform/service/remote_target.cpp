@@ -140,15 +140,32 @@ void RemoteTarget::change_or_say(const std::string& method, Json parameters) {
     say_(answer.sentence + "\n");
 }
 
+const RemoteTarget::Registers& RemoteTarget::read_registers() {
+  static const Registers nothing{};
+  if (registers_) return *registers_;
+  const Answer answer = ask("processor.read", Json::object());
+  if (!answer.ok()) return nothing;
+  registers_.emplace();
+  const Json& values = answer.result.at("registers");
+  for (std::size_t i = 0; i < debug::registers.size(); ++i)
+    if (const auto value = values.find(debug::registers[i].name); value != values.end())
+      (*registers_)[i] = value->get<uint32_t>();
+  return *registers_;
+}
+
+bool RemoteTarget::has_register(unsigned index) {
+  return read_registers().at(index).has_value();
+}
+
 uint32_t RemoteTarget::read_register(unsigned index) {
-  if (!registers_) {
-    const Answer answer = ask("processor.read", Json::object());
-    if (!answer.ok()) return 0;
-    registers_.emplace();
-    for (std::size_t i = 0; i < debug::registers.size(); ++i)
-      (*registers_)[i] = answer.result.at("registers").at(debug::registers[i].name).get<uint32_t>();
-  }
-  return (*registers_)[index];
+  return read_registers().at(index).value_or(0);
+}
+
+std::string RemoteTarget::processor() {
+  if (!processor_.empty()) return processor_;
+  const Answer answer = ask("debugger.about", Json::object());
+  if (answer.ok()) processor_ = answer.result.at("processor").get<std::string>();
+  return processor_;
 }
 
 void RemoteTarget::write_register(unsigned index, uint32_t value) {

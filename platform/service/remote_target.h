@@ -22,6 +22,8 @@ class RemoteTarget final : public debug::Target {
                std::function<void(const std::string&)> say)
       : session_(session), simulation_(simulation), say_(std::move(say)) {}
 
+  std::string processor() override;
+  bool has_register(unsigned index) override;
   uint32_t read_register(unsigned index) override;
   void write_register(unsigned index, uint32_t value) override;
   std::string read_memory(uint32_t address, uint32_t size) override;
@@ -59,7 +61,12 @@ class RemoteTarget final : public debug::Target {
   SessionClient& session_;
   uint64_t simulation_;
   std::function<void(const std::string&)> say_;
-  std::optional<std::array<uint32_t, debug::registers.size()>> registers_;
+  /// Nothing: the processor does not have it.
+  using Registers = std::array<std::optional<uint32_t>, debug::registers.size()>;
+  const Registers& read_registers();
+
+  std::optional<Registers> registers_;
+  std::string processor_;
   std::vector<debug::MemoryRange> ranges_;
   std::map<std::tuple<debug::StopPoint, uint32_t, uint32_t>, unsigned> points_;  ///< how often set
 };

@@ -188,7 +188,7 @@ namespace {
 Result<Json> resolve_write(Board& board, const Json& asked) {
   constexpr uint64_t largest = uint64_t{1} << 20;
   if (const auto name = asked.find("register"); name != asked.end()) {
-    const auto index = processor_register(name->get<std::string>());
+    const auto index = processor_register(board.target(), name->get<std::string>());
     if (!index) return Error{index.error()};
     if (*name == Json("pc"))
       return Error{"pc is changed by every instruction; ask for another one"};

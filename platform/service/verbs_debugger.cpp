@@ -114,6 +114,7 @@ Answer kill(Board& board, const Call&) {
 
 Answer about(Board& board, const Call&) {
   Answer answer;
+  answer.result["processor"] = board.target().processor();
   answer.result["state"] = board.target().state();
   Json& ranges = answer.result["memory"] = Json::array();
   for (const debug::MemoryRange& range : board.target().memory_ranges())
@@ -162,7 +163,8 @@ std::vector<BoardVerb> debugger_verbs() {
       {{"debugger.about",
         "What a debugger shows of the processor and its memory map.",
         {},
-        {{"state", "text", "what the processor does, in words"},
+        {{"processor", "text", "cortex-m3 or cortex-m0plus"},
+         {"state", "text", "what the processor does, in words"},
          {"memory", "list", "of [start, length]: what can be read and written"}}},
        about,
        Effect::looks},

@@ -19,14 +19,15 @@ Answer read_processor(Board& board, const Call&) {
   Answer answer;
   Json& all = answer.result["registers"] = Json::object();
   for (unsigned i = 0; i < debug::registers.size(); ++i)
-    all[debug::registers[i].name] = board.target().read_register(i);
+    if (board.target().has_register(i))
+      all[debug::registers[i].name] = board.target().read_register(i);
   return answer;
 }
 
 Answer write_processor(Board& board, const Call& call) {
   const std::string name = call.text("register");
   const uint64_t value = call.integer("value");
-  const auto index = processor_register(name);
+  const auto index = processor_register(board.target(), name);
   if (!index) return refuse(index.error());
   if (value >> debug::registers[index.value()].bits != 0)
     return refuse(fmt::format("{} has {} bits", name, debug::registers[index.value()].bits));

@@ -251,6 +251,9 @@ std::vector<BoardPeripheral> board_peripherals(const Soc& soc) {
   for (const bus::MapEntry& entry : board_map())
     if (entry.kind == bus::TargetKind::device) all.push_back(device(entry, soc));
   for (const CorePlace& place : core_places) {
+    BoardPeripheral part;
+    add_core_registers(*soc.cpu.core().profile().registers, place, part);
+    if (part.registers.empty()) continue;  // the processor has none of them
     auto found = std::find_if(all.begin(), all.end(),
                               [&](const auto& each) { return each.name == place.peripheral; });
     if (found == all.end()) {
@@ -258,7 +261,7 @@ std::vector<BoardPeripheral> board_peripherals(const Soc& soc) {
       found = all.end() - 1;
     }
     found->blocks.push_back({place.base, place.size});
-    add_core_registers(*soc.cpu.core().profile().registers, place, *found);
+    found->registers.insert(found->registers.end(), part.registers.begin(), part.registers.end());
   }
   return all;
 }

@@ -16,7 +16,7 @@ std::unique_ptr<coprocessor::Device> make_coprocessor(const Config& config) {
 
 Soc::Soc(const sc_core::sc_module_name& name, const Config& config)
     : sc_module(name),
-      cpu("cpu", clock),
+      cpu("cpu", clock, *config.processor),
       ahb("ahb", board_map(config.memory_waits), clock),
       apb("apb", board_map(), clock),
       code_sram("code_sram", 4 * mib),

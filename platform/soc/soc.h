@@ -52,6 +52,7 @@ struct Config {
   /// What stands at the coprocessor's bus target; empty: the model with `coprocessor`.
   std::function<std::unique_ptr<coprocessor::Device>()> make_coprocessor;
   sc_core::sc_time quantum{1, sc_core::SC_MS};
+  const armv7m::Profile* processor = &armv7m::cortex_m3;
   armv7m::Executor executor = armv7m::Executor::translator;
   armv7m::TranslatorLimits translator;
   bool fast_forward = true;  ///< CoreTlm::set_fast_forward

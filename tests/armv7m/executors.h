@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 
 #include "armv7m/core.h"
@@ -52,6 +53,9 @@ inline constexpr FastCore fast_cores[] = {{Executor::blocks, &cortex_m3},
                                           {Executor::translator, &cortex_m3},
                                           {Executor::blocks, &cortex_m0plus},
                                           {Executor::translator, &cortex_m0plus}};
+inline std::ostream& operator<<(std::ostream& out, const FastCore& core) {
+  return out << core.profile->name;
+}
 inline std::string core_name(const testing::TestParamInfo<FastCore>& tested) {
   const std::string executor =
       executor_name(testing::TestParamInfo<Executor>(tested.param.executor, 0));

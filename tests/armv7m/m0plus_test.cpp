@@ -28,7 +28,7 @@ class M0plus : public testing::TestWithParam<Executor> {
     b.code(handler(exception::hard_fault), {stay});
   }
   const State& state() const { return b.core.state(); }
-  /// Executes `code` and stays behind it, or in HardFault. `values`: of r0 and on.
+  /// Executes `code` and stays past it, or in HardFault. `values`: of r0 and on.
   void run(std::initializer_list<uint16_t> code, std::initializer_list<uint32_t> values = {}) {
     b.start(code);
     b.code(Bench::program + 2 * static_cast<uint32_t>(code.size()), {stay});

@@ -2,6 +2,7 @@
 
 #include <unicorn/unicorn.h>
 
+#include <ostream>
 #include <string>
 
 #include "armv7m/isa/decoder.h"
@@ -16,6 +17,9 @@ struct OracleCore {
   const Profile* profile;
   int model;  ///< Unicorn's
 };
+inline std::ostream& operator<<(std::ostream& out, const OracleCore& core) {
+  return out << core.name;
+}
 inline constexpr OracleCore oracle_cores[] = {
     {"CortexM3", &cortex_m3, UC_CPU_ARM_CORTEX_M3},
     {"CortexM0plus", &cortex_m0plus, UC_CPU_ARM_CORTEX_M0}};

@@ -32,6 +32,9 @@ struct Architecture {
   const Profile* profile;
   const std::vector<Row>* rows;
 };
+std::ostream& operator<<(std::ostream& out, const Architecture& architecture) {
+  return out << architecture.name;
+}
 class RegisterTables : public testing::TestWithParam<Architecture> {
  protected:
   const Profile& profile = *GetParam().profile;

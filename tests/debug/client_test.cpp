@@ -40,6 +40,26 @@ TEST_F(ClientTest, SaysWhatItCan) {
   EXPECT_EQ(ask("qAttached"), "1");
 }
 
+TEST_F(ClientTest, RegistersThatTheProcessorDoesNotHaveAreNowhere) {
+  constexpr unsigned basepri = 20, faultmask = 21, control = 22;
+  target.missing = {basepri, faultmask};
+  for (unsigned i = 0; i < registers.size(); ++i) target.values[i] = i + 1;
+  const std::string xml = ask("qXfer:features:read:target.xml:0,4000");
+  EXPECT_EQ(xml.find("basepri"), std::string::npos);
+  EXPECT_EQ(xml.find("faultmask"), std::string::npos);
+  EXPECT_NE(xml.find("name=\"control\" bitsize=\"8\" regnum=\"31\""), std::string::npos)
+      << "the others keep their numbers";
+  const std::string all = ask("g");
+  ASSERT_EQ(all.size(), 156U);
+  EXPECT_EQ(all.substr(152), "1417") << "primask, control";
+  EXPECT_EQ(ask("p1d"), "E01") << "basepri";
+  EXPECT_EQ(ask("P1d=00"), "E01");
+  EXPECT_EQ(ask("p1f"), "17");
+  EXPECT_EQ(ask("G" + all.substr(0, 154) + "18"), "OK");
+  EXPECT_EQ(target.values[control], 0x18U);
+  EXPECT_EQ(target.values[basepri], basepri + 1U);
+}
+
 TEST_F(ClientTest, AcknowledgesUntilToldNotTo) {
   client.handle({Arrival::Kind::packet, "qC"});
   EXPECT_EQ(client.take_output(), "+$QC1#c5");

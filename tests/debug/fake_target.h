@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,9 @@ class FakeTarget : public Target {
   std::string memory = std::string(size, '\0');
   std::vector<std::tuple<StopPoint, uint32_t, uint32_t>> points;
   int resets = 0;
+  std::set<unsigned> missing;  ///< registers that the processor does not have
 
+  bool has_register(unsigned index) override { return missing.count(index) == 0; }
   uint32_t read_register(unsigned index) override { return values.at(index); }
   void write_register(unsigned index, uint32_t value) override { values.at(index) = value; }
   std::string read_memory(uint32_t address, uint32_t length) override {

@@ -144,10 +144,10 @@ inline constexpr Timing cortex_m3_timing{{
 /// | WFI, WFE                  | 2       | 2 + the sleep                   |
 /// | SVC, BKPT                 | depends | 1 + the exception               |
 ///
-/// Exception entry takes 15 cycles (3.6.1). The TRM does not say what the rest takes: a return
-/// counts as POP of the eight words with the PC, 3 + 8, and the way from one handler to the next as
-/// an entry without its eight words, 15 - 8. LDM and STM end before an interrupt is taken; the chip
-/// abandons them, and begins them again.
+/// Exception entry takes 15 cycles (3.6.1). The TRM does not say what the rest takes. Here a return
+/// counts as POP of the eight words with the PC, 3 + 8. The way from one handler to the next counts
+/// as an entry without its eight words, 15 - 8. LDM and STM end before an interrupt is taken; the
+/// chip abandons them, and begins them again.
 inline constexpr Timing cortex_m0plus_timing{{
                                                  1,  // alu
                                                  0,  // multiply_add: none, as divide and table

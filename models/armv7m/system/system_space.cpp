@@ -23,7 +23,7 @@ const SystemRegister* SystemSpace::find(uint32_t address) const {
 }
 
 bool SystemSpace::is_itm(uint32_t address) const {
-  return in_itm(address) && find(ppb::ITM_TCR) != nullptr;
+  return in_itm(address) && context_.profile.has_itm;
 }
 
 bool SystemSpace::open_to_user(uint32_t address, bool write) const {

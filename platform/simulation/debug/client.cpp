@@ -342,11 +342,11 @@ void Client::features(std::string_view theirs) {
 void Client::transfer(std::string_view text) {
   std::string document;
   if (take(text, "features:read:target.xml:")) {
-    document = target_description();
+    document = target_description(target_);
   } else if (take(text, "memory-map:read::")) {
     document = memory_map(target_.memory_ranges());
   } else if (take(text, "threads:read::")) {
-    document = thread_list(target_.state());
+    document = thread_list(target_);
   } else if (take(text, "features:read:")) {
     return reply("E00");  // no such annex
   } else {
@@ -378,34 +378,36 @@ void Client::memory_crc(std::string_view text) {
 void Client::read_registers() {
   std::string text;
   for (unsigned i = 0; i < registers.size(); ++i)
-    text += little_endian(target_.read_register(i), registers[i].bits);
+    if (target_.has_register(i)) text += little_endian(target_.read_register(i), registers[i].bits);
   reply(text);
 }
 
 void Client::write_registers(std::string_view hex) {
   std::array<uint32_t, registers.size()> values{};
   for (unsigned i = 0; i < registers.size(); ++i) {
+    if (!target_.has_register(i)) continue;
     const auto value = take_register(hex, registers[i].bits);
     if (!value) return reply(malformed);
     values[i] = *value;
   }
   // Only what is new: sp shows one of msp and psp, which come later.
   for (unsigned i = 0; i < registers.size(); ++i)
-    if (values[i] != target_.read_register(i)) target_.write_register(i, values[i]);
+    if (target_.has_register(i) && values[i] != target_.read_register(i))
+      target_.write_register(i, values[i]);
   reply(ok);
 }
 
 void Client::read_register(std::string_view text) {
   const auto number = take_number(text);
   const auto index = number ? index_of(*number) : std::nullopt;
-  if (!index) return reply(malformed);
+  if (!index || !target_.has_register(*index)) return reply(malformed);
   reply(little_endian(target_.read_register(*index), registers[*index].bits));
 }
 
 void Client::write_register(std::string_view text) {
   const auto number = take_number(text);
   const auto index = number ? index_of(*number) : std::nullopt;
-  if (!index || !take(text, "=")) return reply(malformed);
+  if (!index || !target_.has_register(*index) || !take(text, "=")) return reply(malformed);
   const auto value = take_register(text, registers[*index].bits);
   if (!value) return reply(malformed);
   target_.write_register(*index, *value);

@@ -7,9 +7,10 @@
 namespace capsoc::debug {
 namespace {
 
-std::string feature(const char* name, unsigned first, unsigned last) {
+std::string feature(Target& target, const char* name, unsigned first, unsigned last) {
   std::string text = fmt::format("<feature name=\"{}\">\n", name);
   for (unsigned i = first; i < last; ++i) {
+    if (!target.has_register(i)) continue;
     const Register& r = registers[i];
     const std::string n = r.name;
     const char* type = n == "pc"                               ? "code_ptr"
@@ -24,11 +25,11 @@ std::string feature(const char* name, unsigned first, unsigned last) {
 
 }  // namespace
 
-std::string target_description() {
+std::string target_description(Target& target) {
   return "<?xml version=\"1.0\"?>\n<!DOCTYPE target SYSTEM \"gdb-target.dtd\">\n"
          "<target version=\"1.0\">\n<architecture>arm</architecture>\n" +
-         feature("org.gnu.gdb.arm.m-profile", 0, first_system_register) +
-         feature("org.gnu.gdb.arm.m-system", first_system_register, registers.size()) +
+         feature(target, "org.gnu.gdb.arm.m-profile", 0, first_system_register) +
+         feature(target, "org.gnu.gdb.arm.m-system", first_system_register, registers.size()) +
          "</target>\n";
 }
 
@@ -58,11 +59,11 @@ std::string region_info(std::vector<MemoryRange> ranges, uint32_t address) {
   return fmt::format("start:{:x};size:{:x};", hole, end - hole);
 }
 
-std::string thread_list(const std::string& state) {
+std::string thread_list(Target& target) {
   return fmt::format(
       "<?xml version=\"1.0\"?>\n<threads>\n<thread id=\"1\" core=\"0\" "
-      "name=\"cortex-m3\">{}</thread>\n</threads>\n",
-      state);
+      "name=\"{}\">{}</thread>\n</threads>\n",
+      target.processor(), target.state());
 }
 
 }  // namespace capsoc::debug

@@ -9,8 +9,9 @@
 
 namespace capsoc::debug {
 
-/// Features org.gnu.gdb.arm.m-profile and org.gnu.gdb.arm.m-system.
-std::string target_description();
+/// Features org.gnu.gdb.arm.m-profile and org.gnu.gdb.arm.m-system, with the registers that the
+/// target has.
+std::string target_description(Target& target);
 
 /// All of type ram: GDB loads by plain writes, and refuses only what is not listed.
 std::string memory_map(const std::vector<MemoryRange>& ranges);
@@ -19,6 +20,6 @@ std::string memory_map(const std::vector<MemoryRange>& ranges);
 /// neighbours. A hole has no permissions.
 std::string region_info(std::vector<MemoryRange> ranges, uint32_t address);
 
-std::string thread_list(const std::string& state);
+std::string thread_list(Target& target);
 
 }  // namespace capsoc::debug

@@ -17,9 +17,6 @@ constexpr uint32_t private_bus = 0xE0000000, sram_bits = 0x22000000, device_bits
 bool on_private_bus(uint32_t address) {
   return address - private_bus < private_bus_size;
 }
-bool in_bit_band(uint32_t address) {
-  return address - sram_bits < bit_band_size || address - device_bits < bit_band_size;
-}
 
 enum : unsigned { xpsr = 16, msp, psp, primask, basepri, faultmask, control };
 
@@ -28,6 +25,23 @@ armv7m::Watchpoint watchpoint(StopPoint kind, uint32_t address, uint32_t size) {
 }
 
 }  // namespace
+
+bool SocTarget::in_bit_band(uint32_t address) const {
+  const bool alias = address - sram_bits < bit_band_size || address - device_bits < bit_band_size;
+  return alias && soc_.cpu.core().profile().has_bit_bands;
+}
+
+bool SocTarget::has_register(unsigned index) {
+  const armv7m::Profile& has = soc_.cpu.core().profile();
+  switch (index) {
+    case basepri:
+      return has.has_special(armv7m::special::basepri);
+    case faultmask:
+      return has.has_special(armv7m::special::faultmask);
+    default:
+      return true;
+  }
+}
 
 uint32_t SocTarget::read_register(unsigned index) {
   const armv7m::Core& core = soc_.cpu.core();
@@ -55,7 +69,7 @@ void SocTarget::write_register(unsigned index, uint32_t value) {
   armv7m::Core& core = soc_.cpu.core();
   switch (index) {
     case xpsr:
-      return core.edit().set_xpsr(value);
+      return core.edit().set_xpsr(value & core.profile().xpsr_bits);
     case msp:
       return core.edit().set_msp(value);
     case psp:
@@ -217,13 +231,16 @@ std::vector<MemoryRange> SocTarget::memory_ranges() {
   std::vector<MemoryRange> ranges;
   for (const bus::MapEntry& entry : soc_.ahb.map())
     if (entry.kind != bus::TargetKind::unimplemented) ranges.push_back({entry.base, entry.size});
-  ranges.push_back({sram_bits, bit_band_size});
-  ranges.push_back({device_bits, bit_band_size});
+  if (soc_.cpu.core().profile().has_bit_bands) {
+    ranges.push_back({sram_bits, bit_band_size});
+    ranges.push_back({device_bits, bit_band_size});
+  }
   ranges.push_back({private_bus, private_bus_size});
   return ranges;
 }
 
 std::string SocTarget::show_stimulus(uint32_t ports, bool on) {
+  if (!soc_.cpu.core().profile().has_itm) return Target::show_stimulus(ports, on);
   soc_.cpu.core().debugging().show_stimulus(ports, on);
   if (!on || (shown_port_ && ports == 1U << *shown_port_)) return "";
   if (!shown_port_)

@@ -13,6 +13,8 @@ class SocTarget : public Target {
  public:
   explicit SocTarget(soc::Soc& soc) : soc_(soc) {}
 
+  std::string processor() override { return soc_.cpu.core().profile().short_name; }
+  bool has_register(unsigned index) override;
   uint32_t read_register(unsigned index) override;
   void write_register(unsigned index, uint32_t value) override;
   std::string read_memory(uint32_t address, uint32_t size) override;
@@ -36,6 +38,7 @@ class SocTarget : public Target {
   StopPoint breakpoint_kind(uint32_t address) const;
 
  private:
+  bool in_bit_band(uint32_t address) const;
   uint32_t read_on_bus(uint32_t address, uint32_t size, uint8_t* bytes);
   bool write_to_device(uint32_t address, const std::string& bytes);
 

@@ -68,7 +68,11 @@ class Target {
  public:
   virtual ~Target() = default;
 
-  /// `index` into `registers`.
+  /// As compilers have it.
+  virtual std::string processor() { return "cortex-m3"; }
+  /// Whether the processor has one of `registers`.
+  virtual bool has_register(unsigned /*index*/) { return true; }
+  /// `index` into `registers`, of one that it has.
   virtual uint32_t read_register(unsigned index) = 0;
   virtual void write_register(unsigned index, uint32_t value) = 0;
   /// Without side effects. Returns at most `size` bytes from `address`, up to the first unreadable

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
+#include "armv7m/isa/decoder.h"
 #include "explain/pending_report.h"
 #include "trace/exception_name.h"
 
@@ -53,6 +56,36 @@ std::string about_address(const ProgramView& view, const armv7m::FaultReport& re
 
 constexpr uint32_t forced = 1u << 30;
 
+bool keeps_fault_status(const ProgramView& view) {
+  return view.soc().cpu.core().profile().has_fault_status;
+}
+
+/// What an undefined instruction is on a processor with more of them; "" where it is none.
+std::string about_missing(const ProgramView& view, const armv7m::FaultReport& report) {
+  const armv7m::Core& core = view.soc().cpu.core();
+  const uint32_t address = report.registers.r[15];
+  std::array<uint16_t, 2> code{};
+  if (!core.debug_read(address, code.data(), 2)) return "";
+  if (armv7m::is_wide(code[0]) && !core.debug_read(address + 2, &code[1], 2)) return "";
+  const armv7m::DecodedOp op = armv7m::decode(address, code[0], code[1], 0);
+  if (op.operation == armv7m::Operation::undefined ||
+      (armv7m::line_of(op).set & core.profile().instruction_sets) != 0)
+    return "";
+  return fmt::format(" ('{}' is of Armv7-M; build with -mcpu={})", armv7m::disassemble(op),
+                     core.profile().short_name);
+}
+
+/// The cause of a fault. Without the registers that tell it, only what happened is left of their
+/// bits: neither that an address is held, nor that HardFault stands for another fault.
+std::string cause_of(const ProgramView& view, const armv7m::FaultReport& report) {
+  if (keeps_fault_status(view)) return armv7m::describe_cfsr(report.cfsr, report.hfsr);
+  constexpr uint32_t addresses = 1u << 7 | 1u << 15;
+  const uint32_t escalated = report.cfsr != 0 ? forced : 0;
+  constexpr uint32_t undefined_instruction = 1u << 16;
+  return armv7m::describe_cfsr(report.cfsr & ~addresses, report.hfsr & ~escalated) +
+         (report.cfsr == undefined_instruction ? about_missing(view, report) : "");
+}
+
 /// Only faults leave a status.
 bool is_escalated_svc(const armv7m::FaultReport& report) {
   return report.hfsr == forced && report.cfsr == 0;
@@ -72,6 +105,7 @@ std::string escalation(const ProgramView& view, const armv7m::FaultReport& repor
   if (report.hfsr != forced) return "";
   const armv7m::State& state = view.soc().cpu.core().state();
   const unsigned number = exception_of(report.cfsr);
+  if (number != armv7m::exception::svcall && !keeps_fault_status(view)) return "";
   const std::string name = trace::exception_name(number);
   if (number != armv7m::exception::svcall && !state.scb.fault_enabled(number))
     return name + " is not enabled (SHCSR)";
@@ -103,17 +137,19 @@ std::string describe_fault(const ProgramView& view, const Findings& findings) {
   Lines lines;
   lines.add(fmt::format("fault report: {} (exception {}, {} active before) at cycle {}\n",
                         name_of(report.kind), report.exception, report.nesting, report.cycle));
-  lines.add("cause", armv7m::describe_cfsr(report.cfsr, report.hfsr));
+  lines.add("cause", cause_of(view, report));
   if (const std::string why = escalation(view, report); !why.empty()) lines.add("escalated", why);
   add_lost_write(view, report, lines);
   lines.add("at", view.place(report.registers.r[15]));
   if (report.address != report.frame[6]) lines.add("address", about_address(view, report));
   if (const std::string lost = view.lost_stack(report.registers.r[13]); !lost.empty())
     lines.add("stack", lost);
-  lines.add("CFSR", word(report.cfsr));
-  lines.add("HFSR", word(report.hfsr));
-  lines.add("MMFAR", word(report.mmfar));
-  lines.add("BFAR", word(report.bfar));
+  if (keeps_fault_status(view)) {
+    lines.add("CFSR", word(report.cfsr));
+    lines.add("HFSR", word(report.hfsr));
+    lines.add("MMFAR", word(report.mmfar));
+    lines.add("BFAR", word(report.bfar));
+  }
   lines.add("  the call stack, innermost first:\n");
   lines.add(view.text_of(view.call_stack(report.registers)));
   constexpr uint32_t stacking_failed = 1u << 4 | 1u << 12;  // MSTKERR, STKERR
@@ -122,10 +158,9 @@ std::string describe_fault(const ProgramView& view, const Findings& findings) {
                 : "  the registers then, which could not all be stacked:\n");
   lines.add(view.text_of(report.registers));
   if (core.last_fault().cycle != report.cycle)
-    lines.add("then",
-              fmt::format("{} at {} in cycle {}: {}", name_of(core.last_fault().kind),
-                          view.place(core.last_fault().frame[6]), core.last_fault().cycle,
-                          armv7m::describe_cfsr(core.last_fault().cfsr, core.last_fault().hfsr)));
+    lines.add("then", fmt::format("{} at {} in cycle {}: {}", name_of(core.last_fault().kind),
+                                  view.place(core.last_fault().frame[6]), core.last_fault().cycle,
+                                  cause_of(view, core.last_fault())));
   add_findings(findings, lines);
   if (const std::string pending = describe_pending(view.soc()); !pending.empty())
     lines.add("  pending and not taken:\n" + pending);

@@ -122,9 +122,11 @@ Result<PlacedBit> Places::find(const std::string& name, unsigned bit) const {
 
 Result<PlacedBit> Places::core_bit(const std::string& name, unsigned bit) const {
   const std::string own = name.substr(std::string(processor).size());
+  debug::SocTarget target(soc_);
   std::vector<std::string> names;
   for (unsigned i = 0; i < debug::registers.size(); ++i) {
     const debug::Register& reg = debug::registers.at(i);
+    if (!target.has_register(i)) continue;
     names.emplace_back(reg.name);
     if (own != reg.name) continue;
     if (bit >= bits_of(reg)) return no_such_bit(name, bit, bits_of(reg));
@@ -235,8 +237,12 @@ void Places::list_memories(std::vector<ListedPlace>& list) const {
 std::vector<ListedPlace> Places::all() const {
   std::vector<ListedPlace> list;
   list.reserve(debug::registers.size());
-  for (const debug::Register& reg : debug::registers)
-    list.push_back({std::string(processor) + reg.name, bits_of(reg), "processor"});
+  debug::SocTarget target(soc_);
+  for (unsigned i = 0; i < debug::registers.size(); ++i) {
+    const debug::Register& reg = debug::registers.at(i);
+    if (target.has_register(i))
+      list.push_back({std::string(processor) + reg.name, bits_of(reg), "processor"});
+  }
   list_memories(list);
   list_devices(list);
   list_coprocessor(list);

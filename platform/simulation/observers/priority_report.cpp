@@ -28,10 +28,13 @@ std::optional<Error> PriorityReport::open() {
 }
 
 void PriorityReport::dropped(const armv7m::DroppedPriority& dropped) {
-  const std::string text = fmt::format(
-      "{} = {:#x}: the {} has {} priority bits, the rest is dropped; QEMU's board "
-      "has 8: -C cpu.priority_bits=8",
-      register_name(dropped.address), dropped.value, bits_ == 3 ? "AN385" : "processor", bits_);
+  const armv7m::Profile& processor = soc_.cpu.core().profile();
+  const bool can_be_more = bits_ < processor.most_priority_bits;
+  const char* owner = !can_be_more ? processor.product : bits_ == 3 ? "AN385" : "processor";
+  const std::string text =
+      fmt::format("{} = {:#x}: the {} has {} priority bits, the rest is dropped{}",
+                  register_name(dropped.address), dropped.value, owner, bits_,
+                  can_be_more ? "; QEMU's board has 8: -C cpu.priority_bits=8" : "");
   if (!dropped.all_ones) {
     warned_ = true;
     return kit::guest_error(source, text);

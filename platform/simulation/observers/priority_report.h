@@ -17,7 +17,7 @@ namespace capsoc::run {
 /// program may have refused the width it found.
 class PriorityReport final : public RunObserver {
  public:
-  /// `bits`: that the core implements, 3 to 8.
+  /// `bits`: that the core implements, up to 8.
   PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits)
       : soc_(soc), view_(view), bits_(bits) {}
 

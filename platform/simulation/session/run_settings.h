@@ -3,6 +3,7 @@
 
 #include <spdlog/common.h>
 
+#include <algorithm>
 #include <string>
 
 #include "armv7m/core.h"
@@ -25,6 +26,11 @@ namespace capsoc::run {
 
 struct CpuSettings {
   Settings& all;
+  ChoiceField<const armv7m::Profile*> profile{
+      all,
+      {{"m3", &armv7m::cortex_m3}, {"m0plus", &armv7m::cortex_m0plus}},
+      setting("cpu.profile", SettingKind::choice, "m3",
+              "which processor: m3, the Cortex-M3, or m0plus, the Cortex-M0+")};
   NumberField quantum_ns{
       all, setting("cpu.quantum_ns", SettingKind::number, "1000000",
                    "how far the processor may run ahead, ns")
@@ -57,6 +63,13 @@ struct CpuSettings {
       all, setting("cpu.priority_bits", SettingKind::integer, "3",
                    "implemented bits of each priority: 3 as the AN385, 8 as QEMU's board")
                .in(3, 8)};
+
+  /// Of the processor that is chosen.
+  unsigned implemented_priority_bits() const {
+    const armv7m::Profile& of = *profile();
+    return std::clamp(static_cast<unsigned>(priority_bits()), of.least_priority_bits,
+                      of.most_priority_bits);
+  }
 };
 
 /// How slow the memories are.

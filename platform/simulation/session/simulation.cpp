@@ -1,5 +1,6 @@
 #include "session/simulation.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   soc::Config config;
   config.coprocessor = settings.coprocessor.options();
   config.quantum = sc_core::sc_time(settings.cpu.quantum_ns(), sc_core::SC_NS);
+  config.processor = settings.cpu.profile();
   config.executor = settings.cpu.executor();
   config.fast_forward = settings.cpu.fast_forward();
   config.monitor = settings.monitor();
@@ -28,6 +30,21 @@ soc::Config soc_config(const RunSettings& settings, CoprocessorBackend& backend)
   config.translator.buffer_bytes = static_cast<std::size_t>(settings.cpu.code_buffer_kib()) << 10;
   config.make_coprocessor = [&backend] { return std::move(backend.device); };
   return config;
+}
+
+/// Settings that the chosen processor has no use for.
+std::optional<Error> check_processor(const RunSettings& settings) {
+  const armv7m::Profile& chosen = *settings.cpu.profile();
+  const auto refuse = [&chosen](const SettingField& field, const std::string& has) {
+    return Error{fmt::format("{}: the {} has {}; leave it out", field.name(), chosen.product, has)};
+  };
+  const bool fixed = chosen.least_priority_bits == chosen.most_priority_bits;
+  if (fixed && !settings.cpu.priority_bits.is_built_in())
+    return refuse(settings.cpu.priority_bits,
+                  fmt::format("{} bits of each priority", chosen.most_priority_bits));
+  if (!chosen.has_itm && settings.itm.backend() != "null")
+    return refuse(settings.itm.backend, "no ITM");
+  return std::nullopt;
 }
 
 /// What the run continues from; nothing: from reset.
@@ -51,6 +68,7 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
 
 Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& settings,
                                                           const Additions& additions) {
+  if (auto error = check_processor(settings)) return *error;
   if (auto error = check_recording(settings.results)) return *error;
   auto inputs = read_inputs(settings);
   if (!inputs) return Error{inputs.error()};
@@ -90,7 +108,7 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
 
 /// The board as it is fitted, its program, and the observers of both.
 std::optional<Error> Simulation::load() {
-  soc_.cpu.core().set_priority_bits(static_cast<unsigned>(settings_.cpu.priority_bits()));
+  soc_.cpu.core().set_priority_bits(settings_.cpu.implemented_priority_bits());
   if (auto error = watch_.observe_board()) return error;
   soc_.adc.fit_converter(inputs_.adc_bits);
   const auto untranslated = [](const std::string& reason) {
