@@ -252,6 +252,7 @@ std::vector<BoardPeripheral> board_peripherals(const Soc& soc) {
     if (entry.kind == bus::TargetKind::device) all.push_back(device(entry, soc));
   for (const CorePlace& place : core_places) {
     BoardPeripheral part;
+    part.name = place.peripheral;  // of the fields
     add_core_registers(*soc.cpu.core().profile().registers, place, part);
     if (part.registers.empty()) continue;  // the processor has none of them
     auto found = std::find_if(all.begin(), all.end(),
