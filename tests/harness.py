@@ -36,7 +36,7 @@ def output_of(*command, code=0, environment=None, timeout=400, **keywords):
         timeout=timeout,
         check=False,
         env=CLEAN | (environment or {}),
-        stdin=subprocess.DEVNULL,
+        **({"stdin": subprocess.DEVNULL} if "input" not in keywords else {}),
         **keywords,
     )
     if done.returncode != code:

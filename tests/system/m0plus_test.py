@@ -3,6 +3,7 @@
 else shows that it is another processor.
 """
 
+import json
 import re
 import subprocess
 import unittest
@@ -119,6 +120,41 @@ class Differences(Case):
         said = [line for line in done.stderr.decode().splitlines() if "priority bits" in line]
         self.assertEqual(len(said), 1, said)
         self.assertIn("the Cortex-M0+ has 2 priority bits, the rest is dropped (pc", said[0])
+
+
+class Session(Case):
+    """capsoc serve."""
+
+    def ask(self, *requests):
+        """The results of methods and their parameters, in one session; of a refused one its sentence."""
+        lines = [
+            json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": parameters})
+            for number, (method, parameters) in enumerate(requests)
+        ]
+        out = output_of(CAPSOC, "serve", input="\n".join(lines) + "\n")
+        answers = [json.loads(line) for line in out.splitlines()]
+        return [each.get("result", each.get("error", {}).get("message")) for each in answers]
+
+    def test_registers_are_those_that_it_has(self):
+        settings = {"firmware.elf": str(HELLO), "cpu.profile": "m0plus"}
+        _, read, refused, listed, value, about = self.ask(
+            ("simulation.construct", {"settings": settings}),
+            ("processor.read", {"simulation": 1}),
+            ("processor.write", {"simulation": 1, "register": "basepri", "value": 32}),
+            ("register.list", {"simulation": 1}),
+            ("register.read", {"simulation": 1, "name": "SCB.CCR"}),
+            ("debugger.about", {"simulation": 1}),
+        )
+        self.assertIn("primask", read["registers"])
+        self.assertNotIn("faultmask", read["registers"])
+        self.assertIn("no register 'basepri'", refused)
+        peripherals = {each["name"]: [reg["name"] for reg in each["registers"]] for each in listed["peripherals"]}
+        for absent in ("MPU", "ITM", "DWT", "DCB"):
+            self.assertNotIn(absent, peripherals)
+        self.assertIn("SHPR3", peripherals["SCB"])
+        self.assertNotIn("CFSR", peripherals["SCB"])
+        self.assertEqual(value["value"], 0x208)
+        self.assertEqual(about["processor"], "cortex-m0plus")
 
 
 class Debugger(Case):
