@@ -73,10 +73,11 @@ void Board::tick(bool on) {
   if (ticker_ != nullptr) ticker_->set(on);
 }
 
-/// Not on a way that was gone before: its snapshots are there.
+/// Not on a way that was gone before, nor twice at one position: its snapshots are there.
 void Board::remember() {
-  if (ticker_ == nullptr || !ticker_->take() || is_finished() || position() < history_.reached())
-    return;
+  if (ticker_ == nullptr || !ticker_->take() || is_finished()) return;
+  const Position now = position();
+  if (now < history_.reached() || now == history_.snapshots().back().at) return;
   const uint64_t begin = processor_time_ns();
   keep();
   ticker_->took(processor_time_ns() - begin);

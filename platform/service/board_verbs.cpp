@@ -1,7 +1,7 @@
 #include "service/board_verbs.h"
 
-#include <algorithm>
 #include <iterator>
+#include <unordered_map>
 #include <utility>
 
 namespace capsoc::service {
@@ -24,10 +24,13 @@ const std::vector<BoardVerb>& board_verbs() {
 }
 
 const BoardVerb* board_verb(const std::string& method) {
-  const auto& all = board_verbs();
-  const auto found = std::find_if(
-      all.begin(), all.end(), [&](const BoardVerb& verb) { return verb.about.method == method; });
-  return found == all.end() ? nullptr : &*found;
+  static const std::unordered_map<std::string, const BoardVerb*> by_name = [] {
+    std::unordered_map<std::string, const BoardVerb*> names;
+    for (const BoardVerb& verb : board_verbs()) names[verb.about.method] = &verb;
+    return names;
+  }();
+  const auto found = by_name.find(method);
+  return found == by_name.end() ? nullptr : found->second;
 }
 
 Answer perform_input(Board& board, const BoardVerb& verb, const Call& call) {

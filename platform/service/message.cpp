@@ -11,6 +11,24 @@ namespace {
 constexpr std::size_t worth_moving = std::size_t{1} << 16;  // bytes taken from the buffer's front
 constexpr std::size_t most_reserved = std::size_t{64} << 20;
 
+/// How deep arrays and objects are nested.
+int depth_of(const std::string& line) {
+  int depth = 0, greatest = 0;
+  bool is_text = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char each = line[i];
+    if (each == '"')
+      is_text = !is_text;
+    else if (is_text)
+      i += each == '\\' ? 1 : 0;
+    else if (each == '[' || each == '{')
+      greatest = std::max(greatest, ++depth);
+    else if (each == ']' || each == '}')
+      --depth;
+  }
+  return greatest;
+}
+
 }  // namespace
 
 std::string to_bytes(const Message& message) {
@@ -90,14 +108,9 @@ std::optional<MessageReader::Incoming> MessageReader::next() {
 }
 
 MessageReader::Incoming MessageReader::parse(const std::string& line) {
-  bool too_deep = false;
-  const auto watch = [&](int depth, Json::parse_event_t, Json&) {
-    too_deep = too_deep || depth > deepest;
-    return !too_deep;
-  };
-  Json body = Json::parse(line, watch, false);
-  if (too_deep)
+  if (depth_of(line) > deepest)
     return damaged(Code::parse_error, fmt::format("nested deeper than {} levels", deepest));
+  Json body = Json::parse(line, nullptr, false);
   if (body.is_discarded())
     return damaged(Code::parse_error, "the line is no JSON; write one object a line");
   if (!body.is_object())

@@ -78,8 +78,20 @@ void Session::serve() {
   for (auto& [number, client] : clients_) client->outbox.write_to(client->write_descriptor());
 }
 
+/// Most of what is to be sent goes out at once, answers to requests that came together in one
+/// piece.
+void Session::send() {
+  for (auto& [number, client] : clients_)
+    if (!client->outbox.empty() && !client->outbox.write_to(client->write_descriptor()))
+      client->is_gone = true;
+  for (auto& [number, simulation] : simulations_)
+    if (!simulation->outbox.empty())
+      simulation->outbox.write_to(simulation->worker.connection.get());
+}
+
 /// Waits until a client or worker has sent data or can take some, and serves all that are ready.
 void Session::wait() {
+  send();
   std::vector<pollfd> all;
   std::vector<std::function<void(short)>> then;
   const auto watch = [&](int descriptor, int wanted, std::function<void(short)> what) {
@@ -155,9 +167,6 @@ void Session::read_client(Client& client) {
     answer_client(number, nullptr, refuse(incoming->damage, incoming->code));
     if (incoming->last) client.is_finished = true;
   }
-  // Most answers go out at once.
-  if (!client.outbox.empty() && !client.outbox.write_to(client.write_descriptor()))
-    client.is_gone = true;
 }
 
 void Session::take(Client& client, Message message) {
@@ -230,18 +239,7 @@ void Session::answer(const Request& request, Answer answer) {
 void Session::answer_client(uint64_t number, const Json& id, Answer answer) {
   const auto client = clients_.find(number);
   if (client == clients_.end() || client->second->is_gone) return;
-  Message message;
-  message.body = {{"jsonrpc", "2.0"}, {"id", id}};
-  if (answer.ok())
-    message.body["result"] = std::move(answer.result);
-  else
-    message.body["error"] = error_of(answer.code, answer.sentence);
-  message.frames = std::move(answer.frames);
-  Outbox& outbox = client->second->outbox;
-  const bool was_empty = outbox.empty();
-  outbox.add(to_bytes(message));
-  if (was_empty && !outbox.write_to(client->second->write_descriptor()))
-    client->second->is_gone = true;
+  client->second->outbox.add(to_bytes(id, std::move(answer)));
 }
 
 void Session::read_worker(Simulation& simulation) {
@@ -270,11 +268,12 @@ void Session::take_answer(Simulation& simulation, Message message) {
   simulation.pending.pop_front();
   Answer answer;
   const auto error = message.body.find("error");
+  const auto result = message.body.find("result");
   if (error != message.body.end())
     answer = refuse(error->at("message").get<std::string>(),
                     static_cast<Code>(error->at("code").get<int>()));
-  else
-    answer.result = std::move(message.body.at("result"));
+  else if (result != message.body.end())
+    answer.result = std::move(*result);
   answer.frames = std::move(message.frames);
   take(std::move(answer));
 }

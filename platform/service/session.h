@@ -70,6 +70,7 @@ class Session {
   static Answer no_such_method(const std::string& method);
 
   // Input and output.
+  void send();
   void wait();
   void accept();
   void read_client(Client& client);
@@ -146,8 +147,9 @@ class Session {
                   Constructed done);
   void start_past(const Seek& seek, uint64_t client, Json how, Constructed done);
   void drop_worker(uint64_t number);
+  /// With an id the worker's answer is a frame: the bytes for the client.
   void call(Simulation& simulation, const std::string& method, Json parameters, Frames frames,
-            Take take);
+            Take take, const Json& id = Json(Json::value_t::discarded));
   void take_snapshot(Simulation& simulation, Taken taken);
   void end_worker(Simulation& simulation);
   void refuse_pending(Simulation& simulation, const std::string& sentence);

@@ -243,10 +243,17 @@ void Session::resume(std::deque<Request> waiting) {
 void Session::hand_on(Simulation& simulation, Request& request) {
   Json parameters = std::move(request.parameters);
   Frames frames = std::move(request.frames);
-  call(simulation, request.method, std::move(parameters), std::move(frames),
-       [this, client = request.client, id = request.id, method = request.method](Answer came) {
-         settle({client, id, method, {}, {}}, std::move(came));
-       });
+  call(
+      simulation, request.method, std::move(parameters), std::move(frames),
+      [this, client = request.client, id = request.id](Answer came) {
+        if (id.is_discarded() || !came.ok())
+          return settle({client, id, {}, {}, {}}, std::move(came));
+        const auto found = clients_.find(client);
+        if (found == clients_.end()) return;
+        --found->second->calls;
+        if (!found->second->is_gone) found->second->outbox.add(std::move(came.frames.at(0)));
+      },
+      request.id);
 }
 
 void Session::close(Request& request) {

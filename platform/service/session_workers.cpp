@@ -70,15 +70,14 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
 }
 
 void Session::call(Simulation& simulation, const std::string& method, Json parameters,
-                   Frames frames, Take take) {
+                   Frames frames, Take take, const Json& id) {
   const uint64_t number = next_call_++;
   Message message;
   message.body = {{"call", number}, {"method", method}, {"params", std::move(parameters)}};
+  if (!id.is_discarded()) message.body["id"] = id;
   message.frames = std::move(frames);
   simulation.pending.push_back({number, method, std::move(take)});
-  const bool was_empty = simulation.outbox.empty();
   simulation.outbox.add(to_bytes(message));
-  if (was_empty) simulation.outbox.write_to(simulation.worker.connection.get());
 }
 
 void Session::take_snapshot(Simulation& simulation, Taken taken) {

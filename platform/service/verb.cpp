@@ -172,6 +172,15 @@ Answer refuse(std::string sentence, Code code) {
   return answer;
 }
 
+std::string to_bytes(const Json& id, Answer answer) {
+  Message message{{{"jsonrpc", "2.0"}, {"id", id}}, std::move(answer.frames)};
+  if (answer.ok())
+    message.body["result"] = std::move(answer.result);
+  else
+    message.body["error"] = error_of(answer.code, answer.sentence);
+  return to_bytes(message);
+}
+
 std::string Call::complaint_about(const Parameter& parameter) const {
   const auto found = parameters_.find(parameter.name);
   if (found == parameters_.end()) {
@@ -185,17 +194,18 @@ std::string Call::complaint_about(const Parameter& parameter) const {
 }
 
 std::string Call::complaint() const {
-  std::vector<std::string> known;
-  for (const Parameter& parameter : declaration_.parameters) {
+  const auto& all = declaration_.parameters;
+  for (const Parameter& parameter : all)
     if (std::string complaint = complaint_about(parameter); !complaint.empty()) return complaint;
-    known.push_back(parameter.name);
-  }
-  for (const auto& [name, value] : parameters_.items()) {
-    if (name == "simulation") continue;
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    if (known.empty())
+  for (const auto& [given, value] : parameters_.items()) {
+    const std::string& name = given;
+    const auto is_it = [&name](const Parameter& each) { return each.name == name; };
+    if (name == "simulation" || std::any_of(all.begin(), all.end(), is_it)) continue;
+    if (all.empty())
       return fmt::format("{}: there is no parameter '{}'; it takes none", declaration_.method,
                          printable(name, 80));
+    std::vector<std::string> known;
+    for (const Parameter& parameter : all) known.push_back(parameter.name);
     return fmt::format("{}: there is no parameter '{}'; did you mean {}?", declaration_.method,
                        printable(name, 80), nearest_names(printable(name, 80), known));
   }

@@ -79,6 +79,9 @@ std::string bytes_in(const Json& value, const Frames& frames);
 
 Answer refuse(std::string sentence, Code code = Code::refused);
 
+/// An answer as a client gets it.
+std::string to_bytes(const Json& id, Answer answer);
+
 /// The parameters of one request, checked against their declaration.
 class Call {
  public:

@@ -56,15 +56,32 @@ void catch_interruptions() {
   sigaction(interrupt_signal, &action, nullptr);
 }
 
-/// An answer as it goes to the session; one that no client may be sent is refused.
-std::string bytes_of(uint64_t call, const Answer& answer) {
-  std::string bytes =
-      answer.ok()
-          ? to_bytes({{{"call", call}, {"result", answer.result}}, answer.frames})
-          : to_bytes({{{"call", call}, {"error", error_of(answer.code, answer.sentence)}}, {}});
-  if (bytes.find('\n') <= MessageReader::longest_line) return bytes;
-  return bytes_of(call, refuse("the answer has more than 16 MiB of text; ask for a part of it, or "
-                               "read memory"));
+Answer too_long() {
+  return refuse("the answer has more than 16 MiB of text; ask for a part of it, or read memory");
+}
+
+bool is_too_long(const std::string& bytes) {
+  return bytes.find('\n') > MessageReader::longest_line;
+}
+
+/// An answer as it goes to the session.
+std::string bytes_of(uint64_t call, Answer answer) {
+  Message message{{{"call", call}}, std::move(answer.frames)};
+  if (answer.ok())
+    message.body["result"] = std::move(answer.result);
+  else
+    message.body["error"] = error_of(answer.code, answer.sentence);
+  std::string bytes = to_bytes(message);
+  return is_too_long(bytes) ? bytes_of(call, too_long()) : bytes;
+}
+
+/// An answer that the session passes on to a client without a look into it.
+std::string bytes_for_client(uint64_t call, const Json& id, Answer answer) {
+  std::string bytes = to_bytes(id, std::move(answer));
+  if (is_too_long(bytes)) return bytes_for_client(call, id, too_long());
+  Message message{{{"call", call}}, {}};
+  message.frames.push_back(std::move(bytes));
+  return to_bytes(message);
 }
 
 /// Standard error goes nowhere: for as long as this lives, or for good.
@@ -133,7 +150,9 @@ class Worker {
     if (board_ != nullptr && !board_->is_finished()) board_->simulation().take_interruption();
     Answer answer = perform(message);
     current_call = 0;
-    send(bytes_of(call, answer));
+    const auto id = message.body.find("id");
+    send(id == message.body.end() ? bytes_of(call, std::move(answer))
+                                  : bytes_for_client(call, *id, std::move(answer)));
   }
 
   /// An unforeseen exception also becomes an answer.

@@ -24,10 +24,11 @@ struct Shared {
 inline constexpr int out_of_memory = 77;
 
 /// The methods that a session has for itself; others are those of board_verbs(). A request is
-/// {"call", "method", "params"}, its answer {"call"} with "result" or "error".
-/// Construction takes settings and, to continue from a snapshot, what snapshot_method answered:
-/// held, and frames; or, to repeat a recorded session, `expected`, with its `end`, and frames with
-/// its inputs and its state.
+/// {"call", "method", "params"}, its answer {"call"} with "result" or "error". To a request with
+/// the "id" of a client the answer is {"call"} and a frame, the client's answer. Construction takes
+/// settings and, to continue from a snapshot, what snapshot_method answered: held, and frames; or,
+/// to repeat a recorded session, `expected`, with its `end`, and frames with its inputs and its
+/// state.
 inline constexpr const char* construct_method = "worker.construct";
 inline constexpr const char* snapshot_method = "worker.snapshot";
 

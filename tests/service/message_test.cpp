@@ -76,6 +76,21 @@ TEST(Message, DamageIsTold) {
   EXPECT_TRUE(reader.next()->message) << "what follows a damaged line is read";
 }
 
+TEST(Message, TextsDoNotNest) {
+  const auto nested = [](int levels, const std::string& inside) {
+    const auto depth = static_cast<std::size_t>(levels - 1);
+    MessageReader reader;
+    reader.feed("{\"a\\\"[\": " + std::string(depth, '[') + inside + std::string(depth, ']') +
+                "}\n");
+    return reader.next()->damage;
+  };
+  const std::string text = '"' + std::string(100, '{') + "\\\\\"";
+  EXPECT_EQ(nested(MessageReader::deepest, ""), "");
+  EXPECT_EQ(nested(MessageReader::deepest, text), "");
+  EXPECT_EQ(nested(MessageReader::deepest, "[], []").find("nested deeper"), 0U);
+  EXPECT_EQ(nested(MessageReader::deepest + 1, "").find("nested deeper"), 0U);
+}
+
 TEST(Message, ALineWithoutAnEndIsRefusedInBoundedMemory) {
   MessageReader reader;
   const std::string part(1 << 20, 'x');

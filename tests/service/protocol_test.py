@@ -587,6 +587,28 @@ class Hostile(Driven):
                     answers[answer["id"]] = answer
                 self.assertEqual([ends in answers[i] for i in range(len(requests))], [True] * len(requests), answers)
 
+    def test_a_client_that_sends_no_more_is_answered(self):
+        """In the order of its requests to one simulation, also what that refuses."""
+        self.construct("hello")
+        bad = {"jsonrpc": "2.0", "id": "bad", "method": "memory.read", "params": {"simulation": 1, "size": "x"}}
+        late = {"jsonrpc": "2.0", "id": None, "method": "simulation.state", "params": {"simulation": 1}}
+        silent = {"jsonrpc": "2.0", "method": "simulation.state", "params": {"simulation": 1}}
+        large = {"jsonrpc": "2.0", "id": 1.5, "method": "memory.read", "params": {"simulation": 1, "address": 0}}
+        large["params"]["size"] = 200000
+        self.session.process.stdin.write(
+            "".join(json.dumps(each) + "\n" for each in (bad, silent, large, late)).encode()
+        )
+        self.session.process.stdin.close()
+        answers = []
+        while line := self.session.process.stdout.readline():
+            answers.append(json.loads(line))
+            answers[-1]["data"] = [self.session.process.stdout.read(size) for size in answers[-1].get("frames", [])]
+        self.assertEqual([each["id"] for each in answers], ["bad", 1.5, None])
+        self.assertEqual([each["jsonrpc"] for each in answers], ["2.0"] * 3)
+        self.assertEqual(answers[0]["error"]["code"], -32602)
+        self.assertEqual(len(answers[1]["data"][0]), 200000)
+        self.assertIn("place", answers[2]["result"])
+
     def test_outputs_belong_to_one(self):
         simulation = self.construct(**{"trace.waves": "waves.fst"})
         with self.assertRaisesRegex(Refused, "names a file"):

@@ -82,6 +82,7 @@ TEST(DebugInformation, NamesTheLinesThatAddr2lineNames) {
     unsigned compared = 0, different = 0;
     for (std::size_t i = 0; i < addresses.size(); ++i) {
       const std::string found = ours(information, addresses[i]);
+      ASSERT_EQ(ours(information, addresses[i]), found) << "asked again";
       // Assembly has lines and no functions: which of several names is each one's choice.
       const bool assembly = expected[i].find(".S:") != std::string::npos;
       if (found.empty() || assembly || expected[i].find('?') != std::string::npos) continue;

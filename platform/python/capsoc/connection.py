@@ -18,6 +18,7 @@ from . import arrays, errors
 #: Limits of the protocol, in bytes.
 LONGEST_LINE, LARGEST_FRAMES = 16 << 20, 1 << 30
 CHUNK = 1 << 16
+_encode = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
 
 _open: weakref.WeakSet[Connection] = weakref.WeakSet()
 
@@ -79,7 +80,7 @@ class Connection:
         if frames:
             message["frames"] = [len(frame) for frame in frames]
         try:
-            text = json.dumps(message, separators=(",", ":"), allow_nan=False)
+            text = _encode(message)
         except (TypeError, ValueError) as error:
             self.forget(number)
             raise errors.RequestError(f"{method}: a parameter cannot be sent: {error}.", -32602) from None
@@ -141,7 +142,8 @@ class Connection:
         """Reads one message and files its answer. What an exception interrupts stays in the buffer."""
         end = self._fill_line(deadline)
         try:
-            message = json.loads(self._buffer[:end])
+            line = self._buffer[:end].decode()
+            message = json.loads(line)
             sizes = message.get("frames", [])
             if not isinstance(sizes, list) or not all(type(size) is int and size >= 0 for size in sizes):
                 raise ValueError("its frames are no list of sizes")
@@ -156,9 +158,9 @@ class Connection:
             frames.append(self._buffer[begin : begin + size])
             begin += size
         del self._buffer[:begin]
-        self._file(message, frames)
+        self._file(message, frames, '"frame"' in line)
 
-    def _file(self, message: dict[str, Any], frames: list[bytearray]) -> None:
+    def _file(self, message: dict[str, Any], frames: list[bytearray], has_arrays: bool) -> None:
         number = message.get("id")
         answer: Any
         if "error" in message:
@@ -167,7 +169,7 @@ class Connection:
                 raise self._fail(str(answer))
         elif "result" in message and isinstance(number, int):
             try:
-                answer = arrays.decode(message["result"], frames)
+                answer = arrays.decode(message["result"], frames) if has_arrays else message["result"]
             except errors.SessionError as error:
                 raise self._fail(str(error)) from None
         else:

@@ -113,7 +113,7 @@ const loader::Symbol* Program::function_at(uint32_t address) const {
 std::vector<Place> Program::places_at(uint32_t address) const {
   address &= ~1u;
   for (const auto& information : debug_information()) {
-    std::vector<Place> places = information->places_at(address);
+    const std::vector<Place>& places = information->places_at(address);
     if (!places.empty()) return places;
   }
   const loader::Symbol* function = function_at(address);

@@ -253,7 +253,15 @@ std::optional<SourceLine> DebugInformation::line_at(uint32_t address) const {
   return SourceLine{for_reports(files_[row->file].name), row->line};
 }
 
-std::vector<Place> DebugInformation::places_at(uint32_t address) const {
+const std::vector<Place>& DebugInformation::places_at(uint32_t address) const {
+  constexpr std::size_t most_kept = 4096;
+  const auto found = places_.find(address);
+  if (found != places_.end()) return found->second;
+  if (places_.size() == most_kept) places_.clear();
+  return places_[address] = search_places(address);
+}
+
+std::vector<Place> DebugInformation::search_places(uint32_t address) const {
   std::vector<Place> places;
   const auto unit = std::find_if(units_.begin(), units_.end(), [address](const Unit& u) {
     return address >= u.first && address < u.behind;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -52,8 +53,8 @@ class DebugInformation {
 
   std::optional<SourceLine> line_at(uint32_t address) const;
   /// The functions at an address, the innermost first: what was inlined there, then the function
-  /// itself. Empty: none is described.
-  std::vector<Place> places_at(uint32_t address) const;
+  /// itself. Empty: none is described. The newest answers are kept: valid until the next call.
+  const std::vector<Place>& places_at(uint32_t address) const;
   Unwound unwind(uint32_t address, Registers& registers, const ReadWord& read) const {
     return unwind_by_description(frames_, address, registers, read);
   }
@@ -82,6 +83,7 @@ class DebugInformation {
   void read_ranges(Dwarf_Die& unit);
   void read_rows(Dwarf_Die& unit);
   unsigned file_index(const char* name, const std::string& folder);
+  std::vector<Place> search_places(uint32_t address) const;
   void complain(const std::string& what) const;
 
   std::string name_;
@@ -92,6 +94,7 @@ class DebugInformation {
   std::vector<SourceFile> files_;
   std::map<std::pair<std::string, std::string>, unsigned> file_numbers_;  ///< by folder and name
   mutable std::set<std::string> complaints_;
+  mutable std::unordered_map<uint32_t, std::vector<Place>> places_;  ///< that were asked for
 };
 
 }  // namespace capsoc::source

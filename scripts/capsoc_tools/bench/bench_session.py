@@ -40,6 +40,31 @@ def requests_a_second(session, simulation, count):
     return count / one, count / timed(ahead)
 
 
+def requests(capsoc, programs, blocks, count):
+    """Rates of programs whose blocks of requests alternate: pairs as of requests_a_second() by program."""
+    sessions = [capsoc.Session(program) for program in programs]
+    simulations = [session.run() for session in sessions]
+    for simulation in simulations:
+        simulation.advance(seconds=1)
+    pairs = [
+        [requests_a_second(*each, count) for each in zip(sessions, simulations)]
+        for _ in range(blocks + 1)  # the first one is to warm up
+    ][1:]
+    for session in sessions:
+        session.close()
+    return [list(of_program) for of_program in zip(*pairs)]
+
+
+def print_requests(rates, names):
+    for kind, what in enumerate(("requests that wait for answers", "requests sent ahead")):
+        of_kind = [[pair[kind] for pair in of_program] for of_program in rates]
+        for name, values in zip(names, of_kind):
+            print(f"{what}{name}: {spread(values, '/s', 0)}")
+        for name, values in zip(names[1:], of_kind[1:]):
+            ratios = [ours / theirs for ours, theirs in zip(of_kind[0], values)]
+            print(f"ratio to{name}: {spread(ratios, 'times')}")
+
+
 def main_job(program, capsoc):
     def run():
         subprocess.run([program, "run", "--json", os.devnull], check=True, capture_output=True)
@@ -85,7 +110,10 @@ def main():
     parser = argparse.ArgumentParser(prog="bench_session", description=__doc__)
     parser.add_argument("--program", default=SOURCE / "build" / "capsoc", type=Path)
     parser.add_argument("--repeat", default=5, type=int)
-    parser.add_argument("--requests", default=20000, type=int)
+    parser.add_argument("--requests", default=1000, type=int, help="of a block")
+    parser.add_argument("--blocks", default=40, type=int, help="of requests of each program")
+    parser.add_argument("--other", type=Path, help="a program whose requests alternate with ours")
+    parser.add_argument("--only-requests", action="store_true")
     parser.add_argument("--samples", default=1000000, type=int)
     parser.add_argument("--pieces", default=100000, type=int)
     arguments = parser.parse_args()
@@ -93,6 +121,11 @@ def main():
         capsoc = importlib.import_module("capsoc")
     except ModuleNotFoundError:
         parser.error("there is no module capsoc; begin the line with PYTHONPATH=platform/python")
+    programs = [arguments.program] + ([arguments.other] if arguments.other else [])
+    rates = requests(capsoc, programs, arguments.blocks, arguments.requests)
+    print_requests(rates, [f" ({program.name})" for program in programs] if arguments.other else [""])
+    if arguments.only_requests:
+        return 0
     run, in_session = main_job(arguments.program, capsoc)
     direct, driven = [], []
     for _ in range(arguments.repeat):
@@ -104,13 +137,6 @@ def main():
     print(f"ratio: {spread(ratios, 'times')}")
 
     with capsoc.Session(arguments.program) as session:
-        simulation = session.run()
-        simulation.advance(seconds=1)
-        rates = [requests_a_second(session, simulation, arguments.requests) for _ in range(arguments.repeat)]
-        print(f"requests that wait for answers: {spread([rate[0] for rate in rates], '/s', 0)}")
-        print(f"requests sent ahead: {spread([rate[1] for rate in rates], '/s', 0)}")
-        simulation.close()
-
         settings = {"demodulation_samples": 1000000000}
         simulation = session.run(program=settings)
         seconds = timed(lambda: simulation.advance(samples=arguments.samples))
