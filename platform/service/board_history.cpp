@@ -107,13 +107,17 @@ Json Board::told(Frames& frames) {
 }
 
 std::optional<Error> Board::set_told(const Json& told, const Frames& frames) {
-  for (const auto& [name, output] : outputs()) {
-    const Json& each = told.at("outputs").at(name);
-    output->set_told({each.at("told").get<uint64_t>(), bytes_in(each.at("said"), frames),
-                      each.at("lost").get<uint64_t>()});
+  if (const auto known = told.find("outputs"); known != told.end()) {
+    for (const auto& [name, output] : outputs()) {
+      const Json& each = known->at(name);
+      output->set_told({each.at("told").get<uint64_t>(), bytes_in(each.at("said"), frames),
+                        each.at("lost").get<uint64_t>()});
+    }
+    events_.set_told(sc_core::sc_time::from_value(told.at("events_ps").get<uint64_t>()));
+  } else {
+    forget_told();
   }
   for (UartTap& uart : uarts_) uart.search_what_is_sent_again();
-  events_.set_told(sc_core::sc_time::from_value(told.at("events_ps").get<uint64_t>()));
   // Which samples of the way here are there depends on where a snapshot was: only the newest is.
   if (samples_.size() > 1) {
     first_sample_ += samples_.size() - 1;

@@ -17,7 +17,8 @@ const std::vector<BoardVerb>& board_verbs() {
       if (verb.effect == Effect::input)
         verb.about.result.push_back(
             {"ended_history", "object",
-             "after going back: where the future ended that this request replaces"});
+             "after going back: where the history ended that this request leaves, and its number, "
+             "`history`"});
     return verbs;
   }();
   return all;

@@ -1,6 +1,7 @@
 #include "service/history.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -10,6 +11,12 @@ namespace {
 constexpr double ps_per_s = 1e12;
 /// Of an entry in memory in addition to its texts.
 constexpr std::size_t overhead = 200;
+
+/// How many two histories have in common.
+std::size_t common_inputs(const History::Inputs& one, const History::Inputs& other) {
+  const auto [first, second] = std::mismatch(one.begin(), one.end(), other.begin(), other.end());
+  return static_cast<std::size_t>(first - one.begin());
+}
 
 }  // namespace
 
@@ -92,7 +99,11 @@ void History::begin(const Position& at, std::string bytes) {
 }
 
 void History::expect(const std::vector<Input>& inputs, const Position& end) {
-  inputs_.assign(inputs.begin(), inputs.end());
+  for (const Input& input : inputs) {
+    inputs_.push_back(std::make_shared<const Input>(input));
+    input_bytes_ += size_of(input);
+    budget_ += size_of(input);
+  }
   if (end_ < end) end_ = end;
 }
 
@@ -107,22 +118,83 @@ void History::add_snapshot(const Position& at, uint64_t effort_ns, std::string b
   fit();
 }
 
-std::optional<Position> History::add(Input input) {
+std::optional<History::Ended> History::add(Input input) {
   const Position at = input.at;
-  std::optional<Position> ended;
-  if (at < end_) ended = end_;
+  std::optional<Ended> ended;
+  if (at < end_) {
+    ended = Ended{end_, number_};
+    leave();
+    number_ = ++greatest_number_;
+  }
   while (at < snapshots_.back().at || (ended && snapshots_.back().inputs > applied_))
     remove(snapshots_.size() - 1);
+  Inputs others;
   while (dropped_ + inputs_.size() > applied_) {
-    input_bytes_ -= size_of(inputs_.back());
+    others.push_back(std::move(inputs_.back()));
     inputs_.pop_back();
   }
+  drop(std::move(others));
   input_bytes_ += size_of(input);
-  inputs_.push_back(std::move(input));
+  inputs_.push_back(std::make_shared<const Input>(std::move(input)));
   ++applied_;
   end_ = reached_ = at;
+  remeasure();
   fit();
   return ended;
+}
+
+void History::leave() {
+  if (left_.size() == most_left) drop_least();
+  Left left{number_, end_, end_, inputs_};
+  const auto less = [](const Left& one, const Left& other) { return one.number < other.number; };
+  left_.insert(std::upper_bound(left_.begin(), left_.end(), left, less), std::move(left));
+}
+
+bool History::select(uint64_t number) {
+  const auto found = std::find_if(left_.begin(), left_.end(),
+                                  [number](const Left& each) { return each.number == number; });
+  if (found == left_.end()) return false;
+  Left selected = std::move(*found);
+  left_.erase(found);
+  leave();
+  number_ = selected.number;
+  while (snapshots_.size() > 1 && selected.from < snapshots_.back().at)
+    remove(snapshots_.size() - 1);
+  const uint64_t common = common_inputs(inputs_, selected.inputs);
+  while (snapshots_.size() > 1 && snapshots_.back().inputs > dropped_ + common)
+    remove(snapshots_.size() - 1);
+  inputs_ = std::move(selected.inputs);
+  end_ = selected.end;
+  reached_ = selected.from;
+  applied_ = dropped_ + common;
+  remeasure();
+  return true;
+}
+
+/// Where each history that was left parts from the present one.
+void History::remeasure() {
+  for (Left& left : left_) {
+    const std::size_t common = common_inputs(inputs_, left.inputs);
+    left.from = std::min(end_, left.end);
+    for (const Inputs* inputs : std::initializer_list<const Inputs*>{&inputs_, &left.inputs})
+      if (common < inputs->size()) left.from = std::min(left.from, (*inputs)[common]->at);
+  }
+}
+
+void History::drop_least() {
+  const auto way = [](const Left& left) { return left.end.time_ps - left.from.time_ps; };
+  const auto least =
+      std::min_element(left_.begin(), left_.end(),
+                       [&](const Left& one, const Left& other) { return way(one) < way(other); });
+  Inputs inputs = std::move(least->inputs);
+  left_.erase(least);
+  drop(std::move(inputs));
+}
+
+/// Inputs of a history; others may have them, too.
+void History::drop(Inputs inputs) {
+  for (auto& input : inputs)
+    if (input.use_count() == 1) input_bytes_ -= size_of(*input);
 }
 
 void History::reach(const Position& at) {
@@ -132,7 +204,7 @@ void History::reach(const Position& at) {
 
 const Input* History::next() const {
   const uint64_t index = applied_ - dropped_;
-  return index < inputs_.size() ? &inputs_[index] : nullptr;
+  return index < inputs_.size() ? inputs_[index].get() : nullptr;
 }
 
 std::size_t History::before(const Target& target) const {
@@ -174,7 +246,9 @@ std::size_t History::least_missed() const {
 
 void History::fit() {
   while (bytes() > budget_ || snapshots_.size() > most_snapshots) {
-    if (snapshots_.size() > 2)
+    if (!left_.empty() && (input_bytes_ > budget_ / 2 || snapshots_.size() <= 2))
+      drop_least();
+    else if (snapshots_.size() > 2)
       remove(least_missed());
     else if (snapshots_.size() == 2)
       move_beginning();
@@ -190,19 +264,51 @@ void History::remove(std::size_t snapshot) {
 
 void History::move_beginning() {
   remove(0);
-  while (dropped_ < snapshots_.front().inputs) {
-    input_bytes_ -= size_of(inputs_.front());
-    inputs_.pop_front();
-    ++dropped_;
+  const Snapshot& front = snapshots_.front();
+  const auto count = static_cast<std::ptrdiff_t>(front.inputs - dropped_);
+  std::vector<Left> reachable;
+  for (Left& left : left_) {
+    const bool is_reachable = !(left.from < front.at) && static_cast<std::ptrdiff_t>(common_inputs(
+                                                             inputs_, left.inputs)) >= count;
+    if (is_reachable) left.inputs.erase(left.inputs.begin(), left.inputs.begin() + count);
+    if (is_reachable)
+      reachable.push_back(std::move(left));
+    else
+      drop(std::move(left.inputs));
   }
+  left_ = std::move(reachable);
+  Inputs before(inputs_.begin(), inputs_.begin() + count);
+  inputs_.erase(inputs_.begin(), inputs_.begin() + count);
+  drop(std::move(before));
+  dropped_ = front.inputs;
 }
 
 Json History::pack(Frames& frames) const {
-  std::string log;
-  for (const Input& input : inputs_) log += to_bytes(input);
   Json about = {{"budget", budget_},    {"dropped", dropped_},          {"applied", applied_},
-                {"end", to_json(end_)}, {"reached", to_json(reached_)}, {"log", frames.size()}};
-  frames.push_back(std::move(log));
+                {"end", to_json(end_)}, {"reached", to_json(reached_)}, {"log", frames.size()},
+                {"number", number_},    {"greatest", greatest_number_}};
+  const auto add_log = [&frames](const Inputs& inputs, std::size_t from) {
+    std::string log;
+    for (std::size_t i = from; i < inputs.size(); ++i) log += to_bytes(*inputs[i]);
+    frames.push_back(std::move(log));
+  };
+  add_log(inputs_, 0);
+  Json& left = about["left"] = Json::array();
+  std::vector<const Inputs*> known = {&inputs_};
+  for (const Left& each : left_) {
+    std::size_t base = 0;  // the one with the most in common
+    for (std::size_t i = 1; i < known.size(); ++i)
+      if (common_inputs(*known[i], each.inputs) > common_inputs(*known[base], each.inputs))
+        base = i;
+    const std::size_t common = common_inputs(*known[base], each.inputs);
+    left.push_back({{"number", each.number},
+                    {"end", to_json(each.end)},
+                    {"base", base},
+                    {"common", common},
+                    {"log", frames.size()}});
+    add_log(each.inputs, common);
+    known.push_back(&each.inputs);
+  }
   Json& list = about["snapshots"] = Json::array();
   for (const Snapshot& each : snapshots_) {
     list.push_back({{"at", to_json(each.at)},
@@ -220,12 +326,32 @@ Result<History> History::unpack(const Json& about, Frames frames) {
   history.applied_ = about.at("applied").get<uint64_t>();
   history.end_ = position_in(about.at("end")).value_or(Position());
   history.reached_ = position_in(about.at("reached")).value_or(Position());
-  auto inputs = inputs_in(frames.at(about.at("log").get<std::size_t>()));
-  if (!inputs) return Error{inputs.error()};
-  for (Input& input : inputs.value()) {
-    history.input_bytes_ += size_of(input);
-    history.inputs_.push_back(std::move(input));
+  history.number_ = about.at("number").get<uint64_t>();
+  history.greatest_number_ = about.at("greatest").get<uint64_t>();
+  const auto add_log = [&](const Json& log, Inputs& to) -> std::optional<Error> {
+    auto inputs = inputs_in(frames.at(log.get<std::size_t>()));
+    if (!inputs) return Error{inputs.error()};
+    for (Input& input : inputs.value()) {
+      history.input_bytes_ += size_of(input);
+      to.push_back(std::make_shared<const Input>(std::move(input)));
+    }
+    return std::nullopt;
+  };
+  if (auto error = add_log(about.at("log"), history.inputs_)) return *error;
+  for (const Json& each : about.at("left")) {
+    const auto base = each.at("base").get<std::size_t>();
+    const Inputs& known = base == 0 ? history.inputs_ : history.left_.at(base - 1).inputs;
+    const auto common = each.at("common").get<std::ptrdiff_t>();
+    if (common > static_cast<std::ptrdiff_t>(known.size()))
+      return Error{"a history without its beginning"};
+    Left left;
+    left.number = each.at("number").get<uint64_t>();
+    left.end = position_in(each.at("end")).value_or(Position());
+    left.inputs.assign(known.begin(), known.begin() + common);
+    if (auto error = add_log(each.at("log"), left.inputs)) return *error;
+    history.left_.push_back(std::move(left));
   }
+  history.remeasure();
   for (const Json& each : about.at("snapshots")) {
     Snapshot snapshot{position_in(each.at("at")).value_or(Position()),
                       each.at("inputs").get<uint64_t>(), each.at("effort_ns").get<uint64_t>(),

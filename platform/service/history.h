@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -67,13 +68,28 @@ Result<std::vector<Input>> inputs_in(const std::string& bytes);
 class History {
  public:
   /// Keeps the hand-over to another process short.
-  static constexpr std::size_t most_snapshots = 256;
+  static constexpr std::size_t most_snapshots = 256, most_left = 32;
+  using Inputs = std::deque<std::shared_ptr<const Input>>;
 
   struct Snapshot {
     Position at;
     uint64_t inputs = 0;     ///< applied before it, since the first of all
     uint64_t effort_ns = 0;  ///< processor time of the host up to here
     std::string bytes;       ///< of the caller; "": the board out of reset
+  };
+
+  /// A history that was left: what came after it was left at `from` begins another one. It has no
+  /// snapshots after `from`, and is simulated again from those before.
+  struct Left {
+    uint64_t number = 0;
+    Position from;  ///< as far as it is the present one
+    Position end;
+    Inputs inputs;  ///< as inputs()
+  };
+  /// The end of a history that is the present one no more, and its number.
+  struct Ended {
+    Position at;
+    uint64_t number = 0;
   };
 
   /// `budget`: bytes for snapshots and inputs together. 0: nothing is kept.
@@ -85,9 +101,17 @@ class History {
   void begin(const Position& at, std::string bytes);
 
   void add_snapshot(const Position& at, uint64_t effort_ns, std::string bytes);
-  /// Logs an input that was applied now. What lay after `at` will not happen any more; its end is
-  /// returned if there was any.
-  std::optional<Position> add(Input input);
+  /// Logs an input that was applied now. If anything lay after it, that history is left, and
+  /// another one begins.
+  std::optional<Ended> add(Input input);
+  /// The number of the present history, from 1.
+  uint64_t number() const { return number_; }
+  /// Those that were left and can be reached, by their numbers; when there are too many, or they
+  /// do not fit into the budget, the one that went least far is dropped.
+  const std::vector<Left>& left() const { return left_; }
+  /// Makes one of these the present history, of which it is simulated no more than what both had in
+  /// common. False: there is none of that number. The caller goes to a snapshot then.
+  bool select(uint64_t number);
   /// The simulation is here, perhaps further than ever in this history.
   void reach(const Position& at);
 
@@ -96,8 +120,8 @@ class History {
   const Input* next() const;
   void pass_next() { ++applied_; }
   uint64_t passed() const { return applied_; }
-  /// Of a history that has just begun: these come, and it ends at `end`. They do not count against
-  /// the budget.
+  /// Of a history that has just begun: these come, and it ends at `end`. The budget grows by what
+  /// they take.
   void expect(const std::vector<Input>& inputs, const Position& end);
 
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
@@ -113,7 +137,7 @@ class History {
   /// As far as it was simulated: to its end, unless that is expected.
   const Position& reached() const { return reached_; }
   /// Logged since the beginning.
-  const std::deque<Input>& inputs() const { return inputs_; }
+  const Inputs& inputs() const { return inputs_; }
   /// How many of them came before a snapshot.
   std::ptrdiff_t kept_before(const Snapshot& snapshot) const {
     return static_cast<std::ptrdiff_t>(snapshot.inputs - dropped_);
@@ -131,12 +155,18 @@ class History {
   void remove(std::size_t snapshot);
   void move_beginning();
   std::size_t least_missed() const;
+  void leave();
+  void drop_least();
+  void drop(Inputs inputs);
+  void remeasure();
 
   std::size_t budget_;
   std::vector<Snapshot> snapshots_;  // in the order of their positions
-  std::deque<Input> inputs_;         // likewise
-  uint64_t dropped_ = 0;             // inputs before inputs_
-  uint64_t applied_ = 0;             // inputs, with those dropped
+  Inputs inputs_;                    // likewise
+  std::vector<Left> left_;           // by number
+  uint64_t number_ = 1, greatest_number_ = 1;
+  uint64_t dropped_ = 0;  // inputs before inputs_
+  uint64_t applied_ = 0;  // inputs, with those dropped
   std::size_t snapshot_bytes_ = 0, input_bytes_ = 0;
   Position end_, reached_;
 };

@@ -259,7 +259,7 @@ Result<SessionFile> record(Board& board, std::optional<double> last_s) {
   session.begin_ps = begin.at.time_ps;
   const auto& inputs = history.inputs();
   for (auto input = inputs.begin() + history.kept_before(begin); input != inputs.end(); ++input)
-    if (input->at <= now) session.inputs.push_back(*input);
+    if ((*input)->at <= now) session.inputs.push_back(**input);
   for (const History::Snapshot& snapshot : history.snapshots()) {
     if (snapshot.at <= begin.at || snapshot.bytes.empty() || now <= snapshot.at) continue;
     const Board::Snapshot state = Board::Snapshot::of(snapshot.bytes);

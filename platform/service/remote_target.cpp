@@ -126,12 +126,14 @@ Answer RemoteTarget::ask(const std::string& method, Json parameters) {
   return session_.call(method, std::move(parameters));
 }
 
-/// Something that is written in the past begins another future.
+/// Something that is written in the past begins another history.
 Answer RemoteTarget::change(const std::string& method, Json parameters) {
   forget();
   Answer answer = ask(method, std::move(parameters));
   if (const auto ended = answer.result.find("ended_history"); ended != answer.result.end())
-    say_(fmt::format("a new history begins here; the one until {} is given up\n", text_of(*ended)));
+    say_(fmt::format(
+        "a new history begins here; history {0} is kept, until {1}: monitor history {0}\n",
+        ended->at("history").get<uint64_t>(), text_of(*ended)));
   return answer;
 }
 
@@ -233,6 +235,7 @@ std::string RemoteTarget::show_stimulus(uint32_t, bool) {
 std::string RemoteTarget::command_help() const {
   return "when             where the simulation is in its history\n"
          "goto POSITION    back or forward: a time as 0.25s, #INSTRUCTION, cycle N, sample N\n"
+         "history [NUMBER] the histories that were left, or to the end of one of them\n"
          "last-write ADDRESS|VARIABLE|$REGISTER [SIZE]  which instruction wrote it last\n"
          "last-change NAME the last change of PERIPHERAL.REGISTER[.FIELD] or of a signal\n"
          "who-set NAME     who made it: an instruction, the device, the debugger\n"
@@ -249,6 +252,7 @@ std::optional<std::string> RemoteTarget::command(const std::string& line) {
   if (words.empty()) return std::nullopt;
   static const std::map<std::string, std::string (RemoteTarget::*)(const Words&)> commands = {
       {"goto", &RemoteTarget::go_to},
+      {"history", &RemoteTarget::histories},
       {"last-write", &RemoteTarget::last_write},
       {"last-change", &RemoteTarget::last_change},
       {"who-set", &RemoteTarget::last_change},
@@ -278,16 +282,40 @@ std::string RemoteTarget::go_to(const Words& words) {
   Json position = position_from(words, at);
   if (position.is_null() || at != words.size())
     return fmt::format("goto: write {}\n", position_form);
+  return jump("simulation.goto", std::move(position));
+}
+
+/// Somewhere else, of which the debugger has no notice.
+std::string RemoteTarget::jump(const std::string& method, Json parameters) {
   forget();
-  const Answer answer = ask("simulation.goto", std::move(position));
+  const Answer answer = ask(method, std::move(parameters));
   if (!answer.ok()) return answer.sentence + "\n";
   const Answer where = ask("simulation.state", Json::object());
   std::string place = where.ok() ? where.result.at("place").get<std::string>() : "";
   if (!place.empty() && place.back() != '\n') place += '\n';
   return fmt::format(
-      "{}\n{}the debugger still shows the old registers: maintenance flush "
-      "register-cache\n",
+      "{}\n{}GDB still shows the old registers: maintenance flush register-cache, which "
+      "history.gdb "
+      "does after each monitor command\n",
       text_of(answer.result.at("state")), place);
+}
+
+std::string RemoteTarget::histories(const Words& words) {
+  if (words.size() > 1) {
+    const auto number = words.size() == 2 ? whole_number(words[1]) : std::nullopt;
+    return number ? jump("history.select", {{"number", *number}})
+                  : "history: write the number of one, or nothing\n";
+  }
+  const Answer answer = ask("history.list", Json::object());
+  if (!answer.ok()) return answer.sentence + "\n";
+  std::string text;
+  for (const Json& each : answer.result.at("histories"))
+    text += fmt::format(
+        "{}{}: {} inputs, until {}{}\n", each.at("present") == Json(true) ? "* " : "  ",
+        each.at("history").get<uint64_t>(), each.at("inputs").get<uint64_t>(),
+        text_of(each.at("end")),
+        each.contains("from") ? "; the present one until " + text_of(each.at("from")) : "");
+  return text;
 }
 
 std::string RemoteTarget::last_write(const Words& words) {

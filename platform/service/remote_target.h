@@ -51,6 +51,8 @@ class RemoteTarget final : public debug::Target {
   void change_or_say(const std::string& method, Json parameters);
   std::string when();
   std::string go_to(const Words& words);
+  std::string jump(const std::string& method, Json parameters);
+  std::string histories(const Words& words);
   std::string last_write(const Words& words);
   std::string last_change(const Words& words);
   std::string timeline(const Words& words);

@@ -111,6 +111,7 @@ class Session {
   struct Seek;
   void go_to(Request& request);
   void go_back(Request& request);
+  void select_history(Request& request);
   void find_write(Request& request);
   void find_change(Request& request);
   Json goals_of(Request& request);

@@ -230,6 +230,13 @@ void Session::go_to(Request& request) {
   });
 }
 
+void Session::select_history(Request& request) {
+  seek(request, {{"select", request.parameters.at("number")}},
+       [this](Json left, const std::shared_ptr<Seek>& seek) {
+         replace(seek, std::move(left.at("goal")), Json::object());
+       });
+}
+
 void Session::go_back(Request& request) {
   const Json& given = request.parameters;
   std::size_t goals = 0;

@@ -37,6 +37,14 @@ std::vector<Session::SessionVerb> Session::history_verbs() {
           "here; never: it did not hold, the simulation stays where it was"}}},
        true,
        &Session::go_back},
+      {{"history.select",
+        "Makes a history that was left the present one, and goes to its end; the present one is "
+        "kept "
+        "instead. What its UARTs sent is not reported again.",
+        {need("number", Type::integer, "of history.list")},
+        {state}},
+       true,
+       &Session::select_history},
       {{"history.last_write",
         "The last instruction before now, or the last request, that wrote to memory, to a variable "
         "or to a register of the processor (that changed it). The simulation stays where it is.",

@@ -1,4 +1,5 @@
 // Where a simulation is in its history. Going back is done by the session (session_history.cpp).
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@ Answer when(Board& board, const Call& call) {
   if (history.is_on()) {
     answer.result["beginning"] = to_json(history.beginning());
     answer.result["end"] = to_json(history.end());
+    answer.result["history"] = history.number();
     answer.result["inputs"] = history.inputs().size();
     answer.result["snapshots"] = history.snapshots().size();
     answer.result["bytes"] = history.bytes();
@@ -30,6 +32,29 @@ Answer when(Board& board, const Call& call) {
   const auto state = board.simulation().packed_state();
   if (!state) return refuse(state.error());
   answer.result["sha256"] = host::sha256_of(state.value());
+  return answer;
+}
+
+Answer list(Board& board, const Call&) {
+  const History& history = board.history();
+  if (!history.is_on()) return refuse("there is no history: " + board.no_history());
+  std::vector<std::pair<uint64_t, Json>> all = {
+      {history.number(),
+       {{"present", true}, {"end", to_json(history.end())}, {"inputs", history.inputs().size()}}}};
+  for (const History::Left& left : history.left())
+    all.emplace_back(left.number, Json{{"present", false},
+                                       {"from", to_json(left.from)},
+                                       {"end", to_json(left.end)},
+                                       {"inputs", left.inputs.size()}});
+  std::sort(all.begin(), all.end(),
+            [](const auto& one, const auto& other) { return one.first < other.first; });
+  Answer answer;
+  Json& list = answer.result["histories"] = Json::array();
+  for (auto& [number, about] : all) {
+    Json each = {{"history", number}};
+    each.update(about);
+    list.push_back(std::move(each));
+  }
   return answer;
 }
 
@@ -73,11 +98,20 @@ std::vector<BoardVerb> history_verbs() {
          {"why", "text", "there is none"},
          {"beginning", "object", "the first position that can be reached"},
          {"end", "object", "the last one that was reached"},
+         {"history", "integer", "its number; a request that changes the past begins another one"},
          {"inputs", "integer", "requests that changed the simulation, since the beginning"},
          {"snapshots", "integer", "kept to go back to"},
          {"bytes", "integer", "that inputs and snapshots take; history_mb limits them"},
          {"sha256", "text", "of the state, equal for equal states of one program and settings"}}},
        when,
+       Effect::looks},
+      {{"history.list",
+        "The present history, and those that were left when a request changed their past.",
+        {},
+        {{"histories", "list",
+          "of objects: history (its number), present, end, inputs; of those that were left also "
+          "from, the last position that they have in common with the present one"}}},
+       list,
        Effect::looks},
       {{"history.keep",
         "Keeps a snapshot of now in the history, from where later positions are reached quickly. "

@@ -213,7 +213,10 @@ class Worker {
     if (!answer.ok() && !wrote) return answer;
     const auto ended = board_->history().add(std::move(input));
     board_->forget_told();
-    if (ended && answer.ok()) answer.result["ended_history"] = to_json(*ended);
+    if (ended && answer.ok()) {
+      Json& old = answer.result["ended_history"] = to_json(ended->at);
+      old["history"] = ended->number;
+    }
     return answer;
   }
 
@@ -326,6 +329,8 @@ class Worker {
   Answer leave_for(const Json& parameters) {
     if (!board_->history().is_on())
       return refuse(fmt::format("there is no history: {}", board_->no_history()));
+    if (const auto number = parameters.find("select"); number != parameters.end())
+      return leave_for_history(number->get<uint64_t>());
     Answer answer;
     answer.result["now"] = to_json(board_->position());
     if (const auto goal = parameters.find("goal"); goal != parameters.end()) {
@@ -345,6 +350,21 @@ class Worker {
     board_->history().reach(board_->position());
     answer.result["told"] = board_->told(answer.frames);
     answer.result["history"] = board_->history().pack(answer.frames);
+    return answer;
+  }
+
+  /// Another history, and as goal its end. What was said in it is not said again.
+  Answer leave_for_history(uint64_t number) {
+    board_->history().reach(board_->position());
+    History other = board_->history();
+    if (number != other.number() && !other.select(number))
+      return refuse(
+          fmt::format("there is no history {}; history.list has those that are kept", number));
+    Answer answer;
+    answer.result = {{"now", to_json(board_->position())}, {"goal", to_json(other.end())}};
+    answer.result["told"] = board_->told(answer.frames);
+    answer.result["told"].erase("outputs");
+    answer.result["history"] = other.pack(answer.frames);
     return answer;
   }
 

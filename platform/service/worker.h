@@ -34,9 +34,10 @@ inline constexpr const char* snapshot_method = "worker.snapshot";
 
 /// For going back (session_history.cpp). leave_method takes a goal, {"unit", "value"}, and answers
 /// with `history`, `told` and frames, or, when the goal is ahead, goes there and answers with
-/// `state`. Construction takes settings, `history` and these frames, and `snapshot`, a number, or
-/// `goal`, which may be a position, too; and `told`, unless the worker is there to look at the past
-/// and say nothing (`for_good`). In one of these:
+/// `state`. Instead of a goal it may take `select`, the number of a history. It answers with that
+/// one, and with its end as `goal`. Construction takes settings, `history` and these frames, and
+/// `snapshot`, a number, or `goal`, which may be a position, too; and `told`, unless the worker is
+/// there to look at the past and say nothing (`for_good`). In one of these:
 /// - search_method takes `what`, `end`, `now`, `is_first` (search.h);
 /// - describe_method takes `what`, cause_method `name`, `since` and `end` (cause.h);
 /// - picture_method takes `one`, another picture;

@@ -286,6 +286,7 @@ class Logged(Past):
         "simulation.record": {"file": "recorded"},
         "history.when": {},
         "history.keep": {},
+        "history.list": {},
         "memory.read": {"address": 0x20000000, "size": 64},
         "variable.read": {"name": "results"},
         "variable.list": {},
@@ -310,7 +311,7 @@ class Logged(Past):
         *("simulation.interrupt", "simulation.snapshot", "simulation.clone"),
         *("debugger.resume", "debugger.reverse", "debugger.kill"),
         *("history.back", "history.last_write", "history.last_change", "history.diff", "history.timeline"),
-        *("history.trace", "history.why"),
+        *("history.trace", "history.why", "history.select"),
     }
 
     def test_every_method(self):
@@ -342,7 +343,7 @@ class Branches(Past):
         self.session("simulation.goto", simulation=simulation, time_s=0.0005)
         self.assertEqual(self.text(simulation), "\x03\x00\x00\x00ABC")
         answer = self.session("uart.send", simulation=simulation, uart=0, bytes=[9, 0, 0, 0, 88, 89])
-        self.assertEqual(answer["ended_history"], end)
+        self.assertEqual(answer["ended_history"], end | {"history": 1})
         told = self.where(simulation)
         self.assertEqual((told["inputs"], told["end"]), (1, told["now"]))
         self.advance(simulation, seconds=0.004)
@@ -352,6 +353,74 @@ class Branches(Past):
         self.session("uart.send", simulation=other, uart=0, bytes=[9, 0, 0, 0, 88, 89])
         self.advance(other, seconds=0.004)
         self.assertEqual(self.look(simulation), self.look(other))
+
+    def test_histories_that_were_left(self):
+        """Drawn walks: what is at the end of each history is what was there when it was left."""
+        draw = random.Random(SEED)
+        simulation = self.construct("echo")
+        ends, inputs, number, selected = {}, {1: []}, 1, 0
+        for _ in range(100):
+            kind = draw.choice(["forward", "forward", "back", "send", "send", "select", "keep"])
+            now = self.where(simulation)["now"]
+            if kind == "forward":
+                self.advance(simulation, cycles=draw.randint(1, 20_000))
+            elif kind == "back":
+                self.session("simulation.goto", simulation=simulation, cycles=draw.randint(0, now["cycles"]))
+            elif kind == "keep":
+                self.session("history.keep", simulation=simulation)
+            elif kind == "select" and set(ends) - {number}:
+                # The one that is left now ends where it was simulated to.
+                end = self.where(simulation)["end"]
+                self.session("simulation.goto", simulation=simulation, time_ps=end["time_ps"])
+                ends[number] = self.look(simulation)
+                number = draw.choice(sorted(set(ends) - {number}))
+                self.session("history.select", simulation=simulation, number=number)
+                self.assertEqual(self.look(simulation), ends[number], f"seed {SEED}, history {number}")
+                selected += 1
+            elif kind == "send":
+                ahead = [each for each in inputs[number] if each[0] > now["cycles"]]
+                end = self.where(simulation)["end"]
+                if ahead or end != now:
+                    self.session("simulation.goto", simulation=simulation, time_ps=end["time_ps"])
+                    ends[number] = self.look(simulation)
+                    self.session("simulation.goto", simulation=simulation, cycles=now["cycles"])
+                    now = self.where(simulation)["now"]
+                byte = draw.randint(1, 255)
+                answer = self.session("uart.send", simulation=simulation, uart=0, bytes=[byte])
+                before = [each for each in inputs[number] if each[0] <= now["cycles"]]
+                self.assertEqual("ended_history" in answer, end != now)
+                if end != now:
+                    self.assertEqual(answer["ended_history"], end | {"history": number})
+                    number = max(inputs) + 1
+                inputs[number] = [*before, (now["cycles"], byte)]
+            about = self.where(simulation)
+            self.assertEqual((about["history"], about["inputs"]), (number, len(inputs[number])))
+            listed = self.session("history.list", simulation=simulation)["histories"]
+            self.assertEqual([each["history"] for each in listed if each["present"]], [number])
+            self.assertEqual({each["history"]: each["inputs"] for each in listed}, {n: len(inputs[n]) for n in inputs})
+        self.assertGreater(selected, 3)
+        self.assertGreater(len(inputs), 5)
+        with self.assertRaisesRegex(Refused, "there is no history 99; history.list has those"):
+            self.session("history.select", simulation=simulation, number=99)
+
+    def test_a_history_that_was_left_says_its_text_once(self):
+        simulation = self.construct("echo")
+        self.advance(simulation, cycles=1000)
+        self.session("uart.send", simulation=simulation, uart=0, bytes=[3, 0, 0, 0, 65, 65, 65])
+        self.advance(simulation, seconds=0.004)
+        self.assertEqual(self.text(simulation), "\x03\x00\x00\x00AAA")
+        self.session("simulation.goto", simulation=simulation, cycles=0)
+        self.session("uart.send", simulation=simulation, uart=0, bytes=[3, 0, 0, 0, 66, 66, 66])
+        while "B" not in self.text(simulation):
+            self.advance(simulation, cycles=50)
+        for number in (1, 2):
+            self.session("history.select", simulation=simulation, number=number)
+            self.assertEqual(self.text(simulation), "")
+        self.advance(simulation, seconds=0.004)
+        self.assertEqual(self.text(simulation), "BB")
+        self.session("simulation.goto", simulation=simulation, cycles=0)
+        wanted = {"uart": 0, "pattern": "B+"}
+        self.assertEqual(self.advance(simulation, uart=wanted, within_s=0.01)["reason"], "uart")
 
     def test_a_pattern_is_found_again(self):
         simulation = self.construct("selfcal")

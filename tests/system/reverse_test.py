@@ -111,7 +111,7 @@ detach
                 OVERWRITTEN,
             )
             _, text, _ = debugged.end()
-        self.assertIn("a new history begins here; the one until 0.00113184 s", out)
+        self.assertIn("a new history begins here; history 1 is kept, until 0.00113184 s", out)
         ends = re.findall(r"^end: +([0-9.]+) s", out, re.MULTILINE)
         self.assertEqual(ends, ["0.00113184", "0.0005"])
         value = int(re.search(r"\$1 = (\d+)", out)[1])
@@ -119,6 +119,47 @@ detach
         self.assertGreater(value, 7)
         # What other futures said, too: the text from 0.0005 s on, and that of the run from its beginning.
         self.assertEqual(text, b"before\nre\nbefore\n")
+
+    def test_histories(self):
+        """What was left is simulated again, and GDB sees at once where the processor is."""
+        out = self.ask(
+            """
+source scripts/debugger/history.gdb
+break parse
+continue
+delete
+printf "at %#x, %d\\n", $pc, shared
+monitor goto 0.0005s
+printf "at %#x, %d\\n", $pc, shared
+backtrace
+set var shared = 7
+stepi
+printf "at %#x, %d\\n", $pc, shared
+monitor history
+monitor history 1
+printf "at %#x, %d\\n", $pc, shared
+backtrace
+monitor history
+monitor history 2
+printf "at %#x, %d\\n", $pc, shared
+monitor history 3
+monitor history x
+"""
+        )
+        first, then, changed, again, second = re.findall(r"^at (0x\w+, \d+)", out, re.MULTILINE)
+        self.assertEqual(first, again)
+        self.assertNotEqual(first.split(",")[0], then.split(",")[0])
+        self.assertEqual(changed, second)
+        self.assertEqual(changed.split(", ")[1], "7")
+        self.assertRegex(out, r"#0 +parse .*\n#1 .*main")
+        position = r"[0-9.]+ s, instruction \d+, cycle \d+, sample \d+"
+        self.assertRegex(
+            out,
+            rf"  1: 1 inputs, until {position}; the present one until 0.0005 s,.*\n\* 2: 2 inputs, until {position}\n",
+        )
+        self.assertRegex(out, r"\* 1: 1 inputs, .*\n  2: 2 inputs, .*; the present one until 0.0005 s,")
+        self.assertIn("there is no history 3; history.list has those that are kept", out)
+        self.assertIn("history: write the number of one, or nothing", out)
 
     def test_the_monitor(self):
         out = self.ask(

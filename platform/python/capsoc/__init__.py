@@ -26,7 +26,21 @@ from .program import find_program
 from .sensor import Harmonic, Sensor
 from .session import Session, replay, run
 from .simulation import Simulation
-from .state import Change, Event, Fault, FunctionCost, Position, Result, Snapshot, State, Step, Stop, Why, Write
+from .state import (
+    Change,
+    Event,
+    Fault,
+    FunctionCost,
+    History,
+    Position,
+    Result,
+    Snapshot,
+    State,
+    Step,
+    Stop,
+    Why,
+    Write,
+)
 
 __version__ = "0.1.0"
 
@@ -40,6 +54,7 @@ __all__ = [
     "Fault",
     "FunctionCost",
     "Harmonic",
+    "History",
     "Position",
     "ProgramNotFound",
     "RequestError",

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Union, cast
 
 from .errors import SimulationError
-from .state import Change, Event, FunctionCost, Position, State, Step, Why, Write, given
+from .state import Change, Event, FunctionCost, History, Position, State, Step, Why, Write, given
 
 if TYPE_CHECKING:
     from .arrays import Outgoing
@@ -29,6 +29,29 @@ class Past:
     def when(self) -> Position:
         """Where the simulation is in its history."""
         return Position.of(self.call("history.when")["now"])
+
+    @property
+    def histories(self) -> list[History]:
+        """The present history, and those that were left when a call changed their past, by number."""
+        return [
+            History(
+                each["history"],
+                each["present"],
+                Position.of(each["end"]),
+                each["inputs"],
+                None if each["present"] else Position.of(each["from"]),
+            )
+            for each in self.call("history.list")["histories"]
+        ]
+
+    def select_history(self, number: int) -> State:
+        """To the end of another history, which is the present one then; the one before is kept instead.
+
+        What the UARTs sent in it is not told again.
+        """
+        answer = self.call("history.select", number=number)
+        self._last = State.of(answer["state"])
+        return self._last
 
     def goto(
         self,

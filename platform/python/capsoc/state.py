@@ -53,6 +53,21 @@ class Position:
 
 
 @dataclass(frozen=True)
+class History:
+    """One history of a simulation: the present one, or one that was left when a call changed its past.
+
+    number: for Simulation.select_history(). start: the last position that it has in common with the present one, None
+    of that one itself. inputs: calls that changed the simulation in it.
+    """
+
+    number: int
+    present: bool
+    end: Position
+    inputs: int
+    start: Optional[Position] = None
+
+
+@dataclass(frozen=True)
 class Write:
     """The last write to something. by: "instruction", or the method of the request that wrote.
 
