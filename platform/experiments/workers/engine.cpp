@@ -57,7 +57,7 @@ void limit(__rlimit_resource_t resource, rlim_t value) {
 }
 
 /// What this process shall not do to others, nor others to its result.
-void become_worker(pid_t parent, int log, const Limits& limits) {
+void become_worker(pid_t parent, int log, [[maybe_unused]] const Limits& limits) {
   host::end_with_parent(parent, 1);
   // The parent ends the workers; half a run is no result.
   host::leave_terminal();
