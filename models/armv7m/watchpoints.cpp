@@ -17,12 +17,13 @@ bool Watchpoints::watches_data() const {
   return !watchpoints_.empty() || context_.state.dwt.watches_data();
 }
 
-bool Watchpoints::watches_page(uint32_t address) const {
+bool Watchpoints::watches_page(uint32_t address, bool write) const {
   const uint32_t page = address & ~(Memory::page_size - 1);
   const Dwt& dwt = context_.state.dwt;
   if (dwt.watches_data() && dwt.watches_page(page, Memory::page_size)) return true;
-  return std::any_of(watchpoints_.begin(), watchpoints_.end(), [page](const Watchpoint& w) {
-    return w.address - page < Memory::page_size || page - w.address < w.size;
+  return std::any_of(watchpoints_.begin(), watchpoints_.end(), [page, write](const Watchpoint& w) {
+    return (write ? w.on_write : w.on_read) &&
+           (w.address - page < Memory::page_size || page - w.address < w.size);
   });
 }
 

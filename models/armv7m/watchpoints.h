@@ -38,9 +38,10 @@ class Watchpoints {
   /// False: there is none like it.
   bool remove(const Watchpoint& watchpoint);
   const WatchHit& hit() const { return watch_hit_; }
-  /// True if the debugger or the program watches data: anywhere, or in the page of an address.
+  /// True if the debugger or the program watches data: anywhere, or loads or stores in the page of
+  /// an address.
   bool watches_data() const;
-  bool watches_page(uint32_t address) const;
+  bool watches_page(uint32_t address, bool write) const;
   /// Records an access to a watched byte; the run then ends after the present instruction.
   bool watched(uint32_t address, unsigned size, bool write);
 

@@ -164,6 +164,7 @@ std::optional<Error> Search::find_signal(const std::string& name) {
 
 Answer Search::perform(const Json& what) {
   std::optional<Error> error;
+  const Json from = to_json(board_.position());
   if (what.contains("points"))
     error = find_points(what.at("points"));
   else if (what.contains("write"))
@@ -180,6 +181,7 @@ Answer Search::perform(const Json& what) {
   Answer answer;
   answer.result = std::move(found_);
   answer.result["interrupted"] = is_cut_;
+  answer.result["from"] = from;
   return answer;
 }
 

@@ -36,7 +36,8 @@ class Search final : private armv7m::Observer {
   /// - {"expression", "every_ps"}: the last instant of the grid at which it was not 0
   /// - {"name" or "signal", "every_ps"}: the last change of a register or field of a device, or of
   ///   a signal of the coprocessor
-  /// The result: {"hit": null}, or {"hit": position} and what else is known.
+  /// The result: {"hit": null}, or {"hit": position} and what else is known; "from", where it
+  /// began.
   Answer perform(const Json& what);
 
  private:

@@ -14,6 +14,7 @@
 #include "base/result.h"
 #include "host/descriptor.h"
 #include "host/temporary_folder.h"
+#include "service/history.h"
 #include "service/message.h"
 #include "service/outbox.h"
 #include "service/verb.h"
@@ -126,6 +127,9 @@ class Session {
   void find(Request& request, Json what,
             std::function<void(const std::shared_ptr<Seek>&, Json)> found);
   void search(const std::shared_ptr<Seek>& seek, std::size_t part);
+  void search_whole(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end);
+  void search_from(const std::shared_ptr<Seek>& seek, Json begin, const Position& end,
+                   bool is_first, std::function<void(const Position& from)> not_found);
   void refine(const std::shared_ptr<Seek>& seek, Json found);
   void replace(const std::shared_ptr<Seek>& seek, Json goal, Json more);
   void ask_past(const std::shared_ptr<Seek>& seek, Json how, std::string method, Json parameters,

@@ -19,6 +19,7 @@ constexpr double ps_in_second = 1e12, latest_s = 1e6;
 constexpr uint64_t finer = 1000, finest_ps = 1000;
 /// What a request writes shows in a register of a device at one of the next edges of its clock.
 constexpr uint64_t cycles_of_a_write = 2;
+constexpr uint64_t near_instructions = 1'000'000;
 
 struct Named {
   const char* name;
@@ -199,22 +200,46 @@ void Session::replace(const std::shared_ptr<Seek>& seek, Json goal, Json more) {
              });
 }
 
-/// Part after part of the history, the last one first.
+/// Part after part of the history, the last one first. What is looked for at every instruction may
+/// be near: the end of the last part comes before the rest of it, which is reached without a look.
 void Session::search(const std::shared_ptr<Seek>& seek, std::size_t part) {
-  const Position end = part + 1 < seek->snapshots.size() && seek->snapshots[part + 1] < seek->now
-                           ? seek->snapshots[part + 1]
-                           : seek->now;
-  ask_past(seek, {{"snapshot", part}}, search_method,
+  const bool is_last =
+      part + 1 >= seek->snapshots.size() || !(seek->snapshots[part + 1] < seek->now);
+  const bool everywhere = seek->what.contains("write") || seek->what.contains("register") ||
+                          seek->what.contains("points");
+  const uint64_t near =
+      seek->now.instructions - std::min(seek->now.instructions, near_instructions);
+  if (is_last && everywhere && seek->snapshots[part].instructions + near_instructions < near)
+    return search_from(
+        seek, {{"goal", to_json(Target{Unit::instructions, near})}}, seek->now, false,
+        [this, seek, part](const Position& from) { search_whole(seek, part, from); });
+  search_whole(seek, part, is_last ? seek->now : seek->snapshots[part + 1]);
+}
+
+void Session::search_whole(const std::shared_ptr<Seek>& seek, std::size_t part,
+                           const Position& end) {
+  search_from(seek, {{"snapshot", part}}, end, part == 0, [this, seek, part](const Position&) {
+    if (part > 0) return search(seek, part - 1);
+    seek->found(*seek, {{"hit", nullptr}});
+  });
+}
+
+/// `not_found` gets the position at which this part begins.
+void Session::search_from(const std::shared_ptr<Seek>& seek, Json begin, const Position& end,
+                          bool is_first, std::function<void(const Position& from)> not_found) {
+  ask_past(seek, std::move(begin), search_method,
            {{"what", seek->what},
             {"end", to_json(end)},
             {"now", to_json(seek->now)},
-            {"is_first", part == 0}},
-           {}, [this, seek, part](Answer answer) {
+            {"is_first", is_first}},
+           {}, [this, seek, not_found = std::move(not_found)](Answer answer) {
              if (answer.ok() && answer.result.at("interrupted") == Json(true))
                answer = refuse("the search was interrupted; the simulation stays where it was");
              if (!answer.ok()) return end_seek(*seek, std::move(answer));
-             if (answer.result.at("hit").is_null() && part > 0) return search(seek, part - 1);
+             if (answer.result.at("hit").is_null())
+               return not_found(position_in(answer.result.at("from")).value_or(Position()));
              answer.result.erase("interrupted");
+             answer.result.erase("from");
              seek->found(*seek, std::move(answer.result));
            });
 }

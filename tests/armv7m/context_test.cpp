@@ -88,8 +88,9 @@ TEST(Watching, AnAccessThatTouchesAWatchedByteIsAHit) {
   EXPECT_FALSE(p.watchpoints.watches_data());
   p.watchpoints.add({0x20000002, 1, false, true});
   EXPECT_TRUE(p.watchpoints.watches_data());
-  EXPECT_TRUE(p.watchpoints.watches_page(0x20000FFC));
-  EXPECT_FALSE(p.watchpoints.watches_page(0x20001000));
+  EXPECT_TRUE(p.watchpoints.watches_page(0x20000FFC, true));
+  EXPECT_FALSE(p.watchpoints.watches_page(0x20000FFC, false)) << "loads go the direct way";
+  EXPECT_FALSE(p.watchpoints.watches_page(0x20001000, true));
   EXPECT_FALSE(p.watchpoints.watched(0x20000000, 4, false)) << "a read";
   EXPECT_FALSE(p.watchpoints.watched(0x20000000, 2, true)) << "beside it";
   EXPECT_TRUE(p.watchpoints.watched(0x20000000, 4, true));

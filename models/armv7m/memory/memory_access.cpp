@@ -254,14 +254,16 @@ void MemoryAccess::select_view() {
 void MemoryAccess::fill_view(uint32_t address) {
   const Memory::Page& page = memory_.page(address);
   if (pages_ == memory_.table() || page.read == nullptr || direct(address).mixed) return;
-  if (context_.listeners.sees_accesses || watchpoints_.watches_page(address)) return;
+  const bool watches_loads = watchpoints_.watches_page(address, false);
+  const bool watches_stores = watchpoints_.watches_page(address, true);
+  if (context_.listeners.sees_accesses || (watches_loads && watches_stores)) return;
   Memory::Page& seen = memory_.view_page(pages_, address);
   seen.mixed = !context_.state.mpu.uniform_in_page(address, Memory::page_bits);
   if (seen.mixed) return;
   const bool privileged = context_.state.privileged();
   seen.wait_states = page.wait_states;
-  if (allows(address, false, false, privileged)) seen.read = page.read;
-  if (allows(address, true, false, privileged)) seen.write = page.write;
+  if (!watches_loads && allows(address, false, false, privileged)) seen.read = page.read;
+  if (!watches_stores && allows(address, true, false, privileged)) seen.write = page.write;
 }
 
 bool MemoryAccess::is_watched() const {

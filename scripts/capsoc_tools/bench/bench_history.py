@@ -1,6 +1,7 @@
-"""What a session's history costs on the main job, and how long going back takes.
+"""What a session's history costs, and how long going back takes.
 
-The runs with and without a history alternate; processor times are those of the session with its simulation.
+The runs with and without a history alternate; processor times are those of the session with its simulation. Going back
+is measured in the host's time, so other programs count.
 """
 
 import argparse
@@ -14,6 +15,8 @@ from pathlib import Path
 
 BUILD = Path(__file__).resolve().parents[3] / "build"
 SEED = 1
+#: The last write to this array of the program is some thousand instructions after its start.
+FAR, ARRAY = "bench_matrix", "b"
 
 
 class Session:
@@ -31,18 +34,75 @@ class Session:
         self.process.stdin.flush()
         return json.loads(self.process.stdout.readline())["result"]
 
+    def timed(self, method, **params):
+        """Host seconds of a request, and its result."""
+        begin = time.perf_counter()
+        result = self.call(method, **params)
+        return time.perf_counter() - begin, result
+
     def close(self):
         self.process.stdin.close()
         self.process.wait()
 
 
-def processor_time(capsoc, megabytes):
+def processor_time(capsoc, program, megabytes):
     begin = resource.getrusage(resource.RUSAGE_CHILDREN)
-    session = Session(capsoc, {"firmware.elf": "selfcal", "history_mb": megabytes})
+    session = Session(capsoc, {"firmware.elf": program, "history_mb": megabytes})
     session.call("simulation.advance", until_s=420)
     session.close()
     end = resource.getrusage(resource.RUSAGE_CHILDREN)
     return end.ru_utime + end.ru_stime - begin.ru_utime - begin.ru_stime
+
+
+def cost(capsoc, program, name, repeat):
+    times = {0: [], 64: []}
+    for _ in range(repeat):
+        for megabytes, all_times in times.items():
+            all_times.append(processor_time(capsoc, program, megabytes))
+    for kind, of in (("least", min), ("median", statistics.median)):
+        without, with_history = (of(each) for each in times.values())
+        share = with_history / without - 1
+        print(f"{name}, {kind:6} {without:.3f} s, with a history {with_history:.3f} s: {share:+.1%}")
+
+
+def near(capsoc, count):
+    session = Session(capsoc, {"firmware.elf": "selfcal"})
+    session.call("simulation.advance", until_s=420)
+    about = session.call("history.when")
+    print(f"kept                      {about['snapshots']} snapshots, {about['bytes'] / 1024:.0f} KiB of 64 MiB")
+    draw = random.Random(SEED)
+    for name, request in (
+        ("goto, any time", lambda: ("simulation.goto", {"time_s": draw.uniform(0, 400)})),
+        ("back by an instruction", lambda: ("history.back", {"instructions": 1})),
+        ("last write to results", lambda: ("history.last_write", {"variable": "results"})),
+        ("last write to r3", lambda: ("history.last_write", {"register": "r3"})),
+    ):
+        taken = []
+        for _ in range(count):
+            method, params = request()
+            taken.append(session.timed(method, **params)[0])
+        print(f"{name:25} median {statistics.median(taken) * 1e3:.1f} ms, longest {max(taken) * 1e3:.1f} ms")
+    session.close()
+
+
+def far(capsoc, instructions):
+    session = Session(capsoc, {"firmware.elf": FAR})
+    took, end = session.timed("simulation.advance", instructions=instructions)
+    about = session.call("history.when")
+    print(
+        f"{end['state']['instructions'] / 1e6:.0f} million instructions of {FAR} in {took:.2f} s, "
+        f"{about['snapshots']} snapshots, {about['bytes'] / 1024:.0f} KiB"
+    )
+    asked, write = session.timed("history.last_write", variable=ARRAY)
+    assert write["found"]
+    back = (end["state"]["instructions"] - write["position"]["instructions"]) / 1e6
+    print(f"last write, {back:.0f} million instructions back: {asked:.2f} s")
+    place = next(each for each in session.call("variable.list")["variables"] if each["name"] == ARRAY)
+    points = [{"kind": "write", "address": place["address"], "size": place["size"]}]
+    took, stop = session.timed("debugger.reverse", kind="run", points=points)
+    assert stop["reason"] == "watchpoint"
+    print(f"reverse-continue to it: {took:.2f} s")
+    session.close()
 
 
 def main():
@@ -50,33 +110,11 @@ def main():
     parser.add_argument("--repeat", type=int, default=15, help="runs of each kind")
     parser.add_argument("--capsoc", default=BUILD / "capsoc", help="the program")
     chosen = parser.parse_args()
-    times = {0: [], 64: []}
-    for _ in range(chosen.repeat):
-        for megabytes, all_times in times.items():
-            all_times.append(processor_time(chosen.capsoc, megabytes))
-    for name, of in (("least", min), ("median", statistics.median)):
-        without, with_history = (of(each) for each in times.values())
-        share = with_history / without - 1
-        print(f"main job, {name:6}          {without:.3f} s, with a history {with_history:.3f} s: {share:+.1%}")
-
-    session = Session(chosen.capsoc, {"firmware.elf": "selfcal"})
-    session.call("simulation.advance", until_s=420)
-    about = session.call("history.when")
-    print(f"kept                      {about['snapshots']} snapshots, {about['bytes'] / 1024:.0f} KiB")
-    draw = random.Random(SEED)
-    for name, request in (
-        ("goto, any time", lambda: ("simulation.goto", {"time_s": draw.uniform(0, 400)})),
-        ("back by an instruction", lambda: ("history.back", {"instructions": 1})),
-        ("last write to results", lambda: ("history.last_write", {"variable": "results"})),
-    ):
-        taken = []
-        for _ in range(20):
-            method, params = request()
-            begin = time.perf_counter()
-            session.call(method, **params)
-            taken.append(time.perf_counter() - begin)
-        print(f"{name:25} median {statistics.median(taken) * 1e3:.1f} ms, longest {max(taken) * 1e3:.1f} ms")
-    session.close()
+    cost(chosen.capsoc, "selfcal", "main job", chosen.repeat)
+    cost(chosen.capsoc, FAR, FAR, max(1, chosen.repeat // 5))
+    near(chosen.capsoc, 20)
+    for instructions in (100_000_000, 1_000_000_000):
+        far(chosen.capsoc, instructions)
 
 
 if __name__ == "__main__":
