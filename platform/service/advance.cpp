@@ -247,6 +247,7 @@ std::optional<Error> Advance::advance_to(const sc_core::sc_time& time) {
     const auto more = board_.simulation().advance_to(waits ? time_of(input->at) : until);
     if (!more) return Error{more.error()};
     is_over_ = !more.value();
+    if (is_over_) board_.events().look_for_verdict();
     // An early return without a request from this advance: a client interrupted, or the history.
     const bool called = board_.simulation().take_interruption();
     is_cut_ = called && board_.is_interrupted();

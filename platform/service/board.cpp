@@ -11,6 +11,7 @@
 #include "base/nearest.h"
 #include "base/printable.h"
 #include "host/places.h"
+#include "metrics/program_verdict.h"
 #include "results/results.h"
 #include "service/ticker.h"
 #include "service/value.h"
@@ -125,6 +126,7 @@ void Board::attach() {
   variables_ = std::make_unique<source::Variables>(simulation_->view().program().images());
   registers_ = std::make_unique<soc::RegisterIndex>(soc());
   events_.attach(soc());
+  events_.read_verdicts_by([this] { return verdict(); });
   soc().clock.on_change([this] {
     if (on_clock_change) on_clock_change();
   });
@@ -138,8 +140,27 @@ void Board::attach() {
           ++first_sample_;
         }
         events_.sample(sample_count(), sample);
+        events_.look_for_verdict();
         samples_.push_back(sample);
       });
+}
+
+/// That of the program's object `program_verdict`.
+Json Board::verdict() {
+  const auto images = simulation_->view().program().images();
+  if (images.empty()) return nullptr;
+  static const metrics::Metrics unknown(std::nullopt, 1);
+  const auto read = [this](uint32_t address, void* bytes, uint32_t size) {
+    return soc().read_memory(address, bytes, size);
+  };
+  const auto stated = metrics::read_verdict(*images.front(), read, unknown);
+  if (!stated) return nullptr;
+  Json verdict = {{"pass", stated->pass}};
+  if (stated->pass)
+    verdict["bound_deg"] = stated->bound_deg;
+  else
+    verdict["reason"] = stated->reason;
+  return verdict;
 }
 
 std::optional<uint32_t> Board::read_word(uint32_t address) {

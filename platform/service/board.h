@@ -121,6 +121,8 @@ class Board {
 
   /// Time, counts and place, as every answer about a state has them.
   Json state();
+  /// What the program states of its results: pass, with bound_deg or reason; null: nothing yet.
+  Json verdict();
   /// The run is closed, and this is its result. Afterwards nothing but state() may be asked.
   Json finish();
   bool is_finished() const { return result_.has_value(); }

@@ -28,8 +28,8 @@ Events::~Events() {
 }
 
 const std::vector<std::string>& Events::kinds() {
-  static const std::vector<std::string> all = {"exception", "fault", "guest_error",
-                                               "sample",    "uart",  "pins"};
+  static const std::vector<std::string> all = {"exception", "fault", "guest_error", "sample",
+                                               "uart",      "pins",  "verdict"};
   return all;
 }
 
@@ -46,6 +46,8 @@ std::optional<Error> Events::subscribe(const std::vector<std::string>& wanted,
   exceptions_ = has("exception");
   faults_ = has("fault");
   samples_ = has("sample");
+  if (has("verdict") && !verdicts_) verdict_ = read_verdict_();
+  verdicts_ = has("verdict");
   look();
   listen_to_guest(has("guest_error"));
   listening_.clear();
@@ -87,6 +89,17 @@ void Events::sample(uint64_t number, const metrics::RecordedSample& sample) {
   const bool has_angle = sample.result && sample.result->angle_valid;
   event["angle_deg"] = has_angle ? Json(sample.result->angle * (360 / 4294967296.0)) : Json();
   add(std::move(event));
+}
+
+void Events::look_for_verdict() {
+  if (!verdicts_) return;
+  Json now = read_verdict_();
+  if (now == verdict_) return;
+  verdict_ = now;
+  if (now.is_null()) return;
+  Json event = {{"kind", "verdict"}, {"time_s", now_s()}};
+  event.update(now);
+  add(std::move(event), now.dump().size());
 }
 
 void Events::watch_exception(int number, std::function<void()> on_entry) {

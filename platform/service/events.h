@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <systemc>
+#include <utility>
 #include <vector>
 
 #include "armv7m/observer.h"
@@ -52,6 +53,11 @@ class Events final : private armv7m::Observer {
 
   /// A result of the coprocessor is there.
   void sample(uint64_t number, const metrics::RecordedSample& sample);
+  /// What the program states of its results, as JSON; null: nothing. Before subscribe().
+  void read_verdicts_by(std::function<Json()> read) { read_verdict_ = std::move(read); }
+  /// The program may have stated another verdict: at a result of the coprocessor, at the end of the
+  /// run.
+  void look_for_verdict();
 
   /// Calls back when the processor enters this exception; below 0: never.
   void watch_exception(int number, std::function<void()> on_entry);
@@ -75,7 +81,10 @@ class Events final : private armv7m::Observer {
   uint64_t lost_ = 0;
   std::vector<std::string> subscribed_;
   sc_core::sc_time told_;
-  bool exceptions_ = false, faults_ = false, samples_ = false;  ///< kinds that are wanted
+  ///< Kinds that are wanted.
+  bool exceptions_ = false, faults_ = false, samples_ = false, verdicts_ = false;
+  std::function<Json()> read_verdict_;
+  Json verdict_;  ///< the last one that was seen
   bool looking_ = false, listening_to_guest_ = false;
   int watched_ = -1;
   std::function<void()> on_entry_;

@@ -93,6 +93,10 @@ std::string what_happened(const Json& event) {
   if (kind == "pins")
     return fmt::format("gpio{}: {:#06x} of {:#06x}", number("gpio"), number("levels"),
                        number("driven"));
+  if (kind == "verdict")
+    return event.at("pass") == Json(true)
+               ? fmt::format("verdict: pass, bound {:.3g} deg", event.at("bound_deg").get<double>())
+               : fmt::format("verdict: fail, {}", text("reason"));
   if (kind == "guest_error") return fmt::format("{}: {}", text("source"), text("text"));
   return kind + ' ' + event.value("count", Json()).dump();
 }

@@ -195,6 +195,7 @@ std::vector<BoardVerb> port_verbs() {
         "Which events the next answers of simulation.advance carry; an empty list ends it.",
         {need("kinds", Type::list,
               "exception, fault, guest_error, sample (a result is there), uart (a line was sent), "
+              "verdict (the program's own, seen at the next result or at the end of the run), "
               "pins (an output changed)")},
         {}},
        subscribe,

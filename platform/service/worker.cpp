@@ -446,6 +446,7 @@ class Worker {
     if (kinds.empty()) kinds = Events::kinds();
     Answer answer = observe_to(parameters.at("end"), "history.timeline",
                                [&] { return board_->subscribe(kinds); });
+    board_->events().look_for_verdict();
     if (answer.ok()) answer.result["events"] = board_->events().take();
     return answer;
   }

@@ -226,6 +226,12 @@ class Parts(Real):
         self.assertEqual(stop.events[0].details["line"], "selfcal: self-calibration at a known speed")
         self.assertEqual(simulation.events, stop.events)
         self.assertGreater(stop.events[0].time_s, 0)
+        simulation = self.run_elf(program=SHORT)
+        simulation.subscribe("verdict")
+        stop = simulation.advance()
+        verdict = simulation.finish().data["verdict"]
+        self.assertEqual([event.details["pass"] for event in stop.events], [verdict["pass"]])
+        self.assertEqual(stop.events[0].details.get("reason"), verdict.get("reason"))
 
     def test_figures(self):
         simulation = self.run_elf()

@@ -90,7 +90,7 @@ class Sockets:
         return True
 
     def answers(self, until, longest):
-        """Reads until an answer has the id `until`, the session closes, or nothing comes for so many seconds."""
+        """Reads until an answer has the id `until`, the session closes, or nothing comes within `longest` seconds."""
         self.socket.settimeout(longest)
         while True:
             while b"\n" in self.received:
@@ -157,7 +157,7 @@ def start_program(words, environment):
 
 
 class Hostile(Case):
-    """A session with a folder of its own, and what must hold after a storm."""
+    """A session with its own folder, and what must hold after a storm."""
 
     def setUp(self):
         super().setUp()
@@ -322,7 +322,7 @@ class Hostile(Case):
         return bytes(data)
 
     def storm(self, messages):
-        """Sends so many messages by clients that come and go."""
+        """Sends this number of messages by clients that come and go."""
         draw = random.Random(SEED)
         first = Sockets(self.path)
         methods = [each for each in first.call("session.schema")["methods"] if each["name"] not in LEFT_OUT]
@@ -352,7 +352,7 @@ class Hostile(Case):
         return before
 
     def take_answers(self, client):
-        """False: what is sent now would be lost, or waits for a simulation that goes on for long."""
+        """False: what is sent now would be lost, or waits for a simulation that runs for long."""
         for answer in client.answers("last", 0.5):
             if answer["id"] == "last":
                 return True
@@ -364,7 +364,7 @@ class Hostile(Case):
 
 
 class Some(Hostile):
-    """As many as CAPSOC_HOSTILE_MESSAGES says."""
+    """The number that CAPSOC_HOSTILE_MESSAGES gives."""
 
     def test_a_storm(self):
         before = self.storm(MESSAGES)

@@ -217,6 +217,33 @@ class Streams(Driven):
         self.assertEqual([event["sample"] for event in stop["events"]], list(range(5)))
         self.assertEqual(stop["events"][-1]["time_s"], stop["state"]["time_s"])
 
+    def test_the_verdict(self):
+        """Once, with what the result has at the end, however the run is cut; after going back it comes again."""
+        for settings, program in (
+            ({}, "selfcal"),
+            ({"program.demodulation_samples": 100, "program.calibration_samples": 20}, "selfcal"),
+            ({}, "hello"),
+        ):
+            simulation = self.construct(program, **settings)
+            self.session("events.subscribe", simulation=simulation, kinds=["verdict"])
+            told, over = [], False
+            while not over:
+                stop = self.advance(simulation, seconds=50)
+                told += stop["events"]
+                over = stop["reason"] == "over"
+            stated = self.session("simulation.outcome", simulation=simulation)["result"]["verdict"]
+            names = ("pass", "bound_deg", "reason")
+            wanted = [] if stated is None else [{name: stated[name] for name in names if stated.get(name) is not None}]
+            self.assertEqual([{name: each[name] for name in names if name in each} for each in told], wanted)
+            other = self.construct(program, **settings)
+            self.session("events.subscribe", simulation=other, kinds=["verdict", "uart"])
+            whole = [each for each in self.advance(other)["events"] if each["kind"] == "verdict"]
+            self.assertEqual(whole, told)
+            past = self.session("history.timeline", simulation=other, one={"time_s": 0}, kinds=["verdict"])["events"]
+            self.assertEqual(past, told)
+            for each in (simulation, other):
+                self.session("simulation.close", simulation=each)
+
 
 class Stops(Driven):
     """An advance ends where others say that it is."""

@@ -161,8 +161,10 @@ class Simulation(Past):
         return Stop(answer["reason"], self._last, "over" if asked == "within_s" else asked, answer.get("match"), events)
 
     def subscribe(self, *kinds: str) -> None:
-        """Events of these kinds are added to `events`: "exception", "uart" (a line was sent), and others that the
-        session names when it refuses one. Without a kind there are none from now on."""
+        """Events of these kinds are added to `events`: "exception", "uart" (a line was sent), "verdict" (the
+        program's own: pass with bound_deg, or reason), and others that the session names when it refuses one.
+
+        Without a kind there are none from now on."""
         self.call("events.subscribe", kinds=list(kinds))
 
     def variable(self, name: str) -> Any:
