@@ -7,6 +7,7 @@ import argparse
 import importlib
 import json
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -25,6 +26,14 @@ def timed(work):
     begun = time.perf_counter()
     work()
     return time.perf_counter() - begun
+
+
+def processor_timed(work):
+    """Host seconds, and those of processor time that the processes took which this one started."""
+    begun = resource.getrusage(resource.RUSAGE_CHILDREN)
+    wall = timed(work)
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime
 
 
 def requests_a_second(session, simulation, count):
@@ -129,12 +138,15 @@ def main():
     run, in_session = main_job(arguments.program, capsoc)
     direct, driven = [], []
     for _ in range(arguments.repeat):
-        direct.append(timed(run))
-        driven.append(timed(in_session))
-    ratios = [b / a for a, b in zip(direct, driven)]
-    print(f"main job, capsoc run: {spread(direct, 's')}")
-    print(f"main job, a separate session from Python: {spread(driven, 's')}")
-    print(f"ratio: {spread(ratios, 'times')}")
+        direct.append(processor_timed(run))
+        driven.append(processor_timed(in_session))
+    for kind, what in enumerate(("main job", "main job, processor time")):
+        one, other = ([pair[kind] for pair in pairs] for pairs in (direct, driven))
+        print(f"{what}, capsoc run: {spread(one, 's')}")
+        print(f"{what}, a separate session from Python: {spread(other, 's')}")
+        print(
+            f"ratio: {spread([b / a for a, b in zip(one, other)], 'times')}, of the least {min(other) / min(one):.3f}"
+        )
 
     with capsoc.Session(arguments.program) as session:
         settings = {"demodulation_samples": 1000000000}
