@@ -133,7 +133,7 @@ std::optional<History::Ended> History::add(Input input) {
     others.push_back(std::move(inputs_.back()));
     inputs_.pop_back();
   }
-  drop(std::move(others));
+  drop(others);
   input_bytes_ += size_of(input);
   inputs_.push_back(std::make_shared<const Input>(std::move(input)));
   ++applied_;
@@ -186,14 +186,14 @@ void History::drop_least() {
   const auto least =
       std::min_element(left_.begin(), left_.end(),
                        [&](const Left& one, const Left& other) { return way(one) < way(other); });
-  Inputs inputs = std::move(least->inputs);
+  const Inputs inputs = std::move(least->inputs);
   left_.erase(least);
-  drop(std::move(inputs));
+  drop(inputs);
 }
 
 /// Inputs of a history; others may have them, too.
-void History::drop(Inputs inputs) {
-  for (auto& input : inputs)
+void History::drop(const Inputs& inputs) {
+  for (const auto& input : inputs)
     if (input.use_count() == 1) input_bytes_ -= size_of(*input);
 }
 
@@ -274,12 +274,12 @@ void History::move_beginning() {
     if (is_reachable)
       reachable.push_back(std::move(left));
     else
-      drop(std::move(left.inputs));
+      drop(left.inputs);
   }
   left_ = std::move(reachable);
   Inputs before(inputs_.begin(), inputs_.begin() + count);
   inputs_.erase(inputs_.begin(), inputs_.begin() + count);
-  drop(std::move(before));
+  drop(before);
   dropped_ = front.inputs;
 }
 

@@ -157,7 +157,7 @@ class History {
   std::size_t least_missed() const;
   void leave();
   void drop_least();
-  void drop(Inputs inputs);
+  void drop(const Inputs& inputs);
   void remeasure();
 
   std::size_t budget_;
