@@ -32,8 +32,8 @@ CTEST = {"name": "service: hostile", "timeout": 3000, "interpreter": "/usr/bin/p
 
 MESSAGES = int(os.environ.get("CAPSOC_HOSTILE_MESSAGES", "3000"))
 SEED = int(os.environ.get("CAPSOC_HOSTILE_SEED", "20261127"))
-#: No user of a Debian system has it.
-USER = 61_234
+#: No user of a Debian system has it. Each process has its own: several of these tests may run at once.
+USER = 60_600 + os.getpid() % 500
 #: execve and execveat, and the audit architecture, by machine (linux/audit.h, asm/unistd.h).
 MACHINES = {"x86_64": (59, 322, 0xC000003E), "aarch64": (221, 281, 0xC00000B7)}
 PROGRAMS = ("selfcal", "echo", "hello", "newlib")
