@@ -50,6 +50,10 @@ class Parity : public testing::TestWithParam<Arithmetic> {
   void SetUp() override {
     both_ = std::make_unique<Lockstep>(std::make_unique<Coprocessor>(options_of(GetParam())),
                                        std::make_unique<CoprocessorRtl>(open_library(GetParam())));
+    // What no reset reaches, the table of the correction, is anything in the RTL.
+    IdleState first;
+    ASSERT_TRUE(Coprocessor(options_of(GetParam())).save_idle(first));
+    ASSERT_TRUE(both_->load_idle(first));
     write(reg_ctrl, ctrl_calib);
     write(reg_safety, safety_parity);
   }
