@@ -130,6 +130,31 @@ class Checks(SafeCase):
                 self.assertEqual(result["exit"]["code"], 1, said)
                 self.assertIn(f"safe: fail: {sentence}", said)
 
+    def test_the_start_tests_the_bit_of_every_register(self):
+        """A bit that is stuck is wrong either at once or when it should be the other one."""
+        places = subprocess.run(
+            [CAPSOC, "run", FIRMWARE / "safe.elf", "--coprocessor", "rtl", "--list-fault-places"],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=CLEAN,
+        )
+        flip_flops = [
+            (each["place"], bit)
+            for each in json.loads(places.stdout)["places"]
+            if re.fullmatch(r"rtl\.u_register_bank\.(.*\.)?parity_q", each["place"])
+            for bit in range(each["bits"])
+        ]
+        self.assertEqual(len(flip_flops), 27)
+        for place, bit in flip_flops:
+            for kind in ("stuck0", "stuck1"):
+                fault = f"{kind} {place}[{bit}] at 0s"
+                with self.subTest(fault=fault):
+                    said, _ = self.run_safe("--coprocessor", "rtl", "--inject", fault, settings=COPROCESSOR)
+                    self.assertRegex(
+                        said, "safe: fail: (the test of the parity bits|.* finds a fault in a good sample)"
+                    )
+
     def test_the_watchdog(self):
         for fault in (
             f"lose irq coprocessor at {WHEN}",
