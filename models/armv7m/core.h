@@ -51,6 +51,9 @@ class Core {
     machine_.state.nvic.set_priority_bits(
         std::clamp(bits, of.least_priority_bits, of.most_priority_bits));
   }
+  unsigned priority_bits() const {
+    return static_cast<unsigned>(__builtin_popcount(machine_.state.nvic.priority_mask()));
+  }
 
   /// Power-on reset: reads the vector table; cycles continue, so that time does not jump.
   void reset();

@@ -81,7 +81,7 @@ class Events final : private armv7m::Observer {
   uint64_t lost_ = 0;
   std::vector<std::string> subscribed_;
   sc_core::sc_time told_;
-  ///< Kinds that are wanted.
+  /// Kinds that are wanted.
   bool exceptions_ = false, faults_ = false, samples_ = false, verdicts_ = false;
   std::function<Json()> read_verdict_;
   Json verdict_;  ///< the last one that was seen

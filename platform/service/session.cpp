@@ -239,7 +239,7 @@ void Session::answer(const Request& request, Answer answer) {
 void Session::answer_client(uint64_t number, const Json& id, Answer answer) {
   const auto client = clients_.find(number);
   if (client == clients_.end() || client->second->is_gone) return;
-  client->second->outbox.add(to_bytes(id, std::move(answer)));
+  client->second->outbox.add(to_client(id, std::move(answer)));
 }
 
 void Session::read_worker(Simulation& simulation) {

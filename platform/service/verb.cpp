@@ -172,13 +172,17 @@ Answer refuse(std::string sentence, Code code) {
   return answer;
 }
 
-std::string to_bytes(const Json& id, Answer answer) {
-  Message message{{{"jsonrpc", "2.0"}, {"id", id}}, std::move(answer.frames)};
+std::string to_bytes(Json body, Answer answer) {
+  Message message{std::move(body), std::move(answer.frames)};
   if (answer.ok())
     message.body["result"] = std::move(answer.result);
   else
     message.body["error"] = error_of(answer.code, answer.sentence);
   return to_bytes(message);
+}
+
+std::string to_client(const Json& id, Answer answer) {
+  return to_bytes(Json{{"jsonrpc", "2.0"}, {"id", id}}, std::move(answer));
 }
 
 std::string Call::complaint_about(const Parameter& parameter) const {

@@ -79,8 +79,10 @@ std::string bytes_in(const Json& value, const Frames& frames);
 
 Answer refuse(std::string sentence, Code code = Code::refused);
 
-/// An answer as a client gets it.
-std::string to_bytes(const Json& id, Answer answer);
+/// An answer as a message, in addition to what its `body` has.
+std::string to_bytes(Json body, Answer answer);
+/// As a client gets it.
+std::string to_client(const Json& id, Answer answer);
 
 /// The parameters of one request, checked against their declaration.
 class Call {

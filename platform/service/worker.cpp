@@ -66,18 +66,13 @@ bool is_too_long(const std::string& bytes) {
 
 /// An answer as it goes to the session.
 std::string bytes_of(uint64_t call, Answer answer) {
-  Message message{{{"call", call}}, std::move(answer.frames)};
-  if (answer.ok())
-    message.body["result"] = std::move(answer.result);
-  else
-    message.body["error"] = error_of(answer.code, answer.sentence);
-  std::string bytes = to_bytes(message);
+  std::string bytes = to_bytes(Json{{"call", call}}, std::move(answer));
   return is_too_long(bytes) ? bytes_of(call, too_long()) : bytes;
 }
 
 /// An answer that the session passes on to a client without a look into it.
 std::string bytes_for_client(uint64_t call, const Json& id, Answer answer) {
-  std::string bytes = to_bytes(id, std::move(answer));
+  std::string bytes = to_client(id, std::move(answer));
   if (is_too_long(bytes)) return bytes_for_client(call, id, too_long());
   Message message{{{"call", call}}, {}};
   message.frames.push_back(std::move(bytes));

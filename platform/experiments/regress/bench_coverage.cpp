@@ -301,7 +301,7 @@ void Bench::cover_interrupt(bool level) {
   const bool safety = (flags_ & flags_safety) != 0 && (ctrl_ & ctrl_ie_safety) != 0;
   const bool others = result || lock || error || safety;
   coverage_.hit_if(level && safety && !result && !lock && !error && !turn && !alarm,
-                   Group::interrupt, 17);
+                   Group::interrupt, 7);
   coverage_.hit_if(level && turn && !others && !alarm, Group::interrupt, 5);
   coverage_.hit_if(level && alarm && !others && !turn, Group::interrupt, 6);
   coverage_.hit_if(level && result && !lock && !error, Group::interrupt, 0);
@@ -329,10 +329,8 @@ void Bench::cover_enables(uint32_t value) {
   for (size_t i = 0; i < kinds.size(); ++i) {
     const auto& [flag, enable] = kinds[i];
     if ((flags_ & flag) == 0 || ((ctrl_ ^ value) & enable) == 0) continue;
-    coverage_.hit_if(!level(ctrl_) && !level(value & ~enable), Group::interrupt,
-                     i < 5 ? 7 + i : 18);
-    coverage_.hit_if(!level(value) && !level(ctrl_ & ~enable), Group::interrupt,
-                     i < 5 ? 12 + i : 19);
+    coverage_.hit_if(!level(ctrl_) && !level(value & ~enable), Group::interrupt, 8 + i);
+    coverage_.hit_if(!level(value) && !level(ctrl_ & ~enable), Group::interrupt, 14 + i);
   }
 }
 

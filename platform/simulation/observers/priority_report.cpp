@@ -22,18 +22,19 @@ std::string register_name(uint32_t address) {
 }  // namespace
 
 std::optional<Error> PriorityReport::open() {
-  if (bits_ == most_bits) return std::nullopt;
+  if (soc_.cpu.core().priority_bits() == most_bits) return std::nullopt;
   soc_.cpu.core().listeners().priority = [this](const armv7m::DroppedPriority& d) { dropped(d); };
   return std::nullopt;
 }
 
 void PriorityReport::dropped(const armv7m::DroppedPriority& dropped) {
   const armv7m::Profile& processor = soc_.cpu.core().profile();
-  const bool can_be_more = bits_ < processor.most_priority_bits;
-  const char* owner = !can_be_more ? processor.product : bits_ == 3 ? "AN385" : "processor";
+  const unsigned bits = soc_.cpu.core().priority_bits();
+  const bool can_be_more = bits < processor.most_priority_bits;
+  const char* owner = !can_be_more ? processor.product : bits == 3 ? "AN385" : "processor";
   const std::string text =
       fmt::format("{} = {:#x}: the {} has {} priority bits, the rest is dropped{}",
-                  register_name(dropped.address), dropped.value, owner, bits_,
+                  register_name(dropped.address), dropped.value, owner, bits,
                   can_be_more ? "; QEMU's board has 8: -C cpu.priority_bits=8" : "");
   if (!dropped.all_ones) {
     warned_ = true;

@@ -17,9 +17,7 @@ namespace capsoc::run {
 /// program may have refused the width it found.
 class PriorityReport final : public RunObserver {
  public:
-  /// `bits`: that the core implements, up to 8.
-  PriorityReport(soc::Soc& soc, const ProgramView& view, unsigned bits)
-      : soc_(soc), view_(view), bits_(bits) {}
+  PriorityReport(soc::Soc& soc, const ProgramView& view) : soc_(soc), view_(view) {}
 
   std::optional<Error> open() override;
   void visit(Archive& archive) override {
@@ -33,7 +31,6 @@ class PriorityReport final : public RunObserver {
 
   soc::Soc& soc_;
   const ProgramView& view_;
-  unsigned bits_;
   bool warned_ = false;
   std::string probe_;  ///< what to say of ones, "" if there were none
 };

@@ -3,7 +3,6 @@
 
 #include <spdlog/common.h>
 
-#include <algorithm>
 #include <string>
 
 #include "armv7m/core.h"
@@ -63,13 +62,6 @@ struct CpuSettings {
       all, setting("cpu.priority_bits", SettingKind::integer, "3",
                    "implemented bits of each priority: 3 as the AN385, 8 as QEMU's board")
                .in(3, 8)};
-
-  /// Of the processor that is chosen.
-  unsigned implemented_priority_bits() const {
-    const armv7m::Profile& of = *profile();
-    return std::clamp(static_cast<unsigned>(priority_bits()), of.least_priority_bits,
-                      of.most_priority_bits);
-  }
 };
 
 /// How slow the memories are.

@@ -34,8 +34,7 @@ std::optional<Error> RunWatch::observe_board() {
   if (settings_.monitor())
     if (auto error = add<ProtocolViolations>(soc_)) return error;
   if (auto error = add<VerdictCheck>(inputs_.program, soc_, observation_->metrics())) return error;
-  const unsigned priority_bits = settings_.cpu.implemented_priority_bits();
-  if (auto error = add<PriorityReport>(soc_, view_, priority_bits)) return error;
+  if (auto error = add<PriorityReport>(soc_, view_)) return error;
   return add<VectorReport>(soc_, view_);
 }
 

@@ -108,7 +108,7 @@ Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
 
 /// The board as it is fitted, its program, and the observers of both.
 std::optional<Error> Simulation::load() {
-  soc_.cpu.core().set_priority_bits(settings_.cpu.implemented_priority_bits());
+  soc_.cpu.core().set_priority_bits(static_cast<unsigned>(settings_.cpu.priority_bits()));
   if (auto error = watch_.observe_board()) return error;
   soc_.adc.fit_converter(inputs_.adc_bits);
   const auto untranslated = [](const std::string& reason) {
