@@ -128,8 +128,8 @@ std::optional<Error> Settings::set(const std::string& path, const std::string& v
     if (wins) {
       setting.value = value;
       setting.source = source;
-      const bool general = origin == "command line" || origin.rfind("-C ", 0) == 0;
-      setting.option = source == SettingSource::command_line && !general ? origin : "";
+      const bool is_option = origin.rfind('-', 0) == 0 && origin.rfind("-C ", 0) != 0;
+      setting.option = source == SettingSource::command_line && is_option ? origin : "";
       setting.origin = origin;
     }
     return std::nullopt;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -18,6 +19,7 @@ namespace {
 
 struct ServeArguments {
   std::string socket;
+  std::string writes_in = ".";
   std::optional<uint16_t> port;
   bool schema = false;
 };
@@ -35,6 +37,7 @@ int serve(const ServeArguments& arguments) {
                                  : service::open_socket(arguments.socket);
     if (!opened) return refuse(opened.error());
     door = std::move(opened.value());
+    door.writes_in = std::filesystem::canonical(arguments.writes_in).string();
   }
   service::Session(std::move(door)).serve();
   if (!arguments.socket.empty()) unlink(arguments.socket.c_str());
@@ -62,6 +65,12 @@ void add_serve(CLI::App& app, int& code) {
       ->expected(0, 1)
       ->check(CLI::Range(0, 65535))
       ->excludes(socket);
+  serve_command
+      ->add_option("--write", arguments->writes_in,
+                   "Folder below which clients of --socket and --port may have files written "
+                   "(the present one)")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
   serve_command->add_flag("--schema", arguments->schema, "Print all methods as JSON and end");
   serve_command->callback([arguments, &code] { code = serve(*arguments); });
 }

@@ -15,6 +15,7 @@
 #include "results/results.h"
 #include "service/ticker.h"
 #include "service/value.h"
+#include "session/run_files.h"
 
 namespace capsoc::service {
 namespace {
@@ -59,9 +60,12 @@ Result<unsigned> processor_register(debug::Target& target, const std::string& na
                            printable(name, 80), nearest_names(printable(name, 80), names))};
 }
 
-Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snapshot& from) {
+Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snapshot& from,
+                                                const std::string& writes_in) {
   std::unique_ptr<Board> board(new Board);
+  board->writes_in_ = writes_in;
   if (auto error = board->set(settings)) return *error;
+  if (auto error = board->check_files({})) return *error;
   const auto lay_over = [&](run::RunInputs& inputs) {
     const run::SensorSettings& sensor = board->settings_.sensor;
     auto port = std::make_unique<SensorPort>(std::move(inputs.source), inputs.sensor_file,
@@ -118,6 +122,26 @@ std::optional<Error> Board::set(const Json& settings) {
                       "uart.read",
                       line.backend.about().path, line.backend())};
   return std::nullopt;
+}
+
+std::optional<Error> Board::check_files(const std::vector<host::FileUse>& more) const {
+  std::vector<host::FileUse> uses = run::files_of(settings_);
+  uses.insert(uses.end(), more.begin(), more.end());
+  if (auto error = host::check_uses(uses)) return error;
+  if (writes_in_.empty()) return std::nullopt;
+  for (const Setting& setting : settings_.all())
+    if (setting.kind == SettingKind::directory)
+      uses.push_back({host::FileUse::Kind::output, setting.name(), setting.value});
+  const TextField& prefix = settings_.checkpoint.prefix;
+  if (settings_.checkpoint.every_s() > 0 || prefix.about().source != SettingSource::built_in)
+    uses.push_back({host::FileUse::Kind::output, prefix.about().path, prefix()});
+  if (auto error = host::check_within(uses, writes_in_)) return error;
+  const TextField& library = settings_.coprocessor.rtl_library;
+  if (library.empty()) return std::nullopt;
+  return Error{
+      fmt::format("{}: clients of this session may name no library, which is code; "
+                  "start it by capsoc run, or by a session on standard input",
+                  library.about().path)};
 }
 
 void Board::attach() {

@@ -13,6 +13,7 @@
 
 #include "base/result.h"
 #include "debug/soc_target.h"
+#include "host/file_uses.h"
 #include "kit/probe.h"
 #include "metrics/sample_record.h"
 #include "service/events.h"
@@ -52,9 +53,10 @@ class Board {
     Frames frames;  ///< a checkpoint's bytes, then those that `held` refers to; empty: out of reset
   };
 
-  /// `settings`: names and values as `capsoc run -C` takes them. An Error as
-  /// run::Simulation::construct() has it. The only one of its process.
-  static Result<std::unique_ptr<Board>> construct(const Json& settings, const Snapshot& from);
+  /// `settings`: names and values as `capsoc run -C` takes them; `writes_in` as in Door. An Error
+  /// as check_files() and run::Simulation::construct() have it. The only one of its process.
+  static Result<std::unique_ptr<Board>> construct(const Json& settings, const Snapshot& from,
+                                                  const std::string& writes_in = "");
   ~Board();
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
@@ -138,6 +140,10 @@ class Board {
   uint64_t first_sample() const { return first_sample_; }
   uint64_t sample_count() const { return first_sample_ + samples_.size(); }
 
+  /// The files of the settings and `more`, before one of these is opened. An Error: an output is
+  /// an input or another output, or clients may not write there or load that library.
+  std::optional<Error> check_files(const std::vector<host::FileUse>& more) const;
+
   /// An address: a number, or the name of a symbol.
   Result<uint32_t> address(const Json& place) const;
 
@@ -153,6 +159,7 @@ class Board {
   Result<double> number_of_variable(const std::string& name);
 
   run::RunSettings settings_;
+  std::string writes_in_;  // as in Door
   serial::KeptStreams kept_;
   SensorPort* sensor_ = nullptr;  // the simulation's
   std::unique_ptr<run::Simulation> simulation_;

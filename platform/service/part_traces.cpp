@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "base/printable.h"
-#include "session/run_files.h"
 #include "trace/save_file.h"
 
 namespace capsoc::service {
@@ -42,9 +41,7 @@ std::vector<host::FileUse> PartTraceSettings::outputs() const {
 
 Result<std::unique_ptr<PartTraces>> PartTraces::begin(Board& board,
                                                       const PartTraceSettings& wanted) {
-  std::vector<host::FileUse> uses = run::files_of(board.settings());
-  for (host::FileUse& use : wanted.outputs()) uses.push_back(std::move(use));
-  if (auto error = host::check_uses(uses)) return *error;
+  if (auto error = board.check_files(wanted.outputs())) return *error;
   std::unique_ptr<PartTraces> traces(new PartTraces(board, wanted));
   if (auto error = traces->traces_.open()) return *error;
   traces->traces_.restored();

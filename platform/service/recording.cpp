@@ -309,13 +309,13 @@ Result<SessionFile> read_session(const std::string& file) {
   return unpack_session(bytes.value(), file);
 }
 
-Result<std::unique_ptr<Board>> construct(const Repetition& laid) {
+Result<std::unique_ptr<Board>> construct(const Repetition& laid, const std::string& writes_in) {
   const Error damaged{
       "the session begins in a state that is none; replay it with the program that recorded it"};
   const Board::Snapshot begin = Board::Snapshot::of(laid.state);
   if (!laid.state.empty() && begin.frames.empty()) return damaged;
   try {
-    return Board::construct(laid.settings, begin);
+    return Board::construct(laid.settings, begin, writes_in);
   } catch (const Json::exception&) {
     return damaged;
   } catch (const std::out_of_range&) {

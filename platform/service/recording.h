@@ -34,8 +34,9 @@ Result<Repetition> lay_out(const SessionFile& session);
 /// A file that record() gave. An Error names it.
 Result<SessionFile> read_session(const std::string& file);
 
-/// Where it begins; its inputs are to be expected. An Error as Board::construct() has it.
-Result<std::unique_ptr<Board>> construct(const Repetition& laid);
+/// Where it begins; its inputs are to be expected. `writes_in`, and an Error, as Board::construct()
+/// has them.
+Result<std::unique_ptr<Board>> construct(const Repetition& laid, const std::string& writes_in = "");
 
 /// What a replay shows.
 struct Replayed {

@@ -27,6 +27,9 @@ struct Door {
   host::Descriptor listener;  ///< none: the one client is on stdin and stdout
   std::string token;          ///< that a client has to show first; "": none
   bool checks_user = false;   ///< only processes of the same user may connect
+  /// Below which clients may have files written, and then they may name no library; "": what this
+  /// process may do they may do.
+  std::string writes_in;
 };
 
 class Session {

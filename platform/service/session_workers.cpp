@@ -35,14 +35,16 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
   if (simulations_.size() + ending_.size() >= most_simulations)
     return done(
         0, refuse(fmt::format("there are {} simulations already; close one", most_simulations)));
-  auto worker = WorkerProcess::start([this] {
-    // Descriptors of the session; that of the new worker is closed by itself.
-    for (auto& [number, each] : clients_)
-      if (!each->is_standard) each->input.reset();
-    for (auto& [number, each] : simulations_) each->worker.connection.reset();
-    for (auto& each : ending_) each->worker.connection.reset();
-    door_.listener.reset();
-  });
+  auto worker = WorkerProcess::start(
+      [this] {
+        // Descriptors of the session; that of the new worker is closed by itself.
+        for (auto& [number, each] : clients_)
+          if (!each->is_standard) each->input.reset();
+        for (auto& [number, each] : simulations_) each->worker.connection.reset();
+        for (auto& each : ending_) each->worker.connection.reset();
+        door_.listener.reset();
+      },
+      door_.writes_in);
   if (!worker) return done(0, refuse(worker.error()));
   const uint64_t number = next_simulation_++;
   auto simulation = std::make_unique<Simulation>();

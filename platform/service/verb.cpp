@@ -209,6 +209,7 @@ std::string Call::complaint() const {
       return fmt::format("{}: there is no parameter '{}'; it takes none", declaration_.method,
                          printable(name, 80));
     std::vector<std::string> known;
+    known.reserve(all.size());
     for (const Parameter& parameter : all) known.push_back(parameter.name);
     return fmt::format("{}: there is no parameter '{}'; did you mean {}?", declaration_.method,
                        printable(name, 80), nearest_names(printable(name, 80), known));

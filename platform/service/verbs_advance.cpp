@@ -52,7 +52,10 @@ Answer save(Board& board, const Call& call) {
   if (const std::string why = board.beside_the_checkpoint(); !why.empty())
     return refuse(
         fmt::format("simulation.save: {}, which a file does not hold; take a snapshot", why));
-  if (auto error = board.simulation().save(call.text("file"))) return refuse(error->text);
+  const std::string file = call.text("file");
+  if (auto error = board.check_files({{host::FileUse::Kind::output, "simulation.save", file}}))
+    return refuse(error->text);
+  if (auto error = board.simulation().save(file)) return refuse(error->text);
   return {};
 }
 

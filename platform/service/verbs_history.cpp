@@ -3,12 +3,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/file_uses.h"
 #include "host/files.h"
 #include "host/sha256.h"
 #include "service/board_verbs.h"
 #include "service/recording.h"
-#include "session/run_files.h"
 
 namespace capsoc::service {
 namespace {
@@ -70,9 +68,8 @@ Answer write_session(Board& board, const Call& call) {
   if (call.has("last_s")) last_s = call.number("last_s");
   const auto session = record(board, last_s);
   if (!session) return refuse("simulation.record: " + session.error());
-  std::vector<host::FileUse> uses = run::files_of(board.settings());
-  uses.push_back({host::FileUse::Kind::output, "simulation.record", file});
-  if (auto error = host::check_uses(uses)) return refuse(error->text);
+  if (auto error = board.check_files({{host::FileUse::Kind::output, "simulation.record", file}}))
+    return refuse(error->text);
   const std::string bytes = pack(session.value());
   if (bytes.size() > SessionFile::largest)
     return refuse("simulation.record: the session has more than 1 GiB; record a shorter one");

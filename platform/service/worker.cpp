@@ -108,7 +108,8 @@ bool is_of_history(const std::string& method) {
 
 class Worker {
  public:
-  explicit Worker(int connection) : connection_(connection) {}
+  Worker(int connection, std::string writes_in)
+      : connection_(connection), writes_in_(std::move(writes_in)) {}
 
   [[noreturn]] void serve() {
     for (;;) {
@@ -236,8 +237,8 @@ class Worker {
     } else if (parameters.contains("held")) {
       from = {parameters.at("held"), std::move(frames)};
     }
-    auto board =
-        repeats ? service::construct(laid) : Board::construct(parameters.at("settings"), from);
+    auto board = repeats ? service::construct(laid, writes_in_)
+                         : Board::construct(parameters.at("settings"), from, writes_in_);
     if (!board) return refuse(board.error());
     take_board(std::move(board.value()));
     board_->begin_history(from);
@@ -274,7 +275,8 @@ class Worker {
                                   ? parameters.at("snapshot").get<std::size_t>()
                                   : snapshot_for(history.value(), parameters.at("goal"));
     auto board = Board::construct(parameters.at("settings"),
-                                  Board::Snapshot::of(history.value().snapshots().at(begin).bytes));
+                                  Board::Snapshot::of(history.value().snapshots().at(begin).bytes),
+                                  writes_in_);
     if (!board) return refuse(board.error());
     take_board(std::move(board.value()));
     board_->continue_history(std::move(history.value()), begin);
@@ -480,18 +482,19 @@ class Worker {
   }
 
   int connection_;
+  std::string writes_in_;  // as in Door
   MessageReader reader_;
   std::unique_ptr<Board> board_;
 };
 
-[[noreturn]] void work(int connection) {
+[[noreturn]] void work(int connection, const std::string& writes_in) {
   try {
     catch_interruptions();
     // Snapshots take and release some hundred KiB many times: pages that are given back are
     // expensive to get again.
     mallopt(M_TRIM_THRESHOLD, kept_memory);
     mallopt(M_MMAP_THRESHOLD, kept_memory / 16);
-    Worker(connection).serve();
+    Worker(connection, writes_in).serve();
   } catch (const std::bad_alloc&) {
     _exit(out_of_memory);
   } catch (const std::exception& error) {
@@ -502,7 +505,8 @@ class Worker {
 
 }  // namespace
 
-Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_others) {
+Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_others,
+                                           const std::string& writes_in) {
   const auto no_process = [](int error) {
     return Error{
         fmt::format("a simulation cannot be started: {}; close another one", std::strerror(error))};
@@ -526,7 +530,7 @@ Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_ot
     close_others();
     to_be_interrupted = worker.shared.get();
     close(pair[0]);
-    work(theirs.release());
+    work(theirs.release(), writes_in);
   }
   fcntl(pair[0], F_SETFL, O_NONBLOCK);
   return worker;

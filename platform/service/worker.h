@@ -61,7 +61,9 @@ struct WorkerProcess {
 
   /// Before the session has a thread. An Error: the system has no process left. `close_others` is
   /// called in the worker: it closes what belongs to the session alone.
-  static Result<WorkerProcess> start(const std::function<void()>& close_others);
+  /// `writes_in` as in Door.
+  static Result<WorkerProcess> start(const std::function<void()>& close_others,
+                                     const std::string& writes_in);
   /// Stops the call if it is under way, or when it begins.
   void interrupt(uint64_t call) const;
 };

@@ -43,8 +43,7 @@ module apb_properties (
   logic [9:0] word;
   logic       listed, access, error, pair_high;
   assign word      = paddr_i[11:2];
-  assign listed    = paddr_i[1:0] == 2'd0 & (word <= 10'h02A | (word >= 10'h02C & word <= 10'h03F &
-                                                                word != 10'h03A));
+  assign listed    = paddr_i[1:0] == 2'd0 & word <= 10'h03F & word != 10'h03A;
   assign access    = psel_i & penable_i;
   assign error     = ~listed | (pwrite_i & pstrb_i != 4'hF);
   assign pair_high = word == 10'h007 | word == 10'h009 |

@@ -54,6 +54,9 @@ WORDS += (
     "x" * 3000,
     "..",
     "../../etc/passwd",
+    "../beside",
+    "file:../beside",
+    "inside",
     "\u0000",
     "\u202e",
     "first[",
@@ -289,7 +292,9 @@ class Hostile(Case):
             params["simulation"] = simulation if draw.random() < 0.95 else draw.randint(0, simulation + 1)
         if method["name"] == "simulation.construct":
             params = {"settings": {"firmware.elf": str(FIRMWARE / f"{draw.choice(PROGRAMS)}.elf")}}
-            params["settings"][draw.choice(["history_mb", "gdb.port", "uart0.backend", "x"])] = self.any_value(draw)
+            params["settings"][
+                draw.choice(["history_mb", "gdb.port", "uart0.backend", "trace.waves", "x"])
+            ] = self.any_value(draw)
         if method["name"] == "simulation.advance" and likely:
             params["within_s"] = 0.01
         message = {"jsonrpc": "2.0", "id": number, "method": method["name"], "params": params}
@@ -391,6 +396,76 @@ class Some(Hostile):
             self.addCleanup(far.unlink)
             os.chown(far, USER, USER)
             self.assertIn(str(far), self.outside())
+
+
+class Confined(Hostile):
+    """Clients that connect have files written below the session's folder, and in it alone."""
+
+    def refusal(self, method, **params):
+        client = Sockets(self.path)
+        client.send(json.dumps({"jsonrpc": "2.0", "id": 0, "method": method, "params": params}).encode() + b"\n")
+        answer = next(client.answers(0, 60))
+        client.socket.close()
+        self.assertIn("error", answer)
+        return answer["error"]["message"]
+
+    def construct(self, **settings):
+        return {"settings": {"firmware.elf": str(FIRMWARE / "hello.elf"), **settings}}
+
+    def test_no_file_outside(self):
+        (self.own / "link").symlink_to(self.folder)
+        (self.own / "dangling").symlink_to(self.folder / "beside")
+        client = Sockets(self.path)
+        number = client.call("simulation.construct", **self.construct())["simulation"]
+        client.call("simulation.advance", simulation=number, seconds=0.001)
+        for place in ("../beside", str(self.folder / "beside"), "link/beside", "dangling", "tmp/../../beside", "."):
+            asked = [
+                self.refusal("simulation.save", simulation=number, file=place),
+                self.refusal("simulation.record", simulation=number, file=place),
+                self.refusal("history.trace", simulation=number, one={"time_s": 0}, files={"instructions": place}),
+                self.refusal("simulation.construct", **self.construct(**{"trace.waves": place})),
+                self.refusal("simulation.construct", **self.construct(**{"uart0.backend": f"file:{place}"})),
+            ]
+            for text in asked:
+                self.assertRegex(text, f"is not below {self.own}, where clients of this session may write; name a")
+        for file in ("inside", "tmp/../tmp/inside", str(self.own / "absolute"), "link/own/linked", "/dev/null"):
+            client.call("simulation.save", simulation=number, file=file)
+        client.socket.close()
+        self.assertEqual(self.outside(), [])
+
+    def test_by_no_setting(self):
+        """Any of them, with values that lead outside."""
+        listed = subprocess.run([CAPSOC, "run", "--list-params"], capture_output=True, text=True, check=True, env=CLEAN)
+        names = [line.split()[0] for line in listed.stdout.splitlines()]
+        self.assertIn("semihosting.directory", names)
+        refused = set()
+        for name in names:
+            for value in ("../beside", "file:../beside", "pty:../beside", "../beside@0.001"):
+                client = Sockets(self.path)
+                settings = {**self.construct()["settings"], "checkpoint.every_s": 0.002, name: value}
+                request = {
+                    "jsonrpc": "2.0",
+                    "id": 0,
+                    "method": "simulation.construct",
+                    "params": {"settings": settings},
+                }
+                client.send(json.dumps(request).encode() + b"\n")
+                answer = next(client.answers(0, 60))
+                if "result" in answer:
+                    number = answer["result"]["simulation"]
+                    client.call("simulation.advance", simulation=number, seconds=0.01)
+                    client.call("simulation.close", simulation=number)
+                elif "is not below" in answer["error"]["message"]:
+                    refused.add(name)
+                client.socket.close()
+        self.assertLessEqual(
+            {"trace.waves", "checkpoint.prefix", "checkpoint.save", "semihosting.directory", "uart3.backend"}, refused
+        )
+        self.assertEqual(self.outside(), [])
+
+    def test_no_library(self):
+        text = self.refusal("simulation.construct", **self.construct(**{"coprocessor.rtl_library": "/lib/libm.so.6"}))
+        self.assertRegex(text, "coprocessor.rtl_library: clients of this session may name no library")
 
 
 class Many(Hostile):

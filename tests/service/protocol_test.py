@@ -6,9 +6,12 @@ The oracles are capsoc run itself, Python's eval() for expressions, GDB for vari
 
 import ast
 import json
+import os
 import random
 import re
+import shutil
 import subprocess
+import tempfile
 import unittest
 
 from harness import CAPSOC, CLEAN, FIRMWARE, SOURCE, Case, without_host_times
@@ -640,6 +643,28 @@ class Hostile(Driven):
         simulation = self.construct(**{"trace.waves": "waves.fst"})
         with self.assertRaisesRegex(Refused, "names a file"):
             self.session("simulation.clone", simulation=simulation)
+
+    def test_no_input_is_overwritten(self):
+        program = self.folder / "program.elf"
+        shutil.copy(FIRMWARE / "hello.elf", program)
+        given = {"firmware.elf": "program.elf"}
+        with self.assertRaisesRegex(Refused, "trace.waves ./program.elf and .* are the same file; name another"):
+            self.session("simulation.construct", settings={**given, "trace.waves": "./program.elf"})
+        simulation = self.session("simulation.construct", settings=given)["simulation"]
+        self.advance(simulation, seconds=0.001)
+        for method, params in (
+            ("simulation.save", {"file": "program.elf"}),
+            ("simulation.record", {"file": "program.elf"}),
+            ("history.trace", {"one": {"time_s": 0}, "files": {"instructions": "program.elf"}}),
+        ):
+            with self.assertRaisesRegex(Refused, "program.elf and .* are the same file; name another"):
+                self.session(method, simulation=simulation, **params)
+        self.assertEqual(program.read_bytes(), (FIRMWARE / "hello.elf").read_bytes())
+
+    def test_its_parent_may_write_anywhere(self):
+        with tempfile.TemporaryDirectory() as elsewhere:
+            self.session("simulation.save", simulation=self.construct(), file=f"{elsewhere}/state")
+            self.assertEqual(os.listdir(elsewhere), ["state"])
 
     def test_no_result_files(self):
         for name in ("results.json", "results.html"):

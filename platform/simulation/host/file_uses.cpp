@@ -4,8 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "base/printable.h"
 #include "host/link_target.h"
 
 namespace capsoc::host {
@@ -70,6 +72,25 @@ std::optional<Error> check_uses(const std::vector<FileUse>& uses) {
                                words(output.use), words(second.use), where)};
     }
     known.push_back(now);
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_within(const std::vector<FileUse>& uses, const std::string& folder) {
+  std::error_code error;
+  const fs::path root = fs::canonical(folder, error);
+  for (const FileUse& use : uses) {
+    if (use.kind != FileUse::Kind::output || use.path.empty()) continue;
+    std::error_code unknown;
+    const fs::path real =
+        fs::weakly_canonical(fs::absolute(place_of(use.path).path, unknown), unknown);
+    if (real == "/dev/null") continue;
+    const auto [end, after] = std::mismatch(root.begin(), root.end(), real.begin(), real.end());
+    if (error || unknown || end != root.end() || after == real.end())
+      return Error{
+          fmt::format("{} {} is not below {}, where clients of this session may write; "
+                      "name a file there, or start it with --write FOLDER",
+                      use.name, printable(use.path, 200), folder)};
   }
   return std::nullopt;
 }

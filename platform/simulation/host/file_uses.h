@@ -23,4 +23,8 @@ struct FileUse {
 /// sentence names both options and the file.
 std::optional<Error> check_uses(const std::vector<FileUse>& uses);
 
+/// An Error if an output is not below `folder`, also by a link or "..". /dev/null is exempt. The
+/// sentence names the output.
+std::optional<Error> check_within(const std::vector<FileUse>& uses, const std::string& folder);
+
 }  // namespace capsoc::host
