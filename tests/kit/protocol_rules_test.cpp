@@ -377,7 +377,7 @@ TEST(ProtocolRules, AReportNamesTheMonitorTheClauseAndTheTransaction) {
   r.payload.set_streaming_width(0);
   b.initiator.b_transport(r.payload);
   EXPECT_EQ(b.said.substr(0, b.said.find('\n')),
-            "near: streaming_width_zero (IEEE 1666-2011, 14.15): The streaming width is not 0. "
+            "near: streaming_width_zero (IEEE 1666-2011, 14.15 f): The streaming width is not 0. "
             "Here: read of 4 bytes at 0x00001010");
 }
 
