@@ -112,13 +112,13 @@ PolarResult Datapath::parameters(Packet& packet, const Settings& settings,
                                  const State& state) const {
   const Coefficients& w = state.coefficients;
   PolarResult out;
-  out.parameters.b1 = saturate32(weight_q31(w.u.constant), packet.saturated);
-  out.parameters.b2 = saturate32(weight_q31(w.v.constant), packet.saturated);
   if (paper()) {
-    const auto word = [](int64_t weight) { return static_cast<int32_t>(weight >> 15); };
+    const auto word = paper_word;
     const auto negated = [&](int64_t weight) {
-      return saturate32(-(weight >> 15), packet.saturated);
+      return saturate32(-int64_t{word(weight)}, packet.saturated);
     };
+    out.parameters.b1 = word(w.u.constant);
+    out.parameters.b2 = word(w.v.constant);
     const auto polar = [&](int32_t y, int32_t x) {
       return paper::to_polar(y, x, options_.paper_operand_bits, options_.paper_plain_arctangent);
     };
@@ -132,6 +132,8 @@ PolarResult Datapath::parameters(Packet& packet, const Settings& settings,
     out.angle = packet.relative + packet.phi;
     return out;
   }
+  out.parameters.b1 = saturate32(weight_q31(w.u.constant), packet.saturated);
+  out.parameters.b2 = saturate32(weight_q31(w.v.constant), packet.saturated);
   const Polar u = to_polar(w.u.cosine, w.u.sine, 46);
   const Polar v = to_polar(-w.v.sine, w.v.cosine, 46);
   packet.saturated |= u.saturated || v.saturated;

@@ -61,9 +61,9 @@ Demodulation demodulate(const Weights& weights, const Weights& base, const Steps
 Demodulation demodulate_paper(const Weights& weights, const Steps& steps, int32_t data,
                               const Rotation& reference, int step_shift, unsigned slew) {
   Demodulation out;
-  const int64_t sine = weights.sine >> 15;
-  const int64_t cosine = weights.cosine >> 15;
-  const int64_t constant = weights.constant >> 15;
+  const int64_t sine = paper_word(weights.sine);
+  const int64_t cosine = paper_word(weights.cosine);
+  const int64_t constant = paper_word(weights.constant);
   const int64_t estimate = truncated_product(sine, reference.sine) +
                            truncated_product(cosine, reference.cosine) + constant;
   out.error = saturate32(data - estimate, out.error_saturated);

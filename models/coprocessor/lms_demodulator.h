@@ -18,6 +18,12 @@ constexpr int64_t weight_q31(int64_t weight) {
   return (weight + (int64_t{1} << 14)) >> 15;
 }
 
+// The word of a weight in the paper's arithmetic: bits 46 to 15, Q1.31. The others are its sign and
+// zeros, unless a fault has changed them.
+constexpr int32_t paper_word(int64_t weight) {
+  return static_cast<int32_t>(weight >> 15);
+}
+
 // The error that an update sees with JUDGE.SLEW = n (0..7): within [-4^-n, 4^-n - 2^-31], Q1.31.
 int32_t limited_error(int32_t error, unsigned slew);
 
