@@ -97,7 +97,7 @@ int32_t capsoc_reference_version(void) {
 capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
                                           int32_t reference_lead, int32_t step_shift,
                                           int32_t plain_arctangent, int32_t block,
-                                          int32_t harmonics) {
+                                          int32_t harmonics, int32_t safety) {
   const auto allowed = [](const char* name, int64_t value, int64_t first, int64_t last) {
     return in_range(nullptr, "create", name, value, first, last);
   };
@@ -105,7 +105,7 @@ capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
       !allowed("reference_lead", reference_lead, -1024, 1024) ||
       !allowed("step_shift", step_shift, 0, 31) ||
       !allowed("plain_arctangent", plain_arctangent, 0, 1) || !allowed("block", block, 0, 1) ||
-      !allowed("harmonics", harmonics, 0, 1))
+      !allowed("harmonics", harmonics, 0, 1) || !allowed("safety", safety, 0, 1))
     return nullptr;
   cop::Options options;
   options.arithmetic = paper != 0 ? cop::Arithmetic::paper : cop::Arithmetic::precise;
@@ -115,6 +115,7 @@ capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
   options.paper_plain_arctangent = plain_arctangent != 0;
   options.block_learning = block != 0;
   options.harmonic_correction = harmonics != 0;
+  options.safety = safety != 0;
   auto* reference = new (std::nothrow) capsoc_reference(options);
   if (reference == nullptr) refuse(nullptr, "create", "there is no memory left");
   return reference;

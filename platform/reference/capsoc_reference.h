@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Changes when a function or its meaning changes; functions may be added without it. */
-#define CAPSOC_REFERENCE_VERSION 1
+#define CAPSOC_REFERENCE_VERSION 2
 
 enum {
   CAPSOC_REFERENCE_OK = 0,
@@ -61,11 +61,12 @@ int32_t capsoc_reference_version(void);
  *   step_shift        paper: right shift of the steps, 0 to 31
  *   plain_arctangent  paper: 1: the arctangent's input as it is
  *   block, harmonics  precise: 1: block learning, harmonic correction
+ *   safety            1: safety mechanisms
  * Null: a parameter is outside its range; capsoc_reference_error(NULL) says which. */
 capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
                                           int32_t reference_lead, int32_t step_shift,
                                           int32_t plain_arctangent, int32_t block,
-                                          int32_t harmonics);
+                                          int32_t harmonics, int32_t safety);
 
 /* Ends a reference. Null is ignored. */
 void capsoc_reference_destroy(capsoc_reference* reference);

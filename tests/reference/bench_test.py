@@ -25,7 +25,7 @@ PROGRAM = r"""
 
 int main(void) {
   uint32_t id = 0, error = 1;
-  capsoc_reference* reference = capsoc_reference_create(0, 32, 0, 0, 0, 1, 1);
+  capsoc_reference* reference = capsoc_reference_create(0, 32, 0, 0, 0, 1, 1, 1);
   if (reference == NULL || capsoc_reference_read(reference, 0, &id, &error) != CAPSOC_REFERENCE_OK) return 1;
   printf("%08x %u\n", (unsigned)id, (unsigned)error);
   capsoc_reference_destroy(reference);
@@ -78,8 +78,8 @@ class Icarus(Installed):
         return output_of("vvp", f"-M{self.folder}", "-mcapsoc_reference", self.folder / "bench", code=code)
 
     def test_design_and_reference_agree(self):
-        for paper in (0, 1):
-            said = self.run_bench(DESIGN, 0, f"-P{TOP}.Paper={paper}")
+        for paper, safety in ((0, 1), (1, 1), (0, 0)):
+            said = self.run_bench(DESIGN, 0, f"-P{TOP}.Paper={paper}", f"-P{TOP}.Safety={safety}")
             self.assertRegex(said, r"^8 samples, 1\d\d accesses, \d{4} intervals: 0 differences\n")
 
     def test_a_fault_is_found(self):

@@ -7,7 +7,7 @@
 // nonblocking assignment in an initial process for a blocking one, so at the rising edge the order would be the simulator's.
 module capsoc_reference_bench;
 
-  parameter int Paper = 0;
+  parameter int Paper = 0, Safety = 1;
 
   logic        pclk = 1'b0, presetn = 1'b1;
   logic        psel = 1'b0, penable = 1'b0, pwrite = 1'b0, pready, pslverr;
@@ -17,7 +17,7 @@ module capsoc_reference_bench;
   logic        sample_valid = 1'b0, sample_clip = 1'b0, sample_ready, irq, idle;
   logic [31:0] sample_u = '0, sample_v = '0;
 
-  coprocessor #(.Paper (Paper)) dut (
+  coprocessor #(.Paper (Paper), .Safety (Safety)) dut (
     .pclk_i (pclk), .presetn_i (presetn),
     .psel_i (psel), .penable_i (penable), .pwrite_i (pwrite), .paddr_i (paddr), .pwdata_i (pwdata), .pstrb_i (pstrb),
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr),
@@ -25,7 +25,7 @@ module capsoc_reference_bench;
     .sample_ready_o (sample_ready), .irq_o (irq), .idle_o (idle)
   );
 
-  capsoc_reference_monitor #(.Paper (Paper)) monitor (
+  capsoc_reference_monitor #(.Paper (Paper), .Safety (Safety)) monitor (
     .pclk_i (pclk), .presetn_i (presetn),
     .psel_i (psel), .penable_i (penable), .pwrite_i (pwrite), .paddr_i (paddr), .pwdata_i (pwdata), .pstrb_i (pstrb),
     .pready_i (pready), .prdata_i (prdata), .pslverr_i (pslverr),

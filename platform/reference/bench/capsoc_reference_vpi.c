@@ -20,9 +20,9 @@ typedef struct {
 } function_t;
 
 static const function_t functions[] = {
-    {"create", "iiiiiii"}, {"destroy", "r"},      {"reset", "r"},      {"write", "riiio"},
-    {"read", "rioo"},      {"peek", "rio"},       {"sample", "riiio"}, {"clock", "ri"},
-    {"outputs", "rooo"},   {"signal_index", "s"}, {"signal", "riq"},   {"commits", "rq"},
+    {"create", "iiiiiiii"}, {"destroy", "r"},      {"reset", "r"},      {"write", "riiio"},
+    {"read", "rioo"},       {"peek", "rio"},       {"sample", "riiio"}, {"clock", "ri"},
+    {"outputs", "rooo"},    {"signal_index", "s"}, {"signal", "riq"},   {"commits", "rq"},
     {"edge", "rq"},
 };
 enum { function_count = sizeof functions / sizeof functions[0] };
@@ -79,7 +79,7 @@ static int32_t create(const argument_t* a) {
     if (references[i] != NULL) continue;
     references[i] = capsoc_reference_create(
         (int32_t)a[0].word, (int32_t)a[1].word, (int32_t)a[2].word, (int32_t)a[3].word,
-        (int32_t)a[4].word, (int32_t)a[5].word, (int32_t)a[6].word);
+        (int32_t)a[4].word, (int32_t)a[5].word, (int32_t)a[6].word, (int32_t)a[7].word);
     if (references[i] != NULL) return i + 1;
     vpi_printf("%s\n", capsoc_reference_error(NULL));
     return 0;
