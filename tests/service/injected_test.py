@@ -7,7 +7,7 @@ import unittest
 
 from harness import CAPSOC, CLEAN, FIRMWARE, without_host_times
 from history_test import SHORT as PROGRAM, Past
-from protocol_test import Refused
+from protocol_test import Driven, Refused
 
 CTEST = {"name": "service: injected", "timeout": 300, "interpreter": "/usr/bin/python3"}
 
@@ -15,6 +15,120 @@ CTEST = {"name": "service: injected", "timeout": 300, "interpreter": "/usr/bin/p
 SHORT = {**PROGRAM, "run.simlimit_s": "2.3"}
 LASTING = "freeze sin at 1.2s for 0.3s"
 ONES = ("flip coprocessor.cv[39] at 1.1s", LASTING, "lose irq coprocessor at sample 400", "flip cpu.r11[3] at 1.7s")
+
+
+#: ARM DDI 0403, B3: register and bit of what a place of the processor's system blocks is the state of.
+REGISTERS = {
+    "nvic.enabled": (0xE000E100, 0),
+    "nvic.pending": (0xE000E200, 0),
+    "nvic.active": (0xE000E300, 0),
+    "systick.enable": (0xE000E010, 0),
+    "systick.tickint": (0xE000E010, 1),
+    "systick.clksource": (0xE000E010, 2),
+    "systick.reload": (0xE000E014, 0),
+    "scb.actlr": (0xE000E008, 0),
+    "scb.pending.nmi": (0xE000ED04, 31),
+    "scb.pending.pendsv": (0xE000ED04, 28),
+    "scb.pending.systick": (0xE000ED04, 26),
+    "scb.vtor": (0xE000ED08, 7),
+    "scb.prigroup": (0xE000ED0C, 8),
+    "scb.sleeponexit": (0xE000ED10, 1),
+    "scb.sleepdeep": (0xE000ED10, 2),
+    "scb.sevonpend": (0xE000ED10, 4),
+    "scb.nonbasethrdena": (0xE000ED14, 0),
+    "scb.usersetmpend": (0xE000ED14, 1),
+    "scb.unalign_trp": (0xE000ED14, 3),
+    "scb.div_0_trp": (0xE000ED14, 4),
+    "scb.bfhfnmign": (0xE000ED14, 8),
+    "scb.stkalign": (0xE000ED14, 9),
+    "scb.active.memmanage": (0xE000ED24, 0),
+    "scb.active.busfault": (0xE000ED24, 1),
+    "scb.active.usagefault": (0xE000ED24, 3),
+    "scb.active.svcall": (0xE000ED24, 7),
+    "scb.active.debugmonitor": (0xE000ED24, 8),
+    "scb.active.pendsv": (0xE000ED24, 10),
+    "scb.active.systick": (0xE000ED24, 11),
+    "scb.pending.usagefault": (0xE000ED24, 12),
+    "scb.pending.memmanage": (0xE000ED24, 13),
+    "scb.pending.busfault": (0xE000ED24, 14),
+    "scb.pending.svcall": (0xE000ED24, 15),
+    "scb.memfaultena": (0xE000ED24, 16),
+    "scb.busfaultena": (0xE000ED24, 17),
+    "scb.usgfaultena": (0xE000ED24, 18),
+    "scb.pending.debugmonitor": (0xE000EDFC, 17),
+    "mpu.ctrl": (0xE000ED94, 0),
+    "mpu.rnr": (0xE000ED98, 0),
+    "mpu.rbar": (0xE000ED9C, 5),
+    "mpu.enable": (0xE000EDA0, 0),
+    "mpu.size": (0xE000EDA0, 1),
+    "mpu.srd": (0xE000EDA0, 8),
+    "mpu.tex_s_c_b": (0xE000EDA0, 16),
+    "mpu.ap": (0xE000EDA0, 24),
+    "mpu.xn": (0xE000EDA0, 28),
+}
+#: Bytes of SHPR, by the exception's number.
+SYSTEM_PRIORITIES = {"memmanage": 4, "busfault": 5, "usagefault": 6, "svcall": 11, "debugmonitor": 12, "pendsv": 14}
+SYSTEM_PRIORITIES["systick"] = 15
+#: No register shows them.
+HIDDEN = {"scb.pending.hardfault", "scb.active.hardfault", "scb.active.nmi"}
+
+
+class SystemBlocks(Driven):
+    """Places of the processor's NVIC, SysTick, SCB and MPU: a program reads the changed bit, and no other."""
+
+    def register_of(self, place, priority_bits):
+        """Address and lowest bit, and the region that has to be selected."""
+        block, *words = place.split(".")
+        if block == "mpu" and len(words) == 2:
+            return (*REGISTERS[f"mpu.{words[1]}"], int(words[0]))
+        if words[0] == "priority":
+            first = 0xE000E400 + int(words[1]) if block == "nvic" else 0xE000ED14 + SYSTEM_PRIORITIES[words[1]]
+            return first & ~3, 8 * (first & 3) + 8 - priority_bits, None
+        return (*REGISTERS[place], None)
+
+    def places(self, *options):
+        listed = subprocess.run(
+            [CAPSOC, "run", *options, "--list-fault-places"], env=CLEAN, check=True, capture_output=True, timeout=60
+        )
+        all_places = json.loads(listed.stdout)["places"]
+        return [(each["place"][4:], each["bits"]) for each in all_places if each["unit"].startswith("processor.")]
+
+    def check_each(self, places, priority_bits, **settings):
+        simulation = self.construct("selfcal", **settings)
+        self.advance(simulation, seconds=0.5)
+        for place, bits in places:
+            if place in HIDDEN:
+                continue
+            address, low, region = self.register_of(place, priority_bits)
+            for bit in range(bits):
+                with self.subTest(place=place, bit=bit):
+                    if region is not None:
+                        self.write(simulation, 0xE000ED98, region)
+                    before = self.word(simulation, address)
+                    for changed in (1 << (low + bit), 0):
+                        self.session("fault.inject", simulation=simulation, fault=f"flip cpu.{place}[{bit}]")
+                        self.assertEqual(self.word(simulation, address) ^ before, changed)
+
+    def word(self, simulation, address):
+        self.session("memory.read", simulation=simulation, address=address, size=4)
+        word = int.from_bytes(self.session.data[0], "little")
+        return word & 0xFE000000 if address == 0xE000ED04 else word  # ICSR: without what follows from its bits
+
+    def write(self, simulation, address, word):
+        self.session("memory.write", simulation=simulation, address=address, bytes=list(word.to_bytes(4, "little")))
+
+    def test_of_the_cortex_m3(self):
+        places = self.places()
+        self.assertEqual({name.split(".")[0] for name, _ in places}, {"nvic", "systick", "scb", "mpu"})
+        self.assertGreater(sum(bits for _, bits in places), 700)
+        self.check_each(places, 3)
+
+    def test_of_the_cortex_m0plus(self):
+        places = self.places("-C", "cpu.profile=m0plus")
+        names = {name for name, _ in places}
+        self.assertEqual({name.split(".")[0] for name in names}, {"nvic", "systick", "scb"})
+        self.assertFalse(names & {"scb.prigroup", "scb.active.memmanage", "scb.stkalign", "scb.priority.usagefault"})
+        self.check_each(places, 2, **{"cpu.profile": "m0plus"})
 
 
 class Injected(Past):

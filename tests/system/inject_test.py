@@ -72,6 +72,9 @@ class Instant(InjectCase):
         "stuck0 mem:0x003fffe0[0] at 0.45s for 0.001s",
         "lose irq coprocessor at 0.652s",
         "raise irq 12 at instruction 40000",
+        "flip cpu.nvic.priority.30[0] at 0.31s",
+        "flip cpu.systick.reload[3] at instruction 20000",
+        "stuck1 cpu.scb.sevonpend[0] at 0.46s for 0.0002s",
     )
 
     def test_quantum_executor_and_observers_change_nothing(self):
@@ -141,6 +144,17 @@ class Kinds(InjectCase):
         self.assertEqual(counter["changes"], 50)
         self.assertEqual(stack["after"], stack["before"] & ~8)
         self.assertGreater(stack["changes"], 0)
+
+    def test_a_pending_bit_is_an_interrupt(self):
+        """The processor sleeps then; the flip wakes it like a pulse on the line."""
+        pulse, pulsed = self.result_of(faults=["raise irq coprocessor at 0.3s"])[:2]
+        flip, flipped = self.result_of(faults=["flip cpu.nvic.pending[30] at 0.3s"])[:2]
+        self.assertTrue(flip["faults"][0]["applied"])
+        self.assertEqual(flipped, pulsed)
+        for result in (pulse, flip):
+            result.pop("faults")
+        self.assertEqual(flip, pulse)
+        self.assertNotEqual(flipped, self.result_of()[1])
 
     def test_a_lost_interrupt_stops_the_program(self):
         """The line stays high, and no further edge comes: selfcal sleeps for ever."""

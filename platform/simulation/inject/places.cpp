@@ -9,6 +9,7 @@
 #include "base/number.h"
 #include "base/printable.h"
 #include "debug/soc_target.h"
+#include "inject/system_fields.h"
 #include "soc/board_map.h"
 
 namespace capsoc::inject {
@@ -41,6 +42,23 @@ class CoreRegister final : public Place {
  private:
   debug::SocTarget target_;
   unsigned index_;
+};
+
+class SystemBits final : public Place {
+ public:
+  SystemBits(armv7m::Core& core, SystemField field) : core_(core), field_(std::move(field)) {}
+
+  std::optional<Change> change(const To& to) override {
+    const uint32_t before = read_field(core_, field_);
+    const auto wanted = static_cast<uint32_t>(to(before));
+    if (wanted == before) return Change{before, before};
+    write_field(core_, field_, wanted);
+    return Change{before, read_field(core_, field_)};
+  }
+
+ private:
+  armv7m::Core& core_;
+  SystemField field_;
 };
 
 class MemoryByte final : public Place {
@@ -131,6 +149,12 @@ Result<PlacedBit> Places::core_bit(const std::string& name, unsigned bit) const 
     if (own != reg.name) continue;
     if (bit >= bits_of(reg)) return no_such_bit(name, bit, bits_of(reg));
     return PlacedBit{std::make_unique<CoreRegister>(soc_, i), bit};
+  }
+  for (SystemField& field : system_fields(soc_.cpu.core())) {
+    names.push_back(field.name);
+    if (own != field.name) continue;
+    if (bit >= field.bits) return no_such_bit(name, bit, field.bits);
+    return PlacedBit{std::make_unique<SystemBits>(soc_.cpu.core(), std::move(field)), bit};
   }
   return Error{fmt::format("the processor has no register '{}'; did you mean {}?",
                            printable(own, 80), nearest_names(own, std::move(names)))};
@@ -243,6 +267,8 @@ std::vector<ListedPlace> Places::all() const {
     if (target.has_register(i))
       list.push_back({std::string(processor) + reg.name, bits_of(reg), "processor"});
   }
+  for (const SystemField& field : system_fields(soc_.cpu.core()))
+    list.push_back({processor + field.name, field.bits, field.unit});
   list_memories(list);
   list_devices(list);
   list_coprocessor(list);
