@@ -146,8 +146,9 @@ CYCLE_NS = 10  # of yosys-smtbmc's waves
 def smtbmc(arguments, folder, seconds):
     """Status and output of yosys-smtbmc; status None after a timeout."""
     # Unrolled formulas: z3 takes minutes for the other form of the same step. A separate session,
-    # so that the solver ends with its driver.
-    command = ["yosys-smtbmc", "--noprogress", "--unroll", "--dump-vcd", WAVES, *arguments, "model.smt2"]
+    # so that the solver ends with its driver; `timeout` ends both if this process is killed.
+    command = ["timeout", "--signal=KILL", str(seconds + 5)]
+    command += ["yosys-smtbmc", "--noprogress", "--unroll", "--dump-vcd", WAVES, *arguments, "model.smt2"]
     with subprocess.Popen(
         command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     ) as process:
@@ -158,6 +159,9 @@ def smtbmc(arguments, folder, seconds):
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
             return None, ""
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def last_cycle(waves):
@@ -242,6 +246,7 @@ def arguments_of(command_line, known):
 
 
 def main(command_line):
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     try:
         proofs = read_proofs()
     except planting.PlantError as error:

@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
 """A proof that fails leaves its counterexample as waves, and says in which cycle of them it fails."""
 
+import os
 import re
+import signal
 import subprocess
+import time
 import unittest
+from pathlib import Path
 
 from harness import CLEAN, SOURCE, Case
 
@@ -50,6 +54,37 @@ class Waves(Case):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(list(self.folder.iterdir()), [])
         self.assertNotIn("fails in cycle", done.stdout)
+
+
+def working_below(folder):
+    """The processes whose working directory is there."""
+    found = []
+    for each in Path("/proc").glob("[0-9]*/cwd"):
+        try:
+            if Path(os.readlink(each)).is_relative_to(folder):
+                found.append((each.parent / "comm").read_text().strip())
+        except OSError:
+            pass  # it has ended
+    return found
+
+
+class Ended(Case):
+    def wait(self, condition, seconds=60):
+        end = time.monotonic() + seconds
+        while not condition() and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertTrue(condition(), working_below(self.folder))
+
+    def test_a_signal_ends_the_solver_and_leaves_no_files(self):
+        command = [SOURCE / "scripts" / "tool", "formal", "register_bank"]
+        with subprocess.Popen(
+            command, env={**CLEAN, "TMPDIR": str(self.folder)}, stdout=subprocess.DEVNULL, start_new_session=True
+        ) as formal:
+            self.wait(lambda: "z3" in working_below(self.folder))
+            formal.terminate()
+            self.assertEqual(formal.wait(20), 128 + signal.SIGTERM)
+        self.wait(lambda: not working_below(self.folder), 5)
+        self.assertEqual(list(self.folder.iterdir()), [])
 
 
 if __name__ == "__main__":
