@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 from capsoc_tools.faults import planting
-from harness import BUILD, output_of
+from harness import BUILD, SOURCE, output_of
 
 CTEST = {"name": "reference", "timeout": 300}
 
@@ -81,6 +81,19 @@ class Icarus(Installed):
         for paper, safety in ((0, 1), (1, 1), (0, 0)):
             said = self.run_bench(DESIGN, 0, f"-P{TOP}.Paper={paper}", f"-P{TOP}.Safety={safety}")
             self.assertRegex(said, r"^8 samples, 1\d\d accesses, \d{4} intervals: 0 differences\n")
+
+    def test_the_kits_verilog_and_reference_agree(self):
+        kit = self.folder / "kit"
+        output_of(SOURCE / "scripts" / "tool", "rtl_kit", "--verilog", kit)
+        for paper, arithmetic in enumerate(("precise", "paper")):
+            top = f"capsoc_coprocessor_{arithmetic}"
+            file = kit / "verilog" / f"{top}.v"
+            output_of("iverilog", "-g2005", "-Wall", "-t", "null", "-s", top, file)
+            said = self.run_bench([file], 0, f"-DCAPSOC_DESIGN={top}", f"-P{TOP}.Paper={paper}")
+            self.assertRegex(said, r"^8 samples, 1\d\d accesses, \d{4} intervals: 0 differences\n")
+            names = re.findall(r"^module +(\S+?)[ (]", file.read_text(), re.MULTILINE)
+            self.assertGreater(len(names), 30)
+            self.assertEqual([name for name in names if not name.startswith("capsoc_")], [])
 
     def test_a_fault_is_found(self):
         folder = self.folder / "broken"

@@ -13,6 +13,7 @@ from capsoc_tools.rtl.sources import REGISTERS
 from harness import CLEAN, SOURCE, Case
 
 CTEST = {"name": "rtl: kit", "whole": True, "timeout": 200}
+BENCH = "capsoc_reference_bench"
 COMPONENTS = {"default": "capsoc_coprocessor", "ahb_lite": "capsoc_coprocessor_ahb_lite"}
 COMPONENTS["axi4_lite"] = "capsoc_coprocessor_axi4_lite"
 SPACE = {"x": "http://www.accellera.org/XMLSchema/IPXACT/1685-2014"}
@@ -83,17 +84,39 @@ class Kit(Case):
                 done = self.run_tool(*command, target["toplevel"], "-f", "capsoc_coprocessor.f")
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    def test_every_shared_name_has_the_prefix(self):
+        """As Verilator sees the modules, packages and types outside of modules, of all files and of the bench."""
+        for top, files in ((t["toplevel"], self.files_of(t)) for t, _ in self.each_target()):
+            command = ("verilator", "--xml-only", "--xml-output", "design.xml", "-Wno-fatal", "--top-module", top)
+            done = self.run_tool(*command, *(name for name in files if name.endswith(".sv")))
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            design = ElementTree.parse(self.folder / "design.xml").getroot()
+            names = [each.get("origName") or each.get("name") for each in design.iterfind(".//module")]
+            names += [each.get("name") for each in design.iterfind(".//package") if each.get("name") != "$unit"]
+            names += [each.get("name") for each in design.iterfind(".//package[@name='$unit']/typedef")]
+            self.assertGreater(len(names), 50)
+            self.assertEqual([name for name in names if not name.startswith("capsoc_")], [])
+        macros = re.findall(r"`define +(\w+)", "".join(file.read_text() for file in self.folder.rglob("*.sv")))
+        self.assertIn("CAPSOC_CORE_PORTS", macros)
+        self.assertEqual([name for name in macros if not name.startswith("CAPSOC_")], [])
+        self.assertEqual([file.name for file in self.folder.glob("*.sv") if not file.name.startswith("capsoc_")], [])
+
+    def test_a_word_in_a_comment_stays(self):
+        text = (self.folder / "capsoc_sequencer.sv").read_text()
+        original = (SOURCE / "rtl" / "sequencer.sv").read_text()
+        self.assertIn("\nmodule capsoc_sequencer (", text)
+        self.assertEqual(text.splitlines()[1], original.splitlines()[1])
+
     def test_every_file_names_its_licence(self):
         for file in self.folder.iterdir():
-            if not file.name.startswith(("capsoc_coprocessor_", "paper_sine")):  # generated from these
+            generated = ("capsoc_coprocessor_pkg", "capsoc_coprocessor_selects", "capsoc_paper_sine")
+            if file.is_file() and not file.name.startswith(generated):
                 self.assertIn("SPDX-License-Identifier: Apache-2.0", file.read_text()[:300], file.name)
 
     def test_ip_xact_is_of_the_one_description(self):
         peripheral = next(each for each in read_device(REGISTERS).peripherals if each.name == "COPROCESSOR")
         for target, component in self.each_target():
-            done = self.run_tool(
-                "xmllint", "--noout", "--nonet", f"capsoc_{target['toplevel'].removeprefix('capsoc_')}.xml"
-            )
+            done = self.run_tool("xmllint", "--noout", "--nonet", f"{target['toplevel']}.xml")
             self.assertEqual(done.returncode, 0, done.stderr)
             registers = component.findall(".//x:register", SPACE)
             self.assertEqual(

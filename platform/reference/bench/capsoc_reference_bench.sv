@@ -3,6 +3,8 @@
 //
 //   +samples=N   samples to give, 8 by default
 //
+// CAPSOC_DESIGN names another design with the same ports, without parameters: a netlist.
+//
 // Prints what was compared, and ends by $fatal if anything differs. Pins change at the falling edge: Verilator 5.006 takes a
 // nonblocking assignment in an initial process for a blocking one, so at the rising edge the order would be the simulator's.
 module capsoc_reference_bench;
@@ -17,7 +19,11 @@ module capsoc_reference_bench;
   logic        sample_valid = 1'b0, sample_clip = 1'b0, sample_ready, irq, idle;
   logic [31:0] sample_u = '0, sample_v = '0;
 
+`ifdef CAPSOC_DESIGN
+  `CAPSOC_DESIGN dut (
+`else
   coprocessor #(.Paper (Paper), .Safety (Safety)) dut (
+`endif
     .pclk_i (pclk), .presetn_i (presetn),
     .psel_i (psel), .penable_i (penable), .pwrite_i (pwrite), .paddr_i (paddr), .pwdata_i (pwdata), .pstrb_i (pstrb),
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr),

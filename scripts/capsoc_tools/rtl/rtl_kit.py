@@ -1,31 +1,39 @@
 """Writes the coprocessor's RTL as a kit for other projects: sources, FuseSoC core file, IP-XACT, SDC.
 
-usage: rtl_kit FOLDER
+usage: rtl_kit [--verilog] FOLDER
 
-FOLDER gets the SystemVerilog, with what scripts generate, and next to it:
+FOLDER gets the SystemVerilog, with what scripts generate. Modules, packages, types, macros and files have names that
+begin with capsoc_, so that a project's own do not meet them. Next to it:
 - capsoc_coprocessor.core, CAPI 2: the files in reading order, the parameters, a target for each top:
   default (APB), ahb_lite, axi4_lite
 - capsoc_coprocessor.f, the same files for simulators: -f in FOLDER
 - IP-XACT (IEEE 1685-2014) of each top, as capsoc_coprocessor.xml: bus interface, ports, registers as
   models/registers/capsoc.svd describes them
-- constraints of each top, as coprocessor.sdc
+- constraints of each top, as capsoc_coprocessor.sdc
+- reference/: the bench that compares a design with the reference model, and the header of that
+- with --verilog verilog/: the APB top in Verilog-2005 without parameters, by yosys: capsoc_coprocessor_precise.v and
+  capsoc_coprocessor_paper.v, each a module of that name
 A file whose content would not change is left alone.
 
 Status 0: written; 2: something is missing, and one sentence says what.
 """
 
 import re
-import shutil
+import subprocess
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
+from capsoc_tools import ROOT
 from capsoc_tools.generate.output import SourceError, write_if_changed
 from capsoc_tools.generate.registers import read_device
 from capsoc_tools.rtl.ip_xact import LICENCE, PERIPHERAL, Bus, Top, ip_xact_text
+from capsoc_tools.rtl.prefix import file_name, prefixed, shared_names, with_prefix
 from capsoc_tools.rtl.sources import REGISTERS, RTL, WRAPPERS, RtlError, read_list, sources
 
 CORE, LIST = "capsoc_coprocessor.core", "capsoc_coprocessor.f"
+REFERENCE = ROOT / "platform" / "reference"
 APB = {
     "PCLK": "pclk_i",
     "PRESETn": "presetn_i",
@@ -95,7 +103,7 @@ def read_top(module, folder, bus):
     text = (RTL / folder / f"{module}.sv").read_text(encoding="utf-8")
     head = text[: text.index(");", text.index(f"module {module}"))]
     ports = [(direction, int(left or 0), int(right or 0), name) for direction, left, right, name in PORT.findall(head)]
-    return Top(module, bus, ports, PARAMETER.findall(head))
+    return Top(file_name(Path(module)), bus, ports, PARAMETER.findall(head))
 
 
 def version_of(peripheral):
@@ -129,14 +137,26 @@ def core_text(names, wrappers, tops, version):
     return "\n".join(lines) + "\n"
 
 
+def write_sources(folder, files, names):
+    """The files with their shared `names` prefixed; the names of what was written."""
+    for file in files:
+        write_if_changed(folder / file_name(file), with_prefix(file.read_text(encoding="utf-8"), names))
+    return [file_name(file) for file in files]
+
+
 def write(folder):
     folder.mkdir(parents=True, exist_ok=True)
     wrappers = read_list(RTL / WRAPPERS)
+    bench = sorted((REFERENCE / "bench").glob("*.sv"))
     with tempfile.TemporaryDirectory() as made:
         files = sources(Path(made))
-        for file in (*files, *wrappers):
-            write_if_changed(folder / file.name, file.read_text(encoding="utf-8"))
-    names, wrapper_names = [file.name for file in files], [file.name for file in wrappers]
+        shared = shared_names(file.read_text(encoding="utf-8") for file in (*files, *wrappers))
+        names = write_sources(folder, files, shared)
+        wrapper_names = write_sources(folder, wrappers, shared)
+    (folder / "reference").mkdir(exist_ok=True)
+    write_sources(folder / "reference", bench, shared)
+    for file in (REFERENCE / "capsoc_reference.h", REFERENCE / "bench" / "capsoc_reference_vpi.c"):
+        write_if_changed(folder / "reference" / file.name, file.read_text(encoding="utf-8"))
     peripheral = next(each for each in read_device(REGISTERS).peripherals if each.name == PERIPHERAL)
     version = version_of(peripheral)
     tops = {target: read_top(*about) for target, about in TOPS.items()}
@@ -144,17 +164,54 @@ def write(folder):
     write_if_changed(folder / LIST, "\n".join([f"// {LICENCE}", *names, *wrapper_names]) + "\n")
     for target, top in tops.items():
         needed = names if target == "default" else names + wrapper_names
-        text = ip_xact_text(peripheral, version, needed, top)
-        write_if_changed(folder / f"capsoc_{top.name.removeprefix('capsoc_')}.xml", text)
-        shutil.copy(RTL / "constraints" / f"{top.name}.sdc", folder)
+        write_if_changed(folder / f"{top.name}.xml", ip_xact_text(peripheral, version, needed, top))
+        constraints = RTL / "constraints" / f"{TOPS[target][0]}.sdc"
+        write_if_changed(folder / f"{top.name}.sdc", constraints.read_text(encoding="utf-8"))
+    return names
+
+
+def write_verilog(folder, names):
+    """The APB top of each arithmetic in Verilog-2005; `names`: the files of the design in `folder`."""
+    (folder / "verilog").mkdir(exist_ok=True)
+    for paper, arithmetic in enumerate(("precise", "paper")):
+        top = f"{prefixed('coprocessor')}_{arithmetic}"
+        file = folder / "verilog" / f"{top}.v"
+        script = f"read_verilog -sv {' '.join(names)}; chparam -set Paper {paper} {prefixed('coprocessor')}; "
+        script += f"hierarchy -check -top {prefixed('coprocessor')}; proc; opt_clean; rename -top {top}; "
+        with tempfile.TemporaryDirectory() as made:
+            made = Path(made) / "top.v"
+            try:
+                done = subprocess.run(
+                    ["yosys", "-q", "-p", f"{script} write_verilog -noattr {made}"],
+                    cwd=folder, capture_output=True, text=True, check=False,
+                )  # fmt: skip
+            except FileNotFoundError as error:
+                raise RtlError("--verilog: yosys is missing; install the package yosys") from error
+            if done.returncode:
+                raise RtlError(f"yosys failed: {(done.stderr or done.stdout).strip()}")
+            write_if_changed(file, f"// {LICENCE}\n" + plain_names(made.read_text(encoding="utf-8")))
+
+
+def plain_names(text):
+    """A netlist of yosys with plain names for the modules that it made of those with parameters."""
+    names, numbers = {}, Counter()
+    for made in re.findall(r"^module (\\\$paramod\S*)", text, re.MULTILINE):
+        base = re.search(r"\\\$paramod(?:\$[0-9a-f]+)?\\(\w+)", made)[1]
+        numbers[base] += 1
+        names[made] = f"{base}_{numbers[base]}"
+    return re.sub(r"\\\$paramod\S*", lambda token: names[token[0]], text)
 
 
 def main(arguments):
-    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
+    as_verilog = "--verilog" in arguments
+    arguments = [word for word in arguments if word != "--verilog"]
+    if len(arguments) != 1 or arguments[0].startswith("-"):
         print(__doc__, file=sys.stdout if arguments[:1] in (["-h"], ["--help"]) else sys.stderr)
         return 0 if arguments[:1] in (["-h"], ["--help"]) else 2
     try:
-        write(Path(arguments[0]))
+        names = write(Path(arguments[0]))
+        if as_verilog:
+            write_verilog(Path(arguments[0]), names)
     except (RtlError, SourceError, OSError) as error:
         print(f"rtl_kit: {error}", file=sys.stderr)
         return 2
