@@ -92,7 +92,9 @@ std::optional<Error> copy_all(const fs::path& place) {
     std::error_code failure;
     if (!fs::exists(from, failure))
       return Error{fmt::format(
-          "{}: is not there; keep the folders that came with capsoc next to it", from.string())};
+          "{}: is not there; keep the folders that came with capsoc next to it, and build again "
+          "where a build tree was moved",
+          from.string())};
     failure = bring_part(from, *part.to == '\0' ? place : place / part.to);
     if (failure)
       return Error{fmt::format("{}: cannot be written ({}); name another folder",

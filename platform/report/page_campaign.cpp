@@ -74,13 +74,14 @@ std::string quantiles_of(const Json& result) {
 }
 
 std::string dependence_of(const Json& result) {
-  Table table{"What depends on what", {"metric", "axis", "share", "rank correlation"}, {}};
+  Table table{
+      "What depends on what", {"metric", "axis", "share", "by chance", "rank correlation"}, {}};
   for (const Json* metric : elements_at(result, {"metrics"})) {
     const Json* axes = find(*metric, {"sensitivity"});
     if (axes == nullptr || !axes->is_object()) continue;
     for (const auto& [axis, values] : axes->items())
       table.rows.push_back({text_at(*metric, {"name"}), axis, percent_at(values, {"share"}),
-                            four_digits(values, {"correlation"})});
+                            percent_at(values, {"chance"}), four_digits(values, {"correlation"})});
   }
   return html_of(table);
 }

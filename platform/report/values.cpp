@@ -17,7 +17,7 @@ constexpr const char* names_of_elements[] = {
     "method", "node", "fault", "run",      "exit",    "value",    "number"};
 
 /// These have no unit, whatever they are of.
-constexpr const char* plain_numbers[] = {"count", "missing",    "share", "correlation",
+constexpr const char* plain_numbers[] = {"count", "missing",    "share", "chance", "correlation",
                                          "runs",  "confidence", "met",   "samples"};
 
 /// By the end of a key, the innermost first.

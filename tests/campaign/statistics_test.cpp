@@ -80,6 +80,30 @@ TEST(Statistics, SensitivityOfAFunction) {
   EXPECT_FALSE(sensitivity({"1", "2", "3", "4"}, {1, 1, 1, 1}));
 }
 
+TEST(Statistics, ChanceIsWhatOneAxisInAHundredExceeds) {
+  for (const int runs : {20, 60, 400})
+    for (const bool texts : {false, true}) {
+      constexpr int draws = 4000;
+      int above = 0;
+      for (uint64_t trial = 0; trial < draws; ++trial) {
+        std::vector<std::string> axis;
+        std::vector<double> metric;
+        for (int i = 0; i < runs; ++i) {
+          const uint64_t number = trial * 1000 + static_cast<uint64_t>(i);
+          const double x = draw(2, "axis", number);
+          axis.push_back(texts ? std::string(1, static_cast<char>('a' + static_cast<int>(4 * x)))
+                               : fmt::format("{}", x));
+          metric.push_back(draw(3, "metric", number));
+        }
+        const auto found = sensitivity(axis, metric);
+        if (found && found->share > found->chance) ++above;
+      }
+      // 40 expected; small samples have fewer.
+      EXPECT_LE(above, 60) << runs << texts;
+      EXPECT_GE(above, runs > 20 ? 20 : 0) << runs << texts;
+    }
+}
+
 TEST(Axis, DrawsHaveTheirDistribution) {
   Axis axis;
   axis.path = "x";

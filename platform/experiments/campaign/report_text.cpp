@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "base/curve.h"
 #include "base/json.h"
 #include "base/printable.h"
@@ -76,12 +78,13 @@ std::string metrics_text(const Report& r) {
 std::string sensitivity_text(const Report& r) {
   if (r.axes.empty()) return "";
   std::string text =
-      "\nwhat depends on what: share of the variance of ranks, and rank correlation\n";
+      "\nwhat depends on what: share of the variance of ranks, and rank correlation\n"
+      "(without the axes below what chance gives one axis in a hundred)\n";
   for (const MetricReport& m : r.metrics) {
     std::vector<std::pair<double, std::string>> lines;
     for (std::size_t i = 0; i < r.axes.size(); ++i) {
       const auto& s = m.to_axes[i];
-      if (!s || s->share < 0.005) continue;
+      if (!s || s->share < std::max(0.005, s->chance)) continue;
       lines.emplace_back(
           -s->share, fmt::format("  {:<24}{:<34}{:>9}{}\n", m.name, r.axes[i], percent(s->share),
                                  s->correlation ? fmt::format("{:>+8.2f}", *s->correlation) : ""));
@@ -164,6 +167,7 @@ ordered_json metric_json(const Report& r, const MetricReport& m) {
     j["sensitivity"][r.axes[i]] = nullptr;
     if (s)
       j["sensitivity"][r.axes[i]] = {{"share", s->share},
+                                     {"chance", s->chance},
                                      {"correlation", number_or_null(s->correlation)}};
   }
   return j;

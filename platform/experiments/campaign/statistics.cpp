@@ -92,6 +92,13 @@ std::vector<std::size_t> classes_of(const std::vector<std::string>& axis,
   return classes;
 }
 
+/// What 99 % of the values are below (Wilson and Hilferty 1931).
+double chi_squared_99(double degrees) {
+  constexpr double normal_99 = 2.3263478740408408;
+  const double spread = 2 / (9 * degrees);
+  return degrees * std::pow(1 - spread + normal_99 * std::sqrt(spread), 3);
+}
+
 }  // namespace
 
 Interval wilson(uint64_t passed, uint64_t count) {
@@ -134,7 +141,11 @@ std::optional<Sensitivity> sensitivity(const std::vector<std::string>& axis,
   double within = 0;
   for (const auto& [number, those] : members) within += squares(those);
   Sensitivity result;
-  result.share = std::max(0.0, 1 - within / (count - groups) / (total / (count - 1)));
+  const auto share_of = [&](double statistic) {
+    return std::clamp(1 - (count - 1 - statistic) / (count - groups), 0.0, 1.0);
+  };
+  result.share = share_of((count - 1) * (1 - within / total));
+  result.chance = share_of(chi_squared_99(groups - 1));
   if (!axis_ranks) return result;
   const double own = squares(*axis_ranks), middle = (count + 1) / 2;
   double common = 0;

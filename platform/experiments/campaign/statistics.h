@@ -42,6 +42,9 @@ struct Sensitivity {
   /// more than 12 values or fewer than 10 runs of each. About 0 without a dependence; it also finds
   /// dependences that are not monotonic.
   double share = 0;
+  /// A share that chance alone exceeds for one in a hundred axes without any influence: from the
+  /// quantile of the chi-squared distribution that Kruskal and Wallis's statistic then has.
+  double chance = 0;
   /// Spearman's rank correlation, -1 .. 1; empty for an axis of texts.
   std::optional<double> correlation;
 };

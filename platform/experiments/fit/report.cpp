@@ -424,8 +424,11 @@ std::string to_convergence(const Fit& fit) {
 
 std::string to_table(const Fit& fit) {
   const identification::Identification& answer = fit.answer;
-  std::string text = fmt::format("trace        {}: {} samples, {} bits\n", fit.record.path,
-                                 fit.record.samples.u.size(), fit.record.adc_bits);
+  // A recording's step is in the next line; 32 bits are no converter.
+  const std::string bits =
+      fit.record.adc_bits < 32 ? fmt::format(", {} bits", fit.record.adc_bits) : "";
+  std::string text = fmt::format("trace        {}: {} samples{}\n", fit.record.path,
+                                 fit.record.samples.u.size(), bits);
   text += unit_line(fit.record.description);
   text += fmt::format("method       {}\n\n", how(fit));
   text += fmt::format("{:<10}{:>14}{:>16}{:>14}{:>16}{:>16}\n", "parameter", "word", "identified",

@@ -36,7 +36,8 @@ SensorSettings::SensorSettings(Settings& settings)
       file(all, setting("sensor.file", SettingKind::input, default_sensor(),
                         "sensor description or recording; -: standard input")
                     .by({"--sensor", "FILE",
-                         "Sensor description (TOML) or recording (CSV); -: standard input"})) {
+                         "Sensor description (TOML) or recording (text, WAV, MAT, SDS); -: "
+                         "standard input"})) {
   for (const sensor::DescriptionKey& key : sensor::description_keys()) {
     Setting declared = setting("sensor." + key.name(), SettingKind::text, "", key.help);
     declared.optional = true;

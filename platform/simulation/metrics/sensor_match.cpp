@@ -138,11 +138,12 @@ double SensorMatch::recorded_rate() const {
 void SensorMatch::judge_rate() {
   const double tolerance = std::max(rate_tolerance, 1.0 / state_.period_cycles);
   if (!differ(state_.rate_hz, recorded_rate(), tolerance)) return;
-  say(fmt::format(
-      "the trace was sampled at {} Hz and the program samples at {} Hz: to the program "
-      "the sensor turns {} times as fast as it did. Give the program the trace's rate, "
-      "or resample the trace",
-      figure(recorded_rate()), figure(state_.rate_hz), figure(state_.rate_hz / recorded_rate())));
+  say(
+      fmt::format("the trace was sampled at {} Hz and the program samples at {} Hz: to the program "
+                  "the sensor turns {} times as fast as it did. Give the program the trace's rate "
+                  "(-P rate_hz={}), or resample the trace",
+                  figure(recorded_rate()), figure(state_.rate_hz),
+                  figure(state_.rate_hz / recorded_rate()), figure(recorded_rate())));
 }
 
 void SensorMatch::judge_speed() {

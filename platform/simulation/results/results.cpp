@@ -125,13 +125,17 @@ std::string sensor_table(const RunResult& result) {
   line("");
   const metrics::AngleErrors& errors = result.errors;
   const metrics::Convergence& convergence = result.convergence;
-  line(fmt::format("largest angle error before    {} (as the paper counts: {})",
-                   degrees(errors.uncalibrated_max, errors.angle_known),
-                   degrees(errors.uncalibrated_max_paper, errors.angle_known && result.truth)));
-  line(fmt::format("  last turn of demodulation   {}",
-                   degrees(errors.calibrated_max_last_revolution, errors.angle_known)));
-  line(fmt::format("  in calibration mode         {}",
-                   degrees(errors.calibration_mode_max, errors.angle_known)));
+  if (errors.angle_known) {
+    line(fmt::format("largest angle error before    {} (as the paper counts: {})",
+                     degrees(errors.uncalibrated_max, true),
+                     degrees(errors.uncalibrated_max_paper, result.truth.has_value())));
+    line(fmt::format("  last turn of demodulation   {}",
+                     degrees(errors.calibrated_max_last_revolution, true)));
+    line(fmt::format("  in calibration mode         {}",
+                     degrees(errors.calibration_mode_max, true)));
+  } else {
+    line("angle errors                  not known: the true angle is not");
+  }
   line(fmt::format("all six within 1 % after      {}",
                    convergence.state == metrics::Convergence::State::reached
                        ? fmt::format("{:.1f} s", convergence.since_s)
@@ -310,7 +314,10 @@ std::string to_table(const RunResult& result) {
                    seconds(result.simulated_s), seconds(result.wall_s),
                    speed_of(result.simulated_s, result.wall_s), result.instructions,
                    result.cycles));
-  line(fmt::format("exit {}: {}", result.code, result.reason));
+  const bool refused = result.code == exit_code::failed && result.verdict && !result.verdict->pass;
+  line(
+      fmt::format("exit {}: {}{}", result.code, result.reason,
+                  refused && !result.verdict->reason.empty() ? ": " + result.verdict->reason : ""));
   return text;
 }
 

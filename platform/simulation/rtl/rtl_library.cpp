@@ -29,8 +29,10 @@ std::string refuse_inside(const std::string& file, const capsoc_rtl_inside& insi
       names.begin(), names.end(), inside.node_names, inside.node_names + inside.node_count,
       [](const auto& ours, const char* theirs) { return std::strcmp(ours.name, theirs) == 0; });
   if (same_nodes && std::strcmp(inside.state_layout, capsoc_rtl_state_layout) == 0) return {};
-  return fmt::format("{}: its {} are not those of this program; {}", file,
-                     same_nodes ? "registers" : "nodes", rebuild);
+  return fmt::format(
+      "{}: its {} are not those of this program; build both of one tree: `cmake --build BUILD "
+      "--target capsoc capsoc_rtl`",
+      file, same_nodes ? "registers" : "nodes");
 }
 
 std::string refuse(const std::string& file, const capsoc_rtl_api& api,
@@ -66,9 +68,16 @@ std::string refuse(const std::string& file, const capsoc_rtl_api& api,
 Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
                                             const coprocessor::Options& options, Use use) {
   std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored))
+  if (!std::filesystem::exists(file, ignored)) {
+    // Names of our own: of an arithmetic, or of parameters that have no library yet.
+    const bool of_arithmetic = file == file_name(options.arithmetic);
+    const bool of_ours =
+        std::filesystem::path(file).filename().string().rfind("libcapsoc_rtl", 0) == 0;
     return Error{fmt::format("{}: there is no such RTL library; {}", file,
-                             file == file_name(options.arithmetic) ? rebuild : rebuild_with)};
+                             of_arithmetic ? rebuild
+                             : of_ours     ? rebuild_with
+                                           : "name the file that your build made")};
+  }
   if (auto error = check_input(file, {rebuild, largest_library})) return *error;
   // dlopen takes a name without a slash for one of the system's.
   const std::string path = std::filesystem::absolute(file, ignored).string();

@@ -91,13 +91,13 @@ struct LimitSettings {
       setting("run.simlimit_s", SettingKind::number, "0", "limit of simulated time, s; 0: none")
           .in(0, 1e6)
           .is_host_side()
-          .by({"--simlimit", "S", "End after N simulated seconds with exit 124"})};
+          .by({"--simlimit", "S", "End after S simulated seconds with exit 124"})};
   NumberField host_s{
       all,
       setting("run.timelimit_s", SettingKind::number, "0", "limit of the host's time, s; 0: none")
           .in(0, 1e6)
           .is_host_side()
-          .by({"--timelimit", "S", "End after N seconds of the host with exit 124"})};
+          .by({"--timelimit", "S", "End after S seconds of the host with exit 124"})};
   NumberField realtime{
       all, setting("run.realtime", SettingKind::number, "0",
                    "simulated seconds a second of the host, which waits where it is faster; 0: as "

@@ -273,6 +273,11 @@ Result<Variable> Variables::find(const std::string& path, const ReadPointer& rea
   unsigned stars = 0;
   for (; !rest.empty() && rest.front() == '*'; ++stars) rest.remove_prefix(1);
   const std::size_t end = end_of_name(rest);
+  if (end == 0)
+    return Error{
+        fmt::format("'{}' does not begin with the name of a variable; write state.turns, "
+                    "table[3] or *pointer",
+                    printable(path, 80))};
   auto start = named(std::string(rest.substr(0, end)));
   if (!start) return start;
   Walk walk(std::move(start.value()), read);
