@@ -226,6 +226,7 @@ function write_verdict() {
 }
 
 function write_texts() {
+  if (seen.mode === undefined) return;  // nothing has come yet
   const state = seen.state || {}, mode = seen.mode || "", stands = mode !== "running" && mode !== "waiting", open = mode !== "ended";
   const rate = seen.host_s > 0 ? `, ${shown(state.time_s / seen.host_s, 3)} simulated seconds a second of work` : "";
   set("line", `${mode}: ${(state.time_s || 0).toFixed(3)} s, ${state.samples || 0} samples${rate}${seen.reason ? "; " + seen.reason : ""}`);

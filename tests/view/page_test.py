@@ -57,6 +57,17 @@ class Page(ViewCase):
         for address in self.browser.requests():
             self.assertTrue(address.startswith(f"http://127.0.0.1:{view.port}/"), address)
 
+    def test_nothing_is_undefined_and_there_is_help(self):
+        view = self.view()
+        self.open(view)
+        speeds = self.browser.run("return [...document.getElementById('speed').options].map((each) => each.text)")
+        self.assertEqual([each for each in speeds if not re.match(r"[0-9.]+x$|as fast as it can$", each)], [])
+        self.assertNotIn("undefined", self.browser.run("return document.body.innerText"))
+        self.browser.run("document.querySelector('#help summary').focus()")
+        self.browser.press("Enter")
+        self.assertTrue(self.browser.run("return document.getElementById('help').open"))
+        self.check_clean(view)
+
     def test_curves_appear(self):
         view = self.view("--uart0", "null")
         begin = time.monotonic()
