@@ -69,7 +69,7 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
                                             const coprocessor::Options& options, Use use) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
-    // Names of our own: of an arithmetic, or of parameters that have no library yet.
+    // Names that the build gives: of an arithmetic, or of parameters that have no library yet.
     const bool of_arithmetic = file == file_name(options.arithmetic);
     const bool of_ours =
         std::filesystem::path(file).filename().string().rfind("libcapsoc_rtl", 0) == 0;
