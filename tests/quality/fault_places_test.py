@@ -3,6 +3,8 @@
 The lists are those of the folder tests/faults: a new one is checked without being named here.
 """
 
+import re
+import subprocess
 import tempfile
 import tomllib
 import unittest
@@ -46,6 +48,12 @@ class FaultPlaces(unittest.TestCase):
                 (module,) = (SOURCE / "scripts" / "capsoc_tools").rglob(f"{tool}.py")
                 self.assertIn(f'"{name}"', module.read_text(encoding="utf-8"))
 
+    def test_the_page_has_the_numbers(self):
+        page = (SOURCE / "docs/explanation/verification.md").read_text(encoding="utf-8")
+        table = dict(re.findall(r"^\| `(\w+)\.toml` \| (\d+) \| `scripts/tool", page, re.MULTILINE))
+        counts = {name: str(len(planting.read_list(name)["fault"])) for name in planting.list_names()}
+        self.assertEqual(table, counts)
+
     def test_no_list_is_elsewhere(self):
         for folder in ("scripts", "tests", "rtl", "models", "campaigns"):
             for path in (SOURCE / folder).rglob("*.toml"):
@@ -63,6 +71,12 @@ class FaultPlaces(unittest.TestCase):
                 texts = regression_faults.planted(files, chosen)
                 for number in range(1, len(chosen) + 1):
                     self.assertEqual(sum(text.count(f"faults::selected == {number} ?") for text in texts.values()), 1)
+                # What is exchanged has to be an expression.
+                copy = regression_faults.write_copy(chosen, Path(folder) / arithmetic, SOURCE / "rtl")
+                paper = f"-GPaper={int(arithmetic == 'paper')}"
+                command = ("verilator", "--lint-only", "-Wno-lint", "-Wno-fatal", "--top-module", "coprocessor", paper)
+                done = subprocess.run((*command, *copy), capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 0, done.stderr[:2000])
 
     def test_a_file_that_is_not_there(self):
         with self.assertRaisesRegex(planting.PlantError, "nowhere.sv"):

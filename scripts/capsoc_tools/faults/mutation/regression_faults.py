@@ -39,16 +39,21 @@ def of_arithmetic(every, arithmetic):
     return [fault for fault in every if fault["arithmetic"] in (arithmetic, "both")]
 
 
-def build(arithmetic, faults, arguments):
-    folder = arguments.output / f"faults-{arithmetic}"
+def write_copy(faults, folder, rtl):
+    """The design with all of the faults in it, in `folder`/rtl; its files in reading order."""
     copy = folder / "rtl"
     copy.mkdir(parents=True, exist_ok=True)
-    files = mutation.sources(folder, arguments.rtl)
+    files = mutation.sources(folder, rtl)
     for name, text in planted(files, faults).items():
         (copy / name).write_text(text, encoding="utf-8")
     (copy / "faults.sv").write_text(SELECTOR, encoding="utf-8")
-    packages = [copy / "faults.sv"] + [copy / file.name for file in files]
-    return mutation.build_library(packages, folder, ["-GPaper=" + str(int(arithmetic == "paper"))], ["-DCAPSOC_FAULTS"])
+    return [copy / "faults.sv"] + [copy / file.name for file in files]
+
+
+def build(arithmetic, faults, arguments):
+    folder = arguments.output / f"faults-{arithmetic}"
+    files = write_copy(faults, folder, arguments.rtl)
+    return mutation.build_library(files, folder, ["-GPaper=" + str(int(arithmetic == "paper"))], ["-DCAPSOC_FAULTS"])
 
 
 def main():
