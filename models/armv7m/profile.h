@@ -60,6 +60,7 @@ struct Profile {
   Timing timing{};
   Identity identity{};
 
+  constexpr bool has_dsp() const { return (instruction_sets & instruction_set::v7em) != 0; }
   constexpr bool has_special(unsigned number) const {
     return number < 32 && (special_registers >> number & 1) != 0;
   }
@@ -87,6 +88,23 @@ constexpr Profile make_cortex_m3() {
   return made;
 }
 inline constexpr Profile cortex_m3 = make_cortex_m3();
+
+/// Without an FPU: coprocessors 10 and 11 are as all others, and CPACR and FPCCR are not there.
+constexpr Profile make_cortex_m4() {
+  Profile made = make_cortex_m3();
+  made.name = "Cortex-M4 r0p1";
+  made.product = "Cortex-M4";
+  made.short_name = "cortex-m4";
+  made.instruction_sets |= instruction_set::v7em;
+  made.xpsr_bits |= 0x000F0000;  // GE
+  made.timing = cortex_m4_timing;
+  made.identity.cpuid = 0x410FC241;  // DDI 0439D, table 4-1
+  made.identity.features[9] = 0x02112000;
+  made.identity.features[10] = 0x21232231;
+  made.identity.features[11] = 0x01111131;
+  return made;
+}
+inline constexpr Profile cortex_m4 = make_cortex_m4();
 
 /// With the options of the fast multiplier, privilege levels, VTOR and SysTick; without an MPU.
 constexpr Profile make_cortex_m0plus() {

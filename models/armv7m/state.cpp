@@ -47,7 +47,11 @@ void State::visit(Archive& archive) {
   archive("z", z);
   archive("c", c);
   archive("v", v);
-  archive("q", q);
+  // GE lies above Q: the layout is that of a processor without.
+  auto q_and_ge = static_cast<uint8_t>((q ? 1 : 0) | ge << 1);
+  archive.at_most("q", q_and_ge, uint8_t{0x1F});
+  q = (q_and_ge & 1) != 0;
+  ge = q_and_ge >> 1;
   archive("pc", pc);
   archive("cycles", cycles);
   archive("instructions", instructions);
@@ -91,6 +95,7 @@ void State::reset(const SystemRegisters& registers) {
   n = 0;
   z = 1;
   c = v = q = false;
+  ge = 0;
   control = primask = faultmask = basepri = ipsr = other_sp = 0;
   it_state = 0;
   trail = timing::no_trail;
@@ -124,7 +129,8 @@ void State::set_reg(unsigned number, uint32_t value) {
 uint32_t State::xpsr() const {
   const uint32_t it = it_state;
   return (n & 0x80000000u) | (z == 0 ? 1u << 30 : 0) | (c ? 1u << 29 : 0) | (v ? 1u << 28 : 0) |
-         (q ? 1u << 27 : 0) | (it & 3) << 25 | (thumb ? 1u << 24 : 0) | (it >> 2) << 10 | ipsr;
+         (q ? 1u << 27 : 0) | (it & 3) << 25 | (thumb ? 1u << 24 : 0) | uint32_t{ge} << 16 |
+         (it >> 2) << 10 | ipsr;
 }
 
 void State::set_apsr(uint32_t value) {
@@ -133,6 +139,7 @@ void State::set_apsr(uint32_t value) {
   c = (value >> 29 & 1) != 0;
   v = (value >> 28 & 1) != 0;
   q = (value >> 27 & 1) != 0;
+  ge = static_cast<uint8_t>(value >> 16 & 0xF);
 }
 
 void State::set_xpsr(uint32_t value) {

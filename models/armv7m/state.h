@@ -27,6 +27,7 @@ struct State {
   std::array<uint32_t, 16> r{};  ///< 13: the stack pointer in use; 15 is not used
   uint32_t n = 0, z = 1;         ///< N is bit 31 of n; Z is z == 0
   bool c = false, v = false, q = false;
+  uint8_t ge = 0;  ///< bit n: of byte n, by the DSP extension
   uint32_t pc = 0;
   uint64_t cycles = 0, instructions = 0;
   uint8_t it_state = 0;
@@ -68,7 +69,7 @@ struct State {
   uint32_t xpsr() const;
   /// `value` without bits that the core does not have (Profile::xpsr_bits).
   void set_xpsr(uint32_t value);
-  /// N, Z, C, V and Q from their places in APSR.
+  /// N, Z, C, V, Q and GE from their places in APSR.
   void set_apsr(uint32_t value);
   bool condition_passed(unsigned condition) const;
 

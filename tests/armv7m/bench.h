@@ -14,6 +14,8 @@ namespace capsoc::armv7m::test {
 class Bench : public Bus {
  public:
   static constexpr uint32_t ram_base = 0x20000000, program = 0x1000, stack = 0x20008000;
+  static constexpr uint16_t stay = 0xE7FE;  ///< b .
+  static constexpr uint32_t handler(unsigned exception) { return 0x4000 + 32 * exception; }
   std::vector<uint8_t> flash = std::vector<uint8_t>(65536), ram = std::vector<uint8_t>(65536);
   uint32_t device = 0;
   std::function<void(uint32_t)> on_write;
@@ -24,8 +26,8 @@ class Bench : public Bus {
     core.map_memory(0, 65536, flash.data(), false, wait_states);
     core.map_memory(ram_base, 65536, ram.data(), true, 0);
     word(0, stack);
-    for (uint32_t n = 1; n < 48; ++n) word(4 * n, n == 1 ? program | 1 : (0x4000 + 32 * n) | 1);
-    for (uint32_t n = 2; n < 48; ++n) code(0x4000 + 32 * n, {0x4770});  // bx lr
+    for (uint32_t n = 1; n < 48; ++n) word(4 * n, (n == 1 ? program : handler(n)) | 1);
+    for (uint32_t n = 2; n < 48; ++n) code(handler(n), {0x4770});  // bx lr
   }
   bool read(uint32_t address, unsigned, uint32_t& value, unsigned& wait, AccessKind) override {
     wait = 3;

@@ -49,17 +49,20 @@ struct FastCore {
   Executor executor;
   const Profile* profile;
 };
-inline constexpr FastCore fast_cores[] = {{Executor::blocks, &cortex_m3},
-                                          {Executor::translator, &cortex_m3},
-                                          {Executor::blocks, &cortex_m0plus},
-                                          {Executor::translator, &cortex_m0plus}};
+inline constexpr FastCore fast_cores[] = {
+    {Executor::blocks, &cortex_m3},     {Executor::translator, &cortex_m3},
+    {Executor::blocks, &cortex_m0plus}, {Executor::translator, &cortex_m0plus},
+    {Executor::blocks, &cortex_m4},     {Executor::translator, &cortex_m4}};
 inline std::ostream& operator<<(std::ostream& out, const FastCore& core) {
   return out << core.profile->name;
 }
 inline std::string core_name(const testing::TestParamInfo<FastCore>& tested) {
   const std::string executor =
       executor_name(testing::TestParamInfo<Executor>(tested.param.executor, 0));
-  return executor + (tested.param.profile == &cortex_m0plus ? "CortexM0plus" : "");
+  const Profile* profile = tested.param.profile;
+  return executor + (profile == &cortex_m0plus ? "CortexM0plus"
+                     : profile == &cortex_m4   ? "CortexM4"
+                                               : "");
 }
 
 }  // namespace capsoc::armv7m::test

@@ -22,7 +22,20 @@ inline std::ostream& operator<<(std::ostream& out, const OracleCore& core) {
 }
 inline constexpr OracleCore oracle_cores[] = {
     {"CortexM3", &cortex_m3, UC_CPU_ARM_CORTEX_M3},
-    {"CortexM0plus", &cortex_m0plus, UC_CPU_ARM_CORTEX_M0}};
+    {"CortexM0plus", &cortex_m0plus, UC_CPU_ARM_CORTEX_M0},
+    {"CortexM4", &cortex_m4, UC_CPU_ARM_CORTEX_M4}};
+
+/// N, Z, C, V and Q, and GE where there is one. Unicorn's Cortex-M0 keeps a Q, too.
+inline uint32_t apsr_bits(const Profile& profile) {
+  constexpr uint32_t ge = 0x000F0000;
+  return 0xF8000000 | (profile.has_dsp() ? ge : 0);
+}
+
+/// The xPSR of the oracle, which takes GE under another name.
+inline void write_flags(uc_engine* uc, uint32_t xpsr) {
+  uc_reg_write(uc, UC_ARM_REG_XPSR, &xpsr);
+  uc_reg_write(uc, UC_ARM_REG_APSR_NZCVQG, &xpsr);
+}
 
 /// Operations left out because the oracle has no system side, and its known faults by name.
 inline bool outside_the_oracle(const DecodedOp& op) {

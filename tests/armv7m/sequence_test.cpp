@@ -68,10 +68,10 @@ class Sequence {
     }
     const uint32_t disdefwbuf = 2;  // the oracle's bus faults are precise
     bench_.core.debug_write(0xE000E008, &disdefwbuf, 4);
-    uint32_t psr = (random_() & 0xF8000000u) | 1u << 24;
+    uint32_t psr = (random_() & apsr_bits(*core_.profile)) | 1u << 24;
     bench_.core.edit().set_xpsr(psr);
     bench_.core.set_reg(15, at);
-    uc_reg_write(uc_, UC_ARM_REG_XPSR, &psr);
+    write_flags(uc_, psr);
     trace_.clear();
     // The last instruction that fits the count is announced, too, but not executed.
     error_ = uc_emu_start(uc_, at | 1, at + 2 * length, 0, 2 * length);
@@ -162,7 +162,7 @@ class Sequence {
         if ((theirs[n] & (n == 15 ? ~1u : ~0u)) != mine)
           return differs("r" + std::to_string(n), theirs[n], mine, seed);
       }
-      if (((theirs[16] ^ bench_.core.state().xpsr()) & 0xF8000000u) != 0)
+      if (((theirs[16] ^ bench_.core.state().xpsr()) & apsr_bits(*core_.profile)) != 0)
         return differs("flags", theirs[16], bench_.core.state().xpsr(), seed);
       uint16_t first = 0, second = 0;
       std::memcpy(&first, &code[pc - code_base], 2);

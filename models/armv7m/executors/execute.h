@@ -21,6 +21,7 @@ struct Execute {
   static const Executors* data_executors(const DecodedOp& op);
   static const Executors* memory_executors(const DecodedOp& op);
   static const Executors* branch_executors(const DecodedOp& op);
+  static const Executors* dsp_executors(const DecodedOp& op);
   static const Executors* system_executors(const DecodedOp& op);
   /// Null where the two do not fuse.
   static Chain compare_and_branch_chain(const DecodedOp& compare, const DecodedOp& branch);

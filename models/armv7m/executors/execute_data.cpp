@@ -338,16 +338,17 @@ bool Execute::mls(Machine& cpu, const Step& op) {
   return true;
 }
 
-#define LONG_MULTIPLY(name, product, accumulate, size)                                          \
-  bool Execute::name(Machine& cpu, const Step& op) {                                            \
-    uint32_t n = cpu.state.r[op.rn], m = cpu.state.r[op.rm];                                    \
-    uint64_t sum = static_cast<uint64_t>(cpu.state.r[op.ra]) << 32 | cpu.state.r[op.rd];        \
-    uint64_t value = (product) + ((accumulate) ? sum : 0);                                      \
-    cpu.state.cycles += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
-                                     : timing::multiply_long_extra(size(n), size(m));           \
-    cpu.state.r[op.rd] = static_cast<uint32_t>(value);                                          \
-    cpu.state.r[op.ra] = static_cast<uint32_t>(value >> 32);                                    \
-    return true;                                                                                \
+#define LONG_MULTIPLY(name, product, accumulate, size)                                            \
+  bool Execute::name(Machine& cpu, const Step& op) {                                              \
+    uint32_t n = cpu.state.r[op.rn], m = cpu.state.r[op.rm];                                      \
+    uint64_t sum = static_cast<uint64_t>(cpu.state.r[op.ra]) << 32 | cpu.state.r[op.rd];          \
+    uint64_t value = (product) + ((accumulate) ? sum : 0);                                        \
+    if (op.by_operands)                                                                           \
+      cpu.state.cycles += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
+                                       : timing::multiply_long_extra(size(n), size(m));           \
+    cpu.state.r[op.rd] = static_cast<uint32_t>(value);                                            \
+    cpu.state.r[op.ra] = static_cast<uint32_t>(value >> 32);                                      \
+    return true;                                                                                  \
   }
 #define SIGNED(x) static_cast<int64_t>(static_cast<int32_t>(x))
 LONG_MULTIPLY(smull, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), false, timing::magnitude)

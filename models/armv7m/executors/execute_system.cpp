@@ -35,6 +35,7 @@ const Executors* Execute::unconditional(const DecodedOp& op) {
   if (const Executors* e = data_executors(op)) return e;
   if (const Executors* e = memory_executors(op)) return e;
   if (const Executors* e = branch_executors(op)) return e;
+  if (const Executors* e = dsp_executors(op)) return e;
   return system_executors(op);
 }
 
@@ -126,7 +127,7 @@ void Execute::add_cycles(const CoreContext& context, Step& step, uint16_t before
 
 uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) {
   if (is(op, kind::divide)) return timing::divide_most;
-  if (is(op, kind::long_multiply)) return timing::long_multiply_most;
+  if (op.by_operands) return timing::long_multiply_most;
   const unsigned transfers = is(op, kind::multiple) ? 16 : 4;
   return is(op, kind::transfer) ? transfers * (largest_wait + 1) : 0;
 }
@@ -184,6 +185,8 @@ uint32_t sysm(const DecodedOp& op) {
   constexpr uint32_t none = 0xFF;
   return op.unallocated ? none : op.encoding & 0xFF;
 }
+
+constexpr uint32_t apsr_bits = 0xF80F0000;  // N, Z, C, V, Q, GE
 }  // namespace
 
 // B5.2.2. EPSR reads as zero; without privilege IPSR, the stack pointers and the masks do too.
@@ -192,7 +195,7 @@ bool Execute::mrs(Machine& cpu, const Step& op) {
   unsigned which = sysm(op);
   bool priv = cpu.state.privileged();
   if (which <= 7) {
-    if ((which & 4) == 0) value |= cpu.state.xpsr() & 0xF8000000u;
+    if ((which & 4) == 0) value |= cpu.state.xpsr() & apsr_bits;
     if ((which & 1) && priv) value |= cpu.state.ipsr;
   } else if (which == 20) {
     value = cpu.state.control;
@@ -226,8 +229,11 @@ bool Execute::mrs(Machine& cpu, const Step& op) {
 bool Execute::msr(Machine& cpu, const Step& op) {
   uint32_t value = cpu.state.r[op.rn];
   unsigned which = sysm(op);
-  if (which <= 3 && (op.encoding & 0x800)) {
-    cpu.state.set_apsr(value & cpu.profile.xpsr_bits);
+  if (which <= 3) {
+    constexpr uint32_t nzcvq = 0xF8000000u, ge = apsr_bits & ~nzcvq;
+    const uint32_t mask = ((op.encoding & 0x800) != 0 ? nzcvq : 0) | (op.sets_ge ? ge : 0);
+    const uint32_t written = mask & cpu.profile.xpsr_bits;
+    cpu.state.set_apsr((value & written) | (cpu.state.xpsr() & ~written));
   } else if (which > 7 && cpu.state.privileged()) {
     switch (which) {
       case 8:

@@ -224,10 +224,13 @@ void resolve(DecodedOp& op, const Fields& f, Form form) {
       op.shift = decode_imm_shift(2, f['i']);
       break;
     case Form::saturate:
-      // ASR #0 would be SSAT16/USAT16, of the DSP extension.
+      // ASR #0 is SSAT16 or USAT16, in other lines.
       if (f['y'] && f['i'] == 0) return set_undefined(op);
       op.shift = decode_imm_shift(f['y'] ? 2 : 0, f['i']);
       op.field.width = static_cast<int8_t>(f['b'] + (op.operation == Operation::ssat ? 1 : 0));
+      break;
+    case Form::saturate16:
+      op.field.width = static_cast<int8_t>(f['b'] + (op.operation == Operation::ssat16 ? 1 : 0));
       break;
     case Form::extract:
     case Form::insert:
@@ -329,7 +332,11 @@ uint8_t flags_set(FlagRule rule, const Fields& f, uint8_t it_state) {
 void leave_out(DecodedOp& op, const Profile& profile) {
   constexpr uint32_t faultmask_of_cps = 1;
   const bool names_one = op.operation == Operation::mrs || op.operation == Operation::msr;
-  if (names_one) op.unallocated = !profile.has_special(op.encoding & 0xFF);
+  const uint32_t named = op.encoding & 0xFF;
+  if (names_one) op.unallocated = !profile.has_special(named);
+  constexpr uint32_t mask_g = 1u << 10, last_with_flags = 3;
+  if (op.operation == Operation::msr && named <= last_with_flags)
+    op.sets_ge = (op.encoding & mask_g) != 0 && profile.has_dsp();
   if (op.operation == Operation::cps && !profile.has_special(special::faultmask))
     op.imm &= ~faultmask_of_cps;
 }
@@ -389,6 +396,7 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   if (e->form == Form::it) op.it_after = static_cast<uint8_t>(op.imm);
   simplify(op);
   leave_out(op, profile);
+  op.by_operands = profile.timing.long_multiply_by_operands && is(op, kind::long_multiply);
   op.cycles = static_cycles(op, e->cycle_class, profile.timing);
   return op;
 }

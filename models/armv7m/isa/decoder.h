@@ -25,6 +25,7 @@ enum class Form : uint8_t {
   extract,
   insert,
   saturate,
+  saturate16,
   literal_x4,
   index,
   sp_x4,

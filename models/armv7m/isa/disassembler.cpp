@@ -64,8 +64,10 @@ std::string special_name(const DecodedOp& op) {
       "basepri_max", "faultmask", "control"};
   const uint32_t which = op.encoding & 0xFF;
   if (which >= 21 || *names[which] == 0) return std::to_string(which);
-  const bool flags = op.operation == Operation::msr && which < 4;
-  return std::string(names[which]) + (flags ? "_nzcvq" : "");
+  if (op.operation == Operation::mrs || which >= 4) return names[which];
+  const bool others = (op.encoding & 1u << 11) != 0;
+  const std::string parts = !op.sets_ge ? "_nzcvq" : others ? "_nzcvqg" : "_g";
+  return names[which] + parts;
 }
 
 /// The limits of a barrier; only SY is defined, the others are reserved and act as it (A7.7.33).
@@ -100,6 +102,11 @@ std::string address_text(const DecodedOp& op) {
   }
 }
 
+/// The half of an operand of SMUL<x><y> and its like.
+std::string half_name(uint32_t top) {
+  return top != 0 ? "t" : "b";
+}
+
 std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "d") return register_name(op.rd);
   if (field == "n") return register_name(op.rn);
@@ -116,6 +123,10 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "width") return std::to_string(op.field.width);
   if (field == "rotation")
     return op.shift.amount == 0 ? "" : ", ror #" + std::to_string(op.shift.amount);
+  if (field == "half") return half_name(op.imm & 1);
+  if (field == "halves") return half_name(op.imm >> 1) + half_name(op.imm & 1);
+  if (field == "exchange") return (op.imm & 1) != 0 ? "x" : "";
+  if (field == "rounding") return (op.imm & 1) != 0 ? "r" : "";
   if (field == "mov") return op.shift.amount == 0 ? "mov" : shift_name(op);
   if (field == "mov_shift")
     return op.shift.amount == 0 || op.shift.type == ShiftType::rrx

@@ -39,8 +39,13 @@ enum Kind : uint32_t {
   branch = 1 << 15,
   table_branch = 1 << 16,
   system = 1 << 17,  ///< changes the mode, the masks or the sleep, or may
+  dsp = 1 << 18,     ///< of the DSP extension, with one result
+  long_dsp = 1 << 19,
 };
-constexpr uint32_t data_processing = data | compare | reverse | multiply | long_multiply | divide;
+constexpr uint32_t dsp_extension = dsp | long_dsp;
+constexpr uint32_t two_results = long_multiply | long_dsp;  ///< in RdLo and RdHi
+constexpr uint32_t data_processing =
+    data | compare | reverse | multiply | long_multiply | divide | dsp_extension;
 constexpr uint32_t exclusive = exclusive_load | exclusive_store;
 constexpr uint32_t multiple = multiple_load | multiple_store;
 constexpr uint32_t single_transfer = load | store | exclusive;
@@ -103,7 +108,8 @@ struct RegisterList {
   constexpr unsigned count() const { return static_cast<unsigned>(__builtin_popcount(bits)); }
 };
 
-/// Bits of a register: of SBFX, UBFX, BFI and BFC, and with lsb 0 the result of SSAT and USAT.
+/// Bits of a register: of SBFX, UBFX, BFI and BFC, and with lsb 0 the result of SSAT, USAT and
+/// those for halfwords.
 struct BitField {
   uint8_t lsb = 0;
   int8_t width = 0;  ///< below 1: an msb below the lsb, UNPREDICTABLE
@@ -112,8 +118,9 @@ struct BitField {
 /// Sets of encodings, a bit each: the second column of isa.def.
 namespace instruction_set {
 enum Set : uint8_t {
-  v6m = 1 << 0,  ///< Armv6-M, which Armv7-M contains
-  v7m = 1 << 1,  ///< Armv7-M beyond that
+  v6m = 1 << 0,   ///< Armv6-M, which Armv7-M contains
+  v7m = 1 << 1,   ///< Armv7-M beyond that
+  v7em = 1 << 2,  ///< the DSP extension of Armv7-M
 };
 }  // namespace instruction_set
 
@@ -145,13 +152,17 @@ struct DecodedOp {
   bool carry_from_imm : 1;  // an immediate that was rotated gives its bit 31 to C
   bool unallocated : 1;     // MRS or MSR of a special register that the core does not have
   bool refills_late : 1;    // a refill of one or two cycles takes one more to it
+  bool sets_ge : 1;         // MSR that writes APSR.GE
+  bool by_operands : 1;     // a long multiplication whose time depends on its operands
 
   DecodedOp()
       : set_flags(false),
         writeback(false),
         carry_from_imm(false),
         unallocated(false),
-        refills_late(false) {}
+        refills_late(false),
+        sets_ge(false),
+        by_operands(false) {}
 };
 static_assert(sizeof(DecodedOp) <= 32);
 

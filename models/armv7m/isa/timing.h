@@ -45,6 +45,8 @@ struct Timing {
   /// Refills, pairing and folding of the three-stage pipeline: the time of an instruction depends
   /// on the one before it.
   bool three_stages;
+  /// Of SMULL, UMULL, SMLAL and UMLAL (multiply_long_extra).
+  bool long_multiply_by_operands;
 
   constexpr unsigned of(CycleClass kind) const { return cycles[static_cast<std::size_t>(kind)]; }
 };
@@ -75,6 +77,7 @@ inline constexpr Timing cortex_m3_timing{{
                                          0,
                                          2,
                                          3,
+                                         true,
                                          true};
 
 /// The times of all instructions, to be compared with the TRM. It depends on the instruction, its
@@ -173,7 +176,32 @@ inline constexpr Timing cortex_m0plus_timing{{
                                              0,
                                              1,
                                              2,
+                                             false,
                                              false};
+
+/// Of the Cortex-M4: as the Cortex-M3, except its multiplier of one cycle (ARM DDI 0439D, tables
+/// 3-1 and 3-2).
+///
+/// | TRM, tables 3-1 and 3-2       | there   | here                             |
+/// |-------------------------------|---------|----------------------------------|
+/// | MUL, MLA, MLS                 | 1       | 1                                |
+/// | SMULL, UMULL, SMLAL, UMLAL    | 1       | 1                                |
+/// | SDIV, UDIV                    | 2 to 12 | as the Cortex-M3                 |
+/// | all of the DSP extension      | 1       | 1                                |
+/// | IT behind a 16-bit one        | folded  | 0                                |
+/// | everything else               | as the Cortex-M3's TRM has it | the same   |
+///
+/// What the Cortex-M3's TRM says of pairing and this one does not repeat is taken to hold: the
+/// address that was just computed, and refills by the place of the target.
+constexpr Timing make_cortex_m4_timing() {
+  Timing made = cortex_m3_timing;
+  for (const CycleClass kind :
+       {CycleClass::multiply_add, CycleClass::multiply_long, CycleClass::multiply_accumulate_long})
+    made.cycles[static_cast<std::size_t>(kind)] = 1;
+  made.long_multiply_by_operands = false;
+  return made;
+}
+inline constexpr Timing cortex_m4_timing = make_cortex_m4_timing();
 
 /// What follows is common to the cores with three stages (Timing::three_stages): pairing, folding
 /// and what operands add.
@@ -244,7 +272,7 @@ inline Trail registers_left_by(const DecodedOp& op) {
   }
   constexpr uint32_t computes = kind::data_processing & ~uint32_t{kind::compare};
   if (!is(op, computes) || op.rd == 15) return no_trail;
-  const bool is_long = is(op, kind::long_multiply);
+  const bool is_long = is(op, kind::two_results);
   const unsigned second = is_long ? op.ra : op.rd;
   return static_cast<Trail>(trail_data | second << 4 | op.rd);
 }

@@ -95,7 +95,7 @@ bool base_is_transferred(const DecodedOp& op, const Encoding& line) {
 }
 
 bool has_one_destination_for_two(const DecodedOp& op) {
-  if (is(op, kind::long_multiply | kind::dual_load)) return op.rd == op.ra;
+  if (is(op, kind::two_results | kind::dual_load)) return op.rd == op.ra;
   return is(op, kind::exclusive_store) && (op.ra == op.rd || op.ra == op.rn);
 }
 
@@ -150,7 +150,7 @@ std::optional<Unpredictable> narrow(const DecodedOp& op, const Encoding& line) {
 
 bool special_name_is_allocated(const DecodedOp& op) {
   const uint32_t mask = op.encoding >> 10 & 3;
-  return !op.unallocated && (op.operation == O::mrs || mask == 2);
+  return !op.unallocated && (op.operation == O::mrs || mask == 2 || op.sets_ge);
 }
 
 /// CPS that names FAULTMASK where there is none.

@@ -83,6 +83,8 @@ void BlockCompiler::emit_operation(const Step& step) {
     edges_.emit_branch(step);
   } else if (is(step, kind::transfer)) {
     transfers_.emit_transfer(step);
+  } else if (is(step, kind::dsp_extension)) {
+    emit_call(step);
   } else if (is(step, kind::data_processing)) {
     data_.emit_data(step);
   } else if (step.operation == Operation::isb) {
@@ -92,6 +94,21 @@ void BlockCompiler::emit_operation(const Step& step) {
   } else {
     flags_.keep_host_flags();  // NOP, IT, barriers
   }
+}
+
+/// Leaves a step that can neither fault nor leave the block to its executor in C++. It finds its
+/// operands in the state, where the registers are that the call may change, too.
+void BlockCompiler::emit_call(const Step& step) {
+  const auto address_of = [](auto* of) { return reinterpret_cast<uintptr_t>(of); };
+  const uint32_t lost = RegisterMap::changed_by_calls();
+  registers_.store(lost | 1u << step.rn | 1u << step.rm | 1u << step.ra | 1u << step.rd);
+  a_.mov(x86::rdi, address_of(&machine_));
+  a_.mov(x86::rsi, address_of(&step));
+  a_.mov(x86::rax, address_of(step.body->one));
+  a_.sub(x86::rsp, 8);  // calls want a stack of 16-byte units
+  a_.call(x86::rax);
+  a_.add(x86::rsp, 8);
+  registers_.load(lost | written_by(step));
 }
 
 /// In a handler, which is privileged and has MSP in use; elsewhere they are left to C++. After MSR

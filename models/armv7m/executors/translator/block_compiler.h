@@ -24,8 +24,9 @@ class Machine;
 /// Makes host code of decoded blocks. Owns the parts that write it, and decides which of them
 /// writes a step.
 ///
-/// The code calls nothing: whatever it does not do itself it leaves to C++, by leaving with the
-/// number of a BlockExit.
+/// Whatever the code does not do itself it leaves to C++, by leaving with the number of a
+/// BlockExit. It calls nothing but the executors of the DSP extension, which touch registers, Q and
+/// GE alone.
 class BlockCompiler {
  public:
   /// Nothing is owned; `context` lies near the machine's state (HostCode).
@@ -61,6 +62,7 @@ class BlockCompiler {
   void emit_steps();
   void emit_step(const Step& step);
   void emit_operation(const Step& step);
+  void emit_call(const Step& step);
   void emit_stack_pointer(const Step& step);
   void go_to(std::size_t i);
 

@@ -31,7 +31,7 @@ uint32_t written_by(const DecodedOp& op) {
   if (op.operation == Operation::bl || op.operation == Operation::blx) return bit(14);
   if (is(op, kind::compare | kind::any_branch | kind::none)) return 0;
   if (is(op, kind::system)) return op.operation == Operation::mrs ? bit(op.rd) : 0;
-  return bit(op.rd) | (is(op, kind::long_multiply) ? bit(op.ra) : 0);
+  return bit(op.rd) | (is(op, kind::two_results) ? bit(op.ra) : 0);
 }
 
 bool writes_sp(const Step& step) {
@@ -106,7 +106,7 @@ uint32_t BlockPlan::bound_of(const Step& step) const {
   const uint32_t wait = machine_.memory.map().largest_wait();
   if (is(step, kind::transfer)) bound += wait * std::max(2u, step.list.count()) + unaligned_most;
   if (is(step, kind::divide)) bound += timing::divide_most;
-  if (is(step, kind::long_multiply)) bound += timing::long_multiply_most;
+  if (step.by_operands) bound += timing::long_multiply_most;
   return bound;
 }
 

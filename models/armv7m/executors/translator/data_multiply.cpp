@@ -30,11 +30,9 @@ void DataOperations::emit_multiply(const Step& step) {
     flags_.set_sources(flag::nz, {Of::value, FlagOperand::reg(step.rd), {}, 0});
 }
 
-/// SMULL, UMULL, SMLAL, UMLAL.
-void DataOperations::emit_long_multiply(const Step& step) {
-  const bool is_signed = step.operation == Operation::smull || step.operation == Operation::smlal;
-  const bool accumulate = step.operation == Operation::smlal || step.operation == Operation::umlal;
-  // Cycles: one for each operand of more than 16 bits; edx counts.
+/// The cycles of a long multiplication that its operands add: one for each of more than 16 bits.
+void DataOperations::charge_operands(const Step& step, bool is_signed, bool accumulate) {
+  // edx counts.
   a_.xor_(x86::edx, x86::edx);
   for (const unsigned n : {unsigned{step.rn}, unsigned{step.rm}}) {
     registers_.read_to(x86::eax, n);
@@ -52,6 +50,13 @@ void DataOperations::emit_long_multiply(const Step& step) {
     a_.add(x86::edx, x86::eax);
   }
   code_.charge(x86::edx);
+}
+
+/// SMULL, UMULL, SMLAL, UMLAL.
+void DataOperations::emit_long_multiply(const Step& step) {
+  const bool is_signed = step.operation == Operation::smull || step.operation == Operation::smlal;
+  const bool accumulate = step.operation == Operation::smlal || step.operation == Operation::umlal;
+  if (step.by_operands) charge_operands(step, is_signed, accumulate);
   if (is_signed) {
     a_.emit(x86::Inst::kIdMovsxd, x86::rax, registers_.at(step.rn));
     a_.emit(x86::Inst::kIdMovsxd, x86::rcx, registers_.at(step.rm));

@@ -59,6 +59,7 @@ class DataOperations {
   // data_multiply.cpp
   void emit_multiply(const Step& step);
   void emit_long_multiply(const Step& step);
+  void charge_operands(const Step& step, bool is_signed, bool accumulate);
   void emit_divide(const Step& step);
 
   const State& state_;

@@ -55,14 +55,22 @@ void RegisterMap::write(unsigned n, const Gp& from) {
     a_.mov(host_register(n), from);
 }
 
-void RegisterMap::load_all() {
+void RegisterMap::load(uint32_t registers) {
   for (unsigned n = 0; n < 16; ++n)
-    if (pinned(n)) a_.mov(host_register(n), in_state(n));
+    if (pinned(n) && (registers >> n & 1) != 0) a_.mov(host_register(n), in_state(n));
 }
 
-void RegisterMap::store_all() {
+void RegisterMap::store(uint32_t registers) {
   for (unsigned n = 0; n < 16; ++n)
-    if (pinned(n)) a_.mov(in_state(n), host_register(n));
+    if (pinned(n) && (registers >> n & 1) != 0) a_.mov(in_state(n), host_register(n));
+}
+
+uint32_t RegisterMap::changed_by_calls() {
+  // System V: all but rbx, rbp and r12 to r15.
+  uint32_t set = 0;
+  for (unsigned n = 0; n < 16; ++n)
+    if (pinned(n) && host_number[n] >= 6 && host_number[n] <= 11) set |= 1u << n;
+  return set;
 }
 
 }  // namespace capsoc::armv7m

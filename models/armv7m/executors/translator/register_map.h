@@ -41,9 +41,14 @@ class RegisterMap {
   void written(unsigned n, const Gp& from) {
     if (!pinned(n)) write(n, from);
   }
-  /// Loads all pinned registers from the state, or stores them to it.
-  void load_all();
-  void store_all();
+  /// Loads those of a set of registers that are pinned from the state, or stores them to it. Bit n:
+  /// rn.
+  void load(uint32_t registers);
+  void store(uint32_t registers);
+  void load_all() { load(0xFFFF); }
+  void store_all() { store(0xFFFF); }
+  /// The pinned registers that a function of the host may change.
+  static uint32_t changed_by_calls();
 
  private:
   HostCode& code_;
