@@ -53,6 +53,12 @@ capsoc_firmware(hello_sram SOURCES tests/hello.c OBJECTS runtime
 capsoc_firmware_objects(runtime_m0plus PROCESSOR cortex-m0plus SOURCES ${runtime})
 capsoc_firmware(hello_m0plus SOURCES tests/hello.c OBJECTS runtime_m0plus PROCESSOR cortex-m0plus)
 capsoc_firmware(selfcal_m0plus SOURCES apps/selfcal/main.c ${shared} OBJECTS runtime_m0plus PROCESSOR cortex-m0plus)
+# For the Cortex-M4 (-C cpu.profile=m4).
+capsoc_firmware_objects(runtime_m4 PROCESSOR cortex-m4 SOURCES ${runtime})
+foreach(test hello dsp no_fpu)
+  capsoc_firmware(${test}_m4 SOURCES tests/${test}.c OBJECTS runtime_m4 PROCESSOR cortex-m4)
+endforeach()
+capsoc_firmware(selfcal_m4 SOURCES apps/selfcal/main.c ${shared} OBJECTS runtime_m4 PROCESSOR cortex-m4)
 # Without our start-up.
 capsoc_firmware(armv6m SOURCES tests/armv6m.c LINKER_SCRIPT tests/armv6m.ld PROCESSOR cortex-m0plus)
 capsoc_firmware(rdimon SOURCES tests/rdimon.c NEWLIB_START LINKER_SCRIPT tests/rdimon.ld LINK_OPTIONS --specs=rdimon.specs)

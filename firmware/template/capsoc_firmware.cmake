@@ -5,7 +5,7 @@
 #
 # makes the executable target <name> and its file <name>.elf. The linker takes the sources and then the objects, in the order
 # in which they are named; what nothing calls is left out. OPTIMISE is -Os without a word, LINKER_SCRIPT the variable
-# CAPSOC_LINKER_SCRIPT. PROCESSOR is for the compiler's -mcpu (cortex-m0plus), the toolchain's without a word. Vectors and start-up are among the sources, or with NEWLIB_START newlib's own.
+# CAPSOC_LINKER_SCRIPT. PROCESSOR is for the compiler's -mcpu (cortex-m0plus, cortex-m4), the toolchain's without a word. Vectors and start-up are among the sources, or with NEWLIB_START newlib's own.
 #
 #   capsoc_firmware_objects(<objects> SOURCES <file>... [OPTIMISE <level>] [PROCESSOR <name>])
 #

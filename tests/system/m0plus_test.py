@@ -96,8 +96,8 @@ class Differences(Case):
         ):
             done = capsoc("run", HELLO, *CHOSEN, *options)
             self.check_refused(done.returncode, done.stdout, done.stderr.decode(), *words)
-        done = capsoc("run", HELLO, "-C", "cpu.profile=m4")
-        self.check_refused(done.returncode, done.stdout, done.stderr.decode(), "cpu.profile", "m3", "m0plus")
+        done = capsoc("run", HELLO, "-C", "cpu.profile=m4f")
+        self.check_refused(done.returncode, done.stdout, done.stderr.decode(), "cpu.profile", "m3", "m0plus", "m4")
 
     def test_a_checkpoint_belongs_to_its_processor(self):
         whole = output_of(CAPSOC, "run", HELLO, *CHOSEN, "--json", self.folder / "whole.json")

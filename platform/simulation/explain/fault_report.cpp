@@ -60,30 +60,42 @@ bool keeps_fault_status(const ProgramView& view) {
   return view.soc().cpu.core().profile().has_fault_status;
 }
 
-/// What an undefined instruction is on a processor with more of them; "" where it is none.
+constexpr uint32_t undefined_instruction = 1u << 16, no_coprocessor = 1u << 19;
+
+/// What an instruction that the processor does not have is on one that has it; "" where it is none.
 std::string about_missing(const ProgramView& view, const armv7m::FaultReport& report) {
   const armv7m::Core& core = view.soc().cpu.core();
   const uint32_t address = report.registers.r[15];
   std::array<uint16_t, 2> code{};
   if (!core.debug_read(address, code.data(), 2)) return "";
   if (armv7m::is_wide(code[0]) && !core.debug_read(address + 2, &code[1], 2)) return "";
-  const armv7m::DecodedOp op = armv7m::decode(address, code[0], code[1], 0);
+  const armv7m::Profile& profile = core.profile();
+  const armv7m::DecodedOp op = armv7m::decode(address, code[0], code[1], 0, armv7m::cortex_m4);
+  const unsigned coprocessor = op.encoding >> 8 & 15;
+  if (report.cfsr == no_coprocessor && op.operation == armv7m::Operation::coprocessor)
+    return coprocessor == 10 || coprocessor == 11
+               ? fmt::format(
+                     " (of an FPU, which the {} does not have; build with "
+                     "-mfloat-abi=soft)",
+                     profile.product)
+               : "";
   if (op.operation == armv7m::Operation::undefined ||
-      (armv7m::line_of(op).set & core.profile().instruction_sets) != 0)
+      (armv7m::line_of(op).set & profile.instruction_sets) != 0)
     return "";
-  return fmt::format(" ('{}' is of Armv7-M; build with -mcpu={})", armv7m::disassemble(op),
-                     core.profile().short_name);
+  const bool dsp = armv7m::line_of(op).set == armv7m::instruction_set::v7em;
+  return fmt::format(" ('{}' is of {}Armv7-M; build with -mcpu={})", armv7m::disassemble(op),
+                     dsp ? "the DSP extension of " : "", profile.short_name);
 }
 
 /// The cause of a fault. Without the registers that tell it, only what happened is left of their
 /// bits: neither that an address is held, nor that HardFault stands for another fault.
 std::string cause_of(const ProgramView& view, const armv7m::FaultReport& report) {
-  if (keeps_fault_status(view)) return armv7m::describe_cfsr(report.cfsr, report.hfsr);
+  const bool lacks = report.cfsr == undefined_instruction || report.cfsr == no_coprocessor;
+  const std::string missing = lacks ? about_missing(view, report) : "";
+  if (keeps_fault_status(view)) return armv7m::describe_cfsr(report.cfsr, report.hfsr) + missing;
   constexpr uint32_t addresses = 1u << 7 | 1u << 15;
   const uint32_t escalated = report.cfsr != 0 ? forced : 0;
-  constexpr uint32_t undefined_instruction = 1u << 16;
-  return armv7m::describe_cfsr(report.cfsr & ~addresses, report.hfsr & ~escalated) +
-         (report.cfsr == undefined_instruction ? about_missing(view, report) : "");
+  return armv7m::describe_cfsr(report.cfsr & ~addresses, report.hfsr & ~escalated) + missing;
 }
 
 /// Only faults leave a status.

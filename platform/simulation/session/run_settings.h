@@ -27,9 +27,10 @@ struct CpuSettings {
   Settings& all;
   ChoiceField<const armv7m::Profile*> profile{
       all,
-      {{"m3", &armv7m::cortex_m3}, {"m0plus", &armv7m::cortex_m0plus}},
+      {{"m3", &armv7m::cortex_m3}, {"m0plus", &armv7m::cortex_m0plus}, {"m4", &armv7m::cortex_m4}},
       setting("cpu.profile", SettingKind::choice, "m3",
-              "which processor: m3, the Cortex-M3, or m0plus, the Cortex-M0+")};
+              "which processor: m3, the Cortex-M3, m0plus, the Cortex-M0+, or m4, the Cortex-M4 "
+              "without FPU")};
   NumberField quantum_ns{
       all, setting("cpu.quantum_ns", SettingKind::number, "1000000",
                    "how far the processor may run ahead, ns")

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* names[] = {"r0",  "r1",  "r2",   "r3",      "r4",    "r5",     "r6",
                                  "r7",  "r8",  "r9",   "r10",     "r11",   "r12",    "lr",
                                  "msp", "psp", "xpsr", "control", "masks", "basepri"};
-constexpr uint32_t flags = 0xF8000000;  // N, Z, C, V, Q of the xPSR
+constexpr uint32_t flags = 0xF80F0000;  // N, Z, C, V, Q and GE of the xPSR
 
 std::string note(uint64_t cycle, double seconds, const std::string& text) {
   return fmt::format("{:>12} {:>14.9f}  {}", cycle, seconds, text);

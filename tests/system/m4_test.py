@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""The Cortex-M4 without FPU in place of the Cortex-M3 (`-C cpu.profile=m4`): whole programs, on QEMU's Cortex-M4, too,
+and what else shows that it is another processor.
+"""
+
+import json
+import re
+import subprocess
+import unittest
+
+from gdb_test import Packets, Run, gdb
+from harness import CAPSOC, CLEAN, FIRMWARE, Case, output_of, without_host_times
+
+CTEST = {"name": "m4", "timeout": 600}
+
+CHOSEN = ("-C", "cpu.profile=m4")
+HELLO = FIRMWARE / "hello_m4.elf"
+DSP = FIRMWARE / "dsp_m4.elf"
+
+
+def capsoc(*arguments):
+    return subprocess.run(
+        [CAPSOC, *map(str, arguments)],
+        capture_output=True,
+        timeout=300,
+        check=False,
+        env=CLEAN,
+        stdin=subprocess.DEVNULL,
+    )
+
+
+class Programs(Case):
+    """Built for it, in every executor."""
+
+    def everywhere(self, program):
+        """Output and results, which are the same in every executor."""
+        seen = []
+        for executor in ("stepping", "blocks", "translator"):
+            out = output_of(
+                *(CAPSOC, "run", FIRMWARE / f"{program}.elf", *CHOSEN, "-C", f"cpu.executor={executor}"),
+                *("--json", self.folder / "r.json"),
+            )
+            result = without_host_times(self.result())
+            result.pop("configuration")
+            result.pop("command")
+            seen.append((out, result))
+        for other in seen[1:]:
+            self.assertEqual(other, seen[0])
+        return seen[0]
+
+    def test_qemus_cortex_m4_prints_the_same(self):
+        theirs = output_of(
+            *("qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=5,sleep=off", "-display", "none"),
+            *("-monitor", "none", "-serial", "stdio", "-semihosting-config", "enable=on,target=native"),
+            *("-kernel", DSP),
+        )
+        instructions = set(re.findall(r"(?m)^([a-z].*[0-9a-z]) +[0-9a-f]{8}$", theirs))
+        self.assertEqual(len(instructions), 97, "with their halves, exchanges and rounding")
+        self.assertIn("handler 680f0000, stacked 290a0000, after 280a0000\n", theirs)
+        self.assertEqual(self.everywhere("dsp_m4")[0], theirs)
+
+    def test_hello(self):
+        self.assertEqual(self.everywhere("hello_m4")[0], "hello from capsoc\n")
+
+    def test_the_main_job_learns_what_it_learns_on_the_cortex_m3(self):
+        out, result = self.everywhere("selfcal_m4")
+        self.assertTrue(result["verdict"]["pass"], out)
+        output_of(CAPSOC, "run", FIRMWARE / "selfcal.elf", "--json", self.folder / "m3.json")
+        self.assertEqual(result["parameters"], self.result("m3.json")["parameters"])
+
+    def test_it_has_every_instruction_of_the_cortex_m3_and_multiplies_in_less_time(self):
+        results = []
+        for options in ((), CHOSEN):
+            out = output_of(CAPSOC, "run", FIRMWARE / "bench_matrix.elf", *options, "--json", self.folder / "r.json")
+            results.append((out, self.result()["cpu"]))
+        (out, m3), (same_out, m4) = results
+        self.assertEqual(same_out, out)
+        self.assertEqual(m4["instructions"], m3["instructions"])
+        self.assertLess(m4["cycles"], m3["cycles"])
+
+
+class Differences(Case):
+    """What a user notices."""
+
+    def test_a_program_of_it_is_told_what_the_others_lack(self):
+        for profile, said in (
+            ("m3", r"\('sxtab r0, r1, r2' is of the DSP extension of Armv7-M; build with -mcpu=cortex-m3\)"),
+            ("m0plus", r"\('[a-z.]+ .*' is of Armv7-M; build with -mcpu=cortex-m0plus\)"),
+        ):
+            done = capsoc("run", DSP, "-C", f"cpu.profile={profile}")
+            self.assertEqual(done.returncode, 5, done.stderr)
+            self.assertRegex(done.stderr.decode(), "UNDEFINSTR: undefined instruction " + said)
+
+    def test_floating_point_ends_in_a_missing_coprocessor(self):
+        done = capsoc("run", FIRMWARE / "no_fpu_m4.elf", *CHOSEN)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertEqual(done.stdout, b"CPACR 00000000\n", "it cannot be enabled")
+        self.assertIn(
+            "NOCP: coprocessor instruction without a coprocessor (of an FPU, which the Cortex-M4 does not have; "
+            "build with -mfloat-abi=soft)",
+            done.stderr.decode(),
+        )
+
+    def test_one_with_an_fpu_is_refused(self):
+        done = capsoc("run", HELLO, "-C", "cpu.profile=m4f")
+        self.check_refused(
+            done.returncode,
+            done.stdout,
+            done.stderr.decode(),
+            "cpu.profile cannot be 'm4f'; choose one of m3, m0plus, m4",
+        )
+
+    def test_a_checkpoint_has_ge_and_belongs_to_its_processor(self):
+        whole = output_of(CAPSOC, "run", DSP, *CHOSEN, "--json", self.folder / "whole.json")
+        seconds = self.result("whole.json")["time"]["simulated_s"]
+        for number, part in enumerate((0.25, 0.5, 0.75)):
+            saved = self.folder / f"saved{number}"
+            done = capsoc("run", DSP, *CHOSEN, "--save", f"{saved}@{part * seconds:.9f}")
+            self.assertEqual((done.returncode, done.stdout.decode()), (0, whole), done.stderr)
+            refused = capsoc("run", DSP, "--restore", saved)
+            self.check_refused(
+                refused.returncode,
+                refused.stdout,
+                refused.stderr.decode(),
+                "was saved with another cpu.profile (m4, here m3); give the same as then",
+            )
+            done = capsoc("run", DSP, *CHOSEN, "--restore", saved, "--json", self.folder / "rest.json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(whole.endswith(done.stdout.decode()))
+            self.assertEqual(self.result("rest.json")["cpu"]["cycles"], self.result("whole.json")["cpu"]["cycles"])
+
+    def test_the_instruction_trace_shows_ge(self):
+        trace = self.folder / "trace"
+        done = capsoc("run", DSP, *CHOSEN, "--simlimit", 0.003, "--trace-instructions", trace)
+        self.assertEqual(done.returncode, 124, done.stderr)
+        self.assertRegex(trace.read_text(), r"msr apsr_nzcvqg, r\d+ .* xpsr=f80f0000")
+
+
+class Session(Case):
+    """capsoc serve."""
+
+    def ask(self, *requests):
+        lines = [
+            json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": parameters})
+            for number, (method, parameters) in enumerate(requests)
+        ]
+        out = output_of(CAPSOC, "serve", input="\n".join(lines) + "\n")
+        return [each.get("result", each.get("error")) for each in map(json.loads, out.splitlines())]
+
+    def test_registers_are_those_that_it_has(self):
+        settings = {"firmware.elf": str(HELLO), "cpu.profile": "m4"}
+        _, listed, value, about, _, read = self.ask(
+            ("simulation.construct", {"settings": settings}),
+            ("register.list", {"simulation": 1}),
+            ("register.read", {"simulation": 1, "name": "SCB.CPUID"}),
+            ("debugger.about", {"simulation": 1}),
+            ("processor.write", {"simulation": 1, "register": "xpsr", "value": 0xFFFFFFFF}),
+            ("processor.read", {"simulation": 1}),
+        )
+        peripherals = {each["name"]: [reg["name"] for reg in each["registers"]] for each in listed["peripherals"]}
+        self.assertIn("ID_ISAR2", peripherals["SCB"])
+        for present in ("MPU", "ITM", "DWT", "DCB"):
+            self.assertIn(present, peripherals)
+        self.assertEqual(value["value"], 0x410FC241)
+        self.assertEqual(about["processor"], "cortex-m4")
+        self.assertEqual(read["registers"]["xpsr"] & 0xFF0F0000, 0xFF0F0000)
+
+
+class Debugger(Case):
+    """GDB, with and without a history."""
+
+    def test_gdb_sees_ge_and_the_registers_of_the_cortex_m3(self):
+        for options in (CHOSEN, (*CHOSEN, "--gdb-history")):
+            with Run(HELLO, "--halt", *options) as run, Packets(run) as packets:
+                names = re.findall(r'reg name="(\w+)"', packets.ask("qXfer:features:read:target.xml:0,4000"))
+                self.assertEqual(names[-6:], ["msp", "psp", "primask", "basepri", "faultmask", "control"], options)
+                self.assertIn('name="cortex-m4"', packets.ask("qXfer:threads:read::0,4000"))
+                self.assertEqual(packets.word(0xE000ED00), 0x410FC241)
+            with Run(HELLO, "--halt", *options) as run:
+                out = gdb(run, "set $xpsr = 0xffffffff\nprint /x $xpsr & 0xff0f0000\ndetach\n", HELLO)
+                self.assertIn("$1 = 0xff0f0000", out, "bits of xPSR that there are")
+
+
+if __name__ == "__main__":
+    unittest.main()
