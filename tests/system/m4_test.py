@@ -135,6 +135,15 @@ class Differences(Case):
         self.assertEqual(done.returncode, 124, done.stderr)
         self.assertRegex(trace.read_text(), r"msr apsr_nzcvqg, r\d+ .* xpsr=f80f0000")
 
+    def test_translated_code_is_the_same_in_every_run(self):
+        traces = []
+        for name in ("1", "2"):
+            trace = self.folder / name
+            output_of(CAPSOC, "run", DSP, *CHOSEN, "-C", "cpu.translate_after=2", "--trace-translation", trace)
+            traces.append(trace.read_text())
+        self.assertIn("smladx", traces[0])
+        self.assertEqual(traces[0], traces[1])
+
 
 class Session(Case):
     """capsoc serve."""

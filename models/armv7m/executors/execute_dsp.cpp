@@ -33,6 +33,10 @@ uint32_t saturate_q(Machine& cpu, SaturationResult r) {
   return r.value;
 }
 
+unsigned width_of(const DecodedOp& op) {
+  return static_cast<unsigned>(op.field.width);
+}
+
 enum class Lanes { add16, asx, sax, sub16, add8, sub8 };
 enum class Keeps { low_bits, saturated, half };
 
@@ -163,7 +167,7 @@ bool Execute::sel(Machine& cpu, const Step& op) {
 
 bool Execute::ssat16(Machine& cpu, const Step& op) {
   const uint32_t n = cpu.state.r[op.rn];
-  const auto width = static_cast<unsigned>(op.field.width);
+  const unsigned width = width_of(op);
   const uint32_t low = saturate_q(cpu, signed_sat_q(bottom(n), width));
   cpu.state.r[op.rd] = halves(saturate_q(cpu, signed_sat_q(top(n), width)), low);
   return true;
@@ -171,7 +175,7 @@ bool Execute::ssat16(Machine& cpu, const Step& op) {
 
 bool Execute::usat16(Machine& cpu, const Step& op) {
   const uint32_t n = cpu.state.r[op.rn];
-  const auto width = static_cast<unsigned>(op.field.width);
+  const unsigned width = width_of(op);
   const uint32_t low = saturate_q(cpu, unsigned_sat_q(bottom(n), width));
   cpu.state.r[op.rd] = halves(saturate_q(cpu, unsigned_sat_q(top(n), width)), low);
   return true;

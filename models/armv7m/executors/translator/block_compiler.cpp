@@ -1,6 +1,7 @@
 #include "armv7m/executors/translator/block_compiler.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 
 #include "armv7m/machine.h"
@@ -26,6 +27,7 @@ BlockCompiler::BlockCompiler(Machine& machine, HostContext& context, CodeBuffer&
 void BlockCompiler::forget() {
   edges_.forget();
   flags_.forget();
+  called_.clear();
   largest_bound_ = 0;
 }
 
@@ -97,16 +99,19 @@ void BlockCompiler::emit_operation(const Step& step) {
 }
 
 /// Leaves a step that can neither fault nor leave the block to its executor in C++. It finds its
-/// operands in the state, where the registers are that the call may change, too.
+/// operands in the state, where the registers are that the call may change, too. The code holds no
+/// address, so that it is the same in every run.
 void BlockCompiler::emit_call(const Step& step) {
-  const auto address_of = [](auto* of) { return reinterpret_cast<uintptr_t>(of); };
+  const auto place = static_cast<int32_t>(called_.size() * sizeof(CalledStep));
+  called_.push_back({step.body->one, &step});
+  context_.called = called_.data();
   const uint32_t lost = RegisterMap::changed_by_calls();
   registers_.store(lost | 1u << step.rn | 1u << step.rm | 1u << step.ra | 1u << step.rd);
-  a_.mov(x86::rdi, address_of(&machine_));
-  a_.mov(x86::rsi, address_of(&step));
-  a_.mov(x86::rax, address_of(step.body->one));
+  a_.mov(x86::rax, code_.context(&context_.called));
+  a_.lea(x86::rdi, code_.context(&machine_));
+  a_.mov(x86::rsi, x86::ptr(x86::rax, place + static_cast<int32_t>(offsetof(CalledStep, step))));
   a_.sub(x86::rsp, 8);  // calls want a stack of 16-byte units
-  a_.call(x86::rax);
+  a_.call(x86::ptr(x86::rax, place, 8));
   a_.add(x86::rsp, 8);
   registers_.load(lost | written_by(step));
 }

@@ -90,6 +90,7 @@ class BlockCompiler {
   MemoryPaths memory_;
   Transfers transfers_;
   DataOperations data_;
+  std::vector<CalledStep> called_;
   uint32_t largest_bound_ = 0;
 };
 

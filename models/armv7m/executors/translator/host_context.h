@@ -8,6 +8,15 @@
 
 namespace capsoc::armv7m {
 
+class Machine;
+struct Step;
+
+/// A step that translated code leaves to its function in C++ without leaving itself.
+struct CalledStep {
+  bool (*one)(Machine&, const Step&) = nullptr;
+  const Step* step = nullptr;
+};
+
 /// Memory that host code reaches with one comparison: pages in a row that are mapped directly.
 struct MemoryWindow {
   uint64_t units[3] = {};  ///< its size in bytes, halfwords, words; 0: closed
@@ -43,6 +52,7 @@ struct HostContext {
   const Memory::Page* pages = nullptr;  ///< the view in use
   uint64_t closed = 0;                  ///< all ones: no store next to code, its page may forbid it
   const void* leave = nullptr;          ///< the code that returns to C++
+  const CalledStep* called = nullptr;   ///< by number
   uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
   WordsAside aside{};
   uint64_t place = 0;  ///< kept for a moment by a return
