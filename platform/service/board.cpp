@@ -65,24 +65,45 @@ Result<std::unique_ptr<Board>> Board::construct(const Json& settings, const Snap
   std::unique_ptr<Board> board(new Board);
   board->writes_in_ = writes_in;
   if (auto error = board->set(settings)) return *error;
-  if (auto error = board->check_files({})) return *error;
-  const auto lay_over = [&](run::RunInputs& inputs) {
-    const run::SensorSettings& sensor = board->settings_.sensor;
+  if (auto error = board->make(from, false)) return *error;
+  if (auto error = board->start(from)) return *error;
+  return board;
+}
+
+Result<std::unique_ptr<Board>> Board::prepare(const Json& settings, const std::string& writes_in) {
+  std::unique_ptr<Board> board(new Board);
+  board->writes_in_ = writes_in;
+  if (auto error = board->set(settings)) return *error;
+  if (auto error = board->make({}, true)) return *error;
+  return board;
+}
+
+std::optional<Error> Board::begin(const Snapshot& from) {
+  if (auto error = simulation_->begin(from.state())) return error;
+  return start(from);
+}
+
+std::optional<Error> Board::make(const Snapshot& from, bool waits) {
+  if (auto error = check_files({})) return error;
+  const auto lay_over = [this](run::RunInputs& inputs) {
+    const run::SensorSettings& sensor = settings_.sensor;
     auto port = std::make_unique<SensorPort>(std::move(inputs.source), inputs.sensor_file,
                                              sensor.keys(), sensor.recording().value());
-    board->sensor_ = port.get();
+    sensor_ = port.get();
     inputs.source = std::move(port);
   };
-  auto simulation = run::Simulation::construct(
-      board->settings_, {lay_over, from.frames.empty() ? "" : from.frames.front(), &board->kept_});
+  auto simulation = run::Simulation::construct(settings_, {lay_over, from.state(), &kept_, waits});
   if (!simulation) return Error{simulation.error()};
-  board->simulation_ = std::move(simulation.value());
-  board->attach();
-  // To its first instant: out of reset, or out of the state that it continues from.
-  const auto begun = board->simulation_->advance_to(sc_core::SC_ZERO_TIME);
+  simulation_ = std::move(simulation.value());
+  attach();
+  return std::nullopt;
+}
+
+/// To its first instant: out of reset, or out of the state that it continues from.
+std::optional<Error> Board::start(const Snapshot& from) {
+  const auto begun = simulation_->advance_to(sc_core::SC_ZERO_TIME);
   if (!begun) return Error{begun.error()};
-  if (auto error = board->take_over(from)) return *error;
-  return board;
+  return take_over(from);
 }
 
 Board::Board() : history_budget_(std::size_t{history_mb} << 20U) {}

@@ -48,6 +48,9 @@ class Board {
     std::string to_bytes() const;
     static Snapshot of(const std::string& bytes);
 
+    /// A checkpoint's bytes; "": out of reset.
+    std::string state() const { return frames.empty() ? "" : frames.front(); }
+
     Json held;  ///< what came from outside and has not reached the chip, what it sent and no client
                 ///< has read
     Frames frames;  ///< a checkpoint's bytes, then those that `held` refers to; empty: out of reset
@@ -57,6 +60,13 @@ class Board {
   /// as check_files() and run::Simulation::construct() have it. The only one of its process.
   static Result<std::unique_ptr<Board>> construct(const Json& settings, const Snapshot& from,
                                                   const std::string& writes_in = "");
+  /// The same in two steps: one that waits for its state, perhaps in a fork of this process, and
+  /// may do nothing before begin().
+  static Result<std::unique_ptr<Board>> prepare(const Json& settings, const std::string& writes_in);
+  std::optional<Error> begin(const Snapshot& from);
+  /// Whether forks of this process may each begin a prepared one: nothing that its settings open
+  /// is shared by them then.
+  bool may_be_forked() const;
   ~Board();
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
@@ -150,6 +160,8 @@ class Board {
  private:
   Board();
   std::optional<Error> set(const Json& settings);
+  std::optional<Error> make(const Snapshot& from, bool waits);
+  std::optional<Error> start(const Snapshot& from);
   std::optional<Error> take_over(const Snapshot& from);
   /// What the program says, by where: the UARTs, the ITM, the console.
   std::vector<std::pair<std::string, serial::KeptStream*>> outputs();

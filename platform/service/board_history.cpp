@@ -47,6 +47,12 @@ std::string Board::why_no_history() const {
   return "";
 }
 
+/// A library of the user may hold what a fork shares, and perf_map names a file by the process.
+bool Board::may_be_forked() const {
+  return no_history_.empty() && settings_.coprocessor.rtl_library.empty() &&
+         !settings_.trace.perf_map();
+}
+
 void Board::begin_history(const Snapshot& from) {
   no_history_ = why_no_history();
   if (!no_history_.empty()) return;

@@ -94,7 +94,7 @@ Result<std::vector<Input>> inputs_in(const std::string& bytes) {
 void History::begin(const Position& at, std::string bytes) {
   if (budget_ == 0) return;
   snapshot_bytes_ = bytes.size() + overhead;
-  snapshots_.push_back({at, 0, 0, std::move(bytes)});
+  snapshots_.push_back({at, 0, 0, std::move(bytes), next_serial_++});
   end_ = reached_ = at;
 }
 
@@ -114,7 +114,7 @@ void History::add_snapshot(const Position& at, uint64_t effort_ns, std::string b
   reach(at);
   if (place == snapshots_.begin() || (place != snapshots_.end() && place->at == at)) return;
   snapshot_bytes_ += bytes.size() + overhead;
-  snapshots_.insert(place, {at, applied_, effort_ns, std::move(bytes)});
+  snapshots_.insert(place, {at, applied_, effort_ns, std::move(bytes), next_serial_++});
   fit();
 }
 
@@ -283,10 +283,11 @@ void History::move_beginning() {
   dropped_ = front.inputs;
 }
 
-Json History::pack(Frames& frames) const {
-  Json about = {{"budget", budget_},    {"dropped", dropped_},          {"applied", applied_},
-                {"end", to_json(end_)}, {"reached", to_json(reached_)}, {"log", frames.size()},
-                {"number", number_},    {"greatest", greatest_number_}};
+Json History::pack(Frames& frames, const std::set<uint64_t>& known) const {
+  Json about = {
+      {"budget", budget_},    {"dropped", dropped_},          {"applied", applied_},
+      {"end", to_json(end_)}, {"reached", to_json(reached_)}, {"log", frames.size()},
+      {"number", number_},    {"greatest", greatest_number_}, {"next_serial", next_serial_}};
   const auto add_log = [&frames](const Inputs& inputs, std::size_t from) {
     std::string log;
     for (std::size_t i = from; i < inputs.size(); ++i) log += to_bytes(*inputs[i]);
@@ -294,39 +295,42 @@ Json History::pack(Frames& frames) const {
   };
   add_log(inputs_, 0);
   Json& left = about["left"] = Json::array();
-  std::vector<const Inputs*> known = {&inputs_};
+  std::vector<const Inputs*> packed = {&inputs_};
   for (const Left& each : left_) {
     std::size_t base = 0;  // the one with the most in common
-    for (std::size_t i = 1; i < known.size(); ++i)
-      if (common_inputs(*known[i], each.inputs) > common_inputs(*known[base], each.inputs))
+    for (std::size_t i = 1; i < packed.size(); ++i)
+      if (common_inputs(*packed[i], each.inputs) > common_inputs(*packed[base], each.inputs))
         base = i;
-    const std::size_t common = common_inputs(*known[base], each.inputs);
+    const std::size_t common = common_inputs(*packed[base], each.inputs);
     left.push_back({{"number", each.number},
                     {"end", to_json(each.end)},
                     {"base", base},
                     {"common", common},
                     {"log", frames.size()}});
     add_log(each.inputs, common);
-    known.push_back(&each.inputs);
+    packed.push_back(&each.inputs);
   }
   Json& list = about["snapshots"] = Json::array();
   for (const Snapshot& each : snapshots_) {
     list.push_back({{"at", to_json(each.at)},
                     {"inputs", each.inputs},
                     {"effort_ns", each.effort_ns},
-                    {"frame", frames.size()}});
+                    {"serial", each.serial}});
+    if (known.count(each.serial) > 0) continue;
+    list.back()["frame"] = frames.size();
     frames.push_back(each.bytes);
   }
   return about;
 }
 
-Result<History> History::unpack(const Json& about, Frames frames) {
+Result<History> History::unpack(const Json& about, Frames frames, History known) {
   History history(about.at("budget").get<std::size_t>());
   history.dropped_ = about.at("dropped").get<uint64_t>();
   history.applied_ = about.at("applied").get<uint64_t>();
   history.end_ = position_in(about.at("end")).value_or(Position());
   history.reached_ = position_in(about.at("reached")).value_or(Position());
   history.number_ = about.at("number").get<uint64_t>();
+  history.next_serial_ = about.at("next_serial").get<uint64_t>();
   history.greatest_number_ = about.at("greatest").get<uint64_t>();
   const auto add_log = [&](const Json& log, Inputs& to) -> std::optional<Error> {
     auto inputs = inputs_in(frames.at(log.get<std::size_t>()));
@@ -340,22 +344,31 @@ Result<History> History::unpack(const Json& about, Frames frames) {
   if (auto error = add_log(about.at("log"), history.inputs_)) return *error;
   for (const Json& each : about.at("left")) {
     const auto base = each.at("base").get<std::size_t>();
-    const Inputs& known = base == 0 ? history.inputs_ : history.left_.at(base - 1).inputs;
+    const Inputs& shared = base == 0 ? history.inputs_ : history.left_.at(base - 1).inputs;
     const auto common = each.at("common").get<std::ptrdiff_t>();
-    if (common > static_cast<std::ptrdiff_t>(known.size()))
+    if (common > static_cast<std::ptrdiff_t>(shared.size()))
       return Error{"a history without its beginning"};
     Left left;
     left.number = each.at("number").get<uint64_t>();
     left.end = position_in(each.at("end")).value_or(Position());
-    left.inputs.assign(known.begin(), known.begin() + common);
+    left.inputs.assign(shared.begin(), shared.begin() + common);
     if (auto error = add_log(each.at("log"), left.inputs)) return *error;
     history.left_.push_back(std::move(left));
   }
   history.remeasure();
+  const auto bytes_of = [&](const Json& each) -> std::optional<std::string> {
+    if (const auto frame = each.find("frame"); frame != each.end())
+      return std::move(frames.at(frame->get<std::size_t>()));
+    for (Snapshot& snapshot : known.snapshots_)
+      if (snapshot.serial == each.at("serial").get<uint64_t>()) return std::move(snapshot.bytes);
+    return std::nullopt;
+  };
   for (const Json& each : about.at("snapshots")) {
+    auto bytes = bytes_of(each);
+    if (!bytes) return Error{"a history with a snapshot that is not known here"};
     Snapshot snapshot{position_in(each.at("at")).value_or(Position()),
                       each.at("inputs").get<uint64_t>(), each.at("effort_ns").get<uint64_t>(),
-                      std::move(frames.at(each.at("frame").get<std::size_t>()))};
+                      std::move(*bytes), each.at("serial").get<uint64_t>()};
     history.snapshot_bytes_ += snapshot.bytes.size() + overhead;
     history.snapshots_.push_back(std::move(snapshot));
   }

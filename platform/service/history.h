@@ -12,6 +12,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,7 @@ class History {
     uint64_t inputs = 0;     ///< applied before it, since the first of all
     uint64_t effort_ns = 0;  ///< processor time of the host up to here
     std::string bytes;       ///< of the caller; "": the board out of reset
+    uint64_t serial = 0;     ///< of the history, from 1; no other one has it, nor had
   };
 
   /// A history that was left: what came after it was left at `from` begins another one. It has no
@@ -144,10 +146,10 @@ class History {
   }
   std::size_t bytes() const { return snapshot_bytes_ + input_bytes_; }
 
-  /// For another process.
-  Json pack(Frames& frames) const;
-  /// An Error: these are not what pack() made.
-  static Result<History> unpack(const Json& about, Frames frames);
+  /// For another process, which has the bytes of these snapshots already, by their serials.
+  Json pack(Frames& frames, const std::set<uint64_t>& known = {}) const;
+  /// `known`: what the other process has. An Error: these are not what pack() made.
+  static Result<History> unpack(const Json& about, Frames frames, History known = History());
 
  private:
   static std::size_t size_of(const Input& input);
@@ -167,6 +169,7 @@ class History {
   uint64_t number_ = 1, greatest_number_ = 1;
   uint64_t dropped_ = 0;  // inputs before inputs_
   uint64_t applied_ = 0;  // inputs, with those dropped
+  uint64_t next_serial_ = 1;
   std::size_t snapshot_bytes_ = 0, input_bytes_ = 0;
   Position end_, reached_;
 };

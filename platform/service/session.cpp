@@ -279,15 +279,18 @@ void Session::take_answer(Simulation& simulation, Message message) {
 }
 
 void Session::client_is_gone(Client& client) {
-  for (auto at = simulations_.begin(); at != simulations_.end();) {
-    if (at->second->client != client.number) {
-      ++at;
-      continue;
-    }
-    end_worker(*at->second);
-    ended_[at->first] = "was closed: its client has gone";
-    ending_.push_back(std::move(at->second));
-    at = simulations_.erase(at);
+  std::vector<uint64_t> numbers;
+  for (const auto& [number, simulation] : simulations_)
+    if (simulation->client == client.number) numbers.push_back(number);
+  for (const uint64_t number : numbers) {
+    // What another client has asked of it is answered.
+    const auto found = simulations_.find(number);
+    if (found == simulations_.end()) continue;
+    end_worker(*found->second);
+    ended_[number] = "was closed: its client has gone";
+    refuse_pending(*found->second, fmt::format("simulation {} {}", number, ended_[number]));
+    ending_.push_back(std::move(simulations_.at(number)));
+    simulations_.erase(number);
   }
 }
 

@@ -46,6 +46,7 @@ class Session {
  private:
   struct Client;
   struct Simulation;
+  struct Spare;
   /// Outcome of a call: an answer of the worker, or the loss of the worker.
   using Take = std::function<void(Answer answer)>;
   struct Request {
@@ -153,7 +154,27 @@ class Session {
   void start(uint64_t client, const Snapshot& from, Constructed done);
   void start_with(uint64_t client, Json settings, Json parameters, Frames frames, Files files,
                   Constructed done);
-  void start_past(const Seek& seek, uint64_t client, Json how, Constructed done);
+  /// What starts a worker in the past, and what it is to do there.
+  struct Start {
+    std::shared_ptr<Seek> seek;
+    uint64_t client;
+    Json how;
+    Constructed done;
+  };
+  void start_past(const std::shared_ptr<Seek>& seek, uint64_t client, Json how, Constructed done);
+  bool is_refused(const Start& start);
+  void start_alone(Start start);
+  void start_by_spare(Start start);
+  void start_spare(Start start);
+  void ask_history(Start start, void (Session::*then)(Start start));
+  void fork_by_spare(Start start, Simulation& spare);
+  void take_fork(Start start, WorkerProcess worker);
+  Simulation* spare_of(uint64_t simulation);
+  bool make_room_for_spare();
+  void spare_has_failed(Start start, Answer answer);
+  std::function<void()> close_others();
+  bool is_full() const;
+  void add_worker(Simulation& added, Json parameters, Frames frames, Constructed done);
   void drop_worker(uint64_t number);
   /// With an id the worker's answer is a frame: the bytes for the client.
   void call(Simulation& simulation, const std::string& method, Json parameters, Frames frames,
@@ -172,6 +193,10 @@ class Session {
   std::vector<std::unique_ptr<Simulation>> ending_;  ///< closed; their processes are on their way
   std::map<uint64_t, std::shared_ptr<const Snapshot>> snapshots_;
   std::map<uint64_t, std::string> ended_;  ///< why a number stands for nothing any more
+  SharedPlaces places_;
+  /// Numbers of spares are none of simulations, which clients count.
+  static constexpr uint64_t first_spare = uint64_t{1} << 62U;
+  uint64_t next_spare_ = first_spare, next_use_ = 1;
   uint64_t next_client_ = 1, next_simulation_ = 1, next_snapshot_ = 1, next_call_ = 1;
   bool is_ending_ = false;
 };

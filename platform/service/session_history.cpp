@@ -73,25 +73,6 @@ uint64_t step_in(const Json& parameters) {
 
 }  // namespace
 
-/// A request that looks into the past, with what the worker left for it.
-struct Session::Seek {
-  Request request;
-  uint64_t simulation = 0, client = 0;
-  Json settings, history, told, what;
-  Frames frames;
-  Position now;
-  std::vector<Position> snapshots;
-  std::function<void(const Seek& seek, Json hit)> found;
-
-  /// The last snapshot before now.
-  std::size_t last() const {
-    std::size_t last = 0;
-    for (std::size_t i = 1; i < snapshots.size(); ++i)
-      if (snapshots[i] < now) last = i;
-    return last;
-  }
-};
-
 /// Asks the worker for its history. `then`, unless the worker refused or went ahead itself.
 void Session::seek(Request& request, Json leave,
                    std::function<void(Json, std::shared_ptr<Seek>)> then) {
@@ -105,6 +86,10 @@ void Session::seek(Request& request, Json leave,
   seek->simulation = simulation->number;
   seek->client = simulation->client;
   seek->settings = simulation->settings;
+  seek->leave = leave;
+  Simulation* const spare = spare_of(simulation->number);
+  seek->is_whole = spare == nullptr || !spare->is_spare->is_ready;
+  if (!seek->is_whole) leave["known"] = spare->is_spare->known;
   call(*simulation, leave_method, std::move(leave), {},
        [this, seek, then = std::move(then)](Answer answer) {
          if (!answer.ok() || !answer.result.contains("history")) {
@@ -117,6 +102,7 @@ void Session::seek(Request& request, Json leave,
          }
          seek->history = std::move(answer.result.at("history"));
          seek->told = std::move(answer.result.at("told"));
+         seek->may_be_forked = answer.result.at("may_be_forked").get<bool>();
          seek->frames = std::move(answer.frames);
          seek->now = position_in(answer.result.at("now")).value_or(Position());
          for (const Json& each : seek->history.at("snapshots"))
@@ -139,25 +125,42 @@ void Session::end_seek(const Seek& seek, Answer answer) {
 }
 
 /// A worker in the past; `done` gets its number.
-void Session::start_past(const Seek& seek, uint64_t client, Json how, Constructed done) {
-  const auto found = simulations_.find(seek.simulation);
-  if (found == simulations_.end())
-    return done(0, refuse(fmt::format("simulation {} has ended meanwhile", seek.simulation),
-                          Code::no_simulation));
-  if (found->second->is_interrupted)
-    return done(0, refuse("the search was interrupted; the simulation stays where it was"));
-  how["history"] = seek.history;
-  start_with(
-      client, seek.settings, std::move(how), seek.frames, found->second->files,
-      [this, number = seek.simulation, done = std::move(done)](uint64_t fresh, Answer answer) {
+void Session::start_past(const std::shared_ptr<Seek>& seek, uint64_t client, Json how,
+                         Constructed done) {
+  Start start{
+      seek, client, std::move(how), [this, done = std::move(done)](uint64_t fresh, Answer answer) {
         if (answer.ok() && answer.result.value("interrupted", false)) {
           drop_worker(fresh);
           answer = refuse("the way there was interrupted; the simulation stays where it was");
         }
         done(fresh, std::move(answer));
-      });
+      }};
+  start_by_spare(std::move(start));
+}
+
+/// True, and it is answered: the simulation has ended, or wants no worker in the past any more.
+bool Session::is_refused(const Start& start) {
+  const auto found = simulations_.find(start.seek->simulation);
+  if (found == simulations_.end())
+    start.done(0, refuse(fmt::format("simulation {} has ended meanwhile", start.seek->simulation),
+                         Code::no_simulation));
+  else if (found->second->is_interrupted)
+    start.done(0, refuse("the search was interrupted; the simulation stays where it was"));
+  else
+    return false;
+  return true;
+}
+
+/// A worker that constructs its board itself.
+void Session::start_alone(Start start) {
+  if (is_refused(start)) return;
+  const std::shared_ptr<Seek> seek = start.seek;
+  if (!seek->is_whole) return ask_history(std::move(start), &Session::start_alone);
+  start.how["history"] = seek->history;
+  start_with(start.client, seek->settings, std::move(start.how), seek->frames,
+             simulations_.at(seek->simulation)->files, std::move(start.done));
   // Found again: starting one may have ended others.
-  if (const auto still = simulations_.find(seek.simulation); still != simulations_.end())
+  if (const auto still = simulations_.find(seek->simulation); still != simulations_.end())
     still->second->seeker = next_simulation_ - 1;
 }
 
@@ -174,7 +177,7 @@ void Session::ask_past(const std::shared_ptr<Seek>& seek, Json how, std::string 
                        Json parameters, Frames frames, Take take) {
   how["for_good"] = true;
   start_past(
-      *seek, 0, std::move(how),
+      seek, 0, std::move(how),
       [this, method = std::move(method), parameters = std::move(parameters),
        frames = std::move(frames), take = std::move(take)](uint64_t fresh, Answer answer) mutable {
         if (!answer.ok()) return take(std::move(answer));
@@ -190,7 +193,7 @@ void Session::ask_past(const std::shared_ptr<Seek>& seek, Json how, std::string 
 
 /// The simulation itself goes to a position of the past.
 void Session::replace(const std::shared_ptr<Seek>& seek, Json goal, Json more) {
-  start_past(*seek, seek->client, {{"goal", std::move(goal)}, {"told", seek->told}},
+  start_past(seek, seek->client, {{"goal", std::move(goal)}, {"told", seek->told}},
              [this, seek, more = std::move(more)](uint64_t fresh, Answer constructed) {
                if (constructed.ok()) {
                  constructed.result.erase("interrupted");

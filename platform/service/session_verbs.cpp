@@ -329,6 +329,8 @@ void Session::finish_restore(const Request& request, uint64_t number, uint64_t f
     std::unique_ptr<Simulation> replacement = std::move(simulations_.at(fresh));
     simulations_.erase(fresh);
     replacement->number = number;
+    // A snapshot begins a history that the spare does not know.
+    if (request.method != "simulation.restore") replacement->spare = found->second->spare;
     replacement->is_constructed = true;
     end_worker(*found->second);
     ending_.push_back(std::exchange(found->second, std::move(replacement)));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <iterator>
 #include <utility>
 
 #include "service/session_parts.h"
@@ -32,19 +33,10 @@ void Session::start(uint64_t client, const Snapshot& from, Constructed done) {
 
 void Session::start_with(uint64_t client, Json settings, Json parameters, Frames frames,
                          Files files, Constructed done) {
-  if (simulations_.size() + ending_.size() >= most_simulations)
+  if (is_full())
     return done(
         0, refuse(fmt::format("there are {} simulations already; close one", most_simulations)));
-  auto worker = WorkerProcess::start(
-      [this] {
-        // Descriptors of the session; that of the new worker is closed by itself.
-        for (auto& [number, each] : clients_)
-          if (!each->is_standard) each->input.reset();
-        for (auto& [number, each] : simulations_) each->worker.connection.reset();
-        for (auto& each : ending_) each->worker.connection.reset();
-        door_.listener.reset();
-      },
-      door_.writes_in);
+  auto worker = WorkerProcess::start(places_, close_others(), door_.writes_in);
   if (!worker) return done(0, refuse(worker.error()));
   const uint64_t number = next_simulation_++;
   auto simulation = std::make_unique<Simulation>();
@@ -55,8 +47,38 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
   simulation->worker = std::move(worker.value());
   Simulation& added = *(simulations_[number] = std::move(simulation));
   parameters["settings"] = std::move(settings);
+  add_worker(added, std::move(parameters), std::move(frames), std::move(done));
+}
+
+/// Of simulations and those that are on their way out, without spares.
+bool Session::is_full() const {
+  const auto is_counted = [](const auto& each) { return each->is_spare == nullptr; };
+  const auto spares = std::distance(simulations_.lower_bound(first_spare), simulations_.end());
+  const auto ending = std::count_if(ending_.begin(), ending_.end(), is_counted);
+  return simulations_.size() - static_cast<std::size_t>(spares) +
+             static_cast<std::size_t>(ending) >=
+         most_simulations;
+}
+
+/// In a new worker: descriptors of the session; that of the worker is closed by itself.
+std::function<void()> Session::close_others() {
+  const auto close = [](Simulation& each) {
+    each.worker.connection.reset();
+    each.worker.ends.reset();
+    if (each.is_spare != nullptr) each.is_spare->connections.clear();
+  };
+  return [this, close] {
+    for (auto& [number, each] : clients_)
+      if (!each->is_standard) each->input.reset();
+    for (auto& [number, each] : simulations_) close(*each);
+    for (auto& each : ending_) close(*each);
+    door_.listener.reset();
+  };
+}
+
+void Session::add_worker(Simulation& added, Json parameters, Frames frames, Constructed done) {
   call(added, construct_method, std::move(parameters), std::move(frames),
-       [this, number, done = std::move(done)](Answer answer) {
+       [this, number = added.number, done = std::move(done)](Answer answer) {
          const auto found = simulations_.find(number);
          if (answer.ok() && found != simulations_.end()) {
            found->second->is_constructed = true;
@@ -107,9 +129,15 @@ void Session::reap() {
     int status = 0;
     at = waitpid(process, &status, WNOHANG) == process ? ending_.erase(at) : at + 1;
   }
-  std::vector<uint64_t> gone;
+  std::vector<uint64_t> gone, left;
   for (auto& [number, simulation] : simulations_)
-    if (!simulation->worker.connection.valid()) gone.push_back(number);
+    if (!simulation->worker.connection.valid())
+      gone.push_back(number);
+    else if (simulation->is_spare != nullptr &&
+             spare_of(simulation->is_spare->simulation) != simulation.get())
+      left.push_back(number);
+  // A spare ends with its simulation.
+  for (const uint64_t number : left) drop_worker(number);
   for (const uint64_t number : gone) {
     const auto found = simulations_.find(number);
     int status = 0;
@@ -123,7 +151,7 @@ void Session::reap() {
 }
 
 void Session::worker_is_gone(Simulation& simulation, int status) {
-  ended_[simulation.number] = ending_of(status);
+  if (simulation.is_spare == nullptr) ended_[simulation.number] = ending_of(status);
   const std::string sentence =
       fmt::format("simulation {} {}; the others continue", simulation.number, ending_of(status));
   refuse_pending(simulation, sentence);
@@ -131,6 +159,7 @@ void Session::worker_is_gone(Simulation& simulation, int status) {
 
 /// Answers what a worker will not.
 void Session::refuse_pending(Simulation& simulation, const std::string& sentence) {
+  simulation.is_ending = true;
   while (!simulation.pending.empty()) {
     const Take take = std::move(simulation.pending.front().take);
     simulation.pending.pop_front();
@@ -138,11 +167,14 @@ void Session::refuse_pending(Simulation& simulation, const std::string& sentence
   }
   for (const Request& request : std::exchange(simulation.waiting, {}))
     settle(request, refuse(sentence, Code::no_simulation));
-  // The worker that searches its past has no simulation left to report to.
-  const uint64_t seeker = std::exchange(simulation.seeker, 0);
-  if (const auto found = simulations_.find(seeker); found != simulations_.end()) {
+  // The worker that searches its past, or is about to fork one, has no simulation left to report
+  // to.
+  for (const uint64_t other :
+       {std::exchange(simulation.seeker, 0), std::exchange(simulation.spare, 0)}) {
+    const auto found = simulations_.find(other);
+    if (found == simulations_.end()) continue;
     refuse_pending(*found->second, sentence);
-    drop_worker(seeker);
+    drop_worker(other);
   }
 }
 

@@ -82,9 +82,9 @@ std::string bytes_for_client(uint64_t call, const Json& id, Answer answer) {
 /// Standard error goes nowhere: for as long as this lives, or for good.
 class Muted {
  public:
-  explicit Muted(bool for_good) {
+  Muted() {
     std::fflush(stderr);
-    if (!for_good) kept_.reset(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0));
+    kept_.reset(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0));
     const host::Descriptor nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
     if (nowhere.valid()) dup2(nowhere.get(), STDERR_FILENO);
   }
@@ -92,6 +92,7 @@ class Muted {
     std::fflush(stderr);
     if (kept_.valid()) dup2(kept_.get(), STDERR_FILENO);
   }
+  void stay() { kept_.reset(); }
   Muted(const Muted&) = delete;
   Muted& operator=(const Muted&) = delete;
 
@@ -106,10 +107,33 @@ bool is_of_history(const std::string& method) {
   return all.count(method) > 0;
 }
 
+/// A descriptor that came over a Unix socket; an invalid one: none did.
+host::Descriptor receive_descriptor(int socket) {
+  char byte = 0;
+  iovec piece{&byte, 1};
+  alignas(cmsghdr) char room[CMSG_SPACE(sizeof(int))] = {};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  message.msg_control = room;
+  message.msg_controllen = sizeof room;
+  while (recvmsg(socket, &message, MSG_CMSG_CLOEXEC) < 0)
+    if (errno != EINTR || host::noted_signal() != 0) return host::Descriptor();
+  const cmsghdr* const header = CMSG_FIRSTHDR(&message);
+  if (header == nullptr || header->cmsg_type != SCM_RIGHTS) return host::Descriptor();
+  int descriptor = -1;
+  std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
+  return host::Descriptor(descriptor);
+}
+
 class Worker {
  public:
-  Worker(int connection, std::string writes_in)
-      : connection_(connection), writes_in_(std::move(writes_in)) {}
+  /// `ends` as in WorkerProcess.
+  Worker(host::Descriptor connection, host::Descriptor ends, pid_t session, std::string writes_in)
+      : connection_(std::move(connection)),
+        ends_(std::move(ends)),
+        session_(session),
+        writes_in_(std::move(writes_in)) {}
 
   [[noreturn]] void serve() {
     for (;;) {
@@ -124,7 +148,7 @@ class Worker {
  private:
   void receive() {
     char buffer[65536];
-    const ssize_t count = read(connection_, buffer, sizeof buffer);
+    const ssize_t count = read(connection_.get(), buffer, sizeof buffer);
     if (count > 0) return reader_.feed({buffer, static_cast<std::size_t>(count)});
     if (count < 0 && errno == EINTR && host::noted_signal() == 0) return;
     leave();
@@ -132,12 +156,12 @@ class Worker {
 
   /// The session has gone, or has no use for it, or a signal ended it: outputs are written.
   [[noreturn]] void leave() {
-    if (board_ != nullptr) board_->finish();
+    if (board_ != nullptr && !past_) board_->finish();
     _exit(0);
   }
 
   void send(const std::string& bytes) {
-    if (!host::write_all(connection_, bytes)) leave();
+    if (!host::write_all(connection_.get(), bytes)) leave();
   }
 
   void take(Message& message) {
@@ -146,6 +170,10 @@ class Worker {
     if (board_ != nullptr && !board_->is_finished()) board_->simulation().take_interruption();
     Answer answer = perform(message);
     current_call = 0;
+    if (std::exchange(is_fresh_, false)) {
+      reader_ = MessageReader();
+      return;
+    }
     const auto id = message.body.find("id");
     send(id == message.body.end() ? bytes_of(call, std::move(answer))
                                   : bytes_for_client(call, *id, std::move(answer)));
@@ -166,6 +194,8 @@ class Worker {
     const auto method = message.body.at("method").get<std::string>();
     const Json& parameters = message.body.at("params");
     if (method == construct_method) return construct(parameters, message.frames);
+    if (method == park_method) return park(parameters, message.frames);
+    if (method == fork_method) return fork_worker(parameters, message.frames);
     if (board_ == nullptr) return refuse("the simulation was not constructed");
     const bool advances = method == "simulation.advance" || method == "debugger.resume";
     if (advances && to_be_interrupted->interrupted_call == current_call)
@@ -224,7 +254,12 @@ class Worker {
   }
 
   Answer construct(const Json& parameters, Frames& frames) {
-    if (parameters.contains("history")) return construct_in_the_past(parameters, frames);
+    if (parameters.contains("history")) {
+      auto history = History::unpack(parameters.at("history"), frames);
+      if (!history) return refuse(history.error());
+      past_.emplace(std::move(history.value()));
+    }
+    if (past_) return construct_in_the_past(parameters, frames);
     Board::Snapshot from;
     const auto expected = parameters.find("expected");
     const bool repeats = expected != parameters.end();
@@ -266,20 +301,60 @@ class Worker {
         [] { return current_call != 0 && to_be_interrupted->interrupted_call == current_call; });
   }
 
-  /// From a snapshot of a history to a target. What was said on the way before is not said again.
-  Answer construct_in_the_past(const Json& parameters, const Frames& frames) {
+  /// Whatever it says is said by the workers that it forks, if at all.
+  Answer park(const Json& parameters, const Frames& frames) {
     auto history = History::unpack(parameters.at("history"), frames);
     if (!history) return refuse(history.error());
-    const Muted muted(parameters.value("for_good", false));
+    past_.emplace(std::move(history.value()));
+    muted_ = std::make_unique<Muted>();
+    auto board = Board::prepare(parameters.at("settings"), writes_in_);
+    if (!board) return refuse(board.error());
+    board_ = std::move(board.value());
+    return {};
+  }
+
+  /// In the spare the answer; in the new worker, which has its own connection, nothing to be sent.
+  Answer fork_worker(const Json& parameters, const Frames& frames) {
+    host::Descriptor connection = receive_descriptor(ends_.get());
+    if (!connection.valid()) return refuse("no connection came");
+    if (parameters.contains("history")) {
+      auto history = History::unpack(parameters.at("history"), frames, std::move(*past_));
+      if (!history) return refuse(history.error());
+      past_.emplace(std::move(history.value()));
+    }
+    const pid_t process = host::fork_beside();
+    if (process < 0) return refuse(std::strerror(errno));
+    Answer answer;
+    answer.result["process"] = process;
+    if (process > 0) return answer;
+    host::end_with_parent(session_, 1);
+    setpgid(0, 0);
+    to_be_interrupted = reinterpret_cast<Shared*>(parameters.at("place").get<uintptr_t>());
+    connection_ = std::move(connection);
+    ends_.reset();
+    is_fresh_ = true;
+    return answer;
+  }
+
+  /// From a snapshot of a history to a target. What was said on the way before is not said again.
+  Answer construct_in_the_past(const Json& parameters, const Frames& frames) {
+    const std::unique_ptr<Muted> muted =
+        muted_ != nullptr ? std::move(muted_) : std::make_unique<Muted>();
+    if (parameters.value("for_good", false)) muted->stay();
     const std::size_t begin = parameters.contains("snapshot")
                                   ? parameters.at("snapshot").get<std::size_t>()
-                                  : snapshot_for(history.value(), parameters.at("goal"));
-    auto board = Board::construct(parameters.at("settings"),
-                                  Board::Snapshot::of(history.value().snapshots().at(begin).bytes),
-                                  writes_in_);
-    if (!board) return refuse(board.error());
-    take_board(std::move(board.value()));
-    board_->continue_history(std::move(history.value()), begin);
+                                  : snapshot_for(*past_, parameters.at("goal"));
+    const auto from = Board::Snapshot::of(past_->snapshots().at(begin).bytes);
+    if (board_ == nullptr) {
+      auto board = Board::construct(parameters.at("settings"), from, writes_in_);
+      if (!board) return refuse(board.error());
+      take_board(std::move(board.value()));
+    } else {
+      if (auto error = board_->begin(from)) return refuse(error->text);
+      take_board(std::move(board_));
+    }
+    board_->continue_history(std::move(*past_), begin);
+    past_.reset();
     board_->mute();
     Advance advance(*board_);
     if (const auto goal = parameters.find("goal"); goal != parameters.end()) {
@@ -326,10 +401,12 @@ class Worker {
   Answer leave_for(const Json& parameters) {
     if (!board_->history().is_on())
       return refuse(fmt::format("there is no history: {}", board_->no_history()));
+    const auto known = parameters.value("known", std::set<uint64_t>());
     if (const auto number = parameters.find("select"); number != parameters.end())
-      return leave_for_history(number->get<uint64_t>());
+      return leave_for_history(number->get<uint64_t>(), known);
     Answer answer;
     answer.result["now"] = to_json(board_->position());
+    answer.result["may_be_forked"] = board_->may_be_forked();
     if (const auto goal = parameters.find("goal"); goal != parameters.end()) {
       const Target target = target_in(*goal);
       if (coordinate(board_->position(), target.unit) < target.value) return go_ahead(target);
@@ -346,22 +423,24 @@ class Worker {
     }
     board_->history().reach(board_->position());
     answer.result["told"] = board_->told(answer.frames);
-    answer.result["history"] = board_->history().pack(answer.frames);
+    answer.result["history"] = board_->history().pack(answer.frames, known);
     return answer;
   }
 
   /// Another history, and as goal its end. What was said in it is not said again.
-  Answer leave_for_history(uint64_t number) {
+  Answer leave_for_history(uint64_t number, const std::set<uint64_t>& known) {
     board_->history().reach(board_->position());
     History other = board_->history();
     if (number != other.number() && !other.select(number))
       return refuse(
           fmt::format("there is no history {}; history.list has those that are kept", number));
     Answer answer;
-    answer.result = {{"now", to_json(board_->position())}, {"goal", to_json(other.end())}};
+    answer.result = {{"now", to_json(board_->position())},
+                     {"goal", to_json(other.end())},
+                     {"may_be_forked", board_->may_be_forked()}};
     answer.result["told"] = board_->told(answer.frames);
     answer.result["told"].erase("outputs");
-    answer.result["history"] = other.pack(answer.frames);
+    answer.result["history"] = other.pack(answer.frames, known);
     return answer;
   }
 
@@ -481,20 +560,26 @@ class Worker {
     return answer;
   }
 
-  int connection_;
+  host::Descriptor connection_, ends_;
+  pid_t session_;
   std::string writes_in_;  // as in Door
   MessageReader reader_;
   std::unique_ptr<Board> board_;
+  // Of a spare and of a worker that begins in the past.
+  std::optional<History> past_;
+  std::unique_ptr<Muted> muted_;
+  bool is_fresh_ = false;  // forked just now
 };
 
-[[noreturn]] void work(int connection, const std::string& writes_in) {
+[[noreturn]] void work(host::Descriptor connection, host::Descriptor ends, pid_t session,
+                       const std::string& writes_in) {
   try {
     catch_interruptions();
     // Snapshots take and release some hundred KiB many times: pages that are given back are
     // expensive to get again.
     mallopt(M_TRIM_THRESHOLD, kept_memory);
     mallopt(M_MMAP_THRESHOLD, kept_memory / 16);
-    Worker(connection, writes_in).serve();
+    Worker(std::move(connection), std::move(ends), session, writes_in).serve();
   } catch (const std::bad_alloc&) {
     _exit(out_of_memory);
   } catch (const std::exception& error) {
@@ -505,8 +590,29 @@ class Worker {
 
 }  // namespace
 
-Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_others,
-                                           const std::string& writes_in) {
+SharedPlaces::SharedPlaces() : places_(std::make_shared<Places>()) {
+  void* const place = mmap(nullptr, count * sizeof(Shared), PROT_READ | PROT_WRITE,
+                           MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (place == MAP_FAILED) return;
+  places_->mapped = static_cast<Shared*>(place);
+  for (std::size_t i = count; i-- > 0;) places_->free.push_back(i);
+}
+
+SharedPlaces::Places::~Places() {
+  if (mapped != nullptr) munmap(mapped, count * sizeof(Shared));
+}
+
+std::shared_ptr<Shared> SharedPlaces::take() {
+  if (places_->free.empty()) return nullptr;
+  const std::size_t index = places_->free.back();
+  places_->free.pop_back();
+  return {new (places_->mapped + index) Shared,
+          [places = places_, index](Shared*) { places->free.push_back(index); }};
+}
+
+Result<WorkerProcess> WorkerProcess::start(SharedPlaces& places,
+                                           const std::function<void()>& close_others,
+                                           const std::string& writes_in, bool is_spare) {
   const auto no_process = [](int error) {
     return Error{
         fmt::format("a simulation cannot be started: {}; close another one", std::strerror(error))};
@@ -515,12 +621,14 @@ Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_ot
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) return no_process(errno);
   WorkerProcess worker;
   worker.connection.reset(pair[0]);
-  host::Descriptor theirs(pair[1]);
-  void* const place =
-      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (place == MAP_FAILED) return no_process(errno);
-  worker.shared = std::shared_ptr<Shared>(new (place) Shared,
-                                          [](Shared* mapped) { munmap(mapped, sizeof *mapped); });
+  host::Descriptor theirs(pair[1]), their_ends;
+  if (is_spare) {
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) return no_process(errno);
+    worker.ends.reset(pair[0]);
+    their_ends.reset(pair[1]);
+  }
+  worker.shared = places.take();
+  if (worker.shared == nullptr) return no_process(ENOMEM);
   const pid_t parent = getpid();
   worker.process = fork();
   if (worker.process < 0) return no_process(errno);
@@ -529,11 +637,38 @@ Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& close_ot
     host::leave_terminal();
     close_others();
     to_be_interrupted = worker.shared.get();
-    close(pair[0]);
-    work(theirs.release(), writes_in);
+    worker.connection.reset();
+    worker.ends.reset();
+    work(std::move(theirs), std::move(their_ends), parent, writes_in);
   }
-  fcntl(pair[0], F_SETFL, O_NONBLOCK);
+  fcntl(worker.connection.get(), F_SETFL, O_NONBLOCK);
   return worker;
+}
+
+Result<host::Descriptor> WorkerProcess::connect_next() const {
+  int pair[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
+    return Error{std::strerror(errno)};
+  host::Descriptor ours(pair[0]);
+  const host::Descriptor theirs(pair[1]);
+  fcntl(ours.get(), F_SETFL, O_NONBLOCK);
+  char byte = 0;
+  iovec piece{&byte, 1};
+  alignas(cmsghdr) char room[CMSG_SPACE(sizeof(int))] = {};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  message.msg_control = room;
+  message.msg_controllen = sizeof room;
+  cmsghdr* const header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof(int));
+  const int descriptor = theirs.get();
+  std::memcpy(CMSG_DATA(header), &descriptor, sizeof descriptor);
+  if (sendmsg(ends.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) != 1)
+    return Error{std::strerror(errno)};
+  return ours;
 }
 
 void WorkerProcess::interrupt(uint64_t call) const {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "host/descriptor.h"
@@ -15,9 +17,26 @@
 namespace capsoc::service {
 
 /// What a worker and its session write in one place, since a message would come too late: which
-/// call is to stop. Mapped by both.
+/// call is to stop.
 struct Shared {
   std::atomic<uint64_t> interrupted_call{0};
+};
+
+/// Such a place for each worker of a session. All of its processes map them at one address.
+class SharedPlaces {
+ public:
+  SharedPlaces();
+  /// Null: none is left. It is free again when the last copy of the pointer has gone.
+  std::shared_ptr<Shared> take();
+
+ private:
+  static constexpr std::size_t count = 4096;
+  struct Places {
+    ~Places();
+    Shared* mapped = nullptr;
+    std::vector<std::size_t> free;
+  };
+  std::shared_ptr<Places> places_;
 };
 
 /// The exit code of a worker that got no more memory.
@@ -53,17 +72,31 @@ inline constexpr const char* events_method = "worker.events";
 inline constexpr const char* trace_method = "worker.trace";
 inline constexpr const char* why_method = "worker.why";
 
+/// A *spare* is a worker that has constructed its board, has the history, and simulates nothing. It
+/// forks workers that begin there, so that going back constructs no board. park_method takes
+/// settings and `history` with its frames. fork_method takes `place`, the address of the new
+/// worker's Shared, and perhaps a newer `history`, in which snapshots that the spare has come
+/// without a frame; it answers with `process`. The new worker takes construct_method with `forked`
+/// instead of settings and a history.
+inline constexpr const char* park_method = "worker.park";
+inline constexpr const char* fork_method = "worker.fork";
+
 /// The session's end of a worker.
 struct WorkerProcess {
   pid_t process = -1;
   host::Descriptor connection;  ///< does not block
+  host::Descriptor ends;        ///< of a spare: where it gets its workers' ends of connections
   std::shared_ptr<Shared> shared;
 
   /// Before the session has a thread. An Error: the system has no process left. `close_others` is
   /// called in the worker: it closes what belongs to the session alone.
   /// `writes_in` as in Door.
-  static Result<WorkerProcess> start(const std::function<void()>& close_others,
-                                     const std::string& writes_in);
+  static Result<WorkerProcess> start(SharedPlaces& places,
+                                     const std::function<void()>& close_others,
+                                     const std::string& writes_in, bool is_spare = false);
+  /// Gives a spare the end of a connection for the next worker that it forks; this one's end. An
+  /// Error: the system has none left, or the spare has gone.
+  Result<host::Descriptor> connect_next() const;
   /// Stops the call if it is under way, or when it begins.
   void interrupt(uint64_t call) const;
 };

@@ -12,6 +12,10 @@ namespace capsoc::host {
 /// already.
 void end_with_parent(pid_t parent, int code);
 
+/// As fork(), and the child has this process's parent as its own. Of a process with one thread; no
+/// handler of pthread_atfork() is called.
+pid_t fork_beside();
+
 /// It leads a process group, so that the keyboard's signals are its parent's alone; standard input
 /// and output are /dev/null; a crash leaves no core file.
 void leave_terminal();

@@ -22,6 +22,8 @@ class HostLimit {
   HostLimit(const HostLimit&) = delete;
   HostLimit& operator=(const HostLimit&) = delete;
 
+  /// The time begins again, now: this process was forked since then. Before watch().
+  void begin_again() { start_ = Clock::now(); }
   /// From now on calls `call` in a signal handler: for each signal and at the limit, then every 20
   /// ms until answered(). The timer's signal is SIGALRM; a blocking system call ends with EINTR. An
   /// Error: the host has no timer.

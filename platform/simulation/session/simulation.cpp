@@ -73,8 +73,12 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
   auto inputs = read_inputs(settings);
   if (!inputs) return Error{inputs.error()};
   if (additions.inputs) additions.inputs(inputs.value());
-  auto restore = restored_state(settings, inputs.value(), additions.state);
-  if (!restore) return Error{restore.error()};
+  std::optional<checkpoint::Checkpoint> restore;
+  if (!additions.waits) {
+    auto state = restored_state(settings, inputs.value(), additions.state);
+    if (!state) return Error{state.error()};
+    restore = std::move(state.value());
+  }
   // SystemC prints its own notes on stdout, which belongs to the firmware.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
   // A signal pauses the kernel wherever it is, and where nothing is left to happen is seen to here.
@@ -83,12 +87,21 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
   auto backend = make_backend(settings.coprocessor);
   if (!backend) return Error{backend.error()};
   std::unique_ptr<Simulation> simulation(
-      new Simulation(settings, std::move(inputs.value()), std::move(restore.value()),
+      new Simulation(settings, std::move(inputs.value()), std::move(restore),
                      std::move(backend.value()), additions.kept));
   if (auto error = simulation->load()) return *error;
-  if (auto error = simulation->open()) return *error;
+  if (auto error = simulation->open(additions.waits)) return *error;
   if (auto error = simulation->plan_restore()) return *error;
   return simulation;
+}
+
+std::optional<Error> Simulation::begin(const std::string& state) {
+  auto restore = restored_state(settings_, inputs_, state);
+  if (!restore) return Error{restore.error()};
+  restore_ = std::move(restore.value());
+  host_limit_.begin_again();
+  if (auto error = watch_host()) return error;
+  return plan_restore();
 }
 
 Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
@@ -124,16 +137,21 @@ std::optional<Error> Simulation::load() {
   return std::nullopt;
 }
 
+std::optional<Error> Simulation::watch_host() {
+  host::note_end_signals();
+  return host_limit_.watch([this] { call_from_signal(); });
+}
+
 /// What belongs to the host.
-std::optional<Error> Simulation::open() {
+std::optional<Error> Simulation::open(bool waits) {
   soc_.cpu.set_interrupted([this] {
     if (real_time_.on()) pace();
     host_limit_.answered();
     return interrupted();
   });
-  // Before anything is opened that a signal should close again.
-  host::note_end_signals();
-  if (auto error = host_limit_.watch([this] { call_from_signal(); })) return error;
+  // Before anything is opened that a signal should close again. A fork has no timer of its parent.
+  if (!waits)
+    if (auto error = watch_host()) return error;
   if (auto error = watch_.observe_program()) return error;
   auto ports = HostPorts::open(
       {settings_.uarts, settings_.pins, settings_.semihosting, settings_.itm, settings_.gdb, kept_},

@@ -43,9 +43,14 @@ class Simulation {
     std::string state;  ///< of packed_state(), to continue from instead of reset; "": none
     serial::KeptStreams* kept = nullptr;  ///< for the ITM and the console of semihosting instead of
                                           ///< standard streams; it must outlive the simulation
+    bool waits = false;  ///< for begin(), which says the state: `state` is "" then, and neither a
+                         ///< timer nor a file that it continues from is used before
   };
   static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings,
                                                        const Additions& additions);
+  /// Of one that waits, perhaps in a fork of the process that constructed it: what is left of the
+  /// construction, with `state` as in Additions. An Error as construct() has it.
+  std::optional<Error> begin(const std::string& state);
   ~Simulation() = default;
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -105,7 +110,8 @@ class Simulation {
              serial::KeptStreams* kept);
 
   std::optional<Error> load();
-  std::optional<Error> open();
+  std::optional<Error> watch_host();
+  std::optional<Error> open(bool waits);
   std::vector<checkpoint::Part> parts();
   std::optional<Error> plan_faults();
   std::vector<checkpoint::Part> gathered();
