@@ -78,8 +78,12 @@ Result<std::unique_ptr<Board>> Board::prepare(const Json& settings, const std::s
   return board;
 }
 
+std::optional<Error> Board::set_state(const Snapshot& from) {
+  return simulation_->set_state(from.state());
+}
+
 std::optional<Error> Board::begin(const Snapshot& from) {
-  if (auto error = simulation_->begin(from.state())) return error;
+  if (auto error = simulation_->begin()) return error;
   return start(from);
 }
 

@@ -60,9 +60,10 @@ class Board {
   /// as check_files() and run::Simulation::construct() have it. The only one of its process.
   static Result<std::unique_ptr<Board>> construct(const Json& settings, const Snapshot& from,
                                                   const std::string& writes_in = "");
-  /// The same in two steps: one that waits for its state, perhaps in a fork of this process, and
-  /// may do nothing before begin().
+  /// The same in steps: one that may do nothing but set_state() before begin(), which is perhaps
+  /// called in a fork of this process, with the same snapshot.
   static Result<std::unique_ptr<Board>> prepare(const Json& settings, const std::string& writes_in);
+  std::optional<Error> set_state(const Snapshot& from);
   std::optional<Error> begin(const Snapshot& from);
   /// Whether forks of this process may each begin a prepared one: nothing that its settings open
   /// is shared by them then.

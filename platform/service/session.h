@@ -168,13 +168,13 @@ class Session {
   void start_spare(Start start);
   void ask_history(Start start, void (Session::*then)(Start start));
   void fork_by_spare(Start start, Simulation& spare);
-  void take_fork(Start start, WorkerProcess worker);
+  void take_fork(Start start, WorkerProcess worker, uint64_t first);
   Simulation* spare_of(uint64_t simulation);
   bool make_room_for_spare();
   void spare_has_failed(Start start, Answer answer);
   std::function<void()> close_others();
   bool is_full() const;
-  void add_worker(Simulation& added, Json parameters, Frames frames, Constructed done);
+  Take when_constructed(uint64_t number, Constructed done);
   void drop_worker(uint64_t number);
   /// With an id the worker's answer is a frame: the bytes for the client.
   void call(Simulation& simulation, const std::string& method, Json parameters, Frames frames,

@@ -164,10 +164,11 @@ void Session::start_alone(Start start) {
     still->second->seeker = next_simulation_ - 1;
 }
 
+/// One that has no outputs.
 void Session::drop_worker(uint64_t number) {
   const auto found = simulations_.find(number);
   if (found == simulations_.end()) return;
-  end_worker(*found->second);
+  found->second->worker.kill();
   ending_.push_back(std::move(found->second));
   simulations_.erase(found);
 }

@@ -102,12 +102,16 @@ void Session::fork_by_spare(Start start, Simulation& spare) {
   std::shared_ptr<Shared> shared = places_.take();
   if (!connection || shared == nullptr) return start_alone(std::move(start));
   const Seek& seek = *start.seek;
-  Json parameters = {{"place", reinterpret_cast<uintptr_t>(shared.get())}};
+  const uint64_t first = next_call_++;
+  Json parameters = {{"place", reinterpret_cast<uintptr_t>(shared.get())},
+                     {"first", {{"call", first}, {"params", start.how}}}};
   if (!seek.is_known) parameters["history"] = seek.history;
   spare.is_spare->used = next_use_++;
   spare.is_spare->connections.push_back(std::move(connection.value()));
-  call(spare, fork_method, std::move(parameters), seek.is_known ? Frames() : seek.frames,
-       [this, start = std::move(start), shared, number = spare.number](Answer answer) mutable {
+  Frames frames = seek.is_known ? frames_before(seek.history, seek.frames) : seek.frames;
+  call(spare, fork_method, std::move(parameters), std::move(frames),
+       [this, start = std::move(start), shared, number = spare.number,
+        first](Answer answer) mutable {
          if (!answer.ok()) return spare_has_failed(std::move(start), std::move(answer));
          Spare& forked = *simulations_.at(number)->is_spare;
          WorkerProcess worker;
@@ -117,11 +121,12 @@ void Session::fork_by_spare(Start start, Simulation& spare) {
          forked.connections.pop_front();
          forked.known = serials_in(start.seek->history);
          start.seek->is_known = true;
-         take_fork(std::move(start), std::move(worker));
+         take_fork(std::move(start), std::move(worker), first);
        });
 }
 
-void Session::take_fork(Start start, WorkerProcess worker) {
+/// It has begun with its first call.
+void Session::take_fork(Start start, WorkerProcess worker, uint64_t first) {
   const Seek& seek = *start.seek;
   const uint64_t number = next_simulation_++;
   auto simulation = std::make_unique<Simulation>();
@@ -134,9 +139,8 @@ void Session::take_fork(Start start, WorkerProcess worker) {
   Simulation& owner = *simulations_.at(seek.simulation);
   owner.seeker = number;
   added.files = owner.files;
-  start.how["forked"] = true;
-  add_worker(added, std::move(start.how), frames_before(seek.history, seek.frames),
-             std::move(start.done));
+  added.pending.push_back(
+      {first, construct_method, when_constructed(number, std::move(start.done))});
 }
 
 /// False: all are in use.

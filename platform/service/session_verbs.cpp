@@ -329,10 +329,13 @@ void Session::finish_restore(const Request& request, uint64_t number, uint64_t f
     std::unique_ptr<Simulation> replacement = std::move(simulations_.at(fresh));
     simulations_.erase(fresh);
     replacement->number = number;
-    // A snapshot begins a history that the spare does not know.
-    if (request.method != "simulation.restore") replacement->spare = found->second->spare;
     replacement->is_constructed = true;
-    end_worker(*found->second);
+    if (request.method == "simulation.restore") {
+      end_worker(*found->second);  // its spare, too, which does not know the new history
+    } else {
+      replacement->spare = found->second->spare;
+      found->second->worker.kill();  // it has no outputs
+    }
     ending_.push_back(std::exchange(found->second, std::move(replacement)));
   }
   settle(request, std::move(constructed));

@@ -47,7 +47,8 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
   simulation->worker = std::move(worker.value());
   Simulation& added = *(simulations_[number] = std::move(simulation));
   parameters["settings"] = std::move(settings);
-  add_worker(added, std::move(parameters), std::move(frames), std::move(done));
+  call(added, construct_method, std::move(parameters), std::move(frames),
+       when_constructed(number, std::move(done)));
 }
 
 /// Of simulations and those that are on their way out, without spares.
@@ -76,21 +77,20 @@ std::function<void()> Session::close_others() {
   };
 }
 
-void Session::add_worker(Simulation& added, Json parameters, Frames frames, Constructed done) {
-  call(added, construct_method, std::move(parameters), std::move(frames),
-       [this, number = added.number, done = std::move(done)](Answer answer) {
-         const auto found = simulations_.find(number);
-         if (answer.ok() && found != simulations_.end()) {
-           found->second->is_constructed = true;
-         } else if (found != simulations_.end()) {
-           ended_[number] = "was not constructed";
-           end_worker(*found->second);
-           refuse_pending(*found->second, fmt::format("simulation {} was not constructed", number));
-           ending_.push_back(std::move(found->second));
-           simulations_.erase(found);
-         }
-         done(number, std::move(answer));
-       });
+Session::Take Session::when_constructed(uint64_t number, Constructed done) {
+  return [this, number, done = std::move(done)](Answer answer) {
+    const auto found = simulations_.find(number);
+    if (answer.ok() && found != simulations_.end()) {
+      found->second->is_constructed = true;
+    } else if (found != simulations_.end()) {
+      ended_[number] = "was not constructed";
+      end_worker(*found->second);
+      refuse_pending(*found->second, fmt::format("simulation {} was not constructed", number));
+      ending_.push_back(std::move(found->second));
+      simulations_.erase(found);
+    }
+    done(number, std::move(answer));
+  };
 }
 
 void Session::call(Simulation& simulation, const std::string& method, Json parameters,

@@ -171,8 +171,12 @@ class Worker {
     Answer answer = perform(message);
     current_call = 0;
     if (std::exchange(is_fresh_, false)) {
+      Message first;
+      first.body = std::move(message.body.at("params").at("first"));
+      first.body["method"] = construct_method;
+      first.frames = std::move(message.frames);
       reader_ = MessageReader();
-      return;
+      return take(first);
     }
     const auto id = message.body.find("id");
     send(id == message.body.end() ? bytes_of(call, std::move(answer))
@@ -313,6 +317,17 @@ class Worker {
     return {};
   }
 
+  /// What the new worker begins with is prepared here: the next one may begin there, too.
+  std::optional<Error> prepare_for(const Json& first) {
+    const History::Snapshot& snapshot = past_->snapshots().at(begin_of(first));
+    if (serial_ == snapshot.serial) return std::nullopt;
+    from_ = Board::Snapshot::of(snapshot.bytes);
+    serial_ = 0;
+    if (auto error = board_->set_state(from_)) return error;
+    serial_ = snapshot.serial;
+    return std::nullopt;
+  }
+
   /// In the spare the answer; in the new worker, which has its own connection, nothing to be sent.
   Answer fork_worker(const Json& parameters, const Frames& frames) {
     host::Descriptor connection = receive_descriptor(ends_.get());
@@ -322,6 +337,7 @@ class Worker {
       if (!history) return refuse(history.error());
       past_.emplace(std::move(history.value()));
     }
+    if (auto error = prepare_for(parameters.at("first").at("params"))) return refuse(error->text);
     const pid_t process = host::fork_beside();
     if (process < 0) return refuse(std::strerror(errno));
     Answer answer;
@@ -341,16 +357,16 @@ class Worker {
     const std::unique_ptr<Muted> muted =
         muted_ != nullptr ? std::move(muted_) : std::make_unique<Muted>();
     if (parameters.value("for_good", false)) muted->stay();
-    const std::size_t begin = parameters.contains("snapshot")
-                                  ? parameters.at("snapshot").get<std::size_t>()
-                                  : snapshot_for(*past_, parameters.at("goal"));
-    const auto from = Board::Snapshot::of(past_->snapshots().at(begin).bytes);
+    const std::size_t begin = begin_of(parameters);
     if (board_ == nullptr) {
-      auto board = Board::construct(parameters.at("settings"), from, writes_in_);
+      auto board =
+          Board::construct(parameters.at("settings"),
+                           Board::Snapshot::of(past_->snapshots().at(begin).bytes), writes_in_);
       if (!board) return refuse(board.error());
       take_board(std::move(board.value()));
     } else {
-      if (auto error = board_->begin(from)) return refuse(error->text);
+      if (auto error = board_->begin(from_)) return refuse(error->text);
+      from_ = {};
       take_board(std::move(board_));
     }
     board_->continue_history(std::move(*past_), begin);
@@ -386,9 +402,12 @@ class Worker {
     return std::nullopt;
   }
 
-  static std::size_t snapshot_for(const History& history, const Json& goal) {
+  /// The snapshot that a construction in the past begins with.
+  std::size_t begin_of(const Json& parameters) const {
+    if (parameters.contains("snapshot")) return parameters.at("snapshot").get<std::size_t>();
+    const Json& goal = parameters.at("goal");
     const auto position = position_in(goal);
-    return position ? history.before(*position) : history.before(target_in(goal));
+    return position ? past_->before(*position) : past_->before(target_in(goal));
   }
 
   static std::optional<Error> go(Advance& advance, const Json& goal) {
@@ -568,6 +587,8 @@ class Worker {
   // Of a spare and of a worker that begins in the past.
   std::optional<History> past_;
   std::unique_ptr<Muted> muted_;
+  Board::Snapshot from_;   // which the board has in it
+  uint64_t serial_ = 0;    // of that; 0: none
   bool is_fresh_ = false;  // forked just now
 };
 
@@ -669,6 +690,10 @@ Result<host::Descriptor> WorkerProcess::connect_next() const {
   if (sendmsg(ends.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) != 1)
     return Error{std::strerror(errno)};
   return ours;
+}
+
+void WorkerProcess::kill() const {
+  if (process > 0) ::kill(process, SIGKILL);
 }
 
 void WorkerProcess::interrupt(uint64_t call) const {

@@ -75,9 +75,9 @@ inline constexpr const char* why_method = "worker.why";
 /// A *spare* is a worker that has constructed its board, has the history, and simulates nothing. It
 /// forks workers that begin there, so that going back constructs no board. park_method takes
 /// settings and `history` with its frames. fork_method takes `place`, the address of the new
-/// worker's Shared, and perhaps a newer `history`, in which snapshots that the spare has come
-/// without a frame; it answers with `process`. The new worker takes construct_method with `forked`
-/// instead of settings and a history.
+/// worker's Shared; `first`, the call and the parameters of a construction without settings and
+/// history, which the new worker answers over its own connection; and perhaps a newer `history`, in
+/// which snapshots that the spare has come without a frame. It answers with `process`.
 inline constexpr const char* park_method = "worker.park";
 inline constexpr const char* fork_method = "worker.fork";
 
@@ -94,6 +94,8 @@ struct WorkerProcess {
   static Result<WorkerProcess> start(SharedPlaces& places,
                                      const std::function<void()>& close_others,
                                      const std::string& writes_in, bool is_spare = false);
+  /// Ends it at once. It writes nothing any more.
+  void kill() const;
   /// Gives a spare the end of a connection for the next worker that it forks; this one's end. An
   /// Error: the system has none left, or the spare has gone.
   Result<host::Descriptor> connect_next() const;

@@ -91,17 +91,22 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
                      std::move(backend.value()), additions.kept));
   if (auto error = simulation->load()) return *error;
   if (auto error = simulation->open(additions.waits)) return *error;
-  if (auto error = simulation->plan_restore()) return *error;
+  if (auto error = simulation->plan_restore(true)) return *error;
   return simulation;
 }
 
-std::optional<Error> Simulation::begin(const std::string& state) {
+std::optional<Error> Simulation::set_state(const std::string& state) {
   auto restore = restored_state(settings_, inputs_, state);
   if (!restore) return Error{restore.error()};
   restore_ = std::move(restore.value());
+  return std::nullopt;
+}
+
+std::optional<Error> Simulation::begin() {
   host_limit_.begin_again();
   if (auto error = watch_host()) return error;
-  return plan_restore();
+  // Faults have to know the number of samples before they begin.
+  return plan_restore(injector_ != nullptr);
 }
 
 Simulation::Simulation(const RunSettings& settings, RunInputs inputs,
@@ -230,9 +235,10 @@ std::vector<checkpoint::Part> Simulation::gathered() {
 }
 
 /// Tried before anything is begun; then again, when its time has come.
-std::optional<Error> Simulation::plan_restore() {
+std::optional<Error> Simulation::plan_restore(bool is_tried) {
   if (!restore_) return std::nullopt;
-  if (auto error = checkpoints_->load(*restore_)) return error;
+  if (is_tried)
+    if (auto error = checkpoints_->load(*restore_)) return error;
   const auto time = sc_core::sc_time::from_value(restore_->time);
   const bool is_snapshot = settings_.checkpoint.restore.empty();
   if (injector_ != nullptr)

@@ -43,14 +43,16 @@ class Simulation {
     std::string state;  ///< of packed_state(), to continue from instead of reset; "": none
     serial::KeptStreams* kept = nullptr;  ///< for the ITM and the console of semihosting instead of
                                           ///< standard streams; it must outlive the simulation
-    bool waits = false;  ///< for begin(), which says the state: `state` is "" then, and neither a
-                         ///< timer nor a file that it continues from is used before
+    bool waits = false;  ///< for set_state() and begin(); before these it has no timer
   };
   static Result<std::unique_ptr<Simulation>> construct(const RunSettings& settings,
                                                        const Additions& additions);
-  /// Of one that waits, perhaps in a fork of the process that constructed it: what is left of the
-  /// construction, with `state` as in Additions. An Error as construct() has it.
-  std::optional<Error> begin(const std::string& state);
+  /// Of one that waits: the state to begin with, as in Additions; the last one counts. An Error as
+  /// construct() has it.
+  std::optional<Error> set_state(const std::string& state);
+  /// Then, perhaps in a fork of the process that constructed it, what is left of the construction.
+  /// That the state does not fit is an Error of advance_to().
+  std::optional<Error> begin();
   ~Simulation() = default;
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -116,7 +118,7 @@ class Simulation {
   std::optional<Error> plan_faults();
   std::vector<checkpoint::Part> gathered();
   sc_core::sc_time next_pause() const;
-  std::optional<Error> plan_restore();
+  std::optional<Error> plan_restore(bool is_tried);
   bool restore();
   bool interrupted();
   void call_from_signal();
