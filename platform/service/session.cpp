@@ -282,16 +282,9 @@ void Session::client_is_gone(Client& client) {
   std::vector<uint64_t> numbers;
   for (const auto& [number, simulation] : simulations_)
     if (simulation->client == client.number) numbers.push_back(number);
-  for (const uint64_t number : numbers) {
-    // What another client has asked of it is answered.
-    const auto found = simulations_.find(number);
-    if (found == simulations_.end()) continue;
-    end_worker(*found->second);
-    ended_[number] = "was closed: its client has gone";
-    refuse_pending(*found->second, fmt::format("simulation {} {}", number, ended_[number]));
-    ending_.push_back(std::move(simulations_.at(number)));
-    simulations_.erase(number);
-  }
+  // What another client has asked of it is answered.
+  for (const uint64_t number : numbers)
+    if (simulations_.count(number) > 0) end_simulation(number, "was closed: its client has gone");
 }
 
 /// Clients that have gone take their simulations along.

@@ -181,6 +181,7 @@ class Session {
             Take take, const Json& id = Json(Json::value_t::discarded));
   void take_snapshot(Simulation& simulation, Taken taken);
   void end_worker(Simulation& simulation);
+  void end_simulation(uint64_t number, const std::string& why);
   void refuse_pending(Simulation& simulation, const std::string& sentence);
   void reap();
   void worker_is_gone(Simulation& simulation, int status);

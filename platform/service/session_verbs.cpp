@@ -259,12 +259,7 @@ void Session::hand_on(Simulation& simulation, Request& request) {
 void Session::close(Request& request) {
   Simulation* const simulation = simulation_of(request);
   if (simulation == nullptr) return;
-  const uint64_t number = simulation->number;
-  end_worker(*simulation);
-  ended_[number] = "was closed";
-  refuse_pending(*simulation, fmt::format("simulation {} was closed", number));
-  ending_.push_back(std::move(simulations_.at(number)));
-  simulations_.erase(number);
+  end_simulation(simulation->number, "was closed");
   answer(request, {});
 }
 

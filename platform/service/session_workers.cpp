@@ -122,6 +122,19 @@ void Session::end_worker(Simulation& simulation) {
   if (simulation.worker.connection.valid()) shutdown(simulation.worker.connection.get(), SHUT_RDWR);
 }
 
+/// Of a client. What was asked of it is refused.
+void Session::end_simulation(uint64_t number, const std::string& why) {
+  Simulation& simulation = *simulations_.at(number);
+  end_worker(simulation);
+  refuse_pending(simulation, fmt::format("simulation {} {}", number, why));
+  ended_[number] = why;
+  // A construction that was under way has taken it out itself.
+  const auto found = simulations_.find(number);
+  if (found == simulations_.end()) return;
+  ending_.push_back(std::move(found->second));
+  simulations_.erase(found);
+}
+
 void Session::reap() {
   for (auto at = ending_.begin(); at != ending_.end();) {
     const pid_t process = (*at)->worker.process;
