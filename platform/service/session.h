@@ -172,6 +172,8 @@ class Session {
   Simulation* spare_of(uint64_t simulation);
   bool make_room_for_spare();
   void spare_has_failed(Start start, Answer answer);
+  static bool was_forking(const Simulation& simulation);
+  void end_strays();
   std::function<void()> close_others();
   bool is_full() const;
   Take when_constructed(uint64_t number, Constructed done);

@@ -1,7 +1,12 @@
 // Going back without constructing a board: a spare (worker.h) of each simulation that has gone back
 // once forks its workers in the past.
+#include <sys/wait.h>
+
 #include <algorithm>
+#include <csignal>
+#include <fstream>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "service/session_parts.h"
@@ -48,14 +53,13 @@ void Session::start_by_spare(Start start) {
 
 /// The spare that had a part of the history has gone.
 void Session::ask_history(Start start, void (Session::*then)(Start start)) {
-  Simulation& simulation = *simulations_.at(start.seek->simulation);
-  call(simulation, leave_method, start.seek->leave, {},
+  const std::shared_ptr<Seek> seek = start.seek;
+  call(*simulations_.at(seek->simulation), leave_method, seek->leave, {},
        [this, start = std::move(start), then](Answer answer) mutable {
          if (!answer.ok()) return start.done(0, std::move(answer));
-         Seek& seek = *start.seek;
-         seek.history = std::move(answer.result.at("history"));
-         seek.frames = std::move(answer.frames);
-         seek.is_whole = true;
+         start.seek->history = std::move(answer.result.at("history"));
+         start.seek->frames = std::move(answer.frames);
+         start.seek->is_whole = true;
          (this->*then)(std::move(start));
        });
 }
@@ -141,6 +145,24 @@ void Session::take_fork(Start start, WorkerProcess worker, uint64_t first) {
   added.files = owner.files;
   added.pending.push_back(
       {first, construct_method, when_constructed(number, std::move(start.done))});
+}
+
+/// It was to fork a worker, of which this process does not know whether it is there.
+bool Session::was_forking(const Simulation& simulation) {
+  return simulation.is_spare != nullptr && !simulation.is_spare->connections.empty();
+}
+
+/// Workers of spares that were killed before they told of them.
+void Session::end_strays() {
+  std::set<pid_t> known;
+  for (const auto& [number, each] : simulations_) known.insert(each->worker.process);
+  for (const auto& each : ending_) known.insert(each->worker.process);
+  std::ifstream children("/proc/thread-self/children");
+  for (pid_t process = 0; children >> process;) {
+    if (known.count(process) > 0) continue;
+    kill(process, SIGKILL);
+    waitpid(process, nullptr, 0);
+  }
 }
 
 /// False: all are in use.

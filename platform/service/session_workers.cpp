@@ -136,11 +136,17 @@ void Session::end_simulation(uint64_t number, const std::string& why) {
 }
 
 void Session::reap() {
+  bool has_strays = false;
   for (auto at = ending_.begin(); at != ending_.end();) {
     const pid_t process = (*at)->worker.process;
     if (std::chrono::steady_clock::now() > (*at)->deadline) kill(process, SIGKILL);
     int status = 0;
-    at = waitpid(process, &status, WNOHANG) == process ? ending_.erase(at) : at + 1;
+    if (waitpid(process, &status, WNOHANG) != process) {
+      ++at;
+      continue;
+    }
+    has_strays = has_strays || was_forking(**at);
+    at = ending_.erase(at);
   }
   std::vector<uint64_t> gone, left;
   for (auto& [number, simulation] : simulations_)
@@ -153,14 +159,17 @@ void Session::reap() {
   for (const uint64_t number : left) drop_worker(number);
   for (const uint64_t number : gone) {
     const auto found = simulations_.find(number);
+    if (found == simulations_.end()) continue;  // it was dropped with another one
     int status = 0;
     // It has closed its connection and has nothing left to do.
     kill(found->second->worker.process, SIGKILL);
     waitpid(found->second->worker.process, &status, 0);
     const std::unique_ptr<Simulation> simulation = std::move(found->second);
     simulations_.erase(found);
+    has_strays = has_strays || was_forking(*simulation);
     worker_is_gone(*simulation, status);
   }
+  if (has_strays) end_strays();
 }
 
 void Session::worker_is_gone(Simulation& simulation, int status) {
