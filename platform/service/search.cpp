@@ -76,18 +76,27 @@ std::optional<Error> Search::find_points(const Json& points) {
   return run();
 }
 
+uint32_t Search::value_of_register() const {
+  constexpr unsigned program_counter = 15;
+  return register_ < program_counter ? board_.soc().cpu.core().reg(register_)
+                                     : board_.target().read_register(register_);
+}
+
 void Search::issued(const armv7m::Core&, const armv7m::DecodedOp&) {
-  register_before_ = board_.target().read_register(register_);
+  if (std::exchange(is_old_, false)) register_before_ = value_of_register();
 }
 
 void Search::retired(const armv7m::Core& core, const armv7m::DecodedOp&) {
-  if (board_.target().read_register(register_) != register_before_)
-    changed_by_ = core.instructions();
+  const uint32_t value = value_of_register();
+  if (std::exchange(register_before_, value) != value) changed_by_ = core.instructions();
 }
 
 std::optional<Error> Search::find_register(unsigned index) {
   register_ = index;
-  watch_input([this] { return Json(board_.target().read_register(register_)); });
+  watch_input([this] {
+    is_old_ = true;
+    return Json(value_of_register());
+  });
   board_.soc().cpu.core().add_observer(*this, true, false);
   observes_ = true;
   if (auto error = run()) return error;

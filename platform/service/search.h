@@ -56,10 +56,11 @@ class Search final : private armv7m::Observer {
 
   void issued(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
   void retired(const armv7m::Core& core, const armv7m::DecodedOp& op) override;
-  void entered(const armv7m::Core&, unsigned, armv7m::Entry, uint64_t) override {}
-  void returned(const armv7m::Core&, unsigned) override {}
+  void entered(const armv7m::Core&, unsigned, armv7m::Entry, uint64_t) override { is_old_ = true; }
+  void returned(const armv7m::Core&, unsigned) override { is_old_ = true; }
   void accessed(const armv7m::Core&, const armv7m::DirectAccess&) override {}
-  void started(const armv7m::Core&) override {}
+  void started(const armv7m::Core&) override { is_old_ = true; }
+  uint32_t value_of_register() const;
 
   Board& board_;
   Part part_;
@@ -69,6 +70,7 @@ class Search final : private armv7m::Observer {
   Json before_input_;
   unsigned register_ = 0;
   uint32_t register_before_ = 0;
+  bool is_old_ = true;                  // not an instruction alone may have changed it since
   std::optional<uint64_t> changed_by_;  // instructions, with the one that changed it
 };
 

@@ -131,6 +131,8 @@ class Session {
   void find(Request& request, Json what,
             std::function<void(const std::shared_ptr<Seek>&, Json)> found);
   void search(const std::shared_ptr<Seek>& seek, std::size_t part);
+  void search_part(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end,
+                   bool is_last, uint64_t length);
   void search_whole(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end);
   void search_from(const std::shared_ptr<Seek>& seek, Json begin, const Position& end,
                    bool is_first, std::function<void(const Position& from)> not_found);

@@ -19,7 +19,7 @@ constexpr double ps_in_second = 1e12, latest_s = 1e6;
 constexpr uint64_t finer = 1000, finest_ps = 1000;
 /// What a request writes shows in a register of a device at one of the next edges of its clock.
 constexpr uint64_t cycles_of_a_write = 2;
-constexpr uint64_t near_instructions = 1'000'000;
+constexpr uint64_t near_instructions = 1'000'000, longer_piece = 4;
 
 struct Named {
   const char* name;
@@ -204,20 +204,33 @@ void Session::replace(const std::shared_ptr<Seek>& seek, Json goal, Json more) {
              });
 }
 
-/// Part after part of the history, the last one first. What is looked for at every instruction may
-/// be near: the end of the last part comes before the rest of it, which is reached without a look.
+/// Part after part of the history, the last one first.
 void Session::search(const std::shared_ptr<Seek>& seek, std::size_t part) {
   const bool is_last =
       part + 1 >= seek->snapshots.size() || !(seek->snapshots[part + 1] < seek->now);
-  const bool everywhere = seek->what.contains("write") || seek->what.contains("register") ||
-                          seek->what.contains("points");
-  const uint64_t near =
-      seek->now.instructions - std::min(seek->now.instructions, near_instructions);
-  if (is_last && everywhere && seek->snapshots[part].instructions + near_instructions < near)
-    return search_from(
-        seek, {{"goal", to_json(Target{Unit::instructions, near})}}, seek->now, false,
-        [this, seek, part](const Position& from) { search_whole(seek, part, from); });
-  search_whole(seek, part, is_last ? seek->now : seek->snapshots[part + 1]);
+  search_part(seek, part, is_last ? seek->now : seek->snapshots[part + 1], is_last,
+              near_instructions);
+}
+
+/// What is looked for at every instruction may be near: the end of the last part comes before the
+/// rest of it, which is reached without a look. To observe a register takes so long that each part
+/// is searched in pieces, the last one first, each longer than the one before.
+void Session::search_part(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end,
+                          bool is_last, uint64_t length) {
+  const bool is_register = seek->what.contains("register");
+  const bool everywhere =
+      is_register || seek->what.contains("write") || seek->what.contains("points");
+  const uint64_t begin = end.instructions - std::min(end.instructions, length);
+  if (everywhere && (is_last || is_register) &&
+      seek->snapshots[part].instructions + near_instructions < begin)
+    return search_from(seek, {{"goal", to_json(Target{Unit::instructions, begin})}}, end, false,
+                       [this, seek, part, is_register, length](const Position& from) {
+                         if (is_register)
+                           search_part(seek, part, from, false, length * longer_piece);
+                         else
+                           search_whole(seek, part, from);
+                       });
+  search_whole(seek, part, end);
 }
 
 void Session::search_whole(const std::shared_ptr<Seek>& seek, std::size_t part,

@@ -107,7 +107,7 @@ void Session::fork_by_spare(Start start, Simulation& spare) {
   if (!connection || shared == nullptr) return start_alone(std::move(start));
   const Seek& seek = *start.seek;
   const uint64_t first = next_call_++;
-  Json parameters = {{"place", reinterpret_cast<uintptr_t>(shared.get())},
+  Json parameters = {{"place", shared.get() - spare.worker.shared.get()},
                      {"first", {{"call", first}, {"params", start.how}}}};
   if (!seek.is_known) parameters["history"] = seek.history;
   spare.is_spare->used = next_use_++;

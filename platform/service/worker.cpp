@@ -345,7 +345,7 @@ class Worker {
     if (process > 0) return answer;
     host::end_with_parent(session_, 1);
     setpgid(0, 0);
-    to_be_interrupted = reinterpret_cast<Shared*>(parameters.at("place").get<uintptr_t>());
+    to_be_interrupted += parameters.at("place").get<std::ptrdiff_t>();
     connection_ = std::move(connection);
     ends_.reset();
     is_fresh_ = true;

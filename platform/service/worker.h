@@ -73,11 +73,12 @@ inline constexpr const char* trace_method = "worker.trace";
 inline constexpr const char* why_method = "worker.why";
 
 /// A *spare* is a worker that has constructed its board, has the history, and simulates nothing. It
-/// forks workers that begin there, so that going back constructs no board. park_method takes
-/// settings and `history` with its frames. fork_method takes `place`, the address of the new
-/// worker's Shared; `first`, the call and the parameters of a construction without settings and
-/// history, which the new worker answers over its own connection; and perhaps a newer `history`, in
-/// which snapshots that the spare has come without a frame. It answers with `process`.
+/// forks workers that begin there, so that going back constructs no board.
+/// - park_method takes settings and `history` with its frames.
+/// - fork_method takes `place`, by how many places the new worker's Shared lies behind its own, and
+///   `first`. That is the call and the parameters of a construction without settings and history,
+///   which the new worker answers over its own connection. With `history`, perhaps a newer one,
+///   snapshots that the spare has come without a frame. It answers with `process`.
 inline constexpr const char* park_method = "worker.park";
 inline constexpr const char* fork_method = "worker.fork";
 

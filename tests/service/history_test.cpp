@@ -5,6 +5,7 @@
 
 #include <map>
 #include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -115,9 +116,13 @@ class Walk {
     go(all_[number].end);
   }
   void over_there() {
+    // By a process that has some of the snapshots.
+    std::set<uint64_t> known;
+    for (const History::Snapshot& each : spare_.snapshots()) known.insert(each.serial);
     Frames frames;
-    const Json about = history_.pack(frames);
-    history_ = std::move(History::unpack(about, frames).value());
+    const Json about = history_.pack(frames, known);
+    spare_ = std::move(History::unpack(about, frames, std::move(spare_)).value());
+    history_ = spare_;
     history_.stand_at(history_.before(at(now_)));
     while (history_.next() != nullptr && history_.next()->at <= at(now_)) history_.pass_next();
   }
@@ -168,7 +173,7 @@ class Walk {
     }
   }
 
-  History history_;
+  History history_, spare_;
   std::map<uint64_t, Line> all_;
   uint64_t now_ = 0, count_ = 0;
 };
@@ -274,6 +279,26 @@ TEST(History, IsTheSameInAnotherProcess) {
   EXPECT_EQ(copy.value().bytes(), history.bytes());
   copy.value().stand_at(0);
   EXPECT_EQ(copy.value().next()->frames.at(0), std::string("\0\n{", 3));
+}
+
+TEST(History, SnapshotsThatAreKnownAreNotSentAgain) {
+  History history = begun();
+  history.add_snapshot(at(100), 1, "one");
+  Frames frames;
+  const Json all = history.pack(frames);
+  auto other = History::unpack(all, frames);
+  ASSERT_TRUE(other) << other.error();
+  history.add_snapshot(at(200), 2, "two");
+  Frames fewer;
+  const Json rest = history.pack(fewer, {1, 2});
+  EXPECT_EQ(fewer.size(), frames.size() - 1);
+  EXPECT_EQ(fewer.back(), "two");
+  EXPECT_FALSE(History::unpack(rest, fewer));
+  auto both = History::unpack(rest, fewer, std::move(other.value()));
+  ASSERT_TRUE(both) << both.error();
+  Frames here, there;
+  EXPECT_EQ(both.value().pack(here), history.pack(there));
+  EXPECT_EQ(here, there);
 }
 
 TEST(Inputs, DamageIsRefused) {

@@ -570,6 +570,25 @@ class Questions(Past):
                     self.assertEqual(bytes(answer["new"]), seen[wrote + 1][1])
             self.assertEqual(self.look(self.simulation), here)
 
+    def test_a_register_that_was_written_long_ago(self):
+        """Its change is where a simulation that has not gone further finds it."""
+        self.simulation = self.construct("bench_matrix")
+        self.advance(self.simulation, instructions=50_000)
+        names = ("sp", "r11")
+        wanted = [self.call("history.last_write", register=name) for name in names]
+        before = [self.call("processor.read")["registers"][name] for name in names]
+        for count in (4_000_000, 10_000_000, 12_000_000):
+            self.call("simulation.goto", instructions=count)
+            if count == 10_000_000:
+                self.call("history.keep")
+        self.assertEqual([self.call("processor.read")["registers"][name] for name in names], before)
+        self.assertEqual([self.call("history.last_write", register=name) for name in names], wanted)
+        self.call("processor.write", register="r12", value=77)
+        self.call("simulation.goto", instructions=16_000_000)
+        answer = self.call("history.last_write", register="r12")
+        self.assertEqual((answer["by"], answer["new"]), ("processor.write", 77))
+        self.assertEqual(answer["position"]["instructions"], 12_000_000)
+
     def test_a_request_that_wrote(self):
         self.advance(self.simulation, seconds=0.01)
         self.call("memory.write", address=0x20300000, bytes=[7])

@@ -39,7 +39,7 @@ def children(process):
 
 
 def is_gone(process):
-    """An orphan that nobody has waited for yet counts as gone, too."""
+    """An orphan that no process has waited for yet counts as gone, too."""
     stat = stat_of(process)
     return stat is None or stat[0] == "Z"
 
@@ -58,7 +58,7 @@ def kill_later(seconds, process):
 
 
 class Spares(Past):
-    """Simulations with what their session has beside them."""
+    """Simulations with what their session has in addition."""
 
     def wait_for(self, condition, what):
         deadline = time.monotonic() + 20
@@ -113,7 +113,7 @@ class Spares(Past):
 
 
 class Unseen(Spares):
-    """The same answers, whoever constructs the board."""
+    """The same answers, whichever process constructs the board."""
 
     LAST = 300_000
 
@@ -347,7 +347,7 @@ class Ends(Spares):
 class Costs(Spares):
     """A spare takes no time and a bounded memory."""
 
-    def test_none_while_nobody_asks(self):
+    def test_no_time_while_idle(self):
         simulation = self.begun(200_000)
         self.back(simulation)
         spare = self.spare()

@@ -1,7 +1,8 @@
 """What a session's history costs, and how long going back takes.
 
 The runs with and without a history alternate; processor times are those of the session with its simulation. Going back
-is measured in the host's time, so other programs count.
+is measured in the host's time, so other programs count: with --other another build does the same in turns, and nothing
+else is measured.
 """
 
 import argparse
@@ -65,11 +66,13 @@ def cost(capsoc, program, name, repeat):
         print(f"{name}, {kind:6} {without:.3f} s, with a history {with_history:.3f} s: {share:+.1%}")
 
 
-def near(capsoc, count):
-    session = Session(capsoc, {"firmware.elf": "selfcal"})
-    session.call("simulation.advance", until_s=420)
-    about = session.call("history.when")
-    print(f"kept                      {about['snapshots']} snapshots, {about['bytes'] / 1024:.0f} KiB of 64 MiB")
+def near(programs, count):
+    """Each request by all programs in turns."""
+    sessions = [Session(each, {"firmware.elf": "selfcal"}) for each in programs]
+    for session in sessions:
+        session.call("simulation.advance", until_s=420)
+        about = session.call("history.when")
+        print(f"kept                      {about['snapshots']} snapshots, {about['bytes'] / 1024:.0f} KiB of 64 MiB")
     draw = random.Random(SEED)
     for name, request in (
         ("goto, any time", lambda: ("simulation.goto", {"time_s": draw.uniform(0, 400)})),
@@ -77,12 +80,18 @@ def near(capsoc, count):
         ("last write to results", lambda: ("history.last_write", {"variable": "results"})),
         ("last write to r3", lambda: ("history.last_write", {"register": "r3"})),
     ):
-        taken = []
+        taken = [[] for _ in sessions]
         for _ in range(count):
             method, params = request()
-            taken.append(session.timed(method, **params)[0])
-        print(f"{name:25} median {statistics.median(taken) * 1e3:.1f} ms, longest {max(taken) * 1e3:.1f} ms")
-    session.close()
+            for session, times in zip(sessions, taken):
+                times.append(session.timed(method, **params)[0])
+        medians = [statistics.median(times) for times in taken]
+        for median, times in zip(medians, taken):
+            print(f"{name:25} median {median * 1e3:.1f} ms, longest {max(times) * 1e3:.1f} ms")
+        if len(medians) > 1:
+            print(f"{name:25} the other one takes {medians[1] / medians[0]:.2f} times as long")
+    for session in sessions:
+        session.close()
 
 
 def far(capsoc, instructions):
@@ -109,10 +118,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=15, help="runs of each kind")
     parser.add_argument("--capsoc", default=BUILD / "capsoc", help="the program")
+    parser.add_argument("--other", help="another build of it, to compare going back")
     chosen = parser.parse_args()
+    if chosen.other:
+        near([chosen.capsoc, chosen.other], 20 * chosen.repeat)
+        return
     cost(chosen.capsoc, "selfcal", "main job", chosen.repeat)
     cost(chosen.capsoc, FAR, FAR, max(1, chosen.repeat // 5))
-    near(chosen.capsoc, 20)
+    near([chosen.capsoc], 20)
     for instructions in (100_000_000, 1_000_000_000):
         far(chosen.capsoc, instructions)
 
