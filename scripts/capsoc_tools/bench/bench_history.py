@@ -85,11 +85,12 @@ def near(programs, count):
             method, params = request()
             for session, times in zip(sessions, taken):
                 times.append(session.timed(method, **params)[0])
-        medians = [statistics.median(times) for times in taken]
-        for median, times in zip(medians, taken):
-            print(f"{name:25} median {median * 1e3:.1f} ms, longest {max(times) * 1e3:.1f} ms")
-        if len(medians) > 1:
-            print(f"{name:25} the other one takes {medians[1] / medians[0]:.2f} times as long")
+        spreads = [(min(times), statistics.median(times), max(times)) for times in taken]
+        for least, median, longest in spreads:
+            print(f"{name:25} least {least * 1e3:.1f} ms, median {median * 1e3:.1f} ms, longest {longest * 1e3:.1f} ms")
+        if len(spreads) > 1:
+            least, median = (spreads[1][each] / spreads[0][each] for each in range(2))
+            print(f"{name:25} the other one takes {least:.2f} times as long (least), {median:.2f} (median)")
     for session in sessions:
         session.close()
 
