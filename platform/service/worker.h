@@ -75,7 +75,7 @@ inline constexpr const char* why_method = "worker.why";
 /// A *spare* is a worker that has constructed its board, has the history, and simulates nothing. It
 /// forks workers that begin there, so that going back constructs no board.
 /// - park_method takes settings and `history` with its frames.
-/// - fork_method takes `place`, by how many places the new worker's Shared lies behind its own, and
+/// - fork_method takes `place`, by how many places the new worker's Shared comes after its own, and
 ///   `first`. That is the call and the parameters of a construction without settings and history,
 ///   which the new worker answers over its own connection. With `history`, perhaps a newer one,
 ///   snapshots that the spare has come without a frame. It answers with `process`.
