@@ -158,14 +158,18 @@ const Executors* Execute::data_executors(const DecodedOp& op) {
     ONE(mul)
     ONE(mla)
     ONE(mls)
-    ONE(smull)
-    ONE(umull)
-    ONE(smlal)
-    ONE(umlal)
     ONE(sdiv)
     ONE(udiv)
     // clang-format on
 #undef ONE
+#define LONG_MULTIPLY(name) \
+  case Operation::name:     \
+    return op.by_operands ? &both<name> : dsp_executors(op);
+    LONG_MULTIPLY(smull)
+    LONG_MULTIPLY(umull)
+    LONG_MULTIPLY(smlal)
+    LONG_MULTIPLY(umlal)
+#undef LONG_MULTIPLY
     default:
       return nullptr;
   }
@@ -338,17 +342,17 @@ bool Execute::mls(Machine& cpu, const Step& op) {
   return true;
 }
 
-#define LONG_MULTIPLY(name, product, accumulate, size)                                            \
-  bool Execute::name(Machine& cpu, const Step& op) {                                              \
-    uint32_t n = cpu.state.r[op.rn], m = cpu.state.r[op.rm];                                      \
-    uint64_t sum = static_cast<uint64_t>(cpu.state.r[op.ra]) << 32 | cpu.state.r[op.rd];          \
-    uint64_t value = (product) + ((accumulate) ? sum : 0);                                        \
-    if (op.by_operands)                                                                           \
-      cpu.state.cycles += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
-                                       : timing::multiply_long_extra(size(n), size(m));           \
-    cpu.state.r[op.rd] = static_cast<uint32_t>(value);                                            \
-    cpu.state.r[op.ra] = static_cast<uint32_t>(value >> 32);                                      \
-    return true;                                                                                  \
+// Where the time depends on the operands; else execute_dsp.cpp has them.
+#define LONG_MULTIPLY(name, product, accumulate, size)                                          \
+  bool Execute::name(Machine& cpu, const Step& op) {                                            \
+    uint32_t n = cpu.state.r[op.rn], m = cpu.state.r[op.rm];                                    \
+    uint64_t sum = static_cast<uint64_t>(cpu.state.r[op.ra]) << 32 | cpu.state.r[op.rd];        \
+    uint64_t value = (product) + ((accumulate) ? sum : 0);                                      \
+    cpu.state.cycles += (accumulate) ? timing::multiply_accumulate_long_extra(size(n), size(m)) \
+                                     : timing::multiply_long_extra(size(n), size(m));           \
+    cpu.state.r[op.rd] = static_cast<uint32_t>(value);                                          \
+    cpu.state.r[op.ra] = static_cast<uint32_t>(value >> 32);                                    \
+    return true;                                                                                \
   }
 #define SIGNED(x) static_cast<int64_t>(static_cast<int32_t>(x))
 LONG_MULTIPLY(smull, static_cast<uint64_t>(SIGNED(n) * SIGNED(m)), false, timing::magnitude)

@@ -1,4 +1,5 @@
-// The DSP extension of Armv7-M (ARM DDI 0403, A7.7 under each name).
+// The DSP extension of Armv7-M (ARM DDI 0403, A7.7 under each name), and the long multiplications
+// of a multiplier that takes one cycle.
 #include "armv7m/executors/execute.h"
 
 namespace capsoc::armv7m {
@@ -90,22 +91,44 @@ int64_t product_with_half(const Machine& cpu, const Step& op) {
   const uint32_t m = cpu.state.r[op.rm];
   return signed_of(cpu.state.r[op.rn]) * ((op.imm & 1) != 0 ? top(m) : bottom(m));
 }
+int64_t signed_product(const Machine& cpu, const Step& op) {
+  return signed_of(cpu.state.r[op.rn]) * signed_of(cpu.state.r[op.rm]);
+}
 /// The most significant word of the sum of a word there and a product.
 uint32_t most_significant(const Machine& cpu, const Step& op, uint32_t word, bool subtract) {
-  const auto product =
-      static_cast<uint64_t>(signed_of(cpu.state.r[op.rn]) * signed_of(cpu.state.r[op.rm]));
+  const auto product = static_cast<uint64_t>(signed_product(cpu, op));
   const uint64_t rounding = (op.imm & 1) != 0 ? 0x80000000u : 0;
   const uint64_t sum = uint64_t{word} << 32;
   const uint64_t result = (subtract ? sum - product : sum + product) + rounding;
   return static_cast<uint32_t>(result >> 32);
 }
 
+bool set_long(Machine& cpu, const Step& op, uint64_t value) {
+  cpu.state.r[op.rd] = static_cast<uint32_t>(value);
+  cpu.state.r[op.ra] = static_cast<uint32_t>(value >> 32);
+  return true;
+}
+
 bool accumulate_long(Machine& cpu, const Step& op, int64_t addend) {
   const uint64_t sum =
       (uint64_t{cpu.state.r[op.ra]} << 32 | cpu.state.r[op.rd]) + static_cast<uint64_t>(addend);
-  cpu.state.r[op.rd] = static_cast<uint32_t>(sum);
-  cpu.state.r[op.ra] = static_cast<uint32_t>(sum >> 32);
-  return true;
+  return set_long(cpu, op, sum);
+}
+
+uint64_t unsigned_product(const Machine& cpu, const Step& op) {
+  return uint64_t{cpu.state.r[op.rn]} * cpu.state.r[op.rm];
+}
+bool smull_at_once(Machine& cpu, const Step& op) {
+  return set_long(cpu, op, static_cast<uint64_t>(signed_product(cpu, op)));
+}
+bool umull_at_once(Machine& cpu, const Step& op) {
+  return set_long(cpu, op, unsigned_product(cpu, op));
+}
+bool smlal_at_once(Machine& cpu, const Step& op) {
+  return accumulate_long(cpu, op, signed_product(cpu, op));
+}
+bool umlal_at_once(Machine& cpu, const Step& op) {
+  return accumulate_long(cpu, op, static_cast<int64_t>(unsigned_product(cpu, op)));
 }
 
 uint32_t sum_of_differences(uint32_t n, uint32_t m) {
@@ -194,9 +217,7 @@ bool Execute::smlsld(Machine& cpu, const Step& op) {
 bool Execute::umaal(Machine& cpu, const Step& op) {
   const uint64_t sum =
       uint64_t{cpu.state.r[op.rn]} * cpu.state.r[op.rm] + cpu.state.r[op.rd] + cpu.state.r[op.ra];
-  cpu.state.r[op.rd] = static_cast<uint32_t>(sum);
-  cpu.state.r[op.ra] = static_cast<uint32_t>(sum >> 32);
-  return true;
+  return set_long(cpu, op, sum);
 }
 
 const Executors* Execute::dsp_executors(const DecodedOp& op) {
@@ -219,11 +240,19 @@ const Executors* Execute::dsp_executors(const DecodedOp& op) {
     PARALLEL(uh, false, half)
 #undef PARALLEL
 #undef LANES
+    case Operation::smull:
+      return &both<smull_at_once>;
+    case Operation::umull:
+      return &both<umull_at_once>;
+    case Operation::smlal:
+      return &both<smlal_at_once>;
+    case Operation::umlal:
+      return &both<umlal_at_once>;
 #define ONE(name)       \
   case Operation::name: \
     return &both<name>;
-    // A table of cases, which the formatter indents again each time.
-    // clang-format off
+      // A table of cases, which the formatter indents again each time.
+      // clang-format off
     ONE(sxtab)
     ONE(sxtab16)
     ONE(sxtah)
@@ -258,7 +287,7 @@ const Executors* Execute::dsp_executors(const DecodedOp& op) {
     ONE(smlald)
     ONE(smlsld)
     ONE(umaal)
-    // clang-format on
+      // clang-format on
 #undef ONE
     default:
       return nullptr;
