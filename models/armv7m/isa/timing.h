@@ -182,14 +182,14 @@ inline constexpr Timing cortex_m0plus_timing{{
 /// Of the Cortex-M4: as the Cortex-M3, except its multiplier of one cycle (ARM DDI 0439D, tables
 /// 3-1 and 3-2).
 ///
-/// | TRM, tables 3-1 and 3-2       | there   | here                             |
-/// |-------------------------------|---------|----------------------------------|
-/// | MUL, MLA, MLS                 | 1       | 1                                |
-/// | SMULL, UMULL, SMLAL, UMLAL    | 1       | 1                                |
-/// | SDIV, UDIV                    | 2 to 12 | as the Cortex-M3                 |
-/// | all of the DSP extension      | 1       | 1                                |
-/// | IT behind a 16-bit one        | folded  | 0                                |
-/// | everything else               | as the Cortex-M3's TRM has it | the same   |
+/// | TRM, tables 3-1 and 3-2    | there      | here             |
+/// |----------------------------|------------|------------------|
+/// | MUL, MLA, MLS              | 1          | 1                |
+/// | SMULL, UMULL, SMLAL, UMLAL | 1          | 1                |
+/// | SDIV, UDIV                 | 2 to 12    | as the Cortex-M3 |
+/// | all of the DSP extension   | 1          | 1                |
+/// | IT behind a 16-bit one     | folded     | 0                |
+/// | everything else            | as its TRM | as the Cortex-M3 |
 ///
 /// What the Cortex-M3's TRM says of pairing and this one does not repeat is taken to hold: the
 /// address that was just computed, and refills by the place of the target.
