@@ -128,8 +128,10 @@ std::optional<Error> Settings::set(const std::string& path, const std::string& v
     if (wins) {
       setting.value = value;
       setting.source = source;
-      const bool is_option = origin.rfind('-', 0) == 0 && origin.rfind("-C ", 0) != 0;
-      setting.option = source == SettingSource::command_line && is_option ? origin : "";
+      // These take any setting: its path says more.
+      const bool general =
+          origin == "command line" || origin == "settings" || origin.rfind("-C ", 0) == 0;
+      setting.option = source == SettingSource::command_line && !general ? origin : "";
       setting.origin = origin;
     }
     return std::nullopt;

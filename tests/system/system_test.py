@@ -374,7 +374,7 @@ class Sensor(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             process, r = run("--sensor", self.record(folder, 250, columns="t,u,v"))
             self.assertIn(b"all six within 1 % after      not known\n", process.stderr)
-            self.assertIn(b"last turn of demodulation   not known\n", process.stderr)
+            self.assertIn(b"angle errors                  not known: the true angle is not\n", process.stderr)
             self.assertEqual((r["convergence"], r["convergence_s"]), ("not known", None))
             self.assertEqual(set(r["angle_error_deg"].values()), {None})
             process, r = run("--sensor", self.record(folder, 250))

@@ -36,7 +36,7 @@ class OneValue final : public Archive {
   uint64_t value_ = 0;
 };
 
-constexpr const char* systick = "processor.systick";
+constexpr const char* systick = "systick";
 
 uint64_t mask_of(const SystemField& field) {
   return ((uint64_t{1} << field.bits) - 1) << field.low;
@@ -103,7 +103,7 @@ class Fields {
   explicit Fields(const armv7m::Core& core) : registers_(*core.profile().registers) {}
 
   void add(const std::string& name, const std::string& path, unsigned low, unsigned bits) {
-    list_.push_back({name, "processor." + name.substr(0, name.find('.')), path, low, bits});
+    list_.push_back({name, name.substr(0, name.find('.')), path, low, bits});
   }
   void add(const WritableField& one) {
     if (registers_.has(one.reg)) add(one.name, one.path, one.low, one.bits);

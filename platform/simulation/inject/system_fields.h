@@ -12,7 +12,7 @@ namespace capsoc::inject {
 /// Neighbouring bits that the profile has, of one value of the core's state.
 struct SystemField {
   std::string name;  ///< "nvic.enabled", "mpu.rasr.3.size"
-  std::string unit;  ///< "processor.nvic"
+  std::string unit;  ///< "nvic"
   std::string path;  ///< of the value in the core's archive
   unsigned low = 0;  ///< its first bit there
   unsigned bits = 0;
