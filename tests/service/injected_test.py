@@ -95,7 +95,11 @@ class SystemBlocks(Driven):
             [CAPSOC, "run", *options, "--list-fault-places"], env=CLEAN, check=True, capture_output=True, timeout=60
         )
         all_places = json.loads(listed.stdout)["places"]
-        return [(each["place"][4:], each["bits"]) for each in all_places if each["unit"] in ("nvic", "systick", "scb", "mpu")]
+        return [
+            (each["place"][4:], each["bits"])
+            for each in all_places
+            if each["unit"] in ("nvic", "systick", "scb", "mpu")
+        ]
 
     def check_each(self, places, hidden, priority_bits, **settings):
         simulation = self.construct("selfcal", **settings)
