@@ -172,7 +172,8 @@ class Told(ViewCase):
         last = frames[-1]
         self.assertEqual((last["flags"]["fields"]["LOCKCHG"], last["status"]["fields"]["VALID"]), (1, 1))
         self.assertAlmostEqual(last["sensor"]["parameters"]["a1"], 0.6079)
-        self.assertAlmostEqual(last["samples"]["a1"][-1], 0.6079, 4)
+        found = [a1 for frame in frames for a1 in frame["samples"]["a1"]]  # the last frame may have no sample
+        self.assertAlmostEqual(found[-1], 0.6079, 4)
         times = [t for frame in frames for t in frame["samples"]["t"]]
         self.assertEqual(times, sorted(set(times)))
         self.assertGreater(times[-1], 419)
