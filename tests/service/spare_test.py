@@ -85,7 +85,7 @@ class Spares(Past):
         return before
 
     def check_spares(self, count):
-        """They become so many, and are returned: on a busy machine others take long to go."""
+        """Waits until there are `count`, which it returns: on a busy machine others take long to go."""
         found = set()
 
         def are_there():
